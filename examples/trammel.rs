@@ -6,7 +6,7 @@ use pullback::elements::constraint::{Multipliers, Penalty, Stiffness};
 use pullback::elements::joint::Prismatic;
 use pullback::elements::joint::offset;
 use pullback::integrators::dynamics::Progress;
-use pullback::manifold::implicit::{Equations, Implicit, Solved};
+use pullback::manifold::implicit::{Choice, Equations, Implicit, ImplicitMap};
 use pullback::manifold::map::Linear;
 use pullback::manifold::map::Map;
 use pullback::manifold::system::Quantity;
@@ -80,9 +80,9 @@ fn context(by: By) -> Result<(Context, NodeId), Box<dyn Error>> {
     let ways = [Quantity::Length; 2];
     let x = match by {
         By::Map => {
-            let map = Solved::<_, 1, 2, 1>::new(trammel(), 0.0, [0.0; 2])?;
+            let map = ImplicitMap::of(trammel(), 1, 0.0, [0.0; 2], Choice::Split)?;
             let q = builder.coordinates("q", &[Quantity::Length])?;
-            builder.mapped_coordinates("x", &ways, map.boxed(), &[q])?
+            builder.mapped_coordinates("x", &ways, Box::new(map), &[q])?
         }
         _ => builder.coordinates("x", &ways)?,
     };
@@ -141,7 +141,7 @@ fn second_order(errors: [f64; 3]) {
 }
 
 fn main() -> Result<(), Failure> {
-    let map = Solved::<_, 1, 2, 1>::new(trammel(), 0.0, [0.0; 2])?;
+    let map = ImplicitMap::of(trammel(), 1, 0.0, [0.0; 2], Choice::Split)?;
     check::implicit(&map, 0.0).assert();
     check::element(&Multipliers::<_, 2, 1>::new(Equations(trammel()))).assert();
 

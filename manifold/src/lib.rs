@@ -7,7 +7,7 @@
 //! |---|---|---|
 //! | chart | [`chart::Chart`] | coordinates ↔ point, where it is valid, the change to another chart |
 //! | map | [`map::Map`], [`map::Parametrization`] | one generic function φ(t, q) |
-//! | implicit constraint | [`implicit::Implicit`] | one generic function h(t, x), a map by [`implicit::Solved`] |
+//! | implicit constraint | [`implicit::Implicit`] | one generic function h(t, x), a map by [`implicit::ImplicitMap`] |
 //! | system | [`system::System`] | residual and combined tangent of an equation of motion |
 //!
 //! The rest follows: [`map::derived`] gives B, Ḃ, B̈ and K_σ(f) by exact differentiation over the

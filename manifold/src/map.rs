@@ -143,18 +143,6 @@ pub trait Map<const D: usize, const N: usize>: Send + Sync {
         saved.is_empty()
     }
 
-    /// Why q is outside the domain, to follow "joint at node a: "; none by default.
-    fn domain_error(&self, t: f64, q: &SVector<f64, D>) -> Option<String> {
-        let _ = (t, q);
-        None
-    }
-
-    /// Describes the present state of the map (independent coordinates, redundant equations) for
-    /// reports; none by default.
-    fn describe(&self) -> Option<String> {
-        None
-    }
-
     /// Amount by which a step of size h between two states (q, q̇) overshot the first change of
     /// segment ([`Map::segment`]), in units of time, negative before it; and the new segment.
     /// Integrators end a step there. `None` if there is no change ahead, and by default.
@@ -179,13 +167,6 @@ pub trait Map<const D: usize, const N: usize>: Send + Sync {
     /// differences of one smooth function. Nothing by default, for a smooth φ.
     fn freeze_piece(&mut self, at: Option<(f64, &SVector<f64, D>)>) {
         let _ = at;
-    }
-
-    /// Largest residual at φ(t, q) of the equations behind the map, each relative to its size;
-    /// `None` for an explicit map.
-    fn violation(&self, t: f64, q: &SVector<f64, D>) -> Option<f64> {
-        let _ = (t, q);
-        None
     }
 
     /// x and B.

@@ -7,10 +7,9 @@ use pullback::manifold::implicit::Choice;
 
 #[test]
 fn extrapolated_to_the_published_digits() {
-    let map = Loops::with(Squeezer, 0.0, START, Choice::Fixed).unwrap();
-    let map = map.with_independent(0.0, [0]).unwrap();
+    let map = loops(Choice::Fixed).with_independent(&[0]).unwrap();
     let runs = [1500, 3000, 6000].map(|n| {
-        let run = run(map, n);
+        let run = run(&map, n);
         assert!(run.residual < 1e-15, "{:e}", run.residual);
         run.end
     });

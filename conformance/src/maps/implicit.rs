@@ -1,31 +1,29 @@
 //! The laws of an implicit constraint that is solved: a map whose coordinates change their meaning.
 
-use super::map::{CLOSED_FORM, agree, laws, relative, short_name};
+use super::kinematics::{Kinematics, Mapped, norm};
+use super::map::{agree, shortened, slopes};
+use crate::forces::State;
+use crate::layout::Layout;
 use crate::report::Report;
 use crate::sample::Random;
-use nalgebra::SVector;
-use pullback_manifold::implicit::{Equations, Implicit, Solved};
-use pullback_manifold::map::{Map, Reparametrized, derived};
+use nalgebra::DVector;
+use pullback_manifold::implicit::ImplicitMap;
+use pullback_manifold::map::Parametrization;
 
-/// Residual of the equations, over the size of their derivatives and coordinates.
+/// Residual of the equations, relative to their sizes and to the coordinates.
 const RESIDUAL: f64 = 1e-12;
 /// Charts with a larger condition number lose digits that are not theirs.
 const REGULAR: f64 = 100.0;
-/// Largest distance of the positions from q = 0, relative to the sizes of the coordinates.
+/// Largest distance of the positions from q = 0.
 const REACH: f64 = 0.1;
 
 /// Checks every law of a solved constraint around the configuration that it is at, at time `t`:
-/// that of its equations, those of a [`Map`], and those of a change of its coordinates to others
-/// and to the tangent space.
-pub fn implicit<H, const D: usize, const X: usize, const M: usize>(
-    map: &Solved<H, D, X, M>,
-    t: f64,
-) -> Report
-where
-    H: Implicit<X, M> + Clone + 'static,
-{
-    let mut report = Report::new(short_name::<Solved<H, D, X, M>>());
+/// that of its equations, those of a map, and those of a change of its coordinates to others and to
+/// the tangent space.
+pub fn implicit(map: &ImplicitMap, t: f64) -> Report {
+    let mut report = Report::new(shortened(map.kind()));
     let mut random = Random::default();
+    let (d, n) = map.dims();
     let positions = [
         ("0", 0.0),
         ("1e-8", 1e-8),
@@ -37,171 +35,150 @@ where
             report.impossible("domain", at, "outside the domain");
             continue;
         };
-        let x = map.phi(t, &q);
-        let h = map.constraint().h(t, &x);
-        let J = derived::tangent(&Equations(map.constraint()), t, &x).B;
-        report.defect(
-            "h(t, phi) = 0",
-            at,
-            h.norm(),
-            RESIDUAL * J.norm() * (1.0 + x.norm()),
+        let rest = state(t, &q, [vec![0.0; d], vec![0.0; d]]);
+        let allowed = RESIDUAL * (1.0 + norm(&motion(map, &rest)[0]));
+        let h = map.violation(t, &q).unwrap_or(f64::NAN);
+        report.defect("h(t, phi) = 0", at, h, allowed);
+        let s = state(
+            t,
+            &q,
+            [random_vector(d, &mut random), random_vector(d, &mut random)],
         );
-        laws(&mut report, "", map, at, t, &q, &mut random);
+        slopes(&mut report, "", map, at, &s, &mut random);
         // A chart per coordinate and the tangent space; all coordinates take part.
-        let splits = (0..X).map(|k| Some(std::array::from_fn(|j| (k + j) % X)));
+        let splits = (0..n).map(|k| Some((0..d).map(|j| (k + j) % n).collect::<Vec<_>>()));
         for independent in splits.chain([None]) {
-            let mut probe = map.clone();
-            let zero = SVector::zeros();
-            let possible = probe.switch(t, &q, &zero, independent);
-            if !possible.is_some_and(|new| roomy(&probe, t, &new.q)) {
+            let to = |m: &mut ImplicitMap, q: &mut [f64], v: &mut [f64], a: &mut [Vec<f64>]| {
+                m.switch(t, independent.as_deref(), q, v, a)
+            };
+            let (mut probe, mut there) = (map.clone(), q.clone());
+            if !to(&mut probe, &mut there, &mut vec![0.0; d], &mut []) || !roomy(&probe, t, &there)
+            {
                 continue;
             }
-            let to = |m: &mut Solved<H, D, X, M>, q: &_, v: &_| m.switch(t, q, v, independent);
             let own = map.independent();
-            let back = |m: &mut Solved<H, D, X, M>, q: &_, v: &_| m.switch(t, q, v, own);
+            let back = |m: &mut ImplicitMap, q: &mut [f64], v: &mut [f64], a: &mut [Vec<f64>]| {
+                m.switch(t, own.as_deref(), q, v, a)
+            };
             // The change back into a tangent space leads to another one.
-            let back: Option<&Change<_, D>> = own.is_some().then_some(&back);
-            let name = match independent {
+            let back: Option<&Change<_>> = own.is_some().then_some(&back);
+            let name = match &independent {
                 Some(k) => format!("{at}, to {k:?}"),
                 None => format!("{at}, to the tangent space"),
             };
-            exchange(&mut report, &name, map, t, &q, &to, back, &mut random);
+            exchange(&mut report, &name, map, (t, &q), &to, back, &mut random);
         }
     }
     report
 }
 
-/// A change of the coordinates of a map at (q, q̇).
-type Change<'a, M, const D: usize> =
-    dyn Fn(&mut M, &SVector<f64, D>, &SVector<f64, D>) -> Option<Reparametrized<D>> + 'a;
+/// A change of the coordinates of a map, with their velocities and accelerations; false if there is
+/// none.
+type Change<'a, M> = dyn Fn(&mut M, &mut [f64], &mut [f64], &mut [Vec<f64>]) -> bool + 'a;
 
 /// Checks the laws of a change of coordinates of any map at time `t` and `q`: x, ẋ, ẍ and forces
 /// are the same before and after `change`, the map is one afterwards, and `back`, if it is given,
 /// leads back.
-pub fn rewriting<M, const D: usize, const N: usize>(
+pub fn rewriting<M: Parametrization + Clone>(
     map: &M,
     t: f64,
-    q: &SVector<f64, D>,
-    change: &Change<'_, M, D>,
-    back: Option<&Change<'_, M, D>>,
-) -> Report
-where
-    M: Map<D, N> + Clone + 'static,
-{
-    let mut report = Report::new(short_name::<M>());
+    q: &[f64],
+    change: &Change<'_, M>,
+    back: Option<&Change<'_, M>>,
+) -> Report {
+    let mut report = Report::new(shortened(map.kind()));
     let mut random = Random::default();
-    exchange(&mut report, "q", map, t, q, change, back, &mut random);
+    exchange(&mut report, "q", map, (t, q), change, back, &mut random);
     report
 }
 
-#[allow(clippy::too_many_arguments, reason = "what is checked, where and how")]
-fn exchange<M, const D: usize, const N: usize>(
+fn exchange<M: Parametrization + Clone>(
     report: &mut Report,
     at: &str,
     map: &M,
-    t: f64,
-    q: &SVector<f64, D>,
-    change: &Change<'_, M, D>,
-    back: Option<&Change<'_, M, D>>,
+    (t, q): (f64, &[f64]),
+    change: &Change<'_, M>,
+    back: Option<&Change<'_, M>>,
     random: &mut Random,
-) where
-    M: Map<D, N> + Clone + 'static,
-{
-    let v = random.vector::<D>();
+) {
+    let d = q.len();
+    let v = random_vector(d, random);
+    // ẍ is affine in the accelerations: so many of them determine B, and with it that forces stay.
+    let a: Vec<Vec<f64>> = (0..=d).map(|_| random_vector(d, random)).collect();
     let mut changed = map.clone();
-    let Some(new) = change(&mut changed, q, &v) else {
+    let (mut new_q, mut new_v, mut new_a) = (q.to_vec(), v.clone(), a.clone());
+    if !change(&mut changed, &mut new_q, &mut new_v, &mut new_a) {
         return report.impossible("change", at, "no change was made");
-    };
-    let unit = 1.0 + map.phi(t, q).norm();
-    for a in [random.vector::<D>(), random.vector::<D>()] {
-        let before = map.kinematics(t, q, &v, &a);
-        let after = changed.kinematics(t, &new.q, &new.v, &(new.B * a + new.c));
-        let unit = unit + before.x_dot.norm() + before.x_ddot.norm();
-        agree(
-            report,
-            "change: x, x_dot, x_ddot stay",
-            at,
-            &[
-                relative(&after.x, &before.x, unit),
-                relative(&after.x_dot, &before.x_dot, unit),
-                relative(&after.x_ddot, &before.x_ddot, unit),
-            ],
-        );
-        // Covectors go back with the transpose: B'f = (dq*/dq)' B*'f for every f.
-        let defect = relative(&(after.B * new.B), &before.B, before.B.norm());
-        agree(report, "change: forces stay", at, &[defect]);
-        let Some(back) = back else { continue };
-        let mut returned = changed.clone();
-        let Some(old) = back(&mut returned, &new.q, &new.v) else {
-            return report.impossible("change and back", at, "there is no change back");
-        };
-        let size = unit + new.B.norm() * old.B.norm();
-        agree(
-            report,
-            "change and back",
-            at,
-            &[
-                relative(&old.q, q, size),
-                relative(&old.v, &v, size),
-                relative(&(old.B * (new.B * a + new.c) + old.c), &a, size * size),
-                relative(&returned.phi(t, &old.q), &map.phi(t, q), unit),
-            ],
-        );
     }
-    laws(report, "changed: ", &changed, at, t, &new.q, random);
-    report.defect(
-        "change: q is a number",
-        at,
-        if new.q.iter().all(|q| q.is_finite()) {
-            0.0
-        } else {
-            f64::NAN
-        },
-        CLOSED_FORM,
-    );
+    let mut unit = 1.0;
+    for (a, new_a) in a.iter().zip(&new_a) {
+        let before = motion(map, &state(t, q, [v.clone(), a.clone()]));
+        let after = motion(&changed, &state(t, &new_q, [new_v.clone(), new_a.clone()]));
+        let [x, x_dot, x_ddot, ..] = [0, 1, 2].map(|k| norm(&before[k]));
+        unit = 1.0 + x + x_dot + x_ddot;
+        let gaps = [0, 1, 2].map(|k| relative(&after[k], &before[k], unit));
+        agree(report, "change: x, x_dot, x_ddot stay", at, &gaps);
+        unit += norm(&before[3]) * norm(&after[3]);
+    }
+    let s = state(t, &new_q, [new_v.clone(), new_a[0].clone()]);
+    slopes(report, "changed: ", &changed, at, &s, random);
+    let Some(back) = back else { return };
+    if !back(&mut changed, &mut new_q, &mut new_v, &mut new_a) {
+        return report.impossible("change and back", at, "there is no change back");
+    }
+    let mut gaps = vec![relative(&new_q, q, unit), relative(&new_v, &v, unit)];
+    let both = new_a.iter().zip(&a);
+    gaps.extend(both.map(|(found, a)| relative(found, a, unit * unit)));
+    agree(report, "change and back", at, &gaps);
 }
 
 /// A position at this distance, or at half of it as often as needed to be inside the domain.
-fn inside<H, const D: usize, const X: usize, const M: usize>(
-    map: &Solved<H, D, X, M>,
-    t: f64,
-    reach: f64,
-    random: &mut Random,
-) -> Option<SVector<f64, D>>
-where
-    H: Implicit<X, M>,
-{
-    let mut q = SVector::<f64, D>::zeros();
-    random.direction(reach, q.as_mut_slice());
-    for (j, q) in q.iter_mut().enumerate() {
-        *q *= map
-            .independent()
-            .map_or(1.0, |k| map.constraint().size(k[j]));
-    }
+fn inside(map: &ImplicitMap, t: f64, reach: f64, random: &mut Random) -> Option<Vec<f64>> {
+    let mut q = vec![0.0; map.dims().0];
+    random.direction(reach, &mut q);
     for _ in 0..20 {
         if roomy(map, t, &q) {
             return Some(q);
         }
-        q *= 0.5;
+        q.iter_mut().for_each(|q| *q *= 0.5);
     }
     None
 }
 
 /// Whether a position is well inside the domain: the steps of the laws stay there too.
-fn roomy<H, const D: usize, const X: usize, const M: usize>(
-    map: &Solved<H, D, X, M>,
-    t: f64,
-    q: &SVector<f64, D>,
-) -> bool
-where
-    H: Implicit<X, M>,
-{
+fn roomy(map: &ImplicitMap, t: f64, q: &[f64]) -> bool {
     let margin = map.margin(t, q);
     let step = |j: usize, sign: f64| {
-        let mut q = *q;
+        let mut there = q.to_vec();
         // Steps go in all directions at once, and the motion is bent.
-        q[j] += sign * 0.6 * margin.min(0.3) * (D as f64).sqrt();
-        map.margin(t, &q) > 0.0
+        there[j] += sign * 0.6 * margin.min(0.3) * (q.len() as f64).sqrt();
+        map.margin(t, &there) > 0.0
     };
-    margin * REGULAR > 1.0 && (0..D).all(|j| step(j, 1.0) && step(j, -1.0))
+    margin * REGULAR > 1.0 && (0..q.len()).all(|j| step(j, 1.0) && step(j, -1.0))
+}
+
+fn motion(map: &dyn Parametrization, s: &State) -> Kinematics {
+    let (d, n) = map.dims();
+    let (rows, columns) = (&Layout::plain(n), &Layout::plain(d));
+    Mapped { map, rows, columns }.kinematics(s)
+}
+
+fn state(t: f64, q: &[f64], [v, a]: [Vec<f64>; 2]) -> State {
+    State {
+        t,
+        x: DVector::from_column_slice(q),
+        v: v.into(),
+        a: a.into(),
+    }
+}
+
+fn random_vector(d: usize, random: &mut Random) -> Vec<f64> {
+    let mut out = vec![0.0; d];
+    random.fill(&mut out);
+    out
+}
+
+fn relative(found: &[f64], exact: &[f64], unit: f64) -> f64 {
+    let gap: Vec<f64> = found.iter().zip(exact).map(|(a, b)| a - b).collect();
+    norm(&gap) / (norm(exact) + unit)
 }

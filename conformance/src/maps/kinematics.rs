@@ -373,7 +373,7 @@ fn worst(defects: &[f64], sizes: &[f64]) -> Option<(f64, f64)> {
     Some((strains.fold(0.0, larger), CONFIRMED))
 }
 
-fn norm(x: &[f64]) -> f64 {
+pub(super) fn norm(x: &[f64]) -> f64 {
     x.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 

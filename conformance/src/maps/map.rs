@@ -17,7 +17,7 @@ pub(crate) const TIME: f64 = 0.37;
 /// Both are sums of some hundred terms, each with a relative error of 1e-16, and cancel at worst
 /// like the third power of the distance 0.3 to the edge of a rotation chart: below 1e-12. A wrong
 /// formula differs in the first digits.
-pub(crate) const CLOSED_FORM: f64 = 1e-10;
+const CLOSED_FORM: f64 = 1e-10;
 
 /// Checks every law of a map at every position within its domain.
 pub fn map<M, const D: usize, const N: usize>(map: &M) -> Report
@@ -77,7 +77,7 @@ pub(crate) fn laws_behind_slices(
 }
 
 /// The laws at one state that need no closed form to compare with; whether all values are finite.
-fn slopes(
+pub(crate) fn slopes(
     report: &mut Report,
     prefix: &str,
     map: &dyn Parametrization,
@@ -228,7 +228,7 @@ pub(crate) fn agree(report: &mut Report, law: &str, at: &str, differences: &[f64
     report.defect(law, at, worst, CLOSED_FORM);
 }
 
-pub(crate) fn relative<const R: usize, const C: usize>(
+fn relative<const R: usize, const C: usize>(
     found: &SMatrix<f64, R, C>,
     exact: &SMatrix<f64, R, C>,
     unit: f64,

@@ -1,7 +1,7 @@
 //! Constraints h(t, x) = 0 that are enforced by forces, not by coordinates.
 //!
-//! The equations of a map ([`Closed`](pullback_manifold::implicit::Closed) or
-//! [`Solved`](pullback_manifold::implicit::Solved)) can also be enforced by the solver:
+//! The equations of a map ([`ImplicitMap`](pullback_manifold::implicit::ImplicitMap)) can also be
+//! enforced by the solver:
 //!
 //! | method | element | unknowns | what is exact |
 //! |---|---|---|---|

@@ -48,7 +48,7 @@ pub enum ImplicitError {
     /// An equation is violated, and no coordinate changes it.
     #[error(
         "{equation} is {residual:.3e} and does not change with any coordinate at the point that was \
-         given or reached: start from elsewhere"
+         given or reached: start from elsewhere, unless the parts do not fit together"
     )]
     Flat {
         /// The equation.

@@ -1,172 +1,281 @@
-//! The map of an implicit constraint: φ over any number type, and its derivatives in closed form.
+//! The map of an implicit constraint, of any sizes.
 
-#![allow(non_snake_case)]
-
-use super::{Equations, Implicit, Solved};
-use crate::jet::Taylor;
-use crate::map::{Kinematics, Map, Reparametrized, Tangent, derived};
-use crate::scalar::Scalar;
+use super::core::{CONSISTENT, Core, RANK};
+use super::{
+    Choice, Description, DomainError, Equation, Equations, Implicit, ImplicitError, Unknown,
+};
+use crate::map::{KinematicsMut, Map, Parametrization};
 use crate::system::ChartChanges;
-use nalgebra::{SMatrix, SVector};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
-impl<H, const D: usize, const X: usize, const M: usize> Map<D, X> for Solved<H, D, X, M>
-where
-    H: Implicit<X, M>,
-{
-    /// The value by Newton's method. Over jets each further correction −P h, with a plain P, is
-    /// exact to one order more; as many as the order of the jet make all derivatives exact.
+/// The map (q, p) ↦ x of equations h(t, p, x) = 0, solved for x in D = X − rank(h_x) of its own
+/// coordinates and the parameters p.
+///
+/// q = 0 is the initial configuration. Redundant equations are found, dropped and named.
+pub struct ImplicitMap(Mutex<Core>);
+
+impl ImplicitMap {
+    /// Assembles a constraint at time `t` as near as Newton's method gets to `guess`, with
+    /// `freedoms` coordinates q.
     ///
-    /// Not a number if the equations cannot be solved; the margin is negative there.
-    fn phi<S: Scalar>(&self, t: S, q: &SVector<S, D>) -> SVector<S, X> {
-        let value = q.map(|q| q.re());
-        let Ok(at) = self.solve(t.re(), &value) else {
-            return SVector::repeat(S::constant(f64::NAN));
+    /// # Errors
+    /// [`ImplicitError`] naming the equations and coordinates concerned.
+    pub fn of<const X: usize, const M: usize>(
+        constraint: impl Implicit<X, M> + Clone + 'static,
+        freedoms: usize,
+        t: f64,
+        guess: [f64; X],
+        choice: Choice,
+    ) -> Result<Self, ImplicitError> {
+        const { assert!(M > 0, "a constraint has equations") };
+        let unknown = |k| Unknown {
+            name: constraint.coordinate(k),
+            size: constraint.size(k),
+            start: None,
+            preference: 0.0,
         };
-        let mut x = at.x.map(S::constant);
-        for j in 0..D {
-            let dq = q[j] - value[j];
-            for k in 0..X {
-                x[k] += dq * at.inverse.B[(k, j)];
-            }
-        }
-        for _ in 0..S::ORDER {
-            let h = self.constraint.h(t, &x);
-            for i in (0..M).filter(|&i| self.chart.used[i]) {
-                for k in 0..X {
-                    x[k] -= h[i] * at.inverse.P[(k, i)];
-                }
-            }
-        }
-        x
+        let equation = |i| Equation {
+            name: constraint.equation(i),
+            size: None,
+        };
+        let about = Description {
+            unknowns: (0..X).map(unknown).collect(),
+            equations: (0..M).map(equation).collect(),
+            freedoms: Some(freedoms),
+            choice,
+            ..Description::default()
+        };
+        let h = Equations(constraint).boxed();
+        Core::assemble(h, about, t, &[], &guess).map(|core| Self(Mutex::new(core)))
     }
 
-    /// Inverse condition number of A, less the limit of singularity; −1 if the equations cannot be
-    /// solved near the last converged state.
-    fn margin(&self, t: f64, q: &SVector<f64, D>) -> f64 {
-        match self.solve(t, q) {
-            Ok(at) => 1.0 / at.inverse.condition - super::chart::RANK,
+    /// Assembles equations at time `t` and parameters `p`: `h` takes (p, x) to the residuals.
+    ///
+    /// The unknowns start at zero, or at [`Unknown::start`]. If the equations hold at zero, these
+    /// values are approached in steps, so that the mechanism stays on its branch. If they are
+    /// inconsistent, as many as possible are kept, in the order of the unknowns; the others are a
+    /// first guess ([`ImplicitMap::displaced`]).
+    ///
+    /// # Errors
+    /// As [`ImplicitMap::of`].
+    pub fn new(
+        h: Box<dyn Parametrization>,
+        about: Description,
+        t: f64,
+        p: &[f64],
+    ) -> Result<Self, ImplicitError> {
+        let zero = vec![0.0; about.unknowns.len()];
+        Core::assemble(h, about, t, p, &zero).map(|core| Self(Mutex::new(core)))
+    }
+
+    /// The same map with these unknowns as q, until others are better ([`Choice::Split`]) or for
+    /// good ([`Choice::Fixed`]); `None` if they do not determine x. q = 0 stays the same
+    /// configuration: to be called before anything moves.
+    #[must_use]
+    pub fn with_independent(mut self, independent: &[usize]) -> Option<Self> {
+        let core = self.core_mut();
+        let (t, mut q) = (core.anchor.t, core.anchor.q.clone());
+        let mut v = vec![0.0; q.len()];
+        let done = core.switch(t, Some(independent), &mut q, &mut v, &mut []);
+        done.then_some(self)
+    }
+
+    fn core(&self) -> MutexGuard<'_, Core> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn core_mut(&mut self) -> &mut Core {
+        self.0.get_mut().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The configuration at q = 0.
+    pub fn reference(&self) -> Vec<f64> {
+        self.core().reference.clone()
+    }
+
+    /// q̇ of a velocity ẋ that the constraint allows.
+    pub fn rates(&self, x_dot: &[f64]) -> Vec<f64> {
+        let core = self.core();
+        let columns = core.chart.L.chunks_exact(core.X);
+        columns
+            .map(|L| L.iter().zip(x_dot).map(|(l, x)| l * x).sum())
+            .collect()
+    }
+
+    /// The unknowns that cannot start at [`Unknown::start`], and their actual initial values.
+    pub fn displaced(&self) -> Vec<(usize, f64)> {
+        let core = self.core();
+        let off = |k: &usize| {
+            let u = &core.about.unknowns[*k];
+            let start = u.start.unwrap_or(core.reference[*k]);
+            (core.reference[*k] - start).abs() > CONSISTENT * u.size
+        };
+        let all = (0..core.X).filter(off);
+        all.map(|k| (k, core.reference[k])).collect()
+    }
+
+    /// Number D of free coordinates q.
+    pub fn freedoms(&self) -> usize {
+        self.core().D
+    }
+
+    /// The unknowns selected as q; `None` in the tangent space.
+    pub fn independent(&self) -> Option<Vec<usize>> {
+        self.core().chart.independent.clone()
+    }
+
+    /// Names of the redundant equations.
+    pub fn redundant(&self) -> Vec<String> {
+        self.core().redundant()
+    }
+
+    /// Condition number of A at (q, p); infinite if the equations cannot be solved.
+    pub fn condition(&self, t: f64, q: &[f64]) -> f64 {
+        let mut core = self.core();
+        match core.solve(t, q) {
+            Ok(()) => core.work.condition,
+            Err(_) => f64::INFINITY,
+        }
+    }
+
+    /// Changes the chart at (q, p) in any case: to the unknowns `independent` as q, or to the
+    /// tangent space there. False, without a change, if they do not determine x.
+    ///
+    /// The parameters follow q in `q`, in its velocity `v` and in the accelerations `a`.
+    pub fn switch(
+        &mut self,
+        t: f64,
+        independent: Option<&[usize]>,
+        q: &mut [f64],
+        v: &mut [f64],
+        a: &mut [Vec<f64>],
+    ) -> bool {
+        self.core_mut().switch(t, independent, q, v, a)
+    }
+}
+
+impl Clone for ImplicitMap {
+    fn clone(&self) -> Self {
+        Self(Mutex::new(self.core().clone()))
+    }
+}
+
+impl Parametrization for ImplicitMap {
+    fn kind(&self) -> &'static str {
+        self.core().h.kind()
+    }
+
+    fn dims(&self) -> (usize, usize) {
+        let core = self.core();
+        (core.D + core.p, core.X)
+    }
+
+    fn duplicate(&self) -> Box<dyn Parametrization> {
+        Box::new(self.clone())
+    }
+
+    fn margin(&self, t: f64, q: &[f64]) -> f64 {
+        let mut core = self.core();
+        match core.solve(t, q) {
+            Ok(()) => 1.0 / core.work.condition - RANK,
             Err(_) => -1.0,
         }
     }
 
-    fn domain_error(&self, t: f64, q: &SVector<f64, D>) -> Option<String> {
-        self.solve(t, q).err().map(|error| error.to_string())
-    }
-
-    /// Not a number if the equations cannot be solved.
-    fn violation(&self, t: f64, q: &SVector<f64, D>) -> Option<f64> {
-        let h = self.constraint.h(t, &Map::<D, X>::phi(self, t, q));
-        let relative = h.iter().zip(&self.sizes).map(|(h, size)| (h / size).abs());
-        Some(relative.fold(0.0, |a, b| if b > a || b.is_nan() { b } else { a }))
-    }
-
-    /// The charts of x are fixed; Newton's method starts from this state next.
-    fn change_charts(&mut self, t: f64, q: &SVector<f64, D>) -> ChartChanges {
-        self.remember(t, q);
+    fn change_charts(&mut self, t: f64, q: &[f64]) -> ChartChanges {
+        let core = self.core_mut();
+        core.remember(t, q);
+        if core.D == 0 {
+            // There are no other coordinates to choose.
+            core.settle(t, &mut q.to_vec(), &mut vec![0.0; q.len()], &mut []);
+        }
         ChartChanges::default()
     }
 
-    fn reparametrizes(&self) -> bool {
-        self.choice() != super::Choice::Fixed
+    fn reparametrize(&mut self, t: f64, q: &mut [f64], v: &mut [f64], a: &mut [Vec<f64>]) -> bool {
+        self.core_mut().settle(t, q, v, a)
     }
 
-    fn reparametrize(
-        &mut self,
-        t: f64,
-        q: &SVector<f64, D>,
-        v: &SVector<f64, D>,
-    ) -> Option<Reparametrized<D>> {
-        self.settle(t, q, v)
+    fn reparametrizes(&self) -> bool {
+        let core = self.core();
+        core.D > 0 && core.about.choice != Choice::Fixed
+    }
+
+    fn edge(&self) -> &'static str {
+        "the positions that its equations allow"
+    }
+
+    fn domain_error(&self, t: f64, q: &[f64]) -> Option<String> {
+        self.core().solve(t, q).err().map(advised)
+    }
+
+    fn singularity_warning(&self) -> Option<String> {
+        let mut core = self.core();
+        let from = core.anchor.clone();
+        core.close_to_singular(&from).map(advised)
     }
 
     fn describe(&self) -> Option<String> {
-        let chart = match self.independent() {
-            Some(independent) => {
-                let names = independent.map(|k| self.constraint.coordinate(k));
-                format!("independent: {}", names.join(", "))
-            }
-            None => "coordinates in the tangent space".to_owned(),
+        Some(self.core().describe())
+    }
+
+    fn save(&self) -> Vec<f64> {
+        self.core().save()
+    }
+
+    fn restore(&mut self, saved: &[f64]) -> bool {
+        self.core_mut().restore(saved)
+    }
+
+    fn freeze_piece(&mut self, at: Option<(f64, &[f64])>) {
+        let core = self.core_mut();
+        let Some((t, q)) = at else {
+            return core.h.freeze_piece(None);
         };
-        let redundant = self.redundant();
-        Some(if redundant.is_empty() {
-            chart
+        // If there is no solution, all conformance checks report it.
+        if core.solve(t, q).is_ok() {
+            core.h.freeze_piece(Some((t, &core.work.y)));
+        }
+    }
+
+    fn tangent(&self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
+        let mut core = self.core();
+        if core.solve(t, q).is_ok() {
+            x.copy_from_slice(core.x());
+            B.copy_from_slice(&core.work.Y);
         } else {
-            format!("{chart}; redundant: {}", redundant.join(", "))
-        })
-    }
-
-    fn tangent(&self, t: f64, q: &SVector<f64, D>) -> Tangent<D, X> {
-        match self.solve(t, q) {
-            Ok(at) => Tangent {
-                x: at.x,
-                B: at.inverse.B,
-            },
-            Err(_) => Tangent {
-                x: SVector::repeat(f64::NAN),
-                B: SMatrix::repeat(f64::NAN),
-            },
+            x.fill(f64::NAN);
+            B.fill(f64::NAN);
         }
     }
 
-    fn kinematics(
-        &self,
-        t: f64,
-        q: &SVector<f64, D>,
-        v: &SVector<f64, D>,
-        a: &SVector<f64, D>,
-    ) -> Kinematics<D, X> {
-        let Ok(at) = self.solve(t, q) else {
-            let nothing = SMatrix::repeat(f64::NAN);
-            let nowhere = SVector::repeat(f64::NAN);
-            return Kinematics {
-                x: nowhere,
-                x_dot: nowhere,
-                x_ddot: nowhere,
-                B: nothing,
-                B_dot: nothing,
-                B_ddot: nothing,
-            };
-        };
-        let (x, B, P) = (at.x, at.inverse.B, at.inverse.P);
-        // h along t + τ and the motion x + ẋτ, with two unknown terms.
-        let along = |x_dot: &SVector<f64, X>| {
-            let time = Taylor {
-                v: t,
-                d: 1.0,
-                dd: 0.0,
-            };
-            let x = SVector::from_fn(|k, _| Taylor {
-                v: x[k],
-                d: x_dot[k],
-                dd: 0.0,
-            });
-            self.constraint.h(time, &x)
-        };
-        let x_dot = B * v - P * along(&SVector::zeros()).map(|h| h.d);
-        let x_ddot = B * a - P * along(&x_dot).map(|h| h.dd);
-        let h = derived::kinematics(&Equations(&self.constraint), t, &x, &x_dot, &x_ddot);
-        let B_dot = -P * (h.B_dot * B);
-        Kinematics {
-            x,
-            x_dot,
-            x_ddot,
-            B,
-            B_dot,
-            B_ddot: -P * (h.B_ddot * B + h.B_dot * B_dot * 2.0),
-        }
+    fn kinematics(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
+        self.core().kinematics(t, q, v, a, out);
     }
 
-    fn geometric_stiffness(
-        &self,
-        t: f64,
-        q: &SVector<f64, D>,
-        f: &SVector<f64, X>,
-    ) -> SMatrix<f64, D, D> {
-        let Ok(at) = self.solve(t, q) else {
-            return SMatrix::repeat(f64::NAN);
-        };
-        let lambda = at.inverse.P.tr_mul(f);
-        let bend = derived::geometric_stiffness(&Equations(&self.constraint), t, &at.x, &lambda);
-        -at.inverse.B.tr_mul(&(bend * at.inverse.B))
+    fn geometric_stiffness(&self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
+        self.core().geometric_stiffness(t, q, f, K);
+    }
+
+    fn violation(&self, t: f64, q: &[f64]) -> Option<f64> {
+        Some(self.core().violation(t, q))
+    }
+
+    fn multipliers(&self, t: f64, q: &[f64], f: &[f64], lambda: &mut [f64]) {
+        let mut core = self.core();
+        match core.solve(t, q) {
+            Ok(()) => core.multipliers(f, lambda),
+            Err(_) => lambda.fill(f64::NAN),
+        }
+    }
+}
+
+/// The message with a remedy.
+fn advised(error: DomainError) -> String {
+    match error {
+        DomainError::Singular { .. } | DomainError::Crossed => format!(
+            "{error}; a map ends at a singular position: `closure = \"multipliers\"` goes through"
+        ),
+        other => other.to_string(),
     }
 }

@@ -59,15 +59,6 @@ where
         self.inner.reparametrizes()
     }
 
-    fn domain_error(&self, t: f64, q: &SVector<f64, D>) -> Option<String> {
-        let inner = self.inner.domain_error(t, q);
-        inner.or_else(|| self.outer.domain_error(t, &self.inner.phi(t, q)))
-    }
-
-    fn describe(&self) -> Option<String> {
-        self.inner.describe().or_else(|| self.outer.describe())
-    }
-
     fn freeze_piece(&mut self, at: Option<(f64, &SVector<f64, D>)>) {
         let between = at.map(|(t, q)| (t, self.inner.phi(t, q)));
         self.inner.freeze_piece(at);

@@ -21,7 +21,7 @@ pub struct KinematicsMut<'a> {
 /// An object-safe [`Map`] of any dimensions: slices outside, fixed sizes and no heap inside.
 ///
 /// Implemented for every map by [`Map::boxed`], and by maps whose sizes are known only at run time
-/// ([`Closed`](crate::implicit::Closed)). Slices have the lengths of [`Parametrization::dims`];
+/// ([`ImplicitMap`](crate::implicit::ImplicitMap)). Slices have the lengths of [`Parametrization::dims`];
 /// matrices are stored column by column.
 pub trait Parametrization: Send + Sync {
     /// Name of the map in reports; the name of its type by default.
@@ -79,7 +79,7 @@ pub trait Parametrization: Send + Sync {
         None
     }
 
-    /// See [`Map::domain_error`].
+    /// Why q is outside the domain, to follow "joint at node a: "; none by default.
     fn domain_error(&self, t: f64, q: &[f64]) -> Option<String> {
         let _ = (t, q);
         None
@@ -90,7 +90,8 @@ pub trait Parametrization: Send + Sync {
         None
     }
 
-    /// See [`Map::describe`].
+    /// Describes the present state of the map (independent coordinates, redundant equations) for
+    /// reports; none by default.
     fn describe(&self) -> Option<String> {
         None
     }
@@ -127,7 +128,8 @@ pub trait Parametrization: Send + Sync {
         saved.is_empty()
     }
 
-    /// See [`Map::violation`].
+    /// Largest residual at φ(t, q) of the equations behind the map, each relative to its size;
+    /// `None` for an explicit map.
     fn violation(&self, t: f64, q: &[f64]) -> Option<f64> {
         let _ = (t, q);
         None
@@ -221,14 +223,6 @@ where
         self.0.restore(saved)
     }
 
-    fn domain_error(&self, t: f64, q: &[f64]) -> Option<String> {
-        self.0.domain_error(t, &SVector::from_column_slice(q))
-    }
-
-    fn describe(&self) -> Option<String> {
-        self.0.describe()
-    }
-
     fn overshoot(&self, h: f64, from: [&[f64]; 2], to: [&[f64]; 2]) -> Option<(f64, usize)> {
         let [from, to] = [from, to].map(|x| x.map(SVector::from_column_slice));
         self.0.overshoot(h, from.each_ref(), to.each_ref())
@@ -245,10 +239,6 @@ where
     fn freeze_piece(&mut self, at: Option<(f64, &[f64])>) {
         let at = at.map(|(t, q)| (t, SVector::from_column_slice(q)));
         self.0.freeze_piece(at.as_ref().map(|(t, q)| (*t, q)));
-    }
-
-    fn violation(&self, t: f64, q: &[f64]) -> Option<f64> {
-        self.0.violation(t, &SVector::from_column_slice(q))
     }
 
     fn tangent(&self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {

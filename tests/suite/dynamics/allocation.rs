@@ -14,7 +14,7 @@ use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::integrators::dynamics::{
     Adaptivity, DynamicOptions, Progress, Scheme, StepReport, Summary, integrate, start,
 };
-use pullback::manifold::implicit::{Implicit, Solved};
+use pullback::manifold::implicit::{Choice, Implicit, ImplicitMap};
 use pullback::manifold::map::{Linear, Map};
 use pullback::manifold::scalar::Scalar;
 use pullback::manifold::system::Quantity;
@@ -57,11 +57,11 @@ impl Implicit<2, 1> for Circle {
 fn circle(b: &mut ModelBuilder) -> NodeId {
     let ground = b.node("ground", [9.0, 0.0, 0.0]).unwrap();
     b.support(ground, &Dof::ALL);
-    let map = Solved::<_, 1, 2, 1>::new(Circle, 0.0, [1.0, 0.0]).unwrap();
+    let map = ImplicitMap::of(Circle, 1, 0.0, [1.0, 0.0], Choice::Split).unwrap();
     let q = b.coordinates("q", &[Quantity::Angle]).unwrap();
     let angles = [Quantity::Angle; 2];
     let x = b
-        .mapped_coordinates("x", &angles, map.boxed(), &[q])
+        .mapped_coordinates("x", &angles, Box::new(map), &[q])
         .unwrap();
     for k in 0..2 {
         let pick = Linear::<2, 1>::pick(k, 0.0).boxed();

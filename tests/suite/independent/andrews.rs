@@ -7,7 +7,7 @@ use pullback::manifold::implicit::Choice;
 #[test]
 fn the_loops_obey_the_laws() {
     for choice in [Choice::Split, Choice::Tangent] {
-        check::implicit(&Loops::with(Squeezer, 0.0, START, choice).unwrap(), 0.0).assert();
+        check::implicit(&loops(choice), 0.0).assert();
     }
 }
 

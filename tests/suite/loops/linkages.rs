@@ -15,9 +15,9 @@ use pullback::elements::model::{Context, ModelBuilder, ModelError, NodeId};
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::elements::time::Constant;
 use pullback::integrators::dynamics::Scheme;
-use pullback::manifold::implicit::{Choice, Equations, Implicit, Solved};
+use pullback::manifold::implicit::{Choice, Equations, Implicit, ImplicitMap};
 use pullback::manifold::jet::Taylor;
-use pullback::manifold::map::{Linear, Map};
+use pullback::manifold::map::{Linear, Map, Parametrization};
 use pullback::manifold::scalar::Scalar;
 use pullback::manifold::system::Quantity;
 
@@ -61,19 +61,15 @@ const STIFF: f64 = 6.0;
 
 fn slider_crank(choice: Choice) -> (Context, NodeId, Vec<f64>) {
     let mut b = ModelBuilder::new();
-    let map = Solved::<_, 1, 3, 2>::with(SliderCrank, 0.0, [0.4, 0.0, 1.4], choice).unwrap();
+    let map = ImplicitMap::of(SliderCrank, 1, 0.0, [0.4, 0.0, 1.4], choice).unwrap();
     // The crank turns with 12 rad/s at the start.
-    let rate = map.rates(&Vector3::new(0.0, 12.0 * CRANK, 0.0));
+    let rate = map.rates(&[0.0, 12.0 * CRANK, 0.0]);
     let q = b.coordinates("q", &[Quantity::Length]).unwrap();
     let x = b
-        .mapped_coordinates("x", &[Quantity::Length; 3], map.boxed(), &[q])
+        .mapped_coordinates("x", &[Quantity::Length; 3], Box::new(map), &[q])
         .unwrap();
     slider_crank_bodies(&mut b, x);
-    (
-        Context::new(b.build().unwrap()),
-        x,
-        rate.as_slice().to_vec(),
-    )
+    (Context::new(b.build().unwrap()), x, rate)
 }
 
 /// Masses, weights and the spring on the coordinates (x, y, s).
@@ -271,21 +267,20 @@ impl Implicit<3, 2> for FourBar {
 fn four_bar() -> (Context, NodeId, Vec<f64>) {
     let [coupler, rocker] = closed_form(CRANK_START);
     let guess = [CRANK_START + 0.05, coupler - 0.05, rocker];
-    let map = Solved::<_, 1, 3, 2>::new(FourBar, 0.0, guess).unwrap();
+    let assembled = |guess| ImplicitMap::of(FourBar, 1, 0.0, guess, Choice::Split).unwrap();
     // From the assembled configuration to the one that is wanted: the crank as q.
-    let map = map.with_independent(0.0, [0]).unwrap();
-    let x = map.phi(
-        0.0,
-        &SVector::<f64, 1>::new(CRANK_START - map.reference()[0]),
-    );
-    let map = Solved::<_, 1, 3, 2>::new(FourBar, 0.0, *x.as_ref()).unwrap();
-    assert!((map.reference() - Vector3::new(CRANK_START, coupler, rocker)).norm() < 1e-15);
-    let rate = map.tangent(0.0, &SVector::zeros()).B[0].recip() * CRANK_RATE;
+    let map = assembled(guess).with_independent(&[0]).unwrap();
+    let (mut x, mut B) = ([0.0; 3], [0.0; 3]);
+    map.tangent(0.0, &[CRANK_START - map.reference()[0]], &mut x, &mut B);
+    let map = assembled(x);
+    assert!(gap(&map.reference(), &[CRANK_START, coupler, rocker]) < 1e-15);
+    map.tangent(0.0, &[0.0], &mut x, &mut B);
+    let rate = CRANK_RATE / B[0];
     let mut b = ModelBuilder::new();
     let ground = ground(&mut b);
     let q = b.coordinates("q", &[Quantity::Angle]).unwrap();
     let x = b
-        .mapped_coordinates("x", &[Quantity::Angle; 3], map.boxed(), &[q])
+        .mapped_coordinates("x", &[Quantity::Angle; 3], Box::new(map), &[q])
         .unwrap();
     let crank = pick::<3>(&mut b, x, 0, Quantity::Angle);
     let relative = Linear::sum([-1.0, 1.0, 0.0], 0.0).boxed();
@@ -354,11 +349,11 @@ fn the_residual_stays_at_round_off_for_long() {
 #[test]
 fn coordinates_that_change_their_meaning_are_nobody_elses() {
     let build = |choice: Choice| {
-        let map = Solved::<_, 1, 3, 2>::with(SliderCrank, 0.0, [0.4, 0.0, 1.4], choice).unwrap();
+        let map = ImplicitMap::of(SliderCrank, 1, 0.0, [0.4, 0.0, 1.4], choice).unwrap();
         let mut b = ModelBuilder::new();
         let q = b.coordinates("q", &[Quantity::Length]).unwrap();
         let x = b
-            .mapped_coordinates("x", &[Quantity::Length; 3], map.boxed(), &[q])
+            .mapped_coordinates("x", &[Quantity::Length; 3], Box::new(map), &[q])
             .unwrap();
         pick::<3>(&mut b, x, 0, Quantity::Length);
         let law = CoordinateLaw {

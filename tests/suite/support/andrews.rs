@@ -12,9 +12,9 @@ use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId};
 use pullback::elements::spring::AxialSpring;
 use pullback::elements::time::Constant;
 use pullback::integrators::dynamics::{DynamicOptions, Progress, Scheme};
-use pullback::manifold::implicit::{Choice, Implicit, Solved};
+use pullback::manifold::implicit::{Choice, Implicit, ImplicitMap};
 use pullback::manifold::jet::Taylor;
-use pullback::manifold::map::{Linear, Map};
+use pullback::manifold::map::{Linear, Map, Parametrization};
 use pullback::manifold::scalar::Scalar;
 use pullback::manifold::system::{Quantity, System};
 use pullback::studies::gallery::{self, Comparison};
@@ -87,13 +87,16 @@ impl Implicit<7, 6> for Squeezer {
     }
 }
 
-pub type Loops = Solved<Squeezer, 1, 7, 6>;
+/// The loops in coordinates of a choice.
+pub fn loops(choice: Choice) -> ImplicitMap {
+    ImplicitMap::of(Squeezer, 1, 0.0, START, choice).unwrap()
+}
 
-fn squeezer(map: Loops) -> (Context, NodeId) {
+fn squeezer(map: &ImplicitMap) -> (Context, NodeId) {
     let mut b = ModelBuilder::new();
     let q = b.coordinates("q", &[Quantity::Angle]).unwrap();
     let x = b
-        .mapped_coordinates("x", &[Quantity::Angle; 7], map.boxed(), &[q])
+        .mapped_coordinates("x", &[Quantity::Angle; 7], map.duplicate(), &[q])
         .unwrap();
     let angles: [NodeId; 7] = std::array::from_fn(|k| {
         let pick = Linear::<7, 1>::pick(k, 0.0).boxed();
@@ -149,7 +152,7 @@ pub struct Run {
     pub progress: Progress,
 }
 
-pub fn run(map: Loops, steps: usize) -> Run {
+pub fn run(map: &ImplicitMap, steps: usize) -> Run {
     let (mut context, x) = squeezer(map);
     let zero = vec![0.0; context.pattern().dim()];
     let mut options: DynamicOptions = tight(Scheme::default(), END, END / steps as f64);
@@ -304,12 +307,11 @@ pub fn assert_choices(steps: [usize; 3], reference: &Angles) {
         (Choice::Split, Some(1)),
         (Choice::Tangent, None),
     ] {
-        let map = Loops::with(Squeezer, 0.0, START, choice).unwrap();
         let map = match first {
-            Some(k) => map.with_independent(0.0, [k]).unwrap(),
-            None => map,
+            Some(k) => loops(choice).with_independent(&[k]).unwrap(),
+            None => loops(choice),
         };
-        let runs = steps.map(|n| run(map, n));
+        let runs = steps.map(|n| run(&map, n));
         for run in &runs {
             let defect = run.progress.summary.energy.unwrap().largest_defect;
             println!(

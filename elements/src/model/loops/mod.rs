@@ -4,10 +4,10 @@
 //! are in use (it is attached to something else, or is held), the two chains of joints make a loop:
 //! the joint coordinates of the loop become the unknowns x of the equations that the frames
 //! coincide ([`Coincide`]), and follow from D independent coordinates q
-//! ([`Closed`](pullback_manifold::implicit::Closed), \[M04\] (171)–(173)):
+//! ([`ImplicitMap`](pullback_manifold::implicit::ImplicitMap), \[M04\] (171)–(173)):
 //!
 //! ```text
-//! q, prescribed coordinates  →  x (Closed)  →  joint coordinates (Part)  →  frames (JointMap)
+//! q, prescribed coordinates  →  x (ImplicitMap)  →  joint coordinates (Part)  →  frames (JointMap)
 //! ```
 //!
 //! Loops that share a joint coordinate are solved together.

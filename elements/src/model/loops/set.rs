@@ -9,11 +9,14 @@ use crate::model::build::builder::NodeId;
 use crate::model::kinematics::mapped_node::MappedNode;
 use crate::model::{ModelError, NONE, Node, NodeForm, Source};
 use nalgebra::Vector3;
-use pullback_manifold::implicit::Closed;
-use pullback_manifold::implicit::closed::{Description, Equation, Unknown};
+use pullback_manifold::implicit::{Description, Equation, ImplicitMap, Unknown};
 use pullback_manifold::map::Parametrization;
 use pullback_manifold::system::Quantity;
 use std::collections::HashMap;
+
+/// Condition number, for each unknown, up to which a loop keeps its coordinates: a scheme conserves
+/// energy in one set of coordinates, and every change costs some.
+const GOOD_CONDITION: f64 = 10.0;
 
 /// The inputs of a set of loops: first the parameters, then the unknowns.
 pub(super) struct Inputs {
@@ -144,7 +147,12 @@ fn nothing_follows(
 }
 
 /// Report on desired values that are inconsistent.
-fn displaced(nodes: &[Node], unknown: &[(u32, usize)], map: &Closed, parameters: usize) -> String {
+fn displaced(
+    nodes: &[Node],
+    unknown: &[(u32, usize)],
+    map: &ImplicitMap,
+    parameters: usize,
+) -> String {
     let mut words = String::new();
     for (k, x) in map.displaced() {
         let of = |(n, first): &&(u32, usize)| {
@@ -220,7 +228,10 @@ pub(super) fn close_set(
         .map(|c| nodes[c.frame as usize].name.as_str())
         .collect();
     let joints = joints.join(", ");
-    let mut about = Description::default();
+    let mut about = Description {
+        good_condition: GOOD_CONDITION,
+        ..Description::default()
+    };
     let mut quantities = Vec::new();
     for &(n, first) in unknown {
         let node = &nodes[n as usize];
@@ -245,7 +256,7 @@ pub(super) fn close_set(
         let name = &nodes[chain.frame as usize].name;
         about.equations.extend((0..6).map(|i| Equation {
             name: format!("{} at joint {name}", EQUATIONS[i]),
-            size: if i < 3 { length } else { 1.0 },
+            size: Some(if i < 3 { length } else { 1.0 }),
         }));
     }
     let of = |&(n, _): &(u32, usize)| {
@@ -262,7 +273,7 @@ pub(super) fn close_set(
     if unknown.is_empty() {
         return nothing_follows(nodes, chains, joints, given, &*equations, length);
     }
-    let map = Closed::new(equations, about, 0.0, &p).map_err(|source| ModelError::Loop {
+    let map = ImplicitMap::new(equations, about, 0.0, &p).map_err(|source| ModelError::Loop {
         joints: joints.clone(),
         source,
     })?;

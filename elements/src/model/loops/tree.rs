@@ -218,6 +218,10 @@ impl Inner {
 }
 
 impl Parametrization for Tree {
+    fn kind(&self) -> &'static str {
+        "closed loop"
+    }
+
     fn dims(&self) -> (usize, usize) {
         let tree = self.inner();
         (tree.inputs, 6 * tree.closures)

@@ -10,7 +10,7 @@ use pullback_elements::joint::constant_velocity;
 use pullback_elements::load::{LoadKind, NodalLoad};
 use pullback_elements::model::{Context, Dof, ModelBuilder, ModelError};
 use pullback_elements::time::{Constant, Proportional};
-use pullback_manifold::implicit::{Choice, Implicit, Solved};
+use pullback_manifold::implicit::{Choice, Implicit, ImplicitMap};
 use pullback_manifold::map::{Linear, Map};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::system::{Evaluation, Point, Quantity, System, SystemError, Weights};
@@ -137,9 +137,9 @@ fn coordinates_that_follow_from_coordinates_that_follow() {
     ];
     for (choice, message) in cases {
         let (mut b, _) = simple();
-        let map = Solved::<_, 1, 2, 1>::with(Circle, 0.0, [0.8, 0.6], choice).unwrap();
+        let map = ImplicitMap::of(Circle, 1, 0.0, [0.8, 0.6], choice).unwrap();
         let q = b.coordinates("q", &[Quantity::Other]).unwrap();
-        let both = b.mapped_coordinates("bead", &[Quantity::Length; 2], map.boxed(), &[q]);
+        let both = b.mapped_coordinates("bead", &[Quantity::Length; 2], Box::new(map), &[q]);
         let pick = Linear::<2, 1>::pick(0, 0.8).boxed();
         let x = b.mapped_coordinates("bead x", &[Quantity::Length], pick, &[both.unwrap()]);
         b.prescribe_coordinate(x.unwrap(), 0, Box::new(Constant(0.1)));

@@ -5,7 +5,7 @@
 use nalgebra::{SMatrix, SVector, Vector3};
 use pullback_conformance::{self as check, Measure, Report};
 use pullback_manifold::chart::{Chart, Complement, Identity};
-use pullback_manifold::map::{Kinematics, Map, Tangent, derived};
+use pullback_manifold::map::{Kinematics, KinematicsMut, Map, Parametrization, Tangent, derived};
 use pullback_manifold::scalar::Scalar;
 
 /// What can be wrong with a hand-written map.
@@ -322,18 +322,36 @@ struct Leap {
     solved: bool,
 }
 
-impl Map<1, 1> for Leap {
-    fn phi<S: Scalar>(&self, _: S, q: &SVector<S, 1>) -> SVector<S, 1> {
-        let beyond = !self.kept && q[0].re() > 0.5;
-        q.map(|q| if beyond { q + 1.0 } else { q })
+impl Parametrization for Leap {
+    fn dims(&self) -> (usize, usize) {
+        (1, 1)
     }
 
-    fn freeze_piece(&mut self, at: Option<(f64, &SVector<f64, 1>)>) {
+    fn duplicate(&self) -> Box<dyn Parametrization> {
+        Box::new(self.clone())
+    }
+
+    fn freeze_piece(&mut self, at: Option<(f64, &[f64])>) {
         self.kept = at.is_some_and(|(_, q)| q[0] <= 0.5);
     }
 
-    fn violation(&self, _: f64, _: &SVector<f64, 1>) -> Option<f64> {
+    fn violation(&self, _: f64, _: &[f64]) -> Option<f64> {
         self.solved.then_some(0.0)
+    }
+
+    fn tangent(&self, _: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
+        let beyond = !self.kept && q[0] > 0.5;
+        (x[0], B[0]) = (q[0] + f64::from(u8::from(beyond)), 1.0);
+    }
+
+    fn kinematics(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
+        self.tangent(t, q, out.x, out.B);
+        (out.x_dot[0], out.x_ddot[0]) = (v[0], a[0]);
+        (out.B_dot[0], out.B_ddot[0]) = (0.0, 0.0);
+    }
+
+    fn geometric_stiffness(&self, _: f64, _: &[f64], _: &[f64], K: &mut [f64]) {
+        K[0] = 0.0;
     }
 }
 
@@ -347,7 +365,7 @@ fn pieces_are_those_of_formulas_and_no_branches_of_equations() {
         let mut report = Report::new("leap");
         let layout = check::Layout::plain(1);
         let of = check::Mapped {
-            map: &*map.boxed(),
+            map: &map,
             rows: &layout,
             columns: &layout,
         };

@@ -2,10 +2,10 @@
 
 #![allow(non_snake_case)]
 
-use nalgebra::{DVector, SMatrix, SVector};
+use nalgebra::{DVector, SVector};
 use pullback_conformance::{Layout, Mapped, Random, Report, State, kinematics};
-use pullback_manifold::implicit::{Choice, Implicit, Solved};
-use pullback_manifold::map::{Kinematics, Map};
+use pullback_manifold::implicit::{Choice, Implicit, ImplicitMap};
+use pullback_manifold::map::{KinematicsMut, Parametrization};
 use pullback_manifold::scalar::Scalar;
 
 /// The unit circle.
@@ -18,54 +18,50 @@ impl Implicit<2, 1> for Circle {
     }
 }
 
-type OnCircle = Solved<Circle, 1, 2, 1>;
-
 /// y = √(1 − x²) with a factor at K_σ.
 #[derive(Clone)]
-struct Steep(OnCircle, f64);
+struct Steep(ImplicitMap, f64);
 
-impl Map<1, 2> for Steep {
-    fn phi<S: Scalar>(&self, t: S, q: &SVector<S, 1>) -> SVector<S, 2> {
-        self.0.phi(t, q)
+impl Parametrization for Steep {
+    fn dims(&self) -> (usize, usize) {
+        self.0.dims()
     }
 
-    fn margin(&self, t: f64, q: &SVector<f64, 1>) -> f64 {
+    fn duplicate(&self) -> Box<dyn Parametrization> {
+        Box::new(self.clone())
+    }
+
+    fn margin(&self, t: f64, q: &[f64]) -> f64 {
         self.0.margin(t, q)
     }
 
-    fn violation(&self, t: f64, q: &SVector<f64, 1>) -> Option<f64> {
+    fn violation(&self, t: f64, q: &[f64]) -> Option<f64> {
         self.0.violation(t, q)
     }
 
-    fn kinematics(
-        &self,
-        t: f64,
-        q: &SVector<f64, 1>,
-        v: &SVector<f64, 1>,
-        a: &SVector<f64, 1>,
-    ) -> Kinematics<1, 2> {
-        Map::<1, 2>::kinematics(&self.0, t, q, v, a)
+    fn tangent(&self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
+        self.0.tangent(t, q, x, B);
     }
 
-    fn geometric_stiffness(
-        &self,
-        t: f64,
-        q: &SVector<f64, 1>,
-        f: &SVector<f64, 2>,
-    ) -> SMatrix<f64, 1, 1> {
-        Map::<1, 2>::geometric_stiffness(&self.0, t, q, f) * self.1
+    fn kinematics(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
+        self.0.kinematics(t, q, v, a, out);
+    }
+
+    fn geometric_stiffness(&self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
+        self.0.geometric_stiffness(t, q, f, K);
+        K[0] *= self.1;
     }
 }
 
 /// The laws at an angle from where x has its largest value, by the coordinate x.
 fn laws(angle: f64, factor: f64, seed: u64) -> Report {
     let guess = [angle.cos(), angle.sin()];
-    let solved = OnCircle::with(Circle, 0.0, guess, Choice::Fixed).unwrap();
-    let map = Steep(solved.with_independent(0.0, [0]).unwrap(), factor);
+    let map = ImplicitMap::of(Circle, 1, 0.0, guess, Choice::Fixed).unwrap();
+    let map = Steep(map.with_independent(&[0]).unwrap(), factor);
     let mut report = Report::new("circle");
     let [x, v, a] = [0.0, 0.0, 0.0].map(|x| DVector::from_element(1, x));
     let of = Mapped {
-        map: &*map.boxed(),
+        map: &map,
         rows: &Layout::plain(2),
         columns: &Layout::plain(1),
     };

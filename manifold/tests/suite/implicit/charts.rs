@@ -1,11 +1,13 @@
-//! Implicit constraints of run-time size against those of fixed size.
+//! The charts of implicit constraints with redundant equations and parameters.
 
 #![allow(non_snake_case, clippy::unwrap_used)]
 
+use super::motion;
 use nalgebra::{SMatrix, SVector, Vector2};
-use pullback_manifold::implicit::closed::{Description, Equation, Unknown};
-use pullback_manifold::implicit::{Choice, Closed, Implicit, ImplicitError, Solved};
-use pullback_manifold::map::{KinematicsMut, Map, Parametrization};
+use pullback_manifold::implicit::{
+    Description, Equation, Implicit, ImplicitError, ImplicitMap, Unknown,
+};
+use pullback_manifold::map::{Map, Parametrization};
 use pullback_manifold::scalar::Scalar;
 
 const LINKS: usize = 5;
@@ -49,18 +51,18 @@ fn about(starts: &[Option<f64>], equations: usize) -> Description {
     };
     Description {
         unknowns: starts.iter().enumerate().map(unknown).collect(),
-        rotations: Vec::new(),
         equations: (0..equations)
             .map(|i| Equation {
                 name: format!("h{i}"),
-                size: 1.0,
+                size: Some(1.0),
             })
             .collect(),
-        parameters: Vec::new(),
+        good_condition: 10.0,
+        ..Description::default()
     }
 }
 
-/// x, ẋ, ẍ, B, Ḃ, B̈ and K_σ(f), each scaled to order one.
+/// x, ẋ, ẍ, B, Ḃ, B̈ and K_σ(f).
 fn everything(
     map: &dyn Parametrization,
     q: &[f64],
@@ -68,23 +70,10 @@ fn everything(
     a: &[f64],
     f: &[f64],
 ) -> Vec<Vec<f64>> {
-    let (d, n) = map.dims();
-    let z = |n: usize| vec![0.0; n];
-    let mut out = vec![z(n), z(n), z(n), z(n * d), z(n * d), z(n * d), z(d * d)];
-    let (first, last) = out.split_at_mut(6);
-    let [x, x_dot, x_ddot, B, B_dot, B_ddot] = first else {
-        unreachable!()
-    };
-    let motion = KinematicsMut {
-        x,
-        x_dot,
-        x_ddot,
-        B,
-        B_dot,
-        B_ddot,
-    };
-    map.kinematics(T, q, v, a, motion);
-    map.geometric_stiffness(T, q, f, &mut last[0]);
+    let mut out = motion(map, T, [q, v, a]).to_vec();
+    let mut K = vec![0.0; q.len() * q.len()];
+    map.geometric_stiffness(T, q, f, &mut K);
+    out.push(K);
     out
 }
 
@@ -100,30 +89,47 @@ fn difference(a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
     a.iter().zip(b).map(gap).fold(0.0, f64::max)
 }
 
-fn fixed() -> Solved<Chain, 3, LINKS, 2> {
-    let map = Solved::<_, 3, LINKS, 2>::with(Chain, T, GUESS, Choice::Fixed).unwrap();
-    map.with_independent(T, [0, 1, 2]).unwrap()
+/// The chain where the angles of its first three bars are given: the others make a triangle.
+#[derive(Clone, Copy)]
+struct Triangle;
+
+impl Map<3, LINKS> for Triangle {
+    fn phi<S: Scalar>(&self, t: S, q: &SVector<S, 3>) -> SVector<S, LINKS> {
+        let x = [0, 1, 2].map(|k| q[k] + GUESS[k]);
+        let mut rest = Vector2::new(t * t * 0.1 + 3.0, -t * 0.2);
+        for x in x {
+            rest[0] -= x.cos();
+            rest[1] -= x.sin();
+        }
+        let half = rest.dot(&rest) * 0.25;
+        let angle = (-half + 1.0).sqrt().atan2(half.sqrt());
+        let between = rest[1].atan2(rest[0]);
+        SVector::from([x[0], x[1], x[2], between - angle, between + angle])
+    }
+}
+
+fn start() -> [f64; LINKS] {
+    Triangle.phi(T, &SVector::zeros()).into()
 }
 
 #[test]
-fn derivatives_are_those_of_fixed_size_with_redundant_equations() {
-    let fixed = fixed();
-    let starts = fixed.reference().map(Some);
-    let mut closed = Closed::new(Twice.boxed(), about(starts.as_slice(), 4), T, &[]).unwrap();
-    assert_eq!(closed.freedoms(), 3);
+fn derivatives_are_those_of_a_closed_form_with_redundant_equations() {
+    let starts = start().map(Some);
+    let mut map = ImplicitMap::new(Twice.boxed(), about(starts.as_slice(), 4), T, &[]).unwrap();
+    assert_eq!(map.freedoms(), 3);
     assert!(
-        closed.describe().unwrap().contains("redundant: "),
+        map.describe().unwrap().contains("redundant: "),
         "{:?}",
-        closed.describe()
+        map.describe()
     );
     let (mut q, mut v) = ([0.0; 3], [0.0; 3]);
-    assert!(closed.switch(T, Some(&[0, 1, 2]), &mut q, &mut v, &mut []));
+    assert!(map.switch(T, Some(&[0, 1, 2]), &mut q, &mut v, &mut []));
     let [v, a] = [[0.4, -0.7, 1.1], [0.3, 0.9, -0.2]];
     let f = [0.2, -0.5, 1.0, 0.7, -0.3];
     for reach in [0.0, 1e-8, 0.1, 0.3] {
         let q = [reach, -0.5 * reach, 0.8 * reach];
-        let one = everything(&closed, &q, &v, &a, &f);
-        let other = everything(&*fixed.boxed(), &q, &v, &a, &f);
+        let one = everything(&map, &q, &v, &a, &f);
+        let other = everything(&*Triangle.boxed(), &q, &v, &a, &f);
         let gap = difference(&one, &other);
         assert!(gap < 1e-11, "at {reach}: {gap:e}");
     }
@@ -141,13 +147,12 @@ impl Map<LINKS, 2> for Given {
 
 #[test]
 fn parameters_are_independent_coordinates_from_outside() {
-    let fixed = fixed();
-    let x = fixed.reference();
+    let x = start();
     let starts: Vec<Option<f64>> = x.iter().skip(1).copied().map(Some).collect();
-    let mut closed = Closed::new(Given.boxed(), about(&starts, 2), T, &[x[0]]).unwrap();
-    assert_eq!(closed.freedoms(), 2);
+    let mut map = ImplicitMap::new(Given.boxed(), about(&starts, 2), T, &[x[0]]).unwrap();
+    assert_eq!(map.freedoms(), 2);
     let (mut q, mut v) = ([0.0, 0.0, x[0]], [0.0; 3]);
-    assert!(closed.switch(T, Some(&[0, 1]), &mut q, &mut v, &mut []));
+    assert!(map.switch(T, Some(&[0, 1]), &mut q, &mut v, &mut []));
     let f = [0.2, -0.5, 1.0, 0.7];
     for reach in [0.0, 0.1, 0.3] {
         // Order of the fixed one: x0, x1, x2; of the other: x1, x2, p = x0.
@@ -159,8 +164,14 @@ fn parameters_are_independent_coordinates_from_outside() {
         );
         let mut at = turn(q);
         at[2] += x[0];
-        let one = everything(&closed, &at, &turn(v), &turn(a), &f);
-        let other = everything(&*fixed.boxed(), &q, &v, &a, &[0.0, f[0], f[1], f[2], f[3]]);
+        let one = everything(&map, &at, &turn(v), &turn(a), &f);
+        let other = everything(
+            &*Triangle.boxed(),
+            &q,
+            &v,
+            &a,
+            &[0.0, f[0], f[1], f[2], f[3]],
+        );
         let columns = [1, 2, 0];
         let other: Vec<Vec<f64>> = (other.iter().enumerate())
             .map(|(k, z)| match k {
@@ -180,27 +191,27 @@ fn parameters_are_independent_coordinates_from_outside() {
 
 #[test]
 fn a_change_of_chart_keeps_the_motion_and_can_be_recalled() {
-    let starts = fixed().reference().map(Some);
-    let mut closed = Closed::new(Twice.boxed(), about(starts.as_slice(), 4), T, &[]).unwrap();
+    let starts = start().map(Some);
+    let mut map = ImplicitMap::new(Twice.boxed(), about(starts.as_slice(), 4), T, &[]).unwrap();
     let f = [0.0; LINKS];
     let (mut q, mut v) = ([0.1, -0.2, 0.15], [0.4, -0.7, 1.1]);
     let mut a = vec![vec![0.3, 0.9, -0.2], vec![-1.0, 0.1, 0.5]];
     for independent in [Some([0, 2, 4]), None, Some([1, 2, 3])] {
-        let before = [0, 1].map(|k| everything(&closed, &q, &v, &a[k], &f)[..3].to_vec());
+        let before = [0, 1].map(|k| everything(&map, &q, &v, &a[k], &f)[..3].to_vec());
         let chosen = independent.as_ref().map(|k| &k[..]);
-        assert!(closed.switch(T, chosen, &mut q, &mut v, &mut a));
+        assert!(map.switch(T, chosen, &mut q, &mut v, &mut a));
         for k in 0..2 {
-            let after = everything(&closed, &q, &v, &a[k], &f)[..3].to_vec();
+            let after = everything(&map, &q, &v, &a[k], &f)[..3].to_vec();
             let gap = difference(&after, &before[k]);
             assert!(gap < 1e-13, "{independent:?}: {gap:e}");
         }
     }
     // A fresh one that recalls what this one remembers is the same to the last bit.
-    let mut fresh = Closed::new(Twice.boxed(), about(starts.as_slice(), 4), T, &[]).unwrap();
-    assert!(!fresh.restore(&closed.save()[1..]));
-    assert!(fresh.restore(&closed.save()));
+    let mut fresh = ImplicitMap::new(Twice.boxed(), about(starts.as_slice(), 4), T, &[]).unwrap();
+    assert!(!fresh.restore(&map.save()[1..]));
+    assert!(fresh.restore(&map.save()));
     let next = [q[0] + 0.02, q[1], q[2] - 0.01];
-    let [one, other] = [&closed, &fresh].map(|map| everything(map, &next, &v, &a[0], &f));
+    let [one, other] = [&map, &fresh].map(|map| everything(map, &next, &v, &a[0], &f));
     assert_eq!(one, other);
 }
 
@@ -208,7 +219,7 @@ fn a_change_of_chart_keeps_the_motion_and_can_be_recalled() {
 fn what_does_not_close_is_named() {
     // Five bars of length one do not reach 3 + 0.1 t² for t = 6.
     let starts = [None; LINKS];
-    let error = Closed::new(Twice.boxed(), about(&starts, 4), 6.0, &[])
+    let error = ImplicitMap::new(Twice.boxed(), about(&starts, 4), 6.0, &[])
         .err()
         .unwrap();
     assert!(
@@ -218,7 +229,7 @@ fn what_does_not_close_is_named() {
     assert!(error.to_string().contains('h'), "{error}");
     // Stretched out, the bars can only move sideways: the equations along them say nothing.
     let straight = Implicitly(5.0);
-    let error = Closed::new(straight.boxed(), about(&[None; LINKS], 2), 0.0, &[])
+    let error = ImplicitMap::new(straight.boxed(), about(&[None; LINKS], 2), 0.0, &[])
         .err()
         .unwrap();
     assert!(matches!(error, ImplicitError::Singular { .. }), "{error}");
@@ -289,14 +300,15 @@ fn kahan() -> Linear {
 
 #[test]
 fn where_pivoting_finds_no_good_split_the_tangent_space_is_taken() {
-    let mut closed = Closed::new(kahan().boxed(), about(&[None; COLUMNS], ROWS), 0.0, &[]).unwrap();
-    assert_eq!(closed.freedoms(), 1);
-    assert_eq!(closed.independent(), None);
-    let tangent = closed.condition(0.0, &[0.0]);
+    let mut map =
+        ImplicitMap::new(kahan().boxed(), about(&[None; COLUMNS], ROWS), 0.0, &[]).unwrap();
+    assert_eq!(map.freedoms(), 1);
+    assert_eq!(map.independent(), None);
+    let tangent = map.condition(0.0, &[0.0]);
     // The split that pivoting leads to, the last column, and the best one.
     let mut by = |k: usize| {
-        assert!(closed.switch(0.0, Some(&[k]), &mut [0.0], &mut [0.0], &mut []));
-        closed.condition(0.0, &[0.0])
+        assert!(map.switch(0.0, Some(&[k]), &mut [0.0], &mut [0.0], &mut []));
+        map.condition(0.0, &[0.0])
     };
     assert!(by(ROWS) > 1e3 * tangent);
     assert!(by(0) < 1.001 * tangent);
@@ -313,10 +325,10 @@ impl Map<2, 1> for Circle {
 }
 
 /// The circle at an angle, its first coordinate preferred or not.
-fn circle(angle: f64, preference: f64) -> Closed {
+fn circle(angle: f64, preference: f64) -> ImplicitMap {
     let mut about = about(&[Some(angle.cos()), Some(angle.sin())], 1);
     about.unknowns[0].preference = preference;
-    Closed::new(Circle.boxed(), about, 0.0, &[]).unwrap()
+    ImplicitMap::new(Circle.boxed(), about, 0.0, &[]).unwrap()
 }
 
 #[test]
@@ -339,15 +351,15 @@ fn preferred_coordinates_are_taken_up_to_ten_times_the_best_condition() {
 
 #[test]
 fn a_split_is_kept_until_its_condition_is_ten_for_each_unknown() {
-    let mut closed = circle(0.5, 1.0);
+    let mut map = circle(0.5, 1.0);
     let mut q = [0.0];
     for k in 1..500 {
         // Towards the position where the first coordinate has no slope.
         q[0] = (0.5 * (1.0 - 0.002 * f64::from(k))).cos() - 0.5_f64.cos();
-        let condition = closed.condition(0.0, &q);
-        if closed.reparametrize(0.0, &mut q, &mut [0.0], &mut []) {
+        let condition = map.condition(0.0, &q);
+        if map.reparametrize(0.0, &mut q, &mut [0.0], &mut []) {
             assert!((20.0..21.0).contains(&condition), "{condition}");
-            assert_eq!(closed.independent(), Some(vec![1]));
+            assert_eq!(map.independent(), Some(vec![1]));
             return;
         }
         assert!(condition <= 20.0, "{condition}");

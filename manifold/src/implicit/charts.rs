@@ -1,11 +1,8 @@
 //! The choice of the coordinates q, and its changes at converged states.
 
-use super::super::chart::RANK;
-use super::super::{Choice, GAIN};
-use super::Unknown;
-use super::core::{Chart, Core};
-use super::dense::product_tr;
-use crate::map::KinematicsMut;
+use super::core::{Chart, Core, RANK};
+use super::dense::{norm, product_tr};
+use super::{Choice, Unknown};
 use crate::so3;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
@@ -21,28 +18,34 @@ const POOR: f64 = 1e3;
 const PREFERRED: f64 = 10.0;
 /// A preference of 1 makes an unknown appear less dependent by this factor.
 const WEIGHT: f64 = 1e-3;
-/// Condition number, per unknown, up to which coordinates are kept even if others are better: a
-/// scheme conserves energy in one set of coordinates, and every change costs some. (The condition
-/// number of the identity is one per unknown.)
-const BAD: f64 = 10.0;
+/// Gain in the condition number that triggers a change of coordinates (hysteresis).
+const GAIN: f64 = 2.0;
 
 impl Core {
+    /// Length of row i of h_x, of coordinates over their sizes.
+    pub(super) fn row(&self, i: usize) -> f64 {
+        let entry = |k: usize| self.work.J[i + (self.p + k) * self.M] * self.size(k);
+        let squares = (0..self.X).map(|k| entry(k).powi(2));
+        squares.sum::<f64>().sqrt()
+    }
+
     /// Size of each equation: the length of its row, or its earlier maximum. A shrinking row
     /// indicates a singular configuration, which scaling must not hide; a row that vanishes beside
     /// the others has no size of its own.
     pub(super) fn measure(&mut self) {
-        let (p, X, M) = (self.p, self.X, self.M);
-        for i in 0..M {
-            let squares = (0..X).map(|k| (self.work.J[i + (p + k) * M] * self.size(k)).powi(2));
-            let now = squares.sum::<f64>().sqrt();
-            self.sizes[i] = now.max(self.sizes[i]);
+        for i in 0..self.M {
+            self.sizes[i] = self.row(i).max(self.sizes[i]);
         }
-        let about = &self.about.equations;
-        let relative = self.sizes.iter().zip(about).map(|(s, e)| s / e.size);
+        let units = self.about.equations.iter().map(|e| e.size.unwrap_or(1.0));
+        let relative = self
+            .sizes
+            .iter()
+            .zip(units.clone())
+            .map(|(s, unit)| s / unit);
         let most = relative.fold(f64::MIN_POSITIVE, f64::max);
-        for (size, equation) in self.sizes.iter_mut().zip(about) {
-            if *size <= RANK * most * equation.size {
-                *size = most * equation.size;
+        for (size, unit) in self.sizes.iter_mut().zip(units) {
+            if *size <= RANK * most * unit {
+                *size = most * unit;
             }
         }
     }
@@ -137,8 +140,11 @@ impl Core {
         }
     }
 
-    /// The best split, or the tangent space if none is good.
+    /// The best split, or the tangent space if that is the choice or no split is good.
     pub(super) fn choose(&mut self) -> f64 {
+        if self.about.choice == Choice::Tangent {
+            return self.best(Choice::Tangent);
+        }
         let split = self.best(Choice::Split);
         if split < POOR {
             return split;
@@ -159,7 +165,7 @@ impl Core {
         if chosen.independent.is_none() {
             return best;
         }
-        let most = (PREFERRED * best).min(BAD * self.X as f64);
+        let most = (PREFERRED * best).min(self.good().max(GAIN * best));
         for least in [0.0, 0.5] {
             let condition = self.best_by(Choice::Split, |u| {
                 let preference = if u.preference > least {
@@ -175,6 +181,11 @@ impl Core {
         }
         self.work.trial = chosen;
         self.factorise(true)
+    }
+
+    /// Condition number up to which coordinates are kept. (That of the identity is one per unknown.)
+    fn good(&self) -> f64 {
+        self.about.good_condition * self.X as f64
     }
 
     /// Makes a converged state the start of Newton's method.
@@ -197,13 +208,12 @@ impl Core {
         v: &mut [f64],
         a: &mut [Vec<f64>],
     ) -> bool {
-        if !self.remember(t, q) {
+        if !self.remember(t, q) || self.about.choice == Choice::Fixed {
             return false;
         }
         let now = self.work.condition;
-        let turned =
-            (self.about.rotations.iter()).any(|&k| super::dense::norm(&self.x()[k..k + 3]) > PI);
-        if !turned && now <= BAD * self.X as f64 {
+        let turned = (self.about.rotations.iter()).any(|&k| norm(&self.x()[k..k + 3]) > PI);
+        if !turned && now <= self.good() {
             return false;
         }
         if !turned {
@@ -244,53 +254,42 @@ impl Core {
         a: &mut [Vec<f64>],
     ) -> bool {
         let (p, X, D) = (self.p, self.X, self.D);
-        let Q = D + p;
-        let mut x = vec![0.0; X];
-        let (mut x_dot, mut fall) = (x.clone(), x.clone());
-        let (mut B, mut B_dot, mut B_ddot) = (vec![0.0; X * Q], vec![0.0; X * Q], vec![0.0; X * Q]);
-        // The factorisation in the old chart, at the same position.
-        self.refresh(t, q);
-        let out = KinematicsMut {
-            x: &mut x,
-            x_dot: &mut x_dot,
-            x_ddot: &mut fall,
-            B: &mut B,
-            B_dot: &mut B_dot,
-            B_ddot: &mut B_ddot,
-        };
-        self.kinematics(t, q, v, &vec![0.0; Q], out);
-        let mut x_ddot: Vec<Vec<f64>> = Vec::with_capacity(a.len());
-        for a in a.iter() {
-            let mut out = vec![0.0; X];
-            super::dense::product([X, Q, 1], &B, a, &mut out);
-            out.iter_mut().zip(&fall).for_each(|(o, f)| *o += f);
-            x_ddot.push(out);
+        let turned = wanted.is_none();
+        if turned {
+            self.turn(0);
         }
-        let kept = (self.work.y.clone(), self.sizes.clone());
-        if wanted.is_none() {
-            self.turn(&mut x, &mut x_dot, &mut x_ddot);
-        }
-        self.work.y[p..].copy_from_slice(&x);
         self.linearise(t);
         let condition = match wanted {
             None => self.choose(),
             Some(Some(k)) => self.split(k),
             Some(None) => self.best(Choice::Tangent),
         };
+        // The motion in the old chart.
+        self.work.y[p..].copy_from_slice(&self.anchor.x);
+        self.refresh(t, q);
         if condition.is_infinite() {
-            (self.work.y, self.sizes) = kept;
-            self.refresh(t, q);
             return false;
         }
-        std::mem::swap(&mut self.chart, &mut self.work.trial);
-        let relative: Vec<f64> = x.iter().zip(&self.reference).map(|(x, r)| x - r).collect();
-        let L = &self.chart.L;
-        product_tr([D, X, 1], L, &relative, &mut q[..D]);
-        product_tr([D, X, 1], L, &x_dot, &mut v[..D]);
-        for (a, x_ddot) in a.iter_mut().zip(&x_ddot) {
-            product_tr([D, X, 1], L, x_ddot, &mut a[..D]);
+        self.rates(t, v);
+        for a in a {
+            self.accelerations(a);
+            if turned {
+                self.turn(2);
+            }
+            let w = &self.work;
+            product_tr([D, X, 1], &w.trial.L, &w.y_ddot[p..], &mut a[..D]);
         }
-        self.h.change_charts(t, &self.work.y);
+        if turned {
+            self.turn(1);
+            self.turn(0);
+        }
+        let w = &mut self.work;
+        product_tr([D, X, 1], &w.trial.L, &w.y_dot[p..], &mut v[..D]);
+        let relative = w.dx.iter_mut().zip(&w.y[p..]).zip(&self.reference);
+        relative.for_each(|((dx, x), reference)| *dx = x - reference);
+        product_tr([D, X, 1], &w.trial.L, &w.dx, &mut q[..D]);
+        std::mem::swap(&mut self.chart, &mut w.trial);
+        self.h.change_charts(t, &w.y);
         self.refresh(t, q)
     }
 
@@ -313,24 +312,28 @@ impl Core {
         }
     }
 
-    /// Changes rotation vectors beyond π to their complements, with rates.
-    fn turn(&self, x: &mut [f64], x_dot: &mut [f64], x_ddot: &mut [Vec<f64>]) {
+    /// Changes rotation vectors beyond π to their complements: those of x, or the rates or
+    /// accelerations of these rotations.
+    fn turn(&mut self, order: usize) {
+        let p = self.p;
+        let w = &mut self.work;
         for &k in &self.about.rotations {
             let three = |x: &[f64]| Vector3::new(x[k], x[k + 1], x[k + 2]);
-            let put = |to: &mut [f64], x: Vector3<f64>| {
-                to[k..k + 3].copy_from_slice(x.as_slice());
-            };
-            let (psi, rate) = (three(x), three(x_dot));
+            let (psi, rate) = (three(&self.anchor.x), three(&w.y_dot[p..]));
             if psi.norm() <= PI {
                 continue;
             }
-            let (B, B_dot) = (so3::B_s(&psi), so3::B_s_dot(&rate, &psi));
-            put(x, so3::complement(&psi));
-            put(x_dot, B * rate);
-            for a in x_ddot.iter_mut() {
-                let second = B * three(a) + B_dot * rate;
-                put(a, second);
-            }
+            let B = so3::B_s(&psi);
+            let (to, turned) = match order {
+                0 => (&mut w.y, so3::complement(&psi)),
+                1 => (&mut w.y_dot, B * rate),
+                _ => {
+                    let second = three(&w.y_ddot[p..]);
+                    let turned = B * second + so3::B_s_dot(&rate, &psi) * rate;
+                    (&mut w.y_ddot, turned)
+                }
+            };
+            to[p + k..p + k + 3].copy_from_slice(turned.as_slice());
         }
     }
 
@@ -377,29 +380,5 @@ impl Core {
         let used = self.chart.used.iter().filter(|&&u| u).count();
         let complete = (self.chart.independent.as_ref()).is_none_or(|k| k.len() == D);
         used == X - D && complete && self.refresh(t, &q)
-    }
-
-    pub(super) fn describe(&self) -> String {
-        let names = |k: &Vec<usize>| {
-            let names: Vec<&str> = k
-                .iter()
-                .map(|&k| self.about.unknowns[k].name.as_str())
-                .collect();
-            format!("independent: {}", names.join(", "))
-        };
-        let chart = match &self.chart.independent {
-            Some(k) if k.is_empty() => "nothing is free".to_owned(),
-            Some(k) => names(k),
-            None => "coordinates in the tangent space".to_owned(),
-        };
-        let redundant: Vec<&str> = (0..self.M)
-            .filter(|&i| !self.chart.used[i])
-            .map(|i| self.about.equations[i].name.as_str())
-            .collect();
-        if redundant.is_empty() {
-            chart
-        } else {
-            format!("{chart}; redundant: {}", redundant.join(", "))
-        }
     }
 }

@@ -1,6 +1,6 @@
 //! Path from the last converged state to another one, on one branch of solutions.
 
-use super::super::DomainError;
+use super::DomainError;
 use super::core::Core;
 use std::f64::consts::PI;
 

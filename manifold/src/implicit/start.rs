@@ -1,10 +1,7 @@
 //! The first configuration: h(t, p, x) = 0 from a guess, before coordinates q exist.
 
-use super::super::ImplicitError;
-use super::super::chart::RANK;
-use super::super::solve::{CONSISTENT, CONVERGED, ROUNDING};
-use super::Description;
-use super::core::{Anchor, Chart, Core, Work};
+use super::core::{Anchor, CONSISTENT, CONVERGED, Chart, Core, RANK, ROUNDING, Work};
+use super::{Description, ImplicitError};
 use crate::map::Parametrization;
 
 /// Iterations at most.
@@ -14,9 +11,12 @@ const STAGES: usize = 32;
 /// Distance (relative to sizes) at which the rank is checked again, to distinguish a singular
 /// configuration from a mechanism that moves.
 pub(super) const ASIDE: f64 = 1e-3;
+/// A gradient smaller than this relative to its value beside the solution vanishes there: if an
+/// equation only touches zero, Newton's method ends about 1e-10 away.
+const VANISHES: f64 = 1e-5;
 
 /// Components of a direction that no symmetry distinguishes.
-pub(in crate::implicit) fn aside(k: usize) -> f64 {
+fn aside(k: usize) -> f64 {
     1.0 + (1.7 * (k + 1) as f64).sin()
 }
 
@@ -26,6 +26,7 @@ impl Core {
         about: Description,
         t: f64,
         p: &[f64],
+        guess: &[f64],
     ) -> Result<Self, ImplicitError> {
         let (N, M) = h.dims();
         let X = about.unknowns.len();
@@ -40,29 +41,31 @@ impl Core {
             D: 0,
             reference: vec![0.0; X],
             chart: Chart::default(),
-            anchor: Anchor::default(),
+            anchor: Anchor {
+                t,
+                ..Anchor::default()
+            },
             sizes: vec![0.0; M],
             work: Work::default(),
             parked: Anchor::default(),
         };
         core.reserve();
         core.work.y[..p.len()].copy_from_slice(p);
+        core.work.y[p.len()..].copy_from_slice(guess);
         core.close(t)?;
         core.reference = core.x().to_vec();
-        core.sizes.fill(0.0);
-        core.linearise(t);
-        core.measure();
-        core.rank_equations();
-        let rank = core.work.equations.rank(RANK);
+        let rank = core.rank(t);
+        core.refuse_touching(t, rank)?;
+        if core.about.freedoms.is_some() && rank < core.most() {
+            return Err(core.singular_start(core.most()));
+        }
         core.D = X - rank;
         core.look_aside(t, rank)?;
         let y = core.work.y.clone();
         core.reserve();
         core.work.y = y;
         core.h.change_charts(t, &core.work.y);
-        core.linearise(t);
-        core.sizes.fill(0.0);
-        core.measure();
+        core.rank(t);
         if core.choose_first().is_infinite() {
             return Err(core.singular_start(X - rank));
         }
@@ -79,6 +82,20 @@ impl Core {
         let q = core.anchor.q.clone();
         core.refresh(t, &q);
         Ok(core)
+    }
+
+    /// Largest possible rank of h_x.
+    fn most(&self) -> usize {
+        self.X.saturating_sub(self.about.freedoms.unwrap_or(0))
+    }
+
+    /// Rank of h_x at the present position, with the sizes of equations there.
+    fn rank(&mut self, t: f64) -> usize {
+        self.linearise(t);
+        self.sizes.fill(0.0);
+        self.measure();
+        self.rank_equations();
+        self.work.equations.rank(RANK)
     }
 
     /// Finds x that satisfies the equations, from zero or from the desired values.
@@ -145,10 +162,7 @@ impl Core {
         let mut before = f64::INFINITY;
         for _ in 0..ITERATIONS {
             self.linearise(t);
-            let finite = |i: usize| {
-                let J = &self.work.J;
-                self.work.h[i].is_finite() && (0..p + X).all(|k| J[i + k * M].is_finite())
-            };
+            let finite = |i: usize| self.work.h[i].is_finite() && self.row(i).is_finite();
             if let Some(i) = (0..M).find(|&i| !finite(i)) {
                 let equation = self.about.equations[i].name.clone();
                 return Err(ImplicitError::NotFinite { equation });
@@ -159,11 +173,12 @@ impl Core {
                 self.work.J[(p + k) * M..(p + k + 1) * M].fill(0.0);
             }
             self.rank_equations();
+            let most = self.most();
             let w = &mut self.work;
             // With the basis Q of their gradients the equations are triangular in y, ξ = Q y.
             let mut step = vec![0.0; X];
             let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-            for k in 0..w.equations.rank(RANK) {
+            for k in 0..w.equations.rank(RANK).min(most) {
                 let i = w.equations.order[k];
                 let row = &w.scaled[i * X..(i + 1) * X];
                 let direction = w.equations.direction(k);
@@ -186,18 +201,60 @@ impl Core {
         Err(self.open())
     }
 
-    /// Whether all equations hold.
+    /// Whether all equations hold, and leave enough coordinates free.
     fn hold(&mut self, t: f64) -> Result<(), ImplicitError> {
-        self.linearise(t);
-        self.sizes.fill(0.0);
-        self.measure();
-        let wrong = |i: &usize| {
-            self.work.h[*i].abs() > CONSISTENT * self.sizes[*i].max(self.about.equations[*i].size)
-        };
-        match (0..self.M).find(wrong) {
-            None => Ok(()),
-            Some(_) => Err(self.open()),
+        let rank = self.rank(t);
+        if rank > self.most() {
+            let last = self.work.equations.order[rank - 1];
+            return Err(ImplicitError::TooManyEquations {
+                equation: self.about.equations[last].name.clone(),
+                rank,
+                left: self.X - rank,
+                coordinates: self.X,
+                expected: self.X - self.most(),
+            });
         }
+        let wrong =
+            |i: &usize| self.work.h[*i].abs() > CONSISTENT * self.sizes[*i].max(self.scale(*i));
+        let Some(i) = (0..self.M).find(wrong) else {
+            return Ok(());
+        };
+        if self.p > 0 {
+            return Err(self.open());
+        }
+        let (equation, residual) = (self.about.equations[i].name.clone(), self.work.h[i]);
+        if self.row(i) <= RANK * self.sizes[i] {
+            return Err(ImplicitError::Flat { equation, residual });
+        }
+        Err(ImplicitError::Inconsistent {
+            equation,
+            others: self.others(i),
+            residual,
+        })
+    }
+
+    /// Length of each row of h_x beside the present position.
+    pub(super) fn rows_beside(&mut self, t: f64) -> Vec<f64> {
+        let (p, y) = (self.p, self.work.y.clone());
+        for k in 0..self.X {
+            self.work.y[p + k] += ASIDE * aside(k) * self.size(k);
+        }
+        self.linearise(t);
+        let rows = (0..self.M).map(|i| self.row(i)).collect();
+        self.work.y = y;
+        self.linearise(t);
+        rows
+    }
+
+    /// Refuses equations in use with a gradient that vanishes here and does not beside.
+    fn refuse_touching(&mut self, t: f64, rank: usize) -> Result<(), ImplicitError> {
+        let beside = self.rows_beside(t);
+        let used = self.work.equations.order.iter().take(rank.max(1));
+        let mut flat = used.filter(|&&i| self.row(i) < VANISHES * beside[i]);
+        flat.next().map_or(Ok(()), |&i| {
+            let equation = self.about.equations[i].name.clone();
+            Err(ImplicitError::Touching { equation })
+        })
     }
 
     fn open(&self) -> ImplicitError {

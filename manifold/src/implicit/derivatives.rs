@@ -1,12 +1,12 @@
 //! Derivatives of the solution: [M04] (172)–(173) along a motion.
 
-use super::super::dense::{product, product_tr};
-use super::{Core, Work};
+use super::core::{Core, Work};
+use super::dense::{product, product_tr};
 use crate::map::{KinematicsMut, Parametrization};
 use nalgebra::{DMatrix, DVector};
 
 impl Core {
-    pub(in super::super) fn kinematics(
+    pub(super) fn kinematics(
         &mut self,
         t: f64,
         q: &[f64],
@@ -14,8 +14,7 @@ impl Core {
         a: &[f64],
         out: KinematicsMut<'_>,
     ) {
-        let solved = self.solve(t, q).is_ok();
-        if !solved {
+        if self.solve(t, q).is_err() {
             for part in [out.x, out.x_dot, out.x_ddot, out.B, out.B_dot, out.B_ddot] {
                 part.fill(f64::NAN);
             }
@@ -23,31 +22,12 @@ impl Core {
         }
         let (p, X, M, D) = (self.p, self.X, self.M, self.D);
         let (N, Q) = (p + X, D + p);
-        self.embed();
+        self.rates(t, v);
+        self.accelerations(a);
         let w = &mut self.work;
         out.x.copy_from_slice(&w.y[p..]);
         out.B.copy_from_slice(&w.Y);
-        // ẏ = Z (q̇, ṗ), less the explicit time term; ÿ is not known yet.
-        product([N, Q, 1], &w.Z, v, &mut w.y_dot);
-        w.y_ddot.fill(0.0);
-        along(&*self.h, t, w);
-        if w.h_dot.iter().any(|h| h.abs() > 0.0) {
-            let mut moved = false;
-            for k in 0..X {
-                let by: f64 = (0..M).map(|i| w.P[k + i * X] * w.h_dot[i]).sum();
-                moved |= by.abs() > 1e-14 * (1.0 + w.y_dot[p + k].abs());
-                w.y_dot[p + k] -= by;
-            }
-            if moved {
-                along(&*self.h, t, w);
-            }
-        }
         out.x_dot.copy_from_slice(&w.y_dot[p..]);
-        product([N, Q, 1], &w.Z, a, &mut w.y_ddot);
-        for k in 0..X {
-            let by: f64 = (0..M).map(|i| w.P[k + i * X] * w.h_ddot[i]).sum();
-            w.y_ddot[p + k] -= by;
-        }
         out.x_ddot.copy_from_slice(&w.y_ddot[p..]);
         if w.y_ddot.iter().any(|y| *y != 0.0) {
             along(&*self.h, t, w);
@@ -69,6 +49,39 @@ impl Core {
         out.B_ddot.iter_mut().for_each(|b| *b = -*b);
     }
 
+    /// ẏ at the solution in the workspace, and what ḧ is without accelerations of q and p.
+    pub(super) fn rates(&mut self, t: f64, v: &[f64]) {
+        let (p, X, M, N) = (self.p, self.X, self.M, self.p + self.X);
+        self.embed();
+        let w = &mut self.work;
+        // Z (q̇, ṗ), less the explicit time term; ÿ is not known yet.
+        product([N, v.len(), 1], &w.Z, v, &mut w.y_dot);
+        w.y_ddot.fill(0.0);
+        along(&*self.h, t, w);
+        if w.h_dot.iter().any(|h| h.abs() > 0.0) {
+            let mut moved = false;
+            for k in 0..X {
+                let by: f64 = (0..M).map(|i| w.P[k + i * X] * w.h_dot[i]).sum();
+                moved |= by.abs() > 1e-14 * (1.0 + w.y_dot[p + k].abs());
+                w.y_dot[p + k] -= by;
+            }
+            if moved {
+                along(&*self.h, t, w);
+            }
+        }
+    }
+
+    /// ÿ after [`Core::rates`].
+    pub(super) fn accelerations(&mut self, a: &[f64]) {
+        let (p, X, M, N) = (self.p, self.X, self.M, self.p + self.X);
+        let w = &mut self.work;
+        product([N, a.len(), 1], &w.Z, a, &mut w.y_ddot);
+        for k in 0..X {
+            let by: f64 = (0..M).map(|i| w.P[k + i * X] * w.h_ddot[i]).sum();
+            w.y_ddot[p + k] -= by;
+        }
+    }
+
     /// Z = ∂(p, x)/∂(q, p).
     fn embed(&mut self) {
         let (p, X, D) = (self.p, self.X, self.D);
@@ -83,13 +96,7 @@ impl Core {
         }
     }
 
-    pub(in super::super) fn geometric_stiffness(
-        &mut self,
-        t: f64,
-        q: &[f64],
-        f: &[f64],
-        K: &mut [f64],
-    ) {
+    pub(super) fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
         if self.solve(t, q).is_err() {
             K.fill(f64::NAN);
             return;
@@ -108,7 +115,7 @@ impl Core {
     /// Solves f + h_xᵀ μ = 0 along the dependent coordinates for μ. With redundant equations, the
     /// solution of least norm, each entry times the size of its equation: the load sharing of equal
     /// springs.
-    pub(in super::super) fn multipliers(&mut self, f: &[f64], mu: &mut [f64]) {
+    pub(super) fn multipliers(&mut self, f: &[f64], mu: &mut [f64]) {
         product_tr([self.M, self.X, 1], &self.work.P, f, mu);
         mu.iter_mut().for_each(|m| *m = -*m);
         if self.chart.used.iter().any(|used| !used) {
@@ -120,7 +127,7 @@ impl Core {
         self.rank_equations();
         let (p, M, rank) = (self.p, self.M, self.X - self.D);
         let (w, about) = (&self.work, &self.about);
-        let size = |i: usize| about.equations[i].size;
+        let size = |i: usize| self.scale(i);
         // The gradients of equations over their sizes, in an orthonormal basis of their space.
         let C = DMatrix::from_fn(rank, M, |k, i| {
             let direction = w.equations.direction(k).iter().enumerate();

@@ -1,16 +1,20 @@
 //! Newton's method on h(t, p, x) = 0.
 
-mod derivatives;
-
-use super::super::chart::RANK;
-use super::super::solve::{CONSISTENT, CONVERGED, ROUNDING};
-use super::super::{Choice, DomainError};
-use super::Description;
 use super::dense::{Inverse, Pivoted, norm, product};
+use super::{Description, DomainError};
 use crate::map::Parametrization;
 
-/// Condition number per unknown, of the best chart, beyond which a singular configuration is near.
-const CLOSE: f64 = 20.0;
+/// Equations whose gradients add less than this to the span of the others depend on them; a
+/// condition number beyond its inverse is singular.
+pub(super) const RANK: f64 = 1e-8;
+/// Largest residual of a redundant equation, as a relative change of coordinates, that counts as zero.
+pub(super) const CONSISTENT: f64 = 1e-9;
+/// Correction relative to the sizes of the coordinates that ends Newton's method; the next one
+/// would be its square.
+pub(super) const CONVERGED: f64 = 1e-13;
+/// Correction that may be rounding if the condition number is large.
+pub(super) const ROUNDING: f64 = 1e-10;
+
 /// Largest number of iterations from the last converged state.
 const ITERATIONS: usize = 30;
 
@@ -56,7 +60,7 @@ pub(super) struct Anchor {
 }
 
 /// The last solution, and scratch.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub(super) struct Work {
     /// Time and (q, p) of the present content, if any.
     t: f64,
@@ -77,20 +81,20 @@ pub(super) struct Work {
     inverse: Vec<f64>,
     factors: Inverse,
     length: Vec<f64>,
-    dx: Vec<f64>,
+    pub dx: Vec<f64>,
     /// Second and third derivatives of the equations, and motions.
-    h_dot: Vec<f64>,
-    h_ddot: Vec<f64>,
-    J_dot: Vec<f64>,
-    J_ddot: Vec<f64>,
-    y_dot: Vec<f64>,
-    y_ddot: Vec<f64>,
-    Z: Vec<f64>,
-    Z_dot: Vec<f64>,
-    JZ: Vec<f64>,
-    lambda: Vec<f64>,
-    bend: Vec<f64>,
-    bent: Vec<f64>,
+    pub h_dot: Vec<f64>,
+    pub h_ddot: Vec<f64>,
+    pub J_dot: Vec<f64>,
+    pub J_ddot: Vec<f64>,
+    pub y_dot: Vec<f64>,
+    pub y_ddot: Vec<f64>,
+    pub Z: Vec<f64>,
+    pub Z_dot: Vec<f64>,
+    pub JZ: Vec<f64>,
+    pub lambda: Vec<f64>,
+    pub bend: Vec<f64>,
+    pub bent: Vec<f64>,
     pub scaled: Vec<f64>,
     pub rows: Vec<f64>,
     pub equations: Pivoted,
@@ -102,17 +106,19 @@ pub(super) struct Work {
 
 impl Clone for Core {
     fn clone(&self) -> Self {
-        Self {
+        let mut copy = Self {
             h: self.h.duplicate(),
             about: self.about.clone(),
             reference: self.reference.clone(),
             chart: self.chart.clone(),
             anchor: self.anchor.clone(),
             sizes: self.sizes.clone(),
-            work: self.work.clone(),
+            work: Work::default(),
             parked: self.parked.clone(),
             ..*self
-        }
+        };
+        copy.reserve();
+        copy
     }
 }
 
@@ -160,9 +166,15 @@ impl Core {
         self.about.unknowns[k].size
     }
 
+    /// Size of equation `i`.
+    pub(super) fn scale(&self, i: usize) -> f64 {
+        self.about.equations[i].size.unwrap_or(self.sizes[i])
+    }
+
     /// h and h_y at y, into the workspace.
     pub(super) fn linearise(&mut self, t: f64) {
         let w = &mut self.work;
+        w.valid = false;
         self.h.tangent(t, &w.y, &mut w.h, &mut w.J);
     }
 
@@ -228,7 +240,6 @@ impl Core {
         if self.work.valid && self.work.t == t && self.work.q == q {
             return Ok(());
         }
-        self.work.valid = false;
         if self.anchor.t == t && self.anchor.q == q {
             self.work.y[self.p..].copy_from_slice(&self.anchor.x);
             self.work.y[..self.p].copy_from_slice(&q[self.D..]);
@@ -313,14 +324,13 @@ impl Core {
         }
         // Newton's method leaves the residual before its last correction.
         self.linearise(t);
-        self.work.valid = false;
         let worst = self.worst();
-        (self.work.h[worst] / self.about.equations[worst].size).abs()
+        (self.work.h[worst] / self.scale(worst)).abs()
     }
 
     /// The equation with the largest residual relative to its size.
     pub(super) fn worst(&self) -> usize {
-        let off = |i: usize| (self.work.h[i] / self.about.equations[i].size).abs();
+        let off = |i: usize| (self.work.h[i] / self.scale(i)).abs();
         let mut worst = 0;
         for i in 0..self.M {
             if off(i) > off(worst) || off(i).is_nan() {
@@ -343,43 +353,9 @@ impl Core {
         Ok(())
     }
 
-    /// The singular configuration near a state, if any: no chart has a fair condition number there.
-    pub(super) fn close_to_singular(&mut self, at: &Anchor) -> Option<DomainError> {
-        let rank = self.X - self.D;
-        if rank == 0 {
-            return None;
-        }
-        let w = &mut self.work;
-        w.valid = false;
-        w.y[..self.p].copy_from_slice(&at.q[self.D..]);
-        w.y[self.p..].copy_from_slice(&at.x);
-        self.linearise(at.t);
-        let condition = self.best(Choice::Tangent);
-        if condition <= CLOSE * self.X as f64 {
-            return None;
-        }
-        let (equations, coordinates) = self.dependences_beyond(rank - 1, rank);
-        Some(DomainError::Singular {
-            condition,
-            equations,
-            coordinates,
-        })
-    }
-
-    fn singular(&mut self) -> DomainError {
-        let condition = self.work.condition;
-        let (equations, coordinates) = self.dependences(self.X - self.D);
-        DomainError::Singular {
-            condition,
-            equations,
-            coordinates,
-        }
-    }
-
     /// Updates A⁻¹ and all operators to the x in the workspace, where Newton's method starts next;
     /// false if A is singular there.
     pub(super) fn refresh(&mut self, t: f64, q: &[f64]) -> bool {
-        self.work.valid = false;
         self.linearise(t);
         self.measure();
         let condition = self.factorise(false);

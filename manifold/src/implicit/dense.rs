@@ -1,7 +1,5 @@
 //! Small matrices of sizes known only at run time, column by column in slices.
 
-#![allow(non_snake_case)]
-
 use std::ops::Range;
 
 /// out = A B, with A m×k and B k×n.
