@@ -9,9 +9,6 @@ use crate::linear_solver::LinearSolver;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError};
 use std::ops::ControlFlow;
 
-/// Values closer to zero than this part of their change over a step are zero.
-const ZERO: f64 = 1e-12;
-
 /// An event; see [`Simulation::add_event`](super::Simulation::add_event).
 pub(super) struct Event<Y> {
     pub value: Box<Value<Y>>,
@@ -27,7 +24,7 @@ pub(super) struct Occurrences {
     /// Values at the end of the step.
     values: Vec<f64>,
     /// Events with at least this value occur there, in parts of that at the beginning.
-    least: f64,
+    pub least: Option<f64>,
     /// Events at the end of the last step.
     pub events: Vec<usize>,
     /// Whether one of them stopped the run.
@@ -48,11 +45,6 @@ impl Run {
         Ok(ratios(before, values).fold(f64::NEG_INFINITY, |m, (_, ratio)| m.max(ratio)))
     }
 
-    /// Notes that the events with this value occur at the end of the step, or that none does.
-    pub(super) fn set_occurring(&mut self, value: Option<f64>) {
-        self.occurrences.least = value.map_or(f64::INFINITY, |value| value.min(0.0) - ZERO);
-    }
-
     /// Applies the events at the end of the accepted step.
     pub(super) fn apply_events<Y: System>(
         &mut self,
@@ -62,9 +54,11 @@ impl Run {
         progress: &mut Progress,
     ) -> Result<(), DynamicsError> {
         let now = &mut self.occurrences;
-        let occurring = ratios(&progress.events, &now.values).filter(|(_, x)| *x >= now.least);
         now.events.clear();
-        now.events.extend(occurring.map(|(k, _)| k));
+        if let Some(least) = now.least {
+            let occurring = ratios(&progress.events, &now.values).filter(|(_, x)| *x >= least);
+            now.events.extend(occurring.map(|(k, _)| k));
+        }
         progress.events.clone_from(&now.values);
         if now.events.is_empty() {
             return Ok(());
@@ -95,7 +89,7 @@ impl Run {
         }
         let values = &mut self.occurrences.values;
         evaluate(system, events, &state, values)
-            .and_then(|()| place(system, &progress.state))
+            .and_then(|()| configure(system, &progress.state))
             .map_err(|source| DynamicsError::System { t, source })?;
         progress.events.resize(events.len(), 0.0);
         for (old, new) in progress.events.iter_mut().zip(values) {
@@ -115,7 +109,7 @@ fn ratios<'a>(before: &'a [f64], values: &'a [f64]) -> impl Iterator<Item = (usi
 }
 
 /// Evaluates the system at a state: its configuration is then that.
-fn place(system: &mut dyn System, state: &State) -> Result<(), SystemError> {
+fn configure(system: &mut dyn System, state: &State) -> Result<(), SystemError> {
     let State { t, q, v, a, .. } = state;
     let mut r = vec![0.0; q.len()];
     system.evaluate(Point { t: *t, q, v, a }, Evaluation::residual(&mut r))
@@ -132,7 +126,7 @@ fn evaluate<Y: System>(
     if events.is_empty() {
         return Ok(());
     }
-    place(system, state)?;
+    configure(system, state)?;
     for (k, event) in events.iter_mut().enumerate() {
         let value = (event.value)(system, state);
         if !value.is_finite() {
@@ -169,7 +163,7 @@ impl Crossing {
         *latest = (t, value);
         let width = t - other.0;
         let by = value * width / (value - other.1);
-        if value < 0.0 && !(by < 0.0) {
+        if value <= other.1 && other.1 < 0.0 {
             f64::NEG_INFINITY
         } else if value < -0.5 && by > 1e-3 * width {
             // The value at the beginning may itself be close to zero: bisection leaves it behind.

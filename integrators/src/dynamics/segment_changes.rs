@@ -63,7 +63,7 @@ impl Run {
         for attempt in 0..=REGULA_FALSI {
             let value = self.event_value(system, watched, &progress.events)?;
             let event = crossing.overshoot(end, value);
-            self.set_occurring((event >= -met).then_some(value));
+            self.occurrences.least = (event >= -met).then(|| value.min(0.0) - MET);
             let (start, next) = (point(&progress.state), point(&self.stepper.next));
             let target = |by: f64| end - by + 0.5 * met;
             let mut segment = events(system).value(start, next);
@@ -71,11 +71,7 @@ impl Run {
                 segment = f64::NEG_INFINITY;
             }
             let by = segment.max(event);
-            let most = if event > segment {
-                REGULA_FALSI
-            } else {
-                NEWTON
-            };
+            let most = [NEWTON, REGULA_FALSI][usize::from(event > segment)];
             if !(by > -near && by.abs() > met) || attempt == most {
                 break;
             }

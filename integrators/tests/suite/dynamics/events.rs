@@ -3,7 +3,9 @@
 #![allow(non_snake_case)]
 
 use crate::support::dynamics::{Pendulum, schemes};
-use pullback_integrators::dynamics::{DynamicOptions, Scheme, Simulation, State, start};
+use pullback_integrators::dynamics::{
+    Adaptivity, DynamicOptions, Scheme, Simulation, State, start,
+};
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{
     Energetics, Energies, Evaluation, Events, Point, System, SystemError,
@@ -97,11 +99,18 @@ fn a_load_is_released_where_the_mass_passes() {
     let (t1, v1) = ((2.0_f64 / 3.0).sqrt(), 6.0_f64.sqrt());
     let more = ["radau", "bathe", "central-difference", "projected-newmark"];
     let named = |word: &&str| Scheme::named(word, &[]).unwrap();
-    for scheme in schemes().into_iter().chain(more.iter().map(named)) {
+    let adaptive = Adaptivity {
+        tolerance: 1e-5,
+        max_step: 0.3,
+    };
+    let equal = schemes().into_iter().chain(more.iter().map(named));
+    let equal = equal.map(|scheme| (scheme, None));
+    for (scheme, adaptivity) in equal.chain([(Scheme::default(), Some(adaptive))]) {
         let mut system = Mass::new(3.0);
         let state = start(&system, 0.0, &[], &[]).unwrap();
         let options = DynamicOptions {
             scheme,
+            adaptivity,
             ..DynamicOptions::new(2.0, 0.1)
         };
         let mut run = Simulation::new(&mut system, state, &options).unwrap();
@@ -257,6 +266,34 @@ fn an_event_at_its_own_location_occurs_once() {
         run.add_event(|_, state| state.q[0], onward);
         let found: Vec<_> = times(&mut run).into_iter().filter(|e| e.0 == 0).collect();
         close(&found, &exact, 1e-11);
+    }
+}
+
+#[test]
+fn a_value_that_almost_reaches_zero_does_not_lengthen_steps() {
+    // Thrown up, the mass is 0.5 m high after 1 s.
+    for (height, exact) in [
+        (0.5001, vec![]),
+        (0.5 + 1e-9, vec![]),
+        (0.4999, vec![(0, 1.0 - 2e-4_f64.sqrt())]),
+    ] {
+        let mut system = Mass::new(-1.0);
+        let state = start(&system, 0.0, &[], &[1.0]).unwrap();
+        let options = DynamicOptions::new(2.0, 0.1);
+        let mut run = Simulation::new(&mut system, state, &options).unwrap();
+        run.add_event(move |_, state| state.q[0] - height, onward);
+        let mut found = Vec::new();
+        while let Some(step) = run.step().unwrap() {
+            assert!(step.step_size < 0.1 * 1.02, "{}", step.step_size);
+            let t = step.progress.state.t;
+            found.extend(step.events.iter().map(|k| (*k, t)));
+        }
+        close(&found, &exact, 1e-11);
+        let [steps, evaluations] = {
+            let summary = run.progress().summary;
+            [summary.steps, summary.evaluations]
+        };
+        assert!(steps < 25 && evaluations < 200, "{steps}, {evaluations}");
     }
 }
 
