@@ -1,4 +1,4 @@
-//! A simulation inside another program: a joint with a digital controller, and a snapshot.
+//! A simulation inside another program: a joint with a digital controller, a snapshot, and events.
 
 use nalgebra::Matrix3;
 use pullback::Failure;
@@ -6,6 +6,7 @@ use pullback::elements::joint::revolute;
 use pullback::elements::load::CoordinateForce;
 use pullback::elements::time::Input;
 use pullback::prelude::*;
+use std::ops::ControlFlow::{Break, Continue};
 
 /// Moment of inertia about the axis, and the gains of the controller.
 const INERTIA: f64 = 0.4;
@@ -71,5 +72,27 @@ fn main() -> Result<(), Failure> {
         run.step()?;
     }
     assert_eq!(run.state(), &end);
+
+    // From 0.5 rad at rest the motor turns the joint back. It is switched off at 0 rad, and the run
+    // ends at −1 rad.
+    input.set(-5.0 * INERTIA);
+    let first = start(&context, 0.0, &[0.5], &[0.0])?;
+    let mut run = Simulation::new(&mut context, first, &options)?;
+    run.add_event(
+        |_, state| -state.q[0],
+        move |_, _| {
+            input.set(0.0);
+            Continue(())
+        },
+    );
+    run.add_event(|_, state| -1.0 - state.q[0], |_, _| Break(()));
+    let mut times = Vec::new();
+    while let Some(step) = run.step()? {
+        times.extend(step.events.iter().map(|_| step.progress.state.t));
+    }
+    for (time, exact) in times.iter().zip([0.2_f64.sqrt(), 0.8_f64.sqrt()]) {
+        assert!((time - exact).abs() < 1e-12, "{times:?}");
+    }
+    assert_eq!(run.state().t, times[1]);
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! The abilities of a system, with what a system without them does.
 
 use pullback_manifold::system::{
-    ChartChanges, Energies, Point, RigidRates, Symmetry, System, SystemError,
+    ChartChanges, Energies, Events, Point, RigidRates, Symmetry, System, SystemError,
 };
 
 /// See [`Charts::change_charts`](pullback_manifold::system::Charts::change_charts).
@@ -25,30 +25,16 @@ pub(crate) fn start(system: &mut dyn System, t: f64, q: &[f64]) {
     }
 }
 
-/// See [`Events::kinks`](pullback_manifold::system::Events::kinks).
-pub(crate) fn kinks(system: &mut dyn System) -> Vec<f64> {
-    (system.events()).map_or_else(Vec::new, |events| events.kinks())
-}
+/// A system without discontinuities.
+struct Smooth;
 
-/// See [`Events::inputs`](pullback_manifold::system::Events::inputs).
-pub(crate) fn inputs(system: &mut dyn System) -> Vec<f64> {
-    (system.events()).map_or_else(Vec::new, |events| events.inputs())
-}
+impl Events for Smooth {}
 
-/// See [`Events::change_segments`](pullback_manifold::system::Events::change_segments).
-pub(crate) fn change_segments(system: &mut dyn System, from: Point<'_>, to: Point<'_>, since: f64) {
-    if let Some(events) = system.events() {
-        events.change_segments(from, to, since);
-    }
-}
-
-/// See [`Events::kept_momentum`](pullback_manifold::system::Events::kept_momentum).
-pub(crate) fn kept_momentum(
-    system: &mut dyn System,
-    at: Option<Point<'_>>,
-    p: &mut [f64],
-) -> Result<bool, SystemError> {
-    (system.events()).map_or(Ok(false), |events| events.kept_momentum(at, p))
+/// The discontinuities of a system.
+pub(crate) fn events(system: &mut dyn System) -> &mut dyn Events {
+    // A value without size takes no memory.
+    let none = || -> &mut dyn Events { Box::leak(Box::new(Smooth)) };
+    system.events().unwrap_or_else(none)
 }
 
 /// See [`Energetics::energies`](pullback_manifold::system::Energetics::energies).

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use crate::abilities::kinks;
+use crate::abilities::events;
 use crate::linear_solver::{LinearError, null_vector};
 use crate::statics::{Event, Iteration};
 use pullback_manifold::system::{Quantity, System, SystemError};
@@ -165,7 +165,7 @@ impl FailedStep {
                 }
             },
             kink: match parameter {
-                StepParameter::Load => (kinks(system).into_iter())
+                StepParameter::Load => (events(system).kinks().into_iter())
                     .find(|k| (from.min(to)..=from.max(to)).contains(k) && *k != from),
                 StepParameter::Time => None,
             },

@@ -111,11 +111,11 @@ impl Events for Context {
         self.model.inputs.iter().map(Input::get).collect()
     }
 
-    fn overshoot(&mut self, from: Point<'_>, to: Point<'_>) -> Option<f64> {
+    fn value(&mut self, from: Point<'_>, to: Point<'_>) -> f64 {
         self.find_overshoot(from, to)
     }
 
-    fn change_segments(&mut self, from: Point<'_>, to: Point<'_>, since: f64) {
+    fn apply(&mut self, from: Point<'_>, to: Point<'_>, since: f64) {
         self.enter_segments(from, to, since);
     }
 

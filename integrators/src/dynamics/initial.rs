@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use super::{DynamicsError, State};
-use crate::abilities::{energies, kept_momentum, momentum};
+use crate::abilities::{energies, events, momentum};
 use crate::failure::mechanism;
 use crate::linear_solver::{LinearError, LinearSolver};
 use pullback_manifold::sparse::BlockPattern;
@@ -138,7 +138,7 @@ pub(super) fn apply_impulse(
         let at = Point { t, ..point(state) };
         let known = match driven {
             true => momentum(system, at, missing),
-            false => kept_momentum(system, Some(at), missing),
+            false => events(system).kept_momentum(Some(at), missing),
         };
         known.map_err(|source| DynamicsError::System { t, source })?;
         let size = largest(before).max(largest(missing));

@@ -7,7 +7,7 @@ use super::run::Run;
 use super::step::Stepper;
 use super::stops::Stop;
 use super::{DynamicsError, Progress, State};
-use crate::abilities::{inputs, momentum};
+use crate::abilities::{events, momentum};
 use crate::linear_solver::LinearSolver;
 use pullback_manifold::system::{Energies, Point, System};
 
@@ -45,11 +45,20 @@ impl Run {
         solver: &mut dyn LinearSolver,
         progress: &mut Progress,
     ) -> Result<(), DynamicsError> {
-        let inputs = inputs(system);
-        if inputs == progress.inputs {
+        if events(system).inputs() == progress.inputs {
             return Ok(());
         }
-        progress.inputs = inputs;
+        self.refresh(system, solver, progress)
+    }
+
+    /// Continues after a change of forces or velocities that needs no impulse.
+    pub(super) fn refresh(
+        &mut self,
+        system: &mut dyn System,
+        solver: &mut dyn LinearSolver,
+        progress: &mut Progress,
+    ) -> Result<(), DynamicsError> {
+        progress.inputs = events(system).inputs();
         self.renew(system, solver, progress, true)?;
         self.set_target(system, progress)
     }

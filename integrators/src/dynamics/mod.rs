@@ -9,6 +9,7 @@
 
 mod coupled_stages;
 mod error;
+mod events;
 mod frequency;
 mod initial;
 mod invariants;

@@ -145,6 +145,12 @@ pub struct Progress {
         serde(default, skip_serializing_if = "Vec::is_empty")
     )]
     pub inputs: Vec<f64>,
+    /// Values of the events of the user; one with a value below zero may occur.
+    #[cfg_attr(
+        feature = "serde",
+        serde(default, skip_serializing_if = "Vec::is_empty")
+    )]
+    pub events: Vec<f64>,
     /// Target of a scheme that restores energy and momenta.
     #[cfg_attr(
         feature = "serde",
@@ -153,7 +159,7 @@ pub struct Progress {
     pub invariants: Option<Invariants>,
     /// Number of converged steps since the last failure.
     pub easy: usize,
-    /// Number of short steps in a row that ended at a change of segment.
+    /// Number of short steps in a row that ended at an event.
     #[cfg_attr(feature = "serde", serde(default))]
     pub short: usize,
     /// Counters so far.
@@ -185,4 +191,7 @@ pub struct StepReport<'a> {
     pub residuals: &'a [Iteration],
     /// Charts changed at the end of the step.
     pub chart_changes: usize,
+    /// Events that occurred at the end of the step, by their numbers
+    /// ([`Simulation::add_event`](super::Simulation::add_event)).
+    pub events: &'a [usize],
 }

@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case)]
 
+use super::events::{Event, Occurrences};
 use super::frequency::check_step;
 use super::initial::accelerate;
 use super::options::check;
@@ -10,7 +11,7 @@ use super::segment_changes::SegmentChanges;
 use super::step::{Stepper, rebase};
 use super::stops::{Stop, Stops, equal_steps, first_end};
 use super::{DynamicOptions, DynamicsError, EnergyBalance, Progress, State, StepReport, Summary};
-use crate::abilities::{self, change_charts, inputs, start, symmetries};
+use crate::abilities::{self, change_charts, start, symmetries};
 use crate::failure::{Cost, FailedStep, Failure, FailureContext, StepParameter};
 use crate::linear_solver::{LinearSolver, Symmetry};
 use pullback_manifold::system::{Energies, Point, System};
@@ -30,6 +31,7 @@ pub(super) struct Run {
     /// Projection onto the invariants, if the scheme has one.
     pub(super) projection: Option<InvariantProjection>,
     pub(super) segment_changes: SegmentChanges,
+    pub(super) occurrences: Occurrences,
     pub(super) options: DynamicOptions,
 }
 
@@ -60,6 +62,7 @@ impl Run {
             missing: vec![0.0; n],
             stops: Stops::new(system, progress.state.t, options),
             segment_changes: SegmentChanges::default(),
+            occurrences: Occurrences::default(),
             projection: (options.scheme.keeps_energy()).then(|| InvariantProjection::new(n)),
             options: *options,
         };
@@ -68,18 +71,23 @@ impl Run {
     }
 
     /// The next accepted step; `None` at the end of the run.
-    pub(super) fn next(
+    pub(super) fn next<Y: System>(
         &mut self,
-        system: &mut dyn System,
+        system: &mut Y,
+        events: &mut [Event<Y>],
         solver: &mut dyn LinearSolver,
         progress: &mut Progress,
     ) -> Result<Option<Accepted>, DynamicsError> {
-        while progress.state.t < self.options.to {
+        while progress.state.t < self.options.to && !self.occurrences.stopped {
             self.take_inputs(system, solver, progress)?;
-            let Some(step_size) = self.attempt(system, solver, progress)? else {
+            if progress.events.len() < events.len() {
+                self.watch(system, events, progress)?;
+            }
+            let Some(step_size) = self.attempt(system, events, solver, progress)? else {
                 continue;
             };
             let chart_changes = self.accept(system, solver, progress, step_size)?;
+            self.apply_events(system, events, solver, progress)?;
             let iterations = self.stepper.iterations();
             progress.summary.iterations += iterations;
             progress.summary.finished = progress.state.t >= self.options.to;
@@ -89,7 +97,7 @@ impl Run {
                 chart_changes,
             }));
         }
-        progress.summary.finished = true;
+        progress.summary.finished = progress.state.t >= self.options.to;
         Ok(None)
     }
 
@@ -101,6 +109,7 @@ impl Run {
             iterations: step.iterations,
             residuals: &self.stepper.history,
             chart_changes: step.chart_changes,
+            events: &self.occurrences.events,
         }
     }
 
@@ -135,7 +144,7 @@ impl Run {
         let changed = change_charts(system, *t, q, v, vectors).charts;
         if fresh {
             progress.summary.chart_changes += changed;
-            progress.inputs = inputs(system);
+            progress.inputs = abilities::events(system).inputs();
             progress.state.a = vec![0.0; progress.state.q.len()];
         }
         let t = progress.state.t;
@@ -238,9 +247,10 @@ impl Run {
     }
 
     /// One attempt at a step; its size if it may be accepted, `None` if a smaller one is needed.
-    fn attempt(
+    fn attempt<Y: System>(
         &mut self,
-        system: &mut dyn System,
+        system: &mut Y,
+        events: &mut [Event<Y>],
         solver: &mut dyn LinearSolver,
         progress: &mut Progress,
     ) -> Result<Option<f64>, DynamicsError> {
@@ -265,7 +275,8 @@ impl Run {
         } else {
             to
         };
-        let outcome = outcome.and_then(|()| self.locate(system, solver, progress, [to, last]));
+        let outcome =
+            outcome.and_then(|()| self.locate(system, events, solver, progress, [to, last]));
         progress.summary.evaluations += self.stepper.evaluations - before.0;
         progress.summary.factorisations += self.stepper.factorisations - before.1;
         let end = match outcome {

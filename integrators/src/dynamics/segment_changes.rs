@@ -1,24 +1,28 @@
-//! Steps that end at a change of segment of the system's maps.
+//! Steps that end at an event: a change of segment of the system's maps, or an event of the user.
 
+use super::events::{Crossing, Event};
 use super::run::Run;
 use super::step::rebase;
 use super::{DynamicsError, Progress, State};
-use crate::abilities::{change_charts, change_segments, kept_momentum};
+use crate::abilities::{change_charts, events};
 use crate::failure::Failure;
 use crate::linear_solver::LinearSolver;
 use pullback_manifold::system::{Point, System};
 
-/// Tolerance of the time of a change, as a part of a step.
+/// Tolerance of the time of an event, as a part of a step.
 const MET: f64 = 1e-12;
-/// A step that ends by this part of its size before a change is extended to it.
+/// A step that ends by this part of its size before an event is extended to it.
 const NEAR: f64 = 1e-2;
-/// A change within this part of a step after its beginning is made at the beginning.
-const SHORT: f64 = 1e-8;
+/// A change within this part of a step after its beginning is made at the beginning, and an event of
+/// the user at the end of a step of this size.
+pub(super) const SHORT: f64 = 1e-8;
 /// Largest number of steps in a row shorter than `NEAR`, which limits the cost of oscillations
 /// about a change that are faster than the steps.
 const MANY: usize = 1000;
-/// Largest number of attempts: Newton's method for the time of a change.
-const ATTEMPTS: usize = 8;
+/// Largest number of attempts by Newton's method, for the time of a change of segment.
+const NEWTON: usize = 8;
+/// Largest number of attempts by regula falsi, for the time of an event of the user.
+const REGULA_FALSI: usize = 100;
 
 /// State of the search for changes of segment.
 #[derive(Default)]
@@ -35,12 +39,14 @@ fn point(state: &State) -> Point<'_> {
 }
 
 impl Run {
-    /// Repeats the step from `progress` until it ends at the first change of segment within it
-    /// ([`Events::overshoot`](pullback_manifold::system::Events::overshoot)), not later than `last`; returns the end of the step. `None` if the
-    /// change is at the beginning, where the next attempt makes it.
-    pub(super) fn locate(
+    /// Repeats the step from `progress` until it ends at the first event within it, a change of
+    /// segment ([`Events::value`](pullback_manifold::system::Events::value)) or one of `watched`,
+    /// not later than `last`; returns the end of the step. `None` if a change of segment is at the
+    /// beginning, where the next attempt makes it.
+    pub(super) fn locate<Y: System>(
         &mut self,
-        system: &mut dyn System,
+        system: &mut Y,
+        watched: &mut [Event<Y>],
         solver: &mut dyn LinearSolver,
         progress: &mut Progress,
         [to, last]: [f64; 2],
@@ -53,28 +59,35 @@ impl Run {
         let short = (part * h).max(4.0 * met);
         self.segment_changes.since = -met;
         let (mut end, mut near) = (to, NEAR * h);
-        for _ in 0..ATTEMPTS {
+        let mut crossing = Crossing::new(from);
+        for attempt in 0..=REGULA_FALSI {
+            let value = self.event_value(system, watched, &progress.events)?;
+            let event = crossing.overshoot(end, value);
+            self.occurrences.least = (event >= -met).then(|| value.min(0.0) - MET);
             let (start, next) = (point(&progress.state), point(&self.stepper.next));
-            let overshoot = system
-                .events()
-                .and_then(|events| events.overshoot(start, next));
-            let Some(overshoot) = overshoot.filter(|by| *by > -near && by.abs() > met) else {
+            let target = |by: f64| end - by + 0.5 * met;
+            let mut segment = events(system).value(start, next);
+            if target(segment) <= from + short && self.segment_changes.begun == Some(from) {
+                segment = f64::NEG_INFINITY;
+            }
+            let by = segment.max(event);
+            let most = [NEWTON, REGULA_FALSI][usize::from(event > segment)];
+            if !(by > -near && by.abs() > met) || attempt == most {
                 break;
-            };
-            let target = end - overshoot + 0.5 * met;
-            if target <= from + short {
-                if self.segment_changes.begun == Some(from) {
-                    break;
-                }
+            }
+            if by == segment && target(by) <= from + short {
                 self.segment_changes.begun = Some(from);
                 let begin = end - from - short;
-                change_segments(system, start, next, begin);
+                events(system).apply(start, next, begin);
                 return Ok(None);
             }
-            if target > last {
+            let target = target(by).max(from + (SHORT * h).max(4.0 * met));
+            if target > last || target == end {
                 break;
             }
-            (end, near) = (target, h);
+            // An event of the user that may lie ahead of the step has one attempt.
+            let ahead = by > segment && by < 0.0 && near < h;
+            (end, near) = (target, if ahead { 0.0 } else { h });
             rebase(progress, end - from);
             let scheme = &self.options.scheme;
             self.stepper
@@ -89,7 +102,7 @@ impl Run {
         progress.short = if is_short { progress.short + 1 } else { 0 };
         // The buffers of the step hold the previous state.
         let (from, to) = (point(&self.stepper.next), point(&progress.state));
-        change_segments(system, from, to, self.segment_changes.since);
+        events(system).apply(from, to, self.segment_changes.since);
     }
 
     /// Whether the last change of charts changed a segment; the momentum to conserve is then known.
@@ -98,7 +111,7 @@ impl Run {
         system: &mut dyn System,
         t: f64,
     ) -> Result<bool, DynamicsError> {
-        let known = kept_momentum(system, None, &mut self.momentum);
+        let known = events(system).kept_momentum(None, &mut self.momentum);
         known.map_err(|source| DynamicsError::System { t, source })
     }
 

@@ -1,10 +1,11 @@
 //! A motion step by step, and the loop over all of its steps.
 
+use super::events::Event;
 use super::run::Run;
 use super::{DynamicOptions, DynamicsError, Progress, State, StepReport};
 use crate::linear_solver::{AutoSolver, LinearSolver};
 use pullback_manifold::system::System;
-use std::ops::{ControlFlow, DerefMut};
+use std::ops::{ControlFlow, Deref, DerefMut};
 
 /// A motion, step by step.
 ///
@@ -15,8 +16,12 @@ use std::ops::{ControlFlow, DerefMut};
 ///
 /// `S` is a reference to a [`System`], or a box with one. Between steps inputs may be set, and the
 /// configuration may be queried.
-pub struct Simulation<S> {
+pub struct Simulation<S>
+where
+    S: Deref<Target: Sized>,
+{
     system: S,
+    events: Vec<Event<S::Target>>,
     solver: AutoSolver,
     run: Run,
     progress: Progress,
@@ -58,6 +63,7 @@ where
         let run = Run::new(&mut *system, &mut solver, &mut progress, options)?;
         Ok(Self {
             system,
+            events: Vec::new(),
             solver,
             run,
             progress,
@@ -69,8 +75,34 @@ where
     /// # Errors
     /// [`DynamicsError`]; the run is then at the last accepted step.
     pub fn step(&mut self) -> Result<Option<StepReport<'_>>, DynamicsError> {
-        let step = (self.run).next(&mut *self.system, &mut self.solver, &mut self.progress)?;
+        let (events, solver) = (&mut self.events, &mut self.solver);
+        let step = (self.run).next(&mut *self.system, events, solver, &mut self.progress)?;
         Ok(step.map(|step| self.run.report(&self.progress, &step)))
+    }
+
+    /// Adds an event, which occurs where its value crosses zero from below (for the other direction,
+    /// take its negative); returns its number, from 0 in the order of addition.
+    ///
+    /// A step ends there, to round-off. The effect is then applied to the system, at this state, and
+    /// to the state: it may set inputs, and change velocities as an impact does. Accelerations follow
+    /// from the equations of motion, and energy that has come or gone counts as work. If the effect
+    /// returns [`ControlFlow::Break`], the run ends.
+    ///
+    /// A value that crosses zero and returns within a step goes unnoticed, except just after an
+    /// event: a ball that bounces several times in a step is seen each time. What occurs within 1e-8
+    /// of a step after its beginning occurs at that time. Values of 0 at the start are not crossings.
+    ///
+    /// Events are no part of a [`Snapshot`], apart from what is needed for the same steps.
+    pub fn add_event(
+        &mut self,
+        value: impl FnMut(&S::Target, &State) -> f64 + Send + 'static,
+        apply: impl FnMut(&mut S::Target, &mut State) -> ControlFlow<()> + Send + 'static,
+    ) -> usize {
+        self.events.push(Event {
+            value: Box::new(value),
+            apply: Box::new(apply),
+        });
+        self.events.len() - 1
     }
 
     /// All steps to the end of the run.
@@ -158,7 +190,7 @@ pub fn integrate_with<Y: System>(
     observer: &mut dyn FnMut(&mut Y, &StepReport<'_>) -> ControlFlow<()>,
 ) -> Result<(), DynamicsError> {
     let mut run = Run::new(system, solver, progress, options)?;
-    while let Some(step) = run.next(system, solver, progress)? {
+    while let Some(step) = run.next(system, &mut [], solver, progress)? {
         if observer(system, &run.report(progress, &step)).is_break() {
             break;
         }

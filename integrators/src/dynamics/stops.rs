@@ -1,7 +1,7 @@
 //! Times at which a step must end: kinks of functions of time, ends of intervals, and the end.
 
 use super::DynamicOptions;
-use crate::abilities::kinks;
+use crate::abilities::events;
 use pullback_manifold::system::System;
 
 /// A time at which a step must end.
@@ -41,7 +41,7 @@ impl Stops {
     pub(super) fn new(system: &mut dyn System, from: f64, options: &DynamicOptions) -> Self {
         let to = options.to;
         let slack = 1e-13 * to.abs().max(from.abs());
-        let mut kinks = kinks(system);
+        let mut kinks = events(system).kinks();
         kinks.sort_by(f64::total_cmp);
         let mut listed: Vec<Stop> = Vec::new();
         for t in kinks.iter().copied().take_while(|&t| t <= to + slack) {

@@ -46,15 +46,15 @@ pub trait Events {
 
     /// Amount by which the step overshot the first change of segment, in units of time; negative before
     /// it. Such a change keeps values but not their derivatives, and a step across it loses its order,
-    /// so integrators end a step there. `None` if there is no change ahead, and by default.
-    fn overshoot(&mut self, from: Point<'_>, to: Point<'_>) -> Option<f64> {
+    /// so integrators end a step there. −∞ if there is no change ahead, and by default.
+    fn value(&mut self, from: Point<'_>, to: Point<'_>) -> f64 {
         let _ = (from, to);
-        None
+        f64::NEG_INFINITY
     }
 
-    /// Makes the next [`Charts::change_charts`] enter all segments whose [`Events::overshoot`] is
-    /// at least `since`.
-    fn change_segments(&mut self, from: Point<'_>, to: Point<'_>, since: f64) {
+    /// Makes the next [`Charts::change_charts`] enter all segments whose [`Events::value`] is at
+    /// least `since`.
+    fn apply(&mut self, from: Point<'_>, to: Point<'_>, since: f64) {
         let _ = (from, to, since);
     }
 

@@ -4,7 +4,9 @@
 use crate::support::dynamics::{observed, tight};
 use crate::support::landing::{G, Track};
 use nalgebra::Vector3;
-use pullback::integrators::dynamics::{Progress, Scheme};
+use pullback::elements::model::Context;
+use pullback::integrators::dynamics::{Progress, Scheme, Simulation, State, start};
+use std::ops::ControlFlow::Continue;
 
 /// Largest errors in position and speed of a bead that starts at s with speed v on its way to time `to`.
 fn errors(
@@ -153,4 +155,33 @@ fn a_moving_wire_is_a_wire_at_rest_to_who_moves_with_it() {
         let (worst, _) = errors(&track, Scheme::default(), [0.1, 4.0], 0.5, 0.01);
         assert!(worst[0].max(worst[1]) < 1e-9, "{worst:?}");
     }
+}
+
+#[test]
+fn events_and_corners_share_a_step() {
+    // At the speed 1 on a level wire: before its corner, on it, and behind it.
+    let track = Track::of(&[[0.5, 0.0], [0.5, 0.0], [0.5, 0.0]]);
+    let (mut context, beads) = track.model(&[0.2]);
+    let state = start(&context, 0.0, &[], &[1.0]).unwrap();
+    let options = tight(Scheme::default(), 1.0, 0.4);
+    let mut run = Simulation::new(&mut context, state, &options).unwrap();
+    let times = [0.25, 0.3, 0.35, 0.8];
+    for time in times {
+        let bead = beads[0].arc_length;
+        let value = move |context: &Context, _: &State| {
+            let arc_length = context.coordinate(bead, 0);
+            arc_length.unwrap()[0] - time
+        };
+        run.add_event(value, |_, _| Continue(()));
+    }
+    let mut found = Vec::new();
+    while let Some(step) = run.step().unwrap() {
+        let t = step.progress.state.t;
+        found.extend(step.events.iter().map(|k| (*k, t)));
+    }
+    for (k, (event, t)) in found.iter().enumerate() {
+        assert!(*event == k && (t - times[k]).abs() < 1e-11, "{found:?}");
+    }
+    assert_eq!(found.len(), times.len());
+    assert!((run.state().v[0] - 1.0).abs() < 1e-12);
 }

@@ -22,18 +22,14 @@ pub(in crate::model) struct SegmentChanges {
 }
 
 impl Context {
-    /// See [`Events::overshoot`](pullback_manifold::system::Events::overshoot).
-    pub(in crate::model) fn find_overshoot(
-        &mut self,
-        from: Point<'_>,
-        to: Point<'_>,
-    ) -> Option<f64> {
+    /// See [`Events::value`](pullback_manifold::system::Events::value).
+    pub(in crate::model) fn find_overshoot(&mut self, from: Point<'_>, to: Point<'_>) -> f64 {
         self.collect_overshoots(from, to);
-        let ahead = &self.work.segment_changes.overshoots;
-        ahead.iter().map(|(_, by, _)| *by).reduce(f64::max)
+        let ahead = self.work.segment_changes.overshoots.iter();
+        ahead.fold(f64::NEG_INFINITY, |most, (_, by, _)| most.max(*by))
     }
 
-    /// See [`Events::change_segments`](pullback_manifold::system::Events::change_segments).
+    /// See [`Events::apply`](pullback_manifold::system::Events::apply).
     pub(in crate::model) fn enter_segments(&mut self, from: Point<'_>, to: Point<'_>, since: f64) {
         self.collect_overshoots(from, to);
         for (n, by, segment) in &self.work.segment_changes.overshoots {

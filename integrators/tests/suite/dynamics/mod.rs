@@ -1,6 +1,7 @@
 //! Steps and runs in time.
 
 mod error_estimate;
+mod events;
 mod explicit;
 mod inertia;
 mod runs;

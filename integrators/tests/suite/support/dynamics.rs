@@ -80,6 +80,7 @@ impl Events for Oscillator {
 }
 
 /// φ̈ = −(g/L) sin φ: a planar pendulum, φ from the lowest point.
+#[derive(Clone)]
 pub struct Pendulum {
     pub pattern: BlockPattern,
     pub g: f64,

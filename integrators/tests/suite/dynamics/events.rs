@@ -1,0 +1,348 @@
+//! Events of a run: located, applied, repeated, saved.
+
+#![allow(non_snake_case)]
+
+use crate::support::dynamics::{Pendulum, schemes};
+use pullback_integrators::dynamics::{
+    Adaptivity, DynamicOptions, Scheme, Simulation, State, start,
+};
+use pullback_manifold::sparse::BlockPattern;
+use pullback_manifold::system::{
+    Energetics, Energies, Evaluation, Events, Point, System, SystemError,
+};
+use std::ops::ControlFlow::{self, Break, Continue};
+use std::sync::{Arc, Mutex};
+
+/// A unit mass under a constant force: the schemes are exact.
+#[derive(Clone)]
+struct Mass {
+    pattern: BlockPattern,
+    force: f64,
+    kinks: Vec<f64>,
+}
+
+impl Mass {
+    fn new(force: f64) -> Self {
+        Self {
+            pattern: BlockPattern::dense(1),
+            force,
+            kinks: Vec::new(),
+        }
+    }
+}
+
+impl System for Mass {
+    fn pattern(&self) -> &BlockPattern {
+        &self.pattern
+    }
+
+    fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
+        out.r[0] = self.force - at.a[0];
+        if let Some((w, S)) = out.S {
+            S[0] = w.M;
+        }
+        Ok(())
+    }
+
+    fn events(&mut self) -> Option<&mut dyn Events> {
+        Some(self)
+    }
+
+    fn energetics(&mut self) -> Option<&mut dyn Energetics> {
+        Some(self)
+    }
+}
+
+impl Events for Mass {
+    fn kinks(&self) -> Vec<f64> {
+        self.kinks.clone()
+    }
+}
+
+impl Energetics for Mass {
+    fn energies(&mut self, at: Point<'_>) -> Result<Energies, SystemError> {
+        Ok(Energies {
+            kinetic: 0.5 * at.v[0] * at.v[0],
+            supplied: self.force * at.v[0],
+            ..Energies::default()
+        })
+    }
+}
+
+type Record = Arc<Mutex<Vec<(usize, f64)>>>;
+
+/// The times of all events to the end of a run.
+fn times<Y: System>(run: &mut Simulation<&mut Y>) -> Vec<(usize, f64)> {
+    let mut all = Vec::new();
+    while let Some(step) = run.step().unwrap() {
+        let t = step.progress.state.t;
+        all.extend(step.events.iter().map(|k| (*k, t)));
+    }
+    all
+}
+
+fn close(found: &[(usize, f64)], exact: &[(usize, f64)], tolerance: f64) {
+    assert_eq!(found.len(), exact.len(), "{found:?}");
+    for (found, exact) in found.iter().zip(exact) {
+        let near = (found.1 - exact.1).abs() <= tolerance;
+        assert!(found.0 == exact.0 && near, "{found:?} for {exact:?}");
+    }
+}
+
+fn onward<Y>(_: &mut Y, _: &mut State) -> ControlFlow<()> {
+    Continue(())
+}
+
+#[test]
+fn a_load_is_released_where_the_mass_passes() {
+    // x = 3 t²/2 until x = 1, then at the speed √6.
+    let (t1, v1) = ((2.0_f64 / 3.0).sqrt(), 6.0_f64.sqrt());
+    let more = ["radau", "bathe", "central-difference", "projected-newmark"];
+    let named = |word: &&str| Scheme::named(word, &[]).unwrap();
+    let adaptive = Adaptivity {
+        tolerance: 1e-5,
+        max_step: 0.3,
+    };
+    let equal = schemes().into_iter().chain(more.iter().map(named));
+    let equal = equal.map(|scheme| (scheme, None));
+    for (scheme, adaptivity) in equal.chain([(Scheme::default(), Some(adaptive))]) {
+        let mut system = Mass::new(3.0);
+        let state = start(&system, 0.0, &[], &[]).unwrap();
+        let options = DynamicOptions {
+            scheme,
+            adaptivity,
+            ..DynamicOptions::new(2.0, 0.1)
+        };
+        let mut run = Simulation::new(&mut system, state, &options).unwrap();
+        let release = run.add_event(
+            |_, state| state.q[0] - 1.0,
+            |system, _| {
+                system.force = 0.0;
+                Continue(())
+            },
+        );
+        close(&times(&mut run), &[(release, t1)], 1e-12);
+        let end = run.state();
+        assert!(end.t == 2.0 && end.a[0].abs() < 1e-12, "{}", scheme.name);
+        assert!((end.v[0] - v1).abs() < 1e-11, "{}", scheme.name);
+        let exact = 1.0 + v1 * (2.0 - t1);
+        assert!((end.q[0] - exact).abs() < 1e-11, "{}", scheme.name);
+        let energy = run.progress().summary.energy.unwrap();
+        assert!(energy.largest_defect < 1e-12, "{energy:?}");
+    }
+}
+
+#[test]
+fn a_run_stops_where_a_pendulum_is_lowest() {
+    // A quarter of the period, K(sin ½)/ω, by the mean of Gauss.
+    let mut system = Pendulum::new();
+    let (mut a, mut b) = (1.0_f64, 0.5_f64.cos());
+    for _ in 0..6 {
+        (a, b) = (0.5 * (a + b), (a * b).sqrt());
+    }
+    let quarter = std::f64::consts::FRAC_PI_2 / (a * system.g.sqrt());
+    let state = start(&system, 0.0, &[1.0], &[]).unwrap();
+    let options = DynamicOptions {
+        scheme: Scheme::radau(),
+        ..DynamicOptions::new(2.0, 0.001)
+    };
+    let mut run = Simulation::new(&mut system, state, &options).unwrap();
+    run.add_event(|_, state| -state.q[0], |_, _| Break(()));
+    run.finish().unwrap();
+    let state = run.state();
+    assert!((state.t - quarter).abs() < 1e-10, "{} {quarter}", state.t);
+    assert!(state.q[0].abs() < 1e-10);
+    assert!(!run.progress().summary.finished && run.step().unwrap().is_none());
+    // It may be continued from there.
+    let stopped = run.save();
+    run.restore(&stopped).unwrap();
+    assert!(run.step().unwrap().is_some());
+}
+
+/// A ball that falls to the floor at 0 and leaves it at half its speed.
+fn bounce(run: &mut Simulation<&mut Mass>) -> usize {
+    run.add_event(
+        |_, state| -state.q[0],
+        |_, state| {
+            state.v[0] *= -0.5;
+            Continue(())
+        },
+    )
+}
+
+#[test]
+fn a_ball_bounces_also_within_a_step() {
+    // It falls 1.25 m in 0.5 s, and its flights take 0.5 s, 0.25 s, ...: the last is far below a step.
+    fn sent<T: Send>(_: &T) {}
+    let mut system = Mass::new(-10.0);
+    let state = start(&system, 0.0, &[1.25], &[]).unwrap();
+    let options = DynamicOptions::new(2.0, 0.1);
+    let mut run = Simulation::new(&mut system, state, &options).unwrap();
+    bounce(&mut run);
+    sent(&run);
+    let exact: Vec<_> = (0..20).map(|k| (0, 1.5 - 0.5_f64.powi(k))).collect();
+    let mut found = Vec::new();
+    while found.len() < exact.len() {
+        let step = run.step().unwrap().expect("a bounce");
+        let t = step.progress.state.t;
+        found.extend(step.events.iter().map(|k| (*k, t)));
+    }
+    close(&found, &exact, 1e-11);
+    let energy = run.progress().summary.energy.unwrap();
+    assert!(energy.largest_defect < 1e-10, "{energy:?}");
+}
+
+#[test]
+fn steps_across_events_are_saved_and_restored() {
+    for scheme in [Scheme::default(), Scheme::chung_hulbert(0.5).unwrap()] {
+        let mut system = Mass::new(-10.0);
+        let state = start(&system, 0.0, &[1.25], &[]).unwrap();
+        let options = DynamicOptions {
+            scheme,
+            ..DynamicOptions::new(0.9, 0.07)
+        };
+        let mut run = Simulation::new(&mut system, state, &options).unwrap();
+        bounce(&mut run);
+        let mut snapshots = vec![run.save()];
+        while run.step().unwrap().is_some() {
+            snapshots.push(run.save());
+        }
+        let end = run.progress().clone();
+        for snapshot in &snapshots {
+            run.restore(snapshot).unwrap();
+            run.finish().unwrap();
+            assert_eq!(*run.progress(), end);
+        }
+        // In another simulation, which has the same events.
+        let half = &snapshots[snapshots.len() / 2];
+        let mut other = half.system.clone();
+        let mut run = Simulation::resume(&mut other, half.progress.clone(), &options).unwrap();
+        bounce(&mut run);
+        run.finish().unwrap();
+        assert_eq!(*run.progress(), end);
+    }
+}
+
+#[test]
+fn events_at_the_end_of_a_step_and_several_in_one_step() {
+    // At the speed 1, x = t. The times of the first three are ends of steps, one by a rounding error late.
+    let at = [0.3, 0.1 + 0.2, 1.0, 0.35, 0.37, 0.37 + 1e-10, 0.55, 0.551];
+    let mut system = Mass::new(0.0);
+    system.kinks = vec![0.55];
+    let state = start(&system, 0.0, &[], &[1.0]).unwrap();
+    let options = DynamicOptions::new(1.0, 0.1);
+    let mut run = Simulation::new(&mut system, state, &options).unwrap();
+    for (k, at) in at.into_iter().enumerate() {
+        // Scales of values do not matter.
+        let scale = 1e3_f64.powi(k as i32 % 5 - 2);
+        run.add_event(move |_, state| scale * (state.q[0] - at), onward);
+    }
+    let order = [0, 1, 3, 4, 5, 6, 7, 2];
+    let exact = order.map(|k| (k, at[k]));
+    // An event that follows within 1e-8 of a step comes as much later.
+    close(&times(&mut run), &exact, 1.1e-9);
+    let found = run.progress();
+    assert!((found.state.q[0] - 1.0).abs() < 1e-14, "{:?}", found.state);
+}
+
+#[test]
+fn an_event_at_its_own_location_occurs_once() {
+    // Its value stays at zero, or just below it; or the mass is set back.
+    for (back, exact) in [
+        (0.0, vec![(0, 1.0)]),
+        (1e-12, vec![(0, 1.0)]),
+        (1.0, vec![(0, 1.0), (0, 2.0), (0, 3.0)]),
+    ] {
+        let mut system = Mass::new(0.0);
+        let state = start(&system, 0.0, &[], &[1.0]).unwrap();
+        let options = DynamicOptions::new(3.5, 0.3);
+        let mut run = Simulation::new(&mut system, state, &options).unwrap();
+        let effect = move |_: &mut Mass, state: &mut State| {
+            state.q[0] -= back;
+            Continue(())
+        };
+        run.add_event(|_, state| state.q[0] - 1.0, effect);
+        // Zero at the start is no crossing.
+        run.add_event(|_, state| state.q[0], onward);
+        let found: Vec<_> = times(&mut run).into_iter().filter(|e| e.0 == 0).collect();
+        close(&found, &exact, 1e-11);
+    }
+}
+
+#[test]
+fn a_value_that_almost_reaches_zero_does_not_lengthen_steps() {
+    // Thrown up, the mass is 0.5 m high after 1 s.
+    for (height, exact) in [
+        (0.5001, vec![]),
+        (0.5 + 1e-9, vec![]),
+        (0.4999, vec![(0, 1.0 - 2e-4_f64.sqrt())]),
+    ] {
+        let mut system = Mass::new(-1.0);
+        let state = start(&system, 0.0, &[], &[1.0]).unwrap();
+        let options = DynamicOptions::new(2.0, 0.1);
+        let mut run = Simulation::new(&mut system, state, &options).unwrap();
+        run.add_event(move |_, state| state.q[0] - height, onward);
+        let mut found = Vec::new();
+        while let Some(step) = run.step().unwrap() {
+            assert!(step.step_size < 0.1 * 1.02, "{}", step.step_size);
+            let t = step.progress.state.t;
+            found.extend(step.events.iter().map(|k| (*k, t)));
+        }
+        close(&found, &exact, 1e-11);
+        let [steps, evaluations] = {
+            let summary = run.progress().summary;
+            [summary.steps, summary.evaluations]
+        };
+        assert!(steps < 25 && evaluations < 200, "{steps}, {evaluations}");
+    }
+}
+
+#[test]
+fn an_impact_takes_a_value_across_zero() {
+    // The velocity jumps from −5 to 2.5: an event of its own, just behind. At the top it falls again.
+    let mut system = Mass::new(-10.0);
+    let state = start(&system, 0.0, &[1.25], &[]).unwrap();
+    let options = DynamicOptions::new(0.8, 0.1);
+    let mut run = Simulation::new(&mut system, state, &options).unwrap();
+    bounce(&mut run);
+    let record = Record::default();
+    let log = Arc::clone(&record);
+    run.add_event(
+        |_, state| state.v[0],
+        move |_, state| {
+            log.lock().unwrap().push((1, state.t));
+            Continue(())
+        },
+    );
+    run.add_event(|_, state| -state.v[0], onward);
+    let found = times(&mut run);
+    close(&found, &[(0, 0.5), (1, 0.5), (2, 0.75)], 1.1e-9);
+    assert_eq!(*record.lock().unwrap(), found[1..2]);
+}
+
+#[test]
+fn a_value_that_is_no_number_is_refused() {
+    let mut system = Mass::new(0.0);
+    let state = start(&system, 0.0, &[], &[1.0]).unwrap();
+    let options = DynamicOptions::new(1.0, 0.25);
+    let mut run = Simulation::new(&mut system, state, &options).unwrap();
+    run.add_event(|_, state| (0.5 - state.q[0]).sqrt() - 2.0, onward);
+    let error = run.finish().unwrap_err().to_string();
+    for text in [
+        "step 3",
+        "value of an event: expected a finite number, got NaN of event 0",
+    ] {
+        assert!(error.contains(text), "{error}");
+    }
+    // Nor does an effect change the number of coordinates.
+    let mut system = Mass::new(0.0);
+    let state = start(&system, 0.0, &[], &[1.0]).unwrap();
+    let mut run = Simulation::new(&mut system, state, &options).unwrap();
+    let clear = |_: &mut Mass, state: &mut State| {
+        state.v.clear();
+        Continue(())
+    };
+    run.add_event(|_, state| state.q[0] - 0.5, clear);
+    let error = run.finish().unwrap_err().to_string();
+    assert!(error.contains("velocities: 0 given"), "{error}");
+}
