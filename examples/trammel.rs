@@ -2,7 +2,7 @@
 
 use pullback::Failure;
 use pullback::check;
-use pullback::elements::constraint::{Multipliers, Penalty, Stiffness};
+use pullback::elements::constraint::{Multipliers, Penalty, PenaltyStiffness};
 use pullback::elements::joint::Prismatic;
 use pullback::elements::joint::offset;
 use pullback::integrators::dynamics::Progress;
@@ -95,7 +95,7 @@ fn context(by: By) -> Result<(Context, NodeId), Box<dyn Error>> {
             builder.element("rod", Multipliers::<_, 2, 1>::new(rod), &[x, force])?;
         }
         By::Penalty(p) => {
-            let stiffness = Stiffness { p, tau: 1e-3 };
+            let stiffness = PenaltyStiffness { p, tau: 1e-3 };
             builder.element("rod", Penalty::<_, 2, 1>::new(rod, stiffness)?, &[x])?;
         }
     }

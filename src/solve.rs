@@ -133,7 +133,7 @@ fn energies<S: Serializer>(energy: &Option<EnergyBalance>, to: S) -> Result<S::O
 }
 
 impl Counts {
-    fn of_statics(s: &pullback_integrators::statics::Summary) -> Self {
+    fn of_statics(s: &pullback_integrators::statics::StaticSummary) -> Self {
         Self {
             steps: s.steps,
             rejected: s.rejected,

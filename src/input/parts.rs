@@ -5,7 +5,7 @@ use super::file::{Closure as Word, Joint, ModelFile};
 use super::registry::Registry;
 use super::{InputError, Problem, Text, joints, lines};
 use pullback_elements::beam::Section;
-use pullback_elements::constraint::Stiffness;
+use pullback_elements::constraint::PenaltyStiffness;
 use pullback_elements::joint;
 use pullback_elements::model::{Closure, ModelBuilder, NodeId};
 use std::collections::BTreeMap;
@@ -157,7 +157,7 @@ fn closure(source: &Text<'_>, joint: &Joint, index: &str) -> Result<Closure, Inp
             if tau < 0.0 {
                 return range("penalty_damping", tau, "a time that is zero or positive");
             }
-            Ok(Closure::Penalty(Stiffness { p, tau }))
+            Ok(Closure::Penalty(PenaltyStiffness { p, tau }))
         }
     }
 }

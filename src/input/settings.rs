@@ -7,7 +7,7 @@ use super::file::{
 use super::{InputError, Problem, Text, not_negative, positive};
 use pullback_elements::model::{Model, NodeId};
 use pullback_integrators::dynamics::{self as integrator, Adaptivity, DynamicOptions};
-use pullback_integrators::statics::{ArcLengthOptions, Event, NewtonOptions, StaticOptions};
+use pullback_integrators::statics::{ArcLengthOptions, Event, StaticNewtonOptions, StaticOptions};
 
 /// Largest number of steps accepted.
 const MOST_STEPS: f64 = 1e9;
@@ -209,7 +209,7 @@ fn few(source: &Text<'_>, path: &[&str], max_iterations: usize) -> Result<(), In
 /// Refuses tolerances of Newton's method that are too loose for equilibrium.
 fn tight(source: &Text<'_>, path: &[&str], relative: f64) -> Result<(), InputError> {
     positive(source, path, "relative", relative)?;
-    if relative <= NewtonOptions::LOOSEST {
+    if relative <= StaticNewtonOptions::LOOSEST {
         return Ok(());
     }
     let problem = Problem::Range {
@@ -224,7 +224,7 @@ fn newton(
     source: &Text<'_>,
     kind: &str,
     settings: &NewtonSettings,
-) -> Result<NewtonOptions, InputError> {
+) -> Result<StaticNewtonOptions, InputError> {
     tight(
         source,
         &["analysis", kind, "newton", "relative"],
@@ -237,11 +237,11 @@ fn newton(
     not_negative(source, &path, "absolute", settings.absolute)?;
     let path = ["analysis", kind, "newton", "max_iterations"];
     few(source, &path, settings.max_iterations)?;
-    Ok(NewtonOptions {
+    Ok(StaticNewtonOptions {
         relative: settings.relative,
         absolute: settings.absolute,
         max_iterations: settings.max_iterations,
-        ..NewtonOptions::default()
+        ..StaticNewtonOptions::default()
     })
 }
 

@@ -21,7 +21,7 @@ mod multipliers;
 mod penalty;
 
 pub use multipliers::Multipliers;
-pub use penalty::{Penalty, PenaltyError, Stiffness};
+pub use penalty::{Penalty, PenaltyError, PenaltyStiffness};
 
 use crate::element::Motion;
 use nalgebra::SVector;

@@ -9,7 +9,7 @@ use pullback_manifold::map::Map;
 
 /// Stiffness of a penalty.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stiffness {
+pub struct PenaltyStiffness {
     /// Stiffness p > 0, in units of energy for equations without unit.
     pub p: f64,
     /// Time constant τ ≥ 0 of parallel dampers, with the forces p τ ḣ.
@@ -41,7 +41,7 @@ pub enum PenaltyError {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Penalty<H, const N: usize, const M: usize> {
     h: H,
-    stiffness: Stiffness,
+    stiffness: PenaltyStiffness,
     names: &'static [&'static str],
 }
 
@@ -50,9 +50,9 @@ impl<H: Map<N, M>, const N: usize, const M: usize> Penalty<H, N, M> {
     ///
     /// # Errors
     /// [`PenaltyError`].
-    pub fn new(h: H, stiffness: Stiffness) -> Result<Self, PenaltyError> {
+    pub fn new(h: H, stiffness: PenaltyStiffness) -> Result<Self, PenaltyError> {
         const { assert!(M <= MAX_EQUATIONS, "too many equations") };
-        let Stiffness { p, tau } = stiffness;
+        let PenaltyStiffness { p, tau } = stiffness;
         if !(p > 0.0 && p.is_finite()) {
             return Err(PenaltyError::Stiffness(p));
         }
@@ -88,7 +88,7 @@ impl<H: Map<N, M> + 'static, const N: usize, const M: usize> Element for Penalty
     }
 
     fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
-        let Stiffness { p, tau } = self.stiffness;
+        let PenaltyStiffness { p, tau } = self.stiffness;
         let [x, v, a] = vectors::<N>(at);
         let margin = self.h.margin(at.t, &x);
         if margin <= 0.0 {

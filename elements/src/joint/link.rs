@@ -21,7 +21,7 @@ use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::{self, Quaternion, quaternion, skew};
 
 /// A value with its first two time derivatives.
-pub(super) type Motion<T> = [T; 3];
+pub(super) type Rates<T> = [T; 3];
 
 /// A joint, and the position of its child in the parent in the reference configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,7 +35,7 @@ pub(super) struct Parent {
     psi: Vector3<f64>,
     R: Matrix3<f64>,
     /// Tᵀ.
-    pub tangent: Motion<Matrix3<f64>>,
+    pub tangent: Rates<Matrix3<f64>>,
     /// Skew matrices of ω and ω̇.
     omega: [Matrix3<f64>; 2],
 }
@@ -61,7 +61,7 @@ impl Parent {
     }
 
     /// Vectors that the parent carries, from components in its axes.
-    fn carry<const N: usize>(&self, u: &Motion<SMatrix<f64, 3, N>>) -> Motion<SMatrix<f64, 3, N>> {
+    fn carry<const N: usize>(&self, u: &Rates<SMatrix<f64, 3, N>>) -> Rates<SMatrix<f64, 3, N>> {
         let [u, u_dot, u_ddot] = u.each_ref().map(|u| self.R * u);
         let rate = self.omega[0] * u + u_dot;
         let second = self.omega[1] * u + self.omega[0] * (rate + u_dot) + u_ddot;
@@ -73,9 +73,9 @@ impl Parent {
 pub(super) struct Carried<const D: usize> {
     pub parent: Parent,
     pub rotation: Quaternion<f64>,
-    rho: Motion<Vector3<f64>>,
-    alpha: Motion<SMatrix<f64, 3, D>>,
-    pub beta: Motion<SMatrix<f64, 3, D>>,
+    rho: Rates<Vector3<f64>>,
+    alpha: Rates<SMatrix<f64, 3, D>>,
+    pub beta: Rates<SMatrix<f64, 3, D>>,
     /// Angular velocity of the child and its rate.
     pub omega: [Vector3<f64>; 2],
 }
@@ -267,9 +267,9 @@ fn turn(a: &Quaternion<f64>, b: &Quaternion<f64>) -> Vector3<f64> {
 
 /// A B with its rates.
 pub(super) fn product<const N: usize>(
-    [A, A_dot, A_ddot]: &Motion<Matrix3<f64>>,
-    [B, B_dot, B_ddot]: &Motion<SMatrix<f64, 3, N>>,
-) -> Motion<SMatrix<f64, 3, N>> {
+    [A, A_dot, A_ddot]: &Rates<Matrix3<f64>>,
+    [B, B_dot, B_ddot]: &Rates<SMatrix<f64, 3, N>>,
+) -> Rates<SMatrix<f64, 3, N>> {
     [
         A * B,
         A_dot * B + A * B_dot,

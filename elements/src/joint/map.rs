@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::link::{Link, Motion, orders, own, put, unit, vector};
+use super::link::{Link, Rates, orders, own, put, unit, vector};
 use super::{Joint, LogBranch};
 use nalgebra::{Matrix3, SMatrix, Vector3};
 use pullback_manifold::map::{KinematicsMut, Parametrization};
@@ -208,8 +208,8 @@ where
 fn solve<const N: usize>(
     inverse: &Matrix3<f64>,
     [rate, second]: &[Matrix3<f64>; 2],
-    [S, S_dot, S_ddot]: &Motion<SMatrix<f64, 3, N>>,
-) -> Motion<SMatrix<f64, 3, N>> {
+    [S, S_dot, S_ddot]: &Rates<SMatrix<f64, 3, N>>,
+) -> Rates<SMatrix<f64, 3, N>> {
     let X = inverse * S;
     let X_dot = inverse * (S_dot - rate * X);
     let X_ddot = inverse * (S_ddot - second * X - rate * X_dot * 2.0);

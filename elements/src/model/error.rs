@@ -75,7 +75,7 @@ pub enum ModelError {
         source: TimeFunctionError,
     },
     #[error(
-        "{coordinate} is prescribed twice; remove one of the supports or driven motions that name it"
+        "{coordinate} is prescribed twice; remove one of the supports or prescribed motions that name it"
     )]
     PrescribedTwice { coordinate: String },
     #[error(
@@ -85,7 +85,7 @@ pub enum ModelError {
     PrescribedSlave { coordinate: String, parents: String },
     #[error(
         "{coordinate} follows from the equations that {solved} is solved from and cannot be \
-         prescribed; add the equation x - f(t) = 0 of what drives it to them, or let one of the \
+         prescribed; add the equation x - f(t) = 0 of its motion to them, or let one of the \
          coordinates be independent for good (`Choice::Fixed`) and prescribe that"
     )]
     PrescribedSolved { coordinate: String, solved: String },
@@ -149,10 +149,10 @@ pub enum ModelError {
         turn: f64,
     },
     #[error(
-        "the loop closed by joint {joints} has no freedom left: all of its coordinates ({driven}) \
-         are driven; leave one of them to follow from the others"
+        "the loop closed by joint {joints} has no freedom left: all of its coordinates ({prescribed}) \
+         are prescribed; leave one of them to follow from the others"
     )]
-    AllDriven { joints: String, driven: String },
+    AllPrescribed { joints: String, prescribed: String },
     #[error("the loop closed by joint {joints}: {source}")]
     Loop {
         joints: String,
@@ -163,14 +163,14 @@ pub enum ModelError {
     #[error(
         "no configuration nearby satisfies what {joint} closes or enforces{}: {equation} remains \
          {gap:.3e} of its size; {}draw the model closer to a closed configuration, or start it there",
-        if driven.is_empty() { String::new() } else { format!(" where {driven} are driven to") },
-        if driven.is_empty() { "" } else { "drive no more than is free, or " }
+        if prescribed.is_empty() { String::new() } else { format!(" with {prescribed} as prescribed") },
+        if prescribed.is_empty() { "" } else { "prescribe no more than is free, or " }
     )]
     Unclosed {
         joint: String,
         equation: String,
         gap: f64,
-        driven: String,
+        prescribed: String,
     },
     #[error(
         "{coordinate} cannot start at {value:e}: beyond {most:.0e} rounding errors are no small part of a \

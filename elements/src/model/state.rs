@@ -22,7 +22,7 @@ pub struct State {
     pub(super) element_charts: ElementCharts,
     /// Omitted equations (element, number) that follow from the others only for some prescribed
     /// motions, with the names of these.
-    pub(super) overdriven: Vec<((usize, usize), String)>,
+    pub(super) overprescribed: Vec<((usize, usize), String)>,
     /// Unknowns at the last choice of omitted equations; empty if there is none.
     pub(super) chosen_at: Vec<f64>,
     /// Whether the omitted equations are not checked.
@@ -59,7 +59,7 @@ impl State {
             elements: vec![ElementState::default(); model.elements.len()],
             turns: vec![0; model.prescribed_rotations.len()],
             element_charts: ElementCharts::default(),
-            overdriven: Vec::new(),
+            overprescribed: Vec::new(),
             chosen_at: Vec::new(),
             unwatched: false,
             moved: Vec::new(),

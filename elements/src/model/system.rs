@@ -98,13 +98,13 @@ impl Charts for Context {
 
 impl Events for Context {
     fn kinks(&self) -> Vec<f64> {
-        let driven = self
+        let prescribed = self
             .model
             .prescribed
             .iter()
             .flat_map(|p| p.function.kinks());
         let loads = self.model.elements.iter().flat_map(|e| e.element.kinks());
-        driven.chain(loads).collect()
+        prescribed.chain(loads).collect()
     }
 
     fn inputs(&self) -> Vec<f64> {

@@ -10,7 +10,7 @@ use pullback_manifold::system::{Evaluation, Point, System, SystemError};
 use std::ops::ControlFlow;
 
 /// An event; see [`Simulation::add_event`](super::Simulation::add_event).
-pub(super) struct Event<Y> {
+pub(super) struct UserEvent<Y> {
     pub value: Box<Value<Y>>,
     pub apply: Box<Effect<Y>>,
 }
@@ -37,7 +37,7 @@ impl Run {
     pub(super) fn event_value<Y: System>(
         &mut self,
         system: &mut Y,
-        events: &mut [Event<Y>],
+        events: &mut [UserEvent<Y>],
         before: &[f64],
     ) -> Result<f64, Failure> {
         let values = &mut self.occurrences.values;
@@ -49,7 +49,7 @@ impl Run {
     pub(super) fn apply_events<Y: System>(
         &mut self,
         system: &mut Y,
-        events: &mut [Event<Y>],
+        events: &mut [UserEvent<Y>],
         solver: &mut dyn LinearSolver,
         progress: &mut Progress,
     ) -> Result<(), DynamicsError> {
@@ -77,7 +77,7 @@ impl Run {
     pub(super) fn watch<Y: System>(
         &mut self,
         system: &mut Y,
-        events: &mut [Event<Y>],
+        events: &mut [UserEvent<Y>],
         progress: &mut Progress,
     ) -> Result<(), DynamicsError> {
         let mut state = progress.state.clone();
@@ -118,7 +118,7 @@ fn configure(system: &mut dyn System, state: &State) -> Result<(), SystemError> 
 /// Values of events at a state, with the system there.
 fn evaluate<Y: System>(
     system: &mut Y,
-    events: &mut [Event<Y>],
+    events: &mut [UserEvent<Y>],
     state: &State,
     values: &mut Vec<f64>,
 ) -> Result<(), SystemError> {

@@ -126,17 +126,17 @@ pub(super) fn apply_impulse(
     system: &mut dyn System,
     solver: &mut dyn LinearSolver,
     state: &mut State,
-    (before, driven): (&[f64], bool),
+    (before, prescribed): (&[f64], bool),
     t: f64,
     h: f64,
     [r, S, missing]: [&mut [f64]; 3],
 ) -> Result<usize, DynamicsError> {
     let largest = |p: &[f64]| p.iter().fold(0.0_f64, |m, p| m.max(p.abs()));
-    let (mut damping, mut most) = (0.0, if driven { 1 } else { IMPULSES });
+    let (mut damping, mut most) = (0.0, if prescribed { 1 } else { IMPULSES });
     let mut count = 0;
     while count < most {
         let at = Point { t, ..point(state) };
-        let known = match driven {
+        let known = match prescribed {
             true => momentum(system, at, missing),
             false => events(system).kept_momentum(Some(at), missing),
         };
@@ -157,7 +157,7 @@ pub(super) fn apply_impulse(
             }
         }
         add(&mut state.v, 1.0, r);
-        if driven && damping == 0.0 && is_damped(system, state)? {
+        if prescribed && damping == 0.0 && is_damped(system, state)? {
             add(&mut state.v, -1.0, r);
             (damping, most) = (h, PASSES);
         } else {

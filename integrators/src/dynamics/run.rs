@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::events::{Event, Occurrences};
+use super::events::{UserEvent, Occurrences};
 use super::frequency::check_step;
 use super::initial::accelerate;
 use super::options::check;
@@ -74,7 +74,7 @@ impl Run {
     pub(super) fn next<Y: System>(
         &mut self,
         system: &mut Y,
-        events: &mut [Event<Y>],
+        events: &mut [UserEvent<Y>],
         solver: &mut dyn LinearSolver,
         progress: &mut Progress,
     ) -> Result<Option<Accepted>, DynamicsError> {
@@ -250,7 +250,7 @@ impl Run {
     fn attempt<Y: System>(
         &mut self,
         system: &mut Y,
-        events: &mut [Event<Y>],
+        events: &mut [UserEvent<Y>],
         solver: &mut dyn LinearSolver,
         progress: &mut Progress,
     ) -> Result<Option<f64>, DynamicsError> {

@@ -1,6 +1,6 @@
 //! Steps that end at an event: a change of segment of the system's maps, or an event of the user.
 
-use super::events::{Crossing, Event};
+use super::events::{Crossing, UserEvent};
 use super::run::Run;
 use super::step::rebase;
 use super::{DynamicsError, Progress, State};
@@ -46,7 +46,7 @@ impl Run {
     pub(super) fn locate<Y: System>(
         &mut self,
         system: &mut Y,
-        watched: &mut [Event<Y>],
+        watched: &mut [UserEvent<Y>],
         solver: &mut dyn LinearSolver,
         progress: &mut Progress,
         [to, last]: [f64; 2],

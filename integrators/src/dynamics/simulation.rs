@@ -1,6 +1,6 @@
 //! A motion step by step, and the loop over all of its steps.
 
-use super::events::Event;
+use super::events::UserEvent;
 use super::run::Run;
 use super::{DynamicOptions, DynamicsError, Progress, State, StepReport};
 use crate::linear_solver::{AutoSolver, LinearSolver};
@@ -21,7 +21,7 @@ where
     S: Deref<Target: Sized>,
 {
     system: S,
-    events: Vec<Event<S::Target>>,
+    events: Vec<UserEvent<S::Target>>,
     solver: AutoSolver,
     run: Run,
     progress: Progress,
@@ -98,7 +98,7 @@ where
         value: impl FnMut(&S::Target, &State) -> f64 + Send + 'static,
         apply: impl FnMut(&mut S::Target, &mut State) -> ControlFlow<()> + Send + 'static,
     ) -> usize {
-        self.events.push(Event {
+        self.events.push(UserEvent {
             value: Box::new(value),
             apply: Box::new(apply),
         });

@@ -10,7 +10,7 @@ pub enum StaticsError {
     #[error(
         "option {name} = {value:?} is not usable: it must be finite, steps positive, and tolerances at \
          most {}",
-        super::NewtonOptions::LOOSEST
+        super::StaticNewtonOptions::LOOSEST
     )]
     Option {
         /// Its name.

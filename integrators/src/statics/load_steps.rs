@@ -7,7 +7,7 @@ use super::fixed_load::{Known, analyse, correct, predict, settle};
 use super::newton::Newton;
 use super::stability::unstable;
 use super::start::begin;
-use super::{Converged, NewtonOptions, Step};
+use super::{Converged, StaticNewtonOptions, Step};
 use crate::abilities::{change_charts, start};
 use crate::failure::Failure;
 use crate::linear_solver::{AutoSolver, LinearSolver};
@@ -30,7 +30,7 @@ pub struct StaticOptions {
     /// A step of at most this many iterations is followed by one twice as large.
     pub easy: usize,
     /// Newton's method.
-    pub newton: NewtonOptions,
+    pub newton: StaticNewtonOptions,
 }
 
 impl Default for StaticOptions {
@@ -42,7 +42,7 @@ impl Default for StaticOptions {
             min_step: 1e-6,
             max_step: 0.25,
             easy: 5,
-            newton: NewtonOptions::default(),
+            newton: StaticNewtonOptions::default(),
         }
     }
 }
@@ -61,7 +61,7 @@ impl StaticOptions {
 
 /// Counters and results of an analysis.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Summary {
+pub struct StaticSummary {
     /// Load parameter reached.
     pub t: f64,
     /// Converged steps.
@@ -143,7 +143,7 @@ where
     }
 
     /// Counters so far.
-    pub fn summary(&self) -> &Summary {
+    pub fn summary(&self) -> &StaticSummary {
         &self.run.summary
     }
 
@@ -168,7 +168,7 @@ pub fn solve_statics<Y: System>(
     q: &mut Vec<f64>,
     options: &StaticOptions,
     observer: &mut dyn FnMut(&mut Y, &Step<'_>) -> ControlFlow<()>,
-) -> Result<Summary, StaticsError> {
+) -> Result<StaticSummary, StaticsError> {
     solve_statics_with(&mut AutoSolver::new(), system, q, options, observer)
 }
 
@@ -196,7 +196,7 @@ pub fn solve_statics_with<Y: System>(
     q: &mut Vec<f64>,
     options: &StaticOptions,
     observer: &mut dyn FnMut(&mut Y, &Step<'_>) -> ControlFlow<()>,
-) -> Result<Summary, StaticsError> {
+) -> Result<StaticSummary, StaticsError> {
     let mut run = Run::new(system, solver, q, options)?;
     while let Some(step) = run.next(system, solver, q)? {
         if observer(system, &step.report(q, &run.newton.history)).is_break() {
@@ -210,7 +210,7 @@ pub fn solve_statics_with<Y: System>(
 struct Run {
     newton: Newton,
     options: StaticOptions,
-    summary: Summary,
+    summary: StaticSummary,
     /// Coordinates at the beginning of a step.
     start: Vec<f64>,
     /// Next step of the load parameter.
@@ -233,9 +233,9 @@ impl Run {
         Ok(Self {
             newton: Newton::new(system, &options.newton),
             options: *options,
-            summary: Summary {
+            summary: StaticSummary {
                 t: options.from,
-                ..Summary::default()
+                ..StaticSummary::default()
             },
             start: q.clone(),
             dt: (options.to - options.from).signum() * first_step,

@@ -20,15 +20,15 @@ mod start;
 pub use crate::failure::{Cause, Cost, FailedStep, StepParameter};
 pub use error::StaticsError;
 pub use load_steps::{
-    LoadSteps, StaticOptions, Summary, equilibrium, solve_statics, solve_statics_with,
+    LoadSteps, StaticOptions, StaticSummary, equilibrium, solve_statics, solve_statics_with,
 };
 pub use path::{ArcLengthOptions, Event, PathSteps, PathSummary, trace_path, trace_path_with};
 
 /// Options of Newton's method.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NewtonOptions {
+pub struct StaticNewtonOptions {
     /// Residual relative to applied and reaction forces (moments) at convergence; positive,
-    /// [`NewtonOptions::LOOSEST`] at most.
+    /// [`StaticNewtonOptions::LOOSEST`] at most.
     pub relative: f64,
     /// Absolute tolerance of the same test, in units of force (moment); 0 allows only rounding errors.
     pub absolute: f64,
@@ -41,7 +41,7 @@ pub struct NewtonOptions {
     pub smallest_damping: f64,
 }
 
-impl Default for NewtonOptions {
+impl Default for StaticNewtonOptions {
     fn default() -> Self {
         Self {
             relative: 1e-9,
@@ -53,8 +53,8 @@ impl Default for NewtonOptions {
     }
 }
 
-impl NewtonOptions {
-    /// Largest [`NewtonOptions::relative`].
+impl StaticNewtonOptions {
+    /// Largest [`StaticNewtonOptions::relative`].
     pub const LOOSEST: f64 = 0.1;
 
     /// An invalid tolerance, with its name.
@@ -65,7 +65,7 @@ impl NewtonOptions {
 
 /// The first invalid tolerance of Newton's method, with its name.
 pub(crate) fn refused(relative: f64, absolute: f64) -> Option<(&'static str, f64)> {
-    if !(relative > 0.0 && relative <= NewtonOptions::LOOSEST) {
+    if !(relative > 0.0 && relative <= StaticNewtonOptions::LOOSEST) {
         return Some(("newton.relative", relative));
     }
     let usable = absolute >= 0.0 && absolute.is_finite();

@@ -16,7 +16,7 @@
 
 #![allow(non_snake_case)]
 
-use super::{Iteration, NewtonOptions, Summary};
+use super::{Iteration, StaticNewtonOptions, StaticSummary};
 use crate::convergence::ConvergencePredictor;
 use crate::failure::{Cost, FailedStep, Failure, FailureContext, StepParameter};
 use crate::linear_solver::LinearSolver;
@@ -67,11 +67,11 @@ pub(super) struct Newton {
     allowed: [f64; 3],
     /// Number of predictions in the history, made before any residual was known.
     predicted: usize,
-    options: NewtonOptions,
+    options: StaticNewtonOptions,
 }
 
 impl Newton {
-    pub(super) fn new(system: &dyn System, options: &NewtonOptions) -> Self {
+    pub(super) fn new(system: &dyn System, options: &StaticNewtonOptions) -> Self {
         let n = system.pattern().dim();
         let zeros = || vec![0.0; n];
         Self {
@@ -133,7 +133,7 @@ impl Newton {
         &self,
         system: &mut dyn System,
         failure: Failure,
-        summary: &Summary,
+        summary: &StaticSummary,
         to: f64,
     ) -> Box<FailedStep> {
         let context = FailureContext {
@@ -201,7 +201,7 @@ impl Newton {
                 *first = most;
             }
         }
-        let NewtonOptions {
+        let StaticNewtonOptions {
             relative, absolute, ..
         } = self.options;
         let mut least = [absolute; 3];

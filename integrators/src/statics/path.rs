@@ -2,7 +2,7 @@
 
 use super::error::StaticsError;
 use super::path_run::Run;
-use super::{NewtonOptions, Step, Summary};
+use super::{StaticNewtonOptions, Step, StaticSummary};
 use crate::linear_solver::{AutoSolver, LinearSolver};
 use pullback_manifold::system::System;
 use std::ops::{ControlFlow, DerefMut};
@@ -45,7 +45,7 @@ pub struct ArcLengthOptions {
     /// Direction of the load at the start: true for growing.
     pub forward: bool,
     /// Newton's method.
-    pub newton: NewtonOptions,
+    pub newton: StaticNewtonOptions,
 }
 
 impl Default for ArcLengthOptions {
@@ -60,7 +60,7 @@ impl Default for ArcLengthOptions {
             target_iterations: 5,
             events: vec![(Event::Load(1.0), true)],
             forward: true,
-            newton: NewtonOptions::default(),
+            newton: StaticNewtonOptions::default(),
         }
     }
 }
@@ -69,7 +69,7 @@ impl Default for ArcLengthOptions {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PathSummary {
     /// Counters as in load stepping; `finished` says that an ending event was reached.
-    pub summary: Summary,
+    pub summary: StaticSummary,
     /// Events in order: index and load parameter.
     pub events: Vec<(usize, f64)>,
 }

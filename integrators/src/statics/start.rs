@@ -7,7 +7,7 @@
 use super::Converged;
 use super::error::StaticsError;
 use super::fixed_load::{Known, settle};
-use super::load_steps::Summary;
+use super::load_steps::StaticSummary;
 use super::newton::Newton;
 use super::stability::unstable;
 use crate::abilities::{change_charts, start};
@@ -25,7 +25,7 @@ pub(super) fn begin(
     solver: &mut dyn LinearSolver,
     system: &mut dyn System,
     q: &mut [f64],
-    summary: &mut Summary,
+    summary: &mut StaticSummary,
 ) -> Result<(Known, Option<Converged>), StaticsError> {
     let t = summary.t;
     start(system, t, q);

@@ -24,12 +24,12 @@ pub enum ImplicitError {
     },
     /// Newton's method found no configuration, and some parameters are prescribed.
     #[error(
-        "no configuration near the given one satisfies the equations where {driven} are driven to: \
-         {equation} is {residual:.3e}; drive no more than is free, and from where the parts are drawn"
+        "no configuration near the given one satisfies the equations with {prescribed} as prescribed: \
+         {equation} is {residual:.3e}; prescribe no more than is free, from where the parts are drawn"
     )]
-    Overdriven {
+    Overprescribed {
         /// Names of the prescribed parameters.
-        driven: String,
+        prescribed: String,
         /// The equation with the largest residual.
         equation: String,
         /// Its residual.
@@ -137,20 +137,20 @@ pub enum DomainError {
     Crossed,
     /// A prescribed motion demands what the equations do not allow.
     #[error(
-        "{driven} cannot get there: what is driven has come to the end of what the linkage reaches"
+        "{prescribed} cannot get there: it is prescribed beyond what the linkage reaches"
     )]
     OutOfReach {
         /// Names of the parameters.
-        driven: String,
+        prescribed: String,
     },
     /// Prescribed motions contradict each other.
     #[error(
-        "what drives {driven} contradicts itself: {equation} is {residual:.3e}; as the parts are \
-         linked fewer of them are free: drive no more than is free"
+        "the prescribed motions of {prescribed} contradict each other: {equation} is {residual:.3e}; as the \
+         parts are linked fewer of them are free: prescribe no more than is free"
     )]
-    Overdriven {
+    Overprescribed {
         /// Names of the parameters.
-        driven: String,
+        prescribed: String,
         /// The equation.
         equation: String,
         /// Its residual.
@@ -159,8 +159,8 @@ pub enum DomainError {
     /// An equation that was redundant no longer follows from the others.
     #[error(
         "{equation} was redundant and no longer follows from the others: it is {residual:.3e}; the \
-         parts, or the motions that drive them, do not fit together exactly enough: give positions \
-         and axes with all their digits, and drive no more than is free"
+         parts, or their prescribed motions, do not fit together exactly enough: give positions \
+         and axes with all their digits, and prescribe no more than is free"
     )]
     Inconsistent {
         /// The equation.

@@ -46,7 +46,7 @@ impl Core {
     }
 
     /// Names of the owners of the selected parameters, each once.
-    pub(super) fn driven(&self, chosen: impl Fn(usize) -> bool) -> String {
+    pub(super) fn prescribed(&self, chosen: impl Fn(usize) -> bool) -> String {
         let mut names: Vec<String> = Vec::new();
         for (j, name) in self.about.parameters.iter().enumerate() {
             if chosen(j) && !names.contains(name) {
@@ -100,8 +100,8 @@ impl Core {
             (w.J[i + j * M] + along.sum::<f64>()).abs() / self.sizes[i]
         };
         match found.filter(|&i| (0..p).any(|j| slope(i, j) > SMALL)) {
-            Some(i) => DomainError::Overdriven {
-                driven: self.driven(|j| slope(i, j) > SMALL),
+            Some(i) => DomainError::Overprescribed {
+                prescribed: self.prescribed(|j| slope(i, j) > SMALL),
                 equation,
                 residual,
             },

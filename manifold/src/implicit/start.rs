@@ -261,8 +261,8 @@ impl Core {
         let i = self.worst();
         let (equation, residual) = (self.about.equations[i].name.clone(), self.work.h[i]);
         if self.p > 0 {
-            return ImplicitError::Overdriven {
-                driven: self.driven(|_| true),
+            return ImplicitError::Overprescribed {
+                prescribed: self.prescribed(|_| true),
                 equation,
                 residual,
             };

@@ -62,7 +62,7 @@ impl Core {
                 None => {}
             }
             return DomainError::OutOfReach {
-                driven: self.driven(|_| true),
+                prescribed: self.prescribed(|_| true),
             };
         }
         singular.unwrap_or(error)

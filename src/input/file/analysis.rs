@@ -260,7 +260,7 @@ pub struct NewtonSettings {
 
 impl Default for NewtonSettings {
     fn default() -> Self {
-        let d = pullback_integrators::statics::NewtonOptions::default();
+        let d = pullback_integrators::statics::StaticNewtonOptions::default();
         Self {
             relative: d.relative,
             absolute: d.absolute,

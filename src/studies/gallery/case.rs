@@ -5,7 +5,7 @@ use crate::output::plot::{Curve, Panel, panels};
 use pullback_elements::model::{Context, Dof, NodeId, NodeState};
 use pullback_integrators::dynamics::DynamicsError;
 use pullback_integrators::statics::{
-    ArcLengthOptions, Event, StaticOptions, StaticsError, Step, Summary, solve_statics, trace_path,
+    ArcLengthOptions, Event, StaticOptions, StaticsError, Step, StaticSummary, solve_statics, trace_path,
 };
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -210,7 +210,7 @@ impl Watched {
     pub(super) fn solve(
         &mut self,
         options: &StaticOptions,
-    ) -> Result<(Vec<Record>, Summary), CaseError> {
+    ) -> Result<(Vec<Record>, StaticSummary), CaseError> {
         let mut q = Vec::new();
         self.solve_from(&mut q, options)
     }
@@ -220,7 +220,7 @@ impl Watched {
         &mut self,
         q: &mut Vec<f64>,
         options: &StaticOptions,
-    ) -> Result<(Vec<Record>, Summary), CaseError> {
+    ) -> Result<(Vec<Record>, StaticSummary), CaseError> {
         let mut records = Vec::new();
         let node = self.node;
         let summary = solve_statics(&mut self.model, q, options, &mut |model, step| {

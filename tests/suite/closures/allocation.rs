@@ -3,7 +3,7 @@
 use allocation_counter::measure;
 use nalgebra::{Matrix3, Vector3};
 use pullback::elements::body::RigidBody;
-use pullback::elements::constraint::Stiffness;
+use pullback::elements::constraint::PenaltyStiffness;
 use pullback::elements::joint::{offset, revolute};
 use pullback::elements::model::Closure;
 use pullback::integrators::dynamics::{
@@ -55,7 +55,7 @@ fn allocations(steps: u32, by: Closure) -> u64 {
 
 #[test]
 fn twice_as_many_steps_allocate_no_more() {
-    let stiffness = Stiffness { p: 1e6, tau: 1e-3 };
+    let stiffness = PenaltyStiffness { p: 1e6, tau: 1e-3 };
     for by in [Closure::Multipliers, Closure::Penalty(stiffness)] {
         allocations(100, by);
         let [few, many] = [100, 200].map(|steps| allocations(steps, by));

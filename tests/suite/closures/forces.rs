@@ -8,19 +8,19 @@ use crate::support::loops::four_bar::*;
 use crate::support::loops::linkage::*;
 use crate::support::loops::*;
 use nalgebra::{DMatrix, DVector, Vector2, Vector3};
-use pullback::elements::constraint::Stiffness;
+use pullback::elements::constraint::PenaltyStiffness;
 use pullback::elements::joint::{offset, revolute};
 use pullback::elements::model::{Closure, Context, ModelBuilder, NodeId};
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::integrators::dynamics::{DynamicsError, Progress, Scheme, integrate, start};
 use pullback::integrators::linear_solver::{AutoSolver, LinearSolver, Symmetry, scaling};
-use pullback::integrators::statics::{NewtonOptions, StaticOptions, solve_statics};
+use pullback::integrators::statics::{StaticNewtonOptions, StaticOptions, solve_statics};
 use pullback::manifold::system::{Evaluation, Point, System, Weights};
 use std::ops::ControlFlow;
 
 /// With dampers, so that what vibrates at first does not stay.
 fn penalty(p: f64) -> Closure {
-    Closure::Penalty(Stiffness { p, tau: 1e-3 })
+    Closure::Penalty(PenaltyStiffness { p, tau: 1e-3 })
 }
 
 /// What a run leaves behind.
@@ -225,9 +225,9 @@ fn equilibrium(by: Closure) -> (f64, Vector2<f64>) {
     context.check_supports().unwrap();
     let mut q = context.initial().to_vec();
     let options = StaticOptions {
-        newton: NewtonOptions {
+        newton: StaticNewtonOptions {
             relative: 1e-13,
-            ..NewtonOptions::default()
+            ..StaticNewtonOptions::default()
         },
         ..StaticOptions::default()
     };

@@ -280,7 +280,7 @@ fn drives_that_contradict_each_other_are_named() {
             said.contains("A angle") && said.contains("D angle"),
             "{said}"
         );
-        assert!(said.contains("drive no more than is free"), "{said}");
+        assert!(said.contains("prescribe no more than is free"), "{said}");
         assert!(!said.contains("singular"), "{said}");
         // At the start already.
         let drive = "prescribed = { constant = 0.3 }";
@@ -290,7 +290,7 @@ fn drives_that_contradict_each_other_are_named() {
             said.contains("A angle") && said.contains("D angle"),
             "{said}"
         );
-        assert!(said.contains("drive no more than is free"), "{said}");
+        assert!(said.contains("prescribe no more than is free"), "{said}");
     }
 }
 

@@ -287,11 +287,11 @@ fn what_cannot_be_reached_names_the_drive() {
         &body("X"),
     ];
     let said = failure("limits-two", &text.concat());
-    assert!(said.contains("drive no more than is free"), "{said}");
+    assert!(said.contains("prescribe no more than is free"), "{said}");
     let text = [GROUND, RUN, &hinge("A", "ground", drive)].concat()
         + &hinge("A2", "ground", &format!("{drive}\nchild = \"A\""))
         + &body("A");
-    check(&text, "\"A2\"", "(A angle, A2 angle) are driven", "");
+    check(&text, "\"A2\"", "(A angle, A2 angle) are prescribed", "");
 }
 
 #[test]

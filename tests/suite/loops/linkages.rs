@@ -9,7 +9,7 @@ use crate::support::loops::*;
 use nalgebra::{SVector, Vector2, Vector3};
 use pullback::conformance as check;
 use pullback::elements::body::PointMass;
-use pullback::elements::constraint::{Multipliers, Penalty, Scaled, Stiffness};
+use pullback::elements::constraint::{Multipliers, Penalty, Scaled, PenaltyStiffness};
 
 use pullback::elements::model::{Context, ModelBuilder, ModelError, NodeId};
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
@@ -107,8 +107,8 @@ fn the_same_equations_by_multipliers_and_by_a_penalty() {
         &Vector3::repeat(1.0),
     );
     check::element(&Multipliers::<_, 3, 2>::new(h)).assert();
-    let stiffness = |p: f64| Stiffness { p, tau: 1e-3 };
-    let damped = Stiffness { p: 7.0, tau: 0.3 };
+    let stiffness = |p: f64| PenaltyStiffness { p, tau: 1e-3 };
+    let damped = PenaltyStiffness { p: 7.0, tau: 0.3 };
     // Of equations that are not scaled, which have no end: at all states.
     check::element(&Penalty::<_, 3, 2>::new(Equations(Drawn(at)), damped).unwrap()).assert();
     let to = 1.5;

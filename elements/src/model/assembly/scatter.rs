@@ -27,7 +27,7 @@ pub(in crate::model) struct ScatterTarget<'a> {
 }
 
 /// A mapped node, its parents and its operators B, Ḃ, B̈.
-pub(in crate::model) struct Link<'a> {
+pub(in crate::model) struct PulledNode<'a> {
     pub node: u32,
     pub index: usize,
     pub parents: &'a [u32],
@@ -96,14 +96,14 @@ impl ScatterMap {
     /// `work` has room for two blocks of any node or of all its parents.
     pub(in crate::model) fn pull_back(
         &self,
-        link: &Link<'_>,
+        link: &PulledNode<'_>,
         nodes: &[Node],
         K_sigma: &[f64],
         orders: usize,
         into: &mut ScatterTarget<'_>,
         work: &mut [f64],
     ) {
-        let Link { parents, B, .. } = *link;
+        let PulledNode { parents, B, .. } = *link;
         let n = nodes[link.node as usize].dim;
         let d = B[0].len() / n;
         let coupled = &self.couplings.0[link.index];

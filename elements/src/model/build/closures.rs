@@ -1,6 +1,6 @@
 //! Loops that are closed by multipliers or a penalty between two frames.
 
-use crate::constraint::{Multipliers, Penalty, Scaled, Stiffness};
+use crate::constraint::{Multipliers, Penalty, Scaled, PenaltyStiffness};
 use crate::element::Element;
 use crate::model::build::builder::{ModelBuilder, NodeId};
 use crate::model::loops::{Closing, Coincide, EQUATIONS, Report};
@@ -18,7 +18,7 @@ pub enum Closure {
     Multipliers,
     /// Springs and dampers: `p` is the stiffness (force over length) against the gap; against the
     /// relative rotation it is p L², L the size of the model.
-    Penalty(Stiffness),
+    Penalty(PenaltyStiffness),
 }
 
 impl ModelBuilder {
@@ -98,9 +98,9 @@ impl ModelBuilder {
             let mut nodes = vec![frame, child];
             let mut words = format!("joint {name}: closed by multipliers");
             let element: Box<dyn Element> = match by {
-                Closure::Penalty(Stiffness { p, tau }) => {
+                Closure::Penalty(PenaltyStiffness { p, tau }) => {
                     let p_l2 = p * length * length;
-                    let made = Penalty::<_, 12, 6>::new(h, Stiffness { p: p_l2, tau });
+                    let made = Penalty::<_, 12, 6>::new(h, PenaltyStiffness { p: p_l2, tau });
                     words = format!("joint {name}: closed by a penalty of {p}");
                     Box::new(
                         made.map_err(|source| ModelError::Penalty {

@@ -329,7 +329,7 @@ fn check_reparametrized(
             } else if let Some(k) = other {
                 format!("the joint at {}", nodes[k].name)
             } else if held {
-                "a support or driven motion".to_owned()
+                "a support or prescribed motion".to_owned()
             } else if !parent.is_own() || parent.form != NodeForm::Coordinates {
                 "a joint with other parents".to_owned()
             } else {
@@ -354,7 +354,7 @@ fn resolve_prescribed(
     for (id, dof, function) in prescribed {
         let Some(node) = nodes.get(id.0 as usize) else {
             return Err(ModelError::ForeignNode {
-                what: "a support or driven motion".to_owned(),
+                what: "a support or prescribed motion".to_owned(),
             });
         };
         if dof >= node.dim {

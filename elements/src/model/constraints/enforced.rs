@@ -17,8 +17,8 @@ const FOLLOWED: &str = "zero, though it followed from the other equations at the
                         singular position; start in another one";
 
 /// The same if it depends on a prescribed motion.
-const OVERDRIVEN: &str = "zero, as what is driven asks for what the linkage does not allow: drive no \
-                          more than is free";
+const OVERPRESCRIBED: &str = "zero, as the prescribed motions ask for what the linkage does not allow: \
+                              prescribe no more than is free";
 
 /// All enforced equations, with their derivatives by the unknowns.
 pub(in crate::model) struct Equations {
@@ -27,7 +27,7 @@ pub(in crate::model) struct Equations {
     /// Derivatives: a row per equation, a column per scaled unknown.
     pub(in crate::model) J: DMatrix<f64>,
     /// The same by the prescribed coordinates.
-    pub(in crate::model) driven: DMatrix<f64>,
+    pub(in crate::model) prescribed: DMatrix<f64>,
     /// Element of each equation, and its index there.
     pub(in crate::model) of: Vec<(usize, usize)>,
 }
@@ -64,12 +64,12 @@ impl Model {
     }
 
     /// The prescribed coordinates.
-    pub(in crate::model) fn driven(&self) -> impl Iterator<Item = usize> + '_ {
-        let driven = self
+    pub(in crate::model) fn prescribed(&self) -> impl Iterator<Item = usize> + '_ {
+        let prescribed = self
             .prescribed
             .iter()
             .filter(|p| p.function.constant() != Some(0.0));
-        driven.map(|p| p.coordinate)
+        prescribed.map(|p| p.coordinate)
     }
 }
 
@@ -119,7 +119,7 @@ impl Context {
         self.expand(Point { t, q, v, a: &a })?;
         let n = q.len();
         let (mut h, mut h_dot, mut of) = (vec![], vec![], vec![]);
-        let (mut rows, mut driven) = (vec![], vec![]);
+        let (mut rows, mut prescribed) = (vec![], vec![]);
         let model = Arc::clone(&self.model);
         for &k in &model.enforced {
             let (e, switched) = (&model.elements[k], self.state.elements[k].switched);
@@ -152,12 +152,12 @@ impl Context {
                 self.pull_back_nodes(t, None, [false; 2]);
                 let row = self.model.coordinates.iter().enumerate();
                 rows.extend(row.map(|(u, &c)| self.work.r[c] * self.unit(u)));
-                driven.extend(self.driven().map(|c| self.work.r[c] * self.size(c)));
+                prescribed.extend(self.prescribed().map(|c| self.work.r[c] * self.size(c)));
             }
         }
         Ok(Equations {
             J: DMatrix::from_row_slice(of.len(), n, &rows),
-            driven: DMatrix::from_row_slice(of.len(), self.driven().count(), &driven),
+            prescribed: DMatrix::from_row_slice(of.len(), self.prescribed().count(), &prescribed),
             h: DVector::from_vec(h),
             h_dot: DVector::from_vec(h_dot),
             of,
@@ -196,10 +196,10 @@ impl Context {
             let e = &self.model.elements[k];
             if let Some((i, h)) = self.state.elements[k].violated {
                 let what = format!("{} of element {}", e.equation(i), e.name);
-                let driven = self.state.overdriven.iter().find(|(of, _)| *of == (k, i));
-                let (edge, what) = match driven {
+                let prescribed = self.state.overprescribed.iter().find(|(of, _)| *of == (k, i));
+                let (edge, what) = match prescribed {
                     None => (FOLLOWED, what),
-                    Some((_, names)) => (OVERDRIVEN, format!("{what} (driven: {names})")),
+                    Some((_, names)) => (OVERPRESCRIBED, format!("{what} (prescribed: {names})")),
                 };
                 let margin = -h.abs();
                 return Err(SystemError::OutsideChart { edge, what, margin });

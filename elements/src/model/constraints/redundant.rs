@@ -11,7 +11,7 @@ use pullback_manifold::system::{Point, System};
 /// Remainder of a gradient, relative to the largest gradient, that counts as rounding.
 const RANK: f64 = 1e-8;
 /// Relative gradient by prescribed coordinates above which an equation depends on them.
-const DRIVES: f64 = 1e-4;
+const PRESCRIBES: f64 = 1e-4;
 /// Change of a coordinate, relative to its size, after which the choice of equations is revised.
 const MOVED: f64 = 0.1;
 /// Gain of the least independent equation that changes the choice.
@@ -52,22 +52,22 @@ impl Context {
     fn leave_out(&mut self, all: &Equations, choice: Chosen) {
         let Chosen {
             waiting,
-            by_driven,
+            by_prescribed,
             limit,
             ..
         } = choice;
         let of = &all.of;
         // Equations that follow from others at given prescribed positions, but not at all
         // positions.
-        self.state.overdriven.clear();
+        self.state.overprescribed.clear();
         for &i in &waiting {
-            let off = by_driven.row(i);
-            let names: Vec<String> = (self.driven().zip(off.iter()))
-                .filter(|(_, slope)| slope.abs() > DRIVES * limit / RANK)
+            let off = by_prescribed.row(i);
+            let names: Vec<String> = (self.prescribed().zip(off.iter()))
+                .filter(|(_, slope)| slope.abs() > PRESCRIBES * limit / RANK)
                 .map(|(c, _)| self.coordinate_name(c))
                 .collect();
             if !names.is_empty() {
-                self.state.overdriven.push((of[i], names.join(", ")));
+                self.state.overprescribed.push((of[i], names.join(", ")));
             }
         }
         for &k in &self.model.enforced {
@@ -171,7 +171,7 @@ struct Chosen {
     taken: Vec<usize>,
     /// Redundant equations, and the remainders of their gradients by prescribed coordinates.
     waiting: Vec<usize>,
-    by_driven: DMatrix<f64>,
+    by_prescribed: DMatrix<f64>,
     /// Remainder of the last selected gradient; below it an equation is redundant.
     least: f64,
     limit: f64,
@@ -179,7 +179,7 @@ struct Chosen {
 
 impl Chosen {
     fn of(all: &Equations, candidates: &[usize]) -> Self {
-        let (mut rest, mut by_driven) = (all.J.clone(), all.driven.clone());
+        let (mut rest, mut by_prescribed) = (all.J.clone(), all.prescribed.clone());
         let (mut waiting, mut taken) = (candidates.to_vec(), Vec::new());
         let (mut limit, mut least) = (0.0, f64::INFINITY);
         loop {
@@ -200,19 +200,19 @@ impl Chosen {
             taken.push(best);
             waiting.retain(|&i| i != best);
             let direction = rest.row(best) / size;
-            let along_driven = by_driven.row(best) / size;
+            let along_prescribed = by_prescribed.row(best) / size;
             for &i in &waiting {
                 let along = rest.row(i).dot(&direction);
                 let reduced = rest.row(i) - &direction * along;
                 rest.set_row(i, &reduced);
-                let reduced = by_driven.row(i) - &along_driven * along;
-                by_driven.set_row(i, &reduced);
+                let reduced = by_prescribed.row(i) - &along_prescribed * along;
+                by_prescribed.set_row(i, &reduced);
             }
         }
         Self {
             taken,
             waiting,
-            by_driven,
+            by_prescribed,
             least,
             limit,
         }

@@ -314,12 +314,12 @@ impl Context {
         let all = self.equations(t, q, &[]).map_err(start)?;
         let worst = all.h.iamax();
         let (k, i) = all.of[worst];
-        let driven: Vec<String> = self.driven().map(|c| self.coordinate_name(c)).collect();
+        let prescribed: Vec<String> = self.prescribed().map(|c| self.coordinate_name(c)).collect();
         Err(ModelError::Unclosed {
             joint: self.closing_joint(&all, worst),
             equation: self.model.elements[k].equation(i),
             gap: all.h.amax(),
-            driven: driven.join(", "),
+            prescribed: prescribed.join(", "),
         })
     }
 }

@@ -4,7 +4,7 @@
 #![allow(non_snake_case)]
 
 use crate::model::assembly::element_workspace::ElementWorkspace;
-use crate::model::assembly::scatter::{Link, ScatterTarget};
+use crate::model::assembly::scatter::{PulledNode, ScatterTarget};
 use crate::model::assembly::workspace::Workspace;
 use crate::model::kinematics::node_entries::collect;
 use crate::model::{Context, Node, Source, Span};
@@ -182,7 +182,7 @@ impl Context {
             };
             let Operators { B, B_dot, B_ddot } = &w.operators;
             let range = d.local..d.local + node.dim * d.direct;
-            let link = Link {
+            let link = PulledNode {
                 node: n,
                 index: d.index,
                 parents,

@@ -122,8 +122,8 @@ fn nothing_follows(
         let names: Vec<&str> = (given.iter())
             .map(|&(n, _)| nodes[n as usize].name.as_str())
             .collect();
-        let driven = names.join(", ");
-        return Err(ModelError::AllDriven { joints, driven });
+        let prescribed = names.join(", ");
+        return Err(ModelError::AllPrescribed { joints, prescribed });
     }
     let mut h = vec![0.0; 6 * chains.len()];
     equations.tangent(0.0, &[], &mut h, &mut []);

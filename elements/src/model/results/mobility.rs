@@ -49,7 +49,7 @@ struct Closed {
     /// Number of coordinates of its joints, free ones, and prescribed ones.
     x: usize,
     free: usize,
-    driven: usize,
+    prescribed: usize,
     equations: usize,
 }
 
@@ -77,7 +77,7 @@ impl Model {
             let closed = Closed {
                 x,
                 free,
-                driven: all - free,
+                prescribed: all - free,
                 equations: 6 * report.closures.len(),
             };
             Some((name.as_str(), closed))
@@ -126,7 +126,7 @@ impl Model {
     /// Loops in which nothing can move, though nothing is prescribed: name of a closing joint of
     /// each, number of its coordinates and of its equations.
     pub fn locked(&self) -> Vec<(String, usize, usize)> {
-        let locked = |(_, c): &(&str, Closed)| c.free == 0 && c.driven == 0;
+        let locked = |(_, c): &(&str, Closed)| c.free == 0 && c.prescribed == 0;
         let loops = self.closed().filter(locked);
         loops
             .map(|(name, c)| (name.to_owned(), c.x, c.equations))

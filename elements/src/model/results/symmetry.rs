@@ -266,7 +266,7 @@ impl Context {
             a: &zero,
         };
         self.expand(rest)?;
-        let driven = self.work.v.clone();
+        let prescribed = self.work.v.clone();
         let first = rows.len();
         rows.resize(first + 6 * frames.len(), [0.0; 6]);
         for (k, X) in self.fields(q).iter().enumerate() {
@@ -275,7 +275,7 @@ impl Context {
             for (frame, rows) in frames.iter().zip(rows[first..].chunks_exact_mut(6)) {
                 let node = &self.model.nodes[*frame];
                 let three = |i: usize| {
-                    let [a, b] = [&self.work.v, &driven];
+                    let [a, b] = [&self.work.v, &prescribed];
                     let c = node.first + i;
                     Vector3::new(a[c] - b[c], a[c + 1] - b[c + 1], a[c + 2] - b[c + 2])
                 };

@@ -84,7 +84,7 @@ fn elements_that_do_not_fit() {
     b.prescribe(foreign, Dof::X, Constant(0.0));
     says(
         b.build(),
-        "a support or driven motion refers to a node of another model builder",
+        "a support or prescribed motion refers to a node of another model builder",
     );
 }
 
@@ -126,7 +126,7 @@ fn coordinates_that_follow_from_coordinates_that_follow() {
         (
             Choice::Split,
             "bead x follows from the equations that bead is solved from and cannot be \
-             prescribed; add the equation x - f(t) = 0 of what drives it to them, or let one of the \
+             prescribed; add the equation x - f(t) = 0 of its motion to them, or let one of the \
              coordinates be independent for good (`Choice::Fixed`) and prescribe that",
         ),
         (

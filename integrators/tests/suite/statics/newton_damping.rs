@@ -4,7 +4,7 @@
 
 use crate::support::statics::{Scalar, TIGHT};
 use pullback_integrators::statics::{
-    Cause, Iteration, NewtonOptions, StaticOptions, StaticsError, solve_statics,
+    Cause, Iteration, StaticNewtonOptions, StaticOptions, StaticsError, solve_statics,
 };
 use std::ops::ControlFlow;
 
@@ -14,7 +14,7 @@ fn in_one_step(
     spring: &mut Scalar,
     w: f64,
     [from, to]: [f64; 2],
-    newton: NewtonOptions,
+    newton: StaticNewtonOptions,
 ) -> Result<(f64, Vec<Iteration>), StaticsError> {
     let options = StaticOptions {
         from,
@@ -37,7 +37,7 @@ fn in_one_step(
 /// bounds from |w| = 1.3917 on (where (1 + w²) atan w = 2w).
 fn released(full_corrections: usize) -> Result<(f64, Vec<Iteration>), StaticsError> {
     let mut spring = Scalar::new(3.0_f64.atan(), |w| [w.atan(), 1.0 / (1.0 + w * w)]);
-    let newton = NewtonOptions {
+    let newton = StaticNewtonOptions {
         full_corrections,
         ..TIGHT
     };
@@ -79,7 +79,7 @@ fn damping_finds_what_full_corrections_miss() {
 fn a_damping_that_is_too_small_is_given_up() {
     // From −9.49 an eighth is the largest part of the correction that comes nearer.
     let mut spring = Scalar::new(3.0_f64.atan(), |w| [w.atan(), 1.0 / (1.0 + w * w)]);
-    let newton = NewtonOptions {
+    let newton = StaticNewtonOptions {
         full_corrections: 0,
         smallest_damping: 0.2,
         ..TIGHT
@@ -95,7 +95,7 @@ fn the_absolute_floor_decides_where_it_is_the_larger() {
     // 2 = w + w³ by hand: residuals 8, 2.0391, 0.35137, 0.01919, 6.828e-5, 8.7e-10 and rounding.
     let end = |absolute: f64| {
         let mut spring = Scalar::new(2.0, |w| [w + w * w * w, 1.0 + 3.0 * w * w]);
-        let newton = NewtonOptions { absolute, ..TIGHT };
+        let newton = StaticNewtonOptions { absolute, ..TIGHT };
         let (w, history) = in_one_step(&mut spring, 0.0, [0.0, 1.0], newton).unwrap();
         let iterations = history.iter().filter(|i| i.damping > 0.0).count();
         let last = history.last().map(|i| [i.residual[0], i.ratio]);

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use pullback_integrators::statics::NewtonOptions;
+use pullback_integrators::statics::StaticNewtonOptions;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{
     CoordinateInfo, Evaluation, Point, Quantity, Scales, System, SystemError,
@@ -70,7 +70,7 @@ impl System for Scalar {
 }
 
 /// To round-off.
-pub const TIGHT: NewtonOptions = NewtonOptions {
+pub const TIGHT: StaticNewtonOptions = StaticNewtonOptions {
     relative: 1e-14,
     absolute: 1e-15,
     max_iterations: 20,
