@@ -360,7 +360,7 @@ pub(super) fn locate(source: &Text<'_>, file: &ModelFile, error: ModelError) -> 
         | ModelError::Unclosed { joint, .. } => joint.clone(),
         ModelError::FarStart { coordinate, .. } => coordinate.clone(),
         ModelError::Loop { joints, .. }
-        | ModelError::AllDriven { joints, .. }
+        | ModelError::AllPrescribed { joints, .. }
         | ModelError::LockedLoop { joints } => {
             let first = joints.split(", ").next();
             first.unwrap_or_default().to_owned()

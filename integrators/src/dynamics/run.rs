@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::events::{UserEvent, Occurrences};
+use super::events::{Occurrences, UserEvent};
 use super::frequency::check_step;
 use super::initial::accelerate;
 use super::options::check;

@@ -2,7 +2,7 @@
 
 use super::error::StaticsError;
 use super::path_run::Run;
-use super::{StaticNewtonOptions, Step, StaticSummary};
+use super::{StaticNewtonOptions, StaticSummary, Step};
 use crate::linear_solver::{AutoSolver, LinearSolver};
 use pullback_manifold::system::System;
 use std::ops::{ControlFlow, DerefMut};

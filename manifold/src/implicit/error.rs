@@ -136,9 +136,7 @@ pub enum DomainError {
     )]
     Crossed,
     /// A prescribed motion demands what the equations do not allow.
-    #[error(
-        "{prescribed} cannot get there: it is prescribed beyond what the linkage reaches"
-    )]
+    #[error("{prescribed} cannot get there: it is prescribed beyond what the linkage reaches")]
     OutOfReach {
         /// Names of the parameters.
         prescribed: String,

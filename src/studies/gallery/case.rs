@@ -5,7 +5,8 @@ use crate::output::plot::{Curve, Panel, panels};
 use pullback_elements::model::{Context, Dof, NodeId, NodeState};
 use pullback_integrators::dynamics::DynamicsError;
 use pullback_integrators::statics::{
-    ArcLengthOptions, Event, StaticOptions, StaticsError, Step, StaticSummary, solve_statics, trace_path,
+    ArcLengthOptions, Event, StaticOptions, StaticSummary, StaticsError, Step, solve_statics,
+    trace_path,
 };
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};

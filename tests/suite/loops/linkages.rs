@@ -9,7 +9,7 @@ use crate::support::loops::*;
 use nalgebra::{SVector, Vector2, Vector3};
 use pullback::conformance as check;
 use pullback::elements::body::PointMass;
-use pullback::elements::constraint::{Multipliers, Penalty, Scaled, PenaltyStiffness};
+use pullback::elements::constraint::{Multipliers, Penalty, PenaltyStiffness, Scaled};
 
 use pullback::elements::model::{Context, ModelBuilder, ModelError, NodeId};
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};

@@ -42,6 +42,13 @@ impl Context {
     ) -> Result<(), SystemError> {
         let w = &mut self.work;
         w.t = t;
+        let inputs = self.model.inputs.iter().map(Input::get);
+        if inputs.clone().ne(w.inputs.iter().copied()) {
+            w.inputs.clear();
+            w.inputs.extend(inputs);
+            w.dead_loads.forget();
+            w.forget_motions();
+        }
         self.model.free.scatter("coordinates q", q, &mut w.x)?;
         for p in &self.model.prescribed {
             // In statics the velocity of a prescribed coordinate is its derivative by the load
@@ -70,11 +77,8 @@ impl Context {
     /// Sets residual and scales to those of the dead loads.
     fn begin_with_dead_loads(&mut self, t: f64) -> Result<(), SystemError> {
         let (w, model) = (&mut self.work, &*self.model);
-        let inputs = model.inputs.iter().map(Input::get);
-        if w.dead_loads.t != Some(t) || inputs.clone().ne(w.dead_loads.inputs.iter().copied()) {
+        if w.dead_loads.t != Some(t) {
             w.dead_loads.forget();
-            w.dead_loads.inputs.clear();
-            w.dead_loads.inputs.extend(inputs);
             w.dead_loads.r.fill(0.0);
             w.scales.force = [0.0; 3];
             for (e, state) in model.elements.iter().zip(&self.state.elements) {

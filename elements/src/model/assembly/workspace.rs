@@ -17,6 +17,8 @@ pub(in crate::model) struct Workspace {
     pub a: Vec<f64>,
     /// Time of this state.
     pub t: f64,
+    /// Values set from outside, at the last evaluation.
+    pub inputs: Vec<f64>,
     /// Number of assemblies so far.
     pub assemblies: usize,
     /// Residual at all nodes: reactions at prescribed coordinates, with opposite sign.
@@ -67,8 +69,6 @@ pub(in crate::model) struct Workspace {
 pub(in crate::model) struct DeadLoads {
     /// Their time; `None` if they must be updated.
     pub t: Option<f64>,
-    /// Values set from outside.
-    pub inputs: Vec<f64>,
     /// Their residual at all nodes.
     pub r: Vec<f64>,
     /// Their largest entries per quantity.
@@ -115,6 +115,7 @@ impl Workspace {
             v: zeros(total),
             a: zeros(total),
             t: 0.0,
+            inputs: Vec::new(),
             assemblies: 0,
             r: zeros(total),
             r_t: zeros(total),

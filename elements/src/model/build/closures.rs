@@ -1,6 +1,6 @@
 //! Loops that are closed by multipliers or a penalty between two frames.
 
-use crate::constraint::{Multipliers, Penalty, Scaled, PenaltyStiffness};
+use crate::constraint::{Multipliers, Penalty, PenaltyStiffness, Scaled};
 use crate::element::Element;
 use crate::model::build::builder::{ModelBuilder, NodeId};
 use crate::model::loops::{Closing, Coincide, EQUATIONS, Report};

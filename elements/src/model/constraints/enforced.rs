@@ -196,7 +196,11 @@ impl Context {
             let e = &self.model.elements[k];
             if let Some((i, h)) = self.state.elements[k].violated {
                 let what = format!("{} of element {}", e.equation(i), e.name);
-                let prescribed = self.state.overprescribed.iter().find(|(of, _)| *of == (k, i));
+                let prescribed = self
+                    .state
+                    .overprescribed
+                    .iter()
+                    .find(|(of, _)| *of == (k, i));
                 let (edge, what) = match prescribed {
                     None => (FOLLOWED, what),
                     Some((_, names)) => (OVERPRESCRIBED, format!("{what} (prescribed: {names})")),

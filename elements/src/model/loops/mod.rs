@@ -92,7 +92,7 @@ impl ModelBuilder {
     /// [`ModelError::ForeignNode`]; [`ModelError::NotFrames`] for anything but two different frames.
     /// When the model is built: [`ModelError::Apart`], [`ModelError::OwnParent`],
     /// [`ModelError::LooseLoop`], [`ModelError::Loop`], [`ModelError::Rigid`],
-    /// [`ModelError::AllDriven`].
+    /// [`ModelError::AllPrescribed`].
     pub fn close(&mut self, frame: NodeId, child: NodeId) -> Result<(), ModelError> {
         self.close_by(frame, child, Closure::Map)
     }

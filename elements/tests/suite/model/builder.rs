@@ -3,13 +3,16 @@
 #![allow(non_snake_case)]
 
 use crate::support::{Idle, Offset, beam, line, simple, straight};
-use nalgebra::{Matrix3, Unit, Vector3};
+use nalgebra::{Matrix3, SVector, Unit, Vector3};
 use pullback_elements::body::PointMass;
 use pullback_elements::model::{
     Arc, Axis, Context, Dof, ModelBuilder, ModelError, NodeId, Straight, frame_along,
 };
+use pullback_elements::spring::{CoordinateLaw, CoordinateSpring};
+use pullback_elements::time::Input;
 use pullback_manifold::map::Map;
-use pullback_manifold::system::{Charts, Quantity, System};
+use pullback_manifold::scalar::Scalar;
+use pullback_manifold::system::{Charts, Evaluation, Point, Quantity, System};
 use std::time::Instant;
 
 fn built(support: impl Fn(&mut ModelBuilder, [NodeId; 2])) -> Context {
@@ -233,4 +236,48 @@ fn names_and_freedoms_cost_what_a_model_has() {
     };
     let growth = seconds(8000) / seconds(500);
     assert!(growth < 64.0, "{growth}");
+}
+
+/// x = u q with an input u.
+#[derive(Clone)]
+struct Ratio(Input);
+
+impl Map<1, 1> for Ratio {
+    fn phi<S: Scalar>(&self, _t: S, q: &SVector<S, 1>) -> SVector<S, 1> {
+        q * S::constant(self.0.get())
+    }
+}
+
+/// A map that reads an input is evaluated anew when the input changes, also at the same point.
+#[test]
+fn maps_read_inputs() {
+    let mut b = ModelBuilder::new();
+    let ratio = b.input(2.0);
+    let q = b.coordinates("q", &[Quantity::Other]).unwrap();
+    let map = Ratio(ratio.clone()).boxed();
+    let x = b
+        .mapped_coordinates("x", &[Quantity::Other], map, &[q])
+        .unwrap();
+    let law = CoordinateLaw {
+        k: 3.0,
+        k3: 0.0,
+        c: 0.0,
+        x0: 0.0,
+    };
+    let spring = CoordinateSpring::new(law).unwrap();
+    b.element("spring", spring, &[x]).unwrap();
+    let mut context = Context::new(b.build().unwrap());
+    let at = Point {
+        t: 0.0,
+        q: &[0.5],
+        v: &[],
+        a: &[],
+    };
+    for u in [2.0, 2.0, -1.0] {
+        ratio.set(u);
+        let mut r = [0.0];
+        context.evaluate(at, Evaluation::residual(&mut r)).unwrap();
+        assert_eq!(r, [-3.0 * u * u * 0.5]);
+        assert_eq!(context.coordinate(x, 0), Some([0.5 * u, 0.0]));
+    }
 }

@@ -210,7 +210,7 @@ fn supports_that_cannot_be() {
     b.prescribe(ends[0], Dof::RZ, Proportional(1.0));
     says(
         b.build(),
-        "node a, rotation about e3 is prescribed twice; remove one of the supports or driven \
+        "node a, rotation about e3 is prescribed twice; remove one of the supports or prescribed \
          motions that name it",
     );
     // A coordinate that a node does not have is not that of the next node.
