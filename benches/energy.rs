@@ -28,7 +28,7 @@ use elastic_joint::ElasticJoint;
 use strain_beam::{FrameInertia, Reissner, strain_beam};
 
 const RUNS: usize = 2_000;
-const ROUNDS: usize = 20;
+const ROUNDS: usize = 12;
 
 /// Nanoseconds of a call of each, the best of many rounds in turns.
 fn race(mut f: impl FnMut(), mut g: impl FnMut()) -> [f64; 2] {
