@@ -206,7 +206,8 @@ fn revolute_joint(c: &mut Criterion) {
     let wave = |size: f64| SVector::<f64, 7>::from_fn(|i, _| size * (i as f64 + 0.5).sin());
     let (q, v, a) = (wave(0.6), wave(0.3), wave(-0.2));
     let f = Vector6::new(1.0, -2.0, 0.5, 0.3, 0.7, -1.1);
-    let closed = || {
+    let closed = move || {
+        let mut joint = joint;
         let (mut x, mut B) = ([[0.0; 6]; 3], [[0.0; 42]; 3]);
         let ([x, x_dot, x_ddot], [B, B_dot, B_ddot]) = (&mut x, &mut B);
         let out = KinematicsMut {
@@ -229,7 +230,8 @@ fn revolute_joint(c: &mut Criterion) {
     let jets = || {
         black_box(derived::kinematics(&by_jets, 0.0, black_box(&q), &v, &a));
     };
-    let stiffness = || {
+    let stiffness = move || {
+        let mut joint = joint;
         let mut K = [0.0; 49];
         joint.geometric_stiffness(0.0, black_box(q.as_slice()), f.as_slice(), &mut K);
         black_box(&K);

@@ -37,7 +37,7 @@ pub fn implicit(map: &ImplicitMap, t: f64) -> Report {
         };
         let rest = state(t, &q, [vec![0.0; d], vec![0.0; d]]);
         let allowed = RESIDUAL * (1.0 + norm(&motion(map, &rest)[0]));
-        let h = map.violation(t, &q).unwrap_or(f64::NAN);
+        let h = map.clone().violation(t, &q);
         report.defect("h(t, phi) = 0", at, h, allowed);
         let s = state(
             t,
@@ -147,8 +147,9 @@ fn inside(map: &ImplicitMap, t: f64, reach: f64, random: &mut Random) -> Option<
 
 /// Whether a position is well inside the domain: the steps of the laws stay there too.
 fn roomy(map: &ImplicitMap, t: f64, q: &[f64]) -> bool {
+    let mut map = map.clone();
     let margin = map.margin(t, q);
-    let step = |j: usize, sign: f64| {
+    let mut step = |j: usize, sign: f64| {
         let mut there = q.to_vec();
         // Steps go in all directions at once, and the motion is bent.
         there[j] += sign * 0.6 * margin.min(0.3) * (q.len() as f64).sqrt();

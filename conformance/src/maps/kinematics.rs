@@ -32,12 +32,17 @@ const FIRST: f64 = 0.1;
 const STEP: f64 = 1e-3;
 
 impl Mapped<'_> {
+    fn margin(&self, t: f64, q: &[f64]) -> f64 {
+        self.map.duplicate().margin(t, q)
+    }
+
     pub(crate) fn tangent(&self, t: f64, q: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let (d, n) = self.map.dims();
         let (mut x, mut B) = (vec![f64::NAN; n], vec![f64::NAN; n * d]);
+        let mut map = self.map.duplicate();
         // Outside of its domain a map may give anything.
-        if self.map.margin(t, q) > 0.0 {
-            self.map.tangent(t, q, &mut x, &mut B);
+        if map.margin(t, q) > 0.0 {
+            map.tangent(t, q, &mut x, &mut B);
         }
         (x, B)
     }
@@ -55,7 +60,7 @@ impl Mapped<'_> {
             B_ddot,
         };
         let [q, v, a] = [&s.x, &s.v, &s.a].map(|x| x.as_slice());
-        self.map.kinematics(s.t, q, v, a, out);
+        self.map.duplicate().kinematics(s.t, q, v, a, out);
         all
     }
 
@@ -67,7 +72,7 @@ impl Mapped<'_> {
 
     fn geometric_stiffness(&self, t: f64, q: &[f64], f: &[f64]) -> Vec<f64> {
         let mut K = vec![0.0; q.len() * q.len()];
-        self.map.geometric_stiffness(t, q, f, &mut K);
+        self.map.duplicate().geometric_stiffness(t, q, f, &mut K);
         K
     }
 
@@ -90,11 +95,11 @@ impl Mapped<'_> {
     /// The largest step along a direction, or along the motion, that stays inside the domain.
     fn first(&self, inside: impl Fn(f64) -> (f64, Vec<f64>)) -> f64 {
         let (t, q) = inside(0.0);
-        let mut step = (0.3 * self.map.margin(t, &q)).min(FIRST);
+        let mut step = (0.3 * self.margin(t, &q)).min(FIRST);
         for _ in 0..40 {
             let stays = |e: f64| {
                 let (t, q) = inside(e);
-                self.map.margin(t, &q) > 0.0
+                self.margin(t, &q) > 0.0
             };
             if stays(step) && stays(-step) && stays(2.0 * step) && stays(-2.0 * step) {
                 break;

@@ -39,9 +39,8 @@ where
 pub fn parametrization(map: &dyn Parametrization) -> Report {
     let mut report = Report::new(shortened(map.kind()));
     let mut random = Random::default();
-    for (at, q) in within(&mut report, &mut random, map.dims().0, |q| {
-        map.margin(TIME, q)
-    }) {
+    let margin = |q: &[f64]| map.duplicate().margin(TIME, q);
+    for (at, q) in within(&mut report, &mut random, map.dims().0, margin) {
         laws_behind_slices(&mut report, map, at, &q, &mut random);
     }
     report
@@ -166,9 +165,6 @@ pub(crate) fn laws<M, const D: usize, const N: usize>(
     M: Map<D, N> + Clone + 'static,
 {
     let law = |name: &str| format!("{prefix}{name}");
-    let mut one_piece = map.clone();
-    one_piece.freeze_piece(Some((t, q)));
-    let map = &one_piece;
     let (v, a) = (random.vector::<D>(), random.vector::<D>());
     let f = random.vector::<N>();
     let vector = |x: &SVector<f64, D>| DVector::from_column_slice(x.as_slice());

@@ -21,7 +21,7 @@ const MEETING: [&str; 5] = ["x", "x_dot", "x_ddot", "B", "B_dot"];
 /// ([`Map::freeze_piece`](pullback_manifold::map::Map::freeze_piece)). Nothing is noted where there are no pieces, and of maps
 /// that solve equations: their pieces are those of what they solve, and far away they are on another branch.
 pub fn pieces(report: &mut Report, of: Mapped<'_>, at: &str, s: &State, random: &mut Random) {
-    if of.map.violation(s.t, s.x.as_slice()).is_some() {
+    if of.map.duplicate().implicit().is_some() {
         return;
     }
     let units = of.columns.units();
@@ -97,7 +97,7 @@ impl Seam<'_> {
         // Nothing is known beyond the domain.
         let differ = |e: f64| -> Option<bool> {
             let s = self.state((j, e));
-            if maps[1].margin(s.t, s.x.as_slice()) <= 0.0 {
+            if maps[1].duplicate().margin(s.t, s.x.as_slice()) <= 0.0 {
                 return None;
             }
             let (gaps, sizes) = self.apart(maps, (j, e));

@@ -47,5 +47,8 @@ fn room(context: &mut Context, k: usize, t: f64, q: &[f64]) -> Option<f64> {
     let (v, a) = (&[][..], &[][..]);
     context.configure(Point { t, q, v, a }).ok()?;
     let (_, map, parents) = maps(context).nth(k)?;
-    Some(map.margin(t, parent_state(context, parents, t).x.as_slice()))
+    Some(
+        map.duplicate()
+            .margin(t, parent_state(context, parents, t).x.as_slice()),
+    )
 }

@@ -100,7 +100,7 @@ struct Carried<'a> {
 
 impl Carried<'_> {
     fn child(&self, map: &dyn Parametrization, s: &State) -> DVector<f64> {
-        let (d, n) = map.dims();
+        let (mut map, (d, n)) = (map.duplicate(), map.dims());
         let (mut x, mut B) = (DVector::from_element(n, f64::NAN), vec![0.0; n * d]);
         if map.margin(s.t, s.x.as_slice()) > 0.0 {
             map.tangent(s.t, s.x.as_slice(), x.as_mut_slice(), &mut B);

@@ -32,7 +32,12 @@ pub(super) fn laws(
     if segments[0] == segments[1] {
         return report.impossible(law, at, "the map stays where it is");
     }
-    let outside = |side: &Side| side.map.margin(side.state.t, side.state.x.as_slice()) <= 0.0;
+    let outside = |side: &Side| {
+        side.map
+            .duplicate()
+            .margin(side.state.t, side.state.x.as_slice())
+            <= 0.0
+    };
     // The frame may have turned out of its chart there.
     if sides.iter().any(outside) {
         return;

@@ -92,7 +92,7 @@ where
         Box::new(self.clone())
     }
 
-    fn margin(&self, t: f64, q: &[f64]) -> f64 {
+    fn margin(&mut self, t: f64, q: &[f64]) -> f64 {
         self.link.margin(t, q, |turn| {
             let w = match self.branch {
                 LogBranch::Same => turn.w,
@@ -107,7 +107,7 @@ where
         self.link.joint.edge()
     }
 
-    fn domain_error(&self, t: f64, q: &[f64]) -> Option<String> {
+    fn domain_error(&mut self, t: f64, q: &[f64]) -> Option<String> {
         self.link.domain_error(t, q)
     }
 
@@ -131,16 +131,16 @@ where
         }
     }
 
-    fn tangent(&self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
+    fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
         self.write(t, [q, &[], &[]], &mut [[x, B]]);
     }
 
-    fn kinematics(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
+    fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
         self.write(t, [q, v, a], &mut orders(out));
     }
 
     /// \[M04\] (212) for any joint.
-    fn geometric_stiffness(&self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
+    fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
         let psi = self.branch.log(&self.link.rotation(t, q));
         let covector = vector(f, 3);
         let inverse = InverseQuotients::new(psi.norm());
@@ -171,7 +171,7 @@ where
         Box::new(self.clone())
     }
 
-    fn margin(&self, t: f64, q: &[f64]) -> f64 {
+    fn margin(&mut self, t: f64, q: &[f64]) -> f64 {
         self.0.margin(t, q, |_| TAU - vector(q, 6 + D).norm())
     }
 
@@ -179,7 +179,7 @@ where
         self.0.joint.edge()
     }
 
-    fn domain_error(&self, t: f64, q: &[f64]) -> Option<String> {
+    fn domain_error(&mut self, t: f64, q: &[f64]) -> Option<String> {
         self.0.domain_error(t, q)
     }
 
@@ -188,15 +188,15 @@ where
         self.0.joint.freeze_piece(at.as_ref().map(|(t, q)| (*t, q)));
     }
 
-    fn tangent(&self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
+    fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
         self.write(t, [q, &[], &[]], &mut [[x, B]]);
     }
 
-    fn kinematics(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
+    fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
         self.write(t, [q, v, a], &mut orders(out));
     }
 
-    fn geometric_stiffness(&self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
+    fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
         K.fill(0.0);
         let forces = [&vector(f, 0), &Vector3::zeros()];
         self.0

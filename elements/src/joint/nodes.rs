@@ -5,7 +5,6 @@ use super::{FreeJointMap, Joint, JointMap, Slide, SphericalNodes};
 use crate::beam::Interpolation;
 use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
-use pullback_manifold::map::Map;
 use pullback_manifold::system::Quantity;
 
 /// The nodes that a joint makes.
@@ -179,6 +178,6 @@ pub fn slide_on(
     let arc_length = b.coordinates(format!("{name} arc_length"), &[Quantity::Length])?;
     let segments: Vec<[NodeId; 3]> = chain.windows(2).map(|p| [p[0], p[1], arc_length]).collect();
     let segments: Vec<&[NodeId]> = segments.iter().map(|s| &s[..]).collect();
-    let frame = b.mapped_node_along(name, position, joint.boxed(), &segments)?;
+    let frame = b.mapped_node_along(name, position, Box::new(joint), &segments)?;
     Ok(SlideNodes { frame, arc_length })
 }

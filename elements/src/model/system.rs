@@ -85,11 +85,11 @@ impl Charts for Context {
         self.start_element_charts(t, q);
     }
 
-    fn singularity_warnings(&self) -> Vec<String> {
+    fn singularity_warnings(&mut self) -> Vec<String> {
         let mut warnings = Vec::new();
-        for (&n, map) in self.model.dependent.iter().zip(&self.state.maps) {
+        for (&n, map) in self.model.dependent.iter().zip(&mut self.state.maps) {
             let name = &self.model.nodes[n as usize].name;
-            let why = map.singularity_warning();
+            let why = map.implicit().and_then(|map| map.singularity_warning());
             warnings.extend(why.map(|why| format!("joint at node {name}: {why}")));
         }
         warnings

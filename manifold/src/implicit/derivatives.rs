@@ -30,7 +30,7 @@ impl Core {
         out.x_dot.copy_from_slice(&w.y_dot[p..]);
         out.x_ddot.copy_from_slice(&w.y_ddot[p..]);
         if w.y_ddot.iter().any(|y| *y != 0.0) {
-            along(&*self.h, t, w);
+            along(&mut *self.h, t, w);
         }
         // Ḃ = −P ḣ_y Z; B̈ = −P (ḧ_y Z + 2 ḣ_y Ż).
         product([M, N, Q], &w.J_dot, &w.Z, &mut w.JZ);
@@ -57,7 +57,7 @@ impl Core {
         // Z (q̇, ṗ), less the explicit time term; ÿ is not known yet.
         product([N, v.len(), 1], &w.Z, v, &mut w.y_dot);
         w.y_ddot.fill(0.0);
-        along(&*self.h, t, w);
+        along(&mut *self.h, t, w);
         if w.h_dot.iter().any(|h| h.abs() > 0.0) {
             let mut moved = false;
             for k in 0..X {
@@ -66,7 +66,7 @@ impl Core {
                 w.y_dot[p + k] -= by;
             }
             if moved {
-                along(&*self.h, t, w);
+                along(&mut *self.h, t, w);
             }
         }
     }
@@ -146,7 +146,7 @@ impl Core {
 }
 
 /// The equations along the motion in the workspace.
-fn along(h: &dyn Parametrization, t: f64, w: &mut Work) {
+fn along(h: &mut dyn Parametrization, t: f64, w: &mut Work) {
     h.kinematics(
         t,
         &w.y,

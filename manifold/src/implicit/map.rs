@@ -6,13 +6,13 @@ use super::{
 };
 use crate::map::{KinematicsMut, Map, Parametrization};
 use crate::system::ChartChanges;
-use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// The map (q, p) ↦ x of equations h(t, p, x) = 0, solved for x in D = X − rank(h_x) of its own
 /// coordinates and the parameters p.
 ///
 /// q = 0 is the initial configuration. Redundant equations are found, dropped and named.
-pub struct ImplicitMap(Mutex<Core>);
+#[derive(Clone)]
+pub struct ImplicitMap(Core);
 
 impl ImplicitMap {
     /// Assembles a constraint at time `t` as near as Newton's method gets to `guess`, with
@@ -46,7 +46,7 @@ impl ImplicitMap {
             ..Description::default()
         };
         let h = Equations(constraint).boxed();
-        Core::assemble(h, about, t, &[], &guess).map(|core| Self(Mutex::new(core)))
+        Core::assemble(h, about, t, &[], &guess).map(Self)
     }
 
     /// Assembles equations at time `t` and parameters `p`: `h` takes (p, x) to the residuals.
@@ -65,7 +65,7 @@ impl ImplicitMap {
         p: &[f64],
     ) -> Result<Self, ImplicitError> {
         let zero = vec![0.0; about.unknowns.len()];
-        Core::assemble(h, about, t, p, &zero).map(|core| Self(Mutex::new(core)))
+        Core::assemble(h, about, t, p, &zero).map(Self)
     }
 
     /// The same map with these unknowns as q, until others are better ([`Choice::Split`]) or for
@@ -73,29 +73,21 @@ impl ImplicitMap {
     /// configuration: to be called before anything moves.
     #[must_use]
     pub fn with_independent(mut self, independent: &[usize]) -> Option<Self> {
-        let core = self.core_mut();
+        let core = &mut self.0;
         let (t, mut q) = (core.anchor.t, core.anchor.q.clone());
         let mut v = vec![0.0; q.len()];
         let done = core.switch(t, Some(independent), &mut q, &mut v, &mut []);
         done.then_some(self)
     }
 
-    fn core(&self) -> MutexGuard<'_, Core> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn core_mut(&mut self) -> &mut Core {
-        self.0.get_mut().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// The configuration at q = 0.
     pub fn reference(&self) -> Vec<f64> {
-        self.core().reference.clone()
+        self.0.reference.clone()
     }
 
     /// q̇ of a velocity ẋ that the constraint allows.
     pub fn rates(&self, x_dot: &[f64]) -> Vec<f64> {
-        let core = self.core();
+        let core = &self.0;
         let columns = core.chart.L.chunks_exact(core.X);
         columns
             .map(|L| L.iter().zip(x_dot).map(|(l, x)| l * x).sum())
@@ -104,7 +96,7 @@ impl ImplicitMap {
 
     /// The unknowns that cannot start at [`Unknown::start`], and their actual initial values.
     pub fn displaced(&self) -> Vec<(usize, f64)> {
-        let core = self.core();
+        let core = &self.0;
         let off = |k: &usize| {
             let u = &core.about.unknowns[*k];
             let start = u.start.unwrap_or(core.reference[*k]);
@@ -116,25 +108,52 @@ impl ImplicitMap {
 
     /// Number D of free coordinates q.
     pub fn freedoms(&self) -> usize {
-        self.core().D
+        self.0.D
     }
 
     /// The unknowns selected as q; `None` in the tangent space.
     pub fn independent(&self) -> Option<Vec<usize>> {
-        self.core().chart.independent.clone()
+        self.0.chart.independent.clone()
     }
 
     /// Names of the redundant equations.
     pub fn redundant(&self) -> Vec<String> {
-        self.core().redundant()
+        self.0.redundant()
     }
 
     /// Condition number of A at (q, p); infinite if the equations cannot be solved.
-    pub fn condition(&self, t: f64, q: &[f64]) -> f64 {
-        let mut core = self.core();
+    pub fn condition(&mut self, t: f64, q: &[f64]) -> f64 {
+        let core = &mut self.0;
         match core.solve(t, q) {
             Ok(()) => core.work.condition,
             Err(_) => f64::INFINITY,
+        }
+    }
+
+    /// A warning about a nearby singular configuration, if any, to follow "joint at node a: ".
+    pub fn singularity_warning(&mut self) -> Option<String> {
+        let core = &mut self.0;
+        let from = core.anchor.clone();
+        core.close_to_singular(&from).map(advised)
+    }
+
+    /// Describes the independent coordinates and the redundant equations at present.
+    pub fn describe(&self) -> String {
+        self.0.describe()
+    }
+
+    /// Largest residual at φ(t, q) of the equations, each relative to its size.
+    pub fn violation(&mut self, t: f64, q: &[f64]) -> f64 {
+        self.0.violation(t, q)
+    }
+
+    /// Lagrange multipliers of the equations under the covector `f` (X), one per equation; not numbers
+    /// where the equations have no solution.
+    pub fn multipliers(&mut self, t: f64, q: &[f64], f: &[f64], lambda: &mut [f64]) {
+        let core = &mut self.0;
+        match core.solve(t, q) {
+            Ok(()) => core.multipliers(f, lambda),
+            Err(_) => lambda.fill(f64::NAN),
         }
     }
 
@@ -150,23 +169,17 @@ impl ImplicitMap {
         v: &mut [f64],
         a: &mut [Vec<f64>],
     ) -> bool {
-        self.core_mut().switch(t, independent, q, v, a)
-    }
-}
-
-impl Clone for ImplicitMap {
-    fn clone(&self) -> Self {
-        Self(Mutex::new(self.core().clone()))
+        self.0.switch(t, independent, q, v, a)
     }
 }
 
 impl Parametrization for ImplicitMap {
     fn kind(&self) -> &'static str {
-        self.core().h.kind()
+        self.0.h.kind()
     }
 
     fn dims(&self) -> (usize, usize) {
-        let core = self.core();
+        let core = &self.0;
         (core.D + core.p, core.X)
     }
 
@@ -174,8 +187,8 @@ impl Parametrization for ImplicitMap {
         Box::new(self.clone())
     }
 
-    fn margin(&self, t: f64, q: &[f64]) -> f64 {
-        let mut core = self.core();
+    fn margin(&mut self, t: f64, q: &[f64]) -> f64 {
+        let core = &mut self.0;
         match core.solve(t, q) {
             Ok(()) => 1.0 / core.work.condition - RANK,
             Err(_) => -1.0,
@@ -183,7 +196,7 @@ impl Parametrization for ImplicitMap {
     }
 
     fn change_charts(&mut self, t: f64, q: &[f64]) -> ChartChanges {
-        let core = self.core_mut();
+        let core = &mut self.0;
         core.remember(t, q);
         if core.D == 0 {
             // There are no other coordinates to choose.
@@ -193,11 +206,11 @@ impl Parametrization for ImplicitMap {
     }
 
     fn reparametrize(&mut self, t: f64, q: &mut [f64], v: &mut [f64], a: &mut [Vec<f64>]) -> bool {
-        self.core_mut().settle(t, q, v, a)
+        self.0.settle(t, q, v, a)
     }
 
     fn reparametrizes(&self) -> bool {
-        let core = self.core();
+        let core = &self.0;
         core.D > 0 && core.about.choice != Choice::Fixed
     }
 
@@ -205,30 +218,20 @@ impl Parametrization for ImplicitMap {
         "the positions that its equations allow"
     }
 
-    fn domain_error(&self, t: f64, q: &[f64]) -> Option<String> {
-        self.core().solve(t, q).err().map(advised)
-    }
-
-    fn singularity_warning(&self) -> Option<String> {
-        let mut core = self.core();
-        let from = core.anchor.clone();
-        core.close_to_singular(&from).map(advised)
-    }
-
-    fn describe(&self) -> Option<String> {
-        Some(self.core().describe())
+    fn domain_error(&mut self, t: f64, q: &[f64]) -> Option<String> {
+        self.0.solve(t, q).err().map(advised)
     }
 
     fn save(&self) -> Vec<f64> {
-        self.core().save()
+        self.0.save()
     }
 
     fn restore(&mut self, saved: &[f64]) -> bool {
-        self.core_mut().restore(saved)
+        self.0.restore(saved)
     }
 
     fn freeze_piece(&mut self, at: Option<(f64, &[f64])>) {
-        let core = self.core_mut();
+        let core = &mut self.0;
         let Some((t, q)) = at else {
             return core.h.freeze_piece(None);
         };
@@ -238,8 +241,8 @@ impl Parametrization for ImplicitMap {
         }
     }
 
-    fn tangent(&self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
-        let mut core = self.core();
+    fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
+        let core = &mut self.0;
         if core.solve(t, q).is_ok() {
             x.copy_from_slice(core.x());
             B.copy_from_slice(&core.work.Y);
@@ -249,24 +252,16 @@ impl Parametrization for ImplicitMap {
         }
     }
 
-    fn kinematics(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
-        self.core().kinematics(t, q, v, a, out);
+    fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
+        self.0.kinematics(t, q, v, a, out);
     }
 
-    fn geometric_stiffness(&self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
-        self.core().geometric_stiffness(t, q, f, K);
+    fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
+        self.0.geometric_stiffness(t, q, f, K);
     }
 
-    fn violation(&self, t: f64, q: &[f64]) -> Option<f64> {
-        Some(self.core().violation(t, q))
-    }
-
-    fn multipliers(&self, t: f64, q: &[f64], f: &[f64], lambda: &mut [f64]) {
-        let mut core = self.core();
-        match core.solve(t, q) {
-            Ok(()) => core.multipliers(f, lambda),
-            Err(_) => lambda.fill(f64::NAN),
-        }
+    fn implicit(&mut self) -> Option<&mut ImplicitMap> {
+        Some(self)
     }
 }
 

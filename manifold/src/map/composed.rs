@@ -2,9 +2,8 @@
 
 #![allow(non_snake_case)]
 
-use super::{Kinematics, Map, Reparametrized, Tangent};
+use super::{Kinematics, Map, Tangent};
 use crate::scalar::Scalar;
-use crate::system::ChartChanges;
 use nalgebra::{SMatrix, SVector};
 
 /// The composed map `outer` ∘ `inner`: E^D → E^M → E^N.
@@ -35,35 +34,6 @@ where
         } else {
             inner
         }
-    }
-
-    fn change_charts(&mut self, t: f64, q: &SVector<f64, D>) -> ChartChanges {
-        let inner = self.inner.change_charts(t, q);
-        let outer = self.outer.change_charts(t, &self.inner.phi(t, q));
-        ChartChanges {
-            charts: inner.charts + outer.charts,
-            residual: inner.residual || outer.residual,
-        }
-    }
-
-    fn reparametrize(
-        &mut self,
-        t: f64,
-        q: &SVector<f64, D>,
-        v: &SVector<f64, D>,
-    ) -> Option<Reparametrized<D>> {
-        self.inner.reparametrize(t, q, v)
-    }
-
-    fn reparametrizes(&self) -> bool {
-        self.inner.reparametrizes()
-    }
-
-    fn freeze_piece(&mut self, at: Option<(f64, &SVector<f64, D>)>) {
-        let between = at.map(|(t, q)| (t, self.inner.phi(t, q)));
-        self.inner.freeze_piece(at);
-        self.outer
-            .freeze_piece(between.as_ref().map(|(t, x)| (*t, x)));
     }
 
     fn tangent(&self, t: f64, q: &SVector<f64, D>) -> Tangent<D, N> {

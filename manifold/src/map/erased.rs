@@ -3,6 +3,7 @@
 #![allow(non_snake_case)]
 
 use super::Map;
+use crate::implicit::ImplicitMap;
 use crate::so3::VelocityKind;
 use crate::system::{CHART_EDGE, ChartChanges};
 use nalgebra::SVector;
@@ -20,7 +21,8 @@ pub struct KinematicsMut<'a> {
 
 /// An object-safe [`Map`] of any dimensions: slices outside, fixed sizes and no heap inside.
 ///
-/// Implemented for every map by [`Map::boxed`], and by maps whose sizes are known only at run time
+/// Implemented for every map by [`Map::boxed`], and by maps with a state of their own
+/// ([`Increment`](super::Increment)) or sizes known only at run time
 /// ([`ImplicitMap`](crate::implicit::ImplicitMap)). Slices have the lengths of [`Parametrization::dims`];
 /// matrices are stored column by column.
 pub trait Parametrization: Send + Sync {
@@ -36,7 +38,7 @@ pub trait Parametrization: Send + Sync {
     fn duplicate(&self) -> Box<dyn Parametrization>;
 
     /// See [`Map::margin`]; infinite by default.
-    fn margin(&self, t: f64, q: &[f64]) -> f64 {
+    fn margin(&mut self, t: f64, q: &[f64]) -> f64 {
         let _ = (t, q);
         f64::INFINITY
     }
@@ -46,7 +48,9 @@ pub trait Parametrization: Send + Sync {
         CHART_EDGE
     }
 
-    /// See [`Map::change_charts`]; nothing to do by default.
+    /// Changes the charts of the values (branch of a logarithm, segment of a curve) if another one is
+    /// better at q. Called at converged states only: within a step φ is one smooth function. Nothing by
+    /// default.
     fn change_charts(&mut self, t: f64, q: &[f64]) -> ChartChanges {
         let _ = (t, q);
         ChartChanges::default()
@@ -62,57 +66,57 @@ pub trait Parametrization: Send + Sync {
         false
     }
 
-    /// See [`Map::reparametrize`]: transforms the coordinates, their velocities and any number of
-    /// accelerations in place; returns whether they changed. Nothing by default.
+    /// Changes the coordinates q to better ones: transforms them, their velocities and any number of
+    /// accelerations in place, and returns whether they changed; x, ẋ and ẍ stay the same to rounding.
+    /// Called at every converged state, and never between. Nothing by default; a map that overrides it
+    /// also overrides [`Parametrization::reparametrizes`].
     fn reparametrize(&mut self, t: f64, q: &mut [f64], v: &mut [f64], a: &mut [Vec<f64>]) -> bool {
         let _ = (t, q, v, a);
         false
     }
 
-    /// See [`Map::reparametrizes`].
+    /// Whether [`Parametrization::reparametrize`] may change q: no other map or element may then use
+    /// these coordinates.
     fn reparametrizes(&self) -> bool {
         false
     }
 
-    /// See [`Map::velocity_kind`].
+    /// Kind of angular velocity that replaces the rates of the last three coordinates θ at present,
+    /// if any: Ω and Ω̇ are then stored as velocities and accelerations. The model converts them to
+    /// θ̇ and θ̈ before it evaluates the map ([`so3::Spin`](crate::so3::Spin)). None by default.
     fn velocity_kind(&self) -> Option<VelocityKind> {
         None
     }
 
     /// Why q is outside the domain, to follow "joint at node a: "; none by default.
-    fn domain_error(&self, t: f64, q: &[f64]) -> Option<String> {
+    fn domain_error(&mut self, t: f64, q: &[f64]) -> Option<String> {
         let _ = (t, q);
         None
     }
 
-    /// A warning about a nearby singular configuration, if any, to follow "joint at node a: ".
-    fn singularity_warning(&self) -> Option<String> {
-        None
-    }
-
-    /// Describes the present state of the map (independent coordinates, redundant equations) for
-    /// reports; none by default.
-    fn describe(&self) -> Option<String> {
-        None
-    }
-
-    /// See [`Map::overshoot`]; both states are (q, q̇).
+    /// Amount by which a step of size h between two states (q, q̇) overshot the first change of
+    /// segment, in units of time, negative before it; and the new segment. Integrators end a step
+    /// there. `None` if there is no change ahead, and by default.
     fn overshoot(&self, h: f64, from: [&[f64]; 2], to: [&[f64]; 2]) -> Option<(f64, usize)> {
         let _ = (h, from, to);
         None
     }
 
-    /// See [`Map::enter`].
+    /// Makes the next [`Parametrization::change_charts`] enter this segment, a result of
+    /// [`Parametrization::overshoot`].
     fn enter(&mut self, segment: usize) {
         let _ = segment;
     }
 
-    /// See [`Map::segment`].
+    /// Index of the set of parents that φ reads at present, for a map along a chain of elements; 0
+    /// for every other map.
     fn segment(&self) -> usize {
         0
     }
 
-    /// See [`Map::freeze_piece`].
+    /// Freezes a piecewise φ (the cubics of a spline) to the piece that holds at (t, q), also
+    /// beyond its ends; `None` releases it. Used by the conformance kit to compare derivatives with
+    /// differences of one smooth function. Nothing by default, for a smooth φ.
     fn freeze_piece(&mut self, at: Option<(f64, &[f64])>) {
         let _ = at;
     }
@@ -128,28 +132,19 @@ pub trait Parametrization: Send + Sync {
         saved.is_empty()
     }
 
-    /// Largest residual at φ(t, q) of the equations behind the map, each relative to its size;
-    /// `None` for an explicit map.
-    fn violation(&self, t: f64, q: &[f64]) -> Option<f64> {
-        let _ = (t, q);
+    /// The equations that it solves; `None` for an explicit map.
+    fn implicit(&mut self) -> Option<&mut ImplicitMap> {
         None
     }
 
-    /// Lagrange multipliers of the equations behind the map under the covector `f` (n), one per
-    /// equation.
-    fn multipliers(&self, t: f64, q: &[f64], f: &[f64], lambda: &mut [f64]) {
-        let _ = (t, q, f);
-        lambda.fill(0.0);
-    }
-
     /// Writes x (n) and B (n×d).
-    fn tangent(&self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]);
+    fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]);
 
     /// Writes x, ẋ, ẍ (n) and B, Ḃ, B̈ (n×d).
-    fn kinematics(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>);
+    fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>);
 
     /// Writes K_σ(f) (d×d).
-    fn geometric_stiffness(&self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]);
+    fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]);
 }
 
 impl Clone for Box<dyn Parametrization> {
@@ -158,7 +153,7 @@ impl Clone for Box<dyn Parametrization> {
     }
 }
 
-/// Adapter from fixed sizes to slices.
+/// A map behind slices.
 pub(super) struct Erased<M, const D: usize, const N: usize>(pub(super) M);
 
 impl<M, const D: usize, const N: usize> Parametrization for Erased<M, D, N>
@@ -177,7 +172,7 @@ where
         Box::new(Self(self.0.clone()))
     }
 
-    fn margin(&self, t: f64, q: &[f64]) -> f64 {
+    fn margin(&mut self, t: f64, q: &[f64]) -> f64 {
         self.0.margin(t, &SVector::from_column_slice(q))
     }
 
@@ -185,89 +180,61 @@ where
         self.0.edge()
     }
 
-    fn change_charts(&mut self, t: f64, q: &[f64]) -> ChartChanges {
-        self.0.change_charts(t, &SVector::from_column_slice(q))
-    }
-
     fn is_objective(&self) -> bool {
         self.0.is_objective()
     }
 
-    fn reparametrize(&mut self, t: f64, q: &mut [f64], v: &mut [f64], a: &mut [Vec<f64>]) -> bool {
-        let take = |x: &[f64]| SVector::<f64, D>::from_column_slice(x);
-        let Some(new) = self.0.reparametrize(t, &take(q), &take(v)) else {
-            return false;
-        };
-        q.copy_from_slice(new.q.as_slice());
-        v.copy_from_slice(new.v.as_slice());
-        for a in a {
-            let accelerations = new.B * take(a) + new.c;
-            a.copy_from_slice(accelerations.as_slice());
-        }
-        true
+    fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
+        write_tangent(&self.0, t, q, x, B);
     }
 
-    fn reparametrizes(&self) -> bool {
-        self.0.reparametrizes()
+    fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
+        write_kinematics(&self.0, t, [q, v, a], out);
     }
 
-    fn velocity_kind(&self) -> Option<VelocityKind> {
-        self.0.velocity_kind()
+    fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
+        write_geometric_stiffness(&self.0, t, q, f, K);
     }
+}
 
-    fn save(&self) -> Vec<f64> {
-        self.0.save()
-    }
+/// [`Parametrization::tangent`] of a map.
+pub fn write_tangent<const D: usize, const N: usize>(
+    map: &impl Map<D, N>,
+    t: f64,
+    q: &[f64],
+    x: &mut [f64],
+    B: &mut [f64],
+) {
+    let out = map.tangent(t, &SVector::from_column_slice(q));
+    x.copy_from_slice(out.x.as_slice());
+    B.copy_from_slice(out.B.as_slice());
+}
 
-    fn restore(&mut self, saved: &[f64]) -> bool {
-        self.0.restore(saved)
-    }
+/// [`Parametrization::kinematics`] of a map along a motion (q, q̇, q̈).
+pub fn write_kinematics<const D: usize, const N: usize>(
+    map: &impl Map<D, N>,
+    t: f64,
+    motion: [&[f64]; 3],
+    out: KinematicsMut<'_>,
+) {
+    let [q, v, a] = motion.map(SVector::from_column_slice);
+    let k = map.kinematics(t, &q, &v, &a);
+    out.x.copy_from_slice(k.x.as_slice());
+    out.x_dot.copy_from_slice(k.x_dot.as_slice());
+    out.x_ddot.copy_from_slice(k.x_ddot.as_slice());
+    out.B.copy_from_slice(k.B.as_slice());
+    out.B_dot.copy_from_slice(k.B_dot.as_slice());
+    out.B_ddot.copy_from_slice(k.B_ddot.as_slice());
+}
 
-    fn overshoot(&self, h: f64, from: [&[f64]; 2], to: [&[f64]; 2]) -> Option<(f64, usize)> {
-        let [from, to] = [from, to].map(|x| x.map(SVector::from_column_slice));
-        self.0.overshoot(h, from.each_ref(), to.each_ref())
-    }
-
-    fn enter(&mut self, segment: usize) {
-        self.0.enter(segment);
-    }
-
-    fn segment(&self) -> usize {
-        self.0.segment()
-    }
-
-    fn freeze_piece(&mut self, at: Option<(f64, &[f64])>) {
-        let at = at.map(|(t, q)| (t, SVector::from_column_slice(q)));
-        self.0.freeze_piece(at.as_ref().map(|(t, q)| (*t, q)));
-    }
-
-    fn tangent(&self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
-        let out = self.0.tangent(t, &SVector::from_column_slice(q));
-        x.copy_from_slice(out.x.as_slice());
-        B.copy_from_slice(out.B.as_slice());
-    }
-
-    fn kinematics(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
-        let k = self.0.kinematics(
-            t,
-            &SVector::from_column_slice(q),
-            &SVector::from_column_slice(v),
-            &SVector::from_column_slice(a),
-        );
-        out.x.copy_from_slice(k.x.as_slice());
-        out.x_dot.copy_from_slice(k.x_dot.as_slice());
-        out.x_ddot.copy_from_slice(k.x_ddot.as_slice());
-        out.B.copy_from_slice(k.B.as_slice());
-        out.B_dot.copy_from_slice(k.B_dot.as_slice());
-        out.B_ddot.copy_from_slice(k.B_ddot.as_slice());
-    }
-
-    fn geometric_stiffness(&self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
-        let out = self.0.geometric_stiffness(
-            t,
-            &SVector::from_column_slice(q),
-            &SVector::from_column_slice(f),
-        );
-        K.copy_from_slice(out.as_slice());
-    }
+/// [`Parametrization::geometric_stiffness`] of a map.
+pub fn write_geometric_stiffness<const D: usize, const N: usize>(
+    map: &impl Map<D, N>,
+    t: f64,
+    q: &[f64],
+    f: &[f64],
+    K: &mut [f64],
+) {
+    let (q, f) = (SVector::from_column_slice(q), SVector::from_column_slice(f));
+    K.copy_from_slice(map.geometric_stiffness(t, &q, &f).as_slice());
 }

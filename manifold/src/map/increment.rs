@@ -2,7 +2,9 @@
 
 #![allow(non_snake_case)]
 
-use super::{Map, Reparametrized};
+use super::{
+    KinematicsMut, Map, Parametrization, write_geometric_stiffness, write_kinematics, write_tangent,
+};
 use crate::quotients::Quotients;
 use crate::scalar::Scalar;
 use crate::so3::{self, Quaternion, VelocityKind};
@@ -22,11 +24,11 @@ use std::f64::consts::{PI, TAU};
 /// ```
 ///
 /// the new velocities and accelerations are exact. Only this map may use the coordinates θ
-/// ([`Map::reparametrizes`]): six coordinates of a frame, three lengths and three angles, or three
+/// ([`Parametrization::reparametrizes`]): six coordinates of a frame, three lengths and three angles, or three
 /// of a rotation alone, θ ↦ Ψ. D is 6 or 3 accordingly.
 ///
 /// With [`Increment::with_velocities`], the rates are angular velocities from the first converged
-/// state on ([`Map::velocity_kind`]). With material ones, Ω and Ω̇ instead of θ̇ and θ̈, the updates
+/// state on ([`Parametrization::velocity_kind`]). With material ones, Ω and Ω̇ instead of θ̇ and θ̈, the updates
 /// of the generalised-α family are those of the Lie-group method of Brüls, Cardona & Arnold 2012,
 ///
 /// ```text
@@ -37,7 +39,7 @@ use std::f64::consts::{PI, TAU};
 /// updates are sums of ω and ω̇, with R(…) on the left of Rₙ; with mixed ones, sums of w and of the
 /// material Ω̇, which recentring leaves unchanged.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Increment {
+pub struct Increment<const D: usize> {
     /// Rₙ, as the quaternion of the branch of Ψ in use.
     turn: Quaternion<f64>,
     /// Angular velocities that replace the rates once the chart is centred, and whether it has been.
@@ -45,14 +47,14 @@ pub struct Increment {
     centred: bool,
 }
 
-impl Default for Increment {
+impl<const D: usize> Default for Increment<D> {
     /// From the reference orientation.
     fn default() -> Self {
         Self::from(&Vector3::zeros())
     }
 }
 
-impl Increment {
+impl<const D: usize> Increment<D> {
     /// From an orientation, by its rotation vector (global components, ψ < 2π).
     pub fn from(Psi: &Vector3<f64>) -> Self {
         Self {
@@ -71,7 +73,7 @@ impl Increment {
     }
 
     /// The quaternion of Rₙ R(θ).
-    fn turned<S: Scalar, const D: usize>(&self, q: &SVector<S, D>) -> Quaternion<S> {
+    fn turned<S: Scalar>(&self, q: &SVector<S, D>) -> Quaternion<S> {
         let Quaternion { w, v } = self.turn;
         let turn = Quaternion {
             w: S::constant(w),
@@ -85,7 +87,7 @@ fn theta<S: Scalar, const D: usize>(q: &SVector<S, D>) -> Vector3<S> {
     Vector3::new(q[D - 3], q[D - 2], q[D - 1])
 }
 
-impl<const D: usize> Map<D, D> for Increment {
+impl<const D: usize> Map<D, D> for Increment<D> {
     fn phi<S: Scalar>(&self, _t: S, q: &SVector<S, D>) -> SVector<S, D> {
         let Psi = so3::log_quaternion(&self.turned(q));
         let mut x = *q;
@@ -103,10 +105,28 @@ impl<const D: usize> Map<D, D> for Increment {
     fn is_objective(&self) -> bool {
         false
     }
+}
+
+impl<const D: usize> Parametrization for Increment<D> {
+    fn dims(&self) -> (usize, usize) {
+        (D, D)
+    }
+
+    fn duplicate(&self) -> Box<dyn Parametrization> {
+        Box::new(*self)
+    }
+
+    fn margin(&mut self, t: f64, q: &[f64]) -> f64 {
+        Map::margin(self, t, &SVector::from_column_slice(q))
+    }
+
+    fn is_objective(&self) -> bool {
+        Map::is_objective(self)
+    }
 
     /// The branch on which ψ ≤ π.
-    fn change_charts(&mut self, _t: f64, q: &SVector<f64, D>) -> ChartChanges {
-        let beyond = self.turned(q).w < 0.0;
+    fn change_charts(&mut self, _t: f64, q: &[f64]) -> ChartChanges {
+        let beyond = self.turned(&SVector::from_column_slice(q)).w < 0.0;
         if beyond {
             self.turn = self.turn.opposite();
         }
@@ -143,45 +163,51 @@ impl<const D: usize> Map<D, D> for Increment {
         unit
     }
 
-    fn reparametrize(
-        &mut self,
-        _t: f64,
-        q: &SVector<f64, D>,
-        v: &SVector<f64, D>,
-    ) -> Option<Reparametrized<D>> {
-        let (theta, theta_dot) = (theta(q), self::theta(v));
-        let kind = Map::<D, D>::velocity_kind(self);
+    fn reparametrize(&mut self, _t: f64, q: &mut [f64], v: &mut [f64], a: &mut [Vec<f64>]) -> bool {
+        let three = |x: &[f64]| Vector3::new(x[D - 3], x[D - 2], x[D - 1]);
+        let (theta, theta_dot) = (three(q), three(v));
+        let kind = self.velocity_kind();
         self.centred = true;
         if theta == Vector3::zeros() {
-            return None;
+            return false;
         }
-        let turned = self.turned(q);
+        let turned = self.turned(&SVector::from_column_slice(q));
         let scale = 1.0 / (turned.w * turned.w + turned.v.norm_squared()).sqrt();
         self.turn = Quaternion {
             w: turned.w * scale,
             v: turned.v * scale,
         };
-        let mut new = Reparametrized {
-            q: *q,
-            v: *v,
-            B: nalgebra::SMatrix::identity(),
-            c: SVector::zeros(),
-        };
-        new.q.fixed_rows_mut::<3>(D - 3).fill(0.0);
+        q[D - 3..].fill(0.0);
         // From rates or angular velocities at θ to Ω and Ω̇.
         let B = match kind {
-            Some(VelocityKind::Material) => return Some(new),
+            Some(VelocityKind::Material) => return true,
             Some(VelocityKind::Spatial | VelocityKind::Mixed) => so3::rotation(&theta).transpose(),
             None => so3::tangent(&theta),
         };
-        new.v.fixed_rows_mut::<3>(D - 3).copy_from(&(B * theta_dot));
-        if kind != Some(VelocityKind::Mixed) {
-            new.B.fixed_view_mut::<3, 3>(D - 3, D - 3).copy_from(&B);
+        v[D - 3..].copy_from_slice((B * theta_dot).as_slice());
+        if kind == Some(VelocityKind::Mixed) {
+            return true;
         }
-        if kind.is_none() {
-            let c = so3::T_dot_psi_dot(&theta_dot, &theta, &Quotients::new(theta.norm()));
-            new.c.fixed_rows_mut::<3>(D - 3).copy_from(&c);
+        let c = match kind {
+            None => so3::T_dot_psi_dot(&theta_dot, &theta, &Quotients::new(theta.norm())),
+            Some(_) => Vector3::zeros(),
+        };
+        for a in a {
+            let accelerations = B * three(a) + c;
+            a[D - 3..].copy_from_slice(accelerations.as_slice());
         }
-        Some(new)
+        true
+    }
+
+    fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
+        write_tangent(self, t, q, x, B);
+    }
+
+    fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
+        write_kinematics(self, t, [q, v, a], out);
+    }
+
+    fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
+        write_geometric_stiffness(self, t, q, f, K);
     }
 }

@@ -24,7 +24,7 @@ pub trait Charts {
 
     /// Warnings about nearby singular configurations, for the report of a failed step; none by
     /// default.
-    fn singularity_warnings(&self) -> Vec<String> {
+    fn singularity_warnings(&mut self) -> Vec<String> {
         Vec::new()
     }
 }

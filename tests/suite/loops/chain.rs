@@ -76,7 +76,7 @@ fn a_chain_of_bars_closes() {
     let to = 2.0;
     let guess = [-1.2, -0.6, 0.3, 0.5, 1.0];
     for choice in [Choice::Split, Choice::Tangent] {
-        let map = ImplicitMap::of(Chain, 3, 0.0, guess, choice).unwrap();
+        let mut map = ImplicitMap::of(Chain, 3, 0.0, guess, choice).unwrap();
         check::implicit(&map, 0.0).assert();
         let (mut x, mut B) = ([0.0; LINKS], [0.0; 3 * LINKS]);
         map.tangent(0.0, &[0.0; 3], &mut x, &mut B);

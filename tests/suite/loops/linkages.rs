@@ -269,10 +269,10 @@ fn four_bar() -> (Context, NodeId, Vec<f64>) {
     let guess = [CRANK_START + 0.05, coupler - 0.05, rocker];
     let assembled = |guess| ImplicitMap::of(FourBar, 1, 0.0, guess, Choice::Split).unwrap();
     // From the assembled configuration to the one that is wanted: the crank as q.
-    let map = assembled(guess).with_independent(&[0]).unwrap();
+    let mut map = assembled(guess).with_independent(&[0]).unwrap();
     let (mut x, mut B) = ([0.0; 3], [0.0; 3]);
     map.tangent(0.0, &[CRANK_START - map.reference()[0]], &mut x, &mut B);
-    let map = assembled(x);
+    let mut map = assembled(x);
     assert!(gap(&map.reference(), &[CRANK_START, coupler, rocker]) < 1e-15);
     map.tangent(0.0, &[0.0], &mut x, &mut B);
     let rate = CRANK_RATE / B[0];

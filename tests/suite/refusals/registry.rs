@@ -179,11 +179,11 @@ impl Parametrization for Halved {
         Box::new(self.clone())
     }
 
-    fn tangent(&self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
+    fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
         self.0.tangent(t, q, x, B);
     }
 
-    fn kinematics(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
+    fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
         let KinematicsMut {
             x,
             x_dot,
@@ -204,7 +204,7 @@ impl Parametrization for Halved {
         B_dot.iter_mut().for_each(|b| *b *= 0.5);
     }
 
-    fn geometric_stiffness(&self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
+    fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
         self.0.geometric_stiffness(t, q, f, K);
     }
 }

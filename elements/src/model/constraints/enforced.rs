@@ -84,9 +84,9 @@ impl Context {
                 let mut q = vec![0.0; d.direct];
                 let parents = d.parents(&self.state.maps);
                 collect(parents, &self.model.spans, &self.work.x, &mut q);
-                worst = self.state.maps[d.index]
-                    .violation(self.work.t, &q)
-                    .map_or(worst, |h| worse(worst, h));
+                if let Some(map) = self.state.maps[d.index].implicit() {
+                    worst = worse(worst, map.violation(self.work.t, &q));
+                }
             }
         }
         let w = &mut self.work;

@@ -8,7 +8,7 @@ use crate::model::kinematics::mapped_node::MappedNode;
 use crate::model::{Context, Model, NONE, Node, NodeForm, Source, among};
 use crate::time::TimeFunction;
 use nalgebra::{Matrix3, Vector3};
-use pullback_manifold::map::{Increment, Map};
+use pullback_manifold::map::{Increment, Parametrization};
 use pullback_manifold::so3::{Quaternion, Spin, VelocityKind};
 use pullback_manifold::system::{Evaluation, Point, SystemError, Weights};
 use std::collections::HashMap;
@@ -77,8 +77,7 @@ pub(in crate::model) fn apply(
     if formulation == Formulation::Total {
         return;
     }
-    let map =
-        (formulation.velocity_kind()).map_or_else(Increment::default, Increment::with_velocities);
+    let kind = formulation.velocity_kind();
     let turns =
         |node: &Node| matches!(node.form, NodeForm::Frame | NodeForm::Rotation) && node.is_own();
     let mut turning: Vec<bool> = nodes.iter().map(turns).collect();
@@ -93,12 +92,12 @@ pub(in crate::model) fn apply(
     for n in (0..nodes.len()).filter(|&n| turning[n]) {
         let node = &nodes[n];
         let own = nodes.len() as u32;
-        let boxed = if node.is_frame() {
-            Map::<6, 6>::boxed(map)
+        let map: Box<dyn Parametrization> = if node.is_frame() {
+            Box::new(kind.map_or_else(Increment::<6>::default, Increment::with_velocities))
         } else {
-            Map::<3, 3>::boxed(map)
+            Box::new(kind.map_or_else(Increment::<3>::default, Increment::with_velocities))
         };
-        let mapped = MappedNode::new(boxed, vec![vec![own]], node.dim);
+        let mapped = MappedNode::new(map, vec![vec![own]], node.dim);
         let (name, quantities) = (node.name.clone(), node.quantities.clone());
         nodes.push(Node::new(
             name,

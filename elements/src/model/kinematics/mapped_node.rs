@@ -106,8 +106,8 @@ impl Context {
         let Source::Mapped(d) = &node.source else {
             return Ok(());
         };
-        let (map, parents) = (&self.state.maps[d.index], d.parents(&self.state.maps));
-        let k = d.direct;
+        let parents = d.parents(&self.state.maps);
+        let (map, k) = (&mut self.state.maps[d.index], d.direct);
         let (motion, known) = w.motions[d.motion..d.motion + 6 * k + 2].split_at_mut(3 * k + 1);
         motion[0] = t;
         for (all, motion) in [&w.x, &w.v, &w.a]
@@ -159,7 +159,8 @@ impl Context {
             let Source::Mapped(d) = &node.source else {
                 continue;
             };
-            let (map, parents) = (&self.state.maps[d.index], d.parents(&self.state.maps));
+            let parents = d.parents(&self.state.maps);
+            let map = &mut self.state.maps[d.index];
             pull_back_forces(d, parents, node, &self.model.spans, w, rates);
             let Some((weights, values)) = &mut S else {
                 continue;

@@ -167,7 +167,10 @@ impl Context {
             let mut q = vec![0.0; d.direct];
             collect(d.parents(&self.state.maps), &self.model.spans, &w.x, &mut q);
             let mut mu = vec![0.0; 6 * report.closures.len()];
-            self.state.maps[d.index].multipliers(w.t, &q, &w.r[n.range()], &mut mu);
+            // A copy, as its evaluation changes its buffers.
+            if let Some(map) = self.state.maps[d.index].clone().implicit() {
+                map.multipliers(w.t, &q, &w.r[n.range()], &mut mu);
+            }
             let closures = report.closures.iter().zip(&report.roots);
             for ((&(frame, child), roots), mu) in closures.zip(mu.chunks_exact(6)) {
                 let R = self.node_state(NodeId(child)).R;

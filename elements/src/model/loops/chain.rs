@@ -147,10 +147,10 @@ pub(super) fn root_matters(
     let own = coordinates(nodes, chain);
     let nothing = Held(&[]);
     let inputs = Inputs::new(nodes, &own, &[root], &nothing);
-    let tree: Tree = set::tree(nodes, std::slice::from_ref(chain), &inputs);
+    let mut tree: Tree = set::tree(nodes, std::slice::from_ref(chain), &inputs);
     let at = |first: usize| inputs.nodes.iter().find(|(_, f)| *f == first);
     debug_assert!(at(0).is_some_and(|(n, _)| inputs.read(*n) == Read::Input(0)));
-    let value = |y: &[f64]| {
+    let mut value = |y: &[f64]| {
         let mut h = [0.0; 6];
         let mut J = vec![0.0; 6 * y.len()];
         tree.tangent(0.0, y, &mut h, &mut J);

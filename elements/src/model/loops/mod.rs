@@ -263,10 +263,11 @@ fn value(
                 q.extend(value(nodes, m, held, starts, known)?);
             }
             let mut B = vec![0.0; node.dim * q.len()];
-            if d.map.margin(0.0, &q) <= 0.0 {
+            let mut map = d.map.clone();
+            if map.margin(0.0, &q) <= 0.0 {
                 return None;
             }
-            d.map.tangent(0.0, &q, &mut x, &mut B);
+            map.tangent(0.0, &q, &mut x, &mut B);
         }
     }
     known.insert(n, x.clone());

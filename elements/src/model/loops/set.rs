@@ -115,7 +115,7 @@ fn nothing_follows(
     chains: &[Chain],
     joints: String,
     given: &[(u32, usize)],
-    equations: &dyn Parametrization,
+    equations: &mut dyn Parametrization,
     length: f64,
 ) -> Result<Report, ModelError> {
     if !given.is_empty() {
@@ -269,9 +269,9 @@ pub(super) fn close_set(
         let value = |k| held.function(n as usize, k).map_or(0.0, |f| f.at(0.0)[0]);
         p.extend((0..nodes[n as usize].dim).map(value));
     }
-    let equations = Box::new(tree(nodes, chains, &inputs));
+    let mut equations = Box::new(tree(nodes, chains, &inputs));
     if unknown.is_empty() {
-        return nothing_follows(nodes, chains, joints, given, &*equations, length);
+        return nothing_follows(nodes, chains, joints, given, &mut *equations, length);
     }
     let map = ImplicitMap::new(equations, about, 0.0, &p).map_err(|source| ModelError::Loop {
         joints: joints.clone(),

@@ -12,7 +12,6 @@ use nalgebra::{SVector, Vector3};
 use pullback_manifold::map::{KinematicsMut, Map, Parametrization};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::system::ChartChanges;
-use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Two coinciding frames: the gap to frame a in the axes of frame b, and twice the vector part of
 /// the quaternion with a positive scalar part that rotates b to a; independent of the branches of
@@ -36,10 +35,7 @@ impl Map<12, 6> for Coincide {
 
 /// A tree of maps from common inputs; its values are those of its last links, the closures.
 #[derive(Default)]
-pub(super) struct Tree(Mutex<Inner>);
-
-#[derive(Default)]
-struct Inner {
+pub(super) struct Tree {
     inputs: usize,
     closures: usize,
     links: Vec<Link>,
@@ -51,10 +47,10 @@ struct Inner {
 impl Tree {
     /// A tree without links.
     pub(super) fn new(inputs: usize) -> Self {
-        Self(Mutex::new(Inner {
+        Self {
             inputs,
-            ..Inner::default()
-        }))
+            ..Self::default()
+        }
     }
 
     /// Adds a link; returns its index.
@@ -63,13 +59,12 @@ impl Tree {
         map: Box<dyn Parametrization>,
         reads: Vec<(Read, usize)>,
     ) -> usize {
-        let tree = self.0.get_mut().unwrap_or_else(PoisonError::into_inner);
         let (d, n) = map.dims();
         let sources: Vec<Vec<usize>> = (reads.iter())
             .map(|&(read, len)| match read {
                 Read::Input(first) => (first..first + len).collect(),
                 Read::Nothing => Vec::new(),
-                Read::Link(j) => tree.links[j].columns.clone(),
+                Read::Link(j) => self.links[j].columns.clone(),
             })
             .collect();
         let mut columns = sources.concat();
@@ -80,10 +75,10 @@ impl Tree {
         let positions = positions.collect();
         let N = columns.len();
         let z = |len: usize| [vec![0.0; len], vec![0.0; len], vec![0.0; len]];
-        tree.K.resize(tree.K.len().max(d * d), 0.0);
-        tree.stack.resize(tree.stack.len().max(d * N), 0.0);
-        tree.product.resize(tree.product.len().max(d * N), 0.0);
-        tree.links.push(Link {
+        self.K.resize(self.K.len().max(d * d), 0.0);
+        self.stack.resize(self.stack.len().max(d * N), 0.0);
+        self.product.resize(self.product.len().max(d * N), 0.0);
+        self.links.push(Link {
             map,
             reads,
             columns,
@@ -96,22 +91,15 @@ impl Tree {
             all: z(n * N),
             r: vec![0.0; n],
         });
-        tree.links.len() - 1
+        self.links.len() - 1
     }
 
     /// Adds the equations that two frames coincide.
     pub(super) fn close(&mut self, between: Coincide, frames: [Read; 2]) {
         self.link(between.boxed(), frames.map(|r| (r, 6)).to_vec());
-        let tree = self.0.get_mut().unwrap_or_else(PoisonError::into_inner);
-        tree.closures += 1;
+        self.closures += 1;
     }
 
-    fn inner(&self) -> MutexGuard<'_, Inner> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-impl Inner {
     /// Evaluates all links at y: tangents without `rates`, kinematics with them.
     fn evaluate(&mut self, t: f64, y: &[f64], rates: Option<[&[f64]; 2]>) {
         let orders = if rates.is_some() { 3 } else { 1 };
@@ -160,6 +148,64 @@ impl Inner {
             }
         }
     }
+}
+
+impl Parametrization for Tree {
+    fn kind(&self) -> &'static str {
+        "closed loop"
+    }
+
+    fn dims(&self) -> (usize, usize) {
+        (self.inputs, 6 * self.closures)
+    }
+
+    fn duplicate(&self) -> Box<dyn Parametrization> {
+        let mut copy = Self::new(self.inputs);
+        for link in &self.links {
+            copy.link(link.map.clone(), link.reads.clone());
+        }
+        copy.closures = self.closures;
+        Box::new(copy)
+    }
+
+    /// Chooses the branch of the rotation vector of each link, from the root outwards.
+    fn change_charts(&mut self, t: f64, y: &[f64]) -> ChartChanges {
+        let mut all = ChartChanges::default();
+        for k in 0..self.links.len() {
+            let (before, rest) = self.links.split_at_mut(k);
+            let link = &mut rest[0];
+            link.gather(before, [y, &[], &[]], 1);
+            all.charts += link.map.change_charts(t, &link.q[0]).charts;
+            link.map
+                .tangent(t, &link.q[0], &mut link.x[0], &mut link.own[0]);
+        }
+        all
+    }
+
+    fn freeze_piece(&mut self, at: Option<(f64, &[f64])>) {
+        if let Some((t, y)) = at {
+            self.evaluate(t, y, None);
+        }
+        for link in &mut self.links {
+            link.map.freeze_piece(at.map(|(t, _)| (t, &link.q[0][..])));
+        }
+    }
+
+    fn tangent(&mut self, t: f64, y: &[f64], h: &mut [f64], J: &mut [f64]) {
+        self.evaluate(t, y, None);
+        self.collect(0, h);
+        self.collect_operators(0, J);
+    }
+
+    fn kinematics(&mut self, t: f64, y: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
+        self.evaluate(t, y, Some([v, a]));
+        for (k, x) in [out.x, out.x_dot, out.x_ddot].into_iter().enumerate() {
+            self.collect(k, x);
+        }
+        for (k, B) in [out.B, out.B_dot, out.B_ddot].into_iter().enumerate() {
+            self.collect_operators(k, B);
+        }
+    }
 
     fn geometric_stiffness(&mut self, t: f64, y: &[f64], f: &[f64], K: &mut [f64]) {
         let N = self.inputs;
@@ -172,7 +218,7 @@ impl Inner {
         }
         for k in (0..self.links.len()).rev() {
             let (before, rest) = self.links.split_at_mut(k);
-            let link = &rest[0];
+            let link = &mut rest[0];
             if link.r.iter().all(|r| *r == 0.0) {
                 continue;
             }
@@ -217,77 +263,6 @@ impl Inner {
     }
 }
 
-impl Parametrization for Tree {
-    fn kind(&self) -> &'static str {
-        "closed loop"
-    }
-
-    fn dims(&self) -> (usize, usize) {
-        let tree = self.inner();
-        (tree.inputs, 6 * tree.closures)
-    }
-
-    fn duplicate(&self) -> Box<dyn Parametrization> {
-        let from = self.inner();
-        let mut copy = Self::new(from.inputs);
-        for link in &from.links {
-            copy.link(link.map.clone(), link.reads.clone());
-        }
-        copy.0
-            .get_mut()
-            .unwrap_or_else(PoisonError::into_inner)
-            .closures = from.closures;
-        Box::new(copy)
-    }
-
-    /// Chooses the branch of the rotation vector of each link, from the root outwards.
-    fn change_charts(&mut self, t: f64, y: &[f64]) -> ChartChanges {
-        let tree = self.0.get_mut().unwrap_or_else(PoisonError::into_inner);
-        let mut all = ChartChanges::default();
-        for k in 0..tree.links.len() {
-            let (before, rest) = tree.links.split_at_mut(k);
-            let link = &mut rest[0];
-            link.gather(before, [y, &[], &[]], 1);
-            all.charts += link.map.change_charts(t, &link.q[0]).charts;
-            link.map
-                .tangent(t, &link.q[0], &mut link.x[0], &mut link.own[0]);
-        }
-        all
-    }
-
-    fn freeze_piece(&mut self, at: Option<(f64, &[f64])>) {
-        let tree = self.0.get_mut().unwrap_or_else(PoisonError::into_inner);
-        if let Some((t, y)) = at {
-            tree.evaluate(t, y, None);
-        }
-        for link in &mut tree.links {
-            link.map.freeze_piece(at.map(|(t, _)| (t, &link.q[0][..])));
-        }
-    }
-
-    fn tangent(&self, t: f64, y: &[f64], h: &mut [f64], J: &mut [f64]) {
-        let mut tree = self.inner();
-        tree.evaluate(t, y, None);
-        tree.collect(0, h);
-        tree.collect_operators(0, J);
-    }
-
-    fn kinematics(&self, t: f64, y: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
-        let mut tree = self.inner();
-        tree.evaluate(t, y, Some([v, a]));
-        for (k, x) in [out.x, out.x_dot, out.x_ddot].into_iter().enumerate() {
-            tree.collect(k, x);
-        }
-        for (k, B) in [out.B, out.B_dot, out.B_ddot].into_iter().enumerate() {
-            tree.collect_operators(k, B);
-        }
-    }
-
-    fn geometric_stiffness(&self, t: f64, y: &[f64], f: &[f64], K: &mut [f64]) {
-        self.inner().geometric_stiffness(t, y, f, K);
-    }
-}
-
 /// Some consecutive unknowns of a loop, as the coordinates of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Part {
@@ -314,7 +289,7 @@ impl Parametrization for Part {
         true
     }
 
-    fn tangent(&self, _t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
+    fn tangent(&mut self, _t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
         x.copy_from_slice(&q[self.first..self.first + self.len]);
         B.fill(0.0);
         for i in 0..self.len {
@@ -322,7 +297,7 @@ impl Parametrization for Part {
         }
     }
 
-    fn kinematics(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
+    fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
         self.tangent(t, q, out.x, out.B);
         out.x_dot
             .copy_from_slice(&v[self.first..self.first + self.len]);
@@ -332,7 +307,7 @@ impl Parametrization for Part {
         out.B_ddot.fill(0.0);
     }
 
-    fn geometric_stiffness(&self, _t: f64, _q: &[f64], _f: &[f64], K: &mut [f64]) {
+    fn geometric_stiffness(&mut self, _t: f64, _q: &[f64], _f: &[f64], K: &mut [f64]) {
         K.fill(0.0);
     }
 }

@@ -192,7 +192,10 @@ impl Context {
     pub fn describe(&self, node: NodeId) -> Option<String> {
         match &self.model.nodes[node.0 as usize].source {
             Source::Own => None,
-            Source::Mapped(d) => self.state.maps[d.index].describe(),
+            Source::Mapped(d) => {
+                let mut map = self.state.maps[d.index].clone();
+                map.implicit().map(|map| map.describe())
+            }
         }
     }
 

@@ -10,7 +10,10 @@ use pullback_elements::body::RigidBody;
 use pullback_elements::joint::{Chain, Curve, OnCurve, Slide, on_curve};
 use pullback_elements::model::{Context, ModelBuilder, NodeId};
 use pullback_elements::time::Constant;
-use pullback_manifold::map::{Kinematics, Map, Motion, derived};
+use pullback_manifold::map::{
+    Kinematics, KinematicsMut, Map, Parametrization, derived, write_geometric_stiffness,
+    write_kinematics, write_tangent,
+};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::system::{ChartChanges, Quantity};
 
@@ -46,10 +49,38 @@ impl Map<13, 6> for Along {
     }
 
     fn margin(&self, t: f64, q: &SVector<f64, 13>) -> f64 {
-        self.0.margin(t, q)
+        Map::margin(&self.0, t, q)
     }
 
-    fn change_charts(&mut self, t: f64, q: &SVector<f64, 13>) -> ChartChanges {
+    fn kinematics(
+        &self,
+        t: f64,
+        q: &SVector<f64, 13>,
+        v: &SVector<f64, 13>,
+        a: &SVector<f64, 13>,
+    ) -> Kinematics<13, 6> {
+        let mut out = derived::kinematics(self, t, q, v, a);
+        if self.planted(Planted::Velocity) {
+            out.x_dot -= out.B.fixed_columns::<6>(0) * v.fixed_rows::<6>(0);
+        }
+        out
+    }
+}
+
+impl Parametrization for Along {
+    fn dims(&self) -> (usize, usize) {
+        (13, 6)
+    }
+
+    fn duplicate(&self) -> Box<dyn Parametrization> {
+        Box::new(self.clone())
+    }
+
+    fn margin(&mut self, t: f64, q: &[f64]) -> f64 {
+        Parametrization::margin(&mut self.0, t, q)
+    }
+
+    fn change_charts(&mut self, t: f64, q: &[f64]) -> ChartChanges {
         self.0.change_charts(t, q)
     }
 
@@ -57,7 +88,7 @@ impl Map<13, 6> for Along {
         self.0.segment()
     }
 
-    fn overshoot(&self, h: f64, from: Motion<'_, 13>, to: Motion<'_, 13>) -> Option<(f64, usize)> {
+    fn overshoot(&self, h: f64, from: [&[f64]; 2], to: [&[f64]; 2]) -> Option<(f64, usize)> {
         self.0.overshoot(h, from, to)
     }
 
@@ -75,18 +106,16 @@ impl Map<13, 6> for Along {
         self.0.restore(saved)
     }
 
-    fn kinematics(
-        &self,
-        t: f64,
-        q: &SVector<f64, 13>,
-        v: &SVector<f64, 13>,
-        a: &SVector<f64, 13>,
-    ) -> Kinematics<13, 6> {
-        let mut out = derived::kinematics(self, t, q, v, a);
-        if self.planted(Planted::Velocity) {
-            out.x_dot -= out.B.fixed_columns::<6>(0) * v.fixed_rows::<6>(0);
-        }
-        out
+    fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
+        write_tangent(self, t, q, x, B);
+    }
+
+    fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
+        write_kinematics(self, t, [q, v, a], out);
+    }
+
+    fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
+        write_geometric_stiffness(self, t, q, f, K);
     }
 }
 
@@ -112,7 +141,7 @@ fn chained(planted: Planted, interpolation: Interpolation, driven: bool, seed: u
     let segments: Vec<[NodeId; 3]> = nodes.windows(2).map(|p| [p[0], p[1], way]).collect();
     let segments: Vec<&[NodeId]> = segments.iter().map(|s| &s[..]).collect();
     let frame = b
-        .mapped_node_along("runner", start.into(), map.boxed(), &segments)
+        .mapped_node_along("runner", start.into(), Box::new(map), &segments)
         .unwrap();
     b.element("runner body", body(), &[frame]).unwrap();
     if driven {

@@ -71,7 +71,7 @@ where
     J: Joint<D> + Clone + 'static,
     ByJets<J>: Map<N, 6>,
 {
-    let (map, exact) = (JointMap::new(joint.clone()), ByJets(joint));
+    let (mut map, exact) = (JointMap::new(joint.clone()), ByJets(joint));
     let mut random = Random::default();
     for scale in [0.0, 1e-8, 0.5, 1.4] {
         let [q, v, a] = [0; 3].map(|_| random.vector::<N>());
@@ -123,7 +123,7 @@ fn kinematics(map: &dyn Parametrization, t: f64, [q, v, a]: [&[f64]; 3]) -> [[Ve
         B_dot: &mut B_dot,
         B_ddot: &mut B_ddot,
     };
-    map.kinematics(t, q, v, a, out);
+    map.duplicate().kinematics(t, q, v, a, out);
     [[x, B], [x_dot, B_dot], [x_ddot, B_ddot]]
 }
 
@@ -154,7 +154,7 @@ fn joints_whose_children_turn_freely_obey_the_laws_of_a_map() {
 fn the_offset_of_the_reference() {
     for row in reference("offset") {
         let get = |key: &str| numbers(&row[key]);
-        let map = JointMap::new(Offset {
+        let mut map = JointMap::new(Offset {
             c: Vector3::from_column_slice(&get("offset")),
         });
         let [q, v, a] = ["q", "q_dot", "q_ddot"].map(get);
@@ -175,7 +175,7 @@ fn the_revolute_joint_of_the_reference() {
         // The reference has the rotation and the angle alone.
         let seven = |key: &str| [vec![0.0; 3], get(key)].concat();
         let e: [f64; 3] = get("axis").try_into().expect("three");
-        let map = JointMap::new(Revolute::new(e).unwrap());
+        let mut map = JointMap::new(Revolute::new(e).unwrap());
         let [q, v, a] = ["q", "q_dot", "q_ddot"].map(seven);
         let k = kinematics(&map, 0.0, [&q, &v, &a]);
         for (key, [_, B]) in ["B", "B_dot", "B_ddot"].into_iter().zip(&k) {

@@ -63,9 +63,9 @@ fn maps() {
     check::map(&Either(Some(Complement))).assert();
     check::map::<_, 3, 3>(&Either::<Complement>(None)).assert();
     check::map(&Driven).assert();
-    let increment = Increment::from(&Vector3::new(0.4, -1.1, 0.7));
-    check::map::<_, 6, 6>(&increment).assert();
-    check::map::<_, 3, 3>(&increment).assert();
+    let turn = Vector3::new(0.4, -1.1, 0.7);
+    check::map(&Increment::<6>::from(&turn)).assert();
+    check::map(&Increment::<3>::from(&turn)).assert();
     check::map(&Offset([0.3, 1.2, -0.5])).assert();
     check::map(&HingeAtEnd).assert();
 }

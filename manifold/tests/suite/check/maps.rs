@@ -5,6 +5,7 @@
 use nalgebra::{SMatrix, SVector, Vector3};
 use pullback_conformance::{self as check, Measure, Report};
 use pullback_manifold::chart::{Chart, Complement, Identity};
+use pullback_manifold::implicit::{Choice, Implicit, ImplicitMap};
 use pullback_manifold::map::{Kinematics, KinematicsMut, Map, Parametrization, Tangent, derived};
 use pullback_manifold::scalar::Scalar;
 
@@ -319,7 +320,17 @@ fn every_law_of_a_chart_finds_its_error() {
 #[derive(Clone)]
 struct Leap {
     kept: bool,
-    solved: bool,
+    solved: Option<ImplicitMap>,
+}
+
+/// x = 0.
+#[derive(Clone)]
+struct Zero;
+
+impl Implicit<1, 1> for Zero {
+    fn h<S: Scalar>(&self, _t: S, x: &SVector<S, 1>) -> SVector<S, 1> {
+        *x
+    }
 }
 
 impl Parametrization for Leap {
@@ -335,29 +346,31 @@ impl Parametrization for Leap {
         self.kept = at.is_some_and(|(_, q)| q[0] <= 0.5);
     }
 
-    fn violation(&self, _: f64, _: &[f64]) -> Option<f64> {
-        self.solved.then_some(0.0)
+    fn implicit(&mut self) -> Option<&mut ImplicitMap> {
+        self.solved.as_mut()
     }
 
-    fn tangent(&self, _: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
+    fn tangent(&mut self, _: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
         let beyond = !self.kept && q[0] > 0.5;
         (x[0], B[0]) = (q[0] + f64::from(u8::from(beyond)), 1.0);
     }
 
-    fn kinematics(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
+    fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
         self.tangent(t, q, out.x, out.B);
         (out.x_dot[0], out.x_ddot[0]) = (v[0], a[0]);
         (out.B_dot[0], out.B_ddot[0]) = (0.0, 0.0);
     }
 
-    fn geometric_stiffness(&self, _: f64, _: &[f64], _: &[f64], K: &mut [f64]) {
+    fn geometric_stiffness(&mut self, _: f64, _: &[f64], _: &[f64], K: &mut [f64]) {
         K[0] = 0.0;
     }
 }
 
 #[test]
 fn pieces_are_those_of_formulas_and_no_branches_of_equations() {
-    for solved in [false, true] {
+    let zero = ImplicitMap::of(Zero, 0, 0.0, [0.0], Choice::Split).unwrap();
+    for solved in [None, Some(zero)] {
+        let explicit = solved.is_none();
         let map = Leap {
             kept: false,
             solved,
@@ -372,6 +385,6 @@ fn pieces_are_those_of_formulas_and_no_branches_of_equations() {
         let x = nalgebra::DVector::zeros(1);
         let state = check::State::statics(0.0, x);
         check::pieces(&mut report, of, "there", &state, &mut check::Random::new(1));
-        assert_eq!(report.failures().len(), usize::from(!solved), "{report}");
+        assert_eq!(report.failures().len(), usize::from(explicit), "{report}");
     }
 }

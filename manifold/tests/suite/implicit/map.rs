@@ -121,7 +121,7 @@ fn a_circle_is_known() {
             SVector::<S, 1>::new(x.dot(x) - 1.0)
         }
     }
-    let map = ImplicitMap::of(Circle, 1, 0.0, [0.1, 0.9], Choice::Split).unwrap();
+    let mut map = ImplicitMap::of(Circle, 1, 0.0, [0.1, 0.9], Choice::Split).unwrap();
     assert_eq!(map.independent(), Some(vec![0]));
     let x = 0.3_f64;
     let q = [x - map.reference()[0]];
@@ -203,15 +203,15 @@ impl Parametrization for Planted {
         Box::new(self.clone())
     }
 
-    fn margin(&self, t: f64, q: &[f64]) -> f64 {
+    fn margin(&mut self, t: f64, q: &[f64]) -> f64 {
         self.map.margin(t, q)
     }
 
-    fn tangent(&self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
+    fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
         self.map.tangent(t, q, x, B);
     }
 
-    fn kinematics(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
+    fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
         let [x, x_dot, x_ddot, B, B_dot, B_ddot] = motion(&self.map, t, [q, v, a]);
         out.x.copy_from_slice(&x);
         out.x_dot.copy_from_slice(&x_dot);
@@ -223,7 +223,7 @@ impl Parametrization for Planted {
         out.B_ddot.copy_from_slice(&B_ddot);
     }
 
-    fn geometric_stiffness(&self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
+    fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
         self.map.geometric_stiffness(t, q, f, K);
         if self.error == "sign of K" {
             K[0] *= -1.0;
@@ -351,7 +351,7 @@ fn redundant_equations_are_named_and_dropped() {
     let redundant = map(0.0).unwrap();
     assert_eq!(redundant.redundant().len(), 1);
     assert!(["a", "b", "c"].contains(&redundant.redundant()[0].as_str()));
-    let note = redundant.describe().unwrap();
+    let note = redundant.describe();
     assert!(note.contains("redundant: "), "{note}");
     let error = map(1e-3).err().unwrap();
     let ImplicitError::Inconsistent {
@@ -397,7 +397,7 @@ fn singular_configurations_are_named() {
         assert!(text.contains(name), "{text}");
     }
     // Run into: margin and words, no panic.
-    let map = ImplicitMap::of(flat, 1, 0.0, [1.0, 0.0, 1.0], Choice::Fixed).unwrap();
+    let mut map = ImplicitMap::of(flat, 1, 0.0, [1.0, 0.0, 1.0], Choice::Fixed).unwrap();
     assert!(map.margin(0.0, &[0.0]) > 0.0);
     let q = [-map.reference()[map.independent().unwrap()[0]]];
     assert!(map.margin(0.0, &q) <= 0.0);
@@ -427,7 +427,7 @@ impl Implicit<2, 2> for Loosens {
 #[test]
 fn an_equation_that_follows_no_more_is_found_by_its_ninth_digit() {
     for (off, holds) in [(1e-10, true), (1e-8, false)] {
-        let map = ImplicitMap::of(Loosens(off), 1, 0.0, [0.0; 2], Choice::Split).unwrap();
+        let mut map = ImplicitMap::of(Loosens(off), 1, 0.0, [0.0; 2], Choice::Split).unwrap();
         assert!(map.margin(0.0, &[0.1]) > 0.0);
         assert_eq!(map.margin(1.0, &[0.1]) > 0.0, holds, "{off}");
     }
@@ -458,7 +458,7 @@ fn solutions_lie_on_the_branch_of_the_last_one() {
         let near = four_bar(crank);
         let guess = [crank, near[0], near[1]];
         let map = ImplicitMap::of(GRASHOF, 1, 0.0, guess, Choice::Fixed);
-        let map = map.unwrap().with_independent(&[0]).unwrap();
+        let mut map = map.unwrap().with_independent(&[0]).unwrap();
         for k in -20..=20 {
             let q = [0.1 * f64::from(k)];
             found += usize::from(map.margin(0.0, &q) > 0.0);

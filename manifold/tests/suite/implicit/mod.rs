@@ -22,7 +22,7 @@ fn motion(map: &dyn Parametrization, t: f64, [q, v, a]: [&[f64]; 3]) -> [Vec<f64
         B_dot,
         B_ddot,
     };
-    map.kinematics(t, q, v, a, out);
+    map.duplicate().kinematics(t, q, v, a, out);
     all
 }
 
@@ -30,7 +30,7 @@ fn motion(map: &dyn Parametrization, t: f64, [q, v, a]: [&[f64]; 3]) -> [Vec<f64
 fn tangent(map: &dyn Parametrization, t: f64, q: &[f64]) -> [Vec<f64>; 2] {
     let (d, n) = map.dims();
     let (mut x, mut B) = (vec![0.0; n], vec![0.0; n * d]);
-    map.tangent(t, q, &mut x, &mut B);
+    map.duplicate().tangent(t, q, &mut x, &mut B);
     [x, B]
 }
 

@@ -31,23 +31,23 @@ impl Parametrization for Steep {
         Box::new(self.clone())
     }
 
-    fn margin(&self, t: f64, q: &[f64]) -> f64 {
+    fn margin(&mut self, t: f64, q: &[f64]) -> f64 {
         self.0.margin(t, q)
     }
 
-    fn violation(&self, t: f64, q: &[f64]) -> Option<f64> {
-        self.0.violation(t, q)
+    fn implicit(&mut self) -> Option<&mut ImplicitMap> {
+        Some(&mut self.0)
     }
 
-    fn tangent(&self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
+    fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
         self.0.tangent(t, q, x, B);
     }
 
-    fn kinematics(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
+    fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
         self.0.kinematics(t, q, v, a, out);
     }
 
-    fn geometric_stiffness(&self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
+    fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
         self.0.geometric_stiffness(t, q, f, K);
         K[0] *= self.1;
     }

@@ -67,7 +67,7 @@ impl Position {
 
     fn kinematics(&mut self, t: f64, [q, v, a]: [&[f64]; 3]) {
         let [x, x_dot, x_ddot] = &mut self.x;
-        let Some(map) = &self.map else {
+        let Some(map) = &mut self.map else {
             x.copy_from_slice(q);
             x_dot.copy_from_slice(v);
             x_ddot.copy_from_slice(a);
@@ -149,7 +149,7 @@ fn pulled(
     let [K, C, M] = tangents(&x, &x_dot, &x_ddot);
     let (mut row, mut column) = (0, 0);
     for position in positions.iter_mut() {
-        if let Some(map) = &position.map {
+        if let Some(map) = &mut position.map {
             let q = &s.x.as_slice()[column..column + position.d];
             let f = &r.as_slice()[row..row + position.n];
             map.geometric_stiffness(s.t, q, f, &mut position.K_sigma);
