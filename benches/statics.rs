@@ -16,13 +16,13 @@ fn rollup(elements: usize) -> Context {
     let mut builder = ModelBuilder::new();
     let root = builder.node("root", [0.0; 3]).expect("a new name");
     let tip = builder.node("tip", [1.0, 0.0, 0.0]).expect("a new name");
-    let axis = Straight {
+    let axis = StraightLine {
         from: builder.position(root),
         to: builder.position(tip),
         second: None,
         twist: 0.0,
     };
-    let line = Line {
+    let line = BeamLine {
         elements,
         order: 1,
         section: Section::diagonal(1e4, [1e4, 1e4], 2.0, [2.0, 2.0]).expect("positive"),

@@ -4,8 +4,7 @@
 use nalgebra::Matrix3;
 use pullback::Failure;
 use pullback::check;
-use pullback::elements::joint::OnCurve;
-use pullback::elements::joint::{Curve, offset, on_curve, prismatic, revolute};
+use pullback::elements::joint::{Curve, OnCurve, Prismatic, Revolute};
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::manifold::jet::Grad;
 use pullback::prelude::*;
@@ -61,13 +60,13 @@ fn context() -> Result<(Context, [NodeId; 2]), Box<dyn Error>> {
     let mut builder = ModelBuilder::new();
     let ground = builder.node("ground", [0.0; 3])?;
     builder.support(ground, &Dof::ALL);
-    let cam = revolute(&mut builder, "cam", ground, [0.0, 0.0, 1.0])?;
+    let cam = builder.attach("cam", ground, Revolute::new([0.0, 0.0, 1.0])?)?;
     let disc = RigidBody::new(1.0, Matrix3::identity() * INERTIA, Vector3::zeros())?;
     builder.element("disc", disc, &[cam.frame])?;
-    let roller = on_curve(&mut builder, "roller", cam.frame, Cam)?;
+    let roller = builder.attach_free("roller", cam.frame, OnCurve::new(Cam))?;
 
-    let guide = offset(&mut builder, "guide", ground, [0.0, lift(0.0)[0], 0.0])?;
-    let follower = prismatic(&mut builder, "follower", guide, [0.0, 1.0, 0.0])?;
+    let guide = builder.offset("guide", ground, [0.0, lift(0.0)[0], 0.0])?;
+    let follower = builder.attach("follower", guide, Prismatic::new([0.0, 1.0, 0.0])?)?;
     builder.element("mass", PointMass::new(MASS)?, &[follower.frame])?;
     let law = CoordinateLaw {
         k: STIFFNESS,
@@ -76,11 +75,11 @@ fn context() -> Result<(Context, [NodeId; 2]), Box<dyn Error>> {
     };
     builder.element("spring", CoordinateSpring::new(law)?, &follower.coordinates)?;
 
-    builder.prefer(cam.angle);
+    builder.prefer(cam.coordinates[0]);
     builder.close(roller.frame, follower.frame)?;
     Ok((
         Context::new(builder.build()?),
-        [cam.angle, follower.coordinates[0]],
+        [cam.coordinates[0], follower.coordinates[0]],
     ))
 }
 

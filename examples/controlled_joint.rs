@@ -2,7 +2,7 @@
 
 use nalgebra::Matrix3;
 use pullback::Failure;
-use pullback::elements::joint::revolute;
+use pullback::elements::joint::Revolute;
 use pullback::elements::load::CoordinateForce;
 use pullback::elements::time::Input;
 use pullback::prelude::*;
@@ -20,13 +20,13 @@ fn model() -> Result<(Model, Input), Failure> {
     let mut builder = ModelBuilder::new();
     let ground = builder.node("ground", [0.0; 3])?;
     builder.support(ground, &Dof::ALL);
-    let joint = revolute(&mut builder, "joint", ground, [0.0, 0.0, 1.0])?;
+    let joint = builder.attach("joint", ground, Revolute::new([0.0, 0.0, 1.0])?)?;
     let inertia = Matrix3::identity() * INERTIA;
     let body = RigidBody::new(1.0, inertia, Vector3::zeros())?;
     builder.element("body", body, &[joint.frame])?;
     let torque = builder.input(0.0);
     let motor = CoordinateForce::new(torque.clone());
-    builder.element("motor", motor, &[joint.angle])?;
+    builder.element("motor", motor, &[joint.coordinates[0]])?;
     Ok((builder.build()?, torque))
 }
 

@@ -1,17 +1,17 @@
 //! The 45° bend of the README: a curved cantilever, bent out of its plane by a tip force.
 
-use pullback::elements::model::{Arc, Axis};
+use pullback::elements::model::{CircularArc, ReferenceCurve};
 use pullback::prelude::*;
 
 fn main() -> Result<(), pullback::Failure> {
-    let arc = Arc {
+    let arc = CircularArc {
         from: Vector3::zeros(),
         center: Vector3::new(0.0, 100.0, 0.0),
         axis: Vector3::z_axis(),
         angle: 45_f64.to_radians(),
         second: None,
     };
-    let line = Line {
+    let line = BeamLine {
         elements: 8,
         order: 1,
         section: Section::diagonal(1e7, [5e6; 2], 7.05e5, [1e7 / 12.0; 2])?,

@@ -2,7 +2,6 @@
 
 use pullback::Failure;
 use pullback::check;
-use pullback::elements::joint::offset;
 use pullback::input::Registry;
 use pullback::prelude::*;
 use std::error::Error;
@@ -48,7 +47,7 @@ fn context(push: f64) -> Result<Context, Box<dyn Error>> {
         pitch: PITCH,
     };
     let nut = builder.attach("nut", ground, screw)?.frame;
-    let bob = offset(&mut builder, "bob", nut, [0.0, 0.0, -ARM])?;
+    let bob = builder.offset("bob", nut, [0.0, 0.0, -ARM])?;
     let mass = PointMass::new(MASS)?;
     let weight = mass.weight([0.0, 0.0, -G], Box::new(Constant(1.0)));
     builder.element("mass", mass, &[bob])?;

@@ -2,7 +2,7 @@
 
 use pullback::Failure;
 use pullback::check;
-use pullback::elements::joint::{JointNodes, offset};
+use pullback::elements::joint::JointNodes;
 use pullback::elements::load::CoordinateForce;
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::prelude::*;
@@ -60,7 +60,7 @@ fn context(spring: f64, pull: f64, moment: f64, end: f64) -> Result<Context, Box
     let [way, angle] = coordinates[..] else {
         return Err("the slot has a displacement and an angle".into());
     };
-    let bob = offset(&mut builder, "bob", frame, [0.0, 0.0, -LENGTH])?;
+    let bob = builder.offset("bob", frame, [0.0, 0.0, -LENGTH])?;
     let mass = PointMass::new(BOB)?;
     let weight = mass.weight([0.0, 0.0, -G], Box::new(Constant(1.0)));
     builder.element("pin mass", PointMass::new(PIN)?, &[frame])?;

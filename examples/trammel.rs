@@ -4,7 +4,6 @@ use pullback::Failure;
 use pullback::check;
 use pullback::elements::constraint::{Multipliers, Penalty, PenaltyStiffness};
 use pullback::elements::joint::Prismatic;
-use pullback::elements::joint::offset;
 use pullback::integrators::dynamics::Progress;
 use pullback::manifold::implicit::{Choice, Equations, Implicit, ImplicitMap};
 use pullback::manifold::map::Linear;
@@ -56,7 +55,7 @@ fn sliders(builder: &mut ModelBuilder, x: NodeId) -> Result<(), Box<dyn Error>> 
         let pick = Linear::<2, 1>::pick(k, 0.0).boxed();
         let way =
             builder.mapped_coordinates(format!("{name} way"), &[Quantity::Length], pick, &[x])?;
-        let start = offset(builder, &format!("start of {name}"), ground, position)?;
+        let start = builder.offset(&format!("start of {name}"), ground, position)?;
         let slider = builder.add_joint_frame(name, start, Prismatic::new(axis)?, &[way])?;
         let mass = PointMass::new(MASS)?;
         let weight = mass.weight([0.0, -G, 0.0], Box::new(Constant(1.0)));

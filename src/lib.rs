@@ -26,14 +26,14 @@
 //! let mut builder = ModelBuilder::new();
 //! let root = builder.node("root", [0.0; 3])?;
 //! let tip = builder.node("tip", [length, 0.0, 0.0])?;
-//! let axis = Straight {
+//! let axis = StraightLine {
 //!     from: builder.position(root),
 //!     to: builder.position(tip),
 //!     second: None,
 //!     twist: 0.0,
 //! };
 //! let section = Section::diagonal(1e4, [1e4, 1e4], 2.0, [EI, EI])?;
-//! let line = Line { elements: 10, order: 1, section };
+//! let line = BeamLine { elements: 10, order: 1, section };
 //! builder.line("beam", &axis, [root, tip], &line)?;
 //! builder.support(root, &Dof::ALL);
 //! let load = NodalLoad::new(LoadKind::SpatialMoment, [0.0, 0.0, moment], Proportional(1.0));
@@ -60,8 +60,8 @@
 //! let mut builder = ModelBuilder::new();
 //! let ground = builder.node("ground", [0.0; 3])?;
 //! builder.support(ground, &Dof::ALL);
-//! let pivot = revolute(&mut builder, "pivot", ground, [0.0, 1.0, 0.0])?;
-//! let end = offset(&mut builder, "end", pivot.frame, [0.0, 0.0, -length])?;
+//! let pivot = builder.attach("pivot", ground, Revolute::new([0.0, 1.0, 0.0])?)?;
+//! let end = builder.offset("end", pivot.frame, [0.0, 0.0, -length])?;
 //! let bob = PointMass::new(2.0)?;
 //! builder.element("bob", bob, &[end])?;
 //! builder.element("weight", bob.weight([0.0, 0.0, -g], Box::new(Constant(1.0))), &[end])?;
@@ -129,7 +129,9 @@ pub mod prelude {
     pub use pullback_elements::body::{PointMass, RigidBody};
     pub use pullback_elements::joint::{Joint, JointCoordinate, Pose};
     pub use pullback_elements::load::{LoadKind, NodalLoad};
-    pub use pullback_elements::model::{Context, Dof, Line, Model, ModelBuilder, NodeId, Straight};
+    pub use pullback_elements::model::{
+        BeamLine, Context, Dof, Model, ModelBuilder, NodeId, StraightLine,
+    };
     pub use pullback_elements::time::{Constant, Proportional};
     pub use pullback_integrators::dynamics::{DynamicOptions, Scheme, Simulation, start};
     pub use pullback_integrators::statics::{LoadSteps, StaticOptions, equilibrium};

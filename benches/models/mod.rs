@@ -2,14 +2,18 @@
 
 use nalgebra::Matrix3;
 use pullback::elements::beam::Material;
-use pullback::elements::joint::spherical;
+use pullback::elements::joint::Spherical;
 use pullback::elements::load::LineLoad;
-use pullback::elements::model::LineNodes;
+use pullback::elements::model::BeamLineNodes;
 use pullback::elements::time::Table;
 use pullback::prelude::*;
 
 /// A model with a beam between two nodes, and the nodes.
-fn beam(elements: usize, [from, to]: [[f64; 3]; 2], section: Section) -> (ModelBuilder, LineNodes) {
+fn beam(
+    elements: usize,
+    [from, to]: [[f64; 3]; 2],
+    section: Section,
+) -> (ModelBuilder, BeamLineNodes) {
     let mut builder = ModelBuilder::new();
     let from = builder.node("from", from).expect("a new name");
     let to = builder.node("to", to).expect("a new name");
@@ -23,14 +27,14 @@ fn line(
     ends: [NodeId; 2],
     elements: usize,
     section: Section,
-) -> LineNodes {
-    let axis = Straight {
+) -> BeamLineNodes {
+    let axis = StraightLine {
         from: b.position(ends[0]),
         to: b.position(ends[1]),
         second: None,
         twist: 0.0,
     };
-    let line = Line {
+    let line = BeamLine {
         elements,
         order: 1,
         section,
@@ -90,7 +94,10 @@ pub fn robot_arm(elements: usize) -> Context {
     let ends = [[0.0; 3], [5.0, 0.0, 0.0]];
     let (mut b, first) = beam(elements / 2, ends, section);
     let (base, elbow) = (first.nodes[0], first.nodes[elements / 2]);
-    let start = spherical(&mut b, "start", elbow).expect("a new name").frame;
+    let start = b
+        .attach_free("start", elbow, Spherical)
+        .expect("a new name")
+        .frame;
     let tip = b.node("tip", [10.0, 0.0, 0.0]).expect("a new name");
     line(&mut b, "second", [start, tip], elements / 2, section);
     b.support(base, &[Dof::X, Dof::Y, Dof::RX, Dof::RY]);

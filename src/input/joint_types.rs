@@ -2,10 +2,8 @@
 
 use super::registry::{BoxedError, Registry};
 use nalgebra::Vector3;
-use pullback_elements::joint::{
-    Quadric, Spline, constant_velocity, cylindrical, helical, offset, on_curve, on_surface, planar,
-    prismatic, revolute, slide_on, spherical, universal, weld,
-};
+use pullback_elements::joint::{self, JointNodes, Quadric, Spline};
+use pullback_elements::model::ModelError;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -138,44 +136,46 @@ enum Shape {
 pub(super) fn add_to(registry: Registry) -> Registry {
     registry
         .joint("offset", |at, keys: Offset| {
-            offset(at.builder, at.name, at.parent, keys.position)
+            at.builder.offset(at.name, at.parent, keys.position)
         })
-        .joint("weld", |at, _: Weld| weld(at.builder, at.name, at.parent))
+        .joint("weld", |at, _: Weld| {
+            let position = at.builder.position(at.parent);
+            at.builder.offset(at.name, at.parent, position.into())
+        })
         .joint("revolute", |at, keys: Revolute| {
-            revolute(at.builder, at.name, at.parent, keys.axis)
+            made(at.join(joint::Revolute::new(keys.axis)?))
         })
         .joint("spherical", |at, _: Spherical| {
-            spherical(at.builder, at.name, at.parent)
+            at.join_free(joint::Spherical)
         })
         .joint_along("slide", |at, keys: Slide| {
-            slide_on(at.builder, at.name, at.chain, keys.start, at.interpolation)
+            (at.builder).slide(at.name, at.chain, keys.start, at.interpolation)
         })
         .joint("universal", |at, keys: Universal| {
-            let axes = [keys.axis, keys.second_axis];
-            universal(at.builder, at.name, at.parent, axes)
+            made(at.join(joint::Universal::new([keys.axis, keys.second_axis])?))
         })
         .joint("constant_velocity", |at, keys: ConstantVelocity| {
             let axes = [keys.axis, keys.second_axis];
-            constant_velocity(at.builder, at.name, at.parent, axes)
+            made(at.join(joint::ConstantVelocity::new(axes)?))
         })
         .joint("cylindrical", |at, keys: Cylindrical| {
-            cylindrical(at.builder, at.name, at.parent, keys.axis)
+            made(at.join(joint::Cylindrical::new(keys.axis)?))
         })
         .joint("prismatic", |at, keys: Prismatic| {
-            prismatic(at.builder, at.name, at.parent, keys.axis)
+            made(at.join(joint::Prismatic::new(keys.axis)?))
         })
         .joint("planar", |at, keys: Planar| {
-            planar(at.builder, at.name, at.parent, keys.axis, keys.second_axis)
+            made(at.join(joint::Planar::new(keys.axis, keys.second_axis)?))
         })
         .joint("helical", |at, keys: Helical| {
-            helical(at.builder, at.name, at.parent, keys.axis, keys.pitch)
+            made(at.join(joint::Helical::new(keys.axis, keys.pitch)?))
         })
         .joint("on_curve", |at, keys: OnCurve| {
             let origin = at.builder.position(at.parent);
             let seen = |point: &[f64; 3]| (Vector3::from(*point) - origin).into();
             let points: Vec<_> = keys.through.iter().map(seen).collect();
             let curve = Spline::through(&points, keys.closed, keys.start)?;
-            Ok::<_, BoxedError>(on_curve(at.builder, at.name, at.parent, curve)?)
+            made(at.join_free(joint::OnCurve::new(curve)))
         })
         .joint("on_surface", |at, keys: OnSurface| {
             let origin = at.builder.position(at.parent);
@@ -186,6 +186,11 @@ pub(super) fn add_to(registry: Registry) -> Registry {
                 Shape::Cylinder { center, axis } => Quadric::cylinder(start, seen(center), axis),
                 Shape::Sphere { center } => Quadric::sphere(start, seen(center)),
             }?;
-            Ok::<_, BoxedError>(on_surface(at.builder, at.name, at.parent, surface)?)
+            made(at.join_free(joint::OnSurface::new(surface)))
         })
+}
+
+/// With room for other errors.
+fn made(joint: Result<JointNodes, ModelError>) -> Result<JointNodes, BoxedError> {
+    Ok(joint?)
 }

@@ -8,7 +8,7 @@ use super::parts::Laid;
 use super::registry::{JointType, Refusal, Registry, Site};
 use super::{InputError, Problem, Text, plain};
 use pullback_elements::beam::Interpolation;
-use pullback_elements::joint::JointNodes;
+use pullback_elements::joint::{AxisError, JointNodes};
 use pullback_elements::load::CoordinateForce;
 use pullback_elements::model::{ModelBuilder, ModelError, NodeId};
 use pullback_elements::spring::{CoordinateLaw, CoordinateSpring};
@@ -80,7 +80,6 @@ impl Entry<'_> {
             Refusal::Joint(error) => match error.downcast::<ModelError>() {
                 Ok(error) => {
                     let at: &[&str] = match *error {
-                        ModelError::Axis { .. } => &["axis"],
                         ModelError::Slide { .. } if self.joint.keys.contains_key("start") => {
                             &["start"]
                         }
@@ -90,9 +89,14 @@ impl Entry<'_> {
                     self.source.value(&self.path(at), Problem::Model(*error))
                 }
                 Err(source) => {
+                    let at: &[&str] = if source.is::<AxisError>() {
+                        &["axis"]
+                    } else {
+                        &[]
+                    };
                     let joint = self.joint.name.clone();
                     let problem = Problem::Joint { joint, source };
-                    self.source.value(&self.path(&[]), problem)
+                    self.source.value(&self.path(at), problem)
                 }
             },
         }

@@ -5,7 +5,9 @@ use super::file::{Interpolation as Chosen, Line as Described};
 use super::{InputError, Problem, Text};
 use nalgebra::{Unit, Vector3};
 use pullback_elements::beam::{self, Interpolation, Section};
-use pullback_elements::model::{Arc, Axis, Line, ModelBuilder, ModelError, NodeId, Straight};
+use pullback_elements::model::{
+    BeamLine, CircularArc, ModelBuilder, ModelError, NodeId, ReferenceCurve, StraightLine,
+};
 use std::collections::BTreeMap;
 
 /// Most elements of a line; more are taken for a typing error.
@@ -61,7 +63,7 @@ pub(super) fn lay(
     let positions = [builder.position(from), builder.position(to)];
     let axis = axis(source, &path, line, positions)?;
     let whole = ["lines", index.as_str()];
-    let stands = Line {
+    let stands = BeamLine {
         elements: line.elements,
         order: line.order,
         section,
@@ -117,14 +119,14 @@ fn axis<'p>(
     path: &dyn Fn(&'static str) -> [&'p str; 3],
     line: &Described,
     [from, to]: [Vector3<f64>; 2],
-) -> Result<Box<dyn Axis>, InputError> {
+) -> Result<Box<dyn ReferenceCurve>, InputError> {
     let no_direction = |at: &[&str], key: &'static str, vector: [f64; 3]| {
         let line = line.name.clone();
         source.value(at, Problem::NoDirection { line, key, vector })
     };
     let second = line.second_axis.map(Vector3::from);
     let tangent;
-    let made: Box<dyn Axis> = match line.arc {
+    let made: Box<dyn ReferenceCurve> = match line.arc {
         None => {
             tangent = to - from;
             let size = from.amax().max(to.amax());
@@ -145,7 +147,7 @@ fn axis<'p>(
                 "twist_deg",
                 line.twist_deg,
             )?;
-            Box::new(Straight {
+            Box::new(StraightLine {
                 from,
                 to,
                 second,
@@ -179,7 +181,7 @@ fn axis<'p>(
                 return Err(source.value(&at("angle_deg"), problem));
             }
             per_element(source, &at("angle_deg"), line, "angle_deg", arc.angle_deg)?;
-            Box::new(Arc {
+            Box::new(CircularArc {
                 from,
                 center,
                 axis,

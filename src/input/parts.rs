@@ -6,7 +6,6 @@ use super::registry::Registry;
 use super::{InputError, Problem, Text, joints, lines};
 use pullback_elements::beam::Section;
 use pullback_elements::constraint::PenaltyStiffness;
-use pullback_elements::joint;
 use pullback_elements::model::{Closure, ModelBuilder, NodeId};
 use std::collections::BTreeMap;
 
@@ -103,7 +102,8 @@ pub(super) fn make(
         let path = |inner: &'static str| ["gears", index.as_str(), "joints", inner];
         let first = released.find(source, &path("0"), &gear.joints[0])?;
         let second = released.find(source, &path("1"), &gear.joints[1])?;
-        joint::gear(builder, [first, second], gear.ratio)
+        builder
+            .gear([first, second], gear.ratio)
             .map_err(|error| source.value(&["gears", &index], Problem::Model(error)))?;
     }
     Ok(Parts {

@@ -28,7 +28,7 @@ pub struct Site<'a> {
 }
 
 impl Site<'_> {
-    /// Adds a joint at the position of the parent: [`ModelBuilder::attach`].
+    /// Adds a joint to the parent: [`ModelBuilder::attach`].
     ///
     /// # Errors
     /// As [`ModelBuilder::mapped_node`].
@@ -37,6 +37,17 @@ impl Site<'_> {
         J: Joint<D> + Clone + 'static,
     {
         self.builder.attach(self.name, self.parent, joint)
+    }
+
+    /// Adds a joint to the parent whose child turns freely: [`ModelBuilder::attach_free`].
+    ///
+    /// # Errors
+    /// As [`ModelBuilder::mapped_node`].
+    pub fn join_free<J, const D: usize>(&mut self, joint: J) -> Result<JointNodes, ModelError>
+    where
+        J: Joint<D> + Clone + 'static,
+    {
+        self.builder.attach_free(self.name, self.parent, joint)
     }
 }
 
@@ -47,7 +58,8 @@ impl Site<'_> {
 /// `type = "..."` of its own:
 ///
 /// ```no_run
-/// use pullback::elements::joint::helical;
+/// use pullback::elements::joint::Helical;
+/// use pullback::input::BoxedError;
 /// use pullback::input::Registry;
 /// use pullback::prelude::*;
 ///
@@ -62,7 +74,7 @@ impl Site<'_> {
 ///
 /// fn main() -> std::process::ExitCode {
 ///     let registry = Registry::standard().joint("screw", |at, keys: Screw| {
-///         helical(at.builder, at.name, at.parent, keys.axis, keys.pitch)
+///         Ok::<_, BoxedError>(at.join(Helical::new(keys.axis, keys.pitch)?)?)
 ///     });
 ///     pullback::cli::main(&registry)
 /// }

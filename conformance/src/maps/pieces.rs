@@ -18,7 +18,7 @@ const MEETING: [&str; 5] = ["x", "x_dot", "x_ddot", "B", "B_dot"];
 
 /// Notes that pieces meet: from a state on along every coordinate, x, ẋ, ẍ, B and Ḃ are the same by the
 /// formula that holds there and by the one that takes over
-/// ([`Map::freeze_piece`](pullback_manifold::map::Map::freeze_piece)). Nothing is noted where there are no pieces, and of maps
+/// ([`Parametrization::freeze_piece`](pullback_manifold::map::Parametrization::freeze_piece)). Nothing is noted where there are no pieces, and of maps
 /// that solve equations: their pieces are those of what they solve, and far away they are on another branch.
 pub fn pieces(report: &mut Report, of: Mapped<'_>, at: &str, s: &State, random: &mut Random) {
     if of.map.duplicate().implicit().is_some() {

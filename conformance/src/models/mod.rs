@@ -55,11 +55,11 @@ impl Default for Options {
 ///   d(T + U)/dt is the power supplied less the power lost.
 ///
 /// Sizes are those of each component: lengths of elements, their stiffness, their own frequencies.
-/// Maps that change the meaning of their coordinates ([`Map::reparametrizes`]) do so once, at the end: what
+/// Maps that change the meaning of their coordinates ([`Parametrization::reparametrizes`]) do so once, at the end: what
 /// coordinates the model has then is for its next change of charts to say.
 ///
 /// Maps that are pieced together from several formulas keep to the one that holds at each state, beyond
-/// its ends too ([`Map::freeze_piece`]): a curve through points is smooth in its third derivative only
+/// its ends too ([`Parametrization::freeze_piece`]): a curve through points is smooth in its third derivative only
 /// between them.
 ///
 /// Joints that start at the edge of their domain, such as a slide at the end of its chain, are looked
@@ -67,8 +67,8 @@ impl Default for Options {
 ///
 /// A model that cannot be evaluated at `options.q` gives a report of one failure that says why.
 ///
-/// [`Map::freeze_piece`]: pullback_manifold::map::Map::freeze_piece
-/// [`Map::reparametrizes`]: pullback_manifold::map::Map::reparametrizes
+/// [`Parametrization::freeze_piece`]: pullback_manifold::map::Parametrization::freeze_piece
+/// [`Parametrization::reparametrizes`]: pullback_manifold::map::Parametrization::reparametrizes
 pub fn model(context: &mut Context, options: &Options) -> Report {
     // Random states satisfy nothing that multipliers hold.
     context.watch_equations(false);

@@ -1,6 +1,5 @@
 //! Directions of the axes of joints.
 
-use crate::model::ModelError;
 use nalgebra::Vector3;
 
 /// Sine of the angle between two axes below which they count as parallel.
@@ -21,17 +20,6 @@ pub enum AxisError {
          direction is not known; reverse one axis"
     )]
     Opposite,
-}
-
-impl AxisError {
-    /// The same of the joint of a name.
-    pub(super) fn of(self, joint: &str) -> ModelError {
-        let joint = joint.to_owned();
-        ModelError::Axis {
-            joint,
-            source: self,
-        }
-    }
 }
 
 /// The unit vector along an axis of any length; refused where it has no direction.

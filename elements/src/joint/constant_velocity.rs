@@ -1,7 +1,6 @@
 //! The constant-velocity joint: the shafts turn equally fast at any angle between them.
 
-use super::{AxisError, Joint, JointCoordinate, JointNodes, PARALLEL, Pose, direction};
-use crate::model::{ModelBuilder, ModelError, NodeId};
+use super::{AxisError, Joint, JointCoordinate, PARALLEL, Pose, direction};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::quaternion;
@@ -63,21 +62,4 @@ impl Joint<2> for ConstantVelocity {
     fn edge(&self) -> &'static str {
         "its tilts of less than a whole turn: stop before, or take two joints"
     }
-}
-
-/// Adds a frame node `name` at the position of `parent`, coupled to it at constant velocity for two
-/// shafts (global components of the reference configuration; the parent carries the first, the new
-/// node the second), and the nodes `name tilt 1` and `name tilt 2`.
-///
-/// # Errors
-/// [`ModelError::Axis`] for an axis without a direction, `AxisError::Opposite` in it for shafts
-/// against each other; as [`ModelBuilder::mapped_node`].
-pub fn constant_velocity(
-    b: &mut ModelBuilder,
-    name: &str,
-    parent: NodeId,
-    axes: [[f64; 3]; 2],
-) -> Result<JointNodes, ModelError> {
-    let joint = ConstantVelocity::new(axes).map_err(|e| e.of(name))?;
-    b.attach(name, parent, joint)
 }

@@ -1,7 +1,6 @@
 //! The cylindrical joint: a displacement along an axis and a turn about it.
 
-use super::{AxisError, Joint, JointCoordinate, JointNodes, Pose, direction};
-use crate::model::{ModelBuilder, ModelError, NodeId};
+use super::{AxisError, Joint, JointCoordinate, Pose, direction};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::Quaternion;
@@ -37,20 +36,4 @@ impl Joint<2> for Cylindrical {
             ("angle", Quantity::Angle),
         ]
     }
-}
-
-/// Adds a frame node `name` at the position of `parent` that slides along and turns about `axis`
-/// (global components of the reference configuration, carried by the parent), and the nodes
-/// `name displacement` and `name angle`.
-///
-/// # Errors
-/// [`ModelError::Axis`] for an axis without a direction; as [`ModelBuilder::mapped_node`].
-pub fn cylindrical(
-    b: &mut ModelBuilder,
-    name: &str,
-    parent: NodeId,
-    axis: [f64; 3],
-) -> Result<JointNodes, ModelError> {
-    let joint = Cylindrical::new(axis).map_err(|e| e.of(name))?;
-    b.attach(name, parent, joint)
 }

@@ -22,44 +22,32 @@ pub enum GearError {
     },
 }
 
-/// Couples two coordinates that joints release, x₂ = `ratio` x₁: a pair of gears with z₁ and z₂ teeth
-/// has the ratio −z₁/z₂ (z₁/z₂ where one of them has its teeth inside), any angles that turn as one
-/// have 1.
-///
-#[doc = include_str!("../../../docs/images/joints/gear.svg")]
-///
-/// The later one of the two is no coordinate of the model any more: it follows the earlier one through
-/// the map x = r q, and motors, springs and inertias on it act on that. Only the earlier one can be
-/// prescribed. Gears form trains; one that says what others say already does no harm.
-///
-/// # Errors
-/// [`ModelError::Gear`] for a ratio that is zero or not finite, a node that is no coordinate, and
-/// gears that contradict each other.
-pub fn gear(b: &mut ModelBuilder, coordinates: [NodeId; 2], ratio: f64) -> Result<(), ModelError> {
-    couple(b, coordinates, ratio).map_err(|source| {
-        let [first, second] = coordinates.map(|n| b.node_name(n).to_owned());
-        ModelError::Gear {
-            first,
-            second,
-            source,
-        }
-    })
-}
-
-/// Couples a displacement to an angle, u = `radius` θ: a rack on a pinion; with a negative radius the rack lies
-/// on the other side.
-///
-#[doc = include_str!("../../../docs/images/joints/rack.svg")]
-///
-/// # Errors
-/// As [`gear`].
-pub fn rack(
-    b: &mut ModelBuilder,
-    angle: NodeId,
-    displacement: NodeId,
-    radius: f64,
-) -> Result<(), ModelError> {
-    gear(b, [angle, displacement], radius)
+impl ModelBuilder {
+    /// Couples two coordinates that joints release, x₂ = `ratio` x₁: a pair of gears with z₁ and z₂ teeth
+    /// has the ratio −z₁/z₂ (z₁/z₂ where one of them has its teeth inside), any angles that turn as one
+    /// have 1. From an angle to a displacement the ratio is the radius of a pinion: a rack, on its other
+    /// side if the radius is negative.
+    ///
+    #[doc = include_str!("../../../docs/images/joints/gear.svg")]
+    #[doc = include_str!("../../../docs/images/joints/rack.svg")]
+    ///
+    /// The later one of the two is no coordinate of the model any more: it follows the earlier one through
+    /// the map x = r q, and actuators, springs and inertias on it act on that. Only the earlier one can be
+    /// prescribed. Gears form trains; one that says what others say already does no harm.
+    ///
+    /// # Errors
+    /// [`ModelError::Gear`] for a ratio that is zero or not finite, a node that is no coordinate, and
+    /// gears that contradict each other.
+    pub fn gear(&mut self, coordinates: [NodeId; 2], ratio: f64) -> Result<(), ModelError> {
+        couple(self, coordinates, ratio).map_err(|source| {
+            let [first, second] = coordinates.map(|n| self.node_name(n).to_owned());
+            ModelError::Gear {
+                first,
+                second,
+                source,
+            }
+        })
+    }
 }
 
 fn couple(b: &mut ModelBuilder, [first, second]: [NodeId; 2], ratio: f64) -> Result<(), GearError> {

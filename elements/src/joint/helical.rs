@@ -1,7 +1,6 @@
 //! The helical joint: a screw, whose turn moves it along its axis.
 
-use super::{AxisError, Joint, JointCoordinate, JointNodes, Pose, direction};
-use crate::model::{ModelBuilder, ModelError, NodeId};
+use super::{AxisError, Joint, JointCoordinate, Pose, direction};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::Quaternion;
@@ -37,21 +36,4 @@ impl Joint<1> for Helical {
     fn coordinates(&self) -> [JointCoordinate; 1] {
         [("angle", Quantity::Angle)]
     }
-}
-
-/// Adds a frame node `name` at the position of `parent` on a screw along `axis` (global components of
-/// the reference configuration, carried by the parent) that moves by `pitch` in a turn, and the
-/// node `name angle`.
-///
-/// # Errors
-/// [`ModelError::Axis`] for an axis without a direction; as [`ModelBuilder::mapped_node`].
-pub fn helical(
-    b: &mut ModelBuilder,
-    name: &str,
-    parent: NodeId,
-    axis: [f64; 3],
-    pitch: f64,
-) -> Result<JointNodes, ModelError> {
-    let joint = Helical::new(axis, pitch).map_err(|e| e.of(name))?;
-    b.attach(name, parent, joint)
 }

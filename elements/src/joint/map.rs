@@ -3,9 +3,11 @@
 #![allow(non_snake_case)]
 
 use super::link::{Link, Rates, orders, own, put, unit, vector};
-use super::{Joint, LogBranch};
-use nalgebra::{Matrix3, SMatrix, Vector3};
-use pullback_manifold::map::{KinematicsMut, Parametrization};
+use super::{Joint, LogBranch, Slide};
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use pullback_manifold::map::{
+    KinematicsMut, Map, Parametrization, write_geometric_stiffness, write_kinematics, write_tangent,
+};
 use pullback_manifold::quotients::{InverseQuotients, Quotients};
 use pullback_manifold::so3;
 use pullback_manifold::system::ChartChanges;
@@ -201,6 +203,67 @@ where
         let forces = [&vector(f, 0), &Vector3::zeros()];
         self.0
             .write_stiffness((t, q), forces, &Matrix3::zeros(), (K, 9 + D));
+    }
+}
+
+/// Along a chain of beam elements: its segment is part of its state.
+impl Parametrization for Slide {
+    fn dims(&self) -> (usize, usize) {
+        (13, 6)
+    }
+
+    fn duplicate(&self) -> Box<dyn Parametrization> {
+        Box::new(self.clone())
+    }
+
+    fn margin(&mut self, t: f64, q: &[f64]) -> f64 {
+        Map::margin(self, t, &SVector::from_column_slice(q))
+    }
+
+    fn edge(&self) -> &'static str {
+        Map::edge(self)
+    }
+
+    fn change_charts(&mut self, _t: f64, q: &[f64]) -> ChartChanges {
+        let psi = [3, 9].map(|k| Vector3::new(q[k], q[k + 1], q[k + 2]));
+        let on = self.chain.change_segments(q[12]);
+        // Handed over, it has the nodes of another element than `q`.
+        let residual = self.turn.choose((!on).then_some(psi)) || on;
+        let charts = usize::from(residual);
+        ChartChanges { charts, residual }
+    }
+
+    fn segment(&self) -> usize {
+        self.chain.line()
+    }
+
+    fn overshoot(&self, h: f64, from: [&[f64]; 2], to: [&[f64]; 2]) -> Option<(f64, usize)> {
+        let [from, to] = [from, to].map(|[q, v]| [q[12], v[12]]);
+        self.chain.leaves(h, from, to)
+    }
+
+    fn enter(&mut self, segment: usize) {
+        self.chain.enter(segment as f64);
+    }
+
+    fn save(&self) -> Vec<f64> {
+        vec![self.chain.line() as f64]
+    }
+
+    fn restore(&mut self, saved: &[f64]) -> bool {
+        matches!(*saved, [line] if self.chain.enter(line))
+    }
+
+    fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
+        write_tangent(self, t, q, x, B);
+    }
+
+    fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
+        write_kinematics(self, t, [q, v, a], out);
+    }
+
+    fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
+        write_geometric_stiffness(self, t, q, f, K);
     }
 }
 

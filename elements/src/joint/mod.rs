@@ -6,7 +6,7 @@
 //!
 //! | joint | coordinates | source |
 //! |---|---|---|
-//! | [`Offset`], [`weld`] | none | \[M04\] 4.1.2, (197) |
+//! | [`Offset`] | none | \[M04\] 4.1.2, (197) |
 //! | [`Revolute`] | one unbounded angle | \[M04\] 4.1.4, (207), (212) |
 //! | [`Spherical`] | a rotation vector | \[M04\] 4.1 |
 //! | [`Slide`] | the position on a chain of beam elements | \[M04\] 4.1.3, (198) |
@@ -18,7 +18,7 @@
 //! | [`Helical`] | the angle of a screw | Shabana 2013, 3.3 |
 //! | [`OnCurve`] | the parameter of a space curve ([`Spline`], or any [`Curve`]), and all rotations | |
 //! | [`OnSurface`] | two parameters of a surface ([`Quadric`], or any [`Surface`]), and all rotations | |
-//! | [`gear`], [`rack`] | none: they couple coordinates of two joints | Shabana 2013, 3.3 |
+//! | [`ModelBuilder::gear`](crate::model::ModelBuilder::gear) | none: it couples coordinates of two joints | Shabana 2013, 3.3 |
 
 mod axes;
 mod constant_velocity;
@@ -40,22 +40,22 @@ mod spherical;
 mod universal;
 
 pub use axes::AxisError;
-pub use constant_velocity::{ConstantVelocity, constant_velocity};
-pub use cylindrical::{Cylindrical, cylindrical};
-pub use gear::{GearError, gear, rack};
-pub use helical::{Helical, helical};
+pub use constant_velocity::ConstantVelocity;
+pub use cylindrical::Cylindrical;
+pub use gear::GearError;
+pub use helical::Helical;
 pub use map::{FreeJointMap, JointMap};
-pub use nodes::{JointNodes, RevoluteNodes, SlideNodes, slide, slide_on};
-pub use offset::{Offset, offset, weld};
-pub use on_curve::{Curve, OnCurve, on_curve};
-pub use on_surface::{OnSurface, Surface, on_surface};
-pub use planar::{Planar, planar};
-pub use prismatic::{Prismatic, prismatic};
-pub use revolute::{Revolute, revolute};
+pub use nodes::JointNodes;
+pub use offset::Offset;
+pub use on_curve::{Curve, OnCurve};
+pub use on_surface::{OnSurface, Surface};
+pub use planar::Planar;
+pub use prismatic::Prismatic;
+pub use revolute::Revolute;
 pub use shape::{Between, Chain, Quadric, Spline, SplineError};
 pub use slide::Slide;
-pub use spherical::{Spherical, SphericalNodes, spherical};
-pub use universal::{Universal, universal};
+pub use spherical::Spherical;
+pub use universal::Universal;
 
 use axes::{PARALLEL, direction};
 use nalgebra::{SVector, Vector3};
@@ -165,7 +165,7 @@ pub trait Joint<const D: usize>: Send + Sync {
 
     /// Freezes the pose on the formula that holds at (t, q), or on none again, where it is pieced
     /// together from several: see
-    /// [`Map::freeze_piece`](pullback_manifold::map::Map::freeze_piece). Nothing to do by default.
+    /// [`Parametrization::freeze_piece`](pullback_manifold::map::Parametrization::freeze_piece). Nothing to do by default.
     fn freeze_piece(&mut self, at: Option<(f64, &SVector<f64, D>)>) {
         let _ = at;
     }

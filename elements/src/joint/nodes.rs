@@ -1,7 +1,7 @@
 //! Joints in a model: the child of each, and nodes for its coordinates.
 
 use super::shape::Chain;
-use super::{FreeJointMap, Joint, JointMap, Slide, SphericalNodes};
+use super::{FreeJointMap, Joint, JointMap, Offset, Slide};
 use crate::beam::Interpolation;
 use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
@@ -16,48 +16,9 @@ pub struct JointNodes {
     pub coordinates: Vec<NodeId>,
 }
 
-/// The nodes of a revolute joint.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct RevoluteNodes {
-    /// The child of the joint.
-    pub frame: NodeId,
-    /// The angle about the axis in radians, any number of turns.
-    pub angle: NodeId,
-}
-
-/// The nodes of a slide.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SlideNodes {
-    /// The frame that runs along the chain.
-    pub frame: NodeId,
-    /// Arc length along the chain in the reference configuration.
-    pub arc_length: NodeId,
-}
-
 impl From<NodeId> for JointNodes {
     fn from(frame: NodeId) -> Self {
         let coordinates = Vec::new();
-        Self { frame, coordinates }
-    }
-}
-
-impl From<RevoluteNodes> for JointNodes {
-    fn from(made: RevoluteNodes) -> Self {
-        let (frame, coordinates) = (made.frame, vec![made.angle]);
-        Self { frame, coordinates }
-    }
-}
-
-impl From<SphericalNodes> for JointNodes {
-    fn from(made: SphericalNodes) -> Self {
-        let (frame, coordinates) = (made.frame, vec![made.rotation]);
-        Self { frame, coordinates }
-    }
-}
-
-impl From<SlideNodes> for JointNodes {
-    fn from(made: SlideNodes) -> Self {
-        let (frame, coordinates) = (made.frame, vec![made.arc_length]);
         Self { frame, coordinates }
     }
 }
@@ -106,6 +67,51 @@ impl ModelBuilder {
         Ok(JointNodes { frame, coordinates })
     }
 
+    /// Adds a frame node fixed to `parent`: it stands at `position` in the reference configuration.
+    ///
+    /// # Errors
+    /// As [`ModelBuilder::mapped_node`].
+    pub fn offset(
+        &mut self,
+        name: impl Into<String>,
+        parent: NodeId,
+        position: [f64; 3],
+    ) -> Result<NodeId, ModelError> {
+        let c = Vector3::from(position) - self.position(parent);
+        self.add_joint_frame(name, parent, Offset { c }, &[])
+    }
+
+    /// Adds a frame node `name` that slides along the two-node beam elements between `chain`'s nodes,
+    /// starting at arc length `origin` of the chain, and the node `name arc_length` of its coordinate.
+    /// `interpolation` is that of the elements.
+    ///
+    /// # Errors
+    /// [`ModelError::Slide`] for a chain that is none or a start outside it; as
+    /// [`ModelBuilder::mapped_node`].
+    pub fn slide(
+        &mut self,
+        name: &str,
+        chain: &[NodeId],
+        origin: f64,
+        interpolation: Interpolation,
+    ) -> Result<JointNodes, ModelError> {
+        let positions: Vec<Vector3<f64>> = chain.iter().map(|&n| self.position(n)).collect();
+        let along = Chain::new(&positions, origin).ok_or_else(|| ModelError::Slide {
+            joint: name.to_owned(),
+            nodes: chain.len(),
+            start: origin,
+        })?;
+        let position = along.start().into();
+        let joint = Box::new(Slide::new(along, interpolation));
+        let arc_length = self.coordinates(format!("{name} arc_length"), &[Quantity::Length])?;
+        let segments: Vec<[NodeId; 3]> =
+            chain.windows(2).map(|p| [p[0], p[1], arc_length]).collect();
+        let segments: Vec<&[NodeId]> = segments.iter().map(|s| &s[..]).collect();
+        let frame = self.mapped_node_along(name, position, joint, &segments)?;
+        let coordinates = vec![arc_length];
+        Ok(JointNodes { frame, coordinates })
+    }
+
     /// Adds the child of a joint whose coordinates are nodes already.
     ///
     /// # Errors
@@ -138,46 +144,4 @@ impl ModelBuilder {
         let nodes = coordinates.map(|(c, kind)| self.coordinates(format!("{name} {c}"), &[kind]));
         nodes.collect()
     }
-}
-
-/// Adds a frame node `name` that slides along the two-node beam elements between `chain`'s nodes,
-/// starting at arc length `origin` of the chain, and the node `name arc_length` of its coordinate. The
-/// elements interpolate total rotation vectors; [`slide_on`] is for others.
-///
-/// # Errors
-/// [`ModelError::Slide`] for a chain that is none or a start outside it; as
-/// [`ModelBuilder::mapped_node`].
-pub fn slide(
-    b: &mut ModelBuilder,
-    name: &str,
-    chain: &[NodeId],
-    origin: f64,
-) -> Result<SlideNodes, ModelError> {
-    slide_on(b, name, chain, origin, Interpolation::Total)
-}
-
-/// As [`slide`], on elements with this interpolation of rotations.
-///
-/// # Errors
-/// As there.
-pub fn slide_on(
-    b: &mut ModelBuilder,
-    name: &str,
-    chain: &[NodeId],
-    origin: f64,
-    interpolation: Interpolation,
-) -> Result<SlideNodes, ModelError> {
-    let positions: Vec<Vector3<f64>> = chain.iter().map(|&n| b.position(n)).collect();
-    let along = Chain::new(&positions, origin).ok_or_else(|| ModelError::Slide {
-        joint: name.to_owned(),
-        nodes: chain.len(),
-        start: origin,
-    })?;
-    let position = along.start().into();
-    let joint = Slide::new(along, interpolation);
-    let arc_length = b.coordinates(format!("{name} arc_length"), &[Quantity::Length])?;
-    let segments: Vec<[NodeId; 3]> = chain.windows(2).map(|p| [p[0], p[1], arc_length]).collect();
-    let segments: Vec<&[NodeId]> = segments.iter().map(|s| &s[..]).collect();
-    let frame = b.mapped_node_along(name, position, Box::new(joint), &segments)?;
-    Ok(SlideNodes { frame, arc_length })
 }

@@ -1,7 +1,6 @@
 //! The rigid link: a frame fixed to another one at a distance.
 
 use super::{Joint, JointCoordinate, Pose};
-use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
 
@@ -22,30 +21,4 @@ impl Joint<0> for Offset {
     fn coordinates(&self) -> [JointCoordinate; 0] {
         []
     }
-}
-
-/// Adds a frame node fixed to `parent` at a distance: it stands at `position` in the reference
-/// configuration.
-///
-/// # Errors
-/// As [`ModelBuilder::mapped_node`].
-pub fn offset(
-    b: &mut ModelBuilder,
-    name: &str,
-    parent: NodeId,
-    position: [f64; 3],
-) -> Result<NodeId, ModelError> {
-    let c = Vector3::from(position) - b.position(parent);
-    Ok(b.attach(name, parent, Offset { c })?.frame)
-}
-
-/// Adds a frame node `name` welded to `parent`, at its position.
-///
-#[doc = include_str!("../../../docs/images/joints/weld.svg")]
-///
-/// # Errors
-/// As [`ModelBuilder::mapped_node`].
-pub fn weld(b: &mut ModelBuilder, name: &str, parent: NodeId) -> Result<NodeId, ModelError> {
-    let position = b.position(parent).into();
-    offset(b, name, parent, position)
 }

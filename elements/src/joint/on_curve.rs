@@ -1,7 +1,6 @@
 //! A point on a space curve that its parent carries.
 
-use super::{Joint, JointCoordinate, JointNodes, Pose};
-use crate::model::{ModelBuilder, ModelError, NodeId};
+use super::{Joint, JointCoordinate, Pose};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::system::Quantity;
@@ -60,18 +59,4 @@ impl<C: Curve> Joint<1> for OnCurve<C> {
     fn edge(&self) -> &'static str {
         "its curve over an end: make it longer, or stop before"
     }
-}
-
-/// Adds a frame node `name` that runs along a curve carried by `parent`, from its parameter 0, and
-/// turns freely; and the nodes `name parameter` and `name rotation`.
-///
-/// # Errors
-/// As [`ModelBuilder::mapped_node`].
-pub fn on_curve<C: Curve + Clone + 'static>(
-    b: &mut ModelBuilder,
-    name: &str,
-    parent: NodeId,
-    curve: C,
-) -> Result<JointNodes, ModelError> {
-    b.attach_free(name, parent, OnCurve::new(curve))
 }

@@ -1,7 +1,6 @@
 //! A point on a surface that its parent carries.
 
-use super::{Joint, JointCoordinate, JointNodes, Pose};
-use crate::model::{ModelBuilder, ModelError, NodeId};
+use super::{Joint, JointCoordinate, Pose};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::system::Quantity;
@@ -53,18 +52,4 @@ impl<F: Surface> Joint<2> for OnSurface<F> {
     fn edge(&self) -> &'static str {
         "its surface over an edge: make it larger, or stop before"
     }
-}
-
-/// Adds a frame node `name` that runs on a surface carried by `parent`, from its parameters (0, 0),
-/// and turns freely; and the nodes `name parameter 1`, `name parameter 2` and `name rotation`.
-///
-/// # Errors
-/// As [`ModelBuilder::mapped_node`].
-pub fn on_surface<F: Surface + Clone + 'static>(
-    b: &mut ModelBuilder,
-    name: &str,
-    parent: NodeId,
-    surface: F,
-) -> Result<JointNodes, ModelError> {
-    b.attach_free(name, parent, OnSurface { surface })
 }

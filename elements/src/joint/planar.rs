@@ -1,7 +1,6 @@
 //! The planar joint: two displacements in a plane and the turn about its normal.
 
-use super::{AxisError, Joint, JointCoordinate, JointNodes, PARALLEL, Pose, direction};
-use crate::model::{ModelBuilder, ModelError, NodeId};
+use super::{AxisError, Joint, JointCoordinate, PARALLEL, Pose, direction};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::Quaternion;
@@ -46,23 +45,4 @@ impl Joint<3> for Planar {
             ("angle", Quantity::Angle),
         ]
     }
-}
-
-/// Adds a frame node `name` at the position of `parent` that slides in the plane with `normal` and
-/// turns about it. The first displacement is along `first`, of which the part in the plane counts (both
-/// in global components of the reference configuration, carried by the parent). The nodes of the
-/// coordinates are `name displacement 1`, `name displacement 2` and `name angle`.
-///
-/// # Errors
-/// [`ModelError::Axis`] for axes without a direction, `AxisError::Parallel` in it for a first
-/// direction along the normal; as [`ModelBuilder::mapped_node`].
-pub fn planar(
-    b: &mut ModelBuilder,
-    name: &str,
-    parent: NodeId,
-    normal: [f64; 3],
-    first: [f64; 3],
-) -> Result<JointNodes, ModelError> {
-    let joint = Planar::new(normal, first).map_err(|e| e.of(name))?;
-    b.attach(name, parent, joint)
 }

@@ -1,7 +1,6 @@
 //! The prismatic joint: a displacement along an axis, no turn.
 
-use super::{AxisError, Joint, JointCoordinate, JointNodes, Pose, direction};
-use crate::model::{ModelBuilder, ModelError, NodeId};
+use super::{AxisError, Joint, JointCoordinate, Pose, direction};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::system::Quantity;
@@ -31,19 +30,4 @@ impl Joint<1> for Prismatic {
     fn coordinates(&self) -> [JointCoordinate; 1] {
         [("displacement", Quantity::Length)]
     }
-}
-
-/// Adds a frame node `name` at the position of `parent` that slides along `axis` (global components
-/// of the reference configuration, carried by the parent), and the node `name displacement`.
-///
-/// # Errors
-/// [`ModelError::Axis`] for an axis without a direction; as [`ModelBuilder::mapped_node`].
-pub fn prismatic(
-    b: &mut ModelBuilder,
-    name: &str,
-    parent: NodeId,
-    axis: [f64; 3],
-) -> Result<JointNodes, ModelError> {
-    let joint = Prismatic::new(axis).map_err(|e| e.of(name))?;
-    b.attach(name, parent, joint)
 }

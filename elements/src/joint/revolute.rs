@@ -1,7 +1,6 @@
 //! The revolute joint: two frames share a position and an axis; the angle between them is unbounded.
 
-use super::{AxisError, Joint, JointCoordinate, Pose, RevoluteNodes, direction};
-use crate::model::{ModelBuilder, ModelError, NodeId};
+use super::{AxisError, Joint, JointCoordinate, Pose, direction};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::Quaternion;
@@ -32,21 +31,4 @@ impl Joint<1> for Revolute {
     fn coordinates(&self) -> [JointCoordinate; 1] {
         [("angle", Quantity::Angle)]
     }
-}
-
-/// Adds a frame node `name` at the position of `parent` that turns about `axis` (global components
-/// of the reference configuration, carried by the parent), and the node `name angle`.
-///
-/// # Errors
-/// [`ModelError::Axis`] for an axis without a direction; as [`ModelBuilder::mapped_node`].
-pub fn revolute(
-    b: &mut ModelBuilder,
-    name: &str,
-    parent: NodeId,
-    axis: [f64; 3],
-) -> Result<RevoluteNodes, ModelError> {
-    let joint = Revolute::new(axis).map_err(|e| e.of(name))?;
-    let made = b.attach(name, parent, joint)?;
-    let (frame, angle) = (made.frame, made.coordinates[0]);
-    Ok(RevoluteNodes { frame, angle })
 }

@@ -1,7 +1,6 @@
 //! The universal (Hooke's, Cardan) joint: two turns about crossed axes.
 
-use super::{AxisError, Joint, JointCoordinate, JointNodes, PARALLEL, Pose, direction};
-use crate::model::{ModelBuilder, ModelError, NodeId};
+use super::{AxisError, Joint, JointCoordinate, PARALLEL, Pose, direction};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::Quaternion;
@@ -41,20 +40,4 @@ impl Joint<2> for Universal {
     fn coordinates(&self) -> [JointCoordinate; 2] {
         [("angle 1", Quantity::Angle), ("angle 2", Quantity::Angle)]
     }
-}
-
-/// Adds a frame node `name` at the position of `parent` on a cross with two axes (global components
-/// of the reference configuration; the parent carries the first), and the nodes `name angle 1`
-/// and `name angle 2`.
-///
-/// # Errors
-/// [`ModelError::Axis`] for axes without a direction, or along each other.
-pub fn universal(
-    b: &mut ModelBuilder,
-    name: &str,
-    parent: NodeId,
-    axes: [[f64; 3]; 2],
-) -> Result<JointNodes, ModelError> {
-    let joint = Universal::new(axes).map_err(|e| e.of(name))?;
-    b.attach(name, parent, joint)
 }

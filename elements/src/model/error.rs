@@ -2,7 +2,7 @@
 
 use crate::beam::{BeamError, SectionError};
 use crate::constraint::PenaltyError;
-use crate::joint::{AxisError, GearError};
+use crate::joint::GearError;
 use crate::time::TimeFunctionError;
 use pullback_manifold::implicit::ImplicitError;
 use pullback_manifold::system::SystemError;
@@ -89,8 +89,6 @@ pub enum ModelError {
          coordinates be independent for good (`Choice::Fixed`) and prescribe that"
     )]
     PrescribedSolved { coordinate: String, solved: String },
-    #[error("joint {joint}: {source}")]
-    Axis { joint: String, source: AxisError },
     #[error("gear between {first} and {second}: {source}")]
     Gear {
         first: String,

@@ -23,10 +23,10 @@ mod results;
 mod state;
 mod system;
 
-pub use build::axis::{Arc, Axis, Straight, frame_along};
+pub use build::beam_line::{BeamLine, BeamLineNodes};
 pub use build::builder::{Dof, ElementId, ModelBuilder, NodeId};
 pub use build::closures::Closure;
-pub use build::line::{Line, LineNodes};
+pub use build::reference_curve::{CircularArc, ReferenceCurve, StraightLine, frame_along};
 pub use context::Context;
 pub use error::ModelError;
 pub use kinematics::formulation::Formulation;

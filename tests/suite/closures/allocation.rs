@@ -4,7 +4,7 @@ use allocation_counter::measure;
 use nalgebra::{Matrix3, Vector3};
 use pullback::elements::body::RigidBody;
 use pullback::elements::constraint::PenaltyStiffness;
-use pullback::elements::joint::{offset, revolute};
+use pullback::elements::joint::Revolute;
 use pullback::elements::model::Closure;
 use pullback::integrators::dynamics::{
     DynamicOptions, Progress, Scheme, StepReport, integrate, start,
@@ -20,15 +20,15 @@ fn allocations(steps: u32, by: Closure) -> u64 {
     let ground = b.node("ground", [0.0; 3]).unwrap();
     b.support(ground, &Dof::ALL);
     let e3 = [0.0, 0.0, 1.0];
-    let first = revolute(&mut b, "A", ground, e3).unwrap();
-    let arm = offset(&mut b, "arm", first.frame, [1.0, 0.0, 0.0]).unwrap();
-    let pin = revolute(&mut b, "P", arm, e3).unwrap();
+    let first = b.attach("A", ground, Revolute::new(e3).unwrap()).unwrap();
+    let arm = b.offset("arm", first.frame, [1.0, 0.0, 0.0]).unwrap();
+    let pin = b.attach("P", arm, Revolute::new(e3).unwrap()).unwrap();
     let free = b.node("free", [1.0, 0.0, 0.0]).unwrap();
-    let foot = offset(&mut b, "foot", ground, [2.0, 0.5, 0.0]).unwrap();
-    let rocker = revolute(&mut b, "D", foot, e3).unwrap();
-    let end = offset(&mut b, "end", rocker.frame, [2.0, 0.0, 0.0]).unwrap();
-    let tip = offset(&mut b, "tip", free, [2.0, 0.0, 0.0]).unwrap();
-    let last = revolute(&mut b, "Q", tip, e3).unwrap();
+    let foot = b.offset("foot", ground, [2.0, 0.5, 0.0]).unwrap();
+    let rocker = b.attach("D", foot, Revolute::new(e3).unwrap()).unwrap();
+    let end = b.offset("end", rocker.frame, [2.0, 0.0, 0.0]).unwrap();
+    let tip = b.offset("tip", free, [2.0, 0.0, 0.0]).unwrap();
+    let last = b.attach("Q", tip, Revolute::new(e3).unwrap()).unwrap();
     for (name, node) in [("1", first.frame), ("2", free), ("3", rocker.frame)] {
         let body = RigidBody::new(1.0, Matrix3::identity() * 0.1, Vector3::x() * 0.1).unwrap();
         let weight = body.weight([0.0, -9.81, 0.0], Box::new(Constant(1.0)));

@@ -153,7 +153,7 @@ fn a_drive_that_jumps_strikes_the_whole_loop() {
         let tip = b.find("tip of the coupler").unwrap();
         let from: [f64; 3] = b.position(tip).into();
         let to = [from[0] + 0.3, from[1] - 0.2, 0.0];
-        let pendulum = link(&mut b, "pendulum", tip, [from, to], (0.4, at_once)).angle;
+        let pendulum = link(&mut b, "pendulum", tip, [from, to], (0.4, at_once)).coordinates[0];
         let points = vec![[0.0, 0.0], [0.1, 0.1], [0.2, 0.4], [0.4, 0.5]];
         let drive = Table::new(points).unwrap();
         b.prescribe_coordinate(angles[0], 0, Box::new(drive));

@@ -4,9 +4,9 @@
 
 use allocation_counter::measure;
 use nalgebra::{Matrix3, SVector};
-use pullback::elements::beam::Damping;
+use pullback::elements::beam::{Damping, Interpolation};
 use pullback::elements::body::RigidBody;
-use pullback::elements::joint::{Revolute, offset, revolute, slide, spherical};
+use pullback::elements::joint::{Revolute, Spherical};
 use pullback::elements::load::CoordinateForce;
 use pullback::elements::load::LineLoad;
 use pullback::elements::model::{Formulation, RigidMotion};
@@ -29,13 +29,13 @@ fn section() -> Section {
 }
 
 fn line(b: &mut ModelBuilder, name: &str, ends: [NodeId; 2], section: Section) -> Vec<NodeId> {
-    let axis = Straight {
+    let axis = StraightLine {
         from: b.position(ends[0]),
         to: b.position(ends[1]),
         second: None,
         twist: 0.0,
     };
-    let line = Line {
+    let line = BeamLine {
         elements: 4,
         order: 1,
         section,
@@ -86,17 +86,19 @@ fn everything(formulation: Formulation, driven: bool) -> (Context, [NodeId; 2]) 
     let wrist = b.node("wrist", [4.0, 0.0, 0.0]).unwrap();
     let tip = b.node("tip", [6.0, 0.0, 0.0]).unwrap();
     let first = line(&mut b, "first", [base, elbow], section());
-    let hinge = revolute(&mut b, "hinge", elbow, [0.0, 0.0, 1.0]).unwrap();
+    let hinge = b
+        .attach("hinge", elbow, Revolute::new([0.0, 0.0, 1.0]).unwrap())
+        .unwrap();
     let second = line(&mut b, "second", [hinge.frame, wrist], section());
-    let ball = spherical(&mut b, "ball", wrist).unwrap();
+    let ball = b.attach_free("ball", wrist, Spherical).unwrap();
     let damping = Damping {
         mass: 0.01,
         stiffness: 1e-4,
     };
     let damped = section().with_damping(damping).unwrap();
     line(&mut b, "third", [ball.frame, tip], damped);
-    let link = offset(&mut b, "link", tip, [6.0, 0.5, 0.0]).unwrap();
-    let ring = slide(&mut b, "ring", &first, 0.7).unwrap();
+    let link = b.offset("link", tip, [6.0, 0.5, 0.0]).unwrap();
+    let ring = b.slide("ring", &first, 0.7, Interpolation::Total).unwrap();
     for (name, node) in [("body", link), ("mass", ring.frame)] {
         let body = RigidBody::new(0.5, Matrix3::identity() * 0.1, Vector3::y() * 0.1).unwrap();
         let weight = body.weight([0.0, 0.0, -9.81], Box::new(Constant(1.0)));
@@ -122,10 +124,10 @@ fn everything(formulation: Formulation, driven: bool) -> (Context, [NodeId; 2]) 
         ..CoordinateLaw::default()
     };
     let spring = CoordinateSpring::new(law).unwrap();
-    b.element("ring spring", spring, &[ring.arc_length])
+    b.element("ring spring", spring, &[ring.coordinates[0]])
         .unwrap();
     let motor = CoordinateForce::new(Constant(5.0));
-    b.element("motor", motor, &[hinge.angle]).unwrap();
+    b.element("motor", motor, &[hinge.coordinates[0]]).unwrap();
     for dof in [Dof::X, Dof::Y, Dof::Z, Dof::RX, Dof::RY] {
         b.support(base, &[dof]);
     }
@@ -135,7 +137,7 @@ fn everything(formulation: Formulation, driven: bool) -> (Context, [NodeId; 2]) 
         false => b.support(base, &[Dof::RZ]),
     }
     let q = circle(&mut b);
-    (Context::new(b.build().unwrap()), [ring.arc_length, q])
+    (Context::new(b.build().unwrap()), [ring.coordinates[0], q])
 }
 
 /// Allocations of a run of so many steps, what it did, and how often the ring came to another

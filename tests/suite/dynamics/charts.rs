@@ -13,9 +13,9 @@ use crate::support::dynamics::*;
 use nalgebra::{Matrix3, Vector3};
 use pullback::elements::beam::Section;
 use pullback::elements::body::{PointMass, RigidBody};
-use pullback::elements::joint::{offset, spherical};
+use pullback::elements::joint::Spherical;
 use pullback::elements::model::{
-    Context, Dof, Line, ModelBuilder, NodeId, NodeState, RigidMotion, Straight,
+    BeamLine, Context, Dof, ModelBuilder, NodeId, NodeState, RigidMotion, StraightLine,
 };
 use pullback::integrators::dynamics::Scheme;
 use pullback::manifold::so3;
@@ -89,18 +89,18 @@ fn pendulum(J: Matrix3<f64>, center: [f64; 3], psi: [f64; 3], omega: [f64; 3]) -
     let mut b = ModelBuilder::new();
     let ground = b.node("ground", [0.0; 3]).unwrap();
     b.support(ground, &Dof::ALL);
-    let ball = spherical(&mut b, "ball", ground).unwrap();
+    let ball = b.attach_free("ball", ground, Spherical).unwrap();
     body(
         &mut b,
         "body",
         ball.frame,
         RigidBody::new(2.0, J, center.into()).unwrap(),
     );
-    let probe = offset(&mut b, "probe", ball.frame, center).unwrap();
+    let probe = b.offset("probe", ball.frame, center).unwrap();
     b.element("fly", PointMass::new(0.1).unwrap(), &[probe])
         .unwrap();
     let context = Context::new(b.build().unwrap());
-    let k = context.unknown_at(ball.rotation, 0).unwrap();
+    let k = context.unknown_at(ball.coordinates[0], 0).unwrap();
     let mut q = vec![0.0; 3];
     q[k..k + 3].copy_from_slice(&psi);
     let mut v = vec![0.0; 3];
@@ -135,7 +135,7 @@ fn beam(psi: [f64; 3], omega: [f64; 3]) -> Problem {
     let mut b = ModelBuilder::new();
     let ends = [[0.0; 3], [1.0, 0.0, 0.0]];
     let ends = [b.node("a", ends[0]).unwrap(), b.node("b", ends[1]).unwrap()];
-    let axis = Straight {
+    let axis = StraightLine {
         from: b.position(ends[0]),
         to: b.position(ends[1]),
         second: None,
@@ -143,7 +143,7 @@ fn beam(psi: [f64; 3], omega: [f64; 3]) -> Problem {
     };
     let J = Matrix3::from_diagonal(&Vector3::new(0.02, 0.01, 0.01));
     let section = Section::diagonal(60.0, [30.0; 2], 4.0, [4.0, 6.0]).unwrap();
-    let line = Line {
+    let line = BeamLine {
         elements: 2,
         order: 1,
         section: section.with_mass(1.0, J),

@@ -5,9 +5,11 @@
 use crate::support::dynamics::*;
 use nalgebra::{Matrix3, Vector3};
 use pullback::elements::beam::{Damping, Interpolation, Section};
-use pullback::elements::joint::{offset, revolute};
+use pullback::elements::joint::Revolute;
 use pullback::elements::load::LineLoad;
-use pullback::elements::model::{Context, Dof, Line, ModelBuilder, NodeId, RigidMotion, Straight};
+use pullback::elements::model::{
+    BeamLine, Context, Dof, ModelBuilder, NodeId, RigidMotion, StraightLine,
+};
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::elements::time::Constant;
 use pullback::integrators::dynamics::{DynamicOptions, EnergyBalance, Scheme};
@@ -26,13 +28,13 @@ fn beam_with(
     section: Section,
     interpolation: Interpolation,
 ) -> Vec<NodeId> {
-    let axis = Straight {
+    let axis = StraightLine {
         from: b.position(ends[0]),
         to: b.position(ends[1]),
         second: None,
         twist: 0.0,
     };
-    let line = Line {
+    let line = BeamLine {
         elements,
         order: 1,
         section,
@@ -77,11 +79,15 @@ fn the_power_balance_closes_to_the_order_of_the_scheme() {
             let mut b = ModelBuilder::new();
             let ground = b.node("ground", [0.0; 3]).unwrap();
             b.support(ground, &Dof::ALL);
-            let shaft = revolute(&mut b, "shaft", ground, [0.3, 0.2, 1.0]).unwrap();
-            b.prescribe_coordinate(shaft.angle, 0, Box::new(sine(1.5, 2.0, 0.0)));
-            let arm = offset(&mut b, "arm", shaft.frame, [0.4, 0.0, 0.0]).unwrap();
+            let shaft = b
+                .attach("shaft", ground, Revolute::new([0.3, 0.2, 1.0]).unwrap())
+                .unwrap();
+            b.prescribe_coordinate(shaft.coordinates[0], 0, Box::new(sine(1.5, 2.0, 0.0)));
+            let arm = b.offset("arm", shaft.frame, [0.4, 0.0, 0.0]).unwrap();
             heavy_body(&mut b, "hub", arm, 1.0, [0.1, 0.2, 0.0]);
-            let hinge = revolute(&mut b, "hinge", arm, [0.0, 1.0, 0.0]).unwrap();
+            let hinge = b
+                .attach("hinge", arm, Revolute::new([0.0, 1.0, 0.0]).unwrap())
+                .unwrap();
             let law = CoordinateLaw {
                 k: 5.0,
                 k3: 2.0,
@@ -89,7 +95,8 @@ fn the_power_balance_closes_to_the_order_of_the_scheme() {
                 x0: -0.2,
             };
             let damper = CoordinateSpring::new(law).unwrap();
-            b.element("damper", damper, &[hinge.angle]).unwrap();
+            b.element("damper", damper, &[hinge.coordinates[0]])
+                .unwrap();
             let tip = b.node("tip", [1.2, 0.0, 0.0]).unwrap();
             let damping = Damping {
                 mass: 0.1,
@@ -103,7 +110,7 @@ fn the_power_balance_closes_to_the_order_of_the_scheme() {
             );
             let mut context = Context::new(b.build().unwrap());
             let mut v = vec![0.0; context.pattern().dim()];
-            context.set(&mut v, hinge.angle, 0, 0.5);
+            context.set(&mut v, hinge.coordinates[0], 0, 0.5);
             // The beam begins to move with the shaft, which turns at 3 rad/s.
             let motion = RigidMotion {
                 omega: Vector3::new(0.3, 0.2, 1.0).normalize() * 3.0,

@@ -7,10 +7,10 @@ use nalgebra::{Matrix3, SVector, Vector3};
 use pullback::elements::beam::{Interpolation, Section};
 use pullback::elements::body::RigidBody;
 use pullback::elements::energy::Energies;
-use pullback::elements::joint::{offset, revolute, spherical};
+use pullback::elements::joint::{Revolute, Spherical};
 use pullback::elements::load::{LineLoad, LoadKind, NodalLoad};
 use pullback::elements::model::{
-    Context, Dof, Formulation, Line, ModelBuilder, NodeId, NodeState, RigidMotion, Straight,
+    BeamLine, Context, Dof, Formulation, ModelBuilder, NodeId, NodeState, RigidMotion, StraightLine,
 };
 use pullback::elements::time::{Constant, Pulse};
 use pullback::integrators::dynamics::{DynamicOptions, Progress, Scheme, integrate, start};
@@ -27,7 +27,7 @@ fn em() -> Scheme {
 
 /// Four geodesic or total elements along e1 between two nodes.
 fn beam(b: &mut ModelBuilder, ends: [NodeId; 2], stiff: f64, interpolation: Interpolation) {
-    let axis = Straight {
+    let axis = StraightLine {
         from: b.position(ends[0]),
         to: b.position(ends[1]),
         second: None,
@@ -40,7 +40,7 @@ fn beam(b: &mut ModelBuilder, ends: [NodeId; 2], stiff: f64, interpolation: Inte
         4.0 * stiff,
         [4.0 * stiff, 6.0 * stiff],
     );
-    let line = Line {
+    let line = BeamLine {
         elements: 4,
         order: 1,
         section: section.unwrap().with_mass(MASS / LENGTH, J),
@@ -269,10 +269,13 @@ fn symmetries_are_found() {
         let mut b = ModelBuilder::new();
         let ground = b.node("ground", [0.0; 3]).unwrap();
         b.support(ground, &Dof::ALL);
-        let hinge = revolute(&mut b, "hinge", ground, [0.0, 0.0, 1.0]).unwrap();
+        let hinge = b
+            .attach("hinge", ground, Revolute::new([0.0, 0.0, 1.0]).unwrap())
+            .unwrap();
         heavy_body(&mut b, "body", hinge.frame, 1.0, [0.1, 0.2, 0.0]);
         let wheel = Flywheel { uneven }.into_element();
-        b.element("flywheel", wheel, &[hinge.angle]).unwrap();
+        b.element("flywheel", wheel, &[hinge.coordinates[0]])
+            .unwrap();
         assert_eq!(
             count(&mut Context::new(b.build().unwrap())),
             symmetries,
@@ -284,14 +287,18 @@ fn symmetries_are_found() {
     let mut b = ModelBuilder::new();
     let ground = b.node("ground", [0.3, -0.2, 0.1]).unwrap();
     b.support(ground, &Dof::ALL);
-    let hinge = revolute(&mut b, "hinge", ground, [0.0, 0.0, 1.0]).unwrap();
+    let hinge = b
+        .attach("hinge", ground, Revolute::new([0.0, 0.0, 1.0]).unwrap())
+        .unwrap();
     heavy_body(&mut b, "body", hinge.frame, 1.0, [0.1, 0.2, 0.0]);
     assert_eq!(count(&mut Context::new(b.build().unwrap())), 1);
     // The weight works about any other axis.
     let mut b = ModelBuilder::new();
     let ground = b.node("ground", [0.3, -0.2, 0.1]).unwrap();
     b.support(ground, &Dof::ALL);
-    let hinge = revolute(&mut b, "hinge", ground, [0.0, 1.0, 1.0]).unwrap();
+    let hinge = b
+        .attach("hinge", ground, Revolute::new([0.0, 1.0, 1.0]).unwrap())
+        .unwrap();
     heavy_body(&mut b, "body", hinge.frame, 1.0, [0.1, 0.2, 0.0]);
     assert_eq!(count(&mut Context::new(b.build().unwrap())), 0);
 }
@@ -301,11 +308,11 @@ fn heavy_top() -> (Context, Vec<f64>) {
     let mut b = ModelBuilder::new();
     let ground = b.node("ground", [0.0; 3]).unwrap();
     b.support(ground, &Dof::ALL);
-    let ball = spherical(&mut b, "ball", ground).unwrap();
+    let ball = b.attach_free("ball", ground, Spherical).unwrap();
     let J = Matrix3::from_diagonal(&Vector3::new(0.3, 0.25, 0.1));
     let top = RigidBody::new(1.0, J, [0.0, 0.1, 0.4].into()).unwrap();
     body(&mut b, "top", ball.frame, top);
-    offset(&mut b, "tip", ball.frame, [0.0, 0.0, 1.0]).unwrap();
+    b.offset("tip", ball.frame, [0.0, 0.0, 1.0]).unwrap();
     let context = Context::new(b.build().unwrap());
     let mut v = vec![0.0; 3];
     let motion = RigidMotion {

@@ -7,10 +7,10 @@ use crate::support::dynamics::*;
 use nalgebra::{Matrix2, Matrix3, SVector, Vector2, Vector3};
 use pullback::elements::beam::Section;
 use pullback::elements::body::{PointMass, RigidBody};
-use pullback::elements::joint::{RevoluteNodes, offset, revolute, spherical};
+use pullback::elements::joint::{JointNodes, Revolute, Spherical};
 use pullback::elements::load::CoordinateForce;
 use pullback::elements::model::{
-    Context, Dof, Line, ModelBuilder, NodeId, NodeState, RigidMotion, Straight,
+    BeamLine, Context, Dof, ModelBuilder, NodeId, NodeState, RigidMotion, StraightLine,
 };
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::elements::time::{Constant, TimeFunction};
@@ -63,13 +63,13 @@ fn linked(stiffness: Option<f64>) -> Vec<NodeState> {
     let position = [1.0, 0.3, -0.2];
     let second = if let Some(s) = stiffness {
         let second = b.node("second", position).unwrap();
-        let axis = Straight {
+        let axis = StraightLine {
             from: b.position(first),
             to: b.position(second),
             second: None,
             twist: 0.0,
         };
-        let line = Line {
+        let line = BeamLine {
             elements: 1,
             order: 1,
             section: Section::diagonal(s, [s; 2], s, [s; 2]).unwrap(),
@@ -77,7 +77,7 @@ fn linked(stiffness: Option<f64>) -> Vec<NodeState> {
         b.line("link", &axis, [first, second], &line).unwrap();
         second
     } else {
-        offset(&mut b, "second", first, position).unwrap()
+        b.offset("second", first, position).unwrap()
     };
     heavy_body(&mut b, "second", second, 0.5, [0.0, 0.1, 0.1]);
     let mut context = Context::new(b.build().unwrap());
@@ -127,17 +127,19 @@ fn a_pendulum_on_a_skew_axis() {
     let errors = [200, 400, 800].map(|n| {
         let mut b = ModelBuilder::new();
         let ground = ground(&mut b);
-        let hinge = revolute(&mut b, "hinge", ground, axis.into()).unwrap();
+        let hinge = b
+            .attach("hinge", ground, Revolute::new(axis.into()).unwrap())
+            .unwrap();
         body(&mut b, "bar", hinge.frame, RigidBody::new(m, J, c).unwrap());
         let mut context = Context::new(b.build().unwrap());
         let (q, v) = (
-            values(&context, &[(hinge.angle, 0, 0.3)]),
-            values(&context, &[(hinge.angle, 0, 2.0)]),
+            values(&context, &[(hinge.coordinates[0], 0, 0.3)]),
+            values(&context, &[(hinge.coordinates[0], 0, 2.0)]),
         );
         let options = tight(Scheme::default(), to, to / n as f64);
         let progress = observed(&mut context, [&q, &v], &options, &mut |_, _| ());
         gaps(
-            &ending(&mut context, &progress, &[hinge.angle]),
+            &ending(&mut context, &progress, &[hinge.coordinates[0]]),
             exact.as_slice(),
         )
     });
@@ -182,16 +184,22 @@ fn a_double_pendulum_of_bars() {
     let errors = [400, 800, 1600].map(|n| {
         let mut b = ModelBuilder::new();
         let ground = ground(&mut b);
-        let first = revolute(&mut b, "first", ground, axis).unwrap();
+        let first = b
+            .attach("first", ground, Revolute::new(axis).unwrap())
+            .unwrap();
         body(&mut b, "upper", first.frame, bar(0));
-        let end = offset(&mut b, "end", first.frame, [0.0, 0.0, -l[0]]).unwrap();
-        let second = revolute(&mut b, "second", end, axis).unwrap();
+        let end = b.offset("end", first.frame, [0.0, 0.0, -l[0]]).unwrap();
+        let second = b
+            .attach("second", end, Revolute::new(axis).unwrap())
+            .unwrap();
         body(&mut b, "lower", second.frame, bar(1));
-        let tip = offset(&mut b, "tip", second.frame, [0.0, 0.0, -l[0] - l[1]]).unwrap();
+        let tip = b
+            .offset("tip", second.frame, [0.0, 0.0, -l[0] - l[1]])
+            .unwrap();
         b.element("fly", PointMass::new(1e-12).unwrap(), &[tip])
             .unwrap();
         let mut context = Context::new(b.build().unwrap());
-        let (u, w) = (first.angle, second.angle);
+        let (u, w) = (first.coordinates[0], second.coordinates[0]);
         let q = values(&context, &[(u, 0, start[0]), (w, 0, start[1] - start[0])]);
         let v = values(&context, &[(u, 0, start[2]), (w, 0, start[3] - start[2])]);
         let options = tight(Scheme::default(), to, to / n as f64);
@@ -231,10 +239,10 @@ fn a_spherical_pendulum() {
     let errors = [200, 400, 800].map(|n| {
         let mut b = ModelBuilder::new();
         let ground = ground(&mut b);
-        let ball = spherical(&mut b, "ball", ground).unwrap();
+        let ball = b.attach_free("ball", ground, Spherical).unwrap();
         let wheel = RigidBody::new(0.0, Matrix3::identity() * j, Vector3::zeros()).unwrap();
         b.element("wheel", wheel, &[ball.frame]).unwrap();
-        let end = offset(&mut b, "end", ball.frame, (u * l).into()).unwrap();
+        let end = b.offset("end", ball.frame, (u * l).into()).unwrap();
         let point = PointMass::new(m).unwrap();
         let weight = point.weight([0.0, 0.0, -G], Box::new(Constant(1.0)));
         b.element("mass", point, &[end]).unwrap();
@@ -268,12 +276,14 @@ fn a_spherical_pendulum() {
 
 /// A body on a vertical axis through the origin, so that its weight does nothing, and its moment of
 /// inertia about that axis.
-fn turntable(more: impl FnOnce(&mut ModelBuilder, RevoluteNodes)) -> (Context, RevoluteNodes, f64) {
+fn turntable(more: impl FnOnce(&mut ModelBuilder, JointNodes)) -> (Context, JointNodes, f64) {
     let mut b = ModelBuilder::new();
     let ground = ground(&mut b);
-    let hinge = revolute(&mut b, "hinge", ground, [0.0, 0.0, 2.0]).unwrap();
+    let hinge = b
+        .attach("hinge", ground, Revolute::new([0.0, 0.0, 2.0]).unwrap())
+        .unwrap();
     heavy_body(&mut b, "table", hinge.frame, 2.0, [0.3, -0.4, 0.2]);
-    more(&mut b, hinge);
+    more(&mut b, hinge.clone());
     // 0.5 kg m² per kg about the centre of mass, half a metre from the axis.
     (Context::new(b.build().unwrap()), hinge, 2.0 * (0.5 + 0.25))
 }
@@ -284,7 +294,7 @@ fn a_constant_torque_gives_a_constant_acceleration() {
     for scheme in second_order() {
         let (mut context, hinge, J) = turntable(|b, hinge| {
             let motor = CoordinateForce::new(Constant(torque));
-            b.element("motor", motor, &[hinge.angle]).unwrap();
+            b.element("motor", motor, &[hinge.coordinates[0]]).unwrap();
         });
         let to = 4.0;
         let progress = observed(
@@ -293,7 +303,7 @@ fn a_constant_torque_gives_a_constant_acceleration() {
             &tight(scheme, to, 0.05),
             &mut |_, _| (),
         );
-        let found = ending(&mut context, &progress, &[hinge.angle]);
+        let found = ending(&mut context, &progress, &[hinge.coordinates[0]]);
         // A parabola is exact in every scheme of the family; 16 rad are two turns and a half.
         let exact = [0.5 * torque / J * to * to, torque / J * to];
         for gap in gaps(&found, &exact) {
@@ -312,7 +322,8 @@ fn a_spring_and_a_damper_on_the_angle_make_an_oscillator() {
             let (mut context, hinge, J) = turntable(|b, hinge| {
                 let law = CoordinateLaw { k, k3: 0.0, c, x0 };
                 let spring = CoordinateSpring::new(law).unwrap();
-                b.element("spring", spring, &[hinge.angle]).unwrap();
+                b.element("spring", spring, &[hinge.coordinates[0]])
+                    .unwrap();
             });
             // θ = x₀ + (θ₀ − x₀) e^{−δt} (cos ωt + δ/ω sin ωt), δ = c/2J, ω² = k/J − δ².
             let delta = 0.5 * c / J;
@@ -323,10 +334,13 @@ fn a_spring_and_a_damper_on_the_angle_make_an_oscillator() {
                 x0 + amplitude * (cos + delta / omega * s),
                 -amplitude * (omega + delta * delta / omega) * s,
             ];
-            let q = values(&context, &[(hinge.angle, 0, start)]);
+            let q = values(&context, &[(hinge.coordinates[0], 0, start)]);
             let options = tight(scheme, to, to / n as f64);
             let progress = observed(&mut context, [&q, &[]], &options, &mut |_, _| ());
-            gaps(&ending(&mut context, &progress, &[hinge.angle]), &exact)
+            gaps(
+                &ending(&mut context, &progress, &[hinge.coordinates[0]]),
+                &exact,
+            )
         });
         assert_slopes(scheme.name, &["angle", "rate"], &errors, 2.0, 0.1);
         assert!(errors[2][0] < 1e-4, "{errors:?}");
@@ -341,12 +355,16 @@ fn a_prescribed_angle_is_followed_exactly() {
     let ground = ground(&mut b);
     let axis = Vector3::new(0.3, -0.5, 1.0);
     let e = axis.normalize();
-    let hinge = revolute(&mut b, "hinge", ground, axis.into()).unwrap();
-    b.prescribe_coordinate(hinge.angle, 0, Box::new(drive));
+    let hinge = b
+        .attach("hinge", ground, Revolute::new(axis.into()).unwrap())
+        .unwrap();
+    b.prescribe_coordinate(hinge.coordinates[0], 0, Box::new(drive));
     heavy_body(&mut b, "driven", hinge.frame, 2.0, [0.3, 0.0, 0.0]);
     let X = Vector3::new(0.7, 0.2, -0.4);
-    let end = offset(&mut b, "end", hinge.frame, X.into()).unwrap();
-    let free = revolute(&mut b, "free", end, [1.0, 0.0, 0.0]).unwrap();
+    let end = b.offset("end", hinge.frame, X.into()).unwrap();
+    let free = b
+        .attach("free", end, Revolute::new([1.0, 0.0, 0.0]).unwrap())
+        .unwrap();
     heavy_body(&mut b, "free", free.frame, 0.4, [0.0, 0.2, 0.1]);
     let mut context = Context::new(b.build().unwrap());
     let mut turned = 0.0_f64;
@@ -363,7 +381,7 @@ fn a_prescribed_angle_is_followed_exactly() {
         assert!((end.velocity - along * rate).norm() < 1e-12);
         let acceleration = along * second + across * (rate * rate);
         assert!((end.acceleration - acceleration).norm() < 1e-10);
-        turned = turned.max(context.coordinate(free.angle, 0).unwrap()[0].abs());
+        turned = turned.max(context.coordinate(free.coordinates[0], 0).unwrap()[0].abs());
     });
     assert!(turned > 0.1, "the second body is to move");
     assert!(progress.summary.chart_changes >= 4);

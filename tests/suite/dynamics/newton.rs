@@ -16,8 +16,8 @@
 use crate::support::dynamics::*;
 use nalgebra::{Matrix3, SVector, Vector3};
 use pullback::elements::beam::Section;
-use pullback::elements::joint::{Joint, JointCoordinate, Pose, offset, revolute};
-use pullback::elements::model::{Context, Dof, Line, ModelBuilder, NodeId, Straight};
+use pullback::elements::joint::{Joint, JointCoordinate, Pose, Revolute};
+use pullback::elements::model::{BeamLine, Context, Dof, ModelBuilder, NodeId, StraightLine};
 use pullback::elements::time::Sine;
 use pullback::input::{Plan, assemble_text};
 use pullback::integrators::dynamics::{
@@ -87,7 +87,11 @@ impl Joint<1> for PointOnCurve {
 /// Hangs a frame on another one.
 type Hang = fn(&mut ModelBuilder, NodeId) -> NodeId;
 
-const HINGE: Hang = |b, on| revolute(b, "hinge", on, [0.2, 1.0, 0.3]).unwrap().frame;
+const HINGE: Hang = |b, on| {
+    b.attach("hinge", on, Revolute::new([0.2, 1.0, 0.3]).unwrap())
+        .unwrap()
+        .frame
+};
 const DERIVED: [Hang; 3] = [
     |b, on| b.attach("screw", on, Screw).unwrap().frame,
     |b, on| b.attach("slot", on, PinInSlot).unwrap().frame,
@@ -110,7 +114,7 @@ fn thrown_beams(hang: Hang) -> Context {
     }
     let wrist = b.node("wrist", [0.0, 0.5, 0.0]).unwrap();
     beam(&mut b, "first", [carriage, wrist], 2);
-    let arm = offset(&mut b, "arm", wrist, [0.4, 0.7, -0.3]).unwrap();
+    let arm = b.offset("arm", wrist, [0.4, 0.7, -0.3]).unwrap();
     let frame = hang(&mut b, arm);
     heavy_body(&mut b, "hub", frame, 1.0, [0.1, 0.0, 0.2]);
     let tip = b.node("tip", [1.4, 0.7, -0.3]).unwrap();
@@ -120,7 +124,7 @@ fn thrown_beams(hang: Hang) -> Context {
 }
 
 fn beam(b: &mut ModelBuilder, name: &str, ends: [NodeId; 2], elements: usize) {
-    let axis = Straight {
+    let axis = StraightLine {
         from: b.position(ends[0]),
         to: b.position(ends[1]),
         second: None,
@@ -129,7 +133,7 @@ fn beam(b: &mut ModelBuilder, name: &str, ends: [NodeId; 2], elements: usize) {
     let J = Matrix3::from_diagonal(&Vector3::new(0.02, 0.01, 0.01));
     let [_, EA, A_rho, _] = DATA;
     let section = Section::diagonal(EA, [EA; 2], 10.0, [10.0; 2]).unwrap();
-    let line = Line {
+    let line = BeamLine {
         elements,
         order: 1,
         section: section.with_mass(A_rho, J),

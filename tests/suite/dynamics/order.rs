@@ -6,9 +6,9 @@ use crate::support::dynamics::*;
 use nalgebra::{Matrix3, Vector3};
 use pullback::elements::beam::{Interpolation, Section};
 use pullback::elements::body::PointMass;
-use pullback::elements::joint::{offset, revolute, spherical};
+use pullback::elements::joint::{Revolute, Spherical};
 use pullback::elements::model::{
-    Context, Dof, Line, ModelBuilder, NodeId, NodeState, RigidMotion, Straight,
+    BeamLine, Context, Dof, ModelBuilder, NodeId, NodeState, RigidMotion, StraightLine,
 };
 use pullback::integrators::dynamics::Scheme;
 use pullback::manifold::system::System;
@@ -29,19 +29,21 @@ fn two_bodies(spin: [f64; 3]) -> Problem {
     b.support(carriage, &[Dof::Y, Dof::Z, Dof::RY, Dof::RZ]);
     b.prescribe(carriage, Dof::X, sine(0.3, 3.0, 0.2));
     b.prescribe(carriage, Dof::RX, sine(0.4, 2.0, 0.5));
-    let hinge = revolute(&mut b, "hinge", carriage, [0.2, -0.3, 1.0]).unwrap();
-    let arm = offset(&mut b, "arm", hinge.frame, [1.0, 0.2, 0.1]).unwrap();
+    let hinge = b
+        .attach("hinge", carriage, Revolute::new([0.2, -0.3, 1.0]).unwrap())
+        .unwrap();
+    let arm = b.offset("arm", hinge.frame, [1.0, 0.2, 0.1]).unwrap();
     heavy_body(&mut b, "first", hinge.frame, 2.0, [0.5, 0.1, 0.0]);
-    let ball = spherical(&mut b, "ball", arm).unwrap();
+    let ball = b.attach_free("ball", arm, Spherical).unwrap();
     heavy_body(&mut b, "second", ball.frame, 1.0, [0.2, 0.1, -0.3]);
-    let probe = offset(&mut b, "probe", ball.frame, [1.3, 0.6, -0.3]).unwrap();
+    let probe = b.offset("probe", ball.frame, [1.3, 0.6, -0.3]).unwrap();
     b.element("fly", PointMass::new(0.1).unwrap(), &[probe])
         .unwrap();
     let context = Context::new(b.build().unwrap());
     let mut v = vec![0.0; context.pattern().dim()];
-    context.set(&mut v, hinge.angle, 0, 3.0);
+    context.set(&mut v, hinge.coordinates[0], 0, 3.0);
     for (k, rate) in spin.into_iter().enumerate() {
-        context.set(&mut v, ball.rotation, k, rate);
+        context.set(&mut v, ball.coordinates[0], k, rate);
     }
     Problem {
         context,
@@ -62,10 +64,12 @@ fn swung_beam_with(elements: usize, tilt: f64, interpolation: Interpolation) -> 
     b.support(carriage, &[Dof::Y, Dof::Z, Dof::RY, Dof::RZ]);
     b.prescribe(carriage, Dof::X, sine(0.2, 3.0, 0.2));
     b.prescribe(carriage, Dof::RX, sine(tilt, 2.0, 0.5));
-    let hinge = revolute(&mut b, "hinge", carriage, [0.0, 0.0, 1.0]).unwrap();
-    let arm = offset(&mut b, "arm", hinge.frame, [0.3, 0.0, 0.0]).unwrap();
+    let hinge = b
+        .attach("hinge", carriage, Revolute::new([0.0, 0.0, 1.0]).unwrap())
+        .unwrap();
+    let arm = b.offset("arm", hinge.frame, [0.3, 0.0, 0.0]).unwrap();
     let tip = b.node("tip", [1.3, 0.0, 0.0]).unwrap();
-    let axis = Straight {
+    let axis = StraightLine {
         from: b.position(arm),
         to: b.position(tip),
         second: None,
@@ -75,7 +79,7 @@ fn swung_beam_with(elements: usize, tilt: f64, interpolation: Interpolation) -> 
     let section = Section::diagonal(60.0, [30.0; 2], 4.0, [4.0, 6.0])
         .unwrap()
         .with_mass(1.0, Matrix3::from_diagonal(&J));
-    let line = Line {
+    let line = BeamLine {
         elements,
         order: 1,
         section,
@@ -91,7 +95,7 @@ fn swung_beam_with(elements: usize, tilt: f64, interpolation: Interpolation) -> 
         ..RigidMotion::default()
     };
     context.set_velocity(&q, &mut v, None, &motion);
-    context.set(&mut v, hinge.angle, 0, omega);
+    context.set(&mut v, hinge.coordinates[0], 0, omega);
     Problem {
         context,
         probes: vec![arm, tip],
@@ -156,13 +160,13 @@ fn upside_down() -> (Problem, Vec<f64>) {
     let carriage = b.node("carriage", [0.0; 3]).unwrap();
     b.support(carriage, &[Dof::Y, Dof::Z, Dof::RX, Dof::RY, Dof::RZ]);
     b.prescribe(carriage, Dof::X, sine(0.05, 2.0, 0.2));
-    let ball = spherical(&mut b, "ball", carriage).unwrap();
+    let ball = b.attach_free("ball", carriage, Spherical).unwrap();
     heavy_body(&mut b, "body", ball.frame, 1.0, [0.0, 0.05, 0.9]);
-    let probe = offset(&mut b, "probe", ball.frame, [0.3, 0.1, 0.9]).unwrap();
+    let probe = b.offset("probe", ball.frame, [0.3, 0.1, 0.9]).unwrap();
     b.element("fly", PointMass::new(0.1).unwrap(), &[probe])
         .unwrap();
     let context = Context::new(b.build().unwrap());
-    let k = context.unknown_at(ball.rotation, 0).unwrap();
+    let k = context.unknown_at(ball.coordinates[0], 0).unwrap();
     let (mut q, mut v) = (vec![0.0; 3], vec![0.0; 3]);
     q[k..k + 3].copy_from_slice(&[PI - 0.3, 0.1, 0.2]);
     v[k..k + 3].copy_from_slice(&[0.3, 0.1, 0.05]);

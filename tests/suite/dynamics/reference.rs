@@ -6,7 +6,7 @@
 use crate::support::dynamics::*;
 use nalgebra::{Matrix3, Matrix6, SVector, Vector3, Vector6};
 use pullback::elements::body::{PointMass, RigidBody};
-use pullback::elements::joint::{offset, revolute, spherical};
+use pullback::elements::joint::{Revolute, Spherical};
 use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId, RigidMotion};
 use pullback::elements::spring::Bushing;
 use pullback::elements::time::{Constant, Sine, TimeFunction};
@@ -49,7 +49,7 @@ fn top(joint: bool) -> (Context, NodeId) {
     let point = b.node("point", [0.0; 3]).unwrap();
     let node = if joint {
         b.support(point, &Dof::ALL);
-        spherical(&mut b, "top", point).unwrap().frame
+        b.attach_free("top", point, Spherical).unwrap().frame
     } else {
         b.support(point, &Dof::TRANSLATIONS);
         point
@@ -176,8 +176,10 @@ fn pendulum(scheme: Scheme, start: [f64; 2], to: f64, n: usize) -> (Vector3<f64>
     let mut b = ModelBuilder::new();
     let ground = b.node("ground", [0.0; 3]).unwrap();
     b.support(ground, &Dof::ALL);
-    let hinge = revolute(&mut b, "hinge", ground, [0.0, -1.0, 0.0]).unwrap();
-    let end = offset(&mut b, "end", hinge.frame, [0.0, 0.0, -1.0]).unwrap();
+    let hinge = b
+        .attach("hinge", ground, Revolute::new([0.0, -1.0, 0.0]).unwrap())
+        .unwrap();
+    let end = b.offset("end", hinge.frame, [0.0, 0.0, -1.0]).unwrap();
     let mass = PointMass::new(1.0).unwrap();
     let weight = mass.weight([0.0, 0.0, -G], Box::new(Constant(1.0)));
     b.element("mass", mass, &[end]).unwrap();
@@ -187,7 +189,7 @@ fn pendulum(scheme: Scheme, start: [f64; 2], to: f64, n: usize) -> (Vector3<f64>
     let [q, v] = start.map(|x| [x]);
     let progress = observed(&mut context, [&q, &v], &options, &mut |_, _| ());
     configure(&mut context, &progress.state);
-    let angle = context.coordinate(hinge.angle, 0).unwrap();
+    let angle = context.coordinate(hinge.coordinates[0], 0).unwrap();
     let changes = progress.summary.chart_changes;
     (context.node_state(end).position, angle, changes)
 }
@@ -246,16 +248,28 @@ fn hooke(beta: f64, k: f64) -> [f64; 2] {
     let (s, c) = beta.sin_cos();
     // Shafts in the plane of e1 and e2; the input yoke's axis is in it at the start, that of the
     // output yoke perpendicular to it.
-    let input = revolute(&mut b, "input", ground, [1.0, 0.0, 0.0]).unwrap();
+    let input = b
+        .attach("input", ground, Revolute::new([1.0, 0.0, 0.0]).unwrap())
+        .unwrap();
     // More than two turns and back.
     let drive = Sine {
         offset: 7.0,
         ..sine(-7.0, 1.0, FRAC_PI_2)
     };
-    b.prescribe_coordinate(input.angle, 0, Box::new(drive));
-    let cross = revolute(&mut b, "cross", input.frame, [0.0, 1.0, 0.0]).unwrap();
-    let yoke = revolute(&mut b, "yoke", cross.frame, [0.0, 0.0, 1.0]).unwrap();
-    let output = revolute(&mut b, "output", ground, [c, s, 0.0]).unwrap();
+    b.prescribe_coordinate(input.coordinates[0], 0, Box::new(drive));
+    let cross = b
+        .attach(
+            "cross",
+            input.frame,
+            Revolute::new([0.0, 1.0, 0.0]).unwrap(),
+        )
+        .unwrap();
+    let yoke = b
+        .attach("yoke", cross.frame, Revolute::new([0.0, 0.0, 1.0]).unwrap())
+        .unwrap();
+    let output = b
+        .attach("output", ground, Revolute::new([c, s, 0.0]).unwrap())
+        .unwrap();
     let J = Matrix3::identity() * 0.01;
     for (name, node) in [
         ("cross", cross.frame),
@@ -277,7 +291,7 @@ fn hooke(beta: f64, k: f64) -> [f64; 2] {
     let options = tight(Scheme::chung_hulbert(0.0).unwrap(), PI, PI / 2000.0);
     observed(&mut context, [&[], &[]], &options, &mut |context, step| {
         let [first, rate, _] = drive.at(step.progress.state.t);
-        let [second, speed] = context.coordinate(output.angle, 0).unwrap();
+        let [second, speed] = context.coordinate(output.coordinates[0], 0).unwrap();
         let [exact, ratio] = hooke_relation(beta, first);
         let gap = (second - exact) / TAU;
         worst[0] = worst[0].max((gap - gap.round()).abs() * TAU);

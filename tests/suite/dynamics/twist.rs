@@ -37,14 +37,14 @@ fn shaft(by: By) -> (ModelBuilder, NodeId, NodeId) {
     let tip = b.node("tip", positions[1].into()).unwrap();
     match by {
         By::Beams(elements, order) | By::Geodesic(elements, order) => {
-            let axis = Straight {
+            let axis = StraightLine {
                 from: positions[0],
                 to: positions[1],
                 second: None,
                 twist: 0.0,
             };
             let section = Section::diagonal(1e3, [1e3; 2], GJ, [0.5; 2]).unwrap();
-            let line = Line {
+            let line = BeamLine {
                 elements,
                 order,
                 section,

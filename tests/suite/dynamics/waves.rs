@@ -59,13 +59,13 @@ fn bar(elements: usize, blow: Blow) -> (Context, Vec<NodeId>) {
     // Nothing is as stiff for its mass as stretching.
     let section = Section::diagonal(EA, [10.0, 10.0], 10.0, [10.0, 10.0]).unwrap();
     let J = Matrix3::from_diagonal(&Vector3::new(2.0, 1.0, 1.0));
-    let axis = Straight {
+    let axis = StraightLine {
         from: b.position(ends[0]),
         to: b.position(ends[1]),
         second: None,
         twist: 0.0,
     };
-    let line = Line {
+    let line = BeamLine {
         elements,
         order: 1,
         section: section.with_mass(A_RHO, J),

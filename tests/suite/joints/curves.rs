@@ -4,8 +4,7 @@
 
 use crate::support::dynamics::{assert_slopes, body, configure, tight};
 use nalgebra::Matrix3;
-use pullback::elements::joint::Spline;
-use pullback::elements::joint::{Curve, JointNodes, Surface, on_curve, on_surface, revolute};
+use pullback::elements::joint::{Curve, JointNodes, OnCurve, OnSurface, Revolute, Spline, Surface};
 use pullback::elements::model::NodeState;
 use pullback::integrators::dynamics::{Progress, StepReport, integrate};
 use pullback::manifold::system::System;
@@ -70,7 +69,8 @@ fn a_bead_on_a_cycloid_takes_the_same_time_from_any_height() {
     for amplitude in [0.1, 1.0, 2.9] {
         let errors: Vec<Vec<f64>> = [100, 200, 400]
             .map(|steps| {
-                let mut made = bead(|b, on| on_curve(b, "bead", on, Cycloid(a)).unwrap());
+                let mut made =
+                    bead(|b, on| b.attach_free("bead", on, OnCurve::new(Cycloid(a))).unwrap());
                 let (_, own) = moved(&mut made, &[[amplitude, 0.0]], quarter, steps);
                 vec![own[0][0].abs() / amplitude]
             })
@@ -93,7 +93,7 @@ impl Curve for Helix {
 
 #[test]
 fn a_bead_runs_down_a_helix_with_constant_acceleration() {
-    let mut made = bead(|b, on| on_curve(b, "bead", on, Helix).unwrap());
+    let mut made = bead(|b, on| b.attach_free("bead", on, OnCurve::new(Helix)).unwrap());
     let (state, own) = moved(&mut made, &[[0.0, 1.0]], 2.0, 200);
     // (r² + c²) s̈ = −g c: the trapezoidal rule follows a parabola exactly.
     let s_ddot = -G * 0.2 / (0.7 * 0.7 + 0.2 * 0.2);
@@ -129,7 +129,10 @@ fn a_bead_swings_on_a_parabola_in_the_time_of_an_elliptic_integral() {
     let quarter = FRAC_PI_2 * mean / (G * k).sqrt();
     let errors: Vec<Vec<f64>> = [100, 200, 400]
         .map(|steps| {
-            let mut made = bead(|b, on| on_curve(b, "bead", on, Parabola(k)).unwrap());
+            let mut made = bead(|b, on| {
+                b.attach_free("bead", on, OnCurve::new(Parabola(k)))
+                    .unwrap()
+            });
             let (_, own) = moved(&mut made, &[[amplitude, 0.0]], quarter, steps);
             // At the bottom all energy is kinetic.
             let fastest = amplitude * (G * k).sqrt();
@@ -143,7 +146,10 @@ fn a_bead_swings_on_a_parabola_in_the_time_of_an_elliptic_integral() {
 #[test]
 fn a_bead_sets_out_from_the_end_of_its_curve() {
     let line = Spline::through(&[[0.0; 3], [2.0, 0.0, 0.0]], false, 0.0).unwrap();
-    let mut made = bead(|b, on| on_curve(b, "bead", on, line.clone()).unwrap());
+    let mut made = bead(|b, on| {
+        b.attach_free("bead", on, OnCurve::new(line.clone()))
+            .unwrap()
+    });
     let (state, _) = moved(&mut made, &[[0.0, 1.5]], 0.8, 40);
     assert!((state.position - Vector3::new(1.2, 0.0, 0.0)).norm() < 1e-10);
 }
@@ -164,9 +170,12 @@ fn a_bead_is_flung_along_a_wire_that_turns() {
     let errors: Vec<Vec<f64>> = [100, 200, 400]
         .map(|steps| {
             let mut made = bead(|b, on| {
-                let hub = revolute(b, "hub", on, [0.0, 0.0, 1.0]).unwrap();
-                b.prescribe_coordinate(hub.angle, 0, Box::new(Proportional(omega)));
-                on_curve(b, "bead", hub.frame, Wire).unwrap()
+                let hub = b
+                    .attach("hub", on, Revolute::new([0.0, 0.0, 1.0]).unwrap())
+                    .unwrap();
+                b.prescribe_coordinate(hub.coordinates[0], 0, Box::new(Proportional(omega)));
+                b.attach_free("bead", hub.frame, OnCurve::new(Wire))
+                    .unwrap()
             });
             let (state, _) = moved(&mut made, &[[0.0, 0.0]], to, steps);
             // r̈ = Ω² r.
@@ -207,7 +216,10 @@ fn a_point_on_a_sphere_is_a_spherical_pendulum() {
     let omega = (G / (length * theta.cos())).sqrt();
     let errors: Vec<Vec<f64>> = [200, 400, 800]
         .map(|steps| {
-            let mut made = bead(|b, on| on_surface(b, "bead", on, Sphere(length)).unwrap());
+            let mut made = bead(|b, on| {
+                b.attach_free("bead", on, OnSurface::new(Sphere(length)))
+                    .unwrap()
+            });
             // At v = 0 the point moves along e2 with l v̇.
             let first = [[theta, 0.0], [0.0, omega * theta.sin()]];
             let (state, _) = moved(&mut made, &first, 2.0, steps);
@@ -227,7 +239,10 @@ fn a_point_on_a_sphere_is_a_spherical_pendulum() {
 
 #[test]
 fn a_point_at_the_edge_of_a_surface_ends_the_motion_by_name() {
-    let mut made = bead(|b, on| on_surface(b, "bead", on, Sphere(1.0)).unwrap());
+    let mut made = bead(|b, on| {
+        b.attach_free("bead", on, OnSurface::new(Sphere(1.0)))
+            .unwrap()
+    });
     let n = made.0.pattern().dim();
     let (q, mut v) = (vec![0.0; n], vec![0.0; n]);
     // Fast enough along e2 to come over the pole.

@@ -6,10 +6,9 @@
 use crate::support::dynamics::{assert_slopes, configure, sine, tight};
 use nalgebra::Matrix3;
 use pullback::elements::joint::{
-    ConstantVelocity, Cylindrical, Helical, OnCurve, OnSurface, Planar, Prismatic, Revolute,
-    Spherical, Universal,
+    ConstantVelocity, Curve, Cylindrical, Helical, OnCurve, OnSurface, Planar, Prismatic, Revolute,
+    Spherical, Surface, Universal,
 };
-use pullback::elements::joint::{Curve, Surface, prismatic, revolute};
 use pullback::elements::time::TimeFunction;
 use pullback::integrators::dynamics::{Progress, StepReport, integrate};
 use pullback::manifold::so3;
@@ -157,9 +156,13 @@ fn a_carriage_on_a_driven_boom_is_flung_and_pulls_at_the_drive() {
             let mut b = ModelBuilder::new();
             let ground = b.node("ground", [0.0; 3]).unwrap();
             b.support(ground, &Dof::ALL);
-            let hub = revolute(&mut b, "hub", ground, [0.0, 0.0, 1.0]).unwrap();
-            b.prescribe_coordinate(hub.angle, 0, Box::new(Proportional(omega)));
-            let boom = prismatic(&mut b, "boom", hub.frame, [1.0, 0.0, 0.0]).unwrap();
+            let hub = b
+                .attach("hub", ground, Revolute::new([0.0, 0.0, 1.0]).unwrap())
+                .unwrap();
+            b.prescribe_coordinate(hub.coordinates[0], 0, Box::new(Proportional(omega)));
+            let boom = b
+                .attach("boom", hub.frame, Prismatic::new([1.0, 0.0, 0.0]).unwrap())
+                .unwrap();
             b.element("mass", PointMass::new(MASS).unwrap(), &[boom.frame])
                 .unwrap();
             let mut context = Context::new(b.build().unwrap());

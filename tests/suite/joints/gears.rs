@@ -4,8 +4,7 @@
 
 use crate::support::program::{check, directory, history, number, program, write};
 use nalgebra::Matrix3;
-use pullback::elements::joint::{GearError, JointNodes, RevoluteNodes};
-use pullback::elements::joint::{gear, offset, revolute};
+use pullback::elements::joint::{GearError, JointNodes, Revolute};
 use pullback::elements::load::CoordinateForce;
 use pullback::elements::model::ModelError;
 use pullback::integrators::dynamics::{Progress, StepReport, integrate};
@@ -223,16 +222,22 @@ fn train() -> (ModelBuilder, [NodeId; 3]) {
     let ground = b.node("ground", [0.0; 3]).unwrap();
     b.support(ground, &Dof::ALL);
     let axis = [0.0, 0.0, 1.0];
-    let carrier = revolute(&mut b, "carrier", ground, axis).unwrap();
-    let seat = offset(&mut b, "seat", carrier.frame, [0.7, 0.0, 0.0]).unwrap();
-    let RevoluteNodes { frame, angle } = revolute(&mut b, "planet", seat, axis).unwrap();
+    let carrier = b
+        .attach("carrier", ground, Revolute::new(axis).unwrap())
+        .unwrap();
+    let seat = b.offset("seat", carrier.frame, [0.7, 0.0, 0.0]).unwrap();
+    let JointNodes { frame, coordinates } = b
+        .attach("planet", seat, Revolute::new(axis).unwrap())
+        .unwrap();
     let inertia = Matrix3::identity() * 0.05;
     let body = RigidBody::new(2.0, inertia, Vector3::zeros()).unwrap();
+    let angle = coordinates[0];
     b.element("planet", body, &[frame]).unwrap();
-    let JointNodes { frame, coordinates } =
-        revolute(&mut b, "pinion", ground, axis).unwrap().into();
+    let JointNodes { frame, coordinates } = b
+        .attach("pinion", ground, Revolute::new(axis).unwrap())
+        .unwrap();
     b.element("pinion", body, &[frame]).unwrap();
-    (b, [carrier.angle, angle, coordinates[0]])
+    (b, [carrier.coordinates[0], angle, coordinates[0]])
 }
 
 #[test]
@@ -242,15 +247,15 @@ fn a_planet_rolls_around_a_fixed_sun_and_drives_a_train() {
     for reversed in [false, true] {
         let (mut b, [carrier, planet, pinion]) = train();
         if reversed {
-            gear(&mut b, [pinion, planet], 0.5).unwrap();
-            gear(&mut b, [planet, carrier], 0.75).unwrap();
+            b.gear([pinion, planet], 0.5).unwrap();
+            b.gear([planet, carrier], 0.75).unwrap();
         } else {
-            gear(&mut b, [carrier, planet], 0.4 / 0.3).unwrap();
-            gear(&mut b, [planet, pinion], 2.0).unwrap();
+            b.gear([carrier, planet], 0.4 / 0.3).unwrap();
+            b.gear([planet, pinion], 2.0).unwrap();
         }
         // Said before, in other words.
-        gear(&mut b, [carrier, pinion], 8.0 / 3.0).unwrap();
-        let error = gear(&mut b, [pinion, carrier], 1.0).unwrap_err();
+        b.gear([carrier, pinion], 8.0 / 3.0).unwrap();
+        let error = b.gear([pinion, carrier], 1.0).unwrap_err();
         let wrong = "gear between pinion angle and carrier angle: other gears between them";
         assert!(error.to_string().starts_with(wrong), "{error}");
         let motor = CoordinateForce::new(Constant(0.3));
@@ -287,10 +292,10 @@ fn nodes_that_are_no_coordinates_have_no_gears() {
     let ground = b.find("ground").unwrap();
     let seat = b.find("seat").unwrap();
     for (node, ratio) in [(ground, 1.0), (seat, 1.0), (carrier, f64::NAN)] {
-        let error = gear(&mut b, [carrier, node], ratio).unwrap_err();
+        let error = b.gear([carrier, node], ratio).unwrap_err();
         assert!(matches!(error, ModelError::Gear { .. }), "{error}");
     }
-    let ModelError::Gear { source, .. } = gear(&mut b, [carrier, carrier], 2.0).unwrap_err() else {
+    let ModelError::Gear { source, .. } = b.gear([carrier, carrier], 2.0).unwrap_err() else {
         panic!("another error");
     };
     let (found, given) = (1.0, 2.0);
@@ -300,7 +305,7 @@ fn nodes_that_are_no_coordinates_have_no_gears() {
 #[test]
 fn a_driven_follower_is_told_to_drive_its_leader() {
     let (mut b, [carrier, planet, _]) = train();
-    gear(&mut b, [carrier, planet], 2.0).unwrap();
+    b.gear([carrier, planet], 2.0).unwrap();
     b.prescribe_coordinate(planet, 0, Box::new(Proportional(1.0)));
     let said = b.build().err().unwrap().to_string();
     assert!(

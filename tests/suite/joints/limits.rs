@@ -5,7 +5,7 @@
 use crate::support::dynamics::{configure, observed, tight};
 use nalgebra::Matrix3;
 use pullback::elements::joint::{
-    Curve, JointNodes, constant_velocity, offset, on_curve, spherical, universal,
+    ConstantVelocity, Curve, JointNodes, OnCurve, Spherical, Universal,
 };
 use pullback::elements::model::NodeState;
 use pullback::elements::spring::AxialSpring;
@@ -69,7 +69,10 @@ fn run(
 #[test]
 fn a_universal_joint_goes_through_a_right_angle_and_any_number_of_turns() {
     let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-    let (mut context, made) = ball(|b, on| universal(b, "cross", on, axes).unwrap());
+    let (mut context, made) = ball(|b, on| {
+        b.attach("cross", on, Universal::new(axes).unwrap())
+            .unwrap()
+    });
     // The axes stay at right angles, so T = ½ J (α̇² + β̇²): both angles grow evenly.
     let (alpha, beta) = (1.0, 3.0);
     let mut largest = 0.0_f64;
@@ -91,8 +94,14 @@ fn a_point_mass_on_a_universal_joint_passes_a_right_angle_on_a_great_circle() {
     let mut b = ModelBuilder::new();
     let ground = b.node("ground", [0.0; 3]).unwrap();
     b.support(ground, &Dof::ALL);
-    let made = universal(&mut b, "cross", ground, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]).unwrap();
-    let bob = offset(&mut b, "bob", made.frame, [0.0, 0.0, -1.0]).unwrap();
+    let made = b
+        .attach(
+            "cross",
+            ground,
+            Universal::new([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]).unwrap(),
+        )
+        .unwrap();
+    let bob = b.offset("bob", made.frame, [0.0, 0.0, -1.0]).unwrap();
     b.element("mass", PointMass::new(1.0).unwrap(), &[bob])
         .unwrap();
     let mut context = Context::new(b.build().unwrap());
@@ -126,7 +135,7 @@ fn a_point_mass_on_a_universal_joint_passes_a_right_angle_on_a_great_circle() {
 
 #[test]
 fn a_spherical_joint_turns_any_number_of_times() {
-    let (mut context, made) = ball(|b, on| spherical(b, "socket", on).unwrap().into());
+    let (mut context, made) = ball(|b, on| b.attach_free("socket", on, Spherical).unwrap());
     let omega = Vector3::new(3.0, -4.0, 12.0);
     let mut largest = 0.0_f64;
     let progress = run(
@@ -152,7 +161,9 @@ fn a_spherical_joint_turns_any_number_of_times() {
 fn a_tilt_of_a_whole_turn_is_refused_with_the_name_of_the_coupling() {
     let axis = [0.0, 0.0, 1.0];
     let (mut context, made) = ball(|b, on| {
-        let made = constant_velocity(b, "coupling", on, [axis; 2]).unwrap();
+        let made = b
+            .attach("coupling", on, ConstantVelocity::new([axis; 2]).unwrap())
+            .unwrap();
         b.prescribe_coordinate(made.coordinates[0], 0, Box::new(Proportional(2.0)));
         b.prescribe_coordinate(made.coordinates[1], 0, Box::new(Constant(0.0)));
         made
@@ -191,7 +202,8 @@ impl Curve for Rail {
 
 #[test]
 fn the_end_of_a_curve_is_refused_with_the_name_of_the_point() {
-    let (mut context, made) = ball(|b, on| on_curve(b, "carriage", on, Rail).unwrap());
+    let (mut context, made) =
+        ball(|b, on| b.attach_free("carriage", on, OnCurve::new(Rail)).unwrap());
     let mut reached = 0.0_f64;
     let ended = run(&mut context, &made, &[2.0], 4.0, &mut |t, state| {
         reached = state.position.x;

@@ -8,7 +8,7 @@ use crate::support::loops::four_bar::*;
 use crate::support::loops::linkage::*;
 use crate::support::loops::*;
 use nalgebra::Vector3;
-use pullback::elements::joint::{offset, revolute};
+use pullback::elements::joint::Revolute;
 use pullback::elements::model::{Closure, Context, ModelBuilder, NodeId};
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::elements::time::{Sine, TimeFunction};
@@ -121,7 +121,7 @@ fn pendulum(b: &mut ModelBuilder) -> NodeId {
     let tip = b.find("tip of the coupler").unwrap();
     let from: [f64; 3] = b.position(tip).into();
     let to = [from[0] + 0.3, from[1] - 0.2, 0.0];
-    link(b, "pendulum", tip, [from, to], (0.4, at_once)).angle
+    link(b, "pendulum", tip, [from, to], (0.4, at_once)).coordinates[0]
 }
 
 #[test]
@@ -253,11 +253,11 @@ fn other_tree(b: &mut ModelBuilder, crank: f64) -> NodeId {
     let A = link(b, "A", ground, [[0.0; 3], P], (MASSES[0], at_once));
     let D = link(b, "D", ground, [[BASE, 0.0, 0.0], Q], (MASSES[2], at_once));
     let C = link(b, "C", D.frame, [Q, P], (MASSES[1], at_once));
-    let tip = offset(b, "tip of the coupler", C.frame, P).unwrap();
-    let B = revolute(b, "B", tip, E3).unwrap();
-    let end = offset(b, "tip of the crank", A.frame, P).unwrap();
+    let tip = b.offset("tip of the coupler", C.frame, P).unwrap();
+    let B = b.attach("B", tip, Revolute::new(E3).unwrap()).unwrap();
+    let end = b.offset("tip of the crank", A.frame, P).unwrap();
     b.close(B.frame, end).unwrap();
-    A.angle
+    A.coordinates[0]
 }
 
 #[test]

@@ -6,7 +6,7 @@
 use crate::support::program::{command, directory, history, number, program, write};
 use nalgebra::{Matrix3, SVector, Vector3};
 use pullback::elements::body::RigidBody;
-use pullback::elements::joint::{Joint, JointCoordinate, Pose, Revolute, offset, revolute};
+use pullback::elements::joint::{Joint, JointCoordinate, Pose, Revolute};
 use pullback::elements::model::{Context, Dof, ModelBuilder};
 use pullback::manifold::scalar::Scalar;
 use pullback::manifold::system::{Charts, Evaluation, Point, Quantity, System, Weights};
@@ -38,14 +38,28 @@ fn hung(count: usize) -> [usize; 2] {
     for k in 0..count {
         let y = -(k as f64);
         let at = |name: &str| format!("{name} {k}");
-        let a = revolute(&mut b, &at("a"), root, axis).unwrap();
-        let end = offset(&mut b, &at("crank"), a.frame, [0.0, y - 1.0, 0.0]).unwrap();
-        let coupler = revolute(&mut b, &at("b"), end, axis).unwrap();
-        let far = offset(&mut b, &at("coupler"), coupler.frame, [1.0, y - 1.0, 0.0]).unwrap();
-        let foot = offset(&mut b, &at("foot"), root, [1.0, y, 0.0]).unwrap();
-        let d = revolute(&mut b, &at("d"), foot, axis).unwrap();
-        let tip = offset(&mut b, &at("rocker"), d.frame, [1.0, y - 1.0, 0.0]).unwrap();
-        let c = revolute(&mut b, &at("c"), far, axis).unwrap();
+        let a = b
+            .attach(&at("a"), root, Revolute::new(axis).unwrap())
+            .unwrap();
+        let end = b
+            .offset(&at("crank"), a.frame, [0.0, y - 1.0, 0.0])
+            .unwrap();
+        let coupler = b
+            .attach(&at("b"), end, Revolute::new(axis).unwrap())
+            .unwrap();
+        let far = b
+            .offset(&at("coupler"), coupler.frame, [1.0, y - 1.0, 0.0])
+            .unwrap();
+        let foot = b.offset(&at("foot"), root, [1.0, y, 0.0]).unwrap();
+        let d = b
+            .attach(&at("d"), foot, Revolute::new(axis).unwrap())
+            .unwrap();
+        let tip = b
+            .offset(&at("rocker"), d.frame, [1.0, y - 1.0, 0.0])
+            .unwrap();
+        let c = b
+            .attach(&at("c"), far, Revolute::new(axis).unwrap())
+            .unwrap();
         b.close(c.frame, tip).unwrap();
         for frame in [a.frame, coupler.frame, d.frame] {
             let body = RigidBody::new(1.0, Matrix3::identity(), Vector3::zeros()).unwrap();

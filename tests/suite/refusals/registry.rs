@@ -5,8 +5,8 @@
 
 use crate::support::program::{directory, history, number, write};
 use pullback::check;
-use pullback::elements::joint::Revolute;
-use pullback::elements::joint::{JointMap, JointNodes, slide};
+use pullback::elements::beam::Interpolation;
+use pullback::elements::joint::{JointMap, JointNodes, Revolute};
 use pullback::input::Registry;
 use pullback::input::{BoxedError, InputError};
 use pullback::manifold::map::{KinematicsMut, Parametrization};
@@ -61,7 +61,8 @@ fn registry() -> Registry {
             Ok(at.join(keys)?)
         })
         .joint_along("bead", |at, _: Empty| {
-            slide(at.builder, at.name, at.chain, 0.25)
+            at.builder
+                .slide(at.name, at.chain, 0.25, Interpolation::Total)
         })
 }
 

@@ -22,7 +22,7 @@ fn errors(
     let progress = observed(&mut model, [&[], &[v]], &options, &mut |model, step| {
         let t = step.progress.state.t;
         let exact = track.exact(s, v, t);
-        let found = model.coordinate(beads[0].arc_length, 0).unwrap();
+        let found = model.coordinate(beads[0].coordinates[0], 0).unwrap();
         worst[0] = worst[0].max((s + found[0] - exact[0]).abs());
         worst[1] = worst[1].max((found[1] - exact[1]).abs());
         let position = model.node_state(beads[0].frame).position - track.velocity * t;
@@ -89,7 +89,7 @@ fn a_bead_that_starts_on_a_corner_moves_either_way_or_rests() {
             [&[], &[]],
             &tight(Scheme::default(), 0.5, h),
             &mut |m, _| {
-                worst = worst.max(m.coordinate(beads[0].arc_length, 0).unwrap()[0].abs());
+                worst = worst.max(m.coordinate(beads[0].coordinates[0], 0).unwrap()[0].abs());
             },
         );
         // A step of its weight at most, again and again.
@@ -167,7 +167,7 @@ fn events_and_corners_share_a_step() {
     let mut run = Simulation::new(&mut context, state, &options).unwrap();
     let times = [0.25, 0.3, 0.35, 0.8];
     for time in times {
-        let bead = beads[0].arc_length;
+        let bead = beads[0].coordinates[0];
         let value = move |context: &Context, _: &State| {
             let arc_length = context.coordinate(bead, 0);
             arc_length.unwrap()[0] - time

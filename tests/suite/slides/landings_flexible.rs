@@ -5,8 +5,10 @@ use crate::support::dynamics::{configure, observed, slopes, tight};
 use nalgebra::{Matrix3, Vector3};
 use pullback::elements::beam::{Interpolation, Section};
 use pullback::elements::body::RigidBody;
-use pullback::elements::joint::{SlideNodes, slide_on};
-use pullback::elements::model::{Context, Dof, Formulation, Line, ModelBuilder, NodeId, Straight};
+use pullback::elements::joint::JointNodes;
+use pullback::elements::model::{
+    BeamLine, Context, Dof, Formulation, ModelBuilder, NodeId, StraightLine,
+};
 use pullback::integrators::dynamics::{
     DynamicOptions, NewtonOptions, Progress, Scheme, State, StepReport, integrate, start,
 };
@@ -19,7 +21,7 @@ const TO: f64 = 0.2;
 struct Chain {
     context: Context,
     nodes: Vec<NodeId>,
-    bead: SlideNodes,
+    bead: JointNodes,
 }
 
 /// Two metres of a bent free chain in the plane, and a body on it.
@@ -40,13 +42,13 @@ fn chain(interpolation: Interpolation, formulation: Formulation) -> Chain {
     let section = Section::diagonal(2e3, [1e3; 2], 20.0, [20.0; 2]).unwrap();
     let section = section.with_mass(1.0, Matrix3::from_diagonal(&Vector3::new(0.02, 0.01, 0.01)));
     for k in 0..positions.len() - 1 {
-        let axis = Straight {
+        let axis = StraightLine {
             from: positions[k],
             to: positions[k + 1],
             second: None,
             twist: 0.0,
         };
-        let line = Line {
+        let line = BeamLine {
             elements: 1,
             order: 1,
             section,
@@ -60,7 +62,7 @@ fn chain(interpolation: Interpolation, formulation: Formulation) -> Chain {
         )
         .unwrap();
     }
-    let bead = slide_on(&mut b, "bead", &nodes, 0.1, interpolation).unwrap();
+    let bead = b.slide("bead", &nodes, 0.1, interpolation).unwrap();
     let J = Matrix3::from_diagonal(&Vector3::new(0.02, 0.03, 0.04));
     let body = RigidBody::new(0.7, J, Vector3::zeros()).unwrap();
     b.element("body", body, &[bead.frame]).unwrap();
@@ -93,7 +95,7 @@ impl Chain {
                 v[unknown] = *w;
             }
         }
-        self.context.set(&mut v, self.bead.arc_length, 0, 5.0);
+        self.context.set(&mut v, self.bead.coordinates[0], 0, 5.0);
         v
     }
 
@@ -105,7 +107,12 @@ impl Chain {
             [position.x, position.y, position.z]
         });
         let mut all: Vec<f64> = positions.collect();
-        all.extend(&self.context.coordinate(self.bead.arc_length, 0).unwrap()[..2]);
+        all.extend(
+            &self
+                .context
+                .coordinate(self.bead.coordinates[0], 0)
+                .unwrap()[..2],
+        );
         all
     }
 }

@@ -5,7 +5,7 @@
 use crate::support::dynamics::{observed, slopes, tight};
 use crate::support::landing::{G, Track, bead};
 use nalgebra::{Vector2, Vector3};
-use pullback::elements::joint::SlideNodes;
+use pullback::elements::joint::JointNodes;
 use pullback::elements::model::{Context, ModelBuilder, NodeId};
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::integrators::dynamics::{
@@ -16,18 +16,18 @@ use std::ops::ControlFlow;
 
 /// Largest errors in position or speed of beads that start at these positions with these speeds.
 fn worst(
-    (model, beads): &mut (Context, Vec<SlideNodes>),
+    (model, beads): &mut (Context, Vec<JointNodes>),
     ways: &[(&Track, [f64; 2])],
     options: &DynamicOptions,
 ) -> (f64, Progress) {
     let mut v = vec![0.0; beads.len()];
     for (bead, (_, start)) in beads.iter().zip(ways) {
-        model.set(&mut v, bead.arc_length, 0, start[1]);
+        model.set(&mut v, bead.coordinates[0], 0, start[1]);
     }
     let mut worst = 0.0_f64;
     let progress = observed(model, [&[], &v], options, &mut |model, step| {
         for (bead, (track, [s, v])) in beads.iter().zip(ways) {
-            let found = model.coordinate(bead.arc_length, 0).unwrap();
+            let found = model.coordinate(bead.coordinates[0], 0).unwrap();
             let exact = track.exact(*s, *v, step.progress.state.t);
             let error = Vector2::new(s + found[0], found[1]) - exact;
             worst = worst.max(error.amax());
@@ -83,7 +83,7 @@ fn slides_on_two_chains_that_are_handed_over_at_the_same_instant() {
             let nodes = track.nodes(&mut b, &format!("wire {k}"));
             bead(&mut b, &format!("bead {k}"), &nodes, way[0])
         });
-    let beads: Vec<SlideNodes> = beads.collect();
+    let beads: Vec<JointNodes> = beads.collect();
     let mut model = (Context::new(b.build().unwrap()), beads);
     let all: Vec<(&Track, [f64; 2])> = tracks.iter().zip(ways).collect();
     let (worst, run) = worst(&mut model, &all, &tight(Scheme::default(), 0.2, 0.01));
@@ -96,7 +96,7 @@ fn slides_on_two_chains_that_are_handed_over_at_the_same_instant() {
 }
 
 /// A ring of twelve elements in a vertical plane, a chain that goes round it `rounds` times.
-fn ring(rounds: usize) -> (Context, SlideNodes, Track) {
+fn ring(rounds: usize) -> (Context, JointNodes, Track) {
     let sides: Vec<[f64; 2]> = (0..12)
         .map(|k| [0.5, TAU * (f64::from(k) + 0.5) / 12.0])
         .collect();
@@ -129,7 +129,7 @@ fn a_slide_goes_round_a_closed_ring_as_often_as_its_chain_does() {
         &mut |context, step| {
             let s = context.node_state(bead.frame);
             energies.push(0.5 * s.velocity.norm_squared() + G * s.position.z);
-            last = context.coordinate(bead.arc_length, 0).unwrap()[0];
+            last = context.coordinate(bead.coordinates[0], 0).unwrap()[0];
             let exact = track.exact(0.0, 11.0, step.progress.state.t);
             assert!((last - exact[0]).abs() < 1e-8, "{last} for {exact}");
         },
@@ -161,7 +161,7 @@ fn a_slide_goes_round_a_closed_ring_as_often_as_its_chain_does() {
 }
 
 /// A bead on a spring along a zigzag in a level plane: u = cos 2t whatever the corners.
-fn spring(sides: usize) -> (Context, SlideNodes) {
+fn spring(sides: usize) -> (Context, JointNodes) {
     let length = 4.0 / sides as f64;
     let position = |k: usize| {
         let right = (length * 0.8) * k as f64;
@@ -181,7 +181,7 @@ fn spring(sides: usize) -> (Context, SlideNodes) {
     b.element(
         "spring",
         CoordinateSpring::new(law).unwrap(),
-        &[bead.arc_length],
+        &[bead.coordinates[0]],
     )
     .unwrap();
     (Context::new(b.build().unwrap()), bead)

@@ -4,10 +4,12 @@
 
 use crate::support::dynamics::*;
 use nalgebra::{Unit, Vector2, Vector3};
-use pullback::elements::beam::Section;
+use pullback::elements::beam::{Interpolation, Section};
 use pullback::elements::body::PointMass;
-use pullback::elements::joint::{SlideNodes, slide};
-use pullback::elements::model::{Arc, Axis, Context, Dof, Line, ModelBuilder, Straight};
+use pullback::elements::joint::JointNodes;
+use pullback::elements::model::{
+    BeamLine, CircularArc, Context, Dof, ModelBuilder, ReferenceCurve, StraightLine,
+};
 use pullback::elements::time::{Constant, TimeFunction};
 use pullback::integrators::dynamics::{
     DynamicsError, Progress, Scheme, StepReport, integrate, start,
@@ -25,16 +27,21 @@ const START: f64 = 2.0 * FRAC_PI_9;
 const MASS: f64 = 1.3;
 
 /// A heavy point mass that slides along beam elements all of whose nodes are held.
-fn wire(axis: &dyn Axis, elements: usize, origin: f64) -> (Context, SlideNodes) {
+fn wire(axis: &dyn ReferenceCurve, elements: usize, origin: f64) -> (Context, JointNodes) {
     let mut b = ModelBuilder::new();
     let bead = bead(&mut b, axis, elements, origin);
     (Context::new(b.build().unwrap()), bead)
 }
 
-fn bead(b: &mut ModelBuilder, axis: &dyn Axis, elements: usize, origin: f64) -> SlideNodes {
+fn bead(
+    b: &mut ModelBuilder,
+    axis: &dyn ReferenceCurve,
+    elements: usize,
+    origin: f64,
+) -> JointNodes {
     let ends =
         [("from", 0.0), ("to", 1.0)].map(|(name, u)| b.node(name, axis.at(u).0.into()).unwrap());
-    let line = Line {
+    let line = BeamLine {
         elements,
         order: 1,
         section: Section::diagonal(1.0, [1.0; 2], 1.0, [1.0; 2]).unwrap(),
@@ -43,7 +50,9 @@ fn bead(b: &mut ModelBuilder, axis: &dyn Axis, elements: usize, origin: f64) -> 
     for &node in &nodes {
         b.support(node, &Dof::ALL);
     }
-    let bead = slide(b, "bead", &nodes, origin).unwrap();
+    let bead = b
+        .slide("bead", &nodes, origin, Interpolation::Total)
+        .unwrap();
     let mass = PointMass::new(MASS).unwrap();
     let weight = mass.weight([0.0, 0.0, -G], Box::new(Constant(1.0)));
     b.element("mass", mass, &[bead.frame]).unwrap();
@@ -52,8 +61,8 @@ fn bead(b: &mut ModelBuilder, axis: &dyn Axis, elements: usize, origin: f64) -> 
 }
 
 /// Three metres with a slope of 3 in 5.
-fn incline() -> Straight {
-    Straight {
+fn incline() -> StraightLine {
+    StraightLine {
         from: Vector3::new(0.1, 0.2, 0.3),
         to: Vector3::new(0.1, 0.2, 0.3) + Vector3::new(0.0, 2.4, -1.8),
         second: None,
@@ -73,7 +82,7 @@ fn a_mass_on_an_incline_accelerates_uniformly_over_several_elements() {
         observed(&mut context, [&[], &v], &options, &mut |context, step| {
             let t = step.progress.state.t;
             let way = [0.4 * t + 0.3 * G * t * t, 0.4 + 0.6 * G * t];
-            let found = context.coordinate(bead.arc_length, 0).unwrap();
+            let found = context.coordinate(bead.coordinates[0], 0).unwrap();
             assert!((found[0] - way[0]).abs() < 1e-12, "{found:?} at {t}");
             assert!((found[1] - way[1]).abs() < 1e-11, "{found:?} at {t}");
             let s = context.node_state(bead.frame);
@@ -93,7 +102,7 @@ fn a_driven_slide_bears_weight_and_inertia_of_its_mass() {
     let mut b = ModelBuilder::new();
     let bead = bead(&mut b, &incline(), 7, 1.4);
     let drive = sine(1.1, 2.5, 0.0);
-    b.prescribe_coordinate(bead.arc_length, 0, Box::new(drive));
+    b.prescribe_coordinate(bead.coordinates[0], 0, Box::new(drive));
     // Something must be unknown.
     let free = b.node("free", [0.0; 3]).unwrap();
     heavy_body(&mut b, "free", free, 1.0, [0.0; 3]);
@@ -156,9 +165,9 @@ fn at(angle: f64) -> Vector3<f64> {
 }
 
 /// A mass on 160° of a vertical circle, the lowest point in the middle; it starts 40° before that.
-fn on_circle(elements: u32) -> (Context, SlideNodes) {
+fn on_circle(elements: u32) -> (Context, JointNodes) {
     let half = 4.0 * FRAC_PI_9;
-    let arc = Arc {
+    let arc = CircularArc {
         from: at(-half),
         center: Vector3::new(0.0, 0.0, RADIUS),
         axis: Unit::new_normalize(Vector3::new(0.0, -1.0, 0.0)),

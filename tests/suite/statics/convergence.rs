@@ -117,7 +117,7 @@ fn a_stiff_spring_keeps_what_turns_on_it() {
 fn rod(E: f64, length: f64, elements: usize) -> (ModelBuilder, Vec<NodeId>) {
     let mut b = ModelBuilder::new();
     let ends = [("a", 0.0), ("b", length)].map(|(name, x)| b.node(name, [x, 0.0, 0.0]).unwrap());
-    let axis = Straight {
+    let axis = StraightLine {
         from: b.position(ends[0]),
         to: b.position(ends[1]),
         second: None,
@@ -128,7 +128,7 @@ fn rod(E: f64, length: f64, elements: usize) -> (ModelBuilder, Vec<NodeId>) {
     let (EA, EI, rho) = (E * area, E * I, 7850.0);
     let J = Matrix3::from_diagonal(&Vector3::new(2.0, 1.0, 1.0)) * (rho * I);
     let section = Section::diagonal(EA, [0.35 * EA; 2], 0.8 * EI, [EI; 2]).unwrap();
-    let line = Line {
+    let line = BeamLine {
         elements,
         order: 1,
         section: section.with_mass(rho * area, J),
@@ -194,13 +194,13 @@ fn a_load_on_a_support_measures_nothing() {
         let mut b = ModelBuilder::new();
         let root = b.node("root", [0.0; 3]).unwrap();
         let tip = b.node("tip", [1.0, 0.0, 0.0]).unwrap();
-        let axis = Straight {
+        let axis = StraightLine {
             from: b.position(root),
             to: b.position(tip),
             second: None,
             twist: 0.0,
         };
-        let line = Line {
+        let line = BeamLine {
             elements: 6,
             order: 3,
             section: Section::diagonal(1e4, [1e4; 2], 1.0, [1.0; 2]).unwrap(),

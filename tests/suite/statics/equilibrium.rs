@@ -12,13 +12,13 @@ fn cantilever(EA: f64, elements: usize, load: NodalLoad) -> (Context, NodeId) {
     let mut builder = ModelBuilder::new();
     let root = builder.node("root", [0.0; 3]).unwrap();
     let tip = builder.node("tip", [1.0, 0.0, 0.0]).unwrap();
-    let axis = Straight {
+    let axis = StraightLine {
         from: builder.position(root),
         to: builder.position(tip),
         second: None,
         twist: 0.0,
     };
-    let line = Line {
+    let line = BeamLine {
         elements,
         order: 1,
         section: Section::diagonal(EA, [EA, EA], 1.0, [1.0, 1.0]).unwrap(),
@@ -159,14 +159,14 @@ fn a_driven_rotation_of_three_turns_carries_the_beam_around() {
     let mut builder = ModelBuilder::new();
     let root = builder.node("root", [0.0; 3]).unwrap();
     let tip = builder.node("tip", [1.0, 0.0, 0.0]).unwrap();
-    let axis = Straight {
+    let axis = StraightLine {
         from: builder.position(root),
         to: builder.position(tip),
         second: None,
         twist: 0.0,
     };
     let section = Section::diagonal(1e3, [1e3; 2], 1.0, [1.0; 2]).unwrap();
-    let line = Line {
+    let line = BeamLine {
         elements: 4,
         order: 1,
         section,
@@ -201,14 +201,14 @@ fn a_mechanism_is_named_before_and_during_the_solution() {
     let mut builder = ModelBuilder::new();
     let root = builder.node("root", [0.0; 3]).unwrap();
     let tip = builder.node("tip", [1.0, 0.0, 0.0]).unwrap();
-    let axis = Straight {
+    let axis = StraightLine {
         from: builder.position(root),
         to: builder.position(tip),
         second: None,
         twist: 0.0,
     };
     let section = Section::diagonal(1e3, [1e3; 2], 1.0, [1.0; 2]).unwrap();
-    let line = Line {
+    let line = BeamLine {
         elements: 3,
         order: 1,
         section,

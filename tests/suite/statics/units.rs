@@ -5,7 +5,7 @@
 
 use nalgebra::{Matrix3, Matrix6};
 use pullback::elements::body::RigidBody;
-use pullback::elements::joint::{offset, revolute};
+use pullback::elements::joint::Revolute;
 use pullback::elements::spring::{Bushing, CoordinateLaw, CoordinateSpring};
 use pullback::integrators::dynamics::{DynamicOptions, Progress, StepReport, integrate, start};
 use pullback::integrators::statics::solve_statics;
@@ -66,14 +66,14 @@ fn bent(u: Units) -> (Vector3<f64>, usize) {
     let mut b = ModelBuilder::new();
     let root = b.node("root", [0.0; 3]).unwrap();
     let tip = b.node("tip", [u.length, 0.0, 0.0]).unwrap();
-    let axis = Straight {
+    let axis = StraightLine {
         from: b.position(root),
         to: b.position(tip),
         second: None,
         twist: 0.0,
     };
     let bending = u.force * u.length * u.length;
-    let line = Line {
+    let line = BeamLine {
         elements: 8,
         order: 1,
         section: Section::diagonal(
@@ -117,7 +117,9 @@ fn swung(u: Units) -> ([f64; 2], usize) {
     let mut b = ModelBuilder::new();
     let ground = b.node("ground", [0.0; 3]).unwrap();
     b.support(ground, &Dof::ALL);
-    let hinge = revolute(&mut b, "hinge", ground, [0.0, 1.0, 0.0]).unwrap();
+    let hinge = b
+        .attach("hinge", ground, Revolute::new([0.0, 1.0, 0.0]).unwrap())
+        .unwrap();
     let mass = u.force * u.time * u.time / u.length;
     let turning = mass * u.length * u.length;
     let J = Matrix3::from_diagonal(&Vector3::new(0.2, 0.3, 0.25)) * turning;
@@ -126,9 +128,11 @@ fn swung(u: Units) -> ([f64; 2], usize) {
     let weight = body.weight([0.0, 0.0, g], Box::new(Constant(1.0)));
     b.element("body", body, &[hinge.frame]).unwrap();
     b.element("weight", weight, &[hinge.frame]).unwrap();
-    let foot = offset(&mut b, "foot", hinge.frame, [0.5 * u.length, 0.0, 0.0]).unwrap();
+    let foot = b
+        .offset("foot", hinge.frame, [0.5 * u.length, 0.0, 0.0])
+        .unwrap();
     let tip = b.node("tip", [1.5 * u.length, 0.0, 0.0]).unwrap();
-    let axis = Straight {
+    let axis = StraightLine {
         from: b.position(foot),
         to: b.position(tip),
         second: None,
@@ -138,7 +142,7 @@ fn swung(u: Units) -> ([f64; 2], usize) {
     let section = Section::diagonal(1e3 * u.force, [1e3 * u.force; 2], bending, [bending; 2])
         .unwrap()
         .with_mass(mass / u.length, J / u.length * 0.1);
-    let line = Line {
+    let line = BeamLine {
         elements: 3,
         order: 1,
         section,
@@ -150,7 +154,7 @@ fn swung(u: Units) -> ([f64; 2], usize) {
     let mut progress = Progress::new(start(&context, 0.0, context.initial(), &rest).unwrap());
     let proceed = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
     integrate(&mut context, &mut progress, &options, proceed).unwrap();
-    let [angle, rate] = context.coordinate(hinge.angle, 0).unwrap();
+    let [angle, rate] = context.coordinate(hinge.coordinates[0], 0).unwrap();
     ([angle, rate * u.time], progress.summary.iterations)
 }
 
@@ -174,7 +178,9 @@ fn pendulum(arm: f64, far: f64, k: f64, g: [f64; 3]) -> (Context, NodeId) {
     let mut b = ModelBuilder::new();
     let ground = b.node("ground", [0.0; 3]).unwrap();
     b.support(ground, &Dof::ALL);
-    let hinge = revolute(&mut b, "hinge", ground, [0.0, 1.0, 0.0]).unwrap();
+    let hinge = b
+        .attach("hinge", ground, Revolute::new([0.0, 1.0, 0.0]).unwrap())
+        .unwrap();
     let center = Vector3::new(0.0, 0.0, -arm);
     let body = RigidBody::new(1.0, Matrix3::zeros(), center).unwrap();
     let weight = body.weight(g.map(|g| g * arm), Box::new(Constant(1.0)));
@@ -187,7 +193,7 @@ fn pendulum(arm: f64, far: f64, k: f64, g: [f64; 3]) -> (Context, NodeId) {
     b.element(
         "spring",
         CoordinateSpring::new(law).unwrap(),
-        &[hinge.angle],
+        &[hinge.coordinates[0]],
     )
     .unwrap();
     if far > 0.0 {
@@ -196,7 +202,7 @@ fn pendulum(arm: f64, far: f64, k: f64, g: [f64; 3]) -> (Context, NodeId) {
             .unwrap();
         b.support(other, &Dof::ALL);
     }
-    (Context::new(b.build().unwrap()), hinge.angle)
+    (Context::new(b.build().unwrap()), hinge.coordinates[0])
 }
 
 /// Arms, and positions of another part that has nothing to do with them.

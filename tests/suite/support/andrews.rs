@@ -6,7 +6,7 @@
 use super::dynamics::*;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use pullback::elements::body::RigidBody;
-use pullback::elements::joint::{Revolute, offset};
+use pullback::elements::joint::Revolute;
 use pullback::elements::load::CoordinateForce;
 use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId};
 use pullback::elements::spring::AxialSpring;
@@ -108,7 +108,7 @@ fn squeezer(map: &ImplicitMap) -> (Context, NodeId) {
     // Bodies as they lie where all angles are zero.
     let along = |p: [f64; 3], x: f64, y: f64| [p[0] + x, p[1] + y, 0.0];
     let mut bar = |k: usize, on: NodeId, position: [f64; 3], angle: usize, center: [f64; 2]| {
-        let pin = offset(&mut b, &format!("pin {k}"), on, position).unwrap();
+        let pin = b.offset(&format!("pin {k}"), on, position).unwrap();
         let hinge = Revolute::new([0.0, 0.0, 1.0]).unwrap();
         let frame = b
             .add_joint_frame(format!("K{k}"), pin, hinge, &[angles[angle]])
@@ -126,8 +126,8 @@ fn squeezer(map: &ImplicitMap) -> (Context, NodeId) {
     bar(4, K5, along(A, ZT, 0.0), 3, [0.0, -(E - EA)]);
     let K7 = bar(7, ground, A, 6, [UA, UB]);
     bar(6, K7, along(A, 0.0, -U), 5, [ZF - FA, 0.0]);
-    let end = offset(&mut b, "spring end", K3, along(B, SD, -SC)).unwrap();
-    let foot = offset(&mut b, "spring foot", ground, C).unwrap();
+    let end = b.offset("spring end", K3, along(B, SD, -SC)).unwrap();
+    let foot = b.offset("spring foot", ground, C).unwrap();
     let spring = AxialSpring::new(&[b.position(end), b.position(foot)], STIFFNESS, 0.0).unwrap();
     let spring = spring.with_rest_length(REST).unwrap();
     b.element("spring", spring, &[end, foot]).unwrap();

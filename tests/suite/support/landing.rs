@@ -3,8 +3,9 @@
 #![allow(dead_code)]
 
 use nalgebra::{Vector2, Vector3};
+use pullback::elements::beam::Interpolation;
 use pullback::elements::body::PointMass;
-use pullback::elements::joint::{SlideNodes, slide};
+use pullback::elements::joint::JointNodes;
 use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId};
 use pullback::elements::time::{Constant, Proportional};
 
@@ -71,7 +72,7 @@ impl Track {
     }
 
     /// A model of heavy beads that start at these arc lengths.
-    pub fn model(&self, starts: &[f64]) -> (Context, Vec<SlideNodes>) {
+    pub fn model(&self, starts: &[f64]) -> (Context, Vec<JointNodes>) {
         let mut b = ModelBuilder::new();
         let nodes = self.nodes(&mut b, "wire");
         let beads = starts.iter().enumerate();
@@ -128,8 +129,8 @@ impl Track {
 }
 
 /// A heavy point mass that slides over these nodes.
-pub fn bead(b: &mut ModelBuilder, name: &str, nodes: &[NodeId], start: f64) -> SlideNodes {
-    let bead = slide(b, name, nodes, start).unwrap();
+pub fn bead(b: &mut ModelBuilder, name: &str, nodes: &[NodeId], start: f64) -> JointNodes {
+    let bead = b.slide(name, nodes, start, Interpolation::Total).unwrap();
     let mass = PointMass::new(1.3).unwrap();
     let weight = mass.weight([0.0, 0.0, -G], Box::new(Constant(1.0)));
     b.element(format!("mass of {name}"), mass, &[bead.frame])

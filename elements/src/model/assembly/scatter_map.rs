@@ -251,7 +251,7 @@ pub(in crate::model) fn free_part(
 #[allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use crate::body::RigidBody;
-    use crate::joint::{offset, revolute};
+    use crate::joint::Revolute;
     use crate::model::{Context, Dof, ModelBuilder};
     use nalgebra::{Matrix3, Vector3};
 
@@ -261,11 +261,17 @@ mod tests {
         let mut end = b.node("ground", [0.0; 3]).unwrap();
         b.support(end, &Dof::ALL);
         for k in 0..count {
-            let pin = revolute(&mut b, &format!("pin {k}"), end, [0.0, 0.0, 1.0]).unwrap();
+            let pin = b
+                .attach(
+                    &format!("pin {k}"),
+                    end,
+                    Revolute::new([0.0, 0.0, 1.0]).unwrap(),
+                )
+                .unwrap();
             let body = RigidBody::new(1.0, Matrix3::identity(), Vector3::x()).unwrap();
             b.element(format!("bar {k}"), body, &[pin.frame]).unwrap();
             let position = [k as f64 + 1.0, 0.0, 0.0];
-            end = offset(&mut b, &format!("end {k}"), pin.frame, position).unwrap();
+            end = b.offset(&format!("end {k}"), pin.frame, position).unwrap();
         }
         Context::new(b.build().unwrap())
     }

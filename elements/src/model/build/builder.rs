@@ -164,7 +164,7 @@ impl ModelBuilder {
     }
 
     /// As [`ModelBuilder::mapped_node`], for a map with several sets of parents
-    /// ([`Map::segment`](pullback_manifold::map::Map::segment) is the one in use).
+    /// ([`Parametrization::segment`](pullback_manifold::map::Parametrization::segment) is the one in use).
     ///
     /// # Errors
     /// As [`ModelBuilder::mapped_node`].
@@ -186,7 +186,7 @@ impl ModelBuilder {
     ///
     /// # Errors
     /// As [`ModelBuilder::mapped_node`]. A map that reparametrizes its coordinates
-    /// ([`Map::reparametrizes`](pullback_manifold::map::Map::reparametrizes)) must be their only
+    /// ([`Parametrization::reparametrizes`](pullback_manifold::map::Parametrization::reparametrizes)) must be their only
     /// user: otherwise [`ModelError::Reparametrized`] when the model is built.
     pub fn mapped_coordinates(
         &mut self,

@@ -187,7 +187,7 @@ impl Context {
     }
 
     /// Freezes every map to its piece at a state at rest, or releases it
-    /// ([`Map::freeze_piece`](pullback_manifold::map::Map::freeze_piece)).
+    /// ([`Parametrization::freeze_piece`](pullback_manifold::map::Parametrization::freeze_piece)).
     pub fn freeze_pieces(&mut self, at: Option<(f64, &[f64])>) {
         let (v, a) = (&[][..], &[][..]);
         let known = at.is_none_or(|(t, q)| self.expand(Point { t, q, v, a }).is_ok());

@@ -5,12 +5,12 @@
 use crate::support::{coupled, section};
 use nalgebra::{Matrix3, Matrix6, Vector3};
 use pullback_conformance::{self as check, Options};
-use pullback_elements::beam::Section;
+use pullback_elements::beam::{Interpolation, Section};
 use pullback_elements::body::RigidBody;
 use pullback_elements::inertia::Inertia;
-use pullback_elements::joint::{offset, revolute, slide, spherical, universal};
+use pullback_elements::joint::{Revolute, Spherical, Universal};
 use pullback_elements::load::{LoadKind, NodalLoad};
-use pullback_elements::model::{Context, Dof, Line, ModelBuilder, Straight};
+use pullback_elements::model::{BeamLine, Context, Dof, ModelBuilder, StraightLine};
 use pullback_elements::spring::{AxialSpring, Bushing, CoordinateLaw, CoordinateSpring};
 use pullback_elements::time::{Constant, Sine};
 
@@ -39,21 +39,23 @@ fn everything() -> Context {
         ("arm", [root, corner], 2, coupled()),
         ("leg", [corner, tip], 1, section()),
     ] {
-        let axis = Straight {
+        let axis = StraightLine {
             from: b.position(ends[0]),
             to: b.position(ends[1]),
             second: None,
             twist: 0.3,
         };
-        let line = Line {
+        let line = BeamLine {
             elements: 2,
             order,
             section: section.with_inertia(inertia).unwrap(),
         };
         b.line(name, &axis, ends, &line).unwrap();
     }
-    let hinge = revolute(&mut b, "hinge", tip, [1.0, 2.0, -1.0]).unwrap();
-    let far = offset(&mut b, "far", hinge.frame, [0.1, 0.2, 0.3]).unwrap();
+    let hinge = b
+        .attach("hinge", tip, Revolute::new([1.0, 2.0, -1.0]).unwrap())
+        .unwrap();
+    let far = b.offset("far", hinge.frame, [0.1, 0.2, 0.3]).unwrap();
     let J = Matrix3::from_diagonal(&Vector3::new(0.2, 0.3, 0.4));
     let body = RigidBody::new(2.0, J, Vector3::new(0.05, 0.0, 0.1)).unwrap();
     b.element("body", body, &[far]).unwrap();
@@ -66,13 +68,22 @@ fn everything() -> Context {
         x0: 0.1,
     };
     let spring = CoordinateSpring::new(law).unwrap();
-    b.element("torsion", spring, &[hinge.angle]).unwrap();
-    let ball = spherical(&mut b, "ball", corner).unwrap();
+    b.element("torsion", spring, &[hinge.coordinates[0]])
+        .unwrap();
+    let ball = b.attach_free("ball", corner, Spherical).unwrap();
     b.element("ball body", body, &[ball.frame]).unwrap();
-    let cross = universal(&mut b, "cross", tip, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]).unwrap();
+    let cross = b
+        .attach(
+            "cross",
+            tip,
+            Universal::new([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]).unwrap(),
+        )
+        .unwrap();
     b.element("cross body", body, &[cross.frame]).unwrap();
     let leg = b.find("leg/1").unwrap();
-    let runner = slide(&mut b, "runner", &[corner, leg, tip], 0.3).unwrap();
+    let runner = b
+        .slide("runner", &[corner, leg, tip], 0.3, Interpolation::Total)
+        .unwrap();
     b.element("runner body", body, &[runner.frame]).unwrap();
     let positions = [tip, root].map(|n| b.position(n));
     let rope = AxialSpring::new(&positions, 4.0, 0.3).unwrap();
@@ -122,7 +133,7 @@ fn stiffness_ratios_of_ten_orders_and_millimetres_raise_no_alarm() {
         let mut b = ModelBuilder::new();
         let root = b.node("root", [5.0 * length, 0.0, 0.0]).unwrap();
         let tip = b.node("tip", [6.0 * length, 0.0, 0.0]).unwrap();
-        let axis = Straight {
+        let axis = StraightLine {
             from: b.position(root),
             to: b.position(tip),
             second: None,
@@ -132,7 +143,7 @@ fn stiffness_ratios_of_ten_orders_and_millimetres_raise_no_alarm() {
         let J = Matrix3::from_diagonal(&Vector3::new(2.0, 1.0, 1.0)) * (1e-6 * length * length);
         let section = Section::diagonal(EA, [0.4 * EA; 2], EI, [EI, 2.0 * EI]).unwrap();
         let section = section.with_mass(1e-6, J);
-        let line = Line {
+        let line = BeamLine {
             elements: 4,
             order: 1,
             section,

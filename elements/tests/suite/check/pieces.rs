@@ -7,7 +7,7 @@ use pullback_conformance::{self as check, Options};
 use pullback_conformance::{Report, joint};
 use pullback_elements::beam::Interpolation;
 use pullback_elements::body::RigidBody;
-use pullback_elements::joint::{Chain, Curve, OnCurve, Slide, on_curve};
+use pullback_elements::joint::{Chain, Curve, OnCurve, Slide};
 use pullback_elements::model::{Context, ModelBuilder, NodeId};
 use pullback_elements::time::Constant;
 use pullback_manifold::map::{
@@ -235,7 +235,9 @@ fn pieces_of_a_curve_meet_with_two_derivatives() {
         let mut b = ModelBuilder::new();
         let base = b.node("base", [0.0; 3]).unwrap();
         b.element("base", body(), &[base]).unwrap();
-        let bead = on_curve(&mut b, "bead", base, Bent(power, None)).unwrap();
+        let bead = b
+            .attach_free("bead", base, OnCurve::new(Bent(power, None)))
+            .unwrap();
         b.element("bead", body(), &[bead.frame]).unwrap();
         let report = check::model(&mut Context::new(b.build().unwrap()), &Options::default());
         let expected = [["joint bead (on curve)", law]];

@@ -10,7 +10,7 @@ use pullback_conformance::{Report, Row};
 use pullback_elements::body::RigidBody;
 use pullback_elements::element::{Element, ElementError, Motion, Response};
 use pullback_elements::joint::Pose;
-use pullback_elements::model::{Context, Dof, Line, ModelBuilder, Straight};
+use pullback_elements::model::{BeamLine, Context, Dof, ModelBuilder, StraightLine};
 use pullback_manifold::map::{Kinematics, Map, derived};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;
@@ -120,13 +120,13 @@ fn report(planted: Planted, seed: u64) -> Report {
     let mut b = ModelBuilder::new();
     let root = b.node("root", [0.0; 3]).unwrap();
     let tip = b.node("tip", [1.0, 0.2, 0.1]).unwrap();
-    let axis = Straight {
+    let axis = StraightLine {
         from: b.position(root),
         to: b.position(tip),
         second: None,
         twist: 0.0,
     };
-    let beams = Line {
+    let beams = BeamLine {
         section: coupled(),
         ..line(2, 1)
     };

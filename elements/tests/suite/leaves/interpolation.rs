@@ -12,7 +12,7 @@ use pullback_elements::element::{Element, ElementError, Motion, Response, Sectio
 use pullback_elements::energy::{Energies, inside_chart, rate};
 use pullback_elements::inertia::Inertia;
 use pullback_elements::load::LineLoad;
-use pullback_elements::model::{Context, Line, ModelBuilder, Straight, frame_along};
+use pullback_elements::model::{BeamLine, Context, ModelBuilder, StraightLine, frame_along};
 use pullback_elements::time::Constant;
 use pullback_manifold::quotients::{Quotients, TangentQuotients};
 use pullback_manifold::scalar::Scalar;
@@ -377,13 +377,13 @@ fn laws_found(interpolation: Interpolation) -> Vec<String> {
     let mut b = ModelBuilder::new();
     let ends = [[0.0; 3], [1.0, 0.2, 0.1]];
     let ends = [b.node("a", ends[0]).unwrap(), b.node("b", ends[1]).unwrap()];
-    let axis = Straight {
+    let axis = StraightLine {
         from: b.position(ends[0]),
         to: b.position(ends[1]),
         second: None,
         twist: 0.0,
     };
-    let line = Line {
+    let line = BeamLine {
         elements: 1,
         order: 2,
         section: massive(DAMPING),

@@ -5,10 +5,10 @@
 use nalgebra::{SVector, Vector3};
 use pullback_conformance as check;
 use pullback_elements::joint::{
-    self, Curve, Joint, JointNodes, Pose, Quadric, Spline, Surface, constant_velocity, cylindrical,
-    helical, on_curve, on_surface, planar, prismatic, universal, weld,
+    self, AxisError, ConstantVelocity, Curve, Cylindrical, Helical, Joint, JointNodes, OnCurve,
+    OnSurface, Planar, Pose, Prismatic, Quadric, Spline, Surface, Universal,
 };
-use pullback_elements::model::{ModelBuilder, ModelError};
+use pullback_elements::model::ModelBuilder;
 use pullback_manifold::jet::Taylor;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;
@@ -185,53 +185,62 @@ fn released_coordinates_are_nodes_with_names() {
         let names = made.coordinates.iter().map(|&n| b.node_name(n).to_owned());
         names.collect()
     };
-    let made = universal(&mut b, "u", A, [z, [1.0, 0.0, 0.0]]).unwrap();
+    let made = b
+        .attach("u", A, Universal::new([z, [1.0, 0.0, 0.0]]).unwrap())
+        .unwrap();
     assert_eq!(names(&b, &made), ["u angle 1", "u angle 2"]);
-    let made = cylindrical(&mut b, "c", made.frame, z).unwrap();
+    let made = b
+        .attach("c", made.frame, Cylindrical::new(z).unwrap())
+        .unwrap();
     assert_eq!(names(&b, &made), ["c displacement", "c angle"]);
-    let made = prismatic(&mut b, "p", made.frame, z).unwrap();
+    let made = b
+        .attach("p", made.frame, Prismatic::new(z).unwrap())
+        .unwrap();
     assert_eq!(names(&b, &made), ["p displacement"]);
-    let made = planar(&mut b, "q", made.frame, z, [1.0, 0.0, 0.0]).unwrap();
+    let made = b
+        .attach("q", made.frame, Planar::new(z, [1.0, 0.0, 0.0]).unwrap())
+        .unwrap();
     assert_eq!(
         names(&b, &made),
         ["q displacement 1", "q displacement 2", "q angle"]
     );
-    let made = helical(&mut b, "h", made.frame, z, 1.0).unwrap();
+    let made = b
+        .attach("h", made.frame, Helical::new(z, 1.0).unwrap())
+        .unwrap();
     assert_eq!(names(&b, &made), ["h angle"]);
-    let made = constant_velocity(&mut b, "v", made.frame, [z; 2]).unwrap();
+    let made = b
+        .attach("v", made.frame, ConstantVelocity::new([z; 2]).unwrap())
+        .unwrap();
     assert_eq!(names(&b, &made), ["v tilt 1", "v tilt 2"]);
-    let made = on_curve(&mut b, "o", made.frame, Helix).unwrap();
+    let made = b.attach_free("o", made.frame, OnCurve::new(Helix)).unwrap();
     assert_eq!(names(&b, &made), ["o parameter", "o rotation"]);
     assert_eq!(b.position(made.frame), Vector3::new(2.0, 2.0, 3.0));
-    let made = on_surface(&mut b, "s", made.frame, Saddle).unwrap();
+    let made = b
+        .attach_free("s", made.frame, OnSurface::new(Saddle))
+        .unwrap();
     assert_eq!(
         names(&b, &made),
         ["s parameter 1", "s parameter 2", "s rotation"]
     );
-    let welded = weld(&mut b, "w", made.frame).unwrap();
+    let welded = b
+        .offset("w", made.frame, b.position(made.frame).into())
+        .unwrap();
     assert_eq!(b.position(welded), b.position(made.frame));
 }
 
 #[test]
 fn axes_without_a_direction_or_along_each_other_are_refused() {
-    let mut b = ModelBuilder::new();
-    let A = b.node("A", [0.0; 3]).unwrap();
     let z = [0.0, 0.0, 1.0];
-    let error = prismatic(&mut b, "p", A, [0.0; 3]).unwrap_err();
-    assert!(matches!(error, ModelError::Axis { .. }), "{error}");
-    let error = helical(&mut b, "h", A, [f64::NAN, 0.0, 1.0], 1.0).unwrap_err();
-    assert!(matches!(error, ModelError::Axis { .. }), "{error}");
-    let error = universal(&mut b, "u", A, [z, [0.0, 0.0, -3.0]]).unwrap_err();
-    assert!(
-        error
-            .to_string()
-            .contains("joint u: its two axes are parallel"),
-        "{error}"
+    let none = Err(AxisError::Direction([0.0; 3]));
+    assert_eq!(Prismatic::new([0.0; 3]), none);
+    let error = Helical::new([f64::NAN, 0.0, 1.0], 1.0).unwrap_err();
+    assert!(matches!(error, AxisError::Direction(_)), "{error}");
+    let error = Universal::new([z, [0.0, 0.0, -3.0]]).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "its two axes are parallel; give two directions"
     );
-    let error = planar(&mut b, "q", A, z, z).unwrap_err();
-    assert!(error.to_string().contains("parallel"), "{error}");
-    // Nothing is left behind by a refusal.
-    assert!(b.find("u angle 1").is_err());
+    assert_eq!(Planar::new(z, z), Err(AxisError::Parallel));
 }
 
 /// What is no joint: lists, what all joints share, and what joints are led along.

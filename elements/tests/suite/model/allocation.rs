@@ -10,7 +10,7 @@ use pullback_elements::beam::{Damping, Interpolation};
 use pullback_elements::body::RigidBody;
 use pullback_elements::energy::{Energies, PolynomialSpring};
 use pullback_elements::load::{LineLoad, LoadKind, NodalLoad};
-use pullback_elements::model::{Context, Dof, Line, ModelBuilder, Straight, frame_along};
+use pullback_elements::model::{BeamLine, Context, Dof, ModelBuilder, StraightLine, frame_along};
 use pullback_elements::spring::{AxialSpring, Bushing};
 use pullback_elements::time::{Constant, Proportional, Table};
 use pullback_manifold::map::Map;
@@ -21,13 +21,13 @@ fn nothing_is_allocated_after_the_first_evaluation() {
     let mut b = ModelBuilder::new();
     let root = b.node("root", [0.0; 3]).unwrap();
     let end = b.node("end", [3.0, 0.0, 0.0]).unwrap();
-    let axis = Straight {
+    let axis = StraightLine {
         from: b.position(root),
         to: b.position(end),
         second: None,
         twist: 0.2,
     };
-    let line = Line {
+    let line = BeamLine {
         elements: 3,
         order: 2,
         section: coupled(),

@@ -6,7 +6,8 @@ use crate::support::{Idle, Offset, beam, line, simple, straight};
 use nalgebra::{Matrix3, SVector, Unit, Vector3};
 use pullback_elements::body::PointMass;
 use pullback_elements::model::{
-    Arc, Axis, Context, Dof, ModelBuilder, ModelError, NodeId, Straight, frame_along,
+    CircularArc, Context, Dof, ModelBuilder, ModelError, NodeId, ReferenceCurve, StraightLine,
+    frame_along,
 };
 use pullback_elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback_elements::time::Input;
@@ -151,7 +152,7 @@ fn axes_carry_right_handed_frames_along_their_tangent() {
     assert!(frame_along(&tangent, None).column(2).z > 0.0);
     assert_eq!(frame_along(&Vector3::z(), None).column(2), Vector3::y());
 
-    let pretwisted = Straight {
+    let pretwisted = StraightLine {
         from: Vector3::new(1.0, 0.0, 0.0),
         to: Vector3::new(1.0, 0.0, 4.0),
         second: Some(Vector3::x()),
@@ -164,7 +165,7 @@ fn axes_carry_right_handed_frames_along_their_tangent() {
     assert!((R.column(1) - Vector3::new(0.3_f64.cos(), 0.3_f64.sin(), 0.0)).norm() < 1e-15);
 
     for angle in [1.5, -1.5] {
-        let arc = Arc {
+        let arc = CircularArc {
             from: Vector3::new(2.0, 0.0, 1.0),
             center: Vector3::new(0.0, 0.0, 3.0),
             axis: Unit::new_normalize(Vector3::z()),

@@ -7,7 +7,9 @@ use nalgebra::{Matrix3, Vector3};
 use pullback_conformance::Random;
 use pullback_elements::beam::Beam;
 use pullback_elements::element::{Motion, Response, SectionState};
-use pullback_elements::model::{Context, Dof, Line, ModelBuilder, NodeId, Straight, frame_along};
+use pullback_elements::model::{
+    BeamLine, Context, Dof, ModelBuilder, NodeId, StraightLine, frame_along,
+};
 use pullback_elements::time::{Constant, Table, TimeFunction};
 use pullback_manifold::map::Map;
 use pullback_manifold::quotients::Quotients;
@@ -81,13 +83,13 @@ fn model(order: usize) -> (Context, Vec<NodeId>) {
     let mut b = ModelBuilder::new();
     let from = b.node("from", position(0).into()).unwrap();
     let to = b.node("to", position(NODES - 1).into()).unwrap();
-    let axis = Straight {
+    let axis = StraightLine {
         from: position(0),
         to: position(NODES - 1),
         second: None,
         twist: 0.0,
     };
-    let line = Line {
+    let line = BeamLine {
         elements: (NODES - 1) / order,
         order,
         section: coupled(),

@@ -6,7 +6,7 @@ use crate::support::{Coupling, Offset, Twin, TwoTurn, coupled, section};
 use nalgebra::{DVector, Vector3};
 use pullback_conformance::{self as check, Random, State, dense};
 use pullback_elements::load::{LineLoad, LoadKind, NodalLoad};
-use pullback_elements::model::{Context, Dof, Line, ModelBuilder, NodeId, Straight};
+use pullback_elements::model::{BeamLine, Context, Dof, ModelBuilder, NodeId, StraightLine};
 use pullback_elements::time::{Constant, Proportional, Sine, TimeFunction};
 use pullback_manifold::map::Map;
 use pullback_manifold::system::{Charts, Evaluation, Point, Quantity, System, Weights};
@@ -26,13 +26,13 @@ fn frame_model(b: &mut ModelBuilder) -> [NodeId; 3] {
     let root = b.node("root", [0.0; 3]).unwrap();
     let corner = b.node("corner", [1.0, 0.2, 0.0]).unwrap();
     let tip = b.node("tip", [1.0, 1.0, 0.5]).unwrap();
-    let straight = |b: &ModelBuilder, from, to| Straight {
+    let straight = |b: &ModelBuilder, from, to| StraightLine {
         from: b.position(from),
         to: b.position(to),
         second: None,
         twist: 0.3,
     };
-    let line = |elements, order, section| Line {
+    let line = |elements, order, section| BeamLine {
         elements,
         order,
         section,
@@ -181,13 +181,13 @@ fn nodes_that_follow_through_maps() {
         // Slave and parent in one element: their blocks meet.
         ("brace", [corner, dependent]),
     ] {
-        let axis = Straight {
+        let axis = StraightLine {
             from: b.position(ends[0]),
             to: b.position(ends[1]),
             second: None,
             twist: 0.0,
         };
-        let line = Line {
+        let line = BeamLine {
             elements: 1,
             order: 1,
             section: section(),
@@ -213,13 +213,13 @@ fn chain(count: usize) -> (Context, Vec<NodeId>) {
     let mut b = ModelBuilder::new();
     let from = b.node("0", [0.0; 3]).unwrap();
     let to = b.node("end", [count as f64, 0.0, 0.0]).unwrap();
-    let axis = Straight {
+    let axis = StraightLine {
         from: b.position(from),
         to: b.position(to),
         second: None,
         twist: 0.0,
     };
-    let line = Line {
+    let line = BeamLine {
         elements: count,
         order: 1,
         section: coupled(),
@@ -267,13 +267,13 @@ fn mapped_nodes_stored_in_the_other_chart() {
         .mapped_node("twin", positions[1], Twin.boxed(), &parents[1..2])
         .unwrap();
     for (name, ends) in [("a", [parents[0], twin]), ("b", [twin, parents[2]])] {
-        let axis = Straight {
+        let axis = StraightLine {
             from: b.position(ends[0]),
             to: b.position(ends[1]),
             second: None,
             twist: 0.0,
         };
-        let line = Line {
+        let line = BeamLine {
             elements: 1,
             order: 1,
             section: coupled(),
@@ -343,13 +343,13 @@ fn a_tangent_from_the_previous_iterate_differs_by_the_square_of_the_step() {
 fn conservative_models_are_symmetric_also_with_changed_charts() {
     let mut b = ModelBuilder::new();
     let ends = [[0.0; 3], [1.0, 0.5, 0.0]].map(|p| b.node(format!("{p:?}"), p).unwrap());
-    let axis = Straight {
+    let axis = StraightLine {
         from: b.position(ends[0]),
         to: b.position(ends[1]),
         second: None,
         twist: 0.0,
     };
-    let line = Line {
+    let line = BeamLine {
         elements: 2,
         order: 2,
         section: coupled(),

@@ -10,7 +10,7 @@ pub mod strain_beam;
 use nalgebra::{DMatrix, DVector, Matrix6, SVector, Vector3};
 use pullback_elements::beam::Section;
 use pullback_elements::element::{Element, ElementError, Motion, Properties, Response};
-use pullback_elements::model::{Line, ModelBuilder, NodeId, Straight};
+use pullback_elements::model::{BeamLine, ModelBuilder, NodeId, StraightLine};
 use pullback_manifold::map::Map;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;
@@ -142,8 +142,8 @@ impl Element for Coupling {
     }
 }
 
-pub fn straight(b: &ModelBuilder, ends: [NodeId; 2]) -> Straight {
-    Straight {
+pub fn straight(b: &ModelBuilder, ends: [NodeId; 2]) -> StraightLine {
+    StraightLine {
         from: b.position(ends[0]),
         to: b.position(ends[1]),
         second: None,
@@ -151,8 +151,8 @@ pub fn straight(b: &ModelBuilder, ends: [NodeId; 2]) -> Straight {
     }
 }
 
-pub fn line(elements: usize, order: usize) -> Line {
-    Line {
+pub fn line(elements: usize, order: usize) -> BeamLine {
+    BeamLine {
         elements,
         order,
         section: section(),

@@ -6,7 +6,7 @@ use super::four_bar::*;
 use super::{DOWN, ground};
 use nalgebra::{Matrix3, Vector3};
 use pullback::elements::body::RigidBody;
-use pullback::elements::joint::{RevoluteNodes, offset, revolute, spherical};
+use pullback::elements::joint::{JointNodes, Revolute, Spherical};
 use pullback::elements::model::{Closure, ModelBuilder, NodeId};
 use pullback::elements::time::{Constant, Proportional, TimeFunction};
 
@@ -30,9 +30,9 @@ pub fn link(
     on: NodeId,
     [from, to]: [[f64; 3]; 2],
     (m, weights): (f64, Weights),
-) -> RevoluteNodes {
-    let pin = offset(b, &format!("pin {name}"), on, from).unwrap();
-    let made = revolute(b, name, pin, E3).unwrap();
+) -> JointNodes {
+    let pin = b.offset(&format!("pin {name}"), on, from).unwrap();
+    let made = b.attach(name, pin, Revolute::new(E3).unwrap()).unwrap();
     let along = Vector3::from(to) - Vector3::from(from);
     let J = (Matrix3::identity() * along.norm_squared() - along * along.transpose()) * (m / 12.0);
     let body = RigidBody::new(m, J, along * 0.5).unwrap();
@@ -63,11 +63,16 @@ pub fn linkage_by(b: &mut ModelBuilder, crank: f64, weights: Weights, by: Closur
     let A = link(b, "A", ground, [O, P], (MASSES[0], weights));
     let B = link(b, "B", A.frame, [P, Q], (MASSES[1], weights));
     let rocker = link(b, "D", ground, [D, Q], (MASSES[2], weights));
-    let tip = offset(b, "tip of the coupler", B.frame, Q).unwrap();
-    let C = revolute(b, "C", tip, E3).unwrap();
-    let end = offset(b, "tip of the rocker", rocker.frame, Q).unwrap();
+    let tip = b.offset("tip of the coupler", B.frame, Q).unwrap();
+    let C = b.attach("C", tip, Revolute::new(E3).unwrap()).unwrap();
+    let end = b.offset("tip of the rocker", rocker.frame, Q).unwrap();
     b.close_by(C.frame, end, by).unwrap();
-    [A.angle, B.angle, C.angle, rocker.angle]
+    [
+        A.coordinates[0],
+        B.coordinates[0],
+        C.coordinates[0],
+        rocker.coordinates[0],
+    ]
 }
 
 /// Crank about e3 and rocker about e1, with a coupler between two ball joints that may spin about the
@@ -76,8 +81,8 @@ pub fn balls(b: &mut ModelBuilder, by: Closure) -> (NodeId, Vector3<f64>) {
     let ground = ground(b);
     let (P, Q, D) = ([0.3, 0.0, 0.0], [0.0, 1.0, 0.9], [0.0, 1.0, 0.0]);
     let A = link(b, "A", ground, [[0.0; 3], P], (1.0, at_once));
-    let tip = offset(b, "crank pin", A.frame, P).unwrap();
-    let B = spherical(b, "B", tip).unwrap();
+    let tip = b.offset("crank pin", A.frame, P).unwrap();
+    let B = b.attach_free("B", tip, Spherical).unwrap();
     let along = Vector3::from(Q) - Vector3::from(P);
     let e = along.normalize();
     let J = Matrix3::identity() * 0.2 - e * e.transpose() * 0.15;
@@ -85,13 +90,15 @@ pub fn balls(b: &mut ModelBuilder, by: Closure) -> (NodeId, Vector3<f64>) {
     let weight = body.weight(DOWN, Box::new(Constant(1.0)));
     b.element("coupler", body, &[B.frame]).unwrap();
     b.element("its weight", weight, &[B.frame]).unwrap();
-    let end = offset(b, "coupler end", B.frame, Q).unwrap();
-    let C = spherical(b, "C", end).unwrap();
-    let foot = offset(b, "foot", ground, D).unwrap();
-    let rocker = revolute(b, "D", foot, [1.0, 0.0, 0.0]).unwrap();
+    let end = b.offset("coupler end", B.frame, Q).unwrap();
+    let C = b.attach_free("C", end, Spherical).unwrap();
+    let foot = b.offset("foot", ground, D).unwrap();
+    let rocker = b
+        .attach("D", foot, Revolute::new([1.0, 0.0, 0.0]).unwrap())
+        .unwrap();
     let body = RigidBody::new(1.0, Matrix3::identity() * 0.3, Vector3::new(0.0, 0.0, 0.45));
     b.element("rocker", body.unwrap(), &[rocker.frame]).unwrap();
-    let child = offset(b, "rocker end", rocker.frame, Q).unwrap();
+    let child = b.offset("rocker end", rocker.frame, Q).unwrap();
     b.close_by(C.frame, child, by).unwrap();
-    (B.rotation, e)
+    (B.coordinates[0], e)
 }

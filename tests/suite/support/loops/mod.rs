@@ -8,7 +8,7 @@ pub mod linkage;
 use crate::support::dynamics::*;
 use nalgebra::{Matrix3, SVector, Vector3};
 use pullback::elements::body::RigidBody;
-use pullback::elements::joint::{Revolute, offset};
+use pullback::elements::joint::Revolute;
 use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId};
 use pullback::elements::time::Constant;
 use pullback::integrators::dynamics::{Progress, Scheme};
@@ -37,7 +37,7 @@ pub fn bar(
     m: f64,
 ) -> NodeId {
     let name = format!("bar at {}", b.node_name(angle));
-    let pin = offset(b, &format!("pin of {name}"), on, position).unwrap();
+    let pin = b.offset(&format!("pin of {name}"), on, position).unwrap();
     let hinge = Revolute::new([0.0, 0.0, 1.0]).unwrap();
     let frame = b
         .add_joint_frame(name.clone(), pin, hinge, &[angle])

@@ -3,12 +3,12 @@
 use crate::beam::{Interpolation, Section};
 use crate::memory;
 use crate::model::build::builder::{ElementId, ModelBuilder, NodeId};
-use crate::model::{Axis, ModelError};
+use crate::model::{ModelError, ReferenceCurve};
 use nalgebra::{Matrix3, Vector3};
 
 /// Discretisation of an axis: elements, their order and section.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Line {
+pub struct BeamLine {
     /// Number of elements, at least one.
     pub elements: usize,
     /// Polynomial order of an element: 1, 2 or 3 (two, three or four nodes).
@@ -17,7 +17,7 @@ pub struct Line {
     pub section: Section,
 }
 
-impl Line {
+impl BeamLine {
     /// Parameter u ∈ \[0, 1\] of the axis at ξ ∈ \[−1, 1\] of element `e`, the first being 0.
     pub fn parameter(&self, e: usize, xi: f64) -> f64 {
         let order = self.order as f64;
@@ -28,7 +28,7 @@ impl Line {
 
 /// Nodes and elements of a line, from its start to its end.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LineNodes {
+pub struct BeamLineNodes {
     /// All nodes, ends included.
     pub nodes: Vec<NodeId>,
     /// All elements.
@@ -47,10 +47,10 @@ impl ModelBuilder {
     pub fn line(
         &mut self,
         name: &str,
-        axis: &dyn Axis,
+        axis: &dyn ReferenceCurve,
         ends: [NodeId; 2],
-        line: &Line,
-    ) -> Result<LineNodes, ModelError> {
+        line: &BeamLine,
+    ) -> Result<BeamLineNodes, ModelError> {
         self.line_with(name, axis, ends, line, Interpolation::Total)
     }
 
@@ -61,11 +61,11 @@ impl ModelBuilder {
     pub fn line_with(
         &mut self,
         name: &str,
-        axis: &dyn Axis,
+        axis: &dyn ReferenceCurve,
         [from, to]: [NodeId; 2],
-        line: &Line,
+        line: &BeamLine,
         interpolation: Interpolation,
-    ) -> Result<LineNodes, ModelError> {
+    ) -> Result<BeamLineNodes, ModelError> {
         let fail = |problem: String| ModelError::Line {
             line: name.to_owned(),
             problem,
@@ -123,6 +123,6 @@ impl ModelBuilder {
                 })?;
             elements.push(self.boxed_element(element_name, beam, &own)?);
         }
-        Ok(LineNodes { nodes, elements })
+        Ok(BeamLineNodes { nodes, elements })
     }
 }

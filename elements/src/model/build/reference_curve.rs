@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
 /// A curve in space with an orientation of the cross-section: the reference shape of a line of beam
 /// elements.
-pub trait Axis {
+pub trait ReferenceCurve {
     /// Position and orientation at u ∈ [0, 1]. The columns of the matrix are E₁ (tangent), E₂, E₃ in
     /// global components.
     fn at(&self, u: f64) -> (Vector3<f64>, Matrix3<f64>);
@@ -37,7 +37,7 @@ pub fn frame_along(tangent: &Vector3<f64>, second: Option<&Vector3<f64>>) -> Mat
 
 /// A straight axis, possibly with a pretwist.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Straight {
+pub struct StraightLine {
     /// Start.
     pub from: Vector3<f64>,
     /// End.
@@ -48,7 +48,7 @@ pub struct Straight {
     pub twist: f64,
 }
 
-impl Axis for Straight {
+impl ReferenceCurve for StraightLine {
     fn at(&self, u: f64) -> (Vector3<f64>, Matrix3<f64>) {
         let tangent = self.to - self.from;
         let frame = frame_along(&tangent, self.second.as_ref());
@@ -60,7 +60,7 @@ impl Axis for Straight {
 /// A circular arc: starts at `from` and rotates by `angle` about the directed line through `center`
 /// along `axis`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Arc {
+pub struct CircularArc {
     /// Start.
     pub from: Vector3<f64>,
     /// A point on the axis of rotation.
@@ -73,7 +73,7 @@ pub struct Arc {
     pub second: Option<Vector3<f64>>,
 }
 
-impl Axis for Arc {
+impl ReferenceCurve for CircularArc {
     fn at(&self, u: f64) -> (Vector3<f64>, Matrix3<f64>) {
         let radius = self.from - self.center;
         let tangent = self.axis.cross(&radius) * self.angle.signum();
