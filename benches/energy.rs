@@ -12,7 +12,7 @@
 use nalgebra::{Matrix3, Matrix6};
 use pullback::elements::beam::Beam;
 use pullback::elements::element::{Element, Motion, Response};
-use pullback::elements::energy::{Energies, Gravity, PolynomialSpring};
+use pullback::elements::energy::{EnergyElement, Gravity, PolynomialSpring};
 use pullback::elements::spring::{AxialSpring, Bushing};
 use pullback::manifold::system::Weights;
 use pullback::prelude::*;

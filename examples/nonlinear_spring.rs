@@ -2,7 +2,7 @@
 
 use pullback::Failure;
 use pullback::check;
-use pullback::elements::energy::Energies;
+use pullback::elements::energy::EnergyElement;
 use pullback::manifold::scalar::Scalar;
 use pullback::prelude::*;
 
@@ -14,7 +14,7 @@ struct HardeningSpring {
     apart: Vector3<f64>,
 }
 
-impl Energies<12> for HardeningSpring {
+impl EnergyElement<12> for HardeningSpring {
     fn potential<S: Scalar>(&self, _t: S, x: &SVector<S, 12>) -> S {
         let u = Vector3::from_fn(|i, _| x[6 + i] - x[i] + self.apart[i]);
         let e = u.dot(&u).sqrt() - self.apart.norm();

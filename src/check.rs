@@ -21,7 +21,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 pub use pullback_conformance::{
-    Block, Measure, Options, Report, Row, element, implicit, joint, map, model, parametrization,
+    Block, LawRow, Measure, Options, Report, element, implicit, joint, map, model, parametrization,
     same, scheme,
 };
 
@@ -180,7 +180,7 @@ pub fn table(report: &Report) -> String {
 /// Rows that share a line: the one closest to failing, the components, and the number of rows.
 struct Line<'a> {
     family: String,
-    worst: &'a Row,
+    worst: &'a LawRow,
     components: HashSet<&'a str>,
     laws: HashSet<&'a str>,
 }

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 /// Coordinates that stand together: the displacement of a node, say.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Group {
+pub struct CoordinateGroup {
     /// Their name.
     pub name: String,
     /// Which they are.
@@ -21,20 +21,20 @@ pub struct Group {
 /// All coordinates of something, group by group.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layout {
-    groups: Vec<Group>,
+    groups: Vec<CoordinateGroup>,
     /// A typical rate of change: velocities are of the size of a unit times this.
     pub rate: f64,
 }
 
 impl Layout {
     /// Of groups one after the other.
-    pub fn new(groups: Vec<Group>) -> Self {
+    pub fn new(groups: Vec<CoordinateGroup>) -> Self {
         Self { groups, rate: 1.0 }
     }
 
     /// Of a vector that stands alone: the one column of a matrix.
     pub fn single() -> Self {
-        Self::new(vec![Group {
+        Self::new(vec![CoordinateGroup {
             name: String::new(),
             range: 0..1,
             unit: 1.0,
@@ -46,7 +46,7 @@ impl Layout {
     pub fn plain(n: usize) -> Self {
         let group = |first: usize| {
             let last = (first + 3).min(n);
-            Group {
+            CoordinateGroup {
                 name: match last - first {
                     1 => format!("coordinate {last}"),
                     _ => format!("coordinates {} to {last}", first + 1),
@@ -60,7 +60,7 @@ impl Layout {
     }
 
     /// The groups.
-    pub fn groups(&self) -> &[Group] {
+    pub fn groups(&self) -> &[CoordinateGroup] {
         &self.groups
     }
 
@@ -80,7 +80,7 @@ impl Layout {
         behind.iter().zip(x).map(|(b, x)| b + x.abs()).collect()
     }
 
-    fn spread(&self, of: impl Fn(&Group) -> f64) -> Vec<f64> {
+    fn spread(&self, of: impl Fn(&CoordinateGroup) -> f64) -> Vec<f64> {
         let mut out = Vec::new();
         for g in &self.groups {
             out.extend(std::iter::repeat_n(of(g), g.range.len()));
@@ -92,7 +92,7 @@ impl Layout {
     /// make a group.
     pub fn of(system: &dyn System) -> Self {
         let pattern = system.pattern();
-        let mut groups: Vec<Group> = Vec::new();
+        let mut groups: Vec<CoordinateGroup> = Vec::new();
         for block in 0..pattern.blocks() {
             let all = pattern.unknowns(block);
             let mut first = all.start;
@@ -101,7 +101,7 @@ impl Layout {
                 let end = (first..all.end).find(|&i| system.coordinate_info(i).quantity != kind);
                 let range = first..end.unwrap_or(all.end);
                 let names = [range.start, range.end - 1].map(|i| system.name(i));
-                groups.push(Group {
+                groups.push(CoordinateGroup {
                     name: match range.len() {
                         1 => names[0].clone(),
                         _ => format!("{} to {}", names[0], names[1]),

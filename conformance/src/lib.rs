@@ -65,11 +65,11 @@ pub use forces::{
     CONFIRMED, Forces, State, dense, forces, forces_at, sizes, states, system, system_at,
     system_sizes,
 };
-pub use layout::{Group, Layout};
+pub use layout::{CoordinateGroup, Layout};
 pub use maps::{
     Mapped, chart, implicit, kinematics, map, parametrization, pieces, plain, rewriting, shortened,
 };
 pub use models::{Options, model};
-pub use report::{Measure, Report, Row};
+pub use report::{LawRow, Measure, Report};
 pub use sample::Random;
 pub use schemes::{Known, scheme};

@@ -53,7 +53,7 @@ impl Measure {
 
 /// One law of one component at one position.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Row {
+pub struct LawRow {
     /// What was checked: the report's subject, or a part of it.
     pub component: String,
     /// The law.
@@ -72,7 +72,7 @@ pub struct Row {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Report {
     subject: String,
-    rows: Vec<Row>,
+    rows: Vec<LawRow>,
 }
 
 /// The largest ratio between steps and remainders: every step is a quarter of the one before.
@@ -101,12 +101,12 @@ impl Report {
     }
 
     /// All rows.
-    pub fn rows(&self) -> &[Row] {
+    pub fn rows(&self) -> &[LawRow] {
         &self.rows
     }
 
     /// Rows of laws that do not hold.
-    pub fn failures(&self) -> Vec<&Row> {
+    pub fn failures(&self) -> Vec<&LawRow> {
         self.rows.iter().filter(|r| !r.passed).collect()
     }
 
@@ -139,7 +139,7 @@ impl Report {
     /// One row for each component and law: where it came closest to failing, or failed worst.
     #[must_use]
     pub fn worst(self) -> Self {
-        let mut rows: Vec<Row> = Vec::new();
+        let mut rows: Vec<LawRow> = Vec::new();
         let mut positions = std::collections::HashMap::new();
         for row in self.rows {
             let key = (row.component.clone(), row.law.clone());
@@ -155,7 +155,7 @@ impl Report {
     }
 
     fn push(&mut self, law: &str, at: &str, measure: Measure, passed: bool) {
-        self.rows.push(Row {
+        self.rows.push(LawRow {
             component: self.subject.clone(),
             law: law.to_owned(),
             at: at.to_owned(),
@@ -174,7 +174,7 @@ impl Report {
 
     /// Drops the law noted last, to measure it anew; whether it was a slope that falls short.
     pub fn retry(&mut self) -> bool {
-        let short = |row: &Row| matches!(row.measure, Measure::Slope { .. }) && !row.passed;
+        let short = |row: &LawRow| matches!(row.measure, Measure::Slope { .. }) && !row.passed;
         let retry = self.rows.last().is_some_and(short);
         if retry {
             self.rows.pop();
@@ -187,7 +187,7 @@ impl Report {
     ///
     /// The opinion takes the slope's position if it is that all is well.
     pub fn second_opinion(&mut self, opinion: impl FnOnce() -> Option<(f64, f64)>) {
-        let slope = |row: &&mut Row| matches!(row.measure, Measure::Slope { .. }) && !row.passed;
+        let slope = |row: &&mut LawRow| matches!(row.measure, Measure::Slope { .. }) && !row.passed;
         if let Some(row) = self.rows.last_mut().filter(slope)
             && let Some((defect, allowed)) = opinion()
             && defect <= allowed
@@ -319,8 +319,8 @@ fn worst(measures: impl Iterator<Item = Measure>) -> (usize, Measure) {
     worst.unwrap_or_else(|| (0, Measure::Impossible("nothing to measure".to_owned())))
 }
 
-fn table(subject: &str, rows: &[&Row]) -> String {
-    let width = |of: fn(&Row) -> &str| rows.iter().map(|r| of(r).chars().count()).max();
+fn table(subject: &str, rows: &[&LawRow]) -> String {
+    let width = |of: fn(&LawRow) -> &str| rows.iter().map(|r| of(r).chars().count()).max();
     // Where everything is about the subject, nobody needs to be told.
     let parts = rows.iter().any(|r| r.component != subject);
     let component = width(|r| &r.component).map_or(0, |w| if parts { w + 2 } else { 0 });

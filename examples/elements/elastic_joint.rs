@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix6, SVector, Vector3};
 use pullback_elements::element::ElementError;
-use pullback_elements::energy::{Energies, inside_chart, rate};
+use pullback_elements::energy::{EnergyElement, inside_chart, rate};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;
 
@@ -35,7 +35,7 @@ impl ElasticJoint {
     }
 }
 
-impl Energies<12> for ElasticJoint {
+impl EnergyElement<12> for ElasticJoint {
     const KINETIC: bool = false;
 
     fn potential<S: Scalar>(&self, _t: S, x: &SVector<S, 12>) -> S {

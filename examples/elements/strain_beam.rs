@@ -5,7 +5,7 @@
 use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, Vector3};
 use pullback_elements::beam::{BeamError, Damping, Section, oriented};
 use pullback_elements::element::ElementError;
-use pullback_elements::energy::{Energies, Sample, Sampled, Sum, inside_chart, rate};
+use pullback_elements::energy::{EnergyElement, EnergySample, Sampled, Sum, inside_chart, rate};
 use pullback_elements::inertia::Inertia;
 use pullback_manifold::quotients::TangentQuotients;
 use pullback_manifold::scalar::Scalar;
@@ -82,7 +82,7 @@ impl<M: StrainMeasure> SectionEnergy<M> {
     }
 }
 
-impl<M: StrainMeasure> Energies<9> for SectionEnergy<M> {
+impl<M: StrainMeasure> EnergyElement<9> for SectionEnergy<M> {
     const KINETIC: bool = false;
 
     fn potential<S: Scalar>(&self, _t: S, y: &SVector<S, 9>) -> S {
@@ -111,7 +111,7 @@ pub struct FrameInertia {
     pub drag: f64,
 }
 
-impl Energies<6> for FrameInertia {
+impl EnergyElement<6> for FrameInertia {
     fn kinetic<S: Scalar>(&self, y: &SVector<S, 6>, y_dot: &SVector<S, 6>) -> S {
         let Inertia { mass, S: first, J } = &self.inertia;
         let (psi, x_dot) = (triple(y, 3), triple(y_dot, 0));
@@ -188,7 +188,7 @@ pub fn strain_beam<M: StrainMeasure + Copy>(
     let mut y0 = SVector::<f64, 9>::zeros();
     // R₀ᵀX′ is the first axis.
     y0[0] = 1.0;
-    let strained = Sample::new(energies, length, y0, &A);
+    let strained = EnergySample::new(energies, length, y0, &A);
     let inertia = FrameInertia {
         inertia: section.inertia,
         drag,
@@ -198,7 +198,7 @@ pub fn strain_beam<M: StrainMeasure + Copy>(
         let mut A = SMatrix::<f64, 6, 12>::zeros();
         put(&mut A, &R0, 0, 0, values(xi));
         put(&mut A, &R0, 3, 3, values(xi));
-        Sample::new(inertia, 0.5 * length, SVector::zeros(), &A)
+        EnergySample::new(inertia, 0.5 * length, SVector::zeros(), &A)
     });
     let massive = massive.into_iter().filter(|_| !section.inertia.is_zero());
     Ok(Sum(Sampled::new([strained]), Sampled::new(massive)))

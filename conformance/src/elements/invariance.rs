@@ -9,7 +9,7 @@
 #![allow(non_snake_case)]
 
 use super::element::{Request, evaluate, motion};
-use super::rigid::{Carrier, Frame, Moved, angles, carry};
+use super::rigid::{Carrier, FrameAt, Moved, angles, carry};
 use crate::{Compared, Layout, Random, Report, State, sizes};
 use nalgebra::{DVector, Vector3};
 use pullback_elements::element::Element;
@@ -27,7 +27,7 @@ const FIRST: f64 = 0.1;
 pub(crate) struct Placed<'a> {
     pub element: &'a dyn Element,
     pub layout: &'a Layout,
-    pub frames: &'a [Frame],
+    pub frames: &'a [FrameAt],
 }
 
 /// A law of invariance.

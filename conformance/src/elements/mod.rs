@@ -11,5 +11,5 @@ pub(crate) use element::{Request, evaluate};
 pub use element::{element, element_at};
 pub(crate) use invariance::{EXACT, Placed, vector};
 pub use joint::joint;
-pub(crate) use rigid::{Carrier, Frame, carry};
+pub(crate) use rigid::{Carrier, FrameAt, carry};
 pub use same::same;

@@ -10,7 +10,7 @@ use pullback_manifold::so3::{complement, log_quaternion, quaternion};
 
 /// A frame among coordinates.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Frame {
+pub(crate) struct FrameAt {
     /// First of its six coordinates (d, Ψ).
     pub first: usize,
     /// Its position in the reference configuration.
@@ -89,7 +89,7 @@ pub(crate) struct Moved {
 }
 
 /// Carries all frames of a state; other coordinates stay.
-pub(crate) fn carry(by: Carrier, t: f64, frames: &[Frame], s: &State) -> Moved {
+pub(crate) fn carry(by: Carrier, t: f64, frames: &[FrameAt], s: &State) -> Moved {
     let n = s.x.len();
     let mut out = Moved {
         state: s.clone(),
@@ -99,7 +99,7 @@ pub(crate) fn carry(by: Carrier, t: f64, frames: &[Frame], s: &State) -> Moved {
         true => SVector::<f64, 6>::zeros(),
         false => x.fixed_rows::<6>(first).into_owned(),
     };
-    for &Frame { first, position } in frames {
+    for &FrameAt { first, position } in frames {
         let map = Carried { by, position };
         let k = map.kinematics(t, &six(&s.x, first), &six(&s.v, first), &six(&s.a, first));
         let put = |to: &mut DVector<f64>, x: &SVector<f64, 6>| {
@@ -116,7 +116,7 @@ pub(crate) fn carry(by: Carrier, t: f64, frames: &[Frame], s: &State) -> Moved {
 }
 
 /// The largest and smallest rotation angle of the frames.
-pub(crate) fn angles(frames: &[Frame], x: &DVector<f64>) -> [f64; 2] {
+pub(crate) fn angles(frames: &[FrameAt], x: &DVector<f64>) -> [f64; 2] {
     let angles = frames.iter().map(|f| x.fixed_rows::<3>(f.first + 3).norm());
     angles.fold([0.0, f64::INFINITY], |[most, least], psi| {
         [f64::max(most, psi), f64::min(least, psi)]

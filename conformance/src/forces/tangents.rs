@@ -2,7 +2,7 @@
 
 use super::{FIRST, Laws, State};
 use crate::block::{Compared, difference};
-use crate::layout::{Group, Layout};
+use crate::layout::{CoordinateGroup, Layout};
 use crate::report::Measure;
 use nalgebra::DVector;
 use pullback_manifold::sparse::BlockPattern;
@@ -85,7 +85,7 @@ impl Tangents<'_> {
             of_unknowns[group.range.clone()].fill(*size);
         }
         self.raise(&mut of_unknowns);
-        let first = |g: &Group| of_unknowns.get(g.range.start).copied();
+        let first = |g: &CoordinateGroup| of_unknowns.get(g.range.start).copied();
         let sizes = layout.groups().iter().zip(sizes);
         sizes.map(|(g, size)| first(g).unwrap_or(size)).collect()
     }

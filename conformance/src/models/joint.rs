@@ -4,7 +4,7 @@
 
 use super::segments::{self, Child};
 use super::view::{self, maps, parent_state};
-use crate::elements::{Carrier, EXACT, Frame, carry, vector};
+use crate::elements::{Carrier, EXACT, FrameAt, carry, vector};
 use crate::{Mapped, Random, Report, State, kinematics, pieces};
 use nalgebra::{DVector, Vector3};
 use pullback_elements::model::Context;
@@ -93,7 +93,7 @@ fn rate(units: &[f64], s: &State) -> f64 {
 struct Carried<'a> {
     of: Mapped<'a>,
     position: Vector3<f64>,
-    frames: &'a [Frame],
+    frames: &'a [FrameAt],
     rotations: &'a [usize],
     length: f64,
 }
@@ -120,7 +120,7 @@ impl Carried<'_> {
             moved.x.fixed_rows_mut::<3>(k).copy_from(&turned);
         }
         let here = State::statics(s.t, self.child(self.of.map, &still));
-        let own = [Frame {
+        let own = [FrameAt {
             first: 0,
             position: self.position,
         }];

@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use super::view::parent_state;
-use crate::elements::{Carrier, EXACT, Frame, carry};
+use crate::elements::{Carrier, EXACT, FrameAt, carry};
 use crate::{Compared, Layout, Mapped, Random, Report, State};
 use nalgebra::{DVector, Vector3};
 use pullback_elements::model::{Context, Node};
@@ -48,7 +48,7 @@ pub(super) fn laws(
     random.fill(f.as_mut_slice());
     let mut back = f.clone();
     if of.framed && (&before.x - &after.x).rows(3, 3).norm() > 1.0 {
-        let own = [Frame {
+        let own = [FrameAt {
             first: 0,
             position: of.position,
         }];

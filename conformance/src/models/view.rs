@@ -1,7 +1,7 @@
 //! The components of a model one by one, with the units of their coordinates.
 
-use crate::elements::Frame;
-use crate::{Group, Layout, State, plain};
+use crate::elements::FrameAt;
+use crate::{CoordinateGroup, Layout, State, plain};
 use nalgebra::{DVector, Vector3};
 use pullback_elements::element::{Element, Motion};
 use pullback_elements::model::{Context, Node, NodeForm};
@@ -16,7 +16,7 @@ pub(super) struct Component<T> {
     pub thing: T,
     pub layout: Layout,
     /// Those of its coordinates that are frames.
-    pub frames: Vec<Frame>,
+    pub frames: Vec<FrameAt>,
     /// First coordinates of rotation vectors that are no frame's.
     pub rotations: Vec<usize>,
 }
@@ -114,7 +114,7 @@ fn component<T>(
             groups.push(group(node, range, name, kind, unit(n as usize)));
         }
         match node.form() {
-            NodeForm::Frame => frames.push(Frame {
+            NodeForm::Frame => frames.push(FrameAt {
                 first,
                 position: node.position(),
             }),
@@ -176,7 +176,7 @@ pub(super) fn node_units(context: &Context) -> Vec<f64> {
 
 /// The layout of the unknowns.
 pub(super) fn layout(context: &Context, units: &[f64]) -> Layout {
-    let mut groups: Vec<Group> = Vec::new();
+    let mut groups: Vec<CoordinateGroup> = Vec::new();
     for (n, node) in context.nodes().iter().enumerate() {
         for (range, name, kind) in groups_of(node) {
             let all = range.start + node.range().start..range.end + node.range().start;
@@ -298,9 +298,15 @@ fn groups_of(node: &Node) -> Vec<(Range<usize>, String, Quantity)> {
     }
 }
 
-fn group(node: &Node, range: Range<usize>, name: String, kind: Quantity, length: f64) -> Group {
+fn group(
+    node: &Node,
+    range: Range<usize>,
+    name: String,
+    kind: Quantity,
+    length: f64,
+) -> CoordinateGroup {
     let measured = kind == Quantity::Length;
-    Group {
+    CoordinateGroup {
         name,
         range,
         unit: if measured { length } else { 1.0 },

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::strain::{Law, Stiffness};
+use super::strain::{Law, SectionStiffness};
 use nalgebra::{Matrix3, Vector3};
 
 /// One integration point: shape functions, reference shape, section law.
@@ -24,7 +24,7 @@ impl<const NN: usize> GaussPoint<NN> {
     /// Adds the stiffness over (x′, Ψ′, Ψ) to the nodes: upper blocks only, the lower ones are
     /// mirrored.
     #[inline]
-    pub(super) fn spread(&self, D: &Stiffness, weight: f64, K: &mut [f64]) {
+    pub(super) fn spread(&self, D: &SectionStiffness, weight: f64, K: &mut [f64]) {
         let n = 6 * NN;
         for j in 0..NN {
             for i in 0..=j {

@@ -268,7 +268,7 @@ impl Section {
         Self::from_geometry(material, area, k, 2.0 * I, [I, I])
     }
 
-    /// Stiffness and mass from area, shear factor, torsion constant and second moments I₂, I₃.
+    /// SectionStiffness and mass from area, shear factor, torsion constant and second moments I₂, I₃.
     fn from_geometry(
         material: Material,
         area: f64,

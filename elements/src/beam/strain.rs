@@ -59,7 +59,7 @@ pub(super) struct Forces {
 }
 
 /// Blocks of BᵀCB + K_σ over (x′, Ψ′, Ψ) = (x, p, q); the rest is symmetric.
-pub(super) struct Stiffness {
+pub(super) struct SectionStiffness {
     pub xx: Matrix3<f64>,
     pub xp: Matrix3<f64>,
     pub xq: Matrix3<f64>,
@@ -124,7 +124,7 @@ impl Strained {
         law: &Law,
         N: &Vector3<f64>,
         M: &Vector3<f64>,
-    ) -> Stiffness {
+    ) -> SectionStiffness {
         let Self {
             R,
             T,
@@ -139,7 +139,7 @@ impl Strained {
         let stress_q = law.GG * A + law.GK * C1;
         let moment_q = law.GK.tr_mul(&A) + law.KK * C1;
         let Nxg = N.cross(g);
-        Stiffness {
+        SectionStiffness {
             xx: R * law.GG * R.transpose(),
             xp: R * law.GK * T,
             xq: R * (stress_q - NT),

@@ -1,4 +1,4 @@
-//! Stiffness-proportional Kelvin-Voigt damping: stresses β C (Γ̇, K̇).
+//! SectionStiffness-proportional Kelvin-Voigt damping: stresses β C (Γ̇, K̇).
 
 #![allow(non_snake_case)]
 

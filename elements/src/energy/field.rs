@@ -1,6 +1,6 @@
 //! Gravity of a point mass.
 
-use super::Energies;
+use super::EnergyElement;
 use crate::element::{ElementError, Properties};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
@@ -21,7 +21,7 @@ pub struct Gravity {
     pub mass: f64,
 }
 
-impl Energies<6> for Gravity {
+impl EnergyElement<6> for Gravity {
     const KINETIC: bool = false;
     const DISSIPATION: bool = false;
 

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::Energies;
+use super::EnergyElement;
 use nalgebra::{SMatrix, SVector};
 use pullback_manifold::jet::{Grad, Phase};
 use pullback_manifold::scalar::Scalar;
@@ -30,7 +30,7 @@ impl<const N: usize> Local<N> {
     /// Evaluates at time, coordinates and, in motion, velocities and accelerations; with tangents
     /// if `wanted`.
     #[inline]
-    pub(super) fn new<E: Energies<N> + ?Sized>(
+    pub(super) fn new<E: EnergyElement<N> + ?Sized>(
         e: &E,
         t: f64,
         x: &SVector<f64, N>,
@@ -53,7 +53,7 @@ impl<const N: usize> Local<N> {
 
     /// Adds all terms; H is N for tangents, 0 for the residual alone.
     #[inline]
-    fn add<E: Energies<N> + ?Sized, const H: usize>(
+    fn add<E: EnergyElement<N> + ?Sized, const H: usize>(
         &mut self,
         e: &E,
         t: f64,
@@ -158,7 +158,7 @@ fn variables<S: Scalar, const N: usize, const H: usize>(
 
 /// U with its derivatives in x.
 #[inline]
-fn potential<S: Scalar, E: Energies<N> + ?Sized, const N: usize, const H: usize>(
+fn potential<S: Scalar, E: EnergyElement<N> + ?Sized, const N: usize, const H: usize>(
     e: &E,
     t: S,
     x: &SVector<S, N>,
@@ -168,7 +168,7 @@ fn potential<S: Scalar, E: Energies<N> + ?Sized, const N: usize, const H: usize>
 }
 
 /// ∂r/∂t = −∂²U/∂t∂x.
-pub(super) fn load_rate<E: Energies<N> + ?Sized, const N: usize>(
+pub(super) fn load_rate<E: EnergyElement<N> + ?Sized, const N: usize>(
     e: &E,
     t: f64,
     x: &SVector<f64, N>,
@@ -179,7 +179,7 @@ pub(super) fn load_rate<E: Energies<N> + ?Sized, const N: usize>(
 }
 
 /// v·∂D/∂v.
-pub(super) fn power<E: Energies<N> + ?Sized, const N: usize>(
+pub(super) fn power<E: EnergyElement<N> + ?Sized, const N: usize>(
     e: &E,
     x: &SVector<f64, N>,
     v: &SVector<f64, N>,

@@ -16,7 +16,7 @@
 //! so second derivatives, and third ones along one direction, are sufficient:
 //! [`Phase`](pullback_manifold::jet::Phase).
 //!
-//! - [`Energies`] is the trait to implement, [`ByEnergy`] the resulting [`Element`];
+//! - [`EnergyElement`] is the trait to implement, [`ByEnergy`] the resulting [`Element`];
 //! - [`Sampled`] adds energies at integration points in interpolated variables, like a finite
 //!   element, and much faster than in the coordinates themselves;
 //! - [`Sum`] adds two elements on the same nodes.
@@ -30,7 +30,7 @@ mod spring;
 mod sum;
 
 pub use field::Gravity;
-pub use sampled::{Sample, Sampled};
+pub use sampled::{EnergySample, Sampled};
 pub use spring::PolynomialSpring;
 pub use sum::Sum;
 
@@ -41,21 +41,21 @@ use pullback_manifold::jet::Grad;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::system::Weights;
 
-/// Energies of an element with N coordinates x, generic over the number type.
+/// EnergyElement of an element with N coordinates x, generic over the number type.
 ///
-/// Energies that are not implemented are zero; the constants then save their evaluation.
+/// EnergyElement that are not implemented are zero; the constants then save their evaluation.
 /// Coordinates are those of the element's nodes in order, six for a frame node: (d, Ψ).
 ///
 /// ```
 /// use nalgebra::SVector;
 /// use pullback_conformance as check;
-/// use pullback_elements::energy::Energies;
+/// use pullback_elements::energy::EnergyElement;
 /// use pullback_manifold::scalar::Scalar;
 ///
 /// /// A hardening spring with a mass, and friction that grows with the square of its rate.
 /// struct Oscillator;
 ///
-/// impl Energies<1> for Oscillator {
+/// impl EnergyElement<1> for Oscillator {
 ///     fn potential<S: Scalar>(&self, _t: S, x: &SVector<S, 1>) -> S {
 ///         x[0].powi(2) * (x[0].powi(2) * 0.7 + 9.81)
 ///     }
@@ -69,11 +69,11 @@ use pullback_manifold::system::Weights;
 ///
 /// check::element(&Oscillator.into_element()).assert();
 /// ```
-pub trait Energies<const N: usize>: Send + Sync {
-    /// Whether [`Energies::kinetic`] is nonzero; `false` saves its evaluation.
+pub trait EnergyElement<const N: usize>: Send + Sync {
+    /// Whether [`EnergyElement::kinetic`] is nonzero; `false` saves its evaluation.
     const KINETIC: bool = true;
 
-    /// Whether [`Energies::dissipation`] is nonzero; `false` saves its evaluation.
+    /// Whether [`EnergyElement::dissipation`] is nonzero; `false` saves its evaluation.
     const DISSIPATION: bool = true;
 
     /// Potential energy U(t, x), unit F L.
@@ -126,7 +126,7 @@ pub trait Energies<const N: usize>: Send + Sync {
 
 /// The derivative of `f` at x along v: strain rates from strains, for a [`dissipation`].
 ///
-/// [`dissipation`]: Energies::dissipation
+/// [`dissipation`]: EnergyElement::dissipation
 pub fn rate<S: Scalar, const N: usize, const M: usize>(
     f: impl FnOnce(&SVector<Grad<S, 1>, N>) -> SVector<Grad<S, 1>, M>,
     x: &SVector<S, N>,
@@ -136,7 +136,7 @@ pub fn rate<S: Scalar, const N: usize, const M: usize>(
     f(&moving).map(|y| y.g[0])
 }
 
-/// For [`Energies::domain`]: rejects a rotation vector at the edge of its chart, ψ = 2π.
+/// For [`EnergyElement::domain`]: rejects a rotation vector at the edge of its chart, ψ = 2π.
 ///
 /// # Errors
 /// [`ElementError::OutsideChart`].
@@ -156,7 +156,7 @@ pub struct ByEnergy<E, const N: usize>(pub E);
 /// The requested tangents, each with the weights of K, C and M in it.
 type Tangents<'a> = [Option<(Weights, &'a mut [f64])>; 3];
 
-impl<E: Energies<N>, const N: usize> ByEnergy<E, N> {
+impl<E: EnergyElement<N>, const N: usize> ByEnergy<E, N> {
     fn add(
         &self,
         at: &Motion<'_>,
@@ -194,7 +194,7 @@ fn parts<'a>(out: &'a mut Response<'_>) -> (&'a mut [f64], Tangents<'a>) {
     (&mut *out.r, [K, C, M])
 }
 
-impl<E: Energies<N>, const N: usize> Element for ByEnergy<E, N> {
+impl<E: EnergyElement<N>, const N: usize> Element for ByEnergy<E, N> {
     fn dim(&self) -> usize {
         N
     }
@@ -235,7 +235,7 @@ impl<E: Energies<N>, const N: usize> Element for ByEnergy<E, N> {
     }
 }
 
-impl<E: Energies<N>, const N: usize> Combined for ByEnergy<E, N> {
+impl<E: EnergyElement<N>, const N: usize> Combined for ByEnergy<E, N> {
     fn evaluate_combined(
         &self,
         _previous: Option<&[f64]>,

@@ -1,9 +1,9 @@
-//! Energies at integration points, in variables interpolated from the nodes.
+//! EnergyElement at integration points, in variables interpolated from the nodes.
 
 #![allow(non_snake_case)]
 
 use super::local::{self, Local};
-use super::{Energies, Tangents, parts};
+use super::{EnergyElement, Tangents, parts};
 use crate::element::{Combined, Element, ElementError, Motion, Properties, Response};
 use nalgebra::{SMatrix, SVector};
 use pullback_manifold::system::Weights;
@@ -11,7 +11,7 @@ use pullback_manifold::system::Weights;
 /// One integration point: energies in D variables y = y₀ + A x of an element of N coordinates x,
 /// with rates ẏ = A ẋ.
 #[derive(Clone, Debug)]
-pub struct Sample<E, const D: usize, const N: usize> {
+pub struct EnergySample<E, const D: usize, const N: usize> {
     energies: E,
     weight: f64,
     y0: SVector<f64, D>,
@@ -19,7 +19,7 @@ pub struct Sample<E, const D: usize, const N: usize> {
     entries: Vec<(usize, usize, f64)>,
 }
 
-impl<E, const D: usize, const N: usize> Sample<E, D, N> {
+impl<E, const D: usize, const N: usize> EnergySample<E, D, N> {
     /// A point with the given weight in the sum: `energies` in y = y₀ + A x, A is D×N.
     pub fn new(energies: E, weight: f64, y0: SVector<f64, D>, A: &SMatrix<f64, D, N>) -> Self {
         let all = (0..D).flat_map(|i| (0..N).map(move |j| (i, j)));
@@ -86,12 +86,12 @@ impl<E, const D: usize, const N: usize> Sample<E, D, N> {
 /// all nodes have, and the cost of jets is quadratic in them.
 #[derive(Clone, Debug)]
 pub struct Sampled<E, const D: usize, const N: usize> {
-    points: Vec<Sample<E, D, N>>,
+    points: Vec<EnergySample<E, D, N>>,
 }
 
-impl<E: Energies<D>, const D: usize, const N: usize> Sampled<E, D, N> {
+impl<E: EnergyElement<D>, const D: usize, const N: usize> Sampled<E, D, N> {
     /// The sum over the given points.
-    pub fn new(points: impl IntoIterator<Item = Sample<E, D, N>>) -> Self {
+    pub fn new(points: impl IntoIterator<Item = EnergySample<E, D, N>>) -> Self {
         Self {
             points: points.into_iter().collect(),
         }
@@ -118,7 +118,7 @@ impl<E: Energies<D>, const D: usize, const N: usize> Sampled<E, D, N> {
     }
 }
 
-impl<E: Energies<D>, const D: usize, const N: usize> Element for Sampled<E, D, N> {
+impl<E: EnergyElement<D>, const D: usize, const N: usize> Element for Sampled<E, D, N> {
     fn dim(&self) -> usize {
         N
     }
@@ -139,7 +139,8 @@ impl<E: Energies<D>, const D: usize, const N: usize> Element for Sampled<E, D, N
     }
 
     fn energy(&self, at: &Motion<'_>) -> f64 {
-        let of = |p: &Sample<E, D, N>| p.weight * p.energies.potential(at.t, &p.position(at.x));
+        let of =
+            |p: &EnergySample<E, D, N>| p.weight * p.energies.potential(at.t, &p.position(at.x));
         self.points.iter().map(of).sum()
     }
 
@@ -147,7 +148,7 @@ impl<E: Energies<D>, const D: usize, const N: usize> Element for Sampled<E, D, N
         if at.v.is_empty() || !E::DISSIPATION {
             return 0.0;
         }
-        let of = |p: &Sample<E, D, N>| {
+        let of = |p: &EnergySample<E, D, N>| {
             p.weight * local::power(&p.energies, &p.position(at.x), &p.interpolated(at.v))
         };
         self.points.iter().map(of).sum()
@@ -168,7 +169,7 @@ impl<E: Energies<D>, const D: usize, const N: usize> Element for Sampled<E, D, N
     }
 }
 
-impl<E: Energies<D>, const D: usize, const N: usize> Combined for Sampled<E, D, N> {
+impl<E: EnergyElement<D>, const D: usize, const N: usize> Combined for Sampled<E, D, N> {
     fn evaluate_combined(
         &self,
         _previous: Option<&[f64]>,

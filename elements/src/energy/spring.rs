@@ -1,6 +1,6 @@
 //! An axial spring with a polynomial force.
 
-use super::Energies;
+use super::EnergyElement;
 use crate::element::ElementError;
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
@@ -31,7 +31,7 @@ impl<const P: usize> PolynomialSpring<P> {
     }
 }
 
-impl<const P: usize> Energies<12> for PolynomialSpring<P> {
+impl<const P: usize> EnergyElement<12> for PolynomialSpring<P> {
     const KINETIC: bool = false;
 
     fn potential<S: Scalar>(&self, _t: S, x: &SVector<S, 12>) -> S {

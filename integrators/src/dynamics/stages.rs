@@ -25,7 +25,7 @@ pub(super) struct Attempt<'a> {
 
 /// Stages that are solved together; one in most schemes.
 #[derive(Clone, Copy)]
-pub(super) struct Group {
+pub(super) struct StageGroup {
     pub start: usize,
     pub end: usize,
     /// Inverse of the weights of their accelerations in their coordinates; none if explicit.
@@ -34,7 +34,7 @@ pub(super) struct Group {
     pub unit: f64,
 }
 
-impl Group {
+impl StageGroup {
     pub fn new(scheme: &Scheme, range: &Range<usize>) -> Self {
         let inverse = inverse(scheme.stages(), range);
         let alone = inverse.filter(|_| range.len() == 1);
@@ -58,7 +58,7 @@ impl Group {
 impl Stepper {
     /// Predicts qᵢ by the predictor, and yᵢ, q̇ᵢ and q̈ᵢ by the scheme. Explicit stages keep y, which
     /// determines qᵢ.
-    pub(super) fn predict(&mut self, step: Attempt<'_>, group: &Group) {
+    pub(super) fn predict(&mut self, step: Attempt<'_>, group: &StageGroup) {
         let Attempt { scheme, state, h } = step;
         let rows = scheme.stages();
         let filter = scheme.filter();
@@ -132,7 +132,7 @@ impl Stepper {
 
     /// Corrects the stages of a group; returns the largest correction relative to the scales of the
     /// coordinates.
-    pub(super) fn correct(&mut self, step: Attempt<'_>, group: &Group) -> f64 {
+    pub(super) fn correct(&mut self, step: Attempt<'_>, group: &StageGroup) -> f64 {
         let Attempt { scheme, h, .. } = step;
         let mut largest = 0.0_f64;
         for k in group.range() {
@@ -180,7 +180,7 @@ struct Gains {
 
 impl Gains {
     /// From the weights of the unknown's y in q, q̇ and y of the stage.
-    fn new(scheme: &Scheme, group: &Group, [q, v, y]: [f64; 3], h: f64) -> Self {
+    fn new(scheme: &Scheme, group: &StageGroup, [q, v, y]: [f64; 3], h: f64) -> Self {
         let unit = group.unit * y;
         Self {
             unit,
@@ -201,7 +201,12 @@ impl Gains {
 }
 
 /// Index of unknown `c` of stage `i` of a group in `dq`.
-pub(super) fn position(stages: &Option<CoupledStages>, group: &Group, i: usize, c: usize) -> usize {
+pub(super) fn position(
+    stages: &Option<CoupledStages>,
+    group: &StageGroup,
+    i: usize,
+    c: usize,
+) -> usize {
     match stages {
         Some(stages) if group.len() > 1 => stages.position(i, c),
         _ => c,

@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use super::coupled_stages::CoupledStages;
-use super::stages::{Attempt, Group, StageState, position};
+use super::stages::{Attempt, StageGroup, StageState, position};
 use super::{DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, State};
 use crate::convergence::ConvergencePredictor;
 use crate::failure::Failure;
@@ -51,7 +51,7 @@ pub(crate) struct Stepper {
     pub(super) dq: Vec<f64>,
     /// The stages; the last one is the new state.
     pub(super) stages: Vec<StageState>,
-    pub(super) groups: Vec<Group>,
+    pub(super) groups: Vec<StageGroup>,
     /// The matrix of coupled stages, if the scheme has some.
     pub(super) coupled: Option<CoupledStages>,
     /// The new state.
@@ -85,7 +85,7 @@ impl Stepper {
             a: zeros(),
             algorithmic: zeros(),
         };
-        let groups = scheme.groups().map(|range| Group::new(scheme, &range));
+        let groups = scheme.groups().map(|range| StageGroup::new(scheme, &range));
         let widest = scheme.groups().map(|g| g.len()).max().unwrap_or(1);
         let coupled = (widest > 1).then(|| CoupledStages::new(system.pattern(), widest));
         let stage = StageState {
@@ -154,7 +154,7 @@ impl Stepper {
         system: &mut dyn System,
         solver: &mut dyn LinearSolver,
         step: Attempt<'_>,
-        group: &Group,
+        group: &StageGroup,
     ) -> Result<(), Failure> {
         let earlier = self.history.len();
         let NewtonOptions {
@@ -230,7 +230,7 @@ impl Stepper {
         &mut self,
         system: &mut dyn System,
         step: Attempt<'_>,
-        group: &Group,
+        group: &StageGroup,
         first: bool,
         tangent: bool,
     ) -> Result<[f64; 3], Failure> {
@@ -341,7 +341,7 @@ impl Stepper {
         &mut self,
         system: &mut dyn System,
         step: Attempt<'_>,
-        group: &Group,
+        group: &StageGroup,
     ) -> Result<bool, Failure> {
         for (i, k) in group.range().enumerate() {
             if group.len() > 1 {
@@ -363,7 +363,7 @@ impl Stepper {
     fn solve(
         &mut self,
         solver: &mut dyn LinearSolver,
-        group: &Group,
+        group: &StageGroup,
         fresh: bool,
     ) -> Result<(), Failure> {
         self.factorisations += usize::from(fresh);

@@ -1,6 +1,6 @@
 //! The choice of the coordinates q, and its changes at converged states.
 
-use super::core::{Chart, Core, RANK};
+use super::core::{Core, ImplicitChart, RANK};
 use super::dense::{norm, product_tr};
 use super::{Choice, Unknown};
 use crate::so3;
@@ -295,7 +295,7 @@ impl Core {
 
     /// Trial chart of selected coordinates with the equations in use.
     fn split(&mut self, independent: &[usize]) -> f64 {
-        let mut trial = Chart {
+        let mut trial = ImplicitChart {
             L: vec![0.0; self.X * self.D],
             independent: Some(independent.to_vec()),
             used: self.chart.used.clone(),

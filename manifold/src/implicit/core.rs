@@ -20,7 +20,7 @@ const ITERATIONS: usize = 30;
 
 /// Selection of the coordinates q and of the independent equations.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Chart {
+pub(super) struct ImplicitChart {
     /// q = Lᵀ (x − x_ref); X×D.
     pub L: Vec<f64>,
     /// The selected unknowns if L picks some.
@@ -39,7 +39,7 @@ pub(super) struct Core {
     pub D: usize,
     /// Configuration at q = 0.
     pub reference: Vec<f64>,
-    pub chart: Chart,
+    pub chart: ImplicitChart,
     /// The last converged (q, p), x, its derivatives Y by them and P by the equations, from which
     /// Newton's method starts.
     pub anchor: Anchor,
@@ -99,7 +99,7 @@ pub(super) struct Work {
     pub rows: Vec<f64>,
     pub equations: Pivoted,
     pub columns: Pivoted,
-    pub trial: Chart,
+    pub trial: ImplicitChart,
     /// End of the next part of a path.
     pub stop: Vec<f64>,
 }

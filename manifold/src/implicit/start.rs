@@ -1,6 +1,6 @@
 //! The first configuration: h(t, p, x) = 0 from a guess, before coordinates q exist.
 
-use super::core::{Anchor, CONSISTENT, CONVERGED, Chart, Core, RANK, ROUNDING, Work};
+use super::core::{Anchor, CONSISTENT, CONVERGED, Core, ImplicitChart, RANK, ROUNDING, Work};
 use super::{Description, ImplicitError};
 use crate::map::Parametrization;
 
@@ -40,7 +40,7 @@ impl Core {
             M,
             D: 0,
             reference: vec![0.0; X],
-            chart: Chart::default(),
+            chart: ImplicitChart::default(),
             anchor: Anchor {
                 t,
                 ..Anchor::default()

@@ -11,7 +11,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, RGBColor};
 
 pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-pub(super) type Chart<'a, 'b> =
+pub(super) type PlotArea<'a, 'b> =
     ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
 /// Margins for tick labels and descriptions at the left and at the bottom, and around a plot.
@@ -48,7 +48,7 @@ pub(super) fn axes<'a, 'b>(
     x: [f64; 2],
     y: [f64; 2],
     description: [&str; 2],
-) -> Result<Chart<'a, 'b>, PlotError> {
+) -> Result<PlotArea<'a, 'b>, PlotError> {
     let mut chart = ChartBuilder::on(area)
         .margin(MARGIN * FINE)
         .x_label_area_size(BOTTOM * FINE)

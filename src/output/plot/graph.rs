@@ -104,7 +104,7 @@ fn curve_mark(color: usize, marked: bool) -> Mark {
 }
 
 /// Map from positions to the fine pixels of an area.
-struct Frame {
+struct PlotFrame {
     /// Ranges of positions.
     x: [f64; 2],
     y: [f64; 2],
@@ -113,7 +113,7 @@ struct Frame {
     down: [i32; 2],
 }
 
-impl Frame {
+impl PlotFrame {
     fn at(&self, x: f64, y: f64) -> (i32, i32) {
         let along = |v: f64, [a, b]: [f64; 2], [from, to]: [i32; 2]| {
             from + ((v - a) / (b - a) * f64::from(to - from)).round() as i32
@@ -138,7 +138,7 @@ fn draw(area: &Area<'_>, graph: &Graph) -> Result<(), PlotError> {
     for (_, corners) in &triangles {
         y[0] = y[0].min(corners[1].1 - 0.09 * (y[1] - y[0]));
     }
-    let frame = Frame {
+    let frame = PlotFrame {
         x,
         y,
         across: [(LEFT + MARGIN) * FINE, (SIZE[0] - MARGIN) * FINE],
@@ -177,8 +177,8 @@ fn draw(area: &Area<'_>, graph: &Graph) -> Result<(), PlotError> {
     Ok(())
 }
 
-/// Frame, ticks, grid lines and descriptions.
-fn grid(area: &Area<'_>, graph: &Graph, frame: &Frame) -> Result<(), PlotError> {
+/// PlotFrame, ticks, grid lines and descriptions.
+fn grid(area: &Area<'_>, graph: &Graph, frame: &PlotFrame) -> Result<(), PlotError> {
     let ([left, right], [bottom, top]) = (frame.across, frame.down);
     let line = |from, to, style: ShapeStyle| area.draw(&PathElement::new(vec![from, to], style));
     let (light, ink) = (

@@ -1,6 +1,6 @@
 //! The shape of a structure: reference and deformed, with equal scales on all axes.
 
-use super::axes::{self, Area, Chart, Mark, legend_height, legend_rows};
+use super::axes::{self, Area, Mark, PlotArea, legend_height, legend_rows};
 use super::curves::heading;
 use super::{FINE, INK, PALE, PALETTE, PlotError, TEXT, font, scaled};
 use crate::input::Geometry;
@@ -330,7 +330,7 @@ fn draw(
 }
 
 fn outline(
-    chart: &mut Chart<'_, '_>,
+    chart: &mut PlotArea<'_, '_>,
     view: View,
     shapes: &Shapes,
     color: RGBColor,

@@ -6,7 +6,7 @@ use crate::support::dynamics::*;
 use nalgebra::{Matrix3, SVector, Vector3};
 use pullback::elements::beam::{Interpolation, Section};
 use pullback::elements::body::RigidBody;
-use pullback::elements::energy::Energies;
+use pullback::elements::energy::EnergyElement;
 use pullback::elements::joint::{Revolute, Spherical};
 use pullback::elements::load::{LineLoad, LoadKind, NodalLoad};
 use pullback::elements::model::{
@@ -227,7 +227,7 @@ struct Flywheel {
     uneven: f64,
 }
 
-impl Energies<1> for Flywheel {
+impl EnergyElement<1> for Flywheel {
     fn kinetic<S: Scalar>(&self, x: &SVector<S, 1>, v: &SVector<S, 1>) -> S {
         v[0] * v[0] * (x[0].cos() * self.uneven + 1.0) * 0.5
     }

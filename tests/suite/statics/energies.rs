@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use nalgebra::Matrix3;
-use pullback::elements::energy::{Energies, Gravity};
+use pullback::elements::energy::{EnergyElement, Gravity};
 use pullback::elements::model::NodeState;
 use pullback::integrators::dynamics::{Progress, integrate};
 use pullback::integrators::statics::solve_statics;

@@ -6,7 +6,7 @@
 use crate::support::{coupled, line};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use pullback_conformance::{self as check, Options};
-use pullback_conformance::{Report, Row};
+use pullback_conformance::{LawRow, Report};
 use pullback_elements::body::RigidBody;
 use pullback_elements::element::{Element, ElementError, Motion, Response};
 use pullback_elements::joint::Pose;
@@ -156,7 +156,7 @@ fn broken(report: &Report) -> Vec<&str> {
     all
 }
 
-fn failure<'a>(report: &'a Report, component: &str, law: &str) -> &'a Row {
+fn failure<'a>(report: &'a Report, component: &str, law: &str) -> &'a LawRow {
     let found = report
         .rows()
         .iter()

@@ -10,7 +10,9 @@ use pullback_conformance as check;
 use pullback_elements::beam::{Beam, BeamError, Damping, Section};
 use pullback_elements::body::RigidBody;
 use pullback_elements::element::{Element, ElementError, Motion, Properties, Response};
-use pullback_elements::energy::{ByEnergy, Energies, Gravity, PolynomialSpring, Sample, Sampled};
+use pullback_elements::energy::{
+    ByEnergy, EnergyElement, EnergySample, Gravity, PolynomialSpring, Sampled,
+};
 use pullback_elements::inertia::Inertia;
 use pullback_elements::load::{LoadKind, NodalLoad};
 use pullback_elements::model::frame_along;
@@ -134,7 +136,7 @@ fn springs() {
 /// The law of a [`CoordinateSpring`].
 struct Cubic(CoordinateLaw);
 
-impl Energies<1> for Cubic {
+impl EnergyElement<1> for Cubic {
     fn potential<S: Scalar>(&self, _t: S, x: &SVector<S, 1>) -> S {
         let square = (x[0] - self.0.x0).powi(2);
         (square * (0.25 * self.0.k3) + 0.5 * self.0.k) * square
@@ -178,7 +180,7 @@ fn a_bushing() {
 /// A dead force that changes with time: U = −f(t)·d.
 struct Pull(Vector3<f64>, Sine);
 
-impl Energies<6> for Pull {
+impl EnergyElement<6> for Pull {
     fn potential<S: Scalar>(&self, t: S, x: &SVector<S, 6>) -> S {
         let Sine {
             amplitude,
@@ -241,7 +243,7 @@ fn gravity_pulls_with_the_square_of_the_distance() {
 /// T = ½ v·M(x)v with a part linear in v: the force of a magnetic field.
 struct Charged;
 
-impl Energies<2> for Charged {
+impl EnergyElement<2> for Charged {
     fn kinetic<S: Scalar>(&self, x: &SVector<S, 2>, v: &SVector<S, 2>) -> S {
         let mass = x[0].cos() * 0.5 + 2.0;
         v.dot(v) * mass * 0.5 + x[0] * v[1] * 3.0
@@ -269,7 +271,7 @@ fn a_kinetic_energy_linear_in_the_velocities_turns_the_motion() {
 /// Neither kinetic energy nor dissipation.
 struct Nothing;
 
-impl Energies<3> for Nothing {}
+impl EnergyElement<3> for Nothing {}
 
 #[test]
 fn what_is_not_written_is_zero() {
@@ -317,7 +319,7 @@ fn loaded(element: &dyn Element, x: &[f64]) -> (Vec<f64>, Vec<f64>) {
 /// A spring to space or a steady load, in one type.
 struct Mixed(bool);
 
-impl Energies<1> for Mixed {
+impl EnergyElement<1> for Mixed {
     fn potential<S: Scalar>(&self, _t: S, x: &SVector<S, 1>) -> S {
         if self.0 { -x[0] } else { x[0] * x[0] }
     }
@@ -340,7 +342,7 @@ impl Energies<1> for Mixed {
 fn points_are_a_load_only_if_all_of_them_are() {
     let points = |loads: [bool; 2]| {
         let one = SMatrix::identity();
-        let sample = |load| Sample::new(Mixed(load), 1.0, SVector::zeros(), &one);
+        let sample = |load| EnergySample::new(Mixed(load), 1.0, SVector::zeros(), &one);
         Sampled::<Mixed, 1, 1>::new(loads.map(sample)).properties()
     };
     for mixed in [[true, false], [false, true]] {

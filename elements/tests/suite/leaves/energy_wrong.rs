@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, SVector, Vector3};
 use pullback_conformance as check;
 use pullback_elements::body::RigidBody;
 use pullback_elements::element::{Element, ElementError, Motion, Response};
-use pullback_elements::energy::{Energies, PolynomialSpring};
+use pullback_elements::energy::{EnergyElement, PolynomialSpring};
 use pullback_elements::spring::AxialSpring;
 use pullback_manifold::scalar::Scalar;
 
@@ -52,7 +52,7 @@ impl Element for Drag {
 /// The same by its dissipation: v·∂D/∂v = 4 D.
 struct DragByEnergy(f64);
 
-impl Energies<1> for DragByEnergy {
+impl EnergyElement<1> for DragByEnergy {
     fn dissipation<S: Scalar>(&self, _x: &SVector<S, 1>, v: &SVector<S, 1>) -> S {
         v[0] * v[0] * v[0] * v[0] * (0.25 * self.0)
     }
@@ -148,7 +148,7 @@ impl Element for WithoutGyroscope {
 /// The kinetic energy of a body that believes Ω = Ψ̇: self-consistent, but no rigid body.
 struct SmallRotations(FrameInertia);
 
-impl Energies<6> for SmallRotations {
+impl EnergyElement<6> for SmallRotations {
     fn kinetic<S: Scalar>(&self, _x: &SVector<S, 6>, v: &SVector<S, 6>) -> S {
         self.0.kinetic(&SVector::zeros(), v)
     }

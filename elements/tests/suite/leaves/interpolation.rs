@@ -9,7 +9,7 @@ use pullback_conformance as check;
 use pullback_conformance::Random;
 use pullback_elements::beam::{Beam, Damping, Geodesic, Interpolation, Section};
 use pullback_elements::element::{Element, ElementError, Motion, Response, SectionState};
-use pullback_elements::energy::{Energies, inside_chart, rate};
+use pullback_elements::energy::{EnergyElement, inside_chart, rate};
 use pullback_elements::inertia::Inertia;
 use pullback_elements::load::LineLoad;
 use pullback_elements::model::{BeamLine, Context, ModelBuilder, StraightLine, frame_along};
@@ -102,7 +102,7 @@ impl ByEnergy {
     }
 }
 
-impl Energies<12> for ByEnergy {
+impl EnergyElement<12> for ByEnergy {
     fn potential<S: Scalar>(&self, _t: S, y: &SVector<S, 12>) -> S {
         self.quadratic(&self.strains(y))
     }

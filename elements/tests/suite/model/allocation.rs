@@ -8,7 +8,7 @@ use allocation_counter::measure;
 use nalgebra::{Matrix3, Matrix6, Vector3};
 use pullback_elements::beam::{Damping, Interpolation};
 use pullback_elements::body::RigidBody;
-use pullback_elements::energy::{Energies, PolynomialSpring};
+use pullback_elements::energy::{EnergyElement, PolynomialSpring};
 use pullback_elements::load::{LineLoad, LoadKind, NodalLoad};
 use pullback_elements::model::{BeamLine, Context, Dof, ModelBuilder, StraightLine, frame_along};
 use pullback_elements::spring::{AxialSpring, Bushing};
