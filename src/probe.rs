@@ -265,21 +265,3 @@ pub fn continue_rotation(before: &Vector3<f64>, psi: &Vector3<f64>) -> Vector3<f
     let turns = ((e.dot(before) - angle) / TAU).round();
     psi + e * (turns * TAU)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_rotation_is_continued_over_many_turns_both_ways() {
-        let axis = Vector3::new(2.0, -1.0, 0.5).normalize();
-        let mut continued = Vector3::zeros();
-        let path = (0..100).chain((-40..100).rev()).map(|k| 0.3 * f64::from(k));
-        for angle in path {
-            // The angle in the chart is at most π.
-            let folded = angle - TAU * (angle / TAU).round();
-            continued = continue_rotation(&continued, &(axis * folded));
-            assert!((continued - axis * angle).norm() < 1e-12, "at {angle}");
-        }
-    }
-}

@@ -1,10 +1,12 @@
 //! Runs the analysis of a job; the only caller of the solvers.
 
 use crate::input::Plan;
+use crate::terminal::plural;
 use pullback_elements::model::Context;
 use pullback_integrators::dynamics::{
     self, DynamicOptions, DynamicsError, EnergyBalance, Progress, StepReport,
 };
+use pullback_integrators::significant;
 use pullback_integrators::statics::{
     FailedStep, Iteration, StaticsError, Step, solve_statics, trace_path,
 };
@@ -55,6 +57,31 @@ pub struct Advance<'a> {
     pub unstable: Option<usize>,
     /// State of a motion.
     pub progress: Option<&'a Progress>,
+}
+
+impl Advance<'_> {
+    /// Its number, time or load parameter, size and iterations in words.
+    pub fn describe(&self) -> String {
+        let parameter = match self.progress {
+            Some(_) => "time",
+            None => "load parameter",
+        };
+        format!(
+            "step {}  {parameter} {}  step size {:.3e}  {}",
+            self.number,
+            significant(self.t),
+            self.step_size,
+            plural(self.iterations, "iteration")
+        )
+    }
+
+    /// The completed part of a motion from 0 to `to`, at most 1.
+    pub fn part(&self, to: f64) -> f64 {
+        match to > 0.0 {
+            true => (self.t / to).clamp(0.0, 1.0),
+            false => 1.0,
+        }
+    }
 }
 
 impl<'a> From<&Step<'a>> for Advance<'a> {

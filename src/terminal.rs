@@ -3,7 +3,6 @@
 use crate::solve::{Advance, Counts};
 use crate::studies::gallery::Comparison;
 use indicatif::{ProgressBar, ProgressStyle};
-use pullback_integrators::significant;
 use std::fmt::{Display, Write};
 use std::io::{self, Write as _};
 use std::ops::ControlFlow;
@@ -53,9 +52,9 @@ impl Progress {
     /// Shows a converged step.
     pub fn step(&self, step: &Advance<'_>) {
         if let Some(to) = self.to {
-            self.bar.set_position(part(step.t, to));
+            self.bar.set_position((WHOLE as f64 * step.part(to)) as u64);
         }
-        self.bar.set_message(news(step));
+        self.bar.set_message(step.describe());
         self.bar.tick();
     }
 
@@ -73,29 +72,6 @@ impl Progress {
     /// Removes the line.
     pub fn clear(&self) {
         self.bar.finish_and_clear();
-    }
-}
-
-/// Text for a converged step: its time or load parameter, size and iterations.
-fn news(step: &Advance<'_>) -> String {
-    let parameter = match step.progress {
-        Some(_) => "time",
-        None => "load parameter",
-    };
-    format!(
-        "step {}  {parameter} {}  step size {:.3e}  {}",
-        step.number,
-        significant(step.t),
-        step.step_size,
-        plural(step.iterations, "iteration")
-    )
-}
-
-/// The completed part of a motion from 0 to `to` at the time `t`, of [`WHOLE`].
-fn part(t: f64, to: f64) -> u64 {
-    match to > 0.0 {
-        true => (WHOLE as f64 * (t / to).clamp(0.0, 1.0)) as u64,
-        false => WHOLE,
     }
 }
 
@@ -219,47 +195,4 @@ pub fn counts(counts: &Counts) -> String {
         let _ = writeln!(out, "stable for steps of at most {stable:.6e} at its start");
     }
     out
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_step_tells_where_it_is_its_size_and_its_iterations() {
-        let motion = pullback_integrators::dynamics::Progress::default();
-        let mut step = Advance {
-            number: 7,
-            t: 0.35,
-            step_size: 0.0125,
-            iterations: 3,
-            residuals: &[],
-            chart_changes: 0,
-            event: None,
-            unstable: None,
-            progress: Some(&motion),
-        };
-        assert_eq!(
-            news(&step),
-            "step 7  time 0.35  step size 1.250e-2  3 iterations"
-        );
-        let mut line = Progress::new(true);
-        line.until(2.0);
-        line.step(&step);
-        assert_eq!(line.bar.length(), Some(WHOLE));
-        assert_eq!(line.bar.position(), 175);
-        assert_eq!(line.bar.message(), news(&step));
-        (step.progress, step.iterations) = (None, 1);
-        assert_eq!(
-            news(&step),
-            "step 7  load parameter 0.35  step size 1.250e-2  1 iteration"
-        );
-    }
-
-    #[test]
-    fn the_bar_is_full_at_the_end() {
-        let parts = [(0.0, 3.0), (1.5, 3.0), (3.0, 3.0), (3.1, 3.0), (0.0, 0.0)];
-        let parts = parts.map(|(t, to)| part(t, to));
-        assert_eq!(parts, [0, 500, 1000, 1000, 1000]);
-    }
 }

@@ -1,7 +1,7 @@
 //! The program `pullback`, and programs that add joints of their own.
 
 mod compare;
-mod gallery;
+pub mod gallery;
 mod spectrum;
 
 use crate::input::{InputError, Plan, Registry};

@@ -31,16 +31,3 @@ fn distance(a: &str, b: &str) -> usize {
     }
     rows[a.len()][b.len()]
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn slips_are_recognised_and_strangers_are_not() {
-        let known = ["elements", "section", "from", "to"];
-        assert_eq!(closest("elemnets", known).as_deref(), Some("elements"));
-        assert_eq!(closest("Section", known).as_deref(), Some("section"));
-        assert_eq!(closest("colour", known), None);
-    }
-}

@@ -133,36 +133,3 @@ pub(super) fn panels(plan: &Plan, probes: &[Probe], rows: &[Row], length: f64) -
         })
         .collect()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn round_off_is_drawn_as_zero_and_small_values_are_not() {
-        let scales = Scales {
-            length: 10.0,
-            time: 2.0,
-            energy: 5.0,
-        };
-        let after = |sizes: [f64; 2]| {
-            let mut curves = sizes.map(|s| Curve::new("", vec![(0.5, s), (1.0, -s)]));
-            without_noise(&mut curves, scales.size(ProbeQuantity::displacement), |p| {
-                &mut p.1
-            });
-            curves.map(|c| c.points[1])
-        };
-        assert_eq!(after([3e-13, 9e-12]), [(1.0, 0.0); 2]);
-        // Beside a larger curve round-off is recognised as such.
-        assert_eq!(after([3e-13, 2e-11]), [(1.0, -3e-13), (1.0, -2e-11)]);
-    }
-
-    #[test]
-    fn nothing_is_round_off_where_no_size_is_known() {
-        let scales = Scales::of(0.0, &[Row::default()]);
-        use ProbeQuantity::{N, acceleration, displacement, kinetic_energy, momentum};
-        for quantity in [displacement, acceleration, N, kinetic_energy, momentum] {
-            assert_eq!(scales.size(quantity), 0.0);
-        }
-    }
-}

@@ -36,38 +36,3 @@ pub(crate) fn gauss(n: usize) -> Vec<(f64, f64)> {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn gauss_rules_integrate_monomials() {
-        for n in 1..=4 {
-            for degree in 0..2 * n {
-                let sum: f64 = gauss(n)
-                    .iter()
-                    .map(|(x, w)| w * x.powi(degree as i32))
-                    .sum();
-                let exact = if degree % 2 == 0 {
-                    2.0 / (degree as f64 + 1.0)
-                } else {
-                    0.0
-                };
-                assert!((sum - exact).abs() < 1e-14, "{n} points, degree {degree}");
-            }
-        }
-    }
-
-    #[test]
-    fn shape_functions_reproduce_cubics() {
-        let f = |x: f64| 1.0 - 2.0 * x + 0.5 * x * x + 3.0 * x * x * x;
-        let df = |x: f64| -2.0 + x + 9.0 * x * x;
-        let (n, dn) = lagrange::<4>(0.3);
-        let at = |i: usize| f(-1.0 + 2.0 * i as f64 / 3.0);
-        let value: f64 = (0..4).map(|i| n[i] * at(i)).sum();
-        let slope: f64 = (0..4).map(|i| dn[i] * at(i)).sum();
-        assert!((value - f(0.3)).abs() < 1e-14);
-        assert!((slope - df(0.3)).abs() < 1e-13);
-    }
-}

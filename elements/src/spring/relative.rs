@@ -3,9 +3,7 @@
 #![allow(non_snake_case)]
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3, Vector6};
-use pullback_manifold::map::{Map, Tangent};
 use pullback_manifold::quotients::{InverseQuotients, Quotients};
-use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::{self, skew};
 
 type Vector12 = SVector<f64, 12>;
@@ -15,29 +13,6 @@ type Vector12 = SVector<f64, 12>;
 pub(super) struct Relative {
     /// R₁ᵀ(x₂ − x₁) in the reference configuration.
     pub u0: Vector3<f64>,
-}
-
-impl Map<12, 6> for Relative {
-    fn phi<S: Scalar>(&self, _: S, q: &SVector<S, 12>) -> SVector<S, 6> {
-        let triple = |i: usize| Vector3::new(q[i], q[i + 1], q[i + 2]);
-        let (first, second) = (triple(3), triple(9));
-        let u0 = self.u0.map(S::constant);
-        let u = so3::rotation(&first).tr_mul(&(triple(6) - triple(0) + u0)) - u0;
-        let turn = so3::quaternion(&first)
-            .conjugate()
-            .product(&so3::quaternion(&second));
-        let theta = so3::log_quaternion(&turn);
-        SVector::<S, 6>::new(u.x, u.y, u.z, theta.x, theta.y, theta.z)
-    }
-
-    fn tangent(&self, _: f64, q: &Vector12) -> Tangent<12, 6> {
-        let at = self.at(q.as_slice());
-        Tangent { x: at.y, B: at.B() }
-    }
-
-    fn geometric_stiffness(&self, _: f64, q: &Vector12, f: &Vector6<f64>) -> SMatrix<f64, 12, 12> {
-        self.at(q.as_slice()).K_sigma(f)
-    }
 }
 
 /// One configuration of the two frames.
@@ -167,32 +142,5 @@ impl Relation {
         put(3, 3, &((first_first + first_first.transpose()) * 0.5));
         put(9, 9, &((second_second + second_second.transpose()) * 0.5));
         K
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use pullback_conformance::{self as check, Random};
-    use pullback_manifold::map::derived;
-
-    const MAP: Relative = Relative {
-        u0: Vector3::new(0.9, 0.7, -0.7),
-    };
-
-    #[test]
-    fn its_operators_are_those_of_the_map() {
-        check::map(&MAP).assert();
-        let mut random = Random::default();
-        for scale in [0.0, 1e-8, 0.7, 2.0] {
-            let x: Vector12 = random.vector::<12>() * scale;
-            let v: Vector12 = random.vector();
-            let expected = derived::kinematics(&MAP, 0.0, &x, &v, &Vector12::zeros());
-            let at = MAP.at(x.as_slice());
-            let y_dot = at.B() * v;
-            assert!((y_dot - expected.x_dot).amax() < 1e-13, "{scale}");
-            let error = (at.B_dot(&v, &y_dot) - expected.B_dot).amax();
-            assert!(error < 1e-13, "{scale}: {error:e}");
-        }
     }
 }

@@ -267,36 +267,3 @@ impl Inverse {
         true
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::{Inverse, Pivoted, product, product_tr};
-
-    #[test]
-    fn dependent_columns_come_last() {
-        // The third column is the sum of the first two.
-        let A = [1., 2., 0., 1., 0., 1., 3., -1., 1., 3., 3., 0.];
-        let mut found = Pivoted::default();
-        found.run(4, &A);
-        assert_eq!(found.rank(1e-12), 2);
-        assert_eq!(found.order[0], 2, "the longest comes first");
-        let mut gram = [0.0; 4];
-        product_tr([2, 4, 2], &found.basis[..8], &found.basis[..8], &mut gram);
-        let defect = [gram[0] - 1.0, gram[1], gram[2], gram[3] - 1.0];
-        assert!(defect.iter().all(|d| d.abs() < 1e-15), "{gram:?}");
-    }
-
-    #[test]
-    fn inverses() {
-        let A = [0.0, 1.0, 2.0, 2.0, 0.0, 1.0, 1.0, 3.0, 0.0];
-        let (mut left, mut inverse, mut one) = (A, [0.0; 9], [0.0; 9]);
-        let mut factors = Inverse::default();
-        assert!(factors.run(3, &mut left, &mut inverse));
-        product([3, 3, 3], &A, &inverse, &mut one);
-        for (k, x) in one.iter().enumerate() {
-            let exact = if k % 4 == 0 { 1.0 } else { 0.0 };
-            assert!((x - exact).abs() < 1e-15, "{one:?}");
-        }
-        assert!(!factors.run(2, &mut [0.0; 4], &mut [0.0; 4]));
-    }
-}

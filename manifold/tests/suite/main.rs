@@ -5,3 +5,4 @@ mod implicit;
 mod maps;
 mod rotations;
 mod support;
+mod systems;

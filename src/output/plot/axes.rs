@@ -231,26 +231,3 @@ pub(super) fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
     }
     [low - 0.04 * size, high + 0.04 * size]
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn ticks_are_short() {
-        assert_eq!(tick(0.30000000000000004, 1.0), "0.3");
-        assert_eq!(tick(-20.0, 60.0), "−20");
-        assert_eq!(tick(1e-17, 1.0), "0");
-        assert_eq!(tick(2.5e6, 1e7), "2.5e6");
-        assert_eq!(tick(-4e-5, 1e-4), "−4e−5");
-        assert_eq!(tick(12500.0, 60000.0), "12500");
-    }
-
-    #[test]
-    fn ranges_are_never_empty() {
-        for values in [&[][..], &[0.0], &[3.0, 3.0], &[f64::NAN], &[1.0, 2.0]] {
-            let [low, high] = range(values.iter().copied());
-            assert!(low < high, "{values:?}: {low} {high}");
-        }
-    }
-}

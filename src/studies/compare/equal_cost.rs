@@ -18,53 +18,55 @@ pub struct EqualCost {
     pub schemes: Vec<(String, Values, bool)>,
 }
 
-/// Finds a common cost, a time or a number of assemblies, and the errors there.
-pub(super) fn find(
-    schemes: &[String],
-    rows: &[Row],
-    reference: Option<&Reference>,
-    seconds: bool,
-) -> Option<EqualCost> {
-    // An error below that of the reference is unknown.
-    let known = |errors: Values| {
-        Values(ErrorQuantity::ALL.map(|q| {
-            let least = reference.map_or(0.0, |r| r.error.of(q));
-            let error = errors.of(q);
-            if error < least { f64::NAN } else { error }
-        }))
-    };
-    let cost = |row: &Row| match seconds {
-        true => row.seconds_alone,
-        false => Some(row.assemblies as f64),
-    };
-    let mut curves = Vec::new();
-    for scheme in schemes {
-        let own = rows
-            .iter()
-            .filter(|row| row.scheme == *scheme && row.is_regular());
-        let mut points: Vec<(f64, Values)> = own
-            .filter_map(|row| Some((cost(row)?.ln(), known(row.error?))))
-            .collect();
-        points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        if points.len() >= 2 {
-            curves.push((scheme, points));
+impl EqualCost {
+    /// Finds a common cost, a time or a number of assemblies, and the errors there.
+    pub fn find(
+        schemes: &[String],
+        rows: &[Row],
+        reference: Option<&Reference>,
+        seconds: bool,
+    ) -> Option<Self> {
+        // An error below that of the reference is unknown.
+        let known = |errors: Values| {
+            Values(ErrorQuantity::ALL.map(|q| {
+                let least = reference.map_or(0.0, |r| r.error.of(q));
+                let error = errors.of(q);
+                if error < least { f64::NAN } else { error }
+            }))
+        };
+        let cost = |row: &Row| match seconds {
+            true => row.seconds_alone,
+            false => Some(row.assemblies as f64),
+        };
+        let mut curves = Vec::new();
+        for scheme in schemes {
+            let own = rows
+                .iter()
+                .filter(|row| row.scheme == *scheme && row.is_regular());
+            let mut points: Vec<(f64, Values)> = own
+                .filter_map(|row| Some((cost(row)?.ln(), known(row.error?))))
+                .collect();
+            points.sort_by(|a, b| a.0.total_cmp(&b.0));
+            if points.len() >= 2 {
+                curves.push((scheme, points));
+            }
         }
+        let ends = curves
+            .iter()
+            .filter_map(|(_, p)| Some((p.first()?.0, p.last()?.0)));
+        let common = ends.reduce(|a, b| (a.0.max(b.0), a.1.min(b.1)))?;
+        let cost = 0.5 * (common.0 + common.1);
+        let schemes = curves.iter().map(|(name, points)| {
+            let errors = ErrorQuantity::ALL.map(|q| at(points, cost, q).unwrap_or(f64::NAN));
+            let beyond = points.iter().all(|p| p.0 > cost) || points.iter().all(|p| p.0 < cost);
+            ((*name).clone(), Values(errors), beyond)
+        });
+        Some(Self {
+            cost: cost.exp(),
+            seconds,
+            schemes: schemes.collect(),
+        })
     }
-    let ends = curves
-        .iter()
-        .filter_map(|(_, p)| Some((p.first()?.0, p.last()?.0)));
-    let common = ends.reduce(|a, b| (a.0.max(b.0), a.1.min(b.1)))?;
-    let cost = 0.5 * (common.0 + common.1);
-    let schemes = curves.iter().map(|(name, points)| {
-        let errors = ErrorQuantity::ALL.map(|q| at(points, cost, q).unwrap_or(f64::NAN));
-        let beyond = points.iter().all(|p| p.0 > cost) || points.iter().all(|p| p.0 < cost);
-        ((*name).clone(), Values(errors), beyond)
-    });
-    Some(EqualCost {
-        cost: cost.exp(),
-        seconds,
-        schemes: schemes.collect(),
-    })
 }
 
 /// Ratio of costs below which two runs are not extrapolated.
@@ -85,41 +87,4 @@ fn at(points: &[(f64, Values)], cost: f64, quantity: ErrorQuantity) -> Option<f6
     };
     // Errors of zero have no logarithm: no interpolation.
     Some((a + (b - a) * part).exp()).filter(|e| e.is_finite())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::sample::QUANTITIES;
-    use super::*;
-
-    /// Runs of an error e and a cost c.
-    fn points(all: &[(f64, f64)]) -> Vec<(f64, Values)> {
-        all.iter()
-            .map(|&(c, e)| (c.ln(), Values([e; QUANTITIES])))
-            .collect()
-    }
-
-    #[test]
-    fn errors_lie_on_the_line_through_the_nearest_runs() {
-        // Error 1/c² up to c = 2, and 2/c³ from there.
-        let points = points(&[(1.0, 1.0), (2.0, 0.25), (4.0, 0.031_25)]);
-        for (cost, error) in [
-            (0.5, 4.0),
-            (1.5, 1.0 / 2.25),
-            (3.0, 2.0 / 27.0),
-            (8.0, 2.0 / 512.0),
-        ] {
-            let found = at(&points, f64::ln(cost), ErrorQuantity::Rotation);
-            assert!(
-                found.is_some_and(|e| (e / error - 1.0).abs() < 1e-12),
-                "{cost}: {found:?}"
-            );
-        }
-        // Twice the steps in nearly the same time are not extrapolated.
-        let noise = super::tests::points(&[(1.0, 1.0), (2.0, 0.25), (2.02, 0.0625)]);
-        assert_eq!(at(&noise, f64::ln(4.0), ErrorQuantity::Rotation), None);
-        assert!(at(&noise, f64::ln(2.01), ErrorQuantity::Rotation).is_some());
-        let none = [(1.0, 0.0), (2.0, 0.0)].map(|(c, e)| (c, Values([e; QUANTITIES])));
-        assert_eq!(at(&none, 1.5, ErrorQuantity::Position), None);
-    }
 }

@@ -39,13 +39,18 @@ impl Exact {
         }
     }
 
+    /// Writes the known values at the time of a sample into it.
+    pub fn fill(&self, sample: &mut Sample) {
+        (self.at)(sample);
+    }
+
     /// The trajectory as a reference at the times of a comparison.
     pub(super) fn reference(&self, times: &[f64], nodes: usize) -> Reference {
         let samples: Vec<Sample> = times
             .iter()
             .map(|&t| {
                 let mut sample = Sample::unknown(t, nodes);
-                (self.at)(&mut sample);
+                self.fill(&mut sample);
                 sample
             })
             .collect();

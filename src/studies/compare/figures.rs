@@ -11,14 +11,22 @@ use drift::{PARTS, drift};
 const LEVEL: &str = "error of the reference (estimate)";
 
 /// A figure with its file name and caption.
-pub(super) struct Figure {
+pub struct Figure {
+    /// Name of its file.
     pub name: &'static str,
+    /// Caption.
     pub caption: String,
+    /// What is drawn.
+    pub graphs: Vec<Graph>,
+    /// The drawing.
     pub svg: String,
 }
 
 /// All figures that are not empty.
-pub(super) fn figures(comparison: &Comparison) -> Result<Vec<Figure>, PlotError> {
+///
+/// # Errors
+/// [`PlotError`] of the drawing library.
+pub fn figures(comparison: &Comparison) -> Result<Vec<Figure>, PlotError> {
     let mut out = Vec::new();
     let left_out = left_out(comparison);
     let mut add = |name, caption: &str, drawn: Vec<Graph>| -> Result<(), PlotError> {
@@ -33,6 +41,7 @@ pub(super) fn figures(comparison: &Comparison) -> Result<Vec<Figure>, PlotError>
                     _ => format!("{caption}{left_out}"),
                 },
                 svg: graphs(comparison.title.as_deref(), LEVEL, &drawn)?,
+                graphs: drawn,
             });
         }
         Ok(())
@@ -278,7 +287,3 @@ fn iterations(comparison: &Comparison) -> Vec<Graph> {
         level: None,
     }]
 }
-
-#[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-mod tests;

@@ -60,6 +60,7 @@ pub use drift::{Components, Conserved, Drift};
 pub use equal_cost::EqualCost;
 pub use error::CompareError;
 pub use exact::{Exact, read as read_exact};
+pub use figures::{Figure, figures};
 pub use order::{ABOVE_REFERENCE, NEAR, Order, STRAIGHT, fit};
 pub use perform::{compare, looked_at};
 pub use reference::Reference;

@@ -3,8 +3,10 @@
 use super::grid::Grid;
 use super::order::orders;
 use super::run::{self, Failure, Hooks, Maker, RunResult, Task, dynamic, side_by_side};
-use super::{Candidate, CompareError, Comparison, Conserved, Drift, Options, Reference, Row};
-use super::{drift, equal_cost, reference, sample};
+use super::{
+    Candidate, CompareError, Comparison, Conserved, Drift, EqualCost, Options, Reference, Row,
+};
+use super::{drift, reference, sample};
 use crate::method::Method;
 use crate::solve::{Counts, begin};
 use pullback_elements::model::Formulation;
@@ -247,8 +249,8 @@ pub(super) fn run(
         threads,
         orders: orders(&options.schemes, multipliers, &rows, judged.as_ref()),
         reference_failure: failure.map(|f| format!("{reference}: {f}")),
-        equal_cost: equal_cost::find(&names, &rows, judged.as_ref(), false),
-        equal_time: equal_cost::find(&names, &rows, judged.as_ref(), true),
+        equal_cost: EqualCost::find(&names, &rows, judged.as_ref(), false),
+        equal_time: EqualCost::find(&names, &rows, judged.as_ref(), true),
         reference: judged,
         zero_momenta,
         rows,

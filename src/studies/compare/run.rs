@@ -357,30 +357,3 @@ pub(in crate::studies) fn side_by_side<T: Send>(
     done.sort_by_key(|(k, _)| *k);
     done.into_iter().map(|(_, out)| out).collect()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::side_by_side;
-    use std::sync::{Condvar, Mutex};
-    use std::time::Duration;
-
-    #[test]
-    fn as_many_pieces_as_threads_are_under_way_at_once() {
-        for (threads, together) in [(1, 1), (3, 3), (9, 4)] {
-            let (under_way, changed) = (Mutex::new((0, 0)), Condvar::new());
-            let out = side_by_side(4, threads, &|k| {
-                let mut count = under_way.lock().unwrap();
-                count.0 += 1;
-                count.1 = count.1.max(count.0);
-                changed.notify_all();
-                // Waits for the others, with a timeout.
-                let wait = Duration::from_secs(if together == 1 { 0 } else { 20 });
-                let waiting = changed.wait_timeout_while(count, wait, |c| c.1 < together);
-                waiting.unwrap().0.0 -= 1;
-                10 * k
-            });
-            assert_eq!(out, [0, 10, 20, 30]);
-            assert_eq!(under_way.into_inner().unwrap().1, together);
-        }
-    }
-}

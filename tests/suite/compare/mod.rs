@@ -2,10 +2,13 @@
 
 mod cells;
 mod charts;
+mod error_curves;
+mod figures;
 mod laboratory;
 mod library;
 mod loops;
 mod program;
 mod program_more;
+mod runs;
 mod schemes;
 mod spectrum;

@@ -2,6 +2,8 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::support::program::{command, directory, files, read};
+use pullback::cli::gallery::answer;
+use pullback::studies::gallery::Comparison;
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -112,4 +114,44 @@ fn an_unknown_case_is_refused_with_the_list() {
         assert!(known.contains(&name), "{name} is not in {list}");
     }
     assert_eq!(known.len(), pullback::studies::gallery::CASES.len());
+}
+
+fn row(difference: f64) -> Comparison {
+    Comparison {
+        case: "spring".to_owned(),
+        quantity: "length".to_owned(),
+        computed: 2.0 + difference,
+        published: 2.0,
+        difference,
+        tolerance: 1e-3,
+        source: "exact".to_owned(),
+        seconds: 0.5,
+    }
+}
+
+#[test]
+fn one_row_that_is_off_is_a_failure() {
+    for json in [false, true] {
+        for (difference, code) in [
+            (9e-4, 0),
+            (-9e-4, 0),
+            (1.1e-3, 1),
+            (-1.1e-3, 1),
+            (f64::NAN, 1),
+        ] {
+            let rows = [row(0.0), row(difference), row(0.0)];
+            let (text, said) = answer(&rows, json).unwrap();
+            assert_eq!(said, code, "{difference}: {text}");
+            // The table marks the row and counts it.
+            if !json {
+                assert_eq!(
+                    text.matches("  NO  exact").count(),
+                    usize::from(code),
+                    "{text}"
+                );
+                let sum = format!("3 comparisons in 1 cases, {code} off");
+                assert!(text.contains(&sum), "{text}");
+            }
+        }
+    }
 }

@@ -3,10 +3,12 @@
 mod balance;
 mod check;
 mod dynamic;
+mod figures;
 mod gallery_command;
 mod incomplete;
 mod mutations;
 mod probes;
+mod progress;
 mod resume;
 mod run;
 mod schema;

@@ -3,6 +3,7 @@
 
 use crate::support::program::{directory, history, number, program, write};
 use nalgebra::Vector3;
+use pullback::probe::continue_rotation;
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
@@ -231,5 +232,18 @@ fn a_bar_under_an_end_force_and_a_cantilever_under_an_end_moment() {
         near(Gamma, none, "Gamma");
         near(M, axis, "M");
         near(K, axis / stiffness, "K");
+    }
+}
+
+#[test]
+fn a_rotation_is_continued_over_many_turns_both_ways() {
+    let axis = Vector3::new(2.0, -1.0, 0.5).normalize();
+    let mut continued = Vector3::zeros();
+    let path = (0..100).chain((-40..100).rev()).map(|k| 0.3 * f64::from(k));
+    for angle in path {
+        // The angle in the chart is at most π.
+        let folded = angle - TAU * (angle / TAU).round();
+        continued = continue_rotation(&continued, &(axis * folded));
+        assert!((continued - axis * angle).norm() < 1e-12, "at {angle}");
     }
 }

@@ -351,6 +351,23 @@ fn documented_and_example_models_are_accepted() {
 }
 
 #[test]
+fn slips_are_recognised_and_strangers_are_not() {
+    for (wrong, meant) in [
+        ("elemnets", Some("elements")),
+        ("Section", Some("section")),
+        ("colour", None),
+    ] {
+        let key = meant.unwrap_or("elements");
+        let text = with(&format!("{key} = "), &format!("{wrong} = "));
+        let help = refusal(&text).problem.advice().unwrap();
+        match meant {
+            Some(meant) => assert!(help.starts_with(&format!("did you mean `{meant}`? "))),
+            None => assert!(help.starts_with("there are: ") && !help.contains("did you mean")),
+        }
+    }
+}
+
+#[test]
 fn functions_of_t_are_documented_as_they_are() {
     let reference = include_str!("../../../docs/model_file.md");
     let rows = reference.lines().filter_map(|l| l.strip_prefix("| `{ "));

@@ -1,9 +1,11 @@
 //! Elements, joints and loads on their own.
 
 mod bodies;
+mod bushing;
 mod elements;
 mod energy;
 mod energy_wrong;
+mod integration;
 mod interpolation;
 mod joint_library;
 mod joints;
@@ -11,3 +13,4 @@ mod line_loads;
 mod reference;
 mod refusals;
 mod springs;
+mod time_functions;

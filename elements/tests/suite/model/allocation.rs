@@ -1,4 +1,4 @@
-//! An evaluation allocates nothing: buffers are made when the model is.
+//! An evaluation allocates nothing: buffers are made when the model is, and are no larger than it needs.
 
 #![allow(non_snake_case)]
 
@@ -9,6 +9,7 @@ use nalgebra::{Matrix3, Matrix6, Vector3};
 use pullback_elements::beam::{Damping, Interpolation};
 use pullback_elements::body::RigidBody;
 use pullback_elements::energy::{EnergyElement, PolynomialSpring};
+use pullback_elements::joint::Revolute;
 use pullback_elements::load::{LineLoad, LoadKind, NodalLoad};
 use pullback_elements::model::{BeamLine, Context, Dof, ModelBuilder, StraightLine, frame_along};
 use pullback_elements::spring::{AxialSpring, Bushing};
@@ -146,4 +147,36 @@ fn nothing_is_allocated_after_the_first_evaluation() {
     assert_eq!(measure(|| all(&mut context)).count_total, 0);
     let counted = measure(|| drop(std::hint::black_box(vec![0_u8; 64])));
     assert_eq!(counted.count_total, 1, "the counter counts");
+}
+
+/// Bytes that the context of a chain of bars keeps.
+fn kept(count: usize) -> f64 {
+    let mut b = ModelBuilder::new();
+    let mut end = b.node("ground", [0.0; 3]).unwrap();
+    b.support(end, &Dof::ALL);
+    for k in 0..count {
+        let axis = Revolute::new([0.0, 0.0, 1.0]).unwrap();
+        let pin = b.attach(&format!("pin {k}"), end, axis).unwrap();
+        let body = RigidBody::new(1.0, Matrix3::identity(), Vector3::x()).unwrap();
+        b.element(format!("bar {k}"), body, &[pin.frame]).unwrap();
+        let position = [k as f64 + 1.0, 0.0, 0.0];
+        end = b.offset(format!("end {k}"), pin.frame, position).unwrap();
+    }
+    let model = b.build().unwrap();
+    let mut context = None;
+    let bytes = measure(|| context = Some(Context::new(model))).bytes_max;
+    assert_eq!(context.unwrap().pattern().len(), count * count);
+    bytes as f64
+}
+
+/// The memory of a chain is quadratic in its length, like its mass matrix; tangents of every body for
+/// every pair of coordinates before it would be cubic.
+#[test]
+fn chains_grow_with_the_square_of_their_length() {
+    let sizes = [20, 40, 80, 160].map(|count| (count as f64, kept(count)));
+    let slope = |k: usize| (sizes[k + 1].1 - sizes[k].1) / (sizes[k + 1].0 - sizes[k].0);
+    // The factor of the square through three sizes; the same through all of them if there is no cube.
+    let square = |k: usize| (slope(k + 1) - slope(k)) / (sizes[k + 2].0 - sizes[k].0);
+    let growth = square(1) / square(0);
+    assert!((0.95..1.05).contains(&growth), "{growth}: {sizes:?}");
 }

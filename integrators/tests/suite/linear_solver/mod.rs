@@ -2,5 +2,6 @@
 
 mod allocation;
 mod fallback;
+mod residuals;
 mod singular;
 mod solutions;

@@ -4,6 +4,7 @@
 
 mod charts;
 mod flat;
+mod linear;
 mod map;
 mod steep;
 

@@ -85,7 +85,9 @@ impl Page {
     }
 
     pub(super) fn figure(&mut self, figure: &Figure) {
-        let Figure { name, caption, svg } = figure;
+        let Figure {
+            name, caption, svg, ..
+        } = figure;
         match self.format {
             Format::Html => {
                 let svg = inline(svg);

@@ -1,0 +1,3 @@
+//! Systems and their matrices.
+
+mod pattern;

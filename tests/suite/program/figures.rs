@@ -1,0 +1,220 @@
+//! Figures: ticks at round numbers, ranges that are never empty, and round-off that is not drawn.
+#![allow(clippy::unwrap_used)]
+
+use crate::support::program::{directory, program, read, write};
+use pullback::output::plot::{Curve, Division, Graph, graphs};
+use roxmltree::{Document, Node};
+
+/// A curve in a graph without descriptions.
+fn drawn(division: [Division; 2], points: &[(f64, f64)]) -> String {
+    let graph = Graph {
+        description: [String::new(), String::new()],
+        division,
+        curves: vec![Curve::new("curve", points.to_vec())],
+        marked: true,
+        slopes: Vec::new(),
+        level: None,
+    };
+    graphs(None, "", &[graph]).unwrap()
+}
+
+fn number(node: &Node<'_, '_>, name: &str) -> f64 {
+    node.attribute(name).unwrap().parse().unwrap()
+}
+
+/// Tick labels and their positions, along both axes.
+fn ticks(svg: &str) -> [Vec<(String, f64)>; 2] {
+    let document = Document::parse(svg).unwrap();
+    let of = |name: &str, is_tick: fn(&Node<'_, '_>) -> bool| {
+        let texts = document.descendants().filter(|n| n.has_tag_name("text"));
+        let ticks = texts.filter(is_tick).filter_map(|n| {
+            let label = n.text()?.trim();
+            (!label.is_empty()).then(|| (label.to_owned(), number(&n, name)))
+        });
+        ticks.collect()
+    };
+    [
+        of("x", |n| {
+            n.attribute("dy") == Some("0.76em") && n.attribute("transform").is_none()
+        }),
+        of("y", |n| n.attribute("text-anchor") == Some("end")),
+    ]
+}
+
+/// Labels on a horizontal axis for values between these.
+fn labels(division: Division, [low, high]: [f64; 2]) -> Vec<String> {
+    let svg = drawn([division, Division::Linear], &[(low, 0.0), (high, 1.0)]);
+    let [across, _] = ticks(&svg);
+    across.into_iter().map(|(label, _)| label).collect()
+}
+
+#[test]
+fn ticks_stand_at_round_numbers() {
+    for (division, values, expected) in [
+        (
+            Division::Linear,
+            [-0.06, 1.01],
+            &["0", "0.2", "0.4", "0.6", "0.8", "1"][..],
+        ),
+        (
+            Division::Logarithmic,
+            [1e-3, 0.1],
+            &["10⁻³", "10⁻²", "10⁻¹"],
+        ),
+        // No two powers of ten.
+        (
+            Division::Logarithmic,
+            [0.02, 0.29],
+            &["0.02", "0.05", "0.1", "0.2"],
+        ),
+        (
+            Division::Logarithmic,
+            [1e-12, 1.0],
+            &["10⁻¹²", "10⁻⁹", "10⁻⁶", "10⁻³", "10⁰"],
+        ),
+    ] {
+        assert_eq!(labels(division, values), expected);
+    }
+}
+
+#[test]
+fn tick_labels_are_short() {
+    for (values, expected) in [
+        // 3 · 0.1 is 0.30000000000000004.
+        ([0.0, 0.5], &["0", "0.1", "0.2", "0.3", "0.4", "0.5"][..]),
+        ([-20.0, 40.0], &["−20", "0", "20", "40"]),
+        ([0.0, 1e7], &["0", "2e6", "4e6", "6e6", "8e6", "1e7"]),
+        (
+            [2.2e6, 2.6e6],
+            &["2.2e6", "2.3e6", "2.4e6", "2.5e6", "2.6e6"],
+        ),
+        (
+            [-4e-5, 6e-5],
+            &["−4e−5", "−2e−5", "0", "2e−5", "4e−5", "6e−5"],
+        ),
+        (
+            [12000.0, 14000.0],
+            &["12000", "12500", "13000", "13500", "14000"],
+        ),
+    ] {
+        assert_eq!(labels(Division::Linear, values), expected);
+    }
+}
+
+#[test]
+fn what_has_no_logarithm_has_no_position() {
+    let values = [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-3, 1e-1];
+    let points: Vec<(f64, f64)> = (1..).map(f64::from).zip(values).collect();
+    let svg = drawn([Division::Linear, Division::Logarithmic], &points);
+    let document = Document::parse(&svg).unwrap();
+    let marks = document.descendants().filter(|n| n.has_tag_name("circle"));
+    // One is in the legend.
+    let heights: Vec<f64> = marks.map(|n| number(&n, "cy")).skip(1).collect();
+    let [_, up] = ticks(&svg);
+    let tick = |label: &str| up.iter().find(|(text, _)| text == label).unwrap().1;
+    assert_eq!(heights, [tick("10⁻³"), tick("10⁻¹")]);
+}
+
+#[test]
+fn ranges_are_never_empty() {
+    for values in [&[][..], &[0.0], &[3.0, 3.0], &[f64::NAN], &[1.0, 2.0]] {
+        let points: Vec<(f64, f64)> = (0..).map(f64::from).zip(values.iter().copied()).collect();
+        let [_, up] = ticks(&drawn([Division::Linear; 2], &points));
+        assert!(up.len() > 1, "{values:?}: {up:?}");
+        for pair in up.windows(2) {
+            // Upwards.
+            assert!(pair[1].1 < pair[0].1, "{values:?}: {up:?}");
+        }
+    }
+}
+
+/// The figure of the history of a model.
+fn history(name: &str, text: &str) -> String {
+    let directory = directory(name);
+    let output = program(&[&write(&directory, text)]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{said}");
+    read(directory.join("model.out/history.svg"))
+}
+
+/// Whether each curve of a figure is flat; frames, ticks and legends have five points at most.
+fn flat(svg: &str) -> Vec<bool> {
+    let document = Document::parse(svg).unwrap();
+    let lines = document
+        .descendants()
+        .filter(|n| n.has_tag_name("polyline"));
+    let heights = lines.map(|n| {
+        let points = n.attribute("points").unwrap().split_whitespace();
+        let heights = points.map(|p| p.split_once(',').unwrap().1.to_owned());
+        heights.collect::<Vec<_>>()
+    });
+    let curves = heights.filter(|heights| heights.len() > 5);
+    curves
+        .map(|heights| heights.iter().all(|y| *y == heights[0]))
+        .collect()
+}
+
+/// Two displacements in a structure of length 10, there and back again.
+#[test]
+fn round_off_is_drawn_as_zero_and_small_values_are_not() {
+    let after = |name: &str, sizes: [f64; 2]| {
+        let mut text = "[nodes]\nground = [0, 0, 0]\nwall = [10, 0, 0]\nelsewhere = [5, 0, 0]\n\
+                        [[bodies]]\nname = \"free\"\nnode = \"elsewhere\"\nmass = 1\n\
+                        inertia = [1, 1, 1]\n"
+            .to_owned();
+        for node in ["ground", "wall"] {
+            text += &format!(
+                "[[bodies]]\nname = \"{node}\"\nnode = \"{node}\"\nmass = 1\n\
+                 [[supports]]\nnode = \"{node}\"\nfix = \"all\"\n"
+            );
+        }
+        for (k, size) in sizes.into_iter().enumerate() {
+            text += &format!(
+                "[[joints]]\nname = \"J{k}\"\ntype = \"prismatic\"\nparent = \"ground\"\n\
+                 axis = [0, 1, 0]\nprescribed = {{ table = [[0, 0], [1, {size:e}], [2, {:e}]] }}\n\
+                 [[probes]]\nname = \"y{k}\"\nquantity = \"displacement\"\nnode = \"J{k}\"\n\
+                 component = \"y\"\n",
+                -size
+            );
+        }
+        text += "[analysis.dynamic]\nto = 2\nstep = 0.1\n[output]\nparaview_every = 0\n";
+        let svg = history(name, &text);
+        let [_, up] = ticks(&svg);
+        (flat(&svg), up.iter().any(|(label, _)| label.contains("e−")))
+    };
+    let zero = after("figures_round_off", [3e-13, 9e-12]);
+    assert_eq!(zero, (vec![true; 2], false));
+    // Beside a larger curve round-off is recognised as such.
+    let small = after("figures_small", [3e-13, 2e-11]);
+    assert_eq!(small, (vec![false; 2], true));
+}
+
+/// A point without extent under a load of 1e-20, and a support under another.
+#[test]
+fn nothing_is_round_off_where_no_size_is_known() {
+    let mut text = "[nodes]\nO = [0, 0, 0]\nheld = [0, 0, 0]\n\
+                    [[bodies]]\nname = \"point\"\nnode = \"O\"\nmass = 1\ninertia = [1, 1, 1]\n\
+                    [[bodies]]\nname = \"base\"\nnode = \"held\"\nmass = 1\n\
+                    [[supports]]\nnode = \"held\"\nfix = \"all\"\n"
+        .to_owned();
+    for node in ["O", "held"] {
+        text += &format!("[[loads]]\nnode = \"{node}\"\nforce = [0, 0, 1e-20]\n");
+    }
+    let quantities = [
+        ("displacement", "node = \"O\"\ncomponent = \"z\""),
+        ("acceleration", "node = \"O\"\ncomponent = \"z\""),
+        ("reaction_force", "node = \"held\"\ncomponent = \"z\""),
+        ("momentum", "component = \"z\""),
+        ("kinetic_energy", ""),
+    ];
+    for (quantity, of) in quantities {
+        text +=
+            &format!("[[probes]]\nname = \"its {quantity}\"\nquantity = \"{quantity}\"\n{of}\n");
+    }
+    text += "[analysis.dynamic]\nto = 1\nstep = 0.1\n[output]\nparaview_every = 0\n";
+    let [_, up] = ticks(&history("figures_no_size", &text));
+    assert!(up.len() >= quantities.len(), "{up:?}");
+    for (label, _) in &up {
+        assert!(label.contains("e−"), "{up:?}");
+    }
+}
