@@ -40,7 +40,7 @@ const ROLLER: f64 = 0.15;
 /// Inertia of the cam about its axis, mass of the follower.
 const INERTIA: f64 = 0.3;
 const MASS: f64 = 2.0;
-/// The spring that holds the follower on the cam, and its way at the start.
+/// The spring that holds the follower on the cam, and its compression at the start.
 const STIFFNESS: f64 = 400.0;
 const SQUEEZED: f64 = 0.4;
 /// How fast the cam turns at the start, with the follower at its highest.
@@ -55,7 +55,7 @@ fn lift(phi: f64) -> [f64; 2] {
     [ECCENTRICITY * c + rod, slope]
 }
 
-/// The model, the angle of the cam and the way of the follower.
+/// The model, the angle of the cam and the displacement of the follower.
 fn context() -> Result<(Context, [NodeId; 2]), Box<dyn Error>> {
     let mut builder = ModelBuilder::new();
     let ground = builder.node("ground", [0.0; 3])?;
@@ -110,14 +110,14 @@ fn main() -> Result<(), Failure> {
     check::joint(&OnCurve::new(Cam)).assert();
     let mut errors = Vec::new();
     for steps in [200, 400, 800] {
-        let (mut context, [angle, way]) = context()?;
+        let (mut context, [angle, displacement]) = context()?;
         let state = start(&context, 0.0, &[0.0], &[SPEED])?;
         let options = DynamicOptions::new(1.0, 1.0 / f64::from(steps));
         let mut run = Simulation::new(&mut context, state, &options)?;
         while run.step()?.is_some() {
             // The follower is as high as the slider of a crank, and rises as fast.
             let coordinate = |node| run.system().coordinate(node, 0).unwrap_or_default();
-            let ([phi, omega], [x, rate]) = (coordinate(angle), coordinate(way));
+            let ([phi, omega], [x, rate]) = (coordinate(angle), coordinate(displacement));
             let [height, slope] = lift(phi);
             assert!((x - (height - lift(0.0)[0])).abs() < 1e-12);
             assert!((rate - slope * omega).abs() < 1e-11);

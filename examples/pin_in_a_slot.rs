@@ -57,7 +57,7 @@ fn context(spring: f64, pull: f64, moment: f64, end: f64) -> Result<Context, Box
         end,
     };
     let JointNodes { frame, coordinates } = builder.attach("pin", ground, slot)?;
-    let [way, angle] = coordinates[..] else {
+    let [displacement, angle] = coordinates[..] else {
         return Err("the slot has a displacement and an angle".into());
     };
     let bob = builder.offset("bob", frame, [0.0, 0.0, -LENGTH])?;
@@ -71,9 +71,13 @@ fn context(spring: f64, pull: f64, moment: f64, end: f64) -> Result<Context, Box
             k: spring,
             ..CoordinateLaw::default()
         };
-        builder.element("spring", CoordinateSpring::new(law)?, &[way])?;
+        builder.element("spring", CoordinateSpring::new(law)?, &[displacement])?;
     }
-    builder.element("pull", CoordinateForce::new(Proportional(pull)), &[way])?;
+    builder.element(
+        "pull",
+        CoordinateForce::new(Proportional(pull)),
+        &[displacement],
+    )?;
     builder.element(
         "moment",
         CoordinateForce::new(Proportional(moment)),
@@ -117,12 +121,12 @@ fn in_motion() -> Result<(), Box<dyn Error>> {
         run.finish()?;
         let (q, v) = (&run.state().q, &run.state().v);
         let (s, c) = q[1].sin_cos();
-        let way = share * LENGTH * (first.sin() - s);
+        let displacement = share * LENGTH * (first.sin() - s);
         // ½ m l² φ̇² (1 − m cos² φ / (M + m)) = m g l (cos φ − cos φ₀).
         let rate = -(2.0 * G / LENGTH * (c - first.cos()) / (1.0 - share * c * c)).sqrt();
-        errors.push([(q[0] - way).abs(), (v[1] - rate).abs()]);
+        errors.push([(q[0] - displacement).abs(), (v[1] - rate).abs()]);
     }
-    println!("in motion: errors of way and rate {errors:?}");
+    println!("in motion: errors of displacement and rate {errors:?}");
     for k in 0..2 {
         for pair in errors.windows(2) {
             let order = (pair[0][k] / pair[1][k]).log2();
@@ -145,7 +149,7 @@ fn at_the_end() -> Result<(), Box<dyn Error>> {
         .to_string();
     println!("at the end: {error}");
     assert!(error.contains("pin") && error.contains("its slot at an end"));
-    // The pin has stopped within a step's way of the end.
+    // The pin has stopped within the displacement of a step from the end.
     let u = run.state().q[0];
     assert!(u <= 0.1 && u > 0.09, "{u}");
     Ok(())

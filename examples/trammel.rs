@@ -13,8 +13,8 @@ use pullback::prelude::*;
 use std::error::Error;
 use std::f64::consts::FRAC_PI_2;
 
-/// A rod of length L between a slider on the axis e1 and one on e2 (Archimedes' trammel). x has the ways of
-/// both from where they start.
+/// A rod of length L between a slider on the axis e1 and one on e2 (Archimedes' trammel). x has the
+/// displacements of both from where they start.
 #[derive(Clone, Copy)]
 struct Trammel {
     start: [f64; 2],
@@ -28,7 +28,7 @@ impl Implicit<2, 1> for Trammel {
     }
 
     fn coordinate(&self, k: usize) -> String {
-        ["first way", "second way"][k].to_owned()
+        ["first displacement", "second displacement"][k].to_owned()
     }
 }
 
@@ -53,10 +53,11 @@ fn sliders(builder: &mut ModelBuilder, x: NodeId) -> Result<(), Box<dyn Error>> 
         let (mut axis, mut position) = ([0.0; 3], [0.0; 3]);
         (axis[k], position[k]) = (1.0, trammel().start[k]);
         let pick = Linear::<2, 1>::pick(k, 0.0).boxed();
-        let way =
-            builder.mapped_coordinates(format!("{name} way"), &[Quantity::Length], pick, &[x])?;
-        let start = builder.offset(&format!("start of {name}"), ground, position)?;
-        let slider = builder.add_joint_frame(name, start, Prismatic::new(axis)?, &[way])?;
+        let unknown = format!("{name} displacement");
+        let displacement = builder.mapped_coordinates(unknown, &[Quantity::Length], pick, &[x])?;
+        let start = builder.offset(format!("start of {name}"), ground, position)?;
+        let joint = Prismatic::new(axis)?;
+        let slider = builder.add_joint_frame(name, start, joint, &[displacement])?;
         let mass = PointMass::new(MASS)?;
         let weight = mass.weight([0.0, -G, 0.0], Box::new(Constant(1.0)));
         builder.element(format!("mass of {name}"), mass, &[slider])?;
@@ -76,14 +77,14 @@ enum By {
 /// The model, and the node of x.
 fn context(by: By) -> Result<(Context, NodeId), Box<dyn Error>> {
     let mut builder = ModelBuilder::new();
-    let ways = [Quantity::Length; 2];
+    let lengths = [Quantity::Length; 2];
     let x = match by {
         By::Map => {
             let map = ImplicitMap::of(trammel(), 1, 0.0, [0.0; 2], Choice::Split)?;
             let q = builder.coordinates("q", &[Quantity::Length])?;
-            builder.mapped_coordinates("x", &ways, Box::new(map), &[q])?
+            builder.mapped_coordinates("x", &lengths, Box::new(map), &[q])?
         }
-        _ => builder.coordinates("x", &ways)?,
+        _ => builder.coordinates("x", &lengths)?,
     };
     sliders(&mut builder, x)?;
     let rod = Equations(trammel());
@@ -127,8 +128,8 @@ fn swung(by: By, steps: u32) -> Result<([f64; 2], Progress), Box<dyn Error>> {
     let mut run = Simulation::new(&mut context, state, &options)?;
     run.finish()?;
     let progress = run.progress().clone();
-    let way = |k| context.coordinate(x, k).map_or(f64::NAN, |[way, _]| way);
-    Ok(([0, 1].map(|k| trammel().start[k] + way(k)), progress))
+    let moved = |k| context.coordinate(x, k).map_or(f64::NAN, |[x, _]| x);
+    Ok(([0, 1].map(|k| trammel().start[k] + moved(k)), progress))
 }
 
 /// The order of the scheme: half the step, a quarter of the error.
@@ -150,7 +151,7 @@ fn main() -> Result<(), Failure> {
     for (k, steps) in [200, 400, 800].into_iter().enumerate() {
         let (x, progress) = swung(By::Map, steps)?;
         errors[0][k] = x[0].abs();
-        // The second way is the coordinate at the start, and cannot be in the end, where it is longest.
+        // The second displacement is the coordinate at the start, and cannot be in the end, where it is largest.
         assert!(progress.summary.chart_changes >= 1);
         assert!((x[0].hypot(x[1]) - LENGTH).abs() < 1e-14);
         let (x, progress) = swung(By::Multipliers, steps)?;

@@ -8,3 +8,4 @@ mod embedding;
 mod joint_pictures;
 mod readme;
 mod theory;
+mod tutorial;

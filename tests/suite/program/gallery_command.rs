@@ -80,7 +80,7 @@ fn the_helix_is_drawn_as_load_against_displacement() {
 }
 
 #[test]
-fn the_readme_shows_what_is_drawn_now() {
+fn the_gallery_page_shows_what_is_drawn_now() {
     let images = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/images");
     let shown =
         crate::support::drawings::cases().map(|case| (case, images.join(format!("{case}.svg"))));

@@ -60,6 +60,42 @@ pub fn update(page: &str, before: &str, after: &str) {
     fs::write(path, after).expect("the page can be written");
 }
 
+/// The page with pieces of the source in the blocks of this range that begin with the fence. The first
+/// two and the last two lines of a block say where in the source its piece begins and ends.
+fn include_pieces(page: &str, fence: &str, blocks: Range<usize>, source: &str) -> String {
+    let mut parts = page.split(fence);
+    let mut out = parts.next().unwrap_or_default().to_owned();
+    let text = format!("\n{source}");
+    for (k, part) in parts.enumerate() {
+        if !blocks.contains(&k) {
+            out += &[fence, part].concat();
+            continue;
+        }
+        let (block, rest) = part.split_once("\n```").expect("a block ends");
+        let lines: Vec<&str> = block.lines().collect();
+        let [first, last] = [&lines[..2], &lines[lines.len() - 2..]].map(|l| l.join("\n"));
+        let missing = |what: &str| format!("`{what}` is not in the source of a piece");
+        let at = text.find(&format!("\n{first}\n"));
+        let at = at.unwrap_or_else(|| panic!("{}", missing(&first))) + 1;
+        let end = text[at..].find(&format!("\n{last}\n"));
+        let end = at + end.unwrap_or_else(|| panic!("{}", missing(&last))) + 1 + last.len();
+        out += &[fence, &text[at..end], "\n```", rest].concat();
+    }
+    out
+}
+
+/// Holds blocks of a page to the pieces of the source that they include, or writes them.
+pub fn hold_pieces(page: &str, fence: &str, blocks: Range<usize>, source: &str) {
+    let (before, text) = (read(page), read(source));
+    let found = before.matches(fence).count();
+    assert!(found >= blocks.end, "{page} has {found} blocks");
+    update(
+        page,
+        &before,
+        &include_pieces(&before, fence, blocks, &text),
+    );
+}
+
 /// Holds blocks of a page to the source that they include, or writes them. All of the source has to
 /// be in them where `whole` says so.
 pub fn hold(page: &str, fence: &str, blocks: Range<usize>, source: &str, whole: bool) {
@@ -84,4 +120,12 @@ fn blocks_take_their_text_from_the_source() {
     let right =
         "# A\n```rust\none\nnew\n```\nwords\n```rust\ntwo\nmore\n```\n```rust\nother\n```\n";
     assert_eq!(made, right);
+}
+
+#[test]
+fn pieces_end_where_their_last_lines_say() {
+    let page = "```rust\none\ntwo\nold\nfour\n}\n```\nwords\n";
+    let source = "zero\none\ntwo\nnew\nfour\n}\nsix\n}\n";
+    let made = include_pieces(page, "```rust\n", 0..1, source);
+    assert_eq!(made, "```rust\none\ntwo\nnew\nfour\n}\n```\nwords\n");
 }

@@ -1,0 +1,314 @@
+//! The tutorial shows models and code of the examples, and what the program prints and draws.
+#![allow(clippy::unwrap_used)]
+
+use crate::support::included::{hold, hold_pieces, update};
+use crate::support::program::{directory, history, number, read};
+use std::fs::create_dir_all;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+const TOML: &str = "```toml\n";
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// An empty directory with a model of the examples, whose parts are replaced.
+fn with_model(directory: &Path, model: &str, changes: &[[&str; 2]]) -> PathBuf {
+    let path = directory.join("examples/models").join(model);
+    create_dir_all(path.parent().unwrap()).unwrap();
+    let mut text = read(root().join("examples/models").join(model));
+    for [old, new] in changes {
+        assert!(text.contains(old), "{model} has no {old}");
+        text = text.replace(old, new);
+    }
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+/// What the program prints in a directory.
+fn printed<'a>(directory: &Path, arguments: impl IntoIterator<Item = &'a str>) -> String {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_pullback"));
+    let output = command.args(arguments).current_dir(directory).output();
+    let output = output.unwrap();
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{errors}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// Whether two texts are the same but for numbers that differ by the tolerance at most, as rounding
+/// errors do from machine to machine.
+fn alike(a: &str, b: &str, tolerance: f64) -> bool {
+    let words = |text: &'_ str| -> Vec<String> {
+        let ends = |c: char| c.is_whitespace() || c == ',' || c == '"';
+        text.split(ends).map(str::to_owned).collect()
+    };
+    let (a, b) = (words(a), words(b));
+    let near = |a: &str, b: &str| match (a.parse::<f64>(), b.parse::<f64>()) {
+        (Ok(a), Ok(b)) => (a - b).abs() <= tolerance,
+        _ => a == b,
+    };
+    a.len() == b.len() && a.iter().zip(&b).all(|(a, b)| near(a, b))
+}
+
+/// Runs the commands of a page that are followed by their output, and holds the page to it.
+fn hold_output(page: &str, directory: &Path) {
+    const COMMAND: &str = "```sh\npullback ";
+    let before = read(root().join(page));
+    let mut parts = before.split(COMMAND);
+    let mut after = parts.next().unwrap().to_owned();
+    let mut commands = 0;
+    for part in parts {
+        let (command, rest) = part.split_once("\n```\n").unwrap();
+        let arguments = command.split_whitespace().filter(|word| *word != "\\");
+        after += &[COMMAND, command, "\n```\n"].concat();
+        let Some(old) = rest.strip_prefix("\n```text\n") else {
+            after += rest;
+            continue;
+        };
+        let output = printed(directory, arguments);
+        let (old, rest) = old.split_once("```\n").unwrap();
+        let same = alike(old.trim_end(), output.trim_end(), 1e-12);
+        let text = if same { old } else { &output };
+        after += &["\n```text\n", text.trim_end(), "\n```\n", rest].concat();
+        commands += 1;
+    }
+    assert!(commands > 0, "{page} has no command with its output");
+    update(page, &before, &after);
+}
+
+/// Holds a picture of the tutorial to what the program has drawn.
+fn hold_picture(name: &str, drawn: &Path) {
+    let path = format!("docs/images/tutorial/{name}.svg");
+    let before = std::fs::read_to_string(root().join(&path)).unwrap_or_default();
+    let after = read(drawn);
+    // Positions are whole numbers, 8 to a point.
+    if !alike(&before, &after, 1.0) {
+        update(&path, &before, &after);
+    }
+}
+
+/// Cells of the rows of all tables of a page whose first cell is given.
+fn rows(page: &str, first: &str) -> Vec<Vec<String>> {
+    let page = read(root().join(page));
+    let lines = page.lines().filter(|line| line.starts_with('|'));
+    let cells = lines.map(|line| {
+        let cells = line.trim_matches('|').split('|');
+        let plain = cells.map(|cell| cell.trim().trim_matches('`').replace('−', "-"));
+        plain.collect::<Vec<_>>()
+    });
+    cells.filter(|cells| cells[0] == first).collect()
+}
+
+/// Whether a cell is the number as it is written there, in its last digit or in a tenth of the value.
+#[track_caller]
+fn is(cell: &str, value: f64) {
+    let shown: f64 = cell.parse().unwrap();
+    let digits = cell.split('.').nth(1).map_or(0, str::len);
+    let unit = if cell.contains('e') {
+        0.1 * shown.abs()
+    } else {
+        0.51 * 0.1_f64.powi(i32::try_from(digits).unwrap())
+    };
+    // What is left of rounding errors is different on every machine.
+    let off = (shown - value).abs();
+    assert!(
+        off <= unit || shown.max(value.abs()) < 1e-12,
+        "{cell} for {value}"
+    );
+}
+
+#[test]
+fn the_beam() {
+    const PAGE: &str = "docs/tutorial/1_beam.md";
+    hold(PAGE, TOML, 0..1, "examples/models/elastica.toml", true);
+    let place = directory("tutorial_beam");
+    let model = with_model(&place, "elastica.toml", &[]);
+    hold_output(PAGE, &place);
+    let out = model.with_extension("out");
+    hold_picture("elastica", &out.join("deformed.svg"));
+    let steps = history(&out);
+    for (load, t) in [("1", 0.1), ("5", 0.5), ("10", 1.0)] {
+        let step = steps.iter().find(|row| number(row, "t") == t).unwrap();
+        let row = &rows(PAGE, load)[0];
+        is(&row[1], number(step, "tip.y"));
+        is(&row[3], -number(step, "tip.x"));
+    }
+    for [elements, order] in [["5", "1"], ["10", "1"], ["20", "1"], ["5", "2"], ["5", "3"]] {
+        let elements_line = format!("elements = {elements}");
+        let order_line = format!("order = {order}");
+        let changes = [
+            ["elements = 20", &*elements_line],
+            ["order = 3", &order_line],
+        ];
+        let model = with_model(&place, "elastica.toml", &changes);
+        printed(&place, ["run", model.to_str().unwrap()]);
+        let tip = number(
+            history(&model.with_extension("out")).last().unwrap(),
+            "tip.y",
+        );
+        let found = rows(PAGE, elements);
+        let row = found
+            .iter()
+            .find(|r| r.len() == 4 && r[1] == order)
+            .unwrap();
+        is(&row[2], tip);
+        // Exact: elliptic integrals (Mattiasson 1981).
+        is(&row[3], 0.8106090249 - tip);
+    }
+    let model = with_model(&place, "rollup.toml", &[]);
+    printed(&place, ["run", model.to_str().unwrap()]);
+    let last = history(&model.with_extension("out")).pop().unwrap();
+    assert!(read(root().join(PAGE)).contains(" 12.5663706144,"));
+    is("12.5663706144", number(&last, "turn"));
+    assert!((number(&last, "tip.x") + 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn the_mechanism() {
+    const PAGE: &str = "docs/tutorial/2_mechanism.md";
+    hold_pieces(PAGE, TOML, 0..3, "examples/models/four_bar.toml");
+    let place = directory("tutorial_mechanism");
+    let model = with_model(&place, "four_bar.toml", &[]);
+    hold_output(PAGE, &place);
+    hold_picture(
+        "four_bar",
+        &model.with_extension("out").join("deformed.svg"),
+    );
+    for (first, step) in [
+        ("step 0.002", "step = 0.002"),
+        ("step 0.001, as in the file", "step = 0.001"),
+        ("step 0.0005", "step = 0.0005"),
+    ] {
+        let model = with_model(&place, "four_bar.toml", &[["step = 0.001", step]]);
+        printed(&place, ["run", model.to_str().unwrap()]);
+        let steps = history(&model.with_extension("out"));
+        let gap = |axis| {
+            let [a, b] = ["a", "b"].map(|end| format!("gap {end}.{axis}"));
+            steps
+                .iter()
+                .map(move |row| (number(row, &a) - number(row, &b)).abs())
+        };
+        assert!(gap("x").chain(gap("y")).all(|gap| gap < 1e-14));
+        let last = steps.last().unwrap();
+        let [x, y] = ["gap a.x", "gap a.y"].map(|name| number(last, name));
+        let row = &rows(PAGE, first)[0];
+        is(&row[1], x);
+        is(&row[2], y);
+        // Exact: as in the gallery.
+        is(&row[3], (x - 1.5714799768).hypot(y - 1.9414393136));
+    }
+}
+
+#[test]
+fn the_motion() {
+    const PAGE: &str = "docs/tutorial/3_motion.md";
+    hold_pieces(PAGE, TOML, 0..1, "examples/models/pendulum.toml");
+    hold_pieces(PAGE, TOML, 1..2, "examples/models/double_pendulum.toml");
+    let place = directory("tutorial_motion");
+    with_model(&place, "pendulum.toml", &[]);
+    hold_output(PAGE, &place);
+    for step in ["0.02", "0.01", "0.005"] {
+        let line = format!("step = {step}");
+        let model = with_model(&place, "pendulum.toml", &[["step = 0.01", &line]]);
+        printed(&place, ["run", model.to_str().unwrap()]);
+        let steps = history(&model.with_extension("out"));
+        let last = steps.last().unwrap();
+        let [x, z] = ["bob.x", "bob.z"].map(|name| number(last, name));
+        let row = &rows(PAGE, step)[0];
+        is(&row[1], x);
+        is(&row[2], z);
+        // Exact: elliptic functions, as in the gallery.
+        is(
+            &row[3],
+            (x + 0.275087462576117).hypot(z + 0.961419205099125),
+        );
+        let defects = steps.iter().map(|row| number(row, "energy_defect").abs());
+        is(&row[4], defects.fold(0.0, f64::max));
+    }
+    let page = read(root().join(PAGE));
+    let schemes = page.split("| `scheme` |").nth(1).unwrap().lines().skip(2);
+    let schemes: Vec<&str> = schemes.take_while(|l| l.starts_with('|')).collect();
+    assert_eq!(schemes.len(), 6);
+    for row in schemes {
+        let cells: Vec<&str> = row.trim_matches('|').split('|').map(str::trim).collect();
+        let line = format!("scheme = {}", cells[0].trim_matches('`'));
+        let changes = [
+            ["scheme = { newmark = [0.25, 0.5] }", &*line],
+            ["record_every = 5", "record_every = 1"],
+        ];
+        let model = with_model(&place, "double_pendulum.toml", &changes);
+        printed(&place, ["run", model.to_str().unwrap()]);
+        let steps = history(&model.with_extension("out"));
+        let defects = steps.iter().map(|row| number(row, "energy_defect").abs());
+        is(cells[2], defects.fold(0.0, f64::max));
+        let solutions: f64 = steps.iter().map(|row| number(row, "iterations")).sum();
+        is(cells[3], solutions / (steps.len() - 1) as f64);
+    }
+    let model = with_model(&place, "double_pendulum.toml", &[]);
+    printed(&place, ["run", model.to_str().unwrap()]);
+    let out = model.with_extension("out");
+    hold_picture("double_pendulum", &out.join("deformed.svg"));
+    hold_picture("double_pendulum_history", &out.join("history.svg"));
+}
+
+#[test]
+fn the_joint() {
+    const PAGE: &str = "docs/tutorial/4_joint.md";
+    hold_pieces(PAGE, "```rust\n", 0..4, "examples/helical_joint.rs");
+    hold_pieces(PAGE, TOML, 0..1, "examples/helical_joint.toml");
+}
+
+#[test]
+fn the_comparison() {
+    const PAGE: &str = "docs/tutorial/5_comparison.md";
+    let place = directory("tutorial_comparison");
+    hold_output(PAGE, &place);
+    hold_picture("spectrum", &place.join("spectrum/spectrum.svg"));
+    let text = read(root().join(PAGE));
+    let command = text.split("```sh\npullback compare ").nth(1).unwrap();
+    let command = command.split("\n```").next().unwrap();
+    let arguments = command.split_whitespace().filter(|word| *word != "\\");
+    let table = printed(&place, std::iter::once("compare").chain(arguments));
+    hold_picture("convergence", &place.join("comparison/convergence.svg"));
+    let report = read(place.join("comparison/compare.md"));
+    let report = report.replace("·10<sup>−", "e-").replace("</sup>", "");
+    let (_, work) = report.split_once("## Errors at equal work").unwrap();
+    assert!(work.contains("At 1474 assemblies"), "{work}");
+    let errors = read(place.join("comparison/compare.csv"));
+    let head: Vec<&str> = errors.lines().next().unwrap().split(',').collect();
+    let column = |name| head.iter().position(|h| *h == name).unwrap();
+    let [scheme_at, error_at] = ["scheme", "error_position"].map(column);
+    for scheme in ["newmark", "ga:0.8", "bathe", "radau"] {
+        let [orders, costs] = &rows(PAGE, scheme)[..] else {
+            panic!("two tables have {scheme}");
+        };
+        let line = table.lines().find(|l| l.starts_with(scheme)).unwrap();
+        assert!(line.contains(&orders[2]), "{} for {line}", orders[2]);
+        let lines = errors.lines().map(|l| l.split(',').collect::<Vec<_>>());
+        let lines = lines.filter(|cells| cells[scheme_at] == scheme);
+        let found: Vec<f64> = lines.map(|c| c[error_at].parse().unwrap()).collect();
+        assert_eq!(found.len(), 4);
+        for (cell, error) in orders[3..].iter().zip(found) {
+            is(cell, error);
+        }
+        let row = format!("| {scheme} | {} ({})", costs[1], costs[2]);
+        assert!(work.contains(&row), "{row}: {work}");
+    }
+}
+
+#[test]
+fn every_link_of_the_tutorial_leads_somewhere() {
+    let folder = root().join("docs/tutorial");
+    let mut pages = 0;
+    for entry in std::fs::read_dir(&folder).unwrap() {
+        let text = read(entry.unwrap().path());
+        for part in text.split("](").skip(1) {
+            let link = &part[..part.find(')').unwrap()];
+            let path = link.split('#').next().unwrap();
+            assert!(folder.join(path).exists(), "{link}");
+        }
+        pages += 1;
+    }
+    assert_eq!(pages, 5);
+}
