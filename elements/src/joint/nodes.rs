@@ -67,7 +67,10 @@ impl ModelBuilder {
         Ok(JointNodes { frame, coordinates })
     }
 
-    /// Adds a frame node fixed to `parent`: it stands at `position` in the reference configuration.
+    /// Adds a frame node fixed to `parent`: it stands at `position` in the reference configuration, which
+    /// may be that of the parent.
+    ///
+    #[doc = include_str!("../../../docs/images/joints/weld.svg")]
     ///
     /// # Errors
     /// As [`ModelBuilder::mapped_node`].
