@@ -63,6 +63,10 @@ impl Element for PointMass {
         6
     }
 
+    fn kinetic_energy(&self, at: &Motion<'_>) -> Option<f64> {
+        Some(PointMass::kinetic_energy(self, at))
+    }
+
     fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
         for (r, a) in out.r.iter_mut().zip(at.a).take(3) {
             *r -= self.m * a;

@@ -129,6 +129,10 @@ impl Element for RigidBody {
         6
     }
 
+    fn kinetic_energy(&self, at: &Motion<'_>) -> Option<f64> {
+        Some(RigidBody::kinetic_energy(self, at))
+    }
+
     fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
         if at.v.is_empty() {
             return Ok(());
