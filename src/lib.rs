@@ -52,7 +52,7 @@
 //! # A pendulum
 //!
 //! ```
-//! use pullback::elements::joint::{offset, revolute};
+//! use pullback::elements::joint::Revolute;
 //! use pullback::prelude::*;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
