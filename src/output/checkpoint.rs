@@ -2,10 +2,10 @@
 //! same results.
 
 use super::directory::{self, OutputError};
-use super::history::Row;
+use super::history::HistoryRow;
 use super::log::{self, Extent};
 use super::plot::Shapes;
-use super::vtu::Frame;
+use super::vtu::VtuFrame;
 use crate::warnings::Turn;
 use pullback_elements::model::Context;
 use pullback_integrators::dynamics::Progress;
@@ -31,7 +31,7 @@ pub(super) struct Record {
     /// The shape of the last row, if it is not among them.
     pub latest: Option<(f64, Shapes)>,
     /// The grid of the last row, if it has not been written.
-    pub pending: Option<(Frame, String)>,
+    pub pending: Option<(VtuFrame, String)>,
     /// Number of rows per shape.
     pub stride: usize,
     /// Iterations and chart changes since the last row.
@@ -68,10 +68,10 @@ pub struct Checkpoint {
     pub(super) log: Extent,
     /// The rows in the log.
     #[serde(skip)]
-    pub(super) rows: Vec<Row>,
+    pub(super) rows: Vec<HistoryRow>,
     /// The grids of rows in the log.
     #[serde(skip)]
-    pub(super) frames: Vec<Frame>,
+    pub(super) frames: Vec<VtuFrame>,
 }
 
 /// Why a run cannot be resumed.

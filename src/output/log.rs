@@ -1,8 +1,8 @@
 //! `checkpoint.log`: the rows up to a checkpoint, one JSON line each. It is only appended to, so that the cost
 //! of a checkpoint does not depend on the number of rows.
 
-use super::history::Row;
-use super::vtu::Frame;
+use super::history::HistoryRow;
+use super::vtu::VtuFrame;
 use serde::{Deserialize, Serialize};
 
 /// Name of the file.
@@ -31,8 +31,8 @@ impl Extent {
 /// The lines of rows, some of which have a grid: `frames` in the same order; `name` is that of the
 /// grid that the k-th of the rows would have.
 pub(super) fn lines(
-    rows: &[Row],
-    frames: &[Frame],
+    rows: &[HistoryRow],
+    frames: &[VtuFrame],
     name: impl Fn(usize) -> String,
 ) -> Result<String, serde_json::Error> {
     let mut out = String::new();
@@ -46,11 +46,11 @@ pub(super) fn lines(
 }
 
 /// Parses lines.
-pub(super) fn read(lines: &[u8]) -> Result<(Vec<Row>, Vec<Frame>), serde_json::Error> {
+pub(super) fn read(lines: &[u8]) -> Result<(Vec<HistoryRow>, Vec<VtuFrame>), serde_json::Error> {
     let (mut rows, mut frames) = (Vec::new(), Vec::new());
     for line in serde_json::Deserializer::from_slice(lines).into_iter() {
-        let (row, grid): (Row, Option<String>) = line?;
-        frames.extend(grid.map(|file| Frame { t: row.t, file }));
+        let (row, grid): (HistoryRow, Option<String>) = line?;
+        frames.extend(grid.map(|file| VtuFrame { t: row.t, file }));
         rows.push(row);
     }
     Ok((rows, frames))

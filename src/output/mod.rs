@@ -16,10 +16,10 @@ mod vtu;
 
 pub use checkpoint::{Checkpoint, ResumeError};
 pub use directory::{Directory, OutputError};
-pub use history::{COLUMNS, DYNAMIC_COLUMNS, Row, STATIC_COLUMNS, csv};
+pub use history::{COLUMNS, DYNAMIC_COLUMNS, HistoryRow, STATIC_COLUMNS, csv};
 pub use recorder::{RecordError, Recorder, Setting};
 pub(crate) use results::is_complete;
 pub use results::{
     Ending, FinalState, MotionResult, NodeResult, ReactionResult, Results, Statistics,
 };
-pub use vtu::{Frame, collection, grid};
+pub use vtu::{VtuFrame, collection, grid};

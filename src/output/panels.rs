@@ -1,6 +1,6 @@
 //! Panels of the figure of the history.
 
-use super::history::Row;
+use super::history::HistoryRow;
 use super::plot::{Curve, Panel};
 use crate::input::{Plan, ProbeQuantity};
 use crate::probe::Probe;
@@ -22,8 +22,9 @@ struct Scales {
 }
 
 impl Scales {
-    fn of(length: f64, rows: &[Row]) -> Self {
-        let energy = |row: &Row| row.strain_energy.abs() + row.motion.map_or(0.0, |m| m[0].abs());
+    fn of(length: f64, rows: &[HistoryRow]) -> Self {
+        let energy =
+            |row: &HistoryRow| row.strain_energy.abs() + row.motion.map_or(0.0, |m| m[0].abs());
         let times = rows.first().zip(rows.last());
         Self {
             length,
@@ -77,7 +78,12 @@ fn without_noise(curves: &mut [Curve], size: f64, value: fn(&mut (f64, f64)) -> 
 
 /// One panel per quantity (more if there are many curves), in the order of the probes; the strain
 /// energy if there are none. `length` is the largest extent of the structure during the run.
-pub(super) fn panels(plan: &Plan, probes: &[Probe], rows: &[Row], length: f64) -> Vec<Panel> {
+pub(super) fn panels(
+    plan: &Plan,
+    probes: &[Probe],
+    rows: &[HistoryRow],
+    length: f64,
+) -> Vec<Panel> {
     let scales = Scales::of(length, rows);
     // By custom the load of a path, which may turn back, is on the vertical axis.
     let upright = matches!(plan, Plan::Path(..));

@@ -5,11 +5,11 @@ mod finish;
 use super::checkpoint::{self, Checkpoint, Record};
 use super::directory::{Directory, OutputError};
 use super::grids::{Grids, grid_name};
-use super::history::{Row, csv};
+use super::history::{HistoryRow, csv};
 use super::log::{self, Extent};
 use super::plot::Shapes;
 use super::results::{Ending, FinalState, Statistics, final_state};
-use super::vtu::{Frame, collection, grid};
+use super::vtu::{VtuFrame, collection, grid};
 use crate::input::{DynamicPlan, Geometry, ModelFile, Output, Plan};
 use crate::probe::{Answers, Probe};
 use crate::solve::{Advance, Counts, point};
@@ -47,8 +47,8 @@ pub struct Recorder<'a> {
     directory: Directory,
     probes: Vec<Probe>,
     reference: Shapes,
-    rows: Vec<Row>,
-    frames: Vec<Frame>,
+    rows: Vec<HistoryRow>,
+    frames: Vec<VtuFrame>,
     record: Record,
     /// The rows and frames in the log of the last checkpoint.
     log: Extent,
@@ -148,9 +148,9 @@ impl<'a> Recorder<'a> {
         if evaluated.is_err() || r.iter().any(|r| *r != 0.0) {
             return Ok(());
         }
-        let row = Row {
+        let row = HistoryRow {
             t,
-            ..Row::default()
+            ..HistoryRow::default()
         };
         self.add(context, row, Answers::of(context, t))
     }
@@ -167,10 +167,10 @@ impl<'a> Recorder<'a> {
         self.statistics.counts = Counts::of_motion(&progress.summary);
         self.record.largest_rotation = context.largest_rotation();
         self.turns = Turns::new(context, &progress.state);
-        let row = Row {
+        let row = HistoryRow {
             t: progress.state.t,
             chart_changes: progress.summary.chart_changes,
-            ..Row::default()
+            ..HistoryRow::default()
         };
         let answers = moving(context, progress)?;
         Ok(self.add(context, row, answers)?)
@@ -183,9 +183,9 @@ impl<'a> Recorder<'a> {
     pub fn look(&mut self, context: &mut Context, progress: &Progress) -> Result<(), RecordError> {
         self.turns = Turns::new(context, &progress.state);
         let answers = moving(context, progress)?;
-        let row = Row {
+        let row = HistoryRow {
             t: progress.state.t,
-            ..Row::default()
+            ..HistoryRow::default()
         };
         self.last = Some(final_state(context, &answers, &row, self.setting.file));
         Ok(())
@@ -228,7 +228,7 @@ impl<'a> Recorder<'a> {
             i.correction * i.damping
         });
         let [force, moment, _] = end.map_or([0.0; 3], |i| i.residual);
-        let row = Row {
+        let row = HistoryRow {
             step: step.number,
             t: step.t,
             step_size: step.step_size,
@@ -239,7 +239,7 @@ impl<'a> Recorder<'a> {
             chart_changes,
             event,
             unstable: step.unstable,
-            ..Row::default()
+            ..HistoryRow::default()
         };
         let answers = match step.progress {
             Some(progress) => moving(context, progress)?,
@@ -281,7 +281,7 @@ impl<'a> Recorder<'a> {
     fn add(
         &mut self,
         context: &Context,
-        mut row: Row,
+        mut row: HistoryRow,
         answers: Answers,
     ) -> Result<(), OutputError> {
         row.largest_rotation = context.largest_rotation();
@@ -312,7 +312,7 @@ impl<'a> Recorder<'a> {
                 Plan::Static(_) => (row.t, Some(row.t)),
                 Plan::Path(..) => (number as f64, Some(row.t)),
             };
-            let frame = Frame {
+            let frame = VtuFrame {
                 t: at,
                 file: grid_name(self.setting.plan, number),
             };
@@ -409,7 +409,7 @@ impl<'a> Recorder<'a> {
     }
 
     /// Rows so far.
-    pub fn rows(&self) -> &[Row] {
+    pub fn rows(&self) -> &[HistoryRow] {
         &self.rows
     }
 }

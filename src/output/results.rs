@@ -1,6 +1,6 @@
 //! `result.json`: settings, summary and the final state.
 
-use super::history::Row;
+use super::history::HistoryRow;
 use crate::input::ModelFile;
 use crate::probe::Answers;
 use crate::solve::Counts;
@@ -168,7 +168,7 @@ pub(crate) fn is_complete(directory: &Path) -> bool {
 pub(super) fn final_state(
     context: &Context,
     answers: &Answers,
-    row: &Row,
+    row: &HistoryRow,
     file: &ModelFile,
 ) -> FinalState {
     let moving = answers.is_moving();

@@ -14,7 +14,7 @@ use std::fmt::Write;
 
 /// A grid and its time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Frame {
+pub struct VtuFrame {
     /// Load parameter or time, and along a path the number of the row.
     pub t: f64,
     /// File name.
@@ -27,7 +27,7 @@ const CELL_TYPES: [u8; 3] = [3, 21, 35];
 const VERTEX: u8 = 1;
 
 /// The collection (`.pvd`) of grids.
-pub fn collection(frames: &[Frame]) -> String {
+pub fn collection(frames: &[VtuFrame]) -> String {
     let mut out = "<?xml version=\"1.0\"?>\n\
                    <VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n\
                    <Collection>\n"

@@ -1,7 +1,7 @@
 //! Warnings about the equilibria of a static analysis.
 
 use super::LISTED;
-use crate::output::Row;
+use crate::output::HistoryRow;
 use crate::probe::Answers;
 use pullback_elements::model::Context;
 use pullback_integrators::significant;
@@ -78,7 +78,7 @@ impl Diagnostics {
         &mut self,
         context: &Context,
         answers: &Answers,
-        row: &Row,
+        row: &HistoryRow,
         force: [f64; 3],
     ) {
         let t = row.t;

@@ -18,7 +18,7 @@
 
 use pullback_manifold::sparse::BlockPattern;
 
-use super::factors::{Factors, Failure};
+use super::factors::{FactorError, Factors};
 use super::symbolic::Symbolic;
 use super::{LinearError, LinearSolver, RESIDUAL_GOAL, Symmetry, check_length};
 
@@ -87,7 +87,7 @@ impl BlockLu {
             check_length("right-hand side", ready.pattern.dim(), b.len())?;
         }
         let result = match ready.factorise(values, self.floor, false, b) {
-            Err(Failure::Scale) => {
+            Err(FactorError::Scale) => {
                 ready.equilibrate(values)?;
                 ready.factorise(values, self.floor, true, b)
             }
@@ -98,9 +98,9 @@ impl BlockLu {
                 self.factorised = true;
                 Ok(())
             }
-            Err(Failure::Error(error)) => Err(error),
+            Err(FactorError::Error(error)) => Err(error),
             // After equilibration no entry exceeds one by much, so a second failure is overflow.
-            Err(Failure::Scale) => Err(LinearError::NonFinite {
+            Err(FactorError::Scale) => Err(LinearError::NonFinite {
                 what: "scaled matrix",
                 unknown: 0,
             }),

@@ -38,7 +38,7 @@ pub(super) struct Factors {
 }
 
 /// Error of a factorisation.
-pub(super) enum Failure {
+pub(super) enum FactorError {
     /// The diagonal is not a scale of the entries.
     Scale,
     Error(LinearError),
@@ -88,7 +88,7 @@ impl Factors {
         floor: f64,
         scaled: bool,
         b: Option<&[f64]>,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), FactorError> {
         let limit = rounding_level(self.symbolic.panels.len());
         self.squares.fill(0.0);
         self.products.fill(0.0);
@@ -112,7 +112,7 @@ impl Factors {
                     &mut self.factors[load.start..],
                 );
                 if !fits {
-                    return Err(Failure::Scale);
+                    return Err(FactorError::Scale);
                 }
             }
             for &(start, count) in &symbolic.fills[fills..panel.fills] {
@@ -126,7 +126,7 @@ impl Factors {
             self.swapped[k] = pivots.swapped;
             self.smallest = self.smallest.min(pivots.smallest);
             if !(pivots.smallest > limit && pivots.largest < GROWTH_LIMIT) && floor == 0.0 {
-                return Err(Failure::Error(name_pivot(panel.unknown, n, d, limit)));
+                return Err(FactorError::Error(name_pivot(panel.unknown, n, d, limit)));
             }
             let my_links = &symbolic.links[links..panel.links];
             let sums = &mut self.sums[..n];

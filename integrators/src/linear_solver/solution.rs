@@ -1,7 +1,7 @@
 //! Solutions by the block factors: substitution, and the residual.
 
 use super::factors::Factors;
-use super::symbolic::{Link, Panel, Symbolic};
+use super::symbolic::{ColumnPanel, Link, Symbolic};
 use super::{LinearError, REFINEMENTS, Symmetry, first_non_finite, is_final, kernels, max_abs};
 
 impl Factors {
@@ -143,8 +143,9 @@ impl Factors {
             });
         }
         let x = &self.x;
-        let bad =
-            |p: &Panel| first_non_finite(&x[p.first..p.first + p.size]).map(|i| p.unknown + i);
+        let bad = |p: &ColumnPanel| {
+            first_non_finite(&x[p.first..p.first + p.size]).map(|i| p.unknown + i)
+        };
         Err(LinearError::NonFinite {
             what: "solution",
             unknown: symbolic.panels.iter().find_map(bad).unwrap_or(0),

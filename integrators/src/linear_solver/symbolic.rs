@@ -6,7 +6,7 @@ use super::{LinearError, Symmetry, ordering};
 
 /// A block column of `L` and block row of `U` with their diagonal block, stored one after the
 /// other: `D`, then for each link `L` and `Uᵀ`.
-pub(super) struct Panel {
+pub(super) struct ColumnPanel {
     /// First unknown in the matrix.
     pub unknown: usize,
     /// First unknown in elimination order.
@@ -53,7 +53,7 @@ pub(super) struct Load {
 
 /// Everything that does not depend on values.
 pub(super) struct Symbolic {
-    pub panels: Vec<Panel>,
+    pub panels: Vec<ColumnPanel>,
     pub links: Vec<Link>,
     /// For each panel and each pair of its links the block that the pair updates.
     pub targets: Vec<u32>,
@@ -141,7 +141,7 @@ impl Symbolic {
             let operations = operations(size as f64, height as f64);
             self.flops += operations;
             self.busy += operations / rate(size);
-            self.panels.push(Panel {
+            self.panels.push(ColumnPanel {
                 unknown: pattern.unknowns(node).start,
                 first: firsts[k],
                 size,

@@ -1,6 +1,6 @@
 //! Drift of energies and momenta along a run.
 
-use super::sample::{Pose, Sample};
+use super::sample::{FrameSample, Sample};
 use nalgebra::Vector3;
 use pullback_integrators::dynamics::EnergyBalance;
 use serde::Serialize;
@@ -38,8 +38,9 @@ const NOTHING: f64 = 1e-12;
 pub(super) fn zeros<'a>(runs: impl Iterator<Item = &'a [Sample]> + Clone) -> Components {
     let samples = || runs.clone().flatten();
     let largest = |value: &dyn Fn(&Sample) -> f64| samples().map(value).fold(0.0, f64::max);
-    let fastest =
-        |speed: &dyn Fn(&Pose) -> f64| largest(&|s| s.nodes.iter().map(speed).fold(0.0, f64::max));
+    let fastest = |speed: &dyn Fn(&FrameSample) -> f64| {
+        largest(&|s| s.nodes.iter().map(speed).fold(0.0, f64::max))
+    };
     let energy = largest(&|s| s.gross_energy);
     let speeds = [
         fastest(&|n| n.velocity.norm()),

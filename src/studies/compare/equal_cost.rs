@@ -1,6 +1,6 @@
 //! Errors of schemes at equal cost.
 
-use super::{ErrorQuantity, Reference, Row, Values};
+use super::{ComparisonRow, ErrorQuantity, Reference, Values};
 use serde::Serialize;
 
 /// Errors of all schemes at one cost: log error is interpolated linearly over log cost between
@@ -22,7 +22,7 @@ impl EqualCost {
     /// Finds a common cost, a time or a number of assemblies, and the errors there.
     pub fn find(
         schemes: &[String],
-        rows: &[Row],
+        rows: &[ComparisonRow],
         reference: Option<&Reference>,
         seconds: bool,
     ) -> Option<Self> {
@@ -34,7 +34,7 @@ impl EqualCost {
                 if error < least { f64::NAN } else { error }
             }))
         };
-        let cost = |row: &Row| match seconds {
+        let cost = |row: &ComparisonRow| match seconds {
             true => row.seconds_alone,
             false => Some(row.assemblies as f64),
         };

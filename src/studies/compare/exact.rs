@@ -2,7 +2,7 @@
 
 use super::CompareError;
 use super::reference::{Reference, exactly_conserved};
-use super::sample::{Pose, QUANTITIES, Sample, Values, sizes};
+use super::sample::{FrameSample, QUANTITIES, Sample, Values, sizes};
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::so3;
 use std::fmt;
@@ -201,7 +201,7 @@ fn sample(t: f64, row: &[f64], columns: &[Column], nodes: usize) -> Sample {
                 out.gross_energy = value.abs();
             }
             Column::Node(node, field, k) => {
-                let Pose {
+                let FrameSample {
                     position,
                     velocity,
                     omega,

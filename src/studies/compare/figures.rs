@@ -3,7 +3,7 @@
 mod drift;
 
 use super::page::escaped;
-use super::{Comparison, ErrorQuantity, Row};
+use super::{Comparison, ComparisonRow, ErrorQuantity};
 use crate::output::plot::{Curve, Division, Graph, PlotError, graphs};
 use drift::{PARTS, drift};
 
@@ -77,7 +77,10 @@ pub fn figures(comparison: &Comparison) -> Result<Vec<Figure>, PlotError> {
 }
 
 /// One curve per scheme in its colour; a point per row with a value.
-fn curves(comparison: &Comparison, point: &dyn Fn(&Row) -> Option<(f64, f64)>) -> Vec<Curve> {
+fn curves(
+    comparison: &Comparison,
+    point: &dyn Fn(&ComparisonRow) -> Option<(f64, f64)>,
+) -> Vec<Curve> {
     let schemes = comparison.orders.iter().enumerate();
     let curve = schemes.filter_map(|(k, scheme)| {
         let points: Vec<_> = comparison.of(&scheme.scheme).filter_map(point).collect();
@@ -108,7 +111,7 @@ fn lasting(comparison: &Comparison, scheme: &str) -> String {
 }
 
 /// Incomplete runs of a figure over time.
-fn stopped(comparison: &Comparison) -> impl Iterator<Item = &Row> {
+fn stopped(comparison: &Comparison) -> impl Iterator<Item = &ComparisonRow> {
     let [coarsest, finest] = ends(comparison);
     let short = comparison.rows.iter().filter(move |row| {
         let coarse = comparison.long.is_empty() && near(row.step, coarsest);
@@ -129,7 +132,7 @@ fn ends(comparison: &Comparison) -> [f64; 2] {
 
 /// Caption of the curves over time that end early.
 fn stopping(comparison: &Comparison) -> String {
-    let name = |row: &Row| {
+    let name = |row: &ComparisonRow| {
         let t = row.samples.last().map_or(0.0, |s| s.t);
         let (scheme, h) = (escaped(&row.scheme), rounded(row.step));
         format!("{scheme} with h = {h} after t = {}", rounded(t))
@@ -149,7 +152,7 @@ fn left_out(comparison: &Comparison) -> String {
     let mut names: Vec<String> = Vec::new();
     for scheme in &comparison.orders {
         let word = escaped(&scheme.scheme);
-        let rows: Vec<&Row> = comparison.of(&scheme.scheme).collect();
+        let rows: Vec<&ComparisonRow> = comparison.of(&scheme.scheme).collect();
         if rows.len() > 1 && rows.iter().all(|row| row.failure.is_some()) {
             names.push(format!("{word} (no run came to its end)"));
             continue;
@@ -181,7 +184,7 @@ fn shown(comparison: &Comparison) -> Vec<ErrorQuantity> {
     ErrorQuantity::ALL.into_iter().filter(visible).collect()
 }
 
-fn error(row: &Row, quantity: ErrorQuantity) -> Option<f64> {
+fn error(row: &ComparisonRow, quantity: ErrorQuantity) -> Option<f64> {
     row.error
         .filter(|_| row.is_regular())
         .map(|e| e.of(quantity))
@@ -225,7 +228,7 @@ fn convergence(comparison: &Comparison) -> Vec<Graph> {
 }
 
 /// Cost of a run, where known.
-type Cost<'a> = dyn Fn(&Row) -> Option<f64> + 'a;
+type Cost<'a> = dyn Fn(&ComparisonRow) -> Option<f64> + 'a;
 
 fn work(comparison: &Comparison) -> Vec<Graph> {
     let alone = comparison
@@ -237,11 +240,11 @@ fn work(comparison: &Comparison) -> Vec<Graph> {
         (false, 1) => "wall time / s".to_owned(),
         (false, n) => format!("wall time, {n} runs in parallel / s"),
     };
-    let seconds = |row: &Row| match alone {
+    let seconds = |row: &ComparisonRow| match alone {
         true => row.seconds_alone,
         false => Some(row.seconds),
     };
-    let assemblies = |row: &Row| Some(row.assemblies as f64);
+    let assemblies = |row: &ComparisonRow| Some(row.assemblies as f64);
     let costs: [(&str, &Cost); 2] = [("assemblies of the model", &assemblies), (&time, &seconds)];
     let quantities = shown(comparison).into_iter().take(2);
     let pairs = quantities.flat_map(|q| costs.map(|cost| (q, cost)));
@@ -272,7 +275,7 @@ fn rounded(h: f64) -> String {
 }
 
 fn iterations(comparison: &Comparison) -> Vec<Graph> {
-    let regular = |row: &Row| row.is_regular() && row.counts.steps > 0;
+    let regular = |row: &ComparisonRow| row.is_regular() && row.counts.steps > 0;
     vec![Graph {
         description: [
             "step size h".to_owned(),

@@ -66,7 +66,7 @@ pub use perform::{compare, looked_at};
 pub use reference::Reference;
 pub(super) use run::side_by_side;
 pub use run::{Hooks, LATE_CHARTS, Maker};
-pub use sample::{ErrorQuantity, Pose, Sample, Values};
+pub use sample::{ErrorQuantity, FrameSample, Sample, Values};
 pub use tables::{summary, unknown};
 pub use write::{FILES, Subject, default_directory, run, run_several};
 
@@ -120,7 +120,7 @@ impl Options {
 
 /// One scheme at one step size.
 #[derive(Clone, Debug, Serialize)]
-pub struct Row {
+pub struct ComparisonRow {
     /// The scheme.
     pub scheme: String,
     /// Requested step size.
@@ -149,7 +149,7 @@ pub struct Row {
     pub samples: Vec<Sample>,
 }
 
-impl Row {
+impl ComparisonRow {
     /// Whether the run is complete with equal steps, so that its error belongs to its step size.
     pub fn is_regular(&self) -> bool {
         self.failure.is_none() && self.counts.rejected == 0
@@ -246,11 +246,11 @@ pub struct Comparison {
     /// Errors at equal times of the integration alone, if measured.
     pub equal_time: Option<EqualCost>,
     /// All runs, scheme by scheme, from large to small steps.
-    pub rows: Vec<Row>,
+    pub rows: Vec<ComparisonRow>,
     /// The long runs, one per scheme, if requested; they have no errors.
-    pub long: Vec<Row>,
+    pub long: Vec<ComparisonRow>,
     /// The runs with charts kept until [`LATE_CHARTS`] instead of half a turn, if requested, in the order of `rows`.
-    pub charts: Vec<Row>,
+    pub charts: Vec<ComparisonRow>,
 }
 
 impl Comparison {
@@ -261,7 +261,7 @@ impl Comparison {
     }
 
     /// The rows of a scheme.
-    pub fn of<'a>(&'a self, scheme: &'a str) -> impl Iterator<Item = &'a Row> + 'a {
+    pub fn of<'a>(&'a self, scheme: &'a str) -> impl Iterator<Item = &'a ComparisonRow> + 'a {
         self.rows.iter().filter(move |row| row.scheme == scheme)
     }
 }

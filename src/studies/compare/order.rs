@@ -2,7 +2,7 @@
 
 use super::Candidate;
 use super::sample::QUANTITIES;
-use super::{ErrorQuantity, Reference, Row, SchemeOrders, Values};
+use super::{ComparisonRow, ErrorQuantity, Reference, SchemeOrders, Values};
 use serde::Serialize;
 
 /// An observed order: the slope of log error over log step by least squares.
@@ -83,12 +83,12 @@ fn student(freedom: usize) -> Option<f64> {
 pub(super) fn orders(
     schemes: &[Candidate],
     multipliers: bool,
-    rows: &[Row],
+    rows: &[ComparisonRow],
     reference: Option<&Reference>,
 ) -> Vec<SchemeOrders> {
     let observed = |name: &str, quantity: ErrorQuantity| {
         let own = rows.iter().filter(|row| row.scheme == name);
-        let error = |row: &Row| {
+        let error = |row: &ComparisonRow| {
             row.error
                 .filter(|_| row.is_regular())
                 .map(|e| e.of(quantity))

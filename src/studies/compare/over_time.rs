@@ -1,6 +1,6 @@
 //! `drift.csv`: energies and momenta at all common times of all runs, the data of the figure of drift.
 
-use super::{Comparison, Row};
+use super::{Comparison, ComparisonRow};
 use std::fmt::Write;
 
 /// One line per run and common time reached; unknown values are empty. Runs with charts that are
@@ -18,7 +18,7 @@ pub(super) fn csv(comparison: &Comparison) -> String {
     out
 }
 
-fn rows(out: &mut String, run: &str, row: &Row) {
+fn rows(out: &mut String, run: &str, row: &ComparisonRow) {
     for sample in &row.samples {
         let momenta = sample.momenta.iter().flat_map(|p| p.iter().copied());
         let numbers = [Some(sample.energy), sample.defect].into_iter();

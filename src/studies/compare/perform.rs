@@ -2,9 +2,10 @@
 
 use super::grid::Grid;
 use super::order::orders;
-use super::run::{self, Failure, Hooks, Maker, RunResult, Task, dynamic, side_by_side};
+use super::run::{self, Hooks, Maker, RunFailure, RunResult, Task, dynamic, side_by_side};
 use super::{
-    Candidate, CompareError, Comparison, Conserved, Drift, EqualCost, Options, Reference, Row,
+    Candidate, CompareError, Comparison, ComparisonRow, Conserved, Drift, EqualCost, Options,
+    Reference,
 };
 use super::{drift, reference, sample};
 use crate::method::Method;
@@ -196,7 +197,7 @@ pub(super) fn run(
         None => reference::judge(&reference, multipliers, &grid, &ran),
     };
     let failure = ran.iter().find_map(|r| r.failure.as_ref());
-    let interrupted = |r: &RunResult| matches!(r.failure, Some(Failure::Interrupted));
+    let interrupted = |r: &RunResult| matches!(r.failure, Some(RunFailure::Interrupted));
     let mut complete = !ran
         .iter()
         .chain(&own)
@@ -290,10 +291,10 @@ fn row(
     grid: &Grid,
     reference: Option<&Reference>,
     conserved: Conserved,
-) -> Row {
+) -> ComparisonRow {
     let reference = reference.filter(|_| ran.failure.is_none());
     let counts = Counts::of_motion(&ran.summary);
-    Row {
+    ComparisonRow {
         scheme: task.name.clone(),
         requested_step: requested,
         step: grid.step(task.steps),

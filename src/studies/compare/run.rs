@@ -67,40 +67,40 @@ pub(super) struct RunResult {
     /// Assemblies before the first step, to find what the scheme requires.
     pub searching: usize,
     /// Reason of its failure.
-    pub failure: Option<Failure>,
+    pub failure: Option<RunFailure>,
     /// Wall time of the integration.
     pub time: Duration,
 }
 
-/// Failure of a run.
+/// RunFailure of a run.
 #[derive(Debug, thiserror::Error, Clone)]
-pub(super) enum Failure {
+pub(super) enum RunFailure {
     #[error("interrupted")]
     Interrupted,
     #[error("{0}")]
     Failed(String),
 }
 
-impl From<DynamicsError> for Failure {
+impl From<DynamicsError> for RunFailure {
     fn from(error: DynamicsError) -> Self {
         Self::Failed(error.to_string())
     }
 }
 
-impl From<SystemError> for Failure {
+impl From<SystemError> for RunFailure {
     fn from(error: SystemError) -> Self {
         Self::Failed(format!("a converged state cannot be evaluated: {error}"))
     }
 }
 
 #[cfg(feature = "diffsol")]
-impl From<crate::studies::general::GeneralError> for Failure {
+impl From<crate::studies::general::GeneralError> for RunFailure {
     fn from(error: crate::studies::general::GeneralError) -> Self {
         Self::Failed(error.to_string())
     }
 }
 
-impl From<InputError> for Failure {
+impl From<InputError> for RunFailure {
     fn from(error: InputError) -> Self {
         Self::Failed(error.to_string())
     }
@@ -147,13 +147,13 @@ fn advance(
     grid: &Grid,
     hooks: &Hooks<'_>,
     ran: &mut RunResult,
-) -> Result<(), Failure> {
+) -> Result<(), RunFailure> {
     let mut job = make(task.candidate.formulation())?;
     if task.late_charts {
         job.context.keep_charts_until(LATE_CHARTS);
     }
     let Some(plan) = dynamic(&job.plan) else {
-        return Err(Failure::Failed("the analysis is not dynamic".to_owned()));
+        return Err(RunFailure::Failed("the analysis is not dynamic".to_owned()));
     };
     let options = match &task.candidate {
         Candidate::Method(method) => options(task, method, grid, plan),
@@ -207,7 +207,7 @@ fn advance(
         ran.time = clock.elapsed();
         integrated?;
         if stopped {
-            return Err(Failure::Interrupted);
+            return Err(RunFailure::Interrupted);
         }
         let defect = progress.summary.energy.map(|e| e.defect());
         ran.samples
@@ -224,7 +224,7 @@ fn in_general(
     grid: &Grid,
     hooks: &Hooks<'_>,
     ran: &mut RunResult,
-) -> Result<(), Failure> {
+) -> Result<(), RunFailure> {
     use crate::studies::general::Observer;
     use pullback_elements::model::Context;
     use pullback_integrators::dynamics::State;
@@ -247,7 +247,7 @@ fn in_general(
             match Sample::of(model, at, None) {
                 Ok(sample) => samples.push(sample),
                 Err(error) => {
-                    failed = Some(Failure::from(error));
+                    failed = Some(RunFailure::from(error));
                     return ControlFlow::Break(());
                 }
             }
@@ -263,7 +263,7 @@ fn in_general(
     ended?;
     match failed {
         Some(failure) => Err(failure),
-        None if !progress.summary.finished => Err(Failure::Interrupted),
+        None if !progress.summary.finished => Err(RunFailure::Interrupted),
         None => Ok(()),
     }
 }
@@ -276,9 +276,9 @@ fn in_general(
     _: &Grid,
     _: &Hooks<'_>,
     _: &mut RunResult,
-) -> Result<(), Failure> {
+) -> Result<(), RunFailure> {
     let why = format!("{general}: this program is built without the feature `diffsol`");
-    Err(Failure::Failed(why))
+    Err(RunFailure::Failed(why))
 }
 
 /// Most repetitions of a timed run, and the total time after which there are no more.

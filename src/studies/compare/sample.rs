@@ -103,7 +103,7 @@ impl<T: Copy + Serialize> Serialize for Values<T> {
 
 /// A node in motion, global components, independent of charts.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pose {
+pub struct FrameSample {
     /// Position.
     pub position: Vector3<f64>,
     /// Rotation from the reference orientation.
@@ -118,7 +118,7 @@ pub struct Pose {
     pub omega_dot: Vector3<f64>,
 }
 
-impl From<NodeState> for Pose {
+impl From<NodeState> for FrameSample {
     fn from(node: NodeState) -> Self {
         Self {
             position: node.position,
@@ -137,7 +137,7 @@ pub struct Sample {
     /// Time.
     pub t: f64,
     /// All frame nodes, in the order of their definition.
-    pub nodes: Vec<Pose>,
+    pub nodes: Vec<FrameSample>,
     /// Kinetic and stored energy, and the potential of the loads that have one.
     pub energy: f64,
     /// The sum of the magnitudes of these three: the scale of round-off in the energy.
@@ -154,7 +154,7 @@ impl Sample {
     /// A sample with nothing known but the time.
     pub fn unknown(t: f64, nodes: usize) -> Self {
         let vector = Vector3::repeat(f64::NAN);
-        let node = Pose {
+        let node = FrameSample {
             position: vector,
             R: Matrix3::repeat(f64::NAN),
             velocity: vector,
@@ -198,13 +198,13 @@ impl Sample {
 
 /// The angle between two rotations, exact to round-off where it is small: ‖R_a − R_b‖² is
 /// 8 sin²(θ/2).
-fn angle(a: &Pose, b: &Pose) -> f64 {
+fn angle(a: &FrameSample, b: &FrameSample) -> f64 {
     let half = (a.R - b.R).norm() / 8f64.sqrt();
     // Not `min`, which would hide NaN.
     2.0 * if half > 1.0 { 1.0 } else { half }.asin()
 }
 
-fn node_distances(a: &Pose, b: &Pose) -> [f64; QUANTITIES - 1] {
+fn node_distances(a: &FrameSample, b: &FrameSample) -> [f64; QUANTITIES - 1] {
     [
         (a.position - b.position).norm(),
         angle(a, b),
@@ -259,9 +259,9 @@ pub(super) fn sizes(samples: &[Sample]) -> Values {
 pub(super) fn extrapolate(a: &[Sample], b: &[Sample], order: Values<usize>) -> Vec<Sample> {
     let parts = order.0.map(|p| (p as f64).exp2() - 1.0);
     let towards = |k: usize, a: &Vector3<f64>, b: &Vector3<f64>| b + (b - a) / parts[k];
-    let node = |(a, b): (&Pose, &Pose)| {
+    let node = |(a, b): (&FrameSample, &FrameSample)| {
         let relative = so3::log_rotation(&(a.R.transpose() * b.R), &Vector3::zeros());
-        Pose {
+        FrameSample {
             position: towards(0, &a.position, &b.position),
             R: b.R * so3::rotation(&(relative / parts[1])),
             velocity: towards(2, &a.velocity, &b.velocity),
@@ -284,9 +284,9 @@ pub(super) fn extrapolate(a: &[Sample], b: &[Sample], order: Values<usize>) -> V
 
 /// A run with each quantity from the first if `pick` says so, from the second otherwise.
 pub(super) fn choose(first: &[Sample], second: &[Sample], pick: [bool; QUANTITIES]) -> Vec<Sample> {
-    let node = |(a, b): (&Pose, &Pose)| {
+    let node = |(a, b): (&FrameSample, &FrameSample)| {
         let from = |k: usize| if pick[k] { a } else { b };
-        Pose {
+        FrameSample {
             position: from(0).position,
             R: from(1).R,
             velocity: from(2).velocity,

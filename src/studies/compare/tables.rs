@@ -1,7 +1,7 @@
 //! `compare.csv`, and the tables of the page.
 
 use super::ABOVE_REFERENCE;
-use super::{Comparison, ErrorQuantity, NEAR, Order, Row, SchemeOrders, Slope, Values};
+use super::{Comparison, ComparisonRow, ErrorQuantity, NEAR, Order, SchemeOrders, Slope, Values};
 use std::fmt::Write;
 
 /// Columns of `compare.csv` before and after the errors.
@@ -95,8 +95,8 @@ fn quoted(text: &str) -> String {
 }
 
 /// Failed runs, grouped by scheme and reason.
-pub(super) fn failures(comparison: &Comparison) -> Vec<(Vec<&Row>, &str)> {
-    let mut out: Vec<(Vec<&Row>, &str)> = Vec::new();
+pub(super) fn failures(comparison: &Comparison) -> Vec<(Vec<&ComparisonRow>, &str)> {
+    let mut out: Vec<(Vec<&ComparisonRow>, &str)> = Vec::new();
     for row in &comparison.rows {
         let Some(reason) = row.failure.as_deref() else {
             continue;
@@ -110,7 +110,7 @@ pub(super) fn failures(comparison: &Comparison) -> Vec<(Vec<&Row>, &str)> {
 }
 
 /// Status of a run, in a word.
-pub(super) fn status(row: &Row) -> &'static str {
+pub(super) fn status(row: &ComparisonRow) -> &'static str {
     match row.failure.as_deref() {
         None => "complete",
         Some("interrupted") => "interrupted",
@@ -161,7 +161,7 @@ pub fn summary(comparison: &Comparison) -> String {
              smaller than the next one"
         );
     }
-    let measured = |row: &Row, q| row.error.is_some_and(|e| e.of(q).is_finite());
+    let measured = |row: &ComparisonRow, q| row.error.is_some_and(|e| e.of(q).is_finite());
     let known = |q| {
         let knows = comparison.reference.as_ref().is_some_and(|r| r.knows(q));
         knows && comparison.rows.iter().any(|row| measured(row, q))

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use crate::studies::compare::{Exact, Pose};
+use crate::studies::compare::{Exact, FrameSample};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use std::f64::consts::FRAC_PI_2;
 
@@ -39,8 +39,8 @@ pub fn exact(model: &str, nodes: &[String]) -> Option<Exact> {
     }
 }
 
-fn at_rest() -> Pose {
-    Pose {
+fn at_rest() -> FrameSample {
+    FrameSample {
         position: Vector3::zeros(),
         R: Matrix3::identity(),
         velocity: Vector3::zeros(),
@@ -54,7 +54,7 @@ const GRAVITY: f64 = 9.81;
 
 /// The hinge and the bob of the pendulum of length 1, from rest at the horizontal: with θ from the lowest
 /// position sin(θ/2) = k sn(K − ωt), k = sin 45°.
-fn pendulum(t: f64) -> [Pose; 2] {
+fn pendulum(t: f64) -> [FrameSample; 2] {
     let (m, omega) = (0.5_f64, GRAVITY.sqrt());
     let [sn, cn, _] = jacobi(first_kind(FRAC_PI_2, m) - omega * t, m);
     let theta = 2.0 * (m.sqrt() * sn).asin();
@@ -62,14 +62,14 @@ fn pendulum(t: f64) -> [Pose; 2] {
     let spin = |rate: f64| Vector3::new(0.0, rate, 0.0);
     let (omega, omega_dot) = (spin(rate), spin(-GRAVITY * theta.sin()));
     let position = Vector3::new(-theta.sin(), 0.0, -theta.cos());
-    let hinge = Pose {
+    let hinge = FrameSample {
         R: *Rotation3::new(spin(theta - FRAC_PI_2)).matrix(),
         omega,
         omega_dot,
         ..at_rest()
     };
     let velocity = omega.cross(&position);
-    let bob = Pose {
+    let bob = FrameSample {
         position,
         velocity,
         acceleration: omega_dot.cross(&position) + omega.cross(&velocity),
@@ -125,7 +125,7 @@ impl Euler {
 /// The free body. Its attitude by Euler's angles about the angular momentum L: the nutation and the spin
 /// follow from J Ω, the precession is the integral of L (J₁Ω₁² + J₂Ω₂²)/(J₁²Ω₁² + J₂²Ω₂²) (Landau &
 /// Lifshitz, (37.14)), found by Gauss's rule.
-fn free_body(t: f64) -> Pose {
+fn free_body(t: f64) -> FrameSample {
     let euler = Euler::new();
     let L = INERTIA.component_mul(&SPIN).norm();
     let precession = |t: f64| {
@@ -154,7 +154,7 @@ fn free_body(t: f64) -> Pose {
     let Omega_dot = -Omega
         .cross(&INERTIA.component_mul(&Omega))
         .component_div(&INERTIA);
-    Pose {
+    FrameSample {
         R: *R.matrix(),
         omega: R * Omega,
         omega_dot: R * Omega_dot,

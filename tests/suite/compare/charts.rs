@@ -2,7 +2,9 @@
 #![allow(clippy::unwrap_used)]
 
 use pullback::input;
-use pullback::studies::compare::{Comparison, ErrorQuantity, Hooks, Options, Row, compare};
+use pullback::studies::compare::{
+    Comparison, ComparisonRow, ErrorQuantity, Hooks, Options, compare,
+};
 
 /// A rod of two elements on a ball joint, on its way round: `{spin}` is its angular velocity,
 /// `{interpolation}` that of its rotations.
@@ -77,7 +79,7 @@ fn rod(spin: &str, interpolation: &str) -> String {
 }
 
 /// Errors of rotations of a scheme, from large to small steps.
-fn errors(rows: &[Row], scheme: &str) -> Vec<f64> {
+fn errors(rows: &[ComparisonRow], scheme: &str) -> Vec<f64> {
     let own = rows.iter().filter(|row| row.scheme == scheme);
     own.map(|row| row.error.unwrap().of(ErrorQuantity::Rotation))
         .collect()
@@ -119,11 +121,11 @@ fn a_body_keeps_its_order_whenever_charts_change() {
             }
         }
     }
-    let total = |rows: &[Row]| errors(rows, "newmark")[2];
+    let total = |rows: &[ComparisonRow]| errors(rows, "newmark")[2];
     let [early, late] = [total(&comparison.rows), total(&comparison.charts)];
     assert!((early - late).abs() > 1e-2 * late, "{early:e} {late:e}");
     // Increments are in no such chart.
-    let updated = |rows: &[Row]| errors(rows, "ul-newmark");
+    let updated = |rows: &[ComparisonRow]| errors(rows, "ul-newmark");
     let [early, late] = [updated(&comparison.rows), updated(&comparison.charts)];
     for (a, b) in early.iter().zip(&late) {
         assert!((a - b).abs() < 1e-9, "{a:e} {b:e}");
@@ -145,7 +147,7 @@ fn total_rotation_vectors_lose_the_error_of_the_mesh_and_geodesic_elements_nothi
     // How far the two motions are apart, rotation by rotation.
     let apart = |comparison: &Comparison| -> Vec<f64> {
         let pairs = comparison.rows.iter().zip(&comparison.charts);
-        let pair = |(row, late): (&Row, &Row)| {
+        let pair = |(row, late): (&ComparisonRow, &ComparisonRow)| {
             let samples = row.samples.iter().zip(&late.samples);
             let nodes = samples.flat_map(|(a, b)| a.nodes.iter().zip(&b.nodes));
             nodes

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use pullback::solve::Counts;
-use pullback::studies::compare::{Drift, EqualCost, ErrorQuantity, Row, Values, fit};
+use pullback::studies::compare::{ComparisonRow, Drift, EqualCost, ErrorQuantity, Values, fit};
 
 fn errors(error: impl Fn(f64) -> f64) -> Vec<(f64, Option<f64>)> {
     let steps = (0..6).map(|k| 0.1 / f64::from(1 << k));
@@ -65,8 +65,8 @@ fn students_quantiles_are_those_of_the_tables() {
 }
 
 /// A run of a cost in seconds with the same error in all quantities.
-fn row(scheme: &str, (cost, error): (f64, f64)) -> Row {
-    Row {
+fn row(scheme: &str, (cost, error): (f64, f64)) -> ComparisonRow {
+    ComparisonRow {
         scheme: scheme.to_owned(),
         requested_step: 0.1,
         step: 0.1,
@@ -96,7 +96,7 @@ fn at(runs: &[(f64, f64)], cost: f64, quantity: ErrorQuantity) -> f64 {
         let ratio = f64::min(cost / first, last / cost);
         [cost / ratio, cost * ratio]
     };
-    let mut rows: Vec<Row> = runs.iter().map(|&run| row("own", run)).collect();
+    let mut rows: Vec<ComparisonRow> = runs.iter().map(|&run| row("own", run)).collect();
     rows.extend(others.map(|cost| row("other", (cost, 1.0))));
     let names = ["own", "other"].map(str::to_owned);
     let found = EqualCost::find(&names, &rows, None, true).unwrap();

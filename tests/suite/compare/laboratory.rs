@@ -29,7 +29,8 @@ fn an_exact_solution_takes_the_place_of_the_reference() {
         assert!(orders.of(ErrorQuantity::Rotation).is_none());
         let rows = by_reference.of(word).zip(comparison.of(word));
         for (estimated, exact) in rows {
-            let error = |row: &pullback::studies::compare::Row, q| row.error.unwrap().of(q);
+            let error =
+                |row: &pullback::studies::compare::ComparisonRow, q| row.error.unwrap().of(q);
             assert!(error(exact, ErrorQuantity::Rotation).is_nan());
             // Of the energy there is one value in a model, for both.
             let [a, b] = [estimated, exact].map(|row| error(row, ErrorQuantity::Energy));

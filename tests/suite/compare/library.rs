@@ -4,7 +4,8 @@
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use pullback::input;
 use pullback::studies::compare::{
-    CompareError, Comparison, ErrorQuantity, Hooks, Options, Row, Sample, Values, compare, run,
+    CompareError, Comparison, ComparisonRow, ErrorQuantity, Hooks, Options, Sample, Values,
+    compare, run,
 };
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
@@ -71,7 +72,7 @@ fn tried(text: &str, options: &Options) -> Result<Comparison, CompareError> {
 }
 
 /// Root mean square over the samples after the start.
-fn rms(row: &Row, distance: impl Fn(&Sample) -> f64) -> f64 {
+fn rms(row: &ComparisonRow, distance: impl Fn(&Sample) -> f64) -> f64 {
     let samples = &row.samples[1..];
     let sum: f64 = samples.iter().map(|s| distance(s).powi(2)).sum();
     (sum / samples.len() as f64).sqrt()
@@ -253,7 +254,7 @@ fn a_scheme_that_fails_at_a_step_is_a_row_with_the_reason() {
     let text = OSCILLATOR.replace("to = 8", "to = 60");
     let asked = options(&["central-difference", "newmark"], &[1.2, 0.12, 0.06]);
     let comparison = compared(&text, &asked);
-    let failed: Vec<&Row> = comparison
+    let failed: Vec<&ComparisonRow> = comparison
         .rows
         .iter()
         .filter(|r| r.failure.is_some())
@@ -362,7 +363,7 @@ fn a_comparison_that_is_stopped_keeps_what_it_has_and_says_so() {
     };
     let comparison = run(&make, "model.toml", None, &directory, &options, &watch).unwrap();
     assert!(!comparison.complete);
-    let stopped = |row: &&Row| row.failure.as_deref() == Some("interrupted");
+    let stopped = |row: &&ComparisonRow| row.failure.as_deref() == Some("interrupted");
     assert!(comparison.rows.iter().any(|row| stopped(&row)));
     assert!(comparison.reference.is_some());
     let read = |name: &str| std::fs::read_to_string(directory.join(name)).unwrap();

@@ -4,7 +4,7 @@
 use crate::support::laboratory::{compared, model, options, until};
 use pullback::input;
 use pullback::studies::compare::{
-    CompareError, Comparison, Exact, Hooks, Options, Row, Sample, compare,
+    CompareError, Comparison, ComparisonRow, Exact, Hooks, Options, Sample, compare,
 };
 use std::num::NonZeroUsize;
 use std::sync::{Condvar, Mutex};
@@ -93,7 +93,7 @@ fn as_many_runs_as_threads_are_under_way_at_once() {
         let comparison = compare(&make, "model.toml", &asked, &Hooks::NONE).unwrap();
         assert_eq!(under_way.into_inner().unwrap().1, together);
         assert_eq!(comparison.threads, together);
-        let row = |row: &Row| (row.scheme.clone(), row.counts.steps, row.failure.clone());
+        let row = |row: &ComparisonRow| (row.scheme.clone(), row.counts.steps, row.failure.clone());
         let expected = [
             ("newmark", 10),
             ("newmark", 20),

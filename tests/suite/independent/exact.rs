@@ -2,11 +2,11 @@
 #![allow(non_snake_case, clippy::unwrap_used)]
 
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
-use pullback::studies::compare::{Pose, Sample};
+use pullback::studies::compare::{FrameSample, Sample};
 use pullback::studies::gallery::exact;
 
 /// The nodes of a model at a time.
-fn poses<const N: usize>(model: &str, nodes: [&str; N], t: f64) -> [Pose; N] {
+fn poses<const N: usize>(model: &str, nodes: [&str; N], t: f64) -> [FrameSample; N] {
     let names = nodes.map(str::to_owned);
     let mut sample = Sample::unknown(t, N);
     exact(model, &names).unwrap().fill(&mut sample);
@@ -14,20 +14,20 @@ fn poses<const N: usize>(model: &str, nodes: [&str; N], t: f64) -> [Pose; N] {
 }
 
 /// The hinge and the bob.
-fn pendulum(t: f64) -> [Pose; 2] {
+fn pendulum(t: f64) -> [FrameSample; 2] {
     poses("pendulum", ["pivot", "rod"], t)
 }
 
-fn free_body(t: f64) -> Pose {
+fn free_body(t: f64) -> FrameSample {
     let [body] = poses("free_body", ["O"], t);
     body
 }
 
 /// By central differences of the positions and rotations.
-fn rates_follow(motion: impl Fn(f64) -> Pose, t: f64) {
+fn rates_follow(motion: impl Fn(f64) -> FrameSample, t: f64) {
     let h = 1e-4;
     let [before, now, after] = [t - h, t, t + h].map(motion);
-    let turned = |a: &Pose, b: &Pose| {
+    let turned = |a: &FrameSample, b: &FrameSample| {
         Rotation3::from_matrix_unchecked(b.R * a.R.transpose()).scaled_axis() / (2.0 * h)
     };
     let slope = |a: Vector3<f64>, b: Vector3<f64>| (b - a) / (2.0 * h);
@@ -76,7 +76,7 @@ fn the_free_body_is_where_it_should_be() {
     let L = inertia.component_mul(&Vector3::new(0.1, 10.0, 0.1));
     for t in [0.0, 1.3, 3.9, 8.0] {
         rates_follow(free_body, t);
-        let Pose { R, omega, .. } = free_body(t);
+        let FrameSample { R, omega, .. } = free_body(t);
         let kept = R * inertia.component_mul(&R.tr_mul(&omega));
         assert!((kept - L).norm() < 1e-12 * L.norm(), "{t}: {kept}");
     }

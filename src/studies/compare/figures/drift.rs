@@ -2,10 +2,10 @@
 
 use super::{ends, lasting, near, rounded};
 use crate::output::plot::{Curve, Division, Graph};
-use crate::studies::compare::{Comparison, Row};
+use crate::studies::compare::{Comparison, ComparisonRow};
 
 /// The value drawn of a run at a common time.
-type Drawn = dyn Fn(&Row, usize) -> f64;
+type Drawn = dyn Fn(&ComparisonRow, usize) -> f64;
 
 /// Most points of a curve: each is the largest value in its part of the run. A quantity that oscillates through
 /// zero would be a comb on a logarithmic axis, and hide the others.
@@ -23,7 +23,7 @@ pub(super) fn drift(comparison: &Comparison) -> Vec<Graph> {
             };
             let schemes = comparison.orders.iter().enumerate();
             let curves = schemes.flat_map(|(k, scheme)| {
-                let own = move |r: &&Row| r.scheme == scheme.scheme && near(r.step, step);
+                let own = move |r: &&ComparisonRow| r.scheme == scheme.scheme && near(r.step, step);
                 let drawn = rows.iter().filter(own).filter(|row| row.samples.len() > 1);
                 drawn.map(move |row| {
                     let label = lasting(comparison, &scheme.scheme);
@@ -44,7 +44,7 @@ pub(super) fn drift(comparison: &Comparison) -> Vec<Graph> {
 }
 
 /// The largest value in each part of a run, at its time; unknown values have no point.
-fn envelope(row: &Row, value: &Drawn) -> Vec<(f64, f64)> {
+fn envelope(row: &ComparisonRow, value: &Drawn) -> Vec<(f64, f64)> {
     let points: Vec<(f64, f64)> = (1..row.samples.len())
         .map(|j| (row.samples[j].t, value(row, j)))
         .collect();
@@ -59,7 +59,7 @@ fn envelope(row: &Row, value: &Drawn) -> Vec<(f64, f64)> {
 }
 
 /// The change of a quantity since the start of a run.
-fn change(of: impl Fn(&Row, usize) -> f64 + 'static) -> Box<Drawn> {
+fn change(of: impl Fn(&ComparisonRow, usize) -> f64 + 'static) -> Box<Drawn> {
     Box::new(move |row, j| (of(row, j) - of(row, 0)).abs())
 }
 
@@ -97,10 +97,11 @@ fn drawn(comparison: &Comparison) -> Vec<(String, Box<Drawn>)> {
         }
     }
     // The residual is drawn as it is, not as a change since the start.
-    let violation = |row: &Row, j: usize| row.samples[j].violation;
-    let loops = |row: &Row| (0..row.samples.len()).any(|j| violation(row, j).is_some());
+    let violation = |row: &ComparisonRow, j: usize| row.samples[j].violation;
+    let loops = |row: &ComparisonRow| (0..row.samples.len()).any(|j| violation(row, j).is_some());
     if comparison.rows.iter().any(loops) {
-        let value = move |row: &Row, j: usize| violation(row, j).map_or(f64::NAN, f64::abs);
+        let value =
+            move |row: &ComparisonRow, j: usize| violation(row, j).map_or(f64::NAN, f64::abs);
         out.push((
             "residual of the loops' equations".to_owned(),
             Box::new(value),

@@ -2,7 +2,7 @@
 
 use super::{Page, begun, escaped, first, step};
 use crate::studies::compare::tables::short;
-use crate::studies::compare::{Comparison, ErrorQuantity, Row};
+use crate::studies::compare::{Comparison, ComparisonRow, ErrorQuantity};
 
 /// Errors beside those of runs with charts that are kept longer.
 const SHOWN: [ErrorQuantity; 4] = [
@@ -26,7 +26,7 @@ pub(super) fn charts(out: &mut Page, c: &Comparison) {
                    total rotation vectors in space are others in the other chart, by the error of the mesh: the two \
                    motions are not the same, and errors after the stroke, against the reference of the \
                    first, have a floor that no step makes smaller.";
-    let changes = |row: &Row| row.counts.chart_changes;
+    let changes = |row: &ComparisonRow| row.counts.chart_changes;
     if c.rows.iter().chain(&c.charts).all(|row| changes(row) == 0) {
         out.paragraph("", "No run changes a chart, so there is no cost.");
         return;
@@ -40,11 +40,11 @@ pub(super) fn charts(out: &mut Page, c: &Comparison) {
     let rows = begun(&c.rows);
     let late = begun(&c.charts);
     for (k, row) in rows.iter().enumerate() {
-        let twin = |late: &&&Row| late.scheme == row.scheme && late.step == row.step;
+        let twin = |late: &&&ComparisonRow| late.scheme == row.scheme && late.step == row.step;
         let Some(late) = late.iter().find(twin) else {
             continue;
         };
-        let both = |of: &dyn Fn(&Row) -> Option<f64>| {
+        let both = |of: &dyn Fn(&ComparisonRow) -> Option<f64>| {
             let [a, b] = [row, late].map(|r| of(r).map_or("–".to_owned(), short));
             format!("{a} / {b}")
         };

@@ -2,7 +2,7 @@
 
 use super::{Page, begun, escaped, first, step};
 use crate::studies::compare::tables::short;
-use crate::studies::compare::{Comparison, Components, Conserved, Row};
+use crate::studies::compare::{Comparison, ComparisonRow, Components, Conserved};
 
 pub(super) fn drift(out: &mut Page, c: &Comparison) {
     let found = c.reference.as_ref().map(|r| r.conserved);
@@ -59,7 +59,7 @@ fn zero(conserved: &Conserved, zero: Components) -> String {
     }
 }
 
-fn rows(out: &mut Page, caption: &str, all: &[Row]) {
+fn rows(out: &mut Page, caption: &str, all: &[ComparisonRow]) {
     let columns = [
         "scheme",
         "h",

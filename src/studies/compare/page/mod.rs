@@ -9,7 +9,7 @@ mod writer;
 
 use super::figures::Figure;
 use super::tables::short;
-use super::{Comparison, ErrorQuantity, Row};
+use super::{Comparison, ComparisonRow, ErrorQuantity};
 use writer::Page;
 
 pub(super) use writer::Format;
@@ -134,17 +134,17 @@ fn names() -> impl Iterator<Item = String> {
 }
 
 /// The rows of runs that started; the others are among the failures.
-fn begun(rows: &[Row]) -> Vec<&Row> {
-    let begun = |row: &&Row| row.failure.is_none() || !row.samples.is_empty();
+fn begun(rows: &[ComparisonRow]) -> Vec<&ComparisonRow> {
+    let begun = |row: &&ComparisonRow| row.failure.is_none() || !row.samples.is_empty();
     rows.iter().filter(begun).collect()
 }
 
 /// Whether a row is the first of its scheme.
-fn first(rows: &[&Row], k: usize) -> bool {
+fn first(rows: &[&ComparisonRow], k: usize) -> bool {
     k > 0 && rows[k].scheme != rows[k - 1].scheme
 }
 
-fn step(row: &Row) -> String {
+fn step(row: &ComparisonRow) -> String {
     exact(row.step)
 }
 

@@ -2,7 +2,7 @@
 
 use super::{Page, begun, escaped, exact, first, names, step};
 use crate::studies::compare::tables::{failures as failures_of, short, status};
-use crate::studies::compare::{Comparison, EqualCost, ErrorQuantity, Row};
+use crate::studies::compare::{Comparison, ComparisonRow, EqualCost, ErrorQuantity};
 
 pub(super) fn errors(out: &mut Page, c: &Comparison) {
     let columns: Vec<String> = (["scheme", "h", ""].map(str::to_owned).into_iter())
@@ -54,7 +54,7 @@ fn changed_steps(c: &Comparison) -> String {
 }
 
 /// Status of a run, in a word.
-fn note(row: &Row) -> &'static str {
+fn note(row: &ComparisonRow) -> &'static str {
     match status(row) {
         "complete" if row.counts.rejected > 0 => "steps halved",
         "complete" => "",
