@@ -155,6 +155,7 @@ fn evaluation(beam: &dyn Element, ask: Ask) -> impl FnMut() {
             x: black_box(&x),
             v: black_box(&v),
             a: black_box(&a),
+            previous: (ask == Ask::CombinedFrom).then_some(&previous[..]),
         };
         match ask {
             Ask::Residual | Ask::Tangents => {
@@ -173,14 +174,13 @@ fn evaluation(beam: &dyn Element, ask: Ask) -> impl FnMut() {
             }
             Ask::Combined | Ask::CombinedFrom => {
                 K.fill(0.0);
-                let previous = (ask == Ask::CombinedFrom).then_some(&previous[..]);
                 let weights = Weights {
                     K: 1.0,
                     C: 20.0,
                     M: 400.0,
                 };
                 let combined = beam.combined().expect("an element with a way of its own");
-                combined.evaluate_combined(previous, &at, weights, &mut r, &mut K)
+                combined.evaluate_combined(&at, weights, &mut r, &mut K)
             }
         }
         .expect("inside the chart");

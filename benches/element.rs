@@ -44,6 +44,7 @@ fn evaluate(
         x: black_box(x),
         v: &[],
         a: &[],
+        previous,
     };
     let mut out = Response {
         r,
@@ -52,11 +53,7 @@ fn evaluate(
         M: None,
         r_t: None,
     };
-    match previous {
-        None => beam.evaluate(&at, &mut out),
-        Some(previous) => beam.evaluate_from(previous, &at, &mut out),
-    }
-    .expect("inside the chart");
+    beam.evaluate(&at, &mut out).expect("inside the chart");
 }
 
 /// Best of several averages, in seconds; each is so short that on a busy machine some of them are not

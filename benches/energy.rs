@@ -63,6 +63,7 @@ fn run(element: &dyn Element, job: Job, motion: &[Vec<f64>; 3], out: &mut [Vec<f
         x,
         v: if moving { v } else { &[] },
         a: if moving { a } else { &[] },
+        previous: None,
     };
     if let (Job::Combined, Some(combined)) = (job, element.combined()) {
         let weights = Weights {
@@ -70,7 +71,7 @@ fn run(element: &dyn Element, job: Job, motion: &[Vec<f64>; 3], out: &mut [Vec<f
             C: 20.0,
             M: 400.0,
         };
-        combined.evaluate_combined(None, &at, weights, r, K)
+        combined.evaluate_combined(&at, weights, r, K)
     } else {
         let parts = matches!(job, Job::Parts | Job::Combined);
         let mut out = Response {

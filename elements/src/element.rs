@@ -19,6 +19,12 @@ pub struct Motion<'a> {
     pub v: &'a [f64],
     /// Accelerations; zero in statics.
     pub a: &'a [f64],
+    /// Coordinates at the previous iterate, if any. K may then use stresses extrapolated linearly from
+    /// there instead of those at `x`: the residual is the same, and K differs by terms of second order in
+    /// the step, so Newton's method stays quadratic. The tangent is free of the large spurious stresses of
+    /// a big step in a slender element (Magisano, Leonetti & Garcea 2017, Comput. Methods Appl. Mech. Eng.
+    /// 313).
+    pub previous: Option<&'a [f64]>,
 }
 
 /// Output of an evaluation. Everything is zero on entry and the element **adds** to it.
@@ -71,14 +77,12 @@ pub enum ElementError {
 /// An element that forms the combined tangent of an integrator faster than its parts K, C and M.
 pub trait Combined {
     /// Adds the residual to `r` and cK·K + cC·C + cM·M to `S` (n×n, column by column), as
-    /// [`Element::evaluate`] does, or [`Element::evaluate_from`] with a `previous` iterate. Both
-    /// are zero on entry.
+    /// [`Element::evaluate`] does. Both are zero on entry.
     ///
     /// # Errors
     /// As [`Element::evaluate`].
     fn evaluate_combined(
         &self,
-        previous: Option<&[f64]>,
         at: &Motion<'_>,
         weights: Weights,
         r: &mut [f64],
@@ -173,26 +177,6 @@ pub trait Element: Send + Sync {
     /// # Errors
     /// [`ElementError`] if the motion is outside the element's domain.
     fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError>;
-
-    /// As [`Element::evaluate`], but K may use stresses extrapolated linearly from the previous
-    /// iterate instead of those at `at`.
-    ///
-    /// The residual is the same, and K differs by terms of second order in the step, so Newton's
-    /// method stays quadratic. The tangent is then free of the large spurious stresses of a big
-    /// step in a slender element (Magisano, Leonetti & Garcea 2017, Comput. Methods Appl. Mech.
-    /// Eng. 313). Ignored by default.
-    ///
-    /// # Errors
-    /// As [`Element::evaluate`].
-    fn evaluate_from(
-        &self,
-        previous: &[f64],
-        at: &Motion<'_>,
-        out: &mut Response<'_>,
-    ) -> Result<(), ElementError> {
-        let _ = previous;
-        self.evaluate(at, out)
-    }
 
     /// The combined tangent, if it can be formed faster than from its parts.
     fn combined(&self) -> Option<&dyn Combined> {

@@ -122,6 +122,7 @@ pub(crate) fn motion(s: &State) -> Motion<'_> {
         x: s.x.as_slice(),
         v: s.v.as_slice(),
         a: s.a.as_slice(),
+        previous: None,
     }
 }
 
@@ -147,11 +148,11 @@ fn evaluate_from(
         M: moving.then_some(M.as_mut_slice()),
         r_t: (ask == Request::All).then_some(r_t.as_mut_slice()),
     };
-    let done = match previous {
-        None => element.evaluate(&motion(s), &mut out),
-        Some(x) => element.evaluate_from(x.as_slice(), &motion(s), &mut out),
+    let at = Motion {
+        previous: previous.map(|x| x.as_slice()),
+        ..motion(s)
     };
-    done.ok()?;
+    element.evaluate(&at, &mut out).ok()?;
     Some(Forces {
         r,
         K,
@@ -239,7 +240,7 @@ impl One<'_> {
         };
         let (mut r, mut S) = (all.r.clone() * 0.0, sum.clone() * 0.0);
         let (r_slice, S_slice) = (r.as_mut_slice(), S.as_mut_slice());
-        let done = combined.evaluate_combined(None, &motion(s), weights, r_slice, S_slice);
+        let done = combined.evaluate_combined(&motion(s), weights, r_slice, S_slice);
         let off = |()| {
             let r = self.layout.forces((r - &all.r).as_slice());
             r.iter().sum::<f64>() + self.norm(&(S - &sum))

@@ -267,6 +267,7 @@ pub(super) fn silent_power(context: &mut Context, t: f64) -> f64 {
             x: &x,
             v: &[],
             a: &[],
+            previous: None,
         };
         if element.properties().load || element.energy(&rest) != 0.0 {
             continue;

@@ -169,24 +169,19 @@ impl<const NN: usize, I: Rotations<NN>> Beam<NN, I> {
         line
     }
 
-    /// Adds residual and tangents; with a `previous` iterate, K_σ uses extrapolated stresses.
+    /// Adds residual and tangents.
     #[inline]
     fn add(
         &self,
-        previous: Option<&[f64]>,
         at: &Motion<'_>,
         r: &mut [f64],
         tangents: &mut Tangents<'_>,
     ) -> Result<(), ElementError> {
         let viscous = self.damping.stiffness > 0.0 && !at.v.is_empty();
-        let kernel = |previous: Option<&[f64]>,
-                      at: &Motion<'_>,
-                      r: &mut [f64],
-                      tangents: &mut Tangents<'_>| {
-            self.strain(viscous, previous, at, r, tangents)
+        let kernel = |at: &Motion<'_>, r: &mut [f64], tangents: &mut Tangents<'_>| {
+            self.strain(viscous, at, r, tangents)
         };
-        self.rotations
-            .pull_back(viscous, previous, at, r, tangents, kernel)?;
+        self.rotations.pull_back(viscous, at, r, tangents, kernel)?;
         if self.massive && !at.v.is_empty() {
             self.rotations.inertia(at, self.damping.mass, r, tangents);
         }
@@ -198,7 +193,6 @@ impl<const NN: usize, I: Rotations<NN>> Beam<NN, I> {
     fn strain(
         &self,
         damped: bool,
-        previous: Option<&[f64]>,
         at: &Motion<'_>,
         r: &mut [f64],
         tangents: &mut Tangents<'_>,
@@ -229,7 +223,7 @@ impl<const NN: usize, I: Rotations<NN>> Beam<NN, I> {
                     continue;
                 }
                 // Viscous stresses are not extrapolated.
-                let (N, M) = match previous.filter(|_| !damped) {
+                let (N, M) = match at.previous.filter(|_| !damped) {
                     None => (strained.N, strained.M),
                     Some(x) => extrapolated(&Self::line(p, x), &line, &p.X_prime, &p.law),
                 };
@@ -263,17 +257,7 @@ impl<const NN: usize, I: Rotations<NN>> Element for Beam<NN, I> {
 
     fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
         let (r, mut tangents) = parts(out);
-        self.add(None, at, r, &mut tangents)
-    }
-
-    fn evaluate_from(
-        &self,
-        previous: &[f64],
-        at: &Motion<'_>,
-        out: &mut Response<'_>,
-    ) -> Result<(), ElementError> {
-        let (r, mut tangents) = parts(out);
-        self.add(Some(previous), at, r, &mut tangents)
+        self.add(at, r, &mut tangents)
     }
 
     fn combined(&self) -> Option<&dyn Combined> {
@@ -354,13 +338,12 @@ impl<const NN: usize, I: Rotations<NN>> Element for Beam<NN, I> {
 impl<const NN: usize, I: Rotations<NN>> Combined for Beam<NN, I> {
     fn evaluate_combined(
         &self,
-        previous: Option<&[f64]>,
         at: &Motion<'_>,
         weights: Weights,
         r: &mut [f64],
         S: &mut [f64],
     ) -> Result<(), ElementError> {
-        self.add(previous, at, r, &mut [Some((weights, S)), None, None])
+        self.add(at, r, &mut [Some((weights, S)), None, None])
     }
 }
 

@@ -130,19 +130,13 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
     fn pull_back<F>(
         &self,
         viscous: bool,
-        previous: Option<&[f64]>,
         at: &Motion<'_>,
         r: &mut [f64],
         tangents: &mut Tangents<'_>,
         kernel: F,
     ) -> Result<(), ElementError>
     where
-        F: Fn(
-            Option<&[f64]>,
-            &Motion<'_>,
-            &mut [f64],
-            &mut Tangents<'_>,
-        ) -> Result<(), ElementError>,
+        F: Fn(&Motion<'_>, &mut [f64], &mut Tangents<'_>) -> Result<(), ElementError>,
     {
         let n = 6 * NN;
         let reference = Turn::new(three(at.x, 6 * Self::R + 3));
@@ -170,14 +164,14 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
             }
         }
         let moving = if viscous { v.as_flattened() } else { &[] };
+        let previous = at.previous.map(|x| self.coordinates(x));
         let there = Motion {
             t: at.t,
             x: x.as_flattened(),
             v: moving,
             a: &[],
+            previous: previous.as_ref().map(|x| x.as_flattened()),
         };
-        let previous = previous.map(|x| self.coordinates(x));
-        let previous = previous.as_ref().map(|x| x.as_flattened());
         let mut force = [[0.0; 6]; NN];
         let (mut K, mut C) = ([[[[0.0; 6]; NN]; 6]; NN], [[[[0.0; 6]; NN]; 6]; NN]);
         let wanted = tangents.iter().flatten().any(|t| t.0.K != 0.0)
@@ -194,7 +188,7 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
                 None,
             ],
         };
-        kernel(previous, &there, force.as_flattened_mut(), &mut parts)?;
+        kernel(&there, force.as_flattened_mut(), &mut parts)?;
         let nodes = &nodes;
         let others = || Self::others().filter_map(|i| nodes[i].as_ref().map(|node| (i, node)));
         for (i, node) in others() {

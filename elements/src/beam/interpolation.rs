@@ -81,7 +81,7 @@ pub trait Rotations<const NN: usize>: Clone + Debug + Send + Sync + Sized {
     /// of δΘ = Σ Θ_Ψᵢ δΨᵢ, material.
     fn section(x: &[f64], N: &[f64; NN]) -> (Matrix3<f64>, [Matrix3<f64>; NN]);
 
-    /// Adds the pull-back of `kernel`, a function in x̂ of the previous iterate, the motion, the
+    /// Adds the pull-back of `kernel`, a function in x̂ of the motion, the
     /// residual and the tangents. It reads velocities, and adds to C, only if the beam is `viscous`.
     ///
     /// # Errors
@@ -89,19 +89,13 @@ pub trait Rotations<const NN: usize>: Clone + Debug + Send + Sync + Sized {
     fn pull_back<F>(
         &self,
         viscous: bool,
-        previous: Option<&[f64]>,
         at: &Motion<'_>,
         r: &mut [f64],
         tangents: &mut Tangents<'_>,
         kernel: F,
     ) -> Result<(), ElementError>
     where
-        F: Fn(
-            Option<&[f64]>,
-            &Motion<'_>,
-            &mut [f64],
-            &mut Tangents<'_>,
-        ) -> Result<(), ElementError>;
+        F: Fn(&Motion<'_>, &mut [f64], &mut Tangents<'_>) -> Result<(), ElementError>;
 
     /// Adds −f_acc, the drag α p with the momenta p, and their tangents.
     fn inertia(&self, at: &Motion<'_>, alpha: f64, r: &mut [f64], tangents: &mut Tangents<'_>);
@@ -162,21 +156,15 @@ impl<const NN: usize> Rotations<NN> for Total<NN> {
     fn pull_back<F>(
         &self,
         _viscous: bool,
-        previous: Option<&[f64]>,
         at: &Motion<'_>,
         r: &mut [f64],
         tangents: &mut Tangents<'_>,
         kernel: F,
     ) -> Result<(), ElementError>
     where
-        F: Fn(
-            Option<&[f64]>,
-            &Motion<'_>,
-            &mut [f64],
-            &mut Tangents<'_>,
-        ) -> Result<(), ElementError>,
+        F: Fn(&Motion<'_>, &mut [f64], &mut Tangents<'_>) -> Result<(), ElementError>,
     {
-        kernel(previous, at, r, tangents)
+        kernel(at, r, tangents)
     }
 
     #[inline]

@@ -238,7 +238,6 @@ impl<E: EnergyElement<N>, const N: usize> Element for ByEnergy<E, N> {
 impl<E: EnergyElement<N>, const N: usize> Combined for ByEnergy<E, N> {
     fn evaluate_combined(
         &self,
-        _previous: Option<&[f64]>,
         at: &Motion<'_>,
         weights: Weights,
         r: &mut [f64],

@@ -172,7 +172,6 @@ impl<E: EnergyElement<D>, const D: usize, const N: usize> Element for Sampled<E,
 impl<E: EnergyElement<D>, const D: usize, const N: usize> Combined for Sampled<E, D, N> {
     fn evaluate_combined(
         &self,
-        _previous: Option<&[f64]>,
         at: &Motion<'_>,
         weights: Weights,
         r: &mut [f64],

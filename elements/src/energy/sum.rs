@@ -20,16 +20,6 @@ impl<A: Element, B: Element> Element for Sum<A, B> {
         self.1.evaluate(at, out)
     }
 
-    fn evaluate_from(
-        &self,
-        previous: &[f64],
-        at: &Motion<'_>,
-        out: &mut Response<'_>,
-    ) -> Result<(), ElementError> {
-        self.0.evaluate_from(previous, at, out)?;
-        self.1.evaluate_from(previous, at, out)
-    }
-
     fn combined(&self) -> Option<&dyn Combined> {
         let both = self.0.combined().is_some() && self.1.combined().is_some();
         both.then_some(self)
@@ -62,14 +52,13 @@ impl<A: Element, B: Element> Element for Sum<A, B> {
 impl<A: Element, B: Element> Combined for Sum<A, B> {
     fn evaluate_combined(
         &self,
-        previous: Option<&[f64]>,
         at: &Motion<'_>,
         weights: Weights,
         r: &mut [f64],
         S: &mut [f64],
     ) -> Result<(), ElementError> {
         for part in [self.0.combined(), self.1.combined()].into_iter().flatten() {
-            part.evaluate_combined(previous, at, weights, r, S)?;
+            part.evaluate_combined(at, weights, r, S)?;
         }
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! How Newton's method converges within a step: what the pulled-back tangents promise.
 //!
 //! The tangent at an iterate takes the stresses in K_σ from the iterate before, extrapolated over
-//! the last correction (`System::evaluate_from`). What it differs by from the exact tangent is of
+//! the last correction (`Evaluation::previous`). What it differs by from the exact tangent is of
 //! the order of the last correction squared, so that with corrections cₖ and residuals rₖ
 //!
 //! ```text
@@ -152,7 +152,6 @@ impl System for Plain {
         self.model.pattern()
     }
 
-    /// `evaluate_from` comes here as well.
     fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
         let S = out.S.map(|(mut weights, S)| {
             weights.K *= self.factor;

@@ -147,6 +147,7 @@ impl ElementWorkspace {
             x: &self.x[..n],
             v: &self.v[..end],
             a: &self.a[..end],
+            previous: None,
         }
     }
 
@@ -173,13 +174,13 @@ impl ElementWorkspace {
             x: &self.x[..n],
             v: &self.v[..end],
             a: &self.a[..end],
+            previous: previous.then_some(&self.previous[..n]),
         };
         let r = &mut self.r[..n];
-        let previous = previous.then_some(&self.previous[..n]);
         if let (Some(weights), Some(combined)) = (weights, combined((e, state), statics, rates)) {
             let S = &mut self.S[..n * n];
             S.fill(0.0);
-            return combined.evaluate_combined(previous, &at, weights, r, S);
+            return combined.evaluate_combined(&at, weights, r, S);
         }
         if tangent {
             self.K[..n * n].fill(0.0);
@@ -195,10 +196,7 @@ impl ElementWorkspace {
             M: moving.then_some(&mut self.M[..n * n]),
             r_t: rates.then_some(&mut self.r_t[..n]),
         };
-        match previous {
-            Some(previous) => e.element.evaluate_from(previous, &at, &mut out)?,
-            None => e.element.evaluate(&at, &mut out)?,
-        }
+        e.element.evaluate(&at, &mut out)?;
         if let Some(omitted) = omitted {
             omitted.replace(&mut self.x, &mut out);
         }
@@ -224,6 +222,7 @@ impl ElementWorkspace {
             x: &self.x[..n],
             v: &self.v[..end],
             a: &self.a[..end],
+            previous: None,
         };
         let mut out = Response {
             r: &mut self.r[..n],

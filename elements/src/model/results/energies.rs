@@ -5,9 +5,7 @@
 use crate::constraint::MAX_EQUATIONS;
 use crate::model::assembly::element_workspace::ElementWorkspace;
 use crate::model::assembly::residual::named;
-use crate::model::assembly::workspace::Workspace;
-use crate::model::kinematics::mapped_node::Maps;
-use crate::model::{Context, ElementEntry, Model, Node, Source, Span};
+use crate::model::{Context, ElementEntry, Node, Source};
 use nalgebra::Vector3;
 use pullback_manifold::so3;
 use pullback_manifold::system::{Energies, Point, SystemError};
@@ -86,7 +84,6 @@ impl Context {
         } = &mut out.energies;
         let (w, model) = (&mut self.work, &*self.model);
         w.r.fill(0.0);
-        let driven = !statics && is_driven(model, &self.state.maps, w);
         for (e, state) in model.elements.iter().zip(&self.state.elements) {
             let (local, switched) = (&mut w.local, state.switched);
             let n = e.element.dim();
@@ -105,9 +102,9 @@ impl Context {
             }
             if !statics {
                 *dissipated += e.element.dissipation(&motion);
-                // Its force is only needed where a prescribed motion supplies power.
-                let alone = !momenta && !e.load && !(e.held && driven);
-                let known = alone.then(|| e.element.kinetic_energy(&motion));
+                // Its force is only needed at prescribed and mapped nodes.
+                let known =
+                    (!momenta && !e.load && !e.held).then(|| e.element.kinetic_energy(&motion));
                 if let Some(energy) = known.flatten() {
                     *kinetic += energy;
                     continue;
@@ -135,9 +132,9 @@ impl Context {
             }
             local.add_residual(e, &model.spans, &mut w.r);
         }
-        if driven {
-            self.pull_back_nodes(at.t, None, [false; 2]);
-            let w = &self.work;
+        self.pull_back_nodes(at.t, None, [false; 2]);
+        let w = &self.work;
+        if !statics {
             for p in &self.model.prescribed {
                 *supplied -= w.r[p.coordinate] * w.v[p.coordinate];
             }
@@ -206,37 +203,6 @@ impl Context {
         }
         Ok(())
     }
-}
-
-/// Whether a prescribed motion can supply power, in the configuration last set: a prescribed coordinate
-/// moves, or a map depends on time.
-fn is_driven(model: &Model, maps: &Maps, w: &Workspace) -> bool {
-    let rheonomic = |&n: &u32| {
-        let node = &model.nodes[n as usize];
-        match &node.source {
-            Source::Mapped(d) => {
-                let own = [&w.v[node.range()], &w.operators.B[d.local..]];
-                !follows(own, d.parents(maps), &model.spans, &w.v)
-            }
-            Source::Own => false,
-        }
-    };
-    model.prescribed.iter().any(|p| w.v[p.coordinate] != 0.0)
-        || model.dependent.iter().any(rheonomic)
-}
-
-/// Whether velocities ẋ are B v of the parents, to rounding.
-fn follows([x_dot, B]: [&[f64]; 2], parents: &[u32], spans: &[Span], v: &[f64]) -> bool {
-    (0..x_dot.len()).all(|i| {
-        let row = B[i..].iter().step_by(x_dot.len());
-        let columns = parents.iter().flat_map(|&m| spans[m as usize].range());
-        let (mut rest, mut size) = (x_dot[i], x_dot[i].abs());
-        for (B, c) in row.zip(columns) {
-            rest -= B * v[c];
-            size += (B * v[c]).abs();
-        }
-        rest.abs() <= 1e-12 * size
-    })
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

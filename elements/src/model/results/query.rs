@@ -275,6 +275,7 @@ impl Context {
                 x: &x,
                 v: &[],
                 a: &[],
+                previous: None,
             };
             e.element.section_states(&at, &mut states);
             out.extend(states.drain(..).map(|s| (ElementId(k as u32), s)));
@@ -307,6 +308,7 @@ impl Context {
                     x: &x,
                     v: &[],
                     a: &[],
+                    previous: None,
                 })
             })
             .sum()

@@ -44,7 +44,16 @@ fn all(element: &dyn Element, x: &[f64], v: &[f64], a: &[f64]) -> Result<All, El
         M: Some(M.as_mut_slice()),
         r_t: None,
     };
-    element.evaluate(&Motion { t: 0.0, x, v, a }, &mut out)?;
+    element.evaluate(
+        &Motion {
+            t: 0.0,
+            x,
+            v,
+            a,
+            previous: None,
+        },
+        &mut out,
+    )?;
     Ok((r, K, C, M))
 }
 
@@ -91,6 +100,7 @@ fn the_rigid_body_is_that_of_the_reference() {
             x: &x,
             v: &v,
             a: &a,
+            previous: None,
         };
         let translation = 1.5 * v[..3].iter().map(|v| v * v).sum::<f64>();
         let energy = row["kinetic_energy"].as_f64().expect("number");
@@ -215,6 +225,7 @@ fn kinetic_energy_is_half_the_mass_form_and_its_rate_the_power() {
             x: q.as_slice(),
             v: v.as_slice(),
             a: &[0.0; 6],
+            previous: None,
         })
     };
     let M = Matrix6::from_column_slice(M.as_slice());
@@ -235,6 +246,7 @@ fn kinetic_energy_is_half_the_mass_form_and_its_rate_the_power() {
         x: q.as_slice(),
         v: &[],
         a: &[],
+        previous: None,
     };
     assert_eq!(body.kinetic_energy(&at), 0.0);
     assert_eq!(PointMass::new(2.0).unwrap().kinetic_energy(&at), 0.0);

@@ -49,6 +49,7 @@ fn evaluated([k, d]: [f64; 2], x: &Vector12, v: &Vector12) -> (Vector12, [Matrix
         x: x.as_slice(),
         v: v.as_slice(),
         a: &[],
+        previous: None,
     };
     let mut out = Response {
         r: r.as_mut_slice(),

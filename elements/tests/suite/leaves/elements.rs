@@ -155,31 +155,21 @@ impl Element for Wrong {
         if self.error == Error::NeedsVelocity && !at.v.is_empty() {
             out.r[3] += 0.1;
         }
+        let old = at.previous.map_or(0.0, |previous| at.x[0] - previous[0]);
+        if self.error == Error::OldResidual {
+            out.r[0] += 1e-3 * old;
+        }
         let Some(K) = out.K.as_deref_mut() else {
             return Ok(());
         };
         match self.error {
+            Error::OldStress => K[0] += old,
             Error::Tangent => K[7] *= 1.001,
             Error::Asymmetric => {
                 out.r[0] -= 3.0 * at.x[5];
                 K[5 * self.beam.dim()] += 3.0;
             }
             Error::ResidualOfTangent => out.r[1] += 1e-9,
-            _ => {}
-        }
-        Ok(())
-    }
-
-    fn evaluate_from(
-        &self,
-        previous: &[f64],
-        at: &Motion<'_>,
-        out: &mut Response<'_>,
-    ) -> Result<(), ElementError> {
-        self.beam.evaluate_from(previous, at, out)?;
-        match (self.error, out.K.as_deref_mut()) {
-            (Error::OldResidual, _) => out.r[0] += 1e-3 * (at.x[0] - previous[0]),
-            (Error::OldStress, Some(K)) => K[0] += at.x[0] - previous[0],
             _ => {}
         }
         Ok(())

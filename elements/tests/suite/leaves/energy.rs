@@ -262,6 +262,7 @@ fn a_kinetic_energy_linear_in_the_velocities_turns_the_motion() {
         x: &x,
         v: &v,
         a: &a,
+        previous: None,
     };
     element.evaluate(&at, &mut response(&mut r)).unwrap();
     assert!((r[0] - (-2.5 - 2.7)).abs() < 1e-14, "{r:?}");
@@ -297,6 +298,7 @@ fn rest(x: &[f64]) -> Motion<'_> {
         x,
         v: &[],
         a: &[],
+        previous: None,
     }
 }
 

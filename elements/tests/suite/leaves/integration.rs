@@ -22,6 +22,7 @@ fn tangents(positions: &[f64]) -> [DMatrix<f64>; 2] {
         x: &zero,
         v: &zero,
         a: &zero,
+        previous: None,
     };
     let mut out = Response {
         r: &mut r,

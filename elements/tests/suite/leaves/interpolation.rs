@@ -202,7 +202,13 @@ fn answer(element: &dyn Element, nodes: &[Node], near: &Vector3<f64>, other: boo
         }
     }
     let [x, v, a] = &motion;
-    let at = Motion { t: 0.0, x, v, a };
+    let at = Motion {
+        t: 0.0,
+        x,
+        v,
+        a,
+        previous: None,
+    };
     let mut r = vec![0.0; x.len()];
     let mut out = Response {
         r: &mut r,
@@ -428,6 +434,7 @@ fn at_rest(x: &[f64]) -> Motion<'_> {
         x,
         v: &[],
         a: &[],
+        previous: None,
     }
 }
 

@@ -33,6 +33,7 @@ fn beam_is_that_of_the_reference() {
             x: &x,
             v: &[],
             a: &[],
+            previous: None,
         };
         let (mut r, mut K) = (DVector::zeros(12), DMatrix::zeros(12, 12));
         let mut out = Response {
@@ -83,6 +84,7 @@ fn inertia_of_the_beam_is_that_of_the_reference() {
             x: &x,
             v: &v,
             a: &a,
+            previous: None,
         };
         // Inertia does not see the stiffness: next to a soft beam's it stands alone, and is held to
         // its own largest entry.

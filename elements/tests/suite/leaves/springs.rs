@@ -54,6 +54,7 @@ fn residual(element: &dyn Element, x: &[f64], v: &[f64]) -> Result<DVector<f64>,
         x,
         v,
         a: &a,
+        previous: None,
     };
     element.evaluate(&at, &mut out)?;
     Ok(r)
@@ -65,6 +66,7 @@ fn moving<'a>(x: &'a [f64], v: &'a [f64]) -> Motion<'a> {
         x,
         v,
         a: &[],
+        previous: None,
     }
 }
 

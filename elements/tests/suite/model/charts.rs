@@ -183,6 +183,7 @@ fn by_elements(values: &[[Vector3<f64>; 2]], order: usize) -> Physical {
             x: &x,
             v: &[],
             a: &[],
+            previous: None,
         };
         let mut r = vec![0.0; x.len()];
         let mut response = Response {

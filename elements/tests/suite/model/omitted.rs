@@ -45,7 +45,6 @@ impl Element for Fast {
 impl Combined for Fast {
     fn evaluate_combined(
         &self,
-        _: Option<&[f64]>,
         at: &Motion<'_>,
         weights: Weights,
         r: &mut [f64],

@@ -34,6 +34,7 @@ fn residual(element: &dyn Element, x: &[f64], v: &[f64]) -> DVector<f64> {
         x,
         v,
         a: &a,
+        previous: None,
     };
     element.evaluate(&at, &mut out).unwrap();
     r
@@ -45,6 +46,7 @@ fn moving<'a>(x: &'a [f64], v: &'a [f64]) -> Motion<'a> {
         x,
         v,
         a: &[],
+        previous: None,
     }
 }
 
@@ -106,6 +108,7 @@ fn weights_act_at_the_centre_of_mass() {
         x: &x,
         v: &[0.0; 6],
         a: &[0.0, 0.0, -9.81, 0.0, 0.0, 0.0],
+        previous: None,
     };
     body.evaluate(&at, &mut out).unwrap();
     assert!((turning + r).amax() < 1e-13);

@@ -198,6 +198,7 @@ pub fn at_rest(element: &dyn Element, x: &[f64]) -> Result<(Vec<f64>, DMatrix<f6
         x,
         v: &[],
         a: &[],
+        previous: None,
     };
     let mut out = Response {
         r: &mut r,
