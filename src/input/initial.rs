@@ -8,7 +8,7 @@ use super::{InputError, Problem, Text};
 use nalgebra::Vector3;
 use pullback_elements::model::{Context, NodeId, RigidMotion};
 use pullback_manifold::so3;
-use pullback_manifold::system::{Point, System};
+use pullback_manifold::system::Point;
 use std::f64::consts::TAU;
 
 /// Tolerance of velocities, relative to the largest.
@@ -31,8 +31,7 @@ pub(super) fn start(
     lines: &[LineGeometry],
     file: &ModelFile,
 ) -> Result<Start, InputError> {
-    let n = context.pattern().dim();
-    let (mut q, mut v) = (context.initial().to_vec(), vec![0.0; n]);
+    let mut q = context.initial().to_vec();
     // All positions come before all velocities, whatever their order in the file.
     let (mut chosen, mut placed) = (Vec::new(), Vec::new());
     let known = Names::lines(file);
@@ -61,142 +60,191 @@ pub(super) fn start(
         chosen.push((node, line));
     }
     values::start(source, context, released, lines, file, &mut q, &placed)?;
-    // Rates prescribed in loops, their names, and the path of the first.
-    let (mut spins, mut names, mut first) = (Vec::new(), Vec::new(), None);
-    // Velocities prescribed in loops that multipliers and penalties close.
-    let mut requests: Vec<VelocityRequest> = Vec::new();
-    let whole = |path: &[&str]| {
-        path.iter()
-            .map(|p| (*p).to_owned())
-            .collect::<Vec<String>>()
+    let start = Start {
+        v: vec![0.0; q.len()],
+        q,
+    };
+    let mut velocities = Velocities {
+        source,
+        start,
+        rates: Vec::new(),
+        names: Vec::new(),
+        first: None,
+        requests: Vec::new(),
     };
     // Rates of joints take precedence over the motion of the whole model.
-    let chosen_rates = file
-        .joints
-        .iter()
-        .any(|j| j.all_acts().any(|(_, a)| a.rate.is_some()));
+    let mut acts = file.joints.iter().flat_map(|j| j.all_acts());
+    let chosen_rates = acts.any(|(_, a)| a.rate.is_some());
     for (k, (initial, (node, chosen))) in file.initial.iter().zip(chosen).enumerate() {
+        let against = velocities.set_motion(context, k, initial, node, chosen.as_deref())?;
+        if let (Some(joint), false) = (against, chosen_rates) {
+            let path = ["initial", &k.to_string()];
+            return Err(source.value(&path, Problem::LoopMotion { joint }));
+        }
+    }
+    let held = velocities.set_rates(context, released, file)?;
+    velocities.fit_loops(context)?;
+    let Velocities {
+        start, requests, ..
+    } = velocities;
+    requests::satisfy(source, context, file, start, &held, &placed, requests)
+}
+
+/// The velocities of a start as they are set.
+struct Velocities<'a> {
+    source: &'a Text<'a>,
+    start: Start,
+    /// Rates prescribed in loops, the names of what they are of, and the path of the first.
+    rates: Vec<(NodeId, usize, f64)>,
+    names: Vec<String>,
+    first: Option<Vec<String>>,
+    /// Velocities prescribed in loops that multipliers and penalties close.
+    requests: Vec<VelocityRequest>,
+}
+
+/// A path of its own.
+fn owned(path: &[&str]) -> Vec<String> {
+    path.iter().map(|p| (*p).to_owned()).collect()
+}
+
+impl Velocities<'_> {
+    /// Sets the motion of entry `k`: of a node, of chosen nodes, or of all. Returns a joint of a loop that
+    /// does not allow it.
+    fn set_motion(
+        &mut self,
+        context: &mut Context,
+        k: usize,
+        initial: &Initial,
+        node: Option<NodeId>,
+        chosen: Option<&[NodeId]>,
+    ) -> Result<Option<String>, InputError> {
         let index = k.to_string();
         let path = |key: &'static str| ["initial", index.as_str(), key];
-        let moves = initial.velocity.is_some()
-            || initial.angular_velocity.is_some()
-            || initial.body_angular_velocity.is_some();
-        if !moves {
-            continue;
+        let turns = initial.angular_velocity.or(initial.body_angular_velocity);
+        if initial.velocity.is_none() && turns.is_none() {
+            return Ok(None);
         }
-        let here = node.map(|node| at(context, node, &q));
-        let omega = match (initial.angular_velocity, initial.body_angular_velocity) {
+        let motion = motion(context, initial, node, &self.start.q);
+        let free = node.map(|n| context.free_rotation_of(n));
+        if let Some(free) = free.filter(|&n| context.in_loop(n)) {
+            self.spin(context, free, &motion);
+            self.names.push(initial.node.clone().unwrap_or_default());
+            (self.first).get_or_insert_with(|| owned(&["initial", &index]));
+            return Ok(None);
+        }
+        let of = [
+            initial.velocity.is_some() || initial.about.is_some(),
+            turns.is_some(),
+        ];
+        let Start { q, v } = &mut self.start;
+        // Components that the entry does not prescribe stay.
+        let others = node.map(|node| requests::unknowns(context, node, of.map(|of| !of)));
+        let others = others.into_iter().flatten();
+        let kept: Vec<(usize, f64)> = others.map(|u| (u, v[u])).collect();
+        context.set_velocity(q, v, chosen, &motion);
+        kept.into_iter().for_each(|(u, rate)| v[u] = rate);
+        if let Some(node) = node {
+            movable(self.source, &path, context, node, initial, q, &motion)?;
+            (self.requests).push(VelocityRequest::of_node(k, context, node, of));
+        }
+        // Where a map cannot be evaluated at the start, the analysis says so.
+        let fitted = context.fit_rates(q, v, chosen, &motion);
+        if node.is_none() {
+            (self.requests).push(VelocityRequest::of_nodes(k, context, chosen));
+        }
+        Ok(fitted.unwrap_or_default().into_iter().next())
+    }
+
+    /// The angular velocity of a spherical joint in a loop.
+    fn spin(&mut self, context: &mut Context, free: NodeId, motion: &RigidMotion) {
+        let Start { q, v } = &self.start;
+        let a = &vec![0.0; v.len()];
+        let psi = match context.configure(Point { t: 0.0, q, v, a }) {
+            Ok(()) => Vector3::from_fn(|k, _| context.coordinate(free, k).map_or(0.0, |x| x[0])),
+            // The analysis reports the error.
+            Err(_) => Vector3::zeros(),
+        };
+        let rate = so3::tangent_inverse(&psi).tr_mul(&motion.omega);
+        self.rates.extend((0..3).map(|k| (free, k, rate[k])));
+    }
+
+    /// Sets the rates of joint coordinates; returns those that are unknowns.
+    fn set_rates(
+        &mut self,
+        context: &Context,
+        released: &Names<NodeId>,
+        file: &ModelFile,
+    ) -> Result<Vec<Rate>, InputError> {
+        let mut held = Vec::new();
+        for (index, name, rate) in given(file, |acts| acts.rate) {
+            let at = ["joints", index.as_str(), "rate"];
+            let node = released.find(self.source, &at, &name)?;
+            if let Some(u) = context.unknown_at(node, 0) {
+                self.start.v[u] = rate;
+                held.push(Rate {
+                    u,
+                    of: name.clone(),
+                    at: owned(&at),
+                    given: rate,
+                });
+            } else if !context.in_loop(node) {
+                geared(self.source, &at, file, &name, "rate")?;
+            }
+            if !context.is_own(node) {
+                self.rates.push((node, 0, rate));
+                self.names.push(name);
+                self.first.get_or_insert_with(|| owned(&at));
+            }
+        }
+        Ok(held)
+    }
+
+    /// Fits the velocities of loops to the rates that are prescribed in them.
+    fn fit_loops(&mut self, context: &mut Context) -> Result<(), InputError> {
+        if self.rates.is_empty() {
+            return Ok(());
+        }
+        let most = self.rates.iter().fold(0.0_f64, |m, r| m.max(r.2.abs()));
+        let Start { q, v } = &mut self.start;
+        // Where a map cannot be evaluated at the start, the analysis says so.
+        let fitted = context.fit_coordinate_rates(q, v, &self.rates);
+        let left = fitted.unwrap_or(0.0);
+        if left <= LEFT * most {
+            return Ok(());
+        }
+        let path = self.first.take().unwrap_or_default();
+        let path: Vec<&str> = path.iter().map(String::as_str).collect();
+        // A single component of a spherical joint may be free.
+        let problem = match (self.names.as_slice(), self.rates.len()) {
+            ([one], 1) => Problem::LoopLocked { of: one.clone() },
+            (all, _) => Problem::LoopRates {
+                of: all.join(", "),
+                left,
+            },
+        };
+        Err(self.source.value(&path, problem))
+    }
+}
+
+/// The rigid motion of an entry.
+fn motion(context: &Context, initial: &Initial, node: Option<NodeId>, q: &[f64]) -> RigidMotion {
+    let here = node.map(|node| at(context, node, q));
+    RigidMotion {
+        velocity: initial.velocity.unwrap_or_default().into(),
+        omega: match (initial.angular_velocity, initial.body_angular_velocity) {
             (Some(omega), _) => Vector3::from(omega),
             (None, Some(body)) => {
                 let psi = here.map_or_else(Vector3::zeros, |[_, psi]| psi);
                 so3::rotation(&psi) * Vector3::from(body)
             }
             (None, None) => Vector3::zeros(),
-        };
-        let motion = RigidMotion {
-            velocity: initial.velocity.unwrap_or_default().into(),
-            omega,
-            about: match (initial.about, here) {
-                (Some(about), _) => about.into(),
-                (None, Some([position, _])) => position,
-                (None, None) => Vector3::zeros(),
-            },
-        };
-        if let Some(free) = node
-            .map(|n| context.free_rotation_of(n))
-            .filter(|&n| context.in_loop(n))
-        {
-            // The rotation of a spherical joint in a loop.
-            let a = vec![0.0; v.len()];
-            let at = Point {
-                t: 0.0,
-                q: &q,
-                v: &v,
-                a: &a,
-            };
-            let psi = match context.configure(at) {
-                Ok(()) => {
-                    Vector3::from_fn(|k, _| context.coordinate(free, k).map_or(0.0, |x| x[0]))
-                }
-                // The analysis reports the error.
-                Err(_) => Vector3::zeros(),
-            };
-            let rate = so3::tangent_inverse(&psi).tr_mul(&motion.omega);
-            spins.extend((0..3).map(|k| (free, k, rate[k])));
-            names.push(initial.node.clone().unwrap_or_default());
-            first.get_or_insert(whole(&["initial", &index]));
-            continue;
-        }
-        let turns = initial.angular_velocity.or(initial.body_angular_velocity);
-        let of = [
-            initial.velocity.is_some() || initial.about.is_some(),
-            turns.is_some(),
-        ];
-        // Components that the entry does not prescribe stay.
-        let others = node.map(|node| requests::unknowns(context, node, of.map(|of| !of)));
-        let others = others.into_iter().flatten();
-        let kept: Vec<(usize, f64)> = others.map(|u| (u, v[u])).collect();
-        context.set_velocity(&q, &mut v, chosen.as_deref(), &motion);
-        kept.into_iter().for_each(|(u, rate)| v[u] = rate);
-        if let Some(node) = node {
-            movable(source, &path, context, node, initial, &q, &motion)?;
-            requests.push(VelocityRequest::of_node(k, context, node, of));
-        }
-        // Where a map cannot be evaluated at the start, the analysis says so.
-        let fitted = context.fit_rates(&q, &mut v, chosen.as_deref(), &motion);
-        let against = fitted.unwrap_or_default();
-        if node.is_none() {
-            requests.push(VelocityRequest::of_nodes(k, context, chosen.as_deref()));
-        }
-        if let (Some(joint), false) = (against.first(), chosen_rates) {
-            let joint = joint.clone();
-            return Err(source.value(&["initial", &index], Problem::LoopMotion { joint }));
-        }
+        },
+        about: match (initial.about, here) {
+            (Some(about), _) => about.into(),
+            (None, Some([position, _])) => position,
+            (None, None) => Vector3::zeros(),
+        },
     }
-    let mut rates = spins;
-    let mut held: Vec<Rate> = Vec::new();
-    for (index, name, rate) in given(file, |acts| acts.rate) {
-        let at = ["joints", index.as_str(), "rate"];
-        let node = released.find(source, &at, &name)?;
-        if let Some(u) = context.unknown_at(node, 0) {
-            v[u] = rate;
-            held.push(Rate {
-                u,
-                of: name.clone(),
-                at: whole(&at),
-                given: rate,
-            });
-        } else if !context.in_loop(node) {
-            geared(source, &at, file, &name, "rate")?;
-        }
-        if !context.is_own(node) {
-            rates.push((node, 0, rate));
-            names.push(name);
-            first.get_or_insert(whole(&at));
-        }
-    }
-    if !rates.is_empty() {
-        let most = rates.iter().fold(0.0_f64, |m, r| m.max(r.2.abs()));
-        // Where a map cannot be evaluated at the start, the analysis says so.
-        let left = context
-            .fit_coordinate_rates(&q, &mut v, &rates)
-            .unwrap_or(0.0);
-        if left > LEFT * most {
-            let path = first.unwrap_or_default();
-            let path: Vec<&str> = path.iter().map(String::as_str).collect();
-            // A single component of a spherical joint may be free.
-            let problem = match (names.as_slice(), rates.len()) {
-                ([one], 1) => Problem::LoopLocked { of: one.clone() },
-                (all, _) => Problem::LoopRates {
-                    of: all.join(", "),
-                    left,
-                },
-            };
-            return Err(source.value(&path, problem));
-        }
-    }
-    let start = Start { q, v };
-    requests::satisfy(source, context, file, start, &held, &placed, requests)
 }
 
 fn check<'a>(

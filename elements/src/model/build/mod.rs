@@ -6,5 +6,6 @@ pub(super) mod closures;
 pub(super) mod connections;
 pub(super) mod dependency_graph;
 pub(super) mod dummy_dof;
+pub(super) mod elimination_order;
 pub(super) mod numbering;
 pub(super) mod reference_curve;

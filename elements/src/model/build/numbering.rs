@@ -5,6 +5,7 @@ use crate::model::assembly::workspace::Workspace;
 use crate::model::build::builder::{ModelBuilder, NodeId};
 use crate::model::build::connections::check_connections;
 use crate::model::build::dependency_graph::{self, Alternatives};
+use crate::model::build::elimination_order::outward;
 use crate::model::constraints::start;
 use crate::model::kinematics::formulation;
 use crate::model::loops;
@@ -70,33 +71,13 @@ impl ModelBuilder {
         check_connections(&nodes, &dependent, &elements, &closings, &prescribed)?;
         check_reparametrized(&nodes, &elements, &prescribed)?;
 
-        // Numbering: block by block, away from the supports.
-        let mut free: Vec<bool> = nodes
-            .iter()
-            .flat_map(|n| std::iter::repeat_n(n.is_own(), n.dim))
-            .collect();
-        for p in &prescribed {
-            free[p.coordinate] = false;
-        }
-        let mut unknowns = vec![NONE; total];
-        let mut coordinates = Vec::new();
-        let mut sizes = Vec::new();
-        let mut scatter_map = ScatterMap::new(nodes.len(), total);
-        for n in outward(&nodes, &elements, &prescribed) {
-            let node = &nodes[n];
-            let mut size = 0;
-            for c in node.range().filter(|&c| free[c]) {
-                unknowns[c] = coordinates.len() as u32;
-                coordinates.push(c);
-                scatter_map.rows[c] = size;
-                size += 1;
-            }
-            if size > 0 {
-                scatter_map.blocks[n] = sizes.len() as u32;
-                sizes.push(size as usize);
-            }
-        }
-
+        let Numbering {
+            unknowns,
+            coordinates,
+            sizes,
+            mut scatter_map,
+        } = Numbering::new(&nodes, &elements, &prescribed);
+        let quantities: Vec<Quantity> = nodes.iter().flat_map(|n| n.quantities.clone()).collect();
         // The pattern has room for all nodes that an element may depend on; a joint without
         // elements carries no force. Elements on one body all have the same set.
         let mut sets = HashSet::new();
@@ -105,7 +86,6 @@ impl ModelBuilder {
         }
         let block = |n: &u32| Some(scatter_map.blocks[*n as usize]).filter(|&b| b != NONE);
         let blocks_of = |set: Vec<u32>| -> Vec<u32> { set.iter().filter_map(block).collect() };
-        let quantities: Vec<Quantity> = nodes.iter().flat_map(|n| n.quantities.clone()).collect();
         let of_form = |n: &Node| std::iter::repeat_n(n.form == NodeForm::Multipliers, n.dim);
         let multipliers: Vec<bool> = nodes.iter().flat_map(of_form).collect();
         let unit = |i: usize| match (multipliers[coordinates[i]], quantities[coordinates[i]]) {
@@ -127,16 +107,7 @@ impl ModelBuilder {
             nodes[*n].is_frame() && among(&prescribed, first + 3..first + 6).len() == 3
         };
         let prescribed_rotations = (0..nodes.len()).filter(turned).collect();
-        let magnitude = |node: &Node, quantity: Quantity| match quantity {
-            Quantity::Length if node.is_frame() => node.position.norm(),
-            Quantity::Length => length,
-            Quantity::Angle | Quantity::Other => 1.0,
-        };
-        let sizes = |node: &Node| -> Vec<f64> {
-            let quantities = node.quantities.iter();
-            quantities.map(|k| magnitude(node, *k)).collect()
-        };
-        let sizes: Vec<f64> = nodes.iter().flat_map(sizes).collect();
+        let sizes: Vec<f64> = nodes.iter().flat_map(|n| magnitudes(n, length)).collect();
         let magnitudes = coordinates.iter().map(|&c| sizes[c]).collect();
         let levers = levers(&nodes, &elements, extent);
         let sizes = [operators, motions, coupled];
@@ -192,6 +163,57 @@ impl ModelBuilder {
     }
 }
 
+/// The unknowns, block by block, away from the supports.
+struct Numbering {
+    /// Unknown of each coordinate, or [`NONE`].
+    unknowns: Vec<u32>,
+    /// Coordinate of each unknown.
+    coordinates: Vec<usize>,
+    /// Number of unknowns of each block.
+    sizes: Vec<usize>,
+    /// Rows and blocks, without positions.
+    scatter_map: ScatterMap,
+}
+
+impl Numbering {
+    fn new(nodes: &[Node], elements: &[ElementEntry], prescribed: &[Prescribed]) -> Self {
+        let own = |n: &Node| std::iter::repeat_n(n.is_own(), n.dim);
+        let mut free: Vec<bool> = nodes.iter().flat_map(own).collect();
+        for p in prescribed {
+            free[p.coordinate] = false;
+        }
+        let mut out = Self {
+            unknowns: vec![NONE; free.len()],
+            coordinates: Vec::new(),
+            sizes: Vec::new(),
+            scatter_map: ScatterMap::new(nodes.len(), free.len()),
+        };
+        for n in outward(nodes, elements, prescribed) {
+            let mut size = 0;
+            for c in nodes[n].range().filter(|&c| free[c]) {
+                out.unknowns[c] = out.coordinates.len() as u32;
+                out.coordinates.push(c);
+                out.scatter_map.rows[c] = size;
+                size += 1;
+            }
+            if size > 0 {
+                out.scatter_map.blocks[n] = out.sizes.len() as u32;
+                out.sizes.push(size as usize);
+            }
+        }
+        out
+    }
+}
+
+/// The magnitudes that the coordinates of a node are added to.
+fn magnitudes(node: &Node, length: f64) -> impl Iterator<Item = f64> + '_ {
+    node.quantities.iter().map(move |quantity| match quantity {
+        Quantity::Length if node.is_frame() => node.position.norm(),
+        Quantity::Length => length,
+        Quantity::Angle | Quantity::Other => 1.0,
+    })
+}
+
 /// Shortest and longest lever of the model: the least distance between different node positions of
 /// an element or a joint, and the extent of the whole; zero and infinity if there is none.
 fn levers(nodes: &[Node], elements: &[ElementEntry], extent: f64) -> [f64; 2] {
@@ -235,66 +257,6 @@ fn extent(nodes: &[Node]) -> f64 {
             .unwrap_or_default()
     };
     (corner(f64::max) - corner(f64::min)).norm()
-}
-
-/// All nodes by their distance from the supports, counted in elements.
-///
-/// Elimination takes the last first: from free ends towards supports every partial structure is
-/// held by the rest, and pivots keep their size. In the opposite order the last pivot of a
-/// cantilever would be its tip stiffness, small by the cube of the number of elements.
-fn outward(nodes: &[Node], elements: &[ElementEntry], prescribed: &[Prescribed]) -> Vec<usize> {
-    let mut touching: Vec<Vec<usize>> = vec![Vec::new(); nodes.len()];
-    let mut groups: Vec<Vec<usize>> = Vec::with_capacity(elements.len());
-    let indices = |nodes: &[u32]| nodes.iter().map(|&n| n as usize).collect::<Vec<_>>();
-    groups.extend(elements.iter().map(|e| indices(&e.nodes)));
-    for (n, node) in nodes.iter().enumerate() {
-        if let Source::Mapped(d) = &node.source {
-            for parents in &d.segments {
-                groups.push(indices(parents));
-                groups.last_mut().into_iter().for_each(|g| g.push(n));
-            }
-        }
-    }
-    for (g, group) in groups.iter().enumerate() {
-        for &n in group {
-            touching[n].push(g);
-        }
-    }
-    let mut coordinate_node = Vec::new();
-    for (n, node) in nodes.iter().enumerate() {
-        coordinate_node.extend(std::iter::repeat_n(n, node.dim));
-    }
-    let mut reached = vec![false; nodes.len()];
-    let mut used = vec![false; groups.len()];
-    let mut order: Vec<usize> = Vec::with_capacity(nodes.len());
-    let mut next = 0;
-    let held = prescribed.iter().map(|p| coordinate_node[p.coordinate]);
-    for n in held {
-        if !std::mem::replace(&mut reached[n], true) {
-            order.push(n);
-        }
-    }
-    for seed in 0..=nodes.len() {
-        while next < order.len() {
-            for &g in &touching[order[next]] {
-                if std::mem::replace(&mut used[g], true) {
-                    continue;
-                }
-                for &m in &groups[g] {
-                    if !std::mem::replace(&mut reached[m], true) {
-                        order.push(m);
-                    }
-                }
-            }
-            next += 1;
-        }
-        // Parts without a support follow, each from its first node.
-        if seed < nodes.len() && !reached[seed] {
-            reached[seed] = true;
-            order.push(seed);
-        }
-    }
-    order
 }
 
 /// Checks that reparametrized coordinates are free, and used by no other map or element.
