@@ -1,7 +1,7 @@
 //! Suggestions for refused model files.
 
 use super::error::Problem;
-use super::suggest::closest;
+use super::names::closest;
 use pullback_elements::beam::SectionError;
 
 fn names(known: &[String]) -> String {

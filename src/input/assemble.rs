@@ -2,6 +2,7 @@
 
 use super::file::{Analysis, ModelFile, Output};
 use super::initial::Start;
+use super::names::{Names, check_names, usable_name};
 use super::registry::Registry;
 use super::settings::Plan;
 use super::{
@@ -11,7 +12,7 @@ use crate::probe::Probe;
 use nalgebra::{Matrix3, Vector3};
 use pullback_elements::beam::Interpolation;
 use pullback_elements::model::{Context, ElementId, Formulation, ModelBuilder, ModelError, NodeId};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
 /// What a model file describes, ready to run.
 pub struct Job {
@@ -74,102 +75,6 @@ pub struct LineGeometry {
     pub elements: Vec<ElementId>,
 }
 
-/// Named items.
-pub(super) struct Names<T> {
-    what: &'static str,
-    order: Vec<String>,
-    things: HashMap<String, T>,
-}
-
-impl<T: Copy> Names<T> {
-    pub(super) fn new(what: &'static str) -> Self {
-        Self {
-            what,
-            order: Vec::new(),
-            things: HashMap::new(),
-        }
-    }
-
-    pub(super) fn knows(&self, name: &str) -> bool {
-        self.things.contains_key(name)
-    }
-
-    pub(super) fn get(&self, name: &str) -> Option<T> {
-        self.things.get(name).copied()
-    }
-
-    pub(super) fn add(&mut self, name: String, thing: T) {
-        self.order.push(name.clone());
-        self.things.insert(name, thing);
-    }
-
-    /// The item of a name, or a refusal of the value at `path`.
-    pub(super) fn find(
-        &self,
-        source: &Text<'_>,
-        path: &[&str],
-        name: &str,
-    ) -> Result<T, InputError> {
-        self.things.get(name).copied().ok_or_else(|| {
-            source.value(
-                path,
-                Problem::UnknownName {
-                    what: self.what,
-                    name: name.to_owned(),
-                    known: self.order.clone(),
-                },
-            )
-        })
-    }
-}
-
-impl Names<usize> {
-    /// The lines of a file, in its order.
-    pub(super) fn lines(file: &ModelFile) -> Self {
-        let mut lines = Self::new("line");
-        for (k, line) in file.lines.iter().enumerate() {
-            lines.add(line.name.clone(), k);
-        }
-        lines
-    }
-}
-
-/// Whether a name is allowed in messages, columns and composed names.
-pub(super) fn usable_name(name: &str) -> bool {
-    let forbidden = |c: char| c.is_control() || "/:,\"'".contains(c);
-    !name.trim().is_empty() && !name.contains(forbidden)
-}
-
-/// Refuses duplicate names.
-pub(super) fn distinct<'a>(
-    source: &Text<'_>,
-    table: &str,
-    what: &'static str,
-    names: impl Iterator<Item = &'a str>,
-) -> Result<(), InputError> {
-    let mut seen = std::collections::HashSet::new();
-    for (k, name) in names.enumerate() {
-        let index = k.to_string();
-        let path = [table, index.as_str(), "name"];
-        if !usable_name(name) {
-            let name = name.to_owned();
-            return Err(source.value(&path, Problem::Name { what, name }));
-        }
-        if !seen.insert(name) {
-            let what = match what {
-                "line" => "lines",
-                "probe" => "probes",
-                "joint" => "joints",
-                "body" => "bodies",
-                _ => "springs",
-            };
-            let name = name.to_owned();
-            return Err(source.value(&path, Problem::Duplicate { what, name }));
-        }
-    }
-    Ok(())
-}
-
 /// Assembles a file, in a formulation of rotations other than its own if one is given.
 pub(super) fn assemble(
     source: &Text<'_>,
@@ -177,19 +82,7 @@ pub(super) fn assemble(
     mut file: ModelFile,
     formulation: Option<Formulation>,
 ) -> Result<Job, InputError> {
-    let elements = file.lines.is_empty() && file.bodies.is_empty() && file.springs.is_empty();
-    for (what, missing) in [
-        ("nodes", file.nodes.is_empty()),
-        ("lines, bodies or springs", elements),
-    ] {
-        if missing {
-            return Err(InputError::whole(Problem::Missing { what }));
-        }
-    }
-    if let Some(title) = file.title.as_ref().filter(|t| t.contains(char::is_control)) {
-        let (what, name) = ("title", title.clone());
-        return Err(source.value(&["title"], Problem::Name { what, name }));
-    }
+    check_contents(source, &file)?;
     let mut made = BTreeMap::new();
     for (name, described) in &file.sections {
         made.insert(name.clone(), sections::section(source, name, described)?);
@@ -216,19 +109,7 @@ pub(super) fn assemble(
             center: body.center.unwrap_or_default().into(),
         })
         .collect();
-    geometry.links = (file.joints.iter())
-        .filter(|joint| joint.keys.contains_key("position"))
-        .filter_map(|joint| {
-            let ends = [joint.parent.as_ref()?, &joint.name];
-            Some([nodes.get(ends[0])?, nodes.get(ends[1])?])
-        })
-        .collect();
-    for spring in &file.springs {
-        let ends = spring.nodes.each_ref().map(|name| nodes.get(name));
-        if let [Some(a), Some(b)] = ends {
-            geometry.links.push([a, b]);
-        }
-    }
+    geometry.links = links(&file, &nodes).collect();
     bodies::springs(source, &mut builder, &nodes, &file)?;
     geometry.supports = loads::support(source, &mut builder, &nodes, &file)?;
     let loaded = loads::Loaded {
@@ -266,16 +147,8 @@ pub(super) fn assemble(
         file.output.deformation_scale,
     )?;
     settings::fill_in(&plan, &mut file.analysis);
-    if !dynamic && !file.initial.is_empty() {
-        return Err(source.value(&["initial", "0"], Problem::InitialStatics));
-    }
-    let moving = |j: &super::file::Joint| {
-        let mut acts = j.all_acts();
-        acts.any(|(_, a)| a.rate.is_some() || a.value.is_some())
-    };
-    if let Some(k) = file.joints.iter().position(moving).filter(|_| !dynamic) {
-        let path = ["joints", &k.to_string(), "name"];
-        return Err(source.value(&path, Problem::InitialStatics));
+    if !dynamic {
+        check_statics(source, &file)?;
     }
     let mut context = Context::new(model);
     let start = initial::start(
@@ -314,16 +187,52 @@ pub(super) fn assemble(
     })
 }
 
-/// Checks that names of lines, joints, bodies and springs are valid and unique.
-fn check_names(source: &Text<'_>, file: &ModelFile) -> Result<(), InputError> {
-    let lines = file.lines.iter().map(|l| l.name.as_str());
-    distinct(source, "lines", "line", lines)?;
-    let bodies = file.bodies.iter().map(|b| b.name.as_str());
-    distinct(source, "bodies", "body", bodies)?;
-    let springs = file.springs.iter().map(|s| s.name.as_str());
-    distinct(source, "springs", "spring", springs)?;
-    let joints = file.joints.iter().map(|j| j.name.as_str());
-    distinct(source, "joints", "joint", joints)
+/// Checks that a file has nodes and elements, and a title of one line if any.
+fn check_contents(source: &Text<'_>, file: &ModelFile) -> Result<(), InputError> {
+    let elements = file.lines.is_empty() && file.bodies.is_empty() && file.springs.is_empty();
+    for (what, missing) in [
+        ("nodes", file.nodes.is_empty()),
+        ("lines, bodies or springs", elements),
+    ] {
+        if missing {
+            return Err(InputError::whole(Problem::Missing { what }));
+        }
+    }
+    if let Some(title) = file.title.as_ref().filter(|t| t.contains(char::is_control)) {
+        let (what, name) = ("title", title.clone());
+        return Err(source.value(&["title"], Problem::Name { what, name }));
+    }
+    Ok(())
+}
+
+/// Refuses initial conditions in statics.
+fn check_statics(source: &Text<'_>, file: &ModelFile) -> Result<(), InputError> {
+    if !file.initial.is_empty() {
+        return Err(source.value(&["initial", "0"], Problem::InitialStatics));
+    }
+    let moving = |j: &super::file::Joint| {
+        let mut acts = j.all_acts();
+        acts.any(|(_, a)| a.rate.is_some() || a.value.is_some())
+    };
+    if let Some(k) = file.joints.iter().position(moving) {
+        let path = ["joints", &k.to_string(), "name"];
+        return Err(source.value(&path, Problem::InitialStatics));
+    }
+    Ok(())
+}
+
+/// The ends of rigid links and springs.
+fn links<'a>(
+    file: &'a ModelFile,
+    nodes: &'a Names<NodeId>,
+) -> impl Iterator<Item = [NodeId; 2]> + 'a {
+    let links = file.joints.iter().filter_map(|joint| {
+        joint.keys.get("position")?;
+        Some([joint.parent.as_ref()?, &joint.name])
+    });
+    let springs = file.springs.iter().map(|spring| spring.nodes.each_ref());
+    let ends = links.chain(springs);
+    ends.filter_map(|[a, b]| Some([nodes.get(a)?, nodes.get(b)?]))
 }
 
 /// Adds the nodes in the order in which the file names them.

@@ -2,8 +2,8 @@
 
 #![allow(non_snake_case)]
 
-use super::assemble::Names;
 use super::file::{Body, ModelFile, Six, Spring, Tensor};
+use super::names::Names;
 use super::{InputError, Problem, Text};
 use nalgebra::{Matrix3, Matrix6, Vector3};
 use pullback_elements::body::{BodyError, PointMass, RigidBody};

@@ -1,7 +1,8 @@
 //! Initial conditions of the file as vectors of the model.
 
-use super::assemble::{LineGeometry, Names};
+use super::assemble::LineGeometry;
 use super::file::{Initial, ModelFile};
+use super::names::Names;
 use super::requests::{self, Rate, VelocityRequest};
 use super::values::{self, geared, given};
 use super::{InputError, Problem, Text};

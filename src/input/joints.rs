@@ -1,9 +1,9 @@
 //! Joints of the file.
 
 use super::advice::RENAMED;
-use super::assemble::Names;
 use super::file::{Acts, Joint, ModelFile};
 use super::loads::{function, prescribed_function};
+use super::names::Names;
 use super::parts::Laid;
 use super::registry::{JointType, Refusal, Registry, Site};
 use super::{InputError, Problem, Text, plain};

@@ -1,7 +1,8 @@
 //! Lines of the file as beam elements of the model.
 
-use super::assemble::{LineGeometry, Names};
+use super::assemble::LineGeometry;
 use super::file::{Interpolation as Chosen, Line as Described};
+use super::names::Names;
 use super::{InputError, Problem, Text};
 use nalgebra::{Unit, Vector3};
 use pullback_elements::beam::{self, Interpolation, Section};

@@ -2,9 +2,10 @@
 
 #![allow(non_snake_case)]
 
-use super::assemble::{LineGeometry, Names};
+use super::assemble::LineGeometry;
 use super::bodies::{Matter, Placed};
 use super::file::{Analysis, Body, DofName, Initial, Load, ModelFile, Time};
+use super::names::Names;
 use super::{InputError, Problem, Text};
 use nalgebra::Vector3;
 use pullback_elements::beam::Section;

@@ -13,6 +13,7 @@ mod joints;
 mod lines;
 mod loads;
 mod locate;
+mod names;
 mod parts;
 mod probes;
 mod registry;
@@ -20,7 +21,6 @@ mod requests;
 mod schema;
 mod sections;
 mod settings;
-mod suggest;
 mod values;
 
 pub use assemble::{BodyGeometry, Geometry, Job, LineGeometry};
@@ -32,7 +32,7 @@ pub use registry::{BoxedError, Registry, Site};
 pub use schema::schema;
 pub use settings::{DynamicPlan, Plan};
 
-pub(crate) use suggest::closest;
+pub(crate) use names::closest;
 
 use locate::Locator;
 use pullback_elements::model::{Context, Formulation};

@@ -1,7 +1,8 @@
 //! Lines and joints, constructed in an order in which the nodes of each exist before it.
 
-use super::assemble::{LineGeometry, Names};
+use super::assemble::LineGeometry;
 use super::file::{Closure as Word, Joint, ModelFile};
+use super::names::Names;
 use super::registry::Registry;
 use super::{InputError, Problem, Text, joints, lines};
 use pullback_elements::beam::Section;

@@ -1,7 +1,8 @@
 //! Probes of the file, resolved.
 
-use super::assemble::{Geometry, Names, distinct};
+use super::assemble::Geometry;
 use super::file::{Probe as Described, ProbeQuantity};
+use super::names::{Names, distinct};
 use super::{InputError, Problem, Text};
 use crate::output::{COLUMNS, DYNAMIC_COLUMNS, STATIC_COLUMNS};
 use crate::probe::{Component, Probe, Target};

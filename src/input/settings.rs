@@ -1,9 +1,9 @@
 //! The analysis of the file as options of the solver.
 
-use super::assemble::Names;
 use super::file::{
     Analysis, ArcLength, Direction, Dynamic, NewtonSettings, Predictor, Static, Stop, TangentRule,
 };
+use super::names::Names;
 use super::{InputError, Problem, Text, not_negative, positive};
 use pullback_elements::model::{Model, NodeId};
 use pullback_integrators::dynamics::{self as integrator, Adaptivity, DynamicOptions};

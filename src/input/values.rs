@@ -1,7 +1,8 @@
 //! Initial values of joints, and their effect on attached nodes.
 
-use super::assemble::{LineGeometry, Names};
+use super::assemble::LineGeometry;
 use super::file::{Acts, Analysis, ModelFile};
+use super::names::Names;
 use super::{InputError, Problem, Text};
 use pullback_elements::model::{Context, NodeId};
 

@@ -1,0 +1,145 @@
+//! Names of things in a file: valid, unique, known, and the closest of the known ones.
+
+use super::file::ModelFile;
+use super::{InputError, Problem, Text};
+use std::collections::{HashMap, HashSet};
+
+/// Named items.
+pub(super) struct Names<T> {
+    what: &'static str,
+    order: Vec<String>,
+    things: HashMap<String, T>,
+}
+
+impl<T: Copy> Names<T> {
+    pub(super) fn new(what: &'static str) -> Self {
+        Self {
+            what,
+            order: Vec::new(),
+            things: HashMap::new(),
+        }
+    }
+
+    pub(super) fn knows(&self, name: &str) -> bool {
+        self.things.contains_key(name)
+    }
+
+    pub(super) fn get(&self, name: &str) -> Option<T> {
+        self.things.get(name).copied()
+    }
+
+    pub(super) fn add(&mut self, name: String, thing: T) {
+        self.order.push(name.clone());
+        self.things.insert(name, thing);
+    }
+
+    /// The item of a name, or a refusal of the value at `path`.
+    pub(super) fn find(
+        &self,
+        source: &Text<'_>,
+        path: &[&str],
+        name: &str,
+    ) -> Result<T, InputError> {
+        self.things.get(name).copied().ok_or_else(|| {
+            source.value(
+                path,
+                Problem::UnknownName {
+                    what: self.what,
+                    name: name.to_owned(),
+                    known: self.order.clone(),
+                },
+            )
+        })
+    }
+}
+
+impl Names<usize> {
+    /// The lines of a file, in its order.
+    pub(super) fn lines(file: &ModelFile) -> Self {
+        let mut lines = Self::new("line");
+        for (k, line) in file.lines.iter().enumerate() {
+            lines.add(line.name.clone(), k);
+        }
+        lines
+    }
+}
+
+/// Whether a name is allowed in messages, columns and composed names.
+pub(super) fn usable_name(name: &str) -> bool {
+    let forbidden = |c: char| c.is_control() || "/:,\"'".contains(c);
+    !name.trim().is_empty() && !name.contains(forbidden)
+}
+
+/// Refuses duplicate names.
+pub(super) fn distinct<'a>(
+    source: &Text<'_>,
+    table: &str,
+    what: &'static str,
+    names: impl Iterator<Item = &'a str>,
+) -> Result<(), InputError> {
+    let mut seen = HashSet::new();
+    for (k, name) in names.enumerate() {
+        let index = k.to_string();
+        let path = [table, index.as_str(), "name"];
+        if !usable_name(name) {
+            let name = name.to_owned();
+            return Err(source.value(&path, Problem::Name { what, name }));
+        }
+        if !seen.insert(name) {
+            let what = match what {
+                "line" => "lines",
+                "probe" => "probes",
+                "joint" => "joints",
+                "body" => "bodies",
+                _ => "springs",
+            };
+            let name = name.to_owned();
+            return Err(source.value(&path, Problem::Duplicate { what, name }));
+        }
+    }
+    Ok(())
+}
+
+/// Checks that names of lines, joints, bodies and springs are valid and unique.
+pub(super) fn check_names(source: &Text<'_>, file: &ModelFile) -> Result<(), InputError> {
+    let lines = file.lines.iter().map(|l| l.name.as_str());
+    distinct(source, "lines", "line", lines)?;
+    let bodies = file.bodies.iter().map(|b| b.name.as_str());
+    distinct(source, "bodies", "body", bodies)?;
+    let springs = file.springs.iter().map(|s| s.name.as_str());
+    distinct(source, "springs", "spring", springs)?;
+    let joints = file.joints.iter().map(|j| j.name.as_str());
+    distinct(source, "joints", "joint", joints)
+}
+
+/// The name closest to `given`, if it is close enough for a typing error.
+pub fn closest<'a>(given: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
+    let allowed = 1 + given.chars().count() / 3;
+    known
+        .into_iter()
+        .map(|name| (distance(&given.to_lowercase(), &name.to_lowercase()), name))
+        .filter(|(d, _)| *d <= allowed)
+        .min_by_key(|(d, _)| *d)
+        .map(|(_, name)| name.to_owned())
+}
+
+/// Edit distance with transpositions of neighbours (optimal string alignment).
+fn distance(a: &str, b: &str) -> usize {
+    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
+    let mut rows = vec![(0..=b.len()).collect::<Vec<usize>>()];
+    for i in 1..=a.len() {
+        let mut row = vec![i];
+        for j in 1..=b.len() {
+            let cost = usize::from(a[i - 1] != b[j - 1]);
+            let mut best = (rows[i - 1][j] + 1)
+                .min(row[j - 1] + 1)
+                .min(rows[i - 1][j - 1] + cost);
+            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                best = best.min(rows[i - 2][j - 2] + 1);
+            }
+            row.push(best);
+        }
+        rows.push(row);
+    }
+    rows[a.len()][b.len()]
+}
