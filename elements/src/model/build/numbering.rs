@@ -17,7 +17,7 @@ use crate::model::{
 use crate::time::TimeFunction;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::Quantity;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 impl ModelBuilder {
@@ -147,20 +147,29 @@ impl ModelBuilder {
             work,
         };
         model.start = State::new(&model);
-        let mut starts: Vec<((NodeId, usize), f64)> = starts.into_iter().collect();
-        starts.sort_unstable_by_key(|v| v.0);
-        let values: Vec<(usize, f64)> = (starts.into_iter())
-            .filter_map(|((n, k), x)| Some((model.unknown_at(n, k)?, x)))
-            .collect();
-        let mut context = Context::new(model);
-        context.locate_tangents();
-        context.start_element_charts(0.0, &vec![0.0; context.coordinates.len()]);
-        let initial = context.assemble_enforced(&values, &positions)?;
-        let Context { model, state, work } = context;
-        let mut model = Arc::unwrap_or_clone(model);
-        (model.initial, model.start, model.work) = (initial, state, work);
-        Ok(model)
+        assembled(model, starts, &positions)
     }
+}
+
+/// The model with its loops assembled from initial values.
+fn assembled(
+    model: Model,
+    starts: HashMap<(NodeId, usize), f64>,
+    positions: &[(u32, usize, f64)],
+) -> Result<Model, ModelError> {
+    let mut starts: Vec<((NodeId, usize), f64)> = starts.into_iter().collect();
+    starts.sort_unstable_by_key(|v| v.0);
+    let values: Vec<(usize, f64)> = (starts.into_iter())
+        .filter_map(|((n, k), x)| Some((model.unknown_at(n, k)?, x)))
+        .collect();
+    let mut context = Context::new(model);
+    context.locate_tangents();
+    context.start_element_charts(0.0, &vec![0.0; context.coordinates.len()]);
+    let initial = context.assemble_enforced(&values, positions)?;
+    let Context { model, state, work } = context;
+    let mut model = Arc::unwrap_or_clone(model);
+    (model.initial, model.start, model.work) = (initial, state, work);
+    Ok(model)
 }
 
 /// The unknowns, block by block, away from the supports.

@@ -203,6 +203,51 @@ fn preference(nodes: &[Node], chains: &[Chain], n: u32, preferences: &StartPrefe
     }
 }
 
+/// Describes the unknowns, parameters and equations of a set of loops.
+fn described(
+    nodes: &[Node],
+    chains: &[Chain],
+    inputs: &Inputs,
+    preferences: &StartPreferences<'_>,
+    length: f64,
+) -> Description {
+    let (given, unknown) = inputs.nodes.split_at(inputs.given);
+    let mut about = Description {
+        good_condition: GOOD_CONDITION,
+        ..Description::default()
+    };
+    for &(n, first) in unknown {
+        let node = &nodes[n as usize];
+        if node.form == NodeForm::Rotation {
+            about.rotations.push(first - inputs.parameters);
+        }
+        for (k, quantity) in node.quantities.iter().enumerate() {
+            about.unknowns.push(Unknown {
+                name: node.coordinate_name(k),
+                size: match quantity {
+                    Quantity::Length => length,
+                    Quantity::Angle | Quantity::Other => 1.0,
+                },
+                start: preferences.starts.get(&(NodeId(n), k)).copied(),
+                preference: preference(nodes, chains, n, preferences),
+            });
+        }
+    }
+    for chain in chains {
+        let name = &nodes[chain.frame as usize].name;
+        about.equations.extend((0..6).map(|i| Equation {
+            name: format!("{} at joint {name}", EQUATIONS[i]),
+            size: Some(if i < 3 { length } else { 1.0 }),
+        }));
+    }
+    let of = |&(n, _): &(u32, usize)| {
+        let node = &nodes[n as usize];
+        std::iter::repeat_n(node.name.clone(), node.dim)
+    };
+    about.parameters = given.iter().flat_map(of).collect();
+    about
+}
+
 /// Closes a set of loops; returns its report.
 pub(super) fn close_set(
     nodes: &mut Vec<Node>,
@@ -228,42 +273,9 @@ pub(super) fn close_set(
         .map(|c| nodes[c.frame as usize].name.as_str())
         .collect();
     let joints = joints.join(", ");
-    let mut about = Description {
-        good_condition: GOOD_CONDITION,
-        ..Description::default()
-    };
-    let mut quantities = Vec::new();
-    for &(n, first) in unknown {
-        let node = &nodes[n as usize];
-        if node.form == NodeForm::Rotation {
-            about.rotations.push(first - inputs.parameters);
-        }
-        for (k, &quantity) in node.quantities.iter().enumerate() {
-            quantities.push(quantity);
-            about.unknowns.push(Unknown {
-                name: node.coordinate_name(k),
-                size: if quantity == Quantity::Length {
-                    length
-                } else {
-                    1.0
-                },
-                start: preferences.starts.get(&(NodeId(n), k)).copied(),
-                preference: preference(nodes, chains, n, preferences),
-            });
-        }
-    }
-    for chain in chains {
-        let name = &nodes[chain.frame as usize].name;
-        about.equations.extend((0..6).map(|i| Equation {
-            name: format!("{} at joint {name}", EQUATIONS[i]),
-            size: Some(if i < 3 { length } else { 1.0 }),
-        }));
-    }
-    let of = |&(n, _): &(u32, usize)| {
-        let node = &nodes[n as usize];
-        std::iter::repeat_n(node.name.clone(), node.dim)
-    };
-    about.parameters = given.iter().flat_map(of).collect();
+    let about = described(nodes, chains, &inputs, preferences, length);
+    let of = |&(n, _): &(u32, usize)| nodes[n as usize].quantities.clone();
+    let quantities: Vec<Quantity> = unknown.iter().flat_map(of).collect();
     let mut p = Vec::with_capacity(inputs.parameters);
     for &(n, _) in given {
         let value = |k| held.function(n as usize, k).map_or(0.0, |f| f.at(0.0)[0]);
@@ -317,14 +329,12 @@ pub(super) fn close_set(
         let mapped = MappedNode::new(Box::new(part), vec![vec![x]], count);
         node.source = Source::Mapped(Box::new(mapped));
     }
+    let closing = match chains.len() {
+        1 => format!("joint {joints} closes a loop"),
+        _ => format!("joints {joints} close loops"),
+    };
     Ok(Report {
-        words: format!(
-            "{} {joints} close{} {}",
-            if chains.len() == 1 { "joint" } else { "joints" },
-            if chains.len() == 1 { "s" } else { "" },
-            if chains.len() == 1 { "a loop" } else { "loops" },
-        ) + &apart
-            + &moved,
+        words: closing + &apart + &moved,
         map: Some(x),
         closures: chains.iter().map(|c| (c.frame, c.child)).collect(),
         roots: chains
