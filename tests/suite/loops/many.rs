@@ -41,21 +41,19 @@ fn hung(count: usize) -> [usize; 2] {
         let a = b
             .attach(&at("a"), root, Revolute::new(axis).unwrap())
             .unwrap();
-        let end = b
-            .offset(&at("crank"), a.frame, [0.0, y - 1.0, 0.0])
-            .unwrap();
+        let end = b.offset(at("crank"), a.frame, [0.0, y - 1.0, 0.0]).unwrap();
         let coupler = b
             .attach(&at("b"), end, Revolute::new(axis).unwrap())
             .unwrap();
         let far = b
-            .offset(&at("coupler"), coupler.frame, [1.0, y - 1.0, 0.0])
+            .offset(at("coupler"), coupler.frame, [1.0, y - 1.0, 0.0])
             .unwrap();
-        let foot = b.offset(&at("foot"), root, [1.0, y, 0.0]).unwrap();
+        let foot = b.offset(at("foot"), root, [1.0, y, 0.0]).unwrap();
         let d = b
             .attach(&at("d"), foot, Revolute::new(axis).unwrap())
             .unwrap();
         let tip = b
-            .offset(&at("rocker"), d.frame, [1.0, y - 1.0, 0.0])
+            .offset(at("rocker"), d.frame, [1.0, y - 1.0, 0.0])
             .unwrap();
         let c = b
             .attach(&at("c"), far, Revolute::new(axis).unwrap())

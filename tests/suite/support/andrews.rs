@@ -108,7 +108,7 @@ fn squeezer(map: &ImplicitMap) -> (Context, NodeId) {
     // Bodies as they lie where all angles are zero.
     let along = |p: [f64; 3], x: f64, y: f64| [p[0] + x, p[1] + y, 0.0];
     let mut bar = |k: usize, on: NodeId, position: [f64; 3], angle: usize, center: [f64; 2]| {
-        let pin = b.offset(&format!("pin {k}"), on, position).unwrap();
+        let pin = b.offset(format!("pin {k}"), on, position).unwrap();
         let hinge = Revolute::new([0.0, 0.0, 1.0]).unwrap();
         let frame = b
             .add_joint_frame(format!("K{k}"), pin, hinge, &[angles[angle]])

@@ -31,7 +31,7 @@ pub fn link(
     [from, to]: [[f64; 3]; 2],
     (m, weights): (f64, Weights),
 ) -> JointNodes {
-    let pin = b.offset(&format!("pin {name}"), on, from).unwrap();
+    let pin = b.offset(format!("pin {name}"), on, from).unwrap();
     let made = b.attach(name, pin, Revolute::new(E3).unwrap()).unwrap();
     let along = Vector3::from(to) - Vector3::from(from);
     let J = (Matrix3::identity() * along.norm_squared() - along * along.transpose()) * (m / 12.0);

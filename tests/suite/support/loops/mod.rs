@@ -37,7 +37,7 @@ pub fn bar(
     m: f64,
 ) -> NodeId {
     let name = format!("bar at {}", b.node_name(angle));
-    let pin = b.offset(&format!("pin of {name}"), on, position).unwrap();
+    let pin = b.offset(format!("pin of {name}"), on, position).unwrap();
     let hinge = Revolute::new([0.0, 0.0, 1.0]).unwrap();
     let frame = b
         .add_joint_frame(name.clone(), pin, hinge, &[angle])
