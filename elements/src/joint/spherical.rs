@@ -6,8 +6,9 @@ use pullback_manifold::scalar::Scalar;
 
 /// d_s = d_m, Ψ_s of its own: parents (frame, rotation).
 ///
-/// Its child turns freely ([`ModelBuilder::attach_free`](crate::model::ModelBuilder::attach_free)): the coordinates are the child's own rotation
-/// vector, in global components and not relative to the parent, and the chart changes at ψ > π.
+/// Its child turns freely ([`ModelBuilder::attach_free`](crate::model::ModelBuilder::attach_free)): the
+/// coordinates are the child's own rotation vector, in global components and not relative to the parent, and
+/// the chart changes at ψ > π.
 ///
 #[doc = include_str!("../../../docs/images/joints/spherical.svg")]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
