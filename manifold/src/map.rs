@@ -13,13 +13,11 @@
 
 #![allow(non_snake_case)]
 
-mod composed;
 pub mod derived;
 mod erased;
 mod increment;
 mod linear;
 
-pub use composed::Composed;
 use erased::Erased;
 pub use erased::{KinematicsMut, Parametrization};
 pub use erased::{write_geometric_stiffness, write_kinematics, write_tangent};

@@ -29,6 +29,10 @@ impl<A: Element, B: Element> Element for Sum<A, B> {
         self.0.energy(at) + self.1.energy(at)
     }
 
+    fn kinetic_energy(&self, at: &Motion<'_>) -> Option<f64> {
+        Some(self.0.kinetic_energy(at)? + self.1.kinetic_energy(at)?)
+    }
+
     fn dissipation(&self, at: &Motion<'_>) -> f64 {
         self.0.dissipation(at) + self.1.dissipation(at)
     }

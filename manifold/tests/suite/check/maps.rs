@@ -4,7 +4,7 @@
 
 use nalgebra::{SMatrix, SVector, Vector3};
 use pullback_conformance::{self as check, Measure, Report};
-use pullback_manifold::chart::{Chart, Complement, Identity};
+use pullback_manifold::chart::{Chart, Complement};
 use pullback_manifold::implicit::{Choice, Implicit, ImplicitMap};
 use pullback_manifold::map::{Kinematics, KinematicsMut, Map, Parametrization, Tangent, derived};
 use pullback_manifold::scalar::Scalar;
@@ -214,9 +214,19 @@ enum Half {
     Empty,
 }
 
+/// No change.
+#[derive(Clone)]
+struct Same;
+
+impl Map<1, 1> for Same {
+    fn phi<S: Scalar>(&self, _t: S, q: &SVector<S, 1>) -> SVector<S, 1> {
+        *q
+    }
+}
+
 impl Chart<1> for Half {
     type Point = f64;
-    type Transition = Identity;
+    type Transition = Same;
 
     fn point(&self, q: &SVector<f64, 1>) -> f64 {
         q.x.exp()
