@@ -254,12 +254,4 @@ impl ProbeQuantity {
                 | Self::angular_momentum
         )
     }
-
-    /// Whether it needs momenta and kinetic energy of the whole model.
-    pub fn needs_audit(self) -> bool {
-        matches!(
-            self,
-            Self::kinetic_energy | Self::total_energy | Self::momentum | Self::angular_momentum
-        )
-    }
 }

@@ -53,11 +53,6 @@ impl BlockLu {
         self.ready.as_ref().map_or(0.0, |r| r.symbolic.flops)
     }
 
-    /// Number of values in the factors, once analysed.
-    pub fn factor_len(&self) -> usize {
-        self.ready.as_ref().map_or(0, |r| r.symbolic.len)
-    }
-
     /// Whether this solver is likely faster than a general sparse solver on the analysed pattern.
     ///
     /// Estimates in nanoseconds, fitted to chains and grids of six-dof nodes. The general LU costs

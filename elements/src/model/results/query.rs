@@ -7,7 +7,7 @@ use crate::model::build::builder::{ElementId, NodeId};
 use crate::model::{Context, Model, ModelError, NONE, Source};
 use nalgebra::Vector3;
 use pullback_manifold::so3;
-use pullback_manifold::system::{Point, Quantity, System, SystemError};
+use pullback_manifold::system::{Point, SystemError};
 use std::collections::BTreeMap;
 
 /// Reaction of a support on the structure, in global components.
@@ -319,23 +319,6 @@ impl Context {
         self.frames()
             .map(|(n, _)| self.node_state(n).psi.norm())
             .fold(0.0, f64::max)
-    }
-
-    /// Names of the unknowns with the largest entries of a vector, largest first.
-    pub fn largest_entries(&self, vector: &[f64], count: usize) -> Vec<(String, f64)> {
-        let scale = |i: usize| match self.coordinate_info(i).quantity {
-            Quantity::Length => self.model.length,
-            _ => 1.0,
-        };
-        let mut order: Vec<usize> = (0..vector.len()).collect();
-        order.sort_by(|&a, &b| {
-            (vector[b].abs() / scale(b)).total_cmp(&(vector[a].abs() / scale(a)))
-        });
-        order
-            .into_iter()
-            .take(count)
-            .map(|i| (self.name(i), vector[i]))
-            .collect()
     }
 }
 
