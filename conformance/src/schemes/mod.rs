@@ -213,7 +213,7 @@ fn stability(report: &mut Report, scheme: &Scheme) {
         Ok(A) => {
             let radius = Numbers::of(characteristic(A), Omega).radius;
             // What stays bounded here has a larger limit.
-            report.defect(law, &at, 1.0 + 1e-6, radius);
+            report.defect(law, &at, 1.0 + 1e-12, radius);
         }
         Err(error) => report.impossible(law, &at, error.to_string()),
     }

@@ -21,7 +21,8 @@ pub struct DynamicOptions {
     pub scheme: Scheme,
     /// Newton's method inside a step.
     pub newton: NewtonOptions,
-    /// Adaptive steps by an estimate of the local error; for schemes of order 2.
+    /// Adaptive steps by an estimate of the local error; for schemes of order 2, or with an embedded
+    /// method.
     pub adaptivity: Option<Adaptivity>,
     /// Whether energies are evaluated after each step, if the system provides them.
     pub energies: bool,
@@ -49,7 +50,8 @@ impl DynamicOptions {
     }
 }
 
-/// Step sizes by the local error estimate of Zienkiewicz & Xie (1991).
+/// Step sizes by an estimate of the local error: that of Zienkiewicz & Xie (1991), or the difference to
+/// an embedded method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Adaptivity {
     /// Tolerance of the local error of a step, relative to the scales of the coordinates (the size
@@ -99,8 +101,8 @@ pub(super) fn check(
         return Err(DynamicsError::Option {
             name: "adaptivity",
             value: options.scheme.order() as f64,
-            wanted: "the estimate of the local error is for schemes of order 2, and this one's is \
-                     higher; take equal steps",
+            wanted: "the estimate of the local error is for schemes of order 2 and those with an \
+                     embedded method (tsitouras); take equal steps",
         });
     }
     let rho = options.scheme.spectral_radius();

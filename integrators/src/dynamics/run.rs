@@ -167,9 +167,14 @@ impl Run {
             Some(_) if self.projection.is_some() => {}
             _ => self.set_target(system, progress)?,
         }
-        let step = (self.options.adaptivity).map_or(step, |a| a.max_step);
         let Stepper { r, S, .. } = &mut self.stepper;
         let scheme = &self.options.scheme;
+        let step = match self.options.adaptivity {
+            // An embedded method limits the steps by itself.
+            Some(_) if scheme.is_embedded() => 0.0,
+            Some(adaptivity) => adaptivity.max_step,
+            None => step,
+        };
         progress.summary.stable_step =
             check_step(system, solver, &progress.state, scheme, step, [r, S])?;
         Ok(())
@@ -297,8 +302,9 @@ impl Run {
         let Some(adaptivity) = self.options.adaptivity else {
             return Ok(Some(h));
         };
-        let error = self.local_error(system, &progress.state, h);
-        let factor = (0.9 * (adaptivity.tolerance / error).cbrt()).clamp(0.3, 2.0);
+        let (error, power) = self.local_error(system, &progress.state, h);
+        let ratio = adaptivity.tolerance / error;
+        let factor = (0.9 * ratio.powf(1.0 / power)).clamp(0.3, 2.0);
         // A step shortened by a stop does not limit the next one.
         let wanted = (h * factor).min(adaptivity.max_step);
         if error <= adaptivity.tolerance {
@@ -468,17 +474,33 @@ impl Run {
         Some(mean.ok()??.dissipated)
     }
 
-    /// Largest local error of the coordinates over their scales (Zienkiewicz & Xie 1991).
-    fn local_error(&self, system: &dyn System, state: &State, h: f64) -> f64 {
-        let factor = self.options.scheme.error_factor().unwrap_or(0.0) * h * h;
+    /// Largest local error of the coordinates over their scales, and the power of h with which it falls:
+    /// the estimate of Zienkiewicz & Xie 1991 or that of an embedded method, where an error of a
+    /// velocity counts by its displacement in a step.
+    fn local_error(&self, system: &dyn System, state: &State, h: f64) -> (f64, f64) {
+        let scheme = &self.options.scheme;
+        let Some((row, power)) = scheme.error_estimate() else {
+            return (f64::MIN_POSITIVE, 1.0);
+        };
         let scales = system.scales().coordinate;
-        let new = &self.stepper.next.algorithmic;
-        let change = state.algorithmic.iter().zip(new).enumerate();
-        let sizes = change
-            .filter(|(i, _)| !system.coordinate_info(*i).is_multiplier)
-            .map(|(i, (old, new))| {
-                factor * (new - old).abs() / scales[system.coordinate_info(i).quantity.index()]
-            });
-        sizes.fold(f64::MIN_POSITIVE, f64::max)
+        // The last stage is in the new state.
+        let Stepper { stages, next, .. } = &self.stepper;
+        let inner = stages[..stages.len() - 1].iter().map(|stage| &stage.state);
+        let all = std::iter::once(state).chain(inner).chain([next]);
+        let mut largest = f64::MIN_POSITIVE;
+        for i in 0..state.q.len() {
+            let info = system.coordinate_info(i);
+            if info.is_multiplier {
+                continue;
+            }
+            let mut errors = [0.0_f64; 2];
+            for (y, (q, v)) in all.clone().zip(row.q.iter().zip(&row.v)) {
+                errors[0] += q * y.algorithmic[i];
+                errors[1] += v * y.algorithmic[i];
+            }
+            let error = errors[0].abs().max(errors[1].abs());
+            largest = largest.max(h * h * error / scales[info.quantity.index()]);
+        }
+        (largest, power as f64)
     }
 }

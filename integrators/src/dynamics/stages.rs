@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use super::coupled_stages::CoupledStages;
-use super::scheme::{STAGES, inverse};
+use super::scheme::{STAGES, Stage, inverse};
 use super::step::{Predictor, Stepper};
 use super::{Scheme, State};
 use std::ops::Range;
@@ -32,17 +32,22 @@ pub(super) struct StageGroup {
     pub inverse: Option<[[f64; STAGES]; STAGES]>,
     /// The unknowns are h² y over this: coordinates if a single implicit stage.
     pub unit: f64,
+    /// Whether neither coordinates nor velocities depend on their accelerations: the equations
+    /// are linear in these.
+    pub linear: bool,
 }
 
 impl StageGroup {
     pub fn new(scheme: &Scheme, range: &Range<usize>) -> Self {
         let inverse = inverse(scheme.stages(), range);
         let alone = inverse.filter(|_| range.len() == 1);
+        let own = |row: &Stage| row.q[1 + range.start] == 0.0 && row.v[1 + range.start] == 0.0;
         Self {
             start: range.start,
             end: range.end,
             inverse,
             unit: alone.map_or(1.0, |inverse| inverse[0][0]),
+            linear: range.len() == 1 && own(&scheme.stages()[range.start]),
         }
     }
 

@@ -10,6 +10,7 @@ use crate::failure::Failure;
 use crate::linear_solver::LinearSolver;
 use crate::rounding::{allowed, inverse_scales, is_rounding, rounding_of_gaps};
 use crate::statics::Iteration;
+use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{Evaluation, Point, Quantity, System, SystemError, Weights};
 
 /// Start of Newton's iteration of a step; velocities and accelerations follow by the scheme.
@@ -170,7 +171,10 @@ impl Stepper {
             // there.
             let predictor = ConvergencePredictor::new(history, renewed);
             let wanted = first || (every && !predictor.without_tangent());
-            let residual = self.evaluate(system, step, group, first, wanted)?;
+            let residual = match first || !group.linear {
+                true => self.evaluate(system, step, group, first, wanted)?,
+                false => self.linear_residual(system.pattern()),
+            };
             for (first, most) in unbalanced.iter_mut().zip(residual) {
                 if *first == 0.0 {
                     *first = most;
@@ -269,9 +273,7 @@ impl Stepper {
             } else {
                 self.stage(system, k, from, None)?;
             }
-            for (r, quantity) in self.r.iter().zip(&self.quantities) {
-                residual[quantity.index()] = residual[quantity.index()].max(r.abs());
-            }
+            self.largest(&mut residual);
             if group.len() == 1 {
                 self.dq[..self.r.len()].copy_from_slice(&self.r);
                 continue;
@@ -281,6 +283,22 @@ impl Stepper {
             }
         }
         Ok(residual)
+    }
+
+    /// The largest residuals per quantity, including those of `self.r`.
+    fn largest(&self, residual: &mut [f64; 3]) {
+        for (r, quantity) in self.r.iter().zip(&self.quantities) {
+            residual[quantity.index()] = residual[quantity.index()].max(r.abs());
+        }
+    }
+
+    /// Residual of a linear group after the correction d, r − S d, without an evaluation.
+    fn linear_residual(&mut self, pattern: &BlockPattern) -> [f64; 3] {
+        pattern.multiply_add(-1.0, &self.S, &self.dq, &mut self.r);
+        self.dq[..self.r.len()].copy_from_slice(&self.r);
+        let mut residual = [0.0; 3];
+        self.largest(&mut residual);
+        residual
     }
 
     /// Residual of a stage and a tangent; the first iteration of a step comes `from` another time.

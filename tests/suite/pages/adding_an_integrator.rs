@@ -41,7 +41,7 @@ fn its_lines_stand_where_it_says() {
 /// accelerations that do not converge, and by them positions of order 1.
 fn alexander() -> Result<Scheme, DynamicsError> {
     let gamma = 1.0 - 0.5 * 2.0_f64.sqrt();
-    let rows = [[0.0, gamma, 0.0, 0.0], [0.0, 1.0 - gamma, gamma, 0.0]];
+    let rows = [[0.0, gamma, 0.0], [0.0, 1.0 - gamma, gamma]];
     let properties = SchemeProperties {
         order: 2,
         limit: None,

@@ -32,7 +32,7 @@ impl Scheme {
         let last = (1.0 - gamma) / (2.0 - gamma);
         let w = 0.5 / (2.0 - gamma);
         let half = 0.5 * gamma;
-        let rows = [[half, half, 0.0, 0.0], [w, w, last, 0.0]];
+        let rows = [[half, half, 0.0], [w, w, last]];
         let properties = SchemeProperties {
             order: 2,
             limit: None,

@@ -159,11 +159,7 @@ impl Scheme {
         arguments: [Option<f64>; 2],
         [alpha_m, alpha_f, beta, gamma]: [f64; 4],
     ) -> Self {
-        let stage = Stage {
-            c: 1.0,
-            q: [0.5 - beta, beta, 0.0, 0.0],
-            v: [1.0 - gamma, gamma, 0.0, 0.0],
-        };
+        let stage = Stage::new(1.0, [0.5 - beta, beta], [1.0 - gamma, gamma]);
         let second = (gamma - 0.5 + alpha_m - alpha_f).abs() < 1e-14;
         let properties = SchemeProperties {
             order: 1 + usize::from(second),

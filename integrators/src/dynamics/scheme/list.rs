@@ -34,6 +34,7 @@ pub static SCHEMES: &[Family] = &[
     super::bathe::BATHE,
     super::radau::RADAU,
     super::central_difference::CENTRAL_DIFFERENCE,
+    super::tsitouras::TSITOURAS,
 ];
 
 /// Names of earlier versions and the present ones.

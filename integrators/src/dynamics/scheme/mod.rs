@@ -21,6 +21,7 @@ mod generalised_alpha;
 mod list;
 mod projected_newmark;
 mod radau;
+mod tsitouras;
 
 pub use generalised_alpha::Coefficients;
 pub use list::{Family, SCHEMES, Stability};
@@ -30,7 +31,7 @@ use std::fmt;
 use std::ops::Range;
 
 /// Largest number of stages of a step.
-pub const STAGES: usize = 3;
+pub const STAGES: usize = 6;
 
 /// A stage of a step: one row of a table. See the [module](self).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -44,21 +45,40 @@ pub struct Stage {
 }
 
 impl Stage {
+    /// A stage at c with the first weights of Q and V; all others are zero.
+    pub fn new<const W: usize>(c: f64, q: [f64; W], v: [f64; W]) -> Self {
+        const { assert!(W <= 1 + STAGES, "a row has at most `STAGES` + 1 weights") }
+        let mut stage = Self {
+            c,
+            ..Self::default()
+        };
+        stage.q[..W].copy_from_slice(&q);
+        stage.v[..W].copy_from_slice(&v);
+        stage
+    }
+
     /// The stages of a Runge-Kutta method for (q, q̇)˙ = (q̇, q̈): the weights of its table for the
     /// velocities, their product with themselves for the coordinates. A first stage at the
     /// beginning of the step is the old acceleration, not a row: it is the first column, zero for
     /// methods without one. The method ends in its last stage (stiffly accurate).
-    pub fn runge_kutta<const S: usize>(c: [f64; S], A: [[f64; 1 + STAGES]; S]) -> [Self; S] {
+    pub fn runge_kutta<const S: usize, const W: usize>(c: [f64; S], A: [[f64; W]; S]) -> [Self; S] {
         std::array::from_fn(|i| {
-            let mut q = [0.0; 1 + STAGES];
+            let mut q = [0.0; W];
             for (weight, row) in A[i][1..].iter().zip(&A) {
                 for (q, a) in q.iter_mut().zip(row) {
                     *q += weight * a;
                 }
             }
-            let (c, v) = (c[i], A[i]);
-            Self { c, q, v }
+            Self::new(c[i], q, A[i])
         })
+    }
+
+    /// The weights of this row less those of another one.
+    fn less(mut self, other: &Self) -> Self {
+        let pairs = |a: &mut [f64], b: &[f64]| a.iter_mut().zip(b).for_each(|(a, b)| *a -= b);
+        pairs(&mut self.q, &other.q);
+        pairs(&mut self.v, &other.v);
+        self
     }
 }
 
@@ -105,6 +125,7 @@ pub struct Scheme {
     count: usize,
     keeps: bool,
     held: Option<[usize; 3]>,
+    embedded: Option<Stage>,
 }
 
 impl Default for Scheme {
@@ -183,6 +204,7 @@ impl Scheme {
             count,
             keeps: false,
             held: None,
+            embedded: None,
         }
     }
 
@@ -215,6 +237,21 @@ impl Scheme {
             held: Some(orders),
             ..self
         }
+    }
+
+    /// The same scheme with an embedded method of one order less: a row that ends the step with other
+    /// weights of the same accelerations. The difference estimates the local error for adaptive steps.
+    #[must_use]
+    pub fn with_embedded(self, row: Stage) -> Self {
+        Self {
+            embedded: Some(row),
+            ..self
+        }
+    }
+
+    /// Whether the scheme has an embedded method ([`Scheme::with_embedded`]).
+    pub fn is_embedded(&self) -> bool {
+        self.embedded.is_some()
     }
 
     /// Spectral radius ρ∞ at infinite frequencies: factor per step of a disturbance of the
@@ -256,9 +293,10 @@ impl Scheme {
         largest.max((self.alpha_f / (1.0 - self.alpha_f)).abs())
     }
 
-    /// Whether the local error can be estimated for adaptive steps: the order is 1 or 2.
+    /// Whether the local error can be estimated for adaptive steps: the order is 1 or 2, or there is
+    /// an embedded method.
     pub fn estimates_error(&self) -> bool {
-        self.error_factor().is_some()
+        self.error_estimate().is_some()
     }
 
     /// Groups of stages that are solved together, in order.
@@ -309,11 +347,17 @@ impl Scheme {
         end.q[0] * late + sum - 1.0 / 6.0
     }
 
-    /// Factor of h²(yₙ₊₁ − yₙ) in the estimate of the local error of qₙ₊₁. `None` if it vanishes,
-    /// as for a scheme of higher order.
-    pub(super) fn error_factor(&self) -> Option<f64> {
-        let factor = self.cubic_error().abs();
-        (factor > 1e-12).then_some(factor)
+    /// Weights of h² y and h y in the estimate of the local errors of qₙ₊₁ and q̇ₙ₊₁, and the power
+    /// of h with which these fall: the difference to the embedded method, or the factor of
+    /// h²(yₙ₊₁ − yₙ) in qₙ₊₁. `None` if that factor vanishes, as for a scheme of higher order.
+    pub(super) fn error_estimate(&self) -> Option<(Stage, usize)> {
+        if let Some(embedded) = &self.embedded {
+            return Some((self.stages[self.count - 1].less(embedded), self.order()));
+        }
+        let factor = self.cubic_error();
+        let mut row = Stage::new(1.0, [-factor], [0.0]);
+        row.q[self.count] = factor;
+        (factor.abs() > 1e-12).then_some((row, 3))
     }
 }
 

@@ -19,10 +19,7 @@ impl Scheme {
     /// acceleration are 3, 2 and 1: 2s − 1, s and s − 1 with s stages (Hairer, Lubich & Roche, *The
     /// Numerical Solution of Differential-Algebraic Systems by Runge-Kutta Methods*, 1989).
     pub fn radau() -> Self {
-        let rows = [
-            [0.0, 5.0 / 12.0, -1.0 / 12.0, 0.0],
-            [0.0, 3.0 / 4.0, 1.0 / 4.0, 0.0],
-        ];
+        let rows = [[0.0, 5.0 / 12.0, -1.0 / 12.0], [0.0, 3.0 / 4.0, 1.0 / 4.0]];
         let properties = SchemeProperties {
             order: 3,
             limit: None,

@@ -51,7 +51,7 @@ fn gap(a: [f64; 3], b: [f64; 3]) -> f64 {
 
 #[test]
 fn the_step_routine_has_the_characteristic_polynomials_of_theory() {
-    for word in WORDS {
+    for word in WORDS.into_iter().chain(["tsitouras"]) {
         let scheme = scheme(word);
         // Far beyond its limit an explicit step multiplies rounding errors by Ω⁴.
         let most = scheme.properties().limit.map_or(1e6, |limit| 1.5 * limit);
@@ -271,7 +271,7 @@ fn first_steps_overshoot_as_they_should() {
 /// A whole step by the routine, against the equations of one step; velocities over ω grow with Ω.
 #[test]
 fn first_steps_are_those_of_the_closed_form() {
-    for word in WORDS {
+    for word in WORDS.into_iter().chain(["tsitouras"]) {
         for Omega in [1e-3, 0.1, 1.0, 1.9, 10.0, 1e3, 1e7] {
             let scheme = scheme(word);
             let steps = point(&scheme, Omega).unwrap().first_step;

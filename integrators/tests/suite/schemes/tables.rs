@@ -1,7 +1,7 @@
 //! Words, tables, limits and local errors of the schemes.
 
 use pullback_integrators::dynamics::Scheme;
-use pullback_integrators::dynamics::scheme::{SCHEMES, SchemeProperties, Stage};
+use pullback_integrators::dynamics::scheme::{SCHEMES, STAGES, SchemeProperties, Stage};
 
 #[test]
 fn words_make_schemes_and_schemes_say_their_words() {
@@ -15,6 +15,7 @@ fn words_make_schemes_and_schemes_say_their_words() {
         ("bathe:0.5", Scheme::bathe(0.5).unwrap()),
         ("radau", Scheme::radau()),
         ("central-difference", Scheme::central_difference()),
+        ("tsitouras", Scheme::tsitouras()),
     ] {
         assert_eq!(word.parse::<Scheme>().unwrap(), scheme);
         assert_eq!(scheme.to_string(), word);
@@ -101,16 +102,12 @@ fn tables_that_are_none_are_refused() {
         limit: None,
         symmetric: false,
     };
-    let good = Stage {
-        c: 1.0,
-        q: [0.0, 1.0, 0.0, 0.0],
-        v: [0.0, 1.0, 0.0, 0.0],
-    };
+    let good = Stage::new(1.0, [0.0, 1.0], [0.0, 1.0]);
     assert!(Scheme::new("Euler", &[good], properties).is_ok());
-    let q = [0.0, 1.0, 1.0, 0.0];
+    let Stage { q, .. } = Stage::new(1.0, [0.0, 1.0, 1.0], [0.0, 1.0, 0.0]);
     for (stages, text) in [
         (&[][..], "no stages"),
-        (&[good; 4], "more than `STAGES`"),
+        (&[good; STAGES + 1], "more than `STAGES`"),
         (&[Stage { c: 0.5, ..good }], "the last one at c = 1"),
         (
             &[Stage {
@@ -144,6 +141,7 @@ fn spectral_radii_at_infinity_are_those_of_the_schemes() {
         ("bathe", 0.0),
         ("radau", 0.0),
         ("central-difference", f64::INFINITY),
+        ("tsitouras", f64::INFINITY),
     ] {
         let found = word.parse::<Scheme>().unwrap().spectral_radius();
         // A double root is known to the square root of rounding errors.
