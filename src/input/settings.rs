@@ -142,8 +142,8 @@ fn dynamic(source: &Text<'_>, d: &Dynamic) -> Result<DynamicPlan, InputError> {
     if d.adaptive.is_some() && !scheme.estimates_error() {
         let name = scheme.name;
         let message = format!(
-            "{name} has no estimate of the local error, which is for schemes of order 2; take equal \
-             steps, or another scheme"
+            "{name} has no estimate of the local error, which schemes of order 2 and tsitouras have; take \
+             equal steps, or another scheme"
         );
         return Err(source.value(&at("scheme"), Problem::Scheme { message }));
     }

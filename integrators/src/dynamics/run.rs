@@ -171,7 +171,7 @@ impl Run {
         let scheme = &self.options.scheme;
         let step = match self.options.adaptivity {
             // An embedded method limits the steps by itself.
-            Some(_) if scheme.is_embedded() => 0.0,
+            Some(_) if scheme.embedded().is_some() => 0.0,
             Some(adaptivity) => adaptivity.max_step,
             None => step,
         };

@@ -11,5 +11,6 @@ mod kinks;
 mod newton;
 mod order;
 mod reference;
+mod tsitouras;
 mod twist;
 mod waves;

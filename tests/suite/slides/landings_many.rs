@@ -199,6 +199,7 @@ fn schemes_of_every_family_keep_their_order_over_landings() {
         ("bathe", 2.0),
         ("radau", 3.0),
         ("central-difference", 2.0),
+        ("tsitouras", 5.0),
     ];
     for (word, order) in words {
         let scheme: Scheme = word.parse().unwrap();

@@ -249,9 +249,9 @@ impl Scheme {
         }
     }
 
-    /// Whether the scheme has an embedded method ([`Scheme::with_embedded`]).
-    pub fn is_embedded(&self) -> bool {
-        self.embedded.is_some()
+    /// The row of the embedded method, if there is one ([`Scheme::with_embedded`]).
+    pub fn embedded(&self) -> Option<&Stage> {
+        self.embedded.as_ref()
     }
 
     /// Spectral radius ρ∞ at infinite frequencies: factor per step of a disturbance of the

@@ -97,7 +97,13 @@ fn onward<Y>(_: &mut Y, _: &mut State) -> ControlFlow<()> {
 fn a_load_is_released_where_the_mass_passes() {
     // x = 3 t²/2 until x = 1, then at the speed √6.
     let (t1, v1) = ((2.0_f64 / 3.0).sqrt(), 6.0_f64.sqrt());
-    let more = ["radau", "bathe", "central-difference", "projected-newmark"];
+    let more = [
+        "radau",
+        "bathe",
+        "central-difference",
+        "projected-newmark",
+        "tsitouras",
+    ];
     let named = |word: &&str| Scheme::named(word, &[]).unwrap();
     let adaptive = Adaptivity {
         tolerance: 1e-5,
@@ -105,7 +111,8 @@ fn a_load_is_released_where_the_mass_passes() {
     };
     let equal = schemes().into_iter().chain(more.iter().map(named));
     let equal = equal.map(|scheme| (scheme, None));
-    for (scheme, adaptivity) in equal.chain([(Scheme::default(), Some(adaptive))]) {
+    let adapted = [Scheme::default(), Scheme::tsitouras()].map(|scheme| (scheme, Some(adaptive)));
+    for (scheme, adaptivity) in equal.chain(adapted) {
         let mut system = Mass::new(3.0);
         let state = start(&system, 0.0, &[], &[]).unwrap();
         let options = DynamicOptions {
@@ -141,22 +148,24 @@ fn a_run_stops_where_a_pendulum_is_lowest() {
         (a, b) = (0.5 * (a + b), (a * b).sqrt());
     }
     let quarter = std::f64::consts::FRAC_PI_2 / (a * system.g.sqrt());
-    let state = start(&system, 0.0, &[1.0], &[]).unwrap();
-    let options = DynamicOptions {
-        scheme: Scheme::radau(),
-        ..DynamicOptions::new(2.0, 0.001)
-    };
-    let mut run = Simulation::new(&mut system, state, &options).unwrap();
-    run.add_event(|_, state| -state.q[0], |_, _| Break(()));
-    run.finish().unwrap();
-    let state = run.state();
-    assert!((state.t - quarter).abs() < 1e-10, "{} {quarter}", state.t);
-    assert!(state.q[0].abs() < 1e-10);
-    assert!(!run.progress().summary.finished && run.step().unwrap().is_none());
-    // It may be continued from there.
-    let stopped = run.save();
-    run.restore(&stopped).unwrap();
-    assert!(run.step().unwrap().is_some());
+    for (scheme, h) in [(Scheme::radau(), 0.001), (Scheme::tsitouras(), 0.01)] {
+        let state = start(&system, 0.0, &[1.0], &[]).unwrap();
+        let options = DynamicOptions {
+            scheme,
+            ..DynamicOptions::new(2.0, h)
+        };
+        let mut run = Simulation::new(&mut system, state, &options).unwrap();
+        run.add_event(|_, state| -state.q[0], |_, _| Break(()));
+        run.finish().unwrap();
+        let state = run.state();
+        assert!((state.t - quarter).abs() < 1e-10, "{} {quarter}", state.t);
+        assert!(state.q[0].abs() < 1e-10);
+        assert!(!run.progress().summary.finished && run.step().unwrap().is_none());
+        // It may be continued from there.
+        let stopped = run.save();
+        run.restore(&stopped).unwrap();
+        assert!(run.step().unwrap().is_some());
+    }
 }
 
 /// A ball that falls to the floor at 0 and leaves it at half its speed.
@@ -194,7 +203,8 @@ fn a_ball_bounces_also_within_a_step() {
 
 #[test]
 fn steps_across_events_are_saved_and_restored() {
-    for scheme in [Scheme::default(), Scheme::chung_hulbert(0.5).unwrap()] {
+    let damped = Scheme::chung_hulbert(0.5).unwrap();
+    for scheme in [Scheme::default(), damped, Scheme::tsitouras()] {
         let mut system = Mass::new(-10.0);
         let state = start(&system, 0.0, &[1.25], &[]).unwrap();
         let options = DynamicOptions {

@@ -1,4 +1,4 @@
-//! The explicit central difference: its stable step, and waves.
+//! The explicit schemes: stable steps, waves, what they refuse.
 
 #![allow(non_snake_case)]
 
@@ -170,14 +170,25 @@ fn steps_beyond_the_stable_one_are_refused_with_what_it_is() {
 fn coordinates_without_mass_are_refused_by_name() {
     let mut chain = Chain::new(5, 10.0, 1.0);
     chain.m[3] = 0.0;
-    let error = run(&mut chain, &[], &explicit(1.0, 0.01))
-        .unwrap_err()
-        .to_string();
-    assert!(
-        error.contains("central difference needs mass in every coordinate"),
-        "{error}"
-    );
-    assert!(error.contains("mass 3"), "{error}");
+    let adaptive = Adaptivity {
+        tolerance: 1e-6,
+        max_step: 1.0,
+    };
+    for (scheme, adaptivity) in [
+        (Scheme::central_difference(), None),
+        (Scheme::tsitouras(), None),
+        (Scheme::tsitouras(), Some(adaptive)),
+    ] {
+        let options = DynamicOptions {
+            scheme,
+            adaptivity,
+            ..DynamicOptions::new(1.0, 0.01)
+        };
+        let error = run(&mut chain, &[], &options).unwrap_err().to_string();
+        let refused = format!("{} needs mass in every coordinate", scheme.name);
+        assert!(error.contains(&refused), "{error}");
+        assert!(error.contains("mass 3"), "{error}");
+    }
 }
 
 #[test]
@@ -197,6 +208,31 @@ fn a_mode_keeps_its_amplitude_and_has_the_frequency_of_the_scheme() {
         // A residual with the mass matrix, and one that shows the balance.
         assert!(chain.evaluations <= 2 * steps + 5, "{}", chain.evaluations);
         assert_eq!(progress.summary.iterations, steps);
+    }
+}
+
+#[test]
+fn the_pair_of_tsitouras_takes_six_evaluations_and_its_stable_step() {
+    let mut chain = Chain::new(20, 100.0, 1.0);
+    let options = |to, step| DynamicOptions {
+        scheme: Scheme::tsitouras(),
+        ..DynamicOptions::new(to, step)
+    };
+    let stable = Scheme::tsitouras().properties().limit.unwrap() / chain.frequency(20);
+    let refused = run(&mut chain, &[], &options(1.0, 1.001 * stable)).unwrap_err();
+    let DynamicsError::StepTooLarge { stable: said, .. } = refused else {
+        panic!("{refused}");
+    };
+    assert!((said / stable - 1.0).abs() < 1e-5, "{said} {stable}");
+    let (steps, mode) = (400, chain.mode(7));
+    let to = 0.9 * stable * f64::from(steps);
+    chain.evaluations = 0;
+    let progress = run(&mut chain, &mode, &options(to, 0.9 * stable)).unwrap();
+    assert!(chain.evaluations <= 6 * steps as usize + 5);
+    assert!(progress.summary.iterations <= 6 * steps as usize);
+    let angle = chain.frequency(7) * to;
+    for (q, mode) in progress.state.q.iter().zip(&mode) {
+        assert!((q - mode * angle.cos()).abs() < 1e-5, "{q}");
     }
 }
 

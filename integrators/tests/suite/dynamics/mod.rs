@@ -6,3 +6,4 @@ mod explicit;
 mod inertia;
 mod runs;
 mod steps;
+mod tsitouras;

@@ -1,0 +1,149 @@
+//! The pair of Tsitouras: its order conditions, kinks, adaptive steps.
+
+#![allow(non_snake_case)]
+
+use crate::support::dynamics::*;
+use pullback_integrators::dynamics::{Adaptivity, DynamicOptions, Scheme};
+use std::f64::consts::FRAC_PI_2;
+
+type Vector = [f64; 7];
+
+fn dot(a: &Vector, b: &Vector) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// By how much weights miss the conditions of order 1 to 5, one for each rooted tree (Hairer, Nørsett &
+/// Wanner, *Solving Ordinary Differential Equations I*, II.2): Σ bᵢ Φᵢ = 1/γ.
+fn conditions(b: &Vector, A: &[Vector; 7], c: &Vector) -> Vec<(usize, f64)> {
+    let one = [1.0; 7];
+    let of = |x: &Vector| A.map(|row| dot(&row, x));
+    let times = |a: &Vector, b: &Vector| -> Vector { std::array::from_fn(|i| a[i] * b[i]) };
+    let (c2, Ac) = (times(c, c), of(c));
+    let (c3, Ac2, AAc) = (times(&c2, c), of(&c2), of(&Ac));
+    [
+        (1, one, 1.0),
+        (2, *c, 2.0),
+        (3, c2, 3.0),
+        (3, Ac, 6.0),
+        (4, c3, 4.0),
+        (4, times(c, &Ac), 8.0),
+        (4, Ac2, 12.0),
+        (4, AAc, 24.0),
+        (5, times(&c2, &c2), 5.0),
+        (5, times(&c2, &Ac), 10.0),
+        (5, times(&Ac, &Ac), 20.0),
+        (5, times(c, &Ac2), 15.0),
+        (5, of(&c3), 20.0),
+        (5, times(c, &AAc), 30.0),
+        (5, of(&times(c, &Ac)), 40.0),
+        (5, of(&Ac2), 60.0),
+        (5, of(&AAc), 120.0),
+    ]
+    .map(|(order, tree, gamma)| (order, (dot(b, &tree) - 1.0 / gamma).abs()))
+    .to_vec()
+}
+
+#[test]
+fn the_coefficients_satisfy_the_order_conditions() {
+    let scheme = Scheme::tsitouras();
+    let rows = scheme.stages();
+    assert_eq!(rows.len(), 6);
+    let (mut A, mut c) = ([[0.0; 7]; 7], [0.0; 7]);
+    for (i, row) in rows.iter().enumerate() {
+        (A[i + 1], c[i + 1]) = (row.v, row.c);
+        assert!((row.v.iter().sum::<f64>() - row.c).abs() < 1e-15, "{row:?}");
+        // Explicit.
+        assert!(row.v[i + 1..].iter().all(|a| *a == 0.0), "{row:?}");
+    }
+    // The last stage is the new state, and the first one of the next step.
+    let (b, embedded) = (A[6], scheme.embedded().unwrap());
+    assert_eq!(c[6], 1.0);
+    for (order, gap) in conditions(&b, &A, &c) {
+        assert!(gap < 2e-15, "order {order}: {gap:e}");
+    }
+    let gaps = conditions(&embedded.v, &A, &c);
+    for (order, gap) in &gaps {
+        assert!(*order == 5 || *gap < 2e-15, "order {order}: {gap:e}");
+    }
+    // An estimate of every term of order 5.
+    assert!(gaps.iter().all(|(order, gap)| *order < 5 || *gap > 1e-4));
+    // Positions are those of the same method: Q = A A.
+    for row in rows.iter().chain([embedded]) {
+        for (k, q) in row.q.iter().enumerate() {
+            let column = A.map(|row| row[k]);
+            assert!((q - dot(&row.v, &column)).abs() < 1e-14, "{row:?}");
+        }
+    }
+}
+
+/// m ẍ + k x = p from (x, v), p = p₀ + s t: in closed form.
+fn driven(system: &Oscillator, [x, v]: [f64; 2], [p, s]: [f64; 2], t: f64) -> [f64; 2] {
+    let omega = (system.k / system.m).sqrt();
+    let (sin, cos) = (omega * t).sin_cos();
+    let [p, s] = [p / system.k, s / system.k];
+    let (x, v) = (x - p, (v - s) / omega);
+    [
+        p + s * t + x * cos + v * sin,
+        s + omega * (v * cos - x * sin),
+    ]
+}
+
+#[test]
+fn the_order_survives_kinks() {
+    let system = || Oscillator {
+        hat: 30.0,
+        ..Oscillator::new(2.0, 18.0)
+    };
+    let known = {
+        let system = system();
+        let peak = driven(&system, [0.1, -0.2], [0.0, 60.0], 0.5);
+        let end = driven(&system, peak, [30.0, -60.0], 0.5);
+        driven(&system, end, [0.0, 0.0], 0.7)
+    };
+    // No step but those that are cut ends at 0.5 or at 1.
+    let errors = [0.045, 0.0225, 0.01125].map(|h| {
+        let options = DynamicOptions {
+            scheme: Scheme::tsitouras(),
+            ..DynamicOptions::new(1.7, h)
+        };
+        let end = run(system(), 0.1, -0.2, &options).state;
+        (end.q[0] - known[0]).abs().max((end.v[0] - known[1]).abs())
+    });
+    for slope in slopes(&errors) {
+        assert!((slope - 5.0).abs() < 0.2, "{errors:?}");
+    }
+    let options = DynamicOptions {
+        scheme: Scheme::tsitouras(),
+        adaptivity: Some(Adaptivity {
+            tolerance: 1e-9,
+            max_step: 1.0,
+        }),
+        ..DynamicOptions::new(1.7, 0.3)
+    };
+    let end = run(system(), 0.1, -0.2, &options);
+    assert!((end.state.q[0] - known[0]).abs() < 1e-8, "{:?}", end.state);
+}
+
+#[test]
+fn adaptive_steps_meet_the_tolerance() {
+    // IFToMM A01: from the horizontal at rest, the position at 1.
+    let exact = [0.986_291_751_131_875_f64, -0.165_010_853_125_541];
+    let exact = exact[0].atan2(-exact[1]);
+    for exponent in 4..12 {
+        let tolerance = 10.0_f64.powi(-exponent);
+        let options = DynamicOptions {
+            scheme: Scheme::tsitouras(),
+            adaptivity: Some(Adaptivity {
+                tolerance,
+                max_step: 10.0,
+            }),
+            ..DynamicOptions::new(1.0, 0.5)
+        };
+        let end = run(Pendulum::new(), -FRAC_PI_2, 0.0, &options);
+        let error = (end.state.q[0] - exact).abs();
+        assert!(error < tolerance, "{tolerance:e}: {error:e}");
+        // The number of steps goes like the power 1/5 of the tolerance.
+        let most = 8.0 * tolerance.powf(-0.2);
+        assert!((end.summary.evaluations as f64) < most, "{:?}", end.summary);
+    }
+}
