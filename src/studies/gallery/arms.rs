@@ -1,43 +1,37 @@
 //! Robot arms of two links, turned and lifted at their base.
 
-use super::case::{Case, CaseError, CaseReport};
+use super::case::{CaseError, CaseReport};
 use super::motion::{History, Run, observed_order};
 use crate::input::{ModelFile, PrescribedMotion, SpinUp, Time};
 use crate::output::plot::Curve;
 
 /// Case 6 of [M04]: a spherical joint between the links. Its plot redraws Fig. 39.
-pub const SPHERICAL: Case = Case {
-    name: "arm-spherical",
-    run: |report| {
-        arm(
-            report,
-            include_str!("../../../examples/models/arm_spherical.toml"),
-            3.0,
-            &[
-                (1.0, [-14.544, 7.072, 3.706]),
-                (2.0, [-8.346, 1.359, -0.115]),
-                (3.0, [-5.911, 7.189, 6.466]),
-            ],
-        )
-    },
-};
+pub(super) fn spherical(report: &mut CaseReport) -> Result<(), CaseError> {
+    arm(
+        report,
+        include_str!("../../../examples/models/arm_spherical.toml"),
+        3.0,
+        &[
+            (1.0, [-14.544, 7.072, 3.706]),
+            (2.0, [-8.346, 1.359, -0.115]),
+            (3.0, [-5.911, 7.189, 6.466]),
+        ],
+    )
+}
 
 /// Case 7 of [M04]: a revolute joint between the links. Its plot redraws Fig. 40.
-pub const REVOLUTE: Case = Case {
-    name: "arm-revolute",
-    run: |report| {
-        arm(
-            report,
-            include_str!("../../../examples/models/arm_revolute.toml"),
-            1.5,
-            &[
-                (1.0, [-11.079, 0.049, 2.797]),
-                (2.0, [-13.492, 7.167, 2.717]),
-                (3.0, [-14.889, 6.863, 2.692]),
-            ],
-        )
-    },
-};
+pub(super) fn revolute(report: &mut CaseReport) -> Result<(), CaseError> {
+    arm(
+        report,
+        include_str!("../../../examples/models/arm_revolute.toml"),
+        1.5,
+        &[
+            (1.0, [-11.079, 0.049, 2.797]),
+            (2.0, [-13.492, 7.167, 2.717]),
+            (3.0, [-14.889, 6.863, 2.692]),
+        ],
+    )
+}
 
 /// Length of the arm.
 const LENGTH: f64 = 10.0;

@@ -1,7 +1,7 @@
 //! The 45° bend: the thesis's case, convergence to the exact curve, effects of a superposed
 //! rotation and of another load path.
 
-use super::case::{Case, CaseError, CaseReport, order};
+use super::case::{CaseError, CaseReport, order};
 use crate::input::{DofName, Fix, Interpolation, ModelFile, PrescribedMotion, Time};
 use nalgebra::Vector3;
 use pullback_integrators::statics::StaticOptions;
@@ -9,30 +9,13 @@ use std::f64::consts::PI;
 
 const MODEL: &str = include_str!("../../../examples/models/bend45.toml");
 
-/// The thesis's mesh and result.
-pub const CASE: Case = Case {
-    name: "bend45",
-    run: thesis,
-};
-
-/// Meshes of two- and three-node elements against the exact curve.
-pub const CONVERGENCE: Case = Case {
-    name: "bend45-convergence",
-    run: convergence,
-};
-
-/// S21: path independence, and invariance under superposed rotations.
-pub const OBJECTIVITY: Case = Case {
-    name: "objectivity",
-    run: objectivity,
-};
-
 fn tip(report: &CaseReport, file: &ModelFile) -> Result<Vector3<f64>, CaseError> {
     let mut watched = report.build(file, "tip")?;
     Ok(watched.end(&StaticOptions::default())?.state.d)
 }
 
-fn thesis(report: &mut CaseReport) -> Result<(), CaseError> {
+/// The thesis's mesh and result.
+pub(super) fn thesis(report: &mut CaseReport) -> Result<(), CaseError> {
     let file = report.file(MODEL)?;
     let d = tip(report, &file)?;
     let (records, _) = report
@@ -69,7 +52,8 @@ fn variant(file: &ModelFile, elements: usize, order: usize) -> ModelFile {
     file
 }
 
-fn convergence(report: &mut CaseReport) -> Result<(), CaseError> {
+/// Meshes of two- and three-node elements against the exact curve.
+pub(super) fn convergence(report: &mut CaseReport) -> Result<(), CaseError> {
     // Independent Cosserat shooting; its arc turns towards −e2.
     const EXACT: [f64; 3] = [-23.5602395450204, -13.6045213473098, 53.474858791802];
     const SOURCE: &str = "exact curve: independent shooting, S01 variant A";
@@ -134,7 +118,8 @@ fn convergence(report: &mut CaseReport) -> Result<(), CaseError> {
     Ok(())
 }
 
-fn objectivity(report: &mut CaseReport) -> Result<(), CaseError> {
+/// S21: path independence, and invariance under superposed rotations.
+pub(super) fn objectivity(report: &mut CaseReport) -> Result<(), CaseError> {
     const CLOSED: &str = "exact: S21, conservative loads";
     const TURN: f64 = 1.6;
     let file = report.file(MODEL)?;

@@ -1,23 +1,11 @@
 //! Planar linkages with a flexible part.
 
-use super::case::{Case, CaseError, CaseReport};
+use super::case::{CaseError, CaseReport};
 use super::linkages::{BARS, CRANK, ROD, energy_error, gap, last};
 use super::motion::{History, Run};
 use crate::input::{ModelFile, Stiffness, Tensor};
 use crate::output::plot::Curve;
 use nalgebra::Vector3;
-
-/// A four-bar linkage with a flexible coupler.
-pub const COUPLER: Case = Case {
-    name: "four-bar-flexible",
-    run: coupler,
-};
-
-/// A slider-crank mechanism with a flexible rod.
-pub const CONNECTING_ROD: Case = Case {
-    name: "slider-crank-flexible",
-    run: connecting_rod,
-};
 
 /// All stiffnesses of all sections 1000 times.
 fn stiffer(file: &ModelFile) -> ModelFile {
@@ -52,7 +40,8 @@ fn off_the_line(run: &History, t: f64, [from, middle, to]: [usize; 3]) -> f64 {
     chord.cross(&(m - a)).dot(&Vector3::z()) / chord.norm()
 }
 
-fn coupler(report: &mut CaseReport) -> Result<(), CaseError> {
+/// A four-bar linkage with a flexible coupler.
+pub(super) fn coupler(report: &mut CaseReport) -> Result<(), CaseError> {
     let rigid = report.file(include_str!("../../../examples/models/four_bar.toml"))?;
     let file = report.file(include_str!(
         "../../../examples/models/four_bar_flexible.toml"
@@ -99,7 +88,8 @@ fn coupler(report: &mut CaseReport) -> Result<(), CaseError> {
     Ok(())
 }
 
-fn connecting_rod(report: &mut CaseReport) -> Result<(), CaseError> {
+/// A slider-crank mechanism with a flexible rod.
+pub(super) fn connecting_rod(report: &mut CaseReport) -> Result<(), CaseError> {
     let file = report.file(include_str!(
         "../../../examples/models/slider_crank_flexible.toml"
     ))?;

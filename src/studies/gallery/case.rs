@@ -20,6 +20,15 @@ pub struct Case {
     pub run: fn(&mut CaseReport) -> Result<(), CaseError>,
 }
 
+impl Case {
+    pub(super) const fn new(
+        name: &'static str,
+        run: fn(&mut CaseReport) -> Result<(), CaseError>,
+    ) -> Self {
+        Self { name, run }
+    }
+}
+
 /// Why a case has no rows.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "each message says what its variant is")]

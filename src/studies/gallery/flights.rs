@@ -1,23 +1,12 @@
 //! Large motions in a plane: spin-up of an arm, and a beam thrown into the air.
 
-use super::case::{Case, CaseError, CaseReport};
+use super::case::{CaseError, CaseReport};
 use super::motion::{Run, richardson};
 use crate::output::plot::Curve;
 use pullback_elements::time::{SpinUp, TimeFunction};
 
 /// D02: spin-up of a flexible arm.
-pub const SPIN_UP: Case = Case {
-    name: "spin-up",
-    run: spin_up,
-};
-
-/// D03: a flying flexible beam.
-pub const FLYING: Case = Case {
-    name: "flying-beam",
-    run: flying,
-};
-
-fn spin_up(report: &mut CaseReport) -> Result<(), CaseError> {
+pub(super) fn spin_up(report: &mut CaseReport) -> Result<(), CaseError> {
     let file = report.file(include_str!("../../../examples/models/spin_up.toml"))?;
     let Ok(spin_up) = SpinUp::new(6.0, 15.0) else {
         return Err(report.setup("its spin-up is not usable"));
@@ -64,7 +53,8 @@ fn spin_up(report: &mut CaseReport) -> Result<(), CaseError> {
     )
 }
 
-fn flying(report: &mut CaseReport) -> Result<(), CaseError> {
+/// D03: a flying flexible beam.
+pub(super) fn flying(report: &mut CaseReport) -> Result<(), CaseError> {
     let file = report.file(include_str!("../../../examples/models/flying_beam.toml"))?;
     let run = report.motion(&file, &["loaded", "free"], Run::step(0.01))?;
     let source = "independent: two codes agree to 5e-3, D03";

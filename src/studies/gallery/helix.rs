@@ -2,15 +2,12 @@
 
 #![allow(non_snake_case)]
 
-use super::case::{Case, CaseError, CaseReport, Record, peak};
+use super::case::{CaseError, CaseReport, Record, peak};
 use crate::input::Interpolation;
 use crate::output::plot::Curve;
 use nalgebra::{Matrix3, Vector3};
 use pullback_integrators::statics::StaticOptions;
 use pullback_manifold::so3::skew;
-
-/// Case 2 of [M04]: the helical beam with 100 and 200 elements, and with 100 geodesic ones. Its plot redraws Fig. 31.
-pub const CASE: Case = Case { name: "helix", run };
 
 /// The first maximum of the tip's displacement out of the plane: load and value, by the parabola
 /// through the largest recorded point and its neighbours.
@@ -85,7 +82,8 @@ fn exact_tips(loads: &[f64]) -> Vec<Vector3<f64>> {
     tips
 }
 
-fn run(report: &mut CaseReport) -> Result<(), CaseError> {
+/// Case 2 of [M04]: the helical beam with 100 and 200 elements, and with 100 geodesic ones. Its plot redraws Fig. 31.
+pub(super) fn run(report: &mut CaseReport) -> Result<(), CaseError> {
     let file = report.file(include_str!("../../../examples/models/helix.toml"))?;
     let mut heights = Vec::new();
     let mut curves = Vec::new();

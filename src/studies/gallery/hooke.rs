@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::case::{Case, CaseError, CaseReport};
+use super::case::{CaseError, CaseReport};
 use super::motion::{History, Run, richardson};
 use crate::input::{
     Analysis, DofName, Fix, ModelFile, PrescribedMotion, Scheme, SpinUp, Support, Time,
@@ -12,18 +12,6 @@ use crate::probe::continue_rotation;
 use nalgebra::Vector3;
 use pullback_elements::model::NodeState;
 use std::f64::consts::PI;
-
-/// Case 4 of [M04]. Its plot redraws Fig. 35.
-pub const CASE: Case = Case {
-    name: "hooke",
-    run: hooke,
-};
-
-/// R08: the kinematics alone.
-pub const UNIVERSAL: Case = Case {
-    name: "universal-joint",
-    run: universal,
-};
 
 /// Lead of the output over the input, tan β = tan α / cos γ for shafts at an angle γ.
 fn ahead(alpha: f64, cosine: f64) -> f64 {
@@ -75,7 +63,8 @@ fn rigid_shafts(cosine: f64, until: f64) -> f64 {
     end[0]
 }
 
-fn hooke(report: &mut CaseReport) -> Result<(), CaseError> {
+/// Case 4 of [M04]. Its plot redraws Fig. 35.
+pub(super) fn hooke(report: &mut CaseReport) -> Result<(), CaseError> {
     let file = report.file(include_str!("../../../examples/models/hooke.toml"))?;
     let cosine = 0.5_f64.sqrt();
     let run = report.motion(&file, &["A", "B"], Run::FILE)?;
@@ -158,7 +147,8 @@ fn turned(run: &History) -> Vec<[f64; 3]> {
         .collect()
 }
 
-fn universal(report: &mut CaseReport) -> Result<(), CaseError> {
+/// R08: the kinematics alone.
+pub(super) fn universal(report: &mut CaseReport) -> Result<(), CaseError> {
     let file = report.file(include_str!("../../../examples/models/hooke.toml"))?;
     let source = "exact: R08, angles from where the input yoke lies in the plane";
     for (degrees, points) in [

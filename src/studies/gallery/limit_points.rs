@@ -1,23 +1,12 @@
 //! Snap-through: paths followed through their limit points.
 
-use super::case::{Case, CaseError, CaseReport, Record};
+use super::case::{CaseError, CaseReport, Record};
 use crate::output::plot::Curve;
 use pullback_elements::model::Dof;
 use pullback_integrators::statics::{ArcLengthOptions, Event};
 
 /// S11: Lee's frame.
-pub const LEE_FRAME: Case = Case {
-    name: "lee-frame",
-    run: lee_frame,
-};
-
-/// S12: the deep circular arch.
-pub const DEEP_ARCH: Case = Case {
-    name: "deep-arch",
-    run: deep_arch,
-};
-
-fn lee_frame(report: &mut CaseReport) -> Result<(), CaseError> {
+pub(super) fn lee_frame(report: &mut CaseReport) -> Result<(), CaseError> {
     const EXACT: &str = "exact curve: independent shooting, S11";
     const FORCE: f64 = 20000.0;
     let file = report.file(include_str!("../../../examples/models/lee_frame.toml"))?;
@@ -97,7 +86,8 @@ fn lee_frame(report: &mut CaseReport) -> Result<(), CaseError> {
     )
 }
 
-fn deep_arch(report: &mut CaseReport) -> Result<(), CaseError> {
+/// S12: the deep circular arch.
+pub(super) fn deep_arch(report: &mut CaseReport) -> Result<(), CaseError> {
     const EXACT: &str = "exact curve: independent shooting, S12";
     const LOAD: f64 = 1000.0;
     // States after the limit point: load, deflection of the crown and its

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::case::{Case, CaseError, CaseReport};
+use super::case::{CaseError, CaseReport};
 use super::motion::{History, Run, richardson};
 use crate::input::ModelFile;
 use crate::output::plot::Curve;
@@ -10,24 +10,6 @@ use nalgebra::Vector3;
 use pullback_elements::model::NodeState;
 use pullback_manifold::jet::Taylor;
 use pullback_manifold::scalar::Scalar;
-
-/// A four-bar linkage of rigid bars.
-pub const FOUR_BAR: Case = Case {
-    name: "four-bar",
-    run: four_bar,
-};
-
-/// A slider-crank mechanism of rigid bars.
-pub const SLIDER_CRANK: Case = Case {
-    name: "slider-crank",
-    run: slider_crank,
-};
-
-/// Five parallelograms in a row.
-pub const PARALLELOGRAMS: Case = Case {
-    name: "parallelograms",
-    run: parallelograms,
-};
 
 pub(super) const G: f64 = 9.81;
 
@@ -137,7 +119,8 @@ fn at_end(runs: &[History; 2], node: usize, of: impl Fn(&NodeState) -> Vector3<f
 
 const SOURCE: &str = "exact: closed-form kinematics, M θ̈ + ½ M′ θ̇² + V′ = 0 by Runge-Kutta";
 
-fn four_bar(report: &mut CaseReport) -> Result<(), CaseError> {
+/// A four-bar linkage of rigid bars.
+pub(super) fn four_bar(report: &mut CaseReport) -> Result<(), CaseError> {
     let file = report.file(include_str!("../../../examples/models/four_bar.toml"))?;
     let runs = halved(report, &file, &["coupler tip", "rocker tip"], 1e-3)?;
     let start = std::f64::consts::FRAC_PI_2;
@@ -204,7 +187,8 @@ fn slider_exact(rod: f64, to: f64) -> [f64; 2] {
     [displacement.v, displacement.d]
 }
 
-fn slider_crank(report: &mut CaseReport) -> Result<(), CaseError> {
+/// A slider-crank mechanism of rigid bars.
+pub(super) fn slider_crank(report: &mut CaseReport) -> Result<(), CaseError> {
     let file = report.file(include_str!("../../../examples/models/slider_crank.toml"))?;
     let runs = halved(report, &file, &["slider", "rod end"], 1e-3)?;
     let [displacement, rate] = slider_exact(1.5, 2.0);
@@ -226,8 +210,10 @@ fn slider_crank(report: &mut CaseReport) -> Result<(), CaseError> {
     Ok(())
 }
 
+/// Five parallelograms in a row.
+///
 /// All couplers only translate: a pendulum with the inertia of six cranks and the mass of five couplers at its end.
-fn parallelograms(report: &mut CaseReport) -> Result<(), CaseError> {
+pub(super) fn parallelograms(report: &mut CaseReport) -> Result<(), CaseError> {
     let file = report.file(include_str!("../../../examples/models/parallelograms.toml"))?;
     let runs = halved(report, &file, &["end 5", "far 5"], 4e-3)?;
     let system = |angle: Taylor<f64>| {

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::case::{Case, CaseError, CaseReport};
+use super::case::{CaseError, CaseReport};
 use super::linkages::{G, integrate, slope};
 use super::motion::{History, Run, observed_order, richardson};
 use crate::input::{self, Analysis, Closure, Plan};
@@ -15,24 +15,6 @@ use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::Quaternion;
 use std::f64::consts::FRAC_1_SQRT_2;
 use std::ops::ControlFlow;
-
-/// An overconstrained loop that moves.
-pub const BRICARD: Case = Case {
-    name: "bricard",
-    run: bricard,
-};
-
-/// D06: a linkage that moves only by the flexibility of its bars.
-pub const MISALIGNED: Case = Case {
-    name: "four-bar-misaligned",
-    run: misaligned,
-};
-
-/// The same in static equilibrium, with decreasing misalignment.
-pub const HARDLY_MISALIGNED: Case = Case {
-    name: "four-bar-hardly-misaligned",
-    run: hardly_misaligned,
-};
 
 /// Values, rates and accelerations of joint coordinates at the end, and the largest gap between
 /// pairs of nodes during the motion.
@@ -102,7 +84,8 @@ pub(super) fn joints<const N: usize>(
     }
 }
 
-fn bricard(report: &mut CaseReport) -> Result<(), CaseError> {
+/// An overconstrained loop that moves.
+pub(super) fn bricard(report: &mut CaseReport) -> Result<(), CaseError> {
     let file = report.file(include_str!("../../../examples/models/bricard.toml"))?;
     let names = [
         "hinge 1", "hinge 2", "hinge 3", "hinge 4", "hinge 5", "hinge 6",
@@ -212,7 +195,8 @@ fn bricard_system(s: Taylor<f64>) -> [Taylor<f64>; 2] {
     [M, V]
 }
 
-fn misaligned(report: &mut CaseReport) -> Result<(), CaseError> {
+/// D06: a linkage that moves only by the flexibility of its bars.
+pub(super) fn misaligned(report: &mut CaseReport) -> Result<(), CaseError> {
     let mut file = report.file(include_str!(
         "../../../examples/models/four_bar_misaligned.toml"
     ))?;
@@ -319,7 +303,8 @@ fn misaligned(report: &mut CaseReport) -> Result<(), CaseError> {
     Ok(())
 }
 
-fn hardly_misaligned(report: &mut CaseReport) -> Result<(), CaseError> {
+/// The same in static equilibrium, with decreasing misalignment.
+pub(super) fn hardly_misaligned(report: &mut CaseReport) -> Result<(), CaseError> {
     let mut file = report.file(include_str!(
         "../../../examples/models/four_bar_misaligned.toml"
     ))?;

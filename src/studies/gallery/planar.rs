@@ -1,47 +1,18 @@
 //! Plane cantilevers with exact solutions.
 
-use super::case::{Case, CaseError, CaseReport, Record, order};
+use super::case::{CaseError, CaseReport, Record, order};
 use crate::input::ModelFile;
 use crate::output::plot::Curve;
 use pullback_integrators::statics::StaticOptions;
 use std::f64::consts::{PI, TAU};
-
-/// S03: one and two full circles.
-pub const ROLLUP: Case = Case {
-    name: "rollup",
-    run: rollup,
-};
-
-/// S04: Mattiasson's elastica.
-pub const ELASTICA: Case = Case {
-    name: "elastica",
-    run: elastica,
-};
-
-/// S05: Géradin's cantilever.
-pub const CANTILEVER: Case = Case {
-    name: "cantilever",
-    run: cantilever,
-};
-
-/// S09: a stubby cantilever in which shear counts.
-pub const SHEAR_FLEXIBLE: Case = Case {
-    name: "shear-flexible",
-    run: shear_flexible,
-};
-
-/// S18: a transverse follower force.
-pub const FOLLOWER: Case = Case {
-    name: "follower",
-    run: follower,
-};
 
 /// Rotation about e3 in (−π, π].
 fn angle(record: &Record) -> f64 {
     record.state.R[(1, 0)].atan2(record.state.R[(0, 0)])
 }
 
-fn rollup(report: &mut CaseReport) -> Result<(), CaseError> {
+/// S03: one and two full circles.
+pub(super) fn rollup(report: &mut CaseReport) -> Result<(), CaseError> {
     const SOURCE: &str = "exact: Euler";
     const EI: f64 = 2.0;
     let file = report.file(include_str!("../../../examples/models/rollup.toml"))?;
@@ -80,7 +51,8 @@ fn rollup(report: &mut CaseReport) -> Result<(), CaseError> {
     Ok(())
 }
 
-fn elastica(report: &mut CaseReport) -> Result<(), CaseError> {
+/// S04: Mattiasson's elastica.
+pub(super) fn elastica(report: &mut CaseReport) -> Result<(), CaseError> {
     // P L²/EI: w/L, u/L, rotation.
     const EXACT: [(f64, [f64; 3]); 11] = [
         (0.2, [0.06636448214, 0.002646548341, 0.09963616304]),
@@ -108,7 +80,8 @@ fn elastica(report: &mut CaseReport) -> Result<(), CaseError> {
     Ok(())
 }
 
-fn cantilever(report: &mut CaseReport) -> Result<(), CaseError> {
+/// S05: Géradin's cantilever.
+pub(super) fn cantilever(report: &mut CaseReport) -> Result<(), CaseError> {
     let file = report.file(include_str!("../../../examples/models/cantilever.toml"))?;
     let r = report.build(&file, "tip")?.end(&StaticOptions::default())?;
     let rotation = (-r.state.R[(2, 0)].atan2(r.state.R[(0, 0)])).abs();
@@ -144,7 +117,8 @@ fn stub(
     report.build(&file, "tip")?.end(&StaticOptions::default())
 }
 
-fn shear_flexible(report: &mut CaseReport) -> Result<(), CaseError> {
+/// S09: a stubby cantilever in which shear counts.
+pub(super) fn shear_flexible(report: &mut CaseReport) -> Result<(), CaseError> {
     const EXACT: &str = "exact curve: independent shooting, S09";
     const PUBLISHED: &str = "published: Nachbagauer et al. 2011, converged mesh";
     let file = report.file(include_str!("../../../examples/models/shear_flexible.toml"))?;
@@ -213,7 +187,8 @@ fn shear_flexible(report: &mut CaseReport) -> Result<(), CaseError> {
     Ok(())
 }
 
-fn follower(report: &mut CaseReport) -> Result<(), CaseError> {
+/// S18: a transverse follower force.
+pub(super) fn follower(report: &mut CaseReport) -> Result<(), CaseError> {
     // F: ux, uy, rotation modulo a turn.
     const EXACT: [(f64, [f64; 3]); 8] = [
         (1e4, [-41.69280982, 71.10951873, 1.34023618]),

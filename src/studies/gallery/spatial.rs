@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::case::{Case, CaseError, CaseReport};
+use super::case::{CaseError, CaseReport};
 use crate::input::Stiffness;
 use nalgebra::{Matrix3, Vector3};
 use pullback_integrators::statics::StaticOptions;
@@ -10,24 +10,7 @@ use pullback_manifold::so3;
 use std::f64::consts::PI;
 
 /// S07: pretwisted by 90°.
-pub const TWISTED: Case = Case {
-    name: "twisted",
-    run: twisted,
-};
-
-/// S08: the Princeton beam.
-pub const PRINCETON: Case = Case {
-    name: "princeton",
-    run: princeton,
-};
-
-/// S17: a straight rod becomes a helix, at slenderness 10 to 10⁴.
-pub const BENDING_TORSION: Case = Case {
-    name: "bending-torsion",
-    run: bending_torsion,
-};
-
-fn twisted(report: &mut CaseReport) -> Result<(), CaseError> {
+pub(super) fn twisted(report: &mut CaseReport) -> Result<(), CaseError> {
     let file = report.file(include_str!("../../../examples/models/twisted.toml"))?;
     let d = report
         .build(&file, "tip")?
@@ -47,7 +30,8 @@ fn twisted(report: &mut CaseReport) -> Result<(), CaseError> {
     Ok(())
 }
 
-fn princeton(report: &mut CaseReport) -> Result<(), CaseError> {
+/// S08: the Princeton beam.
+pub(super) fn princeton(report: &mut CaseReport) -> Result<(), CaseError> {
     const P: f64 = 8.896;
     const Y: [f64; 7] = [
         0.0107141763,
@@ -102,7 +86,8 @@ fn exact_helix(kappa: &Vector3<f64>, length: f64) -> (Vector3<f64>, Matrix3<f64>
     )
 }
 
-fn bending_torsion(report: &mut CaseReport) -> Result<(), CaseError> {
+/// S17: a straight rod becomes a helix, at slenderness 10 to 10⁴.
+pub(super) fn bending_torsion(report: &mut CaseReport) -> Result<(), CaseError> {
     const SOURCE: &str = "exact: helix of constant curvature (Harsch et al. 2023)";
     let (radius, height, coils) = (10.0, 50.0, 2.0);
     let c = height / (2.0 * PI * coils * radius);

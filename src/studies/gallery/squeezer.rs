@@ -1,13 +1,7 @@
 //! Andrews' squeezer against its published reference.
 
-use super::case::{Case, CaseError, CaseReport};
+use super::case::{CaseError, CaseReport};
 use super::mechanisms::joints;
-
-/// R06: seven bodies, three loops.
-pub const CASE: Case = Case {
-    name: "squeezer",
-    run,
-};
 
 /// Angles, rates and accelerations of Andrews' mechanism at t = 0.03.
 const PUBLISHED: [[f64; 7]; 3] = [
@@ -55,7 +49,8 @@ const FOLLOWING: [[f64; 2]; 7] = [
 /// Relative accuracy of the published values according to R06.
 const TRUST: f64 = 1e-9;
 
-fn run(report: &mut CaseReport) -> Result<(), CaseError> {
+/// R06: seven bodies, three loops.
+pub(super) fn run(report: &mut CaseReport) -> Result<(), CaseError> {
     let file = report.file(include_str!("../../../examples/models/squeezer.toml"))?;
     let pairs = [["P", "K3 end"], ["P", "K4 end"], ["P", "K6 end"]];
     let mut runs = Vec::new();

@@ -1,21 +1,9 @@
 //! The right-angle cantilever, struck at its elbow.
 
-use super::case::{Case, CaseError, CaseReport, peak};
+use super::case::{CaseError, CaseReport, peak};
 use super::motion::{History, Run};
 use crate::input::ModelFile;
 use crate::output::plot::Curve;
-
-/// Case 5 of [M04]. Its plot redraws Fig. 37.
-pub const CASE: Case = Case {
-    name: "elbow",
-    run: elbow,
-};
-
-/// D01: the same on a converged mesh.
-pub const CONVERGED: Case = Case {
-    name: "elbow-converged",
-    run: converged,
-};
 
 const FILE: &str = include_str!("../../../examples/models/elbow.toml");
 
@@ -77,7 +65,8 @@ fn turns(
     }
 }
 
-fn elbow(report: &mut CaseReport) -> Result<(), CaseError> {
+/// Case 5 of [M04]. Its plot redraws Fig. 37.
+pub(super) fn elbow(report: &mut CaseReport) -> Result<(), CaseError> {
     let file = report.file(FILE)?;
     let nodes = ["tip", "elbow"];
     let mut curves = Vec::new();
@@ -139,7 +128,8 @@ fn as_first_published(report: &mut CaseReport, file: &ModelFile) -> Result<(), C
     Ok(())
 }
 
-fn converged(report: &mut CaseReport) -> Result<(), CaseError> {
+/// D01: the same on a converged mesh.
+pub(super) fn converged(report: &mut CaseReport) -> Result<(), CaseError> {
     let file = mesh(&report.file(FILE)?, 5, 3);
     let run = report.motion(&file, &["tip", "elbow"], Run::step(0.01).to(28.0))?;
     let [tip, elbow] = [0, 1].map(|k| height(&run, k));

@@ -2,30 +2,12 @@
 
 #![allow(non_snake_case)]
 
-use super::case::{Case, CaseError, CaseReport};
+use super::case::{CaseError, CaseReport};
 use super::motion::{History, Run, observed_order, richardson};
 use crate::input::{ModelFile, Sine, Time};
 use crate::output::plot::Curve;
 use nalgebra::Vector3;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
-
-/// R04: a pendulum released from the horizontal, and one struck so that it turns over.
-pub const PENDULUM: Case = Case {
-    name: "pendulum",
-    run: pendulum,
-};
-
-/// A double pendulum of flexible rods.
-pub const DOUBLE: Case = Case {
-    name: "double-pendulum",
-    run: double,
-};
-
-/// A rubber rod that swings under its own weight.
-pub const RUBBER: Case = Case {
-    name: "rubber-rod",
-    run: rubber,
-};
 
 /// The file with gravity applied smoothly within half a unit of time: a sudden start excites
 /// waves that no practical step resolves, and hides the order.
@@ -63,7 +45,8 @@ fn energy_error(run: &History) -> f64 {
     drift / scale.iter().fold(0.0_f64, |m, e| m.max(e.1))
 }
 
-fn pendulum(report: &mut CaseReport) -> Result<(), CaseError> {
+/// R04: a pendulum released from the horizontal, and one struck so that it turns over.
+pub(super) fn pendulum(report: &mut CaseReport) -> Result<(), CaseError> {
     let file = report.file(include_str!("../../../examples/models/pendulum.toml"))?;
     let runs = [4e-3, 2e-3, 1e-3].map(|h| report.motion(&file, &["rod"], Run::step(h)));
     let [a, b, c] = runs;
@@ -151,7 +134,8 @@ fn over(report: &mut CaseReport, file: &ModelFile) -> Result<(), CaseError> {
     Ok(())
 }
 
-fn double(report: &mut CaseReport) -> Result<(), CaseError> {
+/// A double pendulum of flexible rods.
+pub(super) fn double(report: &mut CaseReport) -> Result<(), CaseError> {
     let file = report.file(include_str!(
         "../../../examples/models/double_pendulum.toml"
     ))?;
@@ -177,7 +161,8 @@ fn double(report: &mut CaseReport) -> Result<(), CaseError> {
     )
 }
 
-fn rubber(report: &mut CaseReport) -> Result<(), CaseError> {
+/// A rubber rod that swings under its own weight.
+pub(super) fn rubber(report: &mut CaseReport) -> Result<(), CaseError> {
     let file = report.file(include_str!("../../../examples/models/rubber_rod.toml"))?;
     let run = |h: f64| report.motion(&file, &["end"], Run::step(h));
     let c = run(5e-4)?;

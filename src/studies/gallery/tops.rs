@@ -2,30 +2,12 @@
 
 #![allow(non_snake_case)]
 
-use super::case::{Case, CaseError, CaseReport, peak};
+use super::case::{CaseError, CaseReport, peak};
 use super::motion::{History, Run, observed_order, richardson};
 use crate::input::Analysis;
 use crate::output::plot::Curve;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use pullback_elements::model::NodeState;
-
-/// Case 3 of [M04] and R02: the fast symmetrical top. Its plot redraws Fig. 33.
-pub const TOP: Case = Case {
-    name: "top",
-    run: top,
-};
-
-/// R01: the heavy top.
-pub const HEAVY_TOP: Case = Case {
-    name: "heavy-top",
-    run: heavy_top,
-};
-
-/// R03: a free body near its middle axis.
-pub const FREE_BODY: Case = Case {
-    name: "free-body",
-    run: free_body,
-};
 
 /// Inclination of the axis e3 of a node.
 fn nutation(state: &NodeState) -> f64 {
@@ -72,7 +54,8 @@ impl Gyroscope {
     }
 }
 
-fn top(report: &mut CaseReport) -> Result<(), CaseError> {
+/// Case 3 of [M04] and R02: the fast symmetrical top. Its plot redraws Fig. 33.
+pub(super) fn top(report: &mut CaseReport) -> Result<(), CaseError> {
     let file = report.file(include_str!("../../../examples/models/top.toml"))?;
     let source = "exact: cubic of the top, R02";
     let converged = report.motion(&file, &["O"], Run::step(1e-4))?;
@@ -160,7 +143,8 @@ fn top(report: &mut CaseReport) -> Result<(), CaseError> {
     )
 }
 
-fn heavy_top(report: &mut CaseReport) -> Result<(), CaseError> {
+/// R01: the heavy top.
+pub(super) fn heavy_top(report: &mut CaseReport) -> Result<(), CaseError> {
     let exact = [
         (0.1, [0.42129666, 0.89457197, -0.1491647]),
         (0.2, [0.6055505613771, 0.5989576817949, -0.52398302743]),
@@ -262,7 +246,8 @@ fn period(run: &History) -> f64 {
     }
 }
 
-fn free_body(report: &mut CaseReport) -> Result<(), CaseError> {
+/// R03: a free body near its middle axis.
+pub(super) fn free_body(report: &mut CaseReport) -> Result<(), CaseError> {
     let file = report.file(include_str!("../../../examples/models/free_body.toml"))?;
     let steps = [2e-3, 1e-3, 5e-4];
     let [a, b, c] = steps.map(|h| report.motion(&file, &["O"], Run::step(h)));
