@@ -1,6 +1,6 @@
 //! Robot arms of two links, turned and lifted at their base.
 
-use super::case::{CaseError, CaseReport};
+use super::case::{CaseError, CaseReport, meshed};
 use super::motion::{History, Run, observed_order};
 use crate::input::{ModelFile, PrescribedMotion, SpinUp, Time};
 use crate::output::plot::Curve;
@@ -9,7 +9,7 @@ use crate::output::plot::Curve;
 pub(super) fn spherical(report: &mut CaseReport) -> Result<(), CaseError> {
     arm(
         report,
-        include_str!("../../../examples/models/arm_spherical.toml"),
+        "arm_spherical",
         3.0,
         &[
             (1.0, [-14.544, 7.072, 3.706]),
@@ -23,7 +23,7 @@ pub(super) fn spherical(report: &mut CaseReport) -> Result<(), CaseError> {
 pub(super) fn revolute(report: &mut CaseReport) -> Result<(), CaseError> {
     arm(
         report,
-        include_str!("../../../examples/models/arm_revolute.toml"),
+        "arm_revolute",
         1.5,
         &[
             (1.0, [-11.079, 0.049, 2.797]),
@@ -38,21 +38,6 @@ const LENGTH: f64 = 10.0;
 
 /// Displacement of the tip at a time.
 type At = (f64, [f64; 3]);
-
-fn mesh(file: &ModelFile, elements: usize) -> ModelFile {
-    let mut file = file.clone();
-    for line in &mut file.lines {
-        line.elements = elements / 2;
-    }
-    file
-}
-
-fn quadratic(mut file: ModelFile) -> ModelFile {
-    for line in &mut file.lines {
-        line.order = 2;
-    }
-    file
-}
 
 /// Root of the mean square of the distance between the tips of two runs with the same steps.
 fn apart(one: &History, other: &History) -> f64 {
@@ -96,15 +81,15 @@ fn smooth(file: &ModelFile) -> ModelFile {
 /// steps that resolve the waves the meshes are measured by their order, and the finest by an independent solution.
 fn arm(
     report: &mut CaseReport,
-    text: &str,
+    model: &str,
     alike: f64,
     independent: &[At],
 ) -> Result<(), CaseError> {
-    let file = report.file(text)?;
+    let file = report.model(model)?;
     let mut curves = Vec::new();
     let mut tips = Vec::new();
     for elements in [40, 8] {
-        let run = report.motion(&mesh(&file, elements), &["tip"], Run::FILE)?;
+        let run = report.motion(&meshed(&file, elements / 2, 1), &["tip"], Run::FILE)?;
         let mut add = |color: usize, name: &str, curve: Vec<(f64, f64)>| {
             let label = format!("{name}, {elements} elements");
             let curve = if elements == 40 {
@@ -151,8 +136,8 @@ fn converged(
     independent: &[At],
 ) -> Result<(), CaseError> {
     let run = |file: ModelFile| report.motion(&file, &["tip"], Run::step(5e-4));
-    let fine = run(quadratic(mesh(file, 16)))?;
-    let [coarse, medium] = [8, 40].map(|elements| run(mesh(file, elements)));
+    let fine = run(meshed(file, 8, 2))?;
+    let [coarse, medium] = [8, 40].map(|elements| run(meshed(file, elements / 2, 1)));
     let errors = [apart(&coarse?, &fine), apart(&medium?, &fine)];
     let source = "independent: finite volumes, Runge-Kutta, extrapolated";
     for &(t, d) in independent {
@@ -169,24 +154,21 @@ fn converged(
 /// Orders of convergence.
 fn orders(report: &mut CaseReport, file: &ModelFile) -> Result<(), CaseError> {
     // The jerk of the base excites waves: only steps that resolve them show the order.
-    let coarse = mesh(file, 4);
-    let [a, b, c] = [1.25e-5, 6.25e-6, 3.125e-6]
-        .map(|h| report.motion(&coarse, &["tip"], Run::step(h).to(0.45)));
-    let ends = [a?, b?, c?].map(|h| h.at(0, 0.45).d);
+    let coarse = meshed(file, 2, 1);
+    let tip = |t: f64| move |run: History| run.at(0, t).d;
+    let runs = [1.25e-5, 6.25e-6, 3.125e-6].map(|h| Run::step(h).to(0.45));
+    let ends = report.motions(&coarse, &["tip"], runs)?.map(tip(0.45));
     let source = "theory: the trapezoidal rule";
     let what = "order in the step, 4 elements, driven with a jerk";
     report.compare(what, observed_order(&ends), 2.0, 0.1, source);
     let smooth = smooth(file);
-    let ends = |runs: [Result<History, CaseError>; 3]| -> Result<_, CaseError> {
-        let [a, b, c] = runs;
-        Ok([a?, b?, c?].map(|h| h.at(0, 1.0).d))
-    };
-    let run = |elements, h| {
-        let file = mesh(&smooth, elements);
-        report.motion(&file, &["tip"], Run::step(h).to(1.0))
-    };
-    let steps = ends([2e-3, 1e-3, 5e-4].map(|h| run(8, h)))?;
-    let meshes = ends([16, 32, 64].map(|elements| run(elements, 1e-3)))?;
+    let steps = [2e-3, 1e-3, 5e-4].map(|h| Run::step(h).to(1.0));
+    let steps = report.motions(&meshed(&smooth, 4, 1), &["tip"], steps)?;
+    let [a, b, c] = [8, 16, 32].map(|elements| {
+        let file = meshed(&smooth, elements, 1);
+        report.motion(&file, &["tip"], Run::step(1e-3).to(1.0))
+    });
+    let (steps, meshes) = (steps.map(tip(1.0)), [a?, b?, c?].map(tip(1.0)));
     let what = "order in the step, driven smoothly";
     report.compare(what, observed_order(&steps), 2.0, 0.1, source);
     let what = "order in the mesh, driven smoothly";

@@ -1,13 +1,11 @@
 //! The 45° bend: the thesis's case, convergence to the exact curve, effects of a superposed
 //! rotation and of another load path.
 
-use super::case::{CaseError, CaseReport, order};
+use super::case::{CaseError, CaseReport, meshed, order};
 use crate::input::{DofName, Fix, Interpolation, ModelFile, PrescribedMotion, Time};
 use nalgebra::Vector3;
 use pullback_integrators::statics::StaticOptions;
 use std::f64::consts::PI;
-
-const MODEL: &str = include_str!("../../../examples/models/bend45.toml");
 
 fn tip(report: &CaseReport, file: &ModelFile) -> Result<Vector3<f64>, CaseError> {
     let mut watched = report.build(file, "tip")?;
@@ -16,7 +14,7 @@ fn tip(report: &CaseReport, file: &ModelFile) -> Result<Vector3<f64>, CaseError>
 
 /// The thesis's mesh and result.
 pub(super) fn thesis(report: &mut CaseReport) -> Result<(), CaseError> {
-    let file = report.file(MODEL)?;
+    let file = report.model("bend45")?;
     let d = tip(report, &file)?;
     let (records, _) = report
         .build(&file, "tip")?
@@ -41,14 +39,12 @@ pub(super) fn thesis(report: &mut CaseReport) -> Result<(), CaseError> {
 
 /// Stiffness with GJ = EI, for which the exact curve is known, on a mesh.
 fn variant(file: &ModelFile, elements: usize, order: usize) -> ModelFile {
-    let mut file = file.clone();
+    let mut file = meshed(file, elements, order);
     for section in file.sections.values_mut() {
         if let Some(s) = &mut section.stiffness {
             s.GJ = s.EI[0];
         }
     }
-    file.lines[0].elements = elements;
-    file.lines[0].order = order;
     file
 }
 
@@ -57,38 +53,30 @@ pub(super) fn convergence(report: &mut CaseReport) -> Result<(), CaseError> {
     // Independent Cosserat shooting; its arc turns towards −e2.
     const EXACT: [f64; 3] = [-23.5602395450204, -13.6045213473098, 53.474858791802];
     const SOURCE: &str = "exact curve: independent shooting, S01 variant A";
-    let file = report.file(MODEL)?;
+    let file = report.model("bend45")?;
     let exact = Vector3::from(EXACT);
-    let mut errors = Vec::new();
-    for elements in [8, 16, 32, 64] {
-        let d = tip(report, &variant(&file, elements, 1))?;
-        errors.push((d - exact).norm());
-    }
-    for (k, e) in errors.windows(2).enumerate() {
-        report.compare(
-            format!("order, 2-node, {} to {} elements", 8 << k, 16 << k),
-            order(e[0], e[1]),
-            2.0,
-            0.1,
-            "theory: linear elements converge with h²",
-        );
-    }
-    let mut errors = Vec::new();
-    for elements in [8, 16, 32, 64] {
-        let d = tip(report, &variant(&file, elements, 2))?;
-        errors.push((d - exact).norm());
-        if elements == 64 {
-            report.compare_vector("tip, 64 3-node elements,", d, EXACT, 1e-5, SOURCE);
-        }
-    }
-    for (k, e) in errors.windows(2).enumerate() {
-        report.compare(
-            format!("order, 3-node, {} to {} elements", 8 << k, 16 << k),
-            order(e[0], e[1]),
+    for (k, expected, tolerance, source) in [
+        (1, 2.0, 0.1, "theory: linear elements converge with h²"),
+        (
+            2,
             4.0,
             0.3,
             "theory: quadratic elements converge with h⁴ at nodes",
-        );
+        ),
+    ] {
+        let mut errors = Vec::new();
+        for elements in [8, 16, 32, 64] {
+            let d = tip(report, &variant(&file, elements, k))?;
+            errors.push((d - exact).norm());
+            if (k, elements) == (2, 64) {
+                report.compare_vector("tip, 64 3-node elements,", d, EXACT, 1e-5, SOURCE);
+            }
+        }
+        for (m, e) in errors.windows(2).enumerate() {
+            let [from, to] = [8 << m, 16 << m];
+            let what = format!("order, {}-node, {from} to {to} elements", k + 1);
+            report.compare(what, order(e[0], e[1]), expected, tolerance, source);
+        }
     }
     let d = tip(report, &variant(&file, 32, 3))?;
     report.compare_vector("tip, 32 4-node elements,", d, EXACT, 1e-7, SOURCE);
@@ -122,7 +110,7 @@ pub(super) fn convergence(report: &mut CaseReport) -> Result<(), CaseError> {
 pub(super) fn objectivity(report: &mut CaseReport) -> Result<(), CaseError> {
     const CLOSED: &str = "exact: S21, conservative loads";
     const TURN: f64 = 1.6;
-    let file = report.file(MODEL)?;
+    let file = report.model("bend45")?;
 
     // Load and unload.
     let mut cycle = file.clone();

@@ -1,6 +1,7 @@
 //! A case and its rows.
 
-use crate::input;
+use super::models::model;
+use crate::input::{self, ModelFile};
 use crate::output::plot::{Curve, Panel, panels};
 use pullback_elements::model::{Context, Dof, NodeId, NodeState};
 use pullback_integrators::dynamics::DynamicsError;
@@ -172,8 +173,9 @@ impl CaseReport {
         std::fs::write(&path, svg).map_err(|e| fail(e.to_string()))
     }
 
-    /// Parses a model file.
-    pub(super) fn file(&self, text: &str) -> Result<input::ModelFile, CaseError> {
+    /// A model file of the gallery.
+    pub(super) fn model(&self, name: &str) -> Result<ModelFile, CaseError> {
+        let text = model(Path::new(name)).ok_or_else(|| self.setup("it has no model file"))?;
         input::parse(self.case, text).map_err(|source| self.model_error(source))
     }
 
@@ -185,16 +187,19 @@ impl CaseReport {
     }
 
     /// Builds a model file and finds the watched node.
-    pub(super) fn build(&self, file: &input::ModelFile, node: &str) -> Result<Watched, CaseError> {
+    pub(super) fn build(&self, file: &ModelFile, node: &str) -> Result<Watched, CaseError> {
         let model = input::build(self.case, file).map_err(|source| self.model_error(source))?;
-        let watched = model.find(node).ok_or_else(|| CaseError::Node {
+        Ok(Watched {
+            node: self.find(&model, node)?,
+            model,
+            case: self.case,
+        })
+    }
+
+    pub(super) fn find(&self, model: &Context, node: &str) -> Result<NodeId, CaseError> {
+        model.find(node).ok_or_else(|| CaseError::Node {
             case: self.case.to_owned(),
             node: node.to_owned(),
-        })?;
-        Ok(Watched {
-            model,
-            node: watched,
-            case: self.case,
         })
     }
 }
@@ -244,10 +249,7 @@ impl Watched {
     /// The last of [`Watched::solve`].
     pub(super) fn end(&mut self, options: &StaticOptions) -> Result<Record, CaseError> {
         let (records, summary) = self.solve(options)?;
-        records.last().copied().ok_or_else(|| CaseError::NoStep {
-            case: self.case.to_owned(),
-            t: summary.t,
-        })
+        self.last(&records, summary.t)
     }
 
     /// The equilibria at growing load parameters, from the reference state.
@@ -266,10 +268,7 @@ impl Watched {
                 };
                 from = to;
                 let (records, _) = self.solve_from(&mut q, &options)?;
-                records.last().copied().ok_or_else(|| CaseError::NoStep {
-                    case: self.case.to_owned(),
-                    t: to,
-                })
+                self.last(&records, to)
             })
             .collect()
     }
@@ -299,6 +298,13 @@ impl Watched {
         Ok(Event::Coordinate { unknown, value })
     }
 
+    fn last(&self, records: &[Record], t: f64) -> Result<Record, CaseError> {
+        records.last().copied().ok_or_else(|| CaseError::NoStep {
+            case: self.case.to_owned(),
+            t,
+        })
+    }
+
     fn solve_error(&self, source: StaticsError) -> CaseError {
         CaseError::Solve {
             case: self.case.to_owned(),
@@ -314,6 +320,15 @@ fn record(context: &Context, node: NodeId, step: &Step<'_>) -> Record {
         iterations: step.iterations,
         state: context.node_state(node),
     }
+}
+
+/// A file with this mesh on all lines.
+pub(super) fn meshed(file: &ModelFile, elements: usize, order: usize) -> ModelFile {
+    let mut file = file.clone();
+    for line in &mut file.lines {
+        (line.elements, line.order) = (elements, order);
+    }
+    file
 }
 
 /// Observed order of convergence from errors at two meshes, the second twice as fine.

@@ -7,7 +7,7 @@ use pullback_elements::time::{SpinUp, TimeFunction};
 
 /// D02: spin-up of a flexible arm.
 pub(super) fn spin_up(report: &mut CaseReport) -> Result<(), CaseError> {
-    let file = report.file(include_str!("../../../examples/models/spin_up.toml"))?;
+    let file = report.model("spin_up")?;
     let Ok(spin_up) = SpinUp::new(6.0, 15.0) else {
         return Err(report.setup("its spin-up is not usable"));
     };
@@ -55,7 +55,7 @@ pub(super) fn spin_up(report: &mut CaseReport) -> Result<(), CaseError> {
 
 /// D03: a flying flexible beam.
 pub(super) fn flying(report: &mut CaseReport) -> Result<(), CaseError> {
-    let file = report.file(include_str!("../../../examples/models/flying_beam.toml"))?;
+    let file = report.model("flying_beam")?;
     let run = report.motion(&file, &["loaded", "free"], Run::step(0.01))?;
     let source = "independent: two codes agree to 5e-3, D03";
     for (t, exact) in [

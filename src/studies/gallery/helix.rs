@@ -84,7 +84,7 @@ fn exact_tips(loads: &[f64]) -> Vec<Vector3<f64>> {
 
 /// Case 2 of [M04]: the helical beam with 100 and 200 elements, and with 100 geodesic ones. Its plot redraws Fig. 31.
 pub(super) fn run(report: &mut CaseReport) -> Result<(), CaseError> {
-    let file = report.file(include_str!("../../../examples/models/helix.toml"))?;
+    let file = report.model("helix")?;
     let mut heights = Vec::new();
     let mut curves = Vec::new();
     let mut distances = Vec::new();

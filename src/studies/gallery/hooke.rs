@@ -65,7 +65,7 @@ fn rigid_shafts(cosine: f64, until: f64) -> f64 {
 
 /// Case 4 of [M04]. Its plot redraws Fig. 35.
 pub(super) fn hooke(report: &mut CaseReport) -> Result<(), CaseError> {
-    let file = report.file(include_str!("../../../examples/models/hooke.toml"))?;
+    let file = report.model("hooke")?;
     let cosine = 0.5_f64.sqrt();
     let run = report.motion(&file, &["A", "B"], Run::FILE)?;
     let [a, b] = [0, 1].map(|k| angles(&run.nodes[k]));
@@ -149,7 +149,7 @@ fn turned(run: &History) -> Vec<[f64; 3]> {
 
 /// R08: the kinematics alone.
 pub(super) fn universal(report: &mut CaseReport) -> Result<(), CaseError> {
-    let file = report.file(include_str!("../../../examples/models/hooke.toml"))?;
+    let file = report.model("hooke")?;
     let source = "exact: R08, angles from where the input yoke lies in the plane";
     for (degrees, points) in [
         (

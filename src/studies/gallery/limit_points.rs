@@ -1,6 +1,6 @@
 //! Snap-through: paths followed through their limit points.
 
-use super::case::{CaseError, CaseReport, Record};
+use super::case::{CaseError, CaseReport, Record, meshed};
 use crate::output::plot::Curve;
 use pullback_elements::model::Dof;
 use pullback_integrators::statics::{ArcLengthOptions, Event};
@@ -9,7 +9,7 @@ use pullback_integrators::statics::{ArcLengthOptions, Event};
 pub(super) fn lee_frame(report: &mut CaseReport) -> Result<(), CaseError> {
     const EXACT: &str = "exact curve: independent shooting, S11";
     const FORCE: f64 = 20000.0;
-    let file = report.file(include_str!("../../../examples/models/lee_frame.toml"))?;
+    let file = report.model("lee_frame")?;
     let mut frame = report.build(&file, "load")?;
     let points = [
         (20.0, 13448.637234, 5.250298),
@@ -99,13 +99,9 @@ pub(super) fn deep_arch(report: &mut CaseReport) -> Result<(), CaseError> {
         (500.0, 120.354209478, -64.933228891),
         (0.0, 118.486579799, -60.880951149),
     ];
-    let file = report.file(include_str!("../../../examples/models/deep_arch.toml"))?;
+    let file = report.model("deep_arch")?;
     let path = |elements: usize, order: usize, events| -> Result<Vec<Record>, CaseError> {
-        let mut file = file.clone();
-        for line in &mut file.lines {
-            line.elements = elements;
-            line.order = order;
-        }
+        let file = meshed(&file, elements, order);
         report.build(&file, "crown")?.trace(&ArcLengthOptions {
             first_step: 0.01,
             max_step: 0.03,

@@ -4,7 +4,6 @@
 
 use super::case::{CaseError, CaseReport};
 use super::motion::{History, Run, richardson};
-use crate::input::ModelFile;
 use crate::output::plot::Curve;
 use nalgebra::Vector3;
 use pullback_elements::model::NodeState;
@@ -85,28 +84,6 @@ pub(super) fn gap(run: &History, [a, b]: [usize; 2]) -> f64 {
     both.fold(0.0_f64, |m, (a, b)| m.max((a.position - b.position).norm()))
 }
 
-/// Largest change of the total energy over the largest kinetic energy.
-pub(super) fn energy_error(run: &History) -> f64 {
-    let energy = run.total_energy();
-    let drift = energy
-        .iter()
-        .fold(0.0_f64, |m, e| m.max((e.1 - energy[0].1).abs()));
-    let kinetic = run.balance(|a| a.energies.kinetic);
-    drift / kinetic.iter().fold(0.0_f64, |m, e| m.max(e.1))
-}
-
-/// Runs with the step of the file and its half.
-fn halved(
-    report: &CaseReport,
-    file: &ModelFile,
-    nodes: &[&str],
-    step: f64,
-) -> Result<[History; 2], CaseError> {
-    let coarse = report.motion(file, nodes, Run::step(step))?;
-    let fine = report.motion(file, nodes, Run::step(0.5 * step))?;
-    Ok([coarse, fine])
-}
-
 pub(super) fn last(run: &History, node: usize) -> NodeState {
     run.nodes[node][run.nodes[node].len() - 1]
 }
@@ -121,8 +98,12 @@ const SOURCE: &str = "exact: closed-form kinematics, M θ̈ + ½ M′ θ̇² + V
 
 /// A four-bar linkage of rigid bars.
 pub(super) fn four_bar(report: &mut CaseReport) -> Result<(), CaseError> {
-    let file = report.file(include_str!("../../../examples/models/four_bar.toml"))?;
-    let runs = halved(report, &file, &["coupler tip", "rocker tip"], 1e-3)?;
+    let file = report.model("four_bar")?;
+    let runs = report.motions(
+        &file,
+        &["coupler tip", "rocker tip"],
+        [1e-3, 5e-4].map(Run::step),
+    )?;
     let start = std::f64::consts::FRAC_PI_2;
     let [crank, rate] = integrate(&four_bar_system, [start, 4.5], 4.0);
     let angle = Taylor {
@@ -143,7 +124,7 @@ pub(super) fn four_bar(report: &mut CaseReport) -> Result<(), CaseError> {
     report.compare(what, gap(&runs[1], [0, 1]), 0.0, 1e-14, source);
     let source = "exact: energy is constant";
     let what = "largest relative change of energy";
-    report.compare(what, energy_error(&runs[1]), 0.0, 1e-4, source);
+    report.compare(what, runs[1].energy_error(), 0.0, 1e-4, source);
     let path = |node: usize| -> Vec<(f64, f64)> {
         let positions = runs[1].nodes[node].iter();
         positions.map(|s| (s.position.x, s.position.y)).collect()
@@ -189,8 +170,8 @@ fn slider_exact(rod: f64, to: f64) -> [f64; 2] {
 
 /// A slider-crank mechanism of rigid bars.
 pub(super) fn slider_crank(report: &mut CaseReport) -> Result<(), CaseError> {
-    let file = report.file(include_str!("../../../examples/models/slider_crank.toml"))?;
-    let runs = halved(report, &file, &["slider", "rod end"], 1e-3)?;
+    let file = report.model("slider_crank")?;
+    let runs = report.motions(&file, &["slider", "rod end"], [1e-3, 5e-4].map(Run::step))?;
     let [displacement, rate] = slider_exact(1.5, 2.0);
     let found = at_end(&runs, 0, |s| s.position)[0];
     report.compare("slider at t = 2", found, displacement, 1e-5, SOURCE);
@@ -206,7 +187,7 @@ pub(super) fn slider_crank(report: &mut CaseReport) -> Result<(), CaseError> {
     );
     let source = "exact: energy is constant";
     let what = "largest relative change of energy";
-    report.compare(what, energy_error(&runs[1]), 0.0, 1e-3, source);
+    report.compare(what, runs[1].energy_error(), 0.0, 1e-3, source);
     Ok(())
 }
 
@@ -214,8 +195,8 @@ pub(super) fn slider_crank(report: &mut CaseReport) -> Result<(), CaseError> {
 ///
 /// All couplers only translate: a pendulum with the inertia of six cranks and the mass of five couplers at its end.
 pub(super) fn parallelograms(report: &mut CaseReport) -> Result<(), CaseError> {
-    let file = report.file(include_str!("../../../examples/models/parallelograms.toml"))?;
-    let runs = halved(report, &file, &["end 5", "far 5"], 4e-3)?;
+    let file = report.model("parallelograms")?;
+    let runs = report.motions(&file, &["end 5", "far 5"], [4e-3, 2e-3].map(Run::step))?;
     let system = |angle: Taylor<f64>| {
         let M = Taylor::constant(6.0 / 3.0 + 5.0);
         [M, -(angle.cos() * (G * (6.0 / 2.0 + 5.0)))]
@@ -244,6 +225,6 @@ pub(super) fn parallelograms(report: &mut CaseReport) -> Result<(), CaseError> {
     );
     let source = "exact: energy is constant";
     let what = "largest relative change of energy";
-    report.compare(what, energy_error(&runs[1]), 0.0, 1e-4, source);
+    report.compare(what, runs[1].energy_error(), 0.0, 1e-4, source);
     Ok(())
 }

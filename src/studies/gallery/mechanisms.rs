@@ -2,14 +2,14 @@
 
 #![allow(non_snake_case)]
 
-use super::case::{CaseError, CaseReport};
-use super::linkages::{G, integrate, slope};
-use super::motion::{History, Run, observed_order, richardson};
-use crate::input::{self, Analysis, Closure, Plan};
-use crate::solve::{begin, point};
+use super::case::{CaseError, CaseReport, meshed};
+use super::linkages::{G, gap, integrate, slope};
+use super::motion::{Begun, History, Run, observed_order, richardson};
+use crate::input::{Analysis, Closure, ModelFile};
+use crate::solve::point;
 use nalgebra::Vector3;
 use pullback_elements::model::NodeState;
-use pullback_integrators::dynamics::{self, DynamicsError, Progress, start};
+use pullback_integrators::dynamics::{self, DynamicsError};
 use pullback_manifold::jet::Taylor;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::Quaternion;
@@ -20,43 +20,24 @@ use std::ops::ControlFlow;
 /// pairs of nodes during the motion.
 pub(super) fn joints<const N: usize>(
     report: &CaseReport,
-    file: &input::ModelFile,
+    file: &ModelFile,
     step: f64,
     names: [&str; N],
     pairs: &[[&str; 2]],
     seen: &mut dyn FnMut([f64; N]),
 ) -> Result<([[f64; N]; 3], f64), CaseError> {
-    let case = report.case;
-    let job = input::job(case, file).map_err(|source| report.model_error(source))?;
-    let Plan::Dynamic(plan) = job.plan else {
-        return Err(report.setup("its analysis is not dynamic"));
-    };
-    let mut model = job.context;
-    let missing = |node: &str| CaseError::Node {
-        case: case.to_owned(),
-        node: node.to_owned(),
-    };
-    let mut nodes = Vec::new();
-    for name in names {
-        let name = format!("{name} angle");
-        nodes.push(model.find(&name).ok_or_else(|| missing(&name))?);
-    }
-    let mut ends = Vec::new();
-    for pair in pairs {
-        for &name in pair {
-            ends.push(model.find(name).ok_or_else(|| missing(name))?);
-        }
-    }
-    let fail = |source: DynamicsError| CaseError::Motion {
-        case: case.to_owned(),
-        source,
-    };
-    let mut options = plan.options;
-    options.step = step;
-    options.min_step = options.min_step.min(1e-6 * step);
-    let initial = start(&model, 0.0, &job.start.q, &job.start.v).map_err(fail)?;
-    let mut progress = Progress::new(initial);
-    begin(&mut model, &options, &mut progress).map_err(fail)?;
+    let nodes = names.map(|name| format!("{name} angle"));
+    let watched = nodes.iter().map(String::as_str);
+    let watched: Vec<&str> = watched
+        .chain(pairs.as_flattened().iter().copied())
+        .collect();
+    let Begun {
+        mut model,
+        mut progress,
+        options,
+        nodes,
+    } = report.begin(file, &watched, Run::step(step))?;
+    let (nodes, ends) = nodes.split_at(N);
     let (mut end, mut gap) = ([[f64::NAN; N]; 3], 0.0_f64);
     let mut failed = None;
     dynamics::integrate(&mut model, &mut progress, &options, &mut |model, step| {
@@ -77,16 +58,16 @@ pub(super) fn joints<const N: usize>(
         seen(end[0]);
         ControlFlow::Continue(())
     })
-    .map_err(fail)?;
+    .map_err(|source| report.motion_error(source))?;
     match failed {
-        Some(source) => Err(fail(DynamicsError::System { t: 0.0, source })),
+        Some(source) => Err(report.motion_error(DynamicsError::System { t: 0.0, source })),
         None => Ok((end, gap)),
     }
 }
 
 /// An overconstrained loop that moves.
 pub(super) fn bricard(report: &mut CaseReport) -> Result<(), CaseError> {
-    let file = report.file(include_str!("../../../examples/models/bricard.toml"))?;
+    let file = report.model("bricard")?;
     let names = [
         "hinge 1", "hinge 2", "hinge 3", "hinge 4", "hinge 5", "hinge 6",
     ];
@@ -112,20 +93,9 @@ pub(super) fn bricard(report: &mut CaseReport) -> Result<(), CaseError> {
     let source = "exact: the loop is closed at all times";
     report.compare("largest gap of the loop", gap, 0.0, 1e-13, source);
     let run = report.motion(&file, &["end 2"], Run::step(2e-3))?;
-    let energy = run.total_energy();
-    let kinetic = run.balance(|a| a.energies.kinetic);
-    let most = kinetic.iter().fold(0.0_f64, |m, e| m.max(e.1));
-    let change = energy
-        .iter()
-        .fold(0.0_f64, |m, e| m.max((e.1 - energy[0].1).abs()));
     let source = "exact: energy is constant";
-    report.compare(
-        "largest relative change of energy",
-        change / most,
-        0.0,
-        1e-3,
-        source,
-    );
+    let what = "largest relative change of energy";
+    report.compare(what, run.energy_error(), 0.0, 1e-3, source);
     if travel < 0.5 {
         return Err(report.setup("it does not move far enough to prove anything"));
     }
@@ -197,9 +167,7 @@ fn bricard_system(s: Taylor<f64>) -> [Taylor<f64>; 2] {
 
 /// D06: a linkage that moves only by the flexibility of its bars.
 pub(super) fn misaligned(report: &mut CaseReport) -> Result<(), CaseError> {
-    let mut file = report.file(include_str!(
-        "../../../examples/models/four_bar_misaligned.toml"
-    ))?;
+    let file = report.model("four_bar_misaligned")?;
     let watched = ["C", "tip of bar 3", "axis A", "axis D"];
     let turn = |run: &History, node: usize| {
         let states: &Vec<NodeState> = &run.nodes[node];
@@ -232,10 +200,7 @@ pub(super) fn misaligned(report: &mut CaseReport) -> Result<(), CaseError> {
         source,
     );
     let turns = |elements: usize, order: usize, loads: &[f64]| {
-        let mut file = file.clone();
-        for line in &mut file.lines {
-            (line.elements, line.order) = (elements, order);
-        }
+        let file = meshed(&file, elements, order);
         let records = report.build(&file, "C")?.at_loads(loads)?;
         Ok::<_, CaseError>(records.iter().map(|r| r.state.d).collect::<Vec<_>>())
     };
@@ -286,10 +251,7 @@ pub(super) fn misaligned(report: &mut CaseReport) -> Result<(), CaseError> {
         let what = format!("C in equilibrium, bar 1 turned by {angle},");
         report.compare_vector(&what, path[k - 1], exact, 3e-8, source);
     }
-    for line in &mut file.lines {
-        (line.elements, line.order) = (4, 2);
-    }
-    let run = report.motion(&file, &watched, Run::step(8e-3))?;
+    let run = report.motion(&meshed(&file, 4, 2), &watched, Run::step(8e-3))?;
     // So slow that inertia and steps contribute 1e-7.
     let what = "largest deflection at C across the plane";
     report.compare(what, off(&run), 0.004_264_418_4, 3e-7, source);
@@ -297,20 +259,13 @@ pub(super) fn misaligned(report: &mut CaseReport) -> Result<(), CaseError> {
     let what = "angle of bar 3 at t = 12, which turns back at the flat positions";
     report.compare(what, turn(&run, 3).z, -0.918_418_949_6, 1e-7, source);
     let source = "exact: the loop is closed at all times";
-    let both = run.nodes[0].iter().zip(&run.nodes[1]);
-    let gap = both.fold(0.0_f64, |m, (a, b)| m.max((a.position - b.position).norm()));
-    report.compare("largest gap at C", gap, 0.0, 1e-14, source);
+    report.compare("largest gap at C", gap(&run, [0, 1]), 0.0, 1e-14, source);
     Ok(())
 }
 
 /// The same in static equilibrium, with decreasing misalignment.
 pub(super) fn hardly_misaligned(report: &mut CaseReport) -> Result<(), CaseError> {
-    let mut file = report.file(include_str!(
-        "../../../examples/models/four_bar_misaligned.toml"
-    ))?;
-    for line in &mut file.lines {
-        (line.elements, line.order) = (4, 2);
-    }
+    let mut file = meshed(&report.model("four_bar_misaligned")?, 4, 2);
     // Bar 1 turns by 0.15 each.
     let loads: Vec<f64> = (1..=8).map(|k| 0.25 * f64::from(k)).collect();
     let mut found = Vec::new();

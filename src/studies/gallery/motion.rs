@@ -1,7 +1,7 @@
 //! Runs in time: the states of watched nodes at all steps.
 
 use super::case::{CaseError, CaseReport};
-use crate::input::{self, Plan};
+use crate::input::{self, ModelFile, Plan};
 use crate::solve::{begin, point};
 use nalgebra::Vector3;
 use pullback_elements::model::{Context, EnergiesAndMomentum, NodeId, NodeState};
@@ -30,7 +30,7 @@ impl History {
     }
 
     /// A quantity of the whole model over time.
-    pub fn balance(&self, of: impl Fn(&EnergiesAndMomentum) -> f64) -> Vec<(f64, f64)> {
+    fn balance(&self, of: impl Fn(&EnergiesAndMomentum) -> f64) -> Vec<(f64, f64)> {
         let values = self.balances.iter().map(of);
         self.t.iter().copied().zip(values).collect()
     }
@@ -40,6 +40,19 @@ impl History {
         let nearest = |k: &usize| (self.t[*k] - t).abs();
         let k = (0..self.t.len()).min_by(|a, b| nearest(a).total_cmp(&nearest(b)));
         &self.nodes[node][k.unwrap_or(0)]
+    }
+
+    /// The largest kinetic energy.
+    pub fn largest_kinetic(&self) -> f64 {
+        let kinetic = self.balances.iter().map(|a| a.energies.kinetic);
+        kinetic.fold(0.0, f64::max)
+    }
+
+    /// Largest change of the total energy over the largest kinetic energy.
+    pub fn energy_error(&self) -> f64 {
+        let energy = self.total_energy();
+        let changes = energy.iter().map(|e| (e.1 - energy[0].1).abs());
+        changes.fold(0.0, f64::max) / self.largest_kinetic()
     }
 
     /// Kinetic and strain energy and the potential of the loads.
@@ -91,36 +104,29 @@ impl Run {
     }
 }
 
+/// A motion at its start.
+pub(super) struct Begun {
+    pub model: Context,
+    pub progress: Progress,
+    pub options: DynamicOptions,
+    /// The watched nodes.
+    pub nodes: Vec<NodeId>,
+}
+
 impl CaseReport {
     /// Integrates a model file and records the named nodes.
     pub(super) fn motion(
         &self,
-        file: &input::ModelFile,
+        file: &ModelFile,
         nodes: &[&str],
         run: Run,
     ) -> Result<History, CaseError> {
-        let job = input::job(self.case, file).map_err(|source| self.model_error(source))?;
-        let Plan::Dynamic(plan) = job.plan else {
-            return Err(self.setup("its analysis is not dynamic"));
-        };
-        let mut model = job.context;
-        let ids = nodes
-            .iter()
-            .map(|&node| {
-                model.find(node).ok_or_else(|| CaseError::Node {
-                    case: self.case.to_owned(),
-                    node: node.to_owned(),
-                })
-            })
-            .collect::<Result<Vec<NodeId>, _>>()?;
-        let fail = |source: DynamicsError| CaseError::Motion {
-            case: self.case.to_owned(),
-            source,
-        };
-        let options = run.options(&plan.options);
-        let initial = start(&model, 0.0, &job.start.q, &job.start.v).map_err(fail)?;
-        let mut progress = Progress::new(initial);
-        begin(&mut model, &options, &mut progress).map_err(fail)?;
+        let Begun {
+            mut model,
+            mut progress,
+            options,
+            nodes: ids,
+        } = self.begin(file, nodes, run)?;
         let mut history = History {
             t: Vec::new(),
             nodes: vec![Vec::new(); ids.len()],
@@ -138,7 +144,7 @@ impl CaseReport {
             Ok(())
         };
         let unusable = |source| DynamicsError::System { t: 0.0, source };
-        record(&mut model, &progress).map_err(|e| fail(unusable(e)))?;
+        record(&mut model, &progress).map_err(|e| self.motion_error(unusable(e)))?;
         integrate(
             &mut model,
             &mut progress,
@@ -151,12 +157,58 @@ impl CaseReport {
                 }
             },
         )
-        .map_err(fail)?;
+        .map_err(|source| self.motion_error(source))?;
         if let Some(error) = failed {
-            return Err(fail(unusable(error)));
+            return Err(self.motion_error(unusable(error)));
         }
         history.summary = progress.summary;
         Ok(history)
+    }
+
+    /// Integrates a model file with each of some changes.
+    pub(super) fn motions<const N: usize>(
+        &self,
+        file: &ModelFile,
+        nodes: &[&str],
+        runs: [Run; N],
+    ) -> Result<[History; N], CaseError> {
+        let runs = runs.into_iter().map(|run| self.motion(file, nodes, run));
+        let runs: Vec<History> = runs.collect::<Result<_, _>>()?;
+        (runs.try_into()).map_err(|_| self.setup("it has another number of runs"))
+    }
+
+    /// Builds a model file, finds the named nodes, and starts its motion.
+    pub(super) fn begin(
+        &self,
+        file: &ModelFile,
+        nodes: &[&str],
+        run: Run,
+    ) -> Result<Begun, CaseError> {
+        let job = input::job(self.case, file).map_err(|source| self.model_error(source))?;
+        let Plan::Dynamic(plan) = job.plan else {
+            return Err(self.setup("its analysis is not dynamic"));
+        };
+        let mut model = job.context;
+        let nodes = nodes.iter().map(|&node| self.find(&model, node));
+        let nodes = nodes.collect::<Result<_, _>>()?;
+        let options = run.options(&plan.options);
+        let fail = |source| self.motion_error(source);
+        let initial = start(&model, 0.0, &job.start.q, &job.start.v).map_err(fail)?;
+        let mut progress = Progress::new(initial);
+        begin(&mut model, &options, &mut progress).map_err(fail)?;
+        Ok(Begun {
+            model,
+            progress,
+            options,
+            nodes,
+        })
+    }
+
+    pub(super) fn motion_error(&self, source: DynamicsError) -> CaseError {
+        CaseError::Motion {
+            case: self.case.to_owned(),
+            source,
+        }
     }
 
     pub(super) fn setup(&self, problem: &str) -> CaseError {

@@ -1,6 +1,6 @@
 //! Plane cantilevers with exact solutions.
 
-use super::case::{CaseError, CaseReport, Record, order};
+use super::case::{CaseError, CaseReport, Record, meshed, order};
 use crate::input::ModelFile;
 use crate::output::plot::Curve;
 use pullback_integrators::statics::StaticOptions;
@@ -15,7 +15,7 @@ fn angle(record: &Record) -> f64 {
 pub(super) fn rollup(report: &mut CaseReport) -> Result<(), CaseError> {
     const SOURCE: &str = "exact: Euler";
     const EI: f64 = 2.0;
-    let file = report.file(include_str!("../../../examples/models/rollup.toml"))?;
+    let file = report.model("rollup")?;
     let loads = [0.25, 0.5, 0.75, 1.0];
     for turns in [1, 2] {
         let loads = &loads[..2 * turns];
@@ -67,7 +67,7 @@ pub(super) fn elastica(report: &mut CaseReport) -> Result<(), CaseError> {
         (8.0, [0.784982375, 0.5048277321, 1.374431507]),
         (10.0, [0.8106090249, 0.5549955978, 1.430285539]),
     ];
-    let file = report.file(include_str!("../../../examples/models/elastica.toml"))?;
+    let file = report.model("elastica")?;
     let loads = EXACT.map(|(a, _)| a / 10.0);
     let records = report.build(&file, "tip")?.at_loads(&loads)?;
     for ((a, exact), r) in EXACT.iter().zip(&records) {
@@ -82,7 +82,7 @@ pub(super) fn elastica(report: &mut CaseReport) -> Result<(), CaseError> {
 
 /// S05: Géradin's cantilever.
 pub(super) fn cantilever(report: &mut CaseReport) -> Result<(), CaseError> {
-    let file = report.file(include_str!("../../../examples/models/cantilever.toml"))?;
+    let file = report.model("cantilever")?;
     let r = report.build(&file, "tip")?.end(&StaticOptions::default())?;
     let rotation = (-r.state.R[(2, 0)].atan2(r.state.R[(0, 0)])).abs();
     let computed = [-r.state.d.x, r.state.d.z, rotation];
@@ -108,11 +108,11 @@ pub(super) fn cantilever(report: &mut CaseReport) -> Result<(), CaseError> {
 fn stub(
     report: &CaseReport,
     file: &ModelFile,
-    mesh: [usize; 2],
+    elements: usize,
+    order: usize,
     force: f64,
 ) -> Result<Record, CaseError> {
-    let mut file = file.clone();
-    [file.lines[0].elements, file.lines[0].order] = mesh;
+    let mut file = meshed(file, elements, order);
     file.loads[0].force = Some([0.0, force, 0.0]);
     report.build(&file, "tip")?.end(&StaticOptions::default())
 }
@@ -121,54 +121,25 @@ fn stub(
 pub(super) fn shear_flexible(report: &mut CaseReport) -> Result<(), CaseError> {
     const EXACT: &str = "exact curve: independent shooting, S09";
     const PUBLISHED: &str = "published: Nachbagauer et al. 2011, converged mesh";
-    let file = report.file(include_str!("../../../examples/models/shear_flexible.toml"))?;
-    let large = stub(report, &file, [10, 3], 6.25e7)?;
-    report.compare(
-        "large load, shortening",
-        -large.state.d.x,
-        0.150971144239,
-        1e-9,
-        EXACT,
-    );
-    report.compare(
-        "large load, deflection",
-        large.state.d.y,
-        0.710568597854,
-        1e-9,
-        EXACT,
-    );
-    report.compare(
-        "large load, rotation",
-        angle(&large),
-        0.520173166012,
-        1e-9,
-        EXACT,
-    );
-    report.compare(
-        "large load, deflection",
-        large.state.d.y,
-        0.71056837,
-        1e-6,
-        PUBLISHED,
-    );
-    let small = stub(report, &file, [10, 3], 62500.0)?;
-    report.compare(
-        "small load, shortening",
-        -small.state.d.x,
-        1.888491636404e-07,
-        1e-15,
-        EXACT,
-    );
-    report.compare(
-        "small load, deflection",
-        small.state.d.y,
-        0.0008099032539769,
-        1e-12,
-        EXACT,
-    );
+    let file = report.model("shear_flexible")?;
+    let large = stub(report, &file, 10, 3, 6.25e7)?;
+    for (what, computed, exact) in [
+        ("shortening", -large.state.d.x, 0.150971144239),
+        ("deflection", large.state.d.y, 0.710568597854),
+        ("rotation", angle(&large), 0.520173166012),
+    ] {
+        report.compare(format!("large load, {what}"), computed, exact, 1e-9, EXACT);
+    }
+    let (what, d) = ("large load, deflection", large.state.d.y);
+    report.compare(what, d, 0.71056837, 1e-6, PUBLISHED);
+    let d = stub(report, &file, 10, 3, 62500.0)?.state.d;
+    let what = "small load, shortening";
+    report.compare(what, -d.x, 1.888491636404e-07, 1e-15, EXACT);
+    let what = "small load, deflection";
+    report.compare(what, d.y, 0.0008099032539769, 1e-12, EXACT);
     let mut errors = Vec::new();
     for elements in [2, 4, 8, 16] {
-        let r = stub(report, &file, [elements, 1], 6.25e7)?;
+        let r = stub(report, &file, elements, 1, 6.25e7)?;
         errors.push(0.710568597854 - r.state.d.y);
     }
     for (k, e) in errors.windows(2).enumerate() {
@@ -200,7 +171,7 @@ pub(super) fn follower(report: &mut CaseReport) -> Result<(), CaseError> {
         (7e4, [-72.43392741, 32.97705002, 2.8504906]),
         (9e4, [-52.41067404, 6.0436343, 2.23838433]),
     ];
-    let file = report.file(include_str!("../../../examples/models/follower.toml"))?;
+    let file = report.model("follower")?;
     let loads = EXACT.map(|(f, _)| f / 9e4);
     let records = report.build(&file, "tip")?.at_loads(&loads)?;
     let path = |pick: fn(&[f64; 3]) -> f64| EXACT.iter().map(|(f, e)| (*f, pick(e))).collect();

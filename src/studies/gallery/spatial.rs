@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::case::{CaseError, CaseReport};
+use super::case::{CaseError, CaseReport, meshed};
 use crate::input::Stiffness;
 use nalgebra::{Matrix3, Vector3};
 use pullback_integrators::statics::StaticOptions;
@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 
 /// S07: pretwisted by 90°.
 pub(super) fn twisted(report: &mut CaseReport) -> Result<(), CaseError> {
-    let file = report.file(include_str!("../../../examples/models/twisted.toml"))?;
+    let file = report.model("twisted")?;
     let d = report
         .build(&file, "tip")?
         .end(&StaticOptions::default())?
@@ -51,7 +51,7 @@ pub(super) fn princeton(report: &mut CaseReport) -> Result<(), CaseError> {
         0.14219437,
         0.146245978,
     ];
-    let file = report.file(include_str!("../../../examples/models/princeton.toml"))?;
+    let file = report.model("princeton")?;
     for (k, (y, z)) in Y.into_iter().zip(Z).enumerate() {
         let degrees = 15.0 * k as f64;
         let (s, c) = degrees.to_radians().sin_cos();
@@ -95,13 +95,9 @@ pub(super) fn bending_torsion(report: &mut CaseReport) -> Result<(), CaseError> 
     let length = (1.0 + c * c).sqrt() * radius * a;
     let curvature = radius * a * a / (length * length);
     let kappa = Vector3::new(curvature * c, 0.0, curvature);
-    let file = report.file(include_str!(
-        "../../../examples/models/bending_torsion.toml"
-    ))?;
+    let file = report.model("bending_torsion")?;
     let solve = |elements: usize, order: usize, slenderness: f64, load: f64| {
-        let mut file = file.clone();
-        file.lines[0].elements = elements;
-        file.lines[0].order = order;
+        let mut file = meshed(&file, elements, order);
         // Round section of diameter L/slenderness with Young's modulus such that EI = 1.
         let thickness = length / slenderness;
         let EA = 16.0 / (thickness * thickness);

@@ -51,7 +51,7 @@ const TRUST: f64 = 1e-9;
 
 /// R06: seven bodies, three loops.
 pub(super) fn run(report: &mut CaseReport) -> Result<(), CaseError> {
-    let file = report.file(include_str!("../../../examples/models/squeezer.toml"))?;
+    let file = report.model("squeezer")?;
     let pairs = [["P", "K3 end"], ["P", "K4 end"], ["P", "K6 end"]];
     let mut runs = Vec::new();
     let mut gap = 0.0_f64;

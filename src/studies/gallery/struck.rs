@@ -1,20 +1,9 @@
 //! The right-angle cantilever, struck at its elbow.
 
-use super::case::{CaseError, CaseReport, peak};
+use super::case::{CaseError, CaseReport, meshed, peak};
 use super::motion::{History, Run};
 use crate::input::ModelFile;
 use crate::output::plot::Curve;
-
-const FILE: &str = include_str!("../../../examples/models/elbow.toml");
-
-fn mesh(file: &ModelFile, elements: usize, order: usize) -> ModelFile {
-    let mut file = file.clone();
-    for line in &mut file.lines {
-        line.elements = elements;
-        line.order = order;
-    }
-    file
-}
 
 /// The highest or lowest point of a curve between two times.
 fn extremum(curve: &[(f64, f64)], [from, to]: [f64; 2], sign: f64) -> (f64, f64) {
@@ -67,11 +56,11 @@ fn turns(
 
 /// Case 5 of [M04]. Its plot redraws Fig. 37.
 pub(super) fn elbow(report: &mut CaseReport) -> Result<(), CaseError> {
-    let file = report.file(FILE)?;
+    let file = report.model("elbow")?;
     let nodes = ["tip", "elbow"];
     let mut curves = Vec::new();
     for elements in [10, 2] {
-        let run = report.motion(&mesh(&file, elements, 1), &nodes, Run::FILE)?;
+        let run = report.motion(&meshed(&file, elements, 1), &nodes, Run::FILE)?;
         let all = 2 * elements;
         let [tip, elbow] = [0, 1].map(|k| height(&run, k));
         if elements == 10 {
@@ -107,7 +96,7 @@ pub(super) fn elbow(report: &mut CaseReport) -> Result<(), CaseError> {
 /// lowest point of this mesh.
 fn as_first_published(report: &mut CaseReport, file: &ModelFile) -> Result<(), CaseError> {
     let step = 0.25;
-    let run = report.motion(&mesh(file, 2, 2), &["tip", "elbow"], Run::step(step))?;
+    let run = report.motion(&meshed(file, 2, 2), &["tip", "elbow"], Run::step(step))?;
     let [tip, elbow] = [0, 1].map(|k| height(&run, k));
     let name = "4 quadratic, h = 0.25: ";
     let source = "published: Simo & Vu-Quoc 1988, digitised";
@@ -130,7 +119,7 @@ fn as_first_published(report: &mut CaseReport, file: &ModelFile) -> Result<(), C
 
 /// D01: the same on a converged mesh.
 pub(super) fn converged(report: &mut CaseReport) -> Result<(), CaseError> {
-    let file = mesh(&report.file(FILE)?, 5, 3);
+    let file = meshed(&report.model("elbow")?, 5, 3);
     let run = report.motion(&file, &["tip", "elbow"], Run::step(0.01).to(28.0))?;
     let [tip, elbow] = [0, 1].map(|k| height(&run, k));
     for (curve, known) in [(&tip, &TIP), (&elbow, &ELBOW), (&elbow, &LEDGE)] {

@@ -25,32 +25,19 @@ fn gentle(file: &ModelFile) -> ModelFile {
 /// Order in the step of the position of a node at t = 0.5.
 fn order(report: &mut CaseReport, file: &ModelFile, node: &str) -> Result<(), CaseError> {
     let file = gentle(file);
-    let run = |h: f64| report.motion(&file, &[node], Run::step(h).to(0.5));
-    let (a, b, c) = (run(2e-3)?, run(1e-3)?, run(5e-4)?);
-    let ends = [&a, &b, &c].map(|h| h.at(0, 0.5).position);
+    let runs = [2e-3, 1e-3, 5e-4].map(|h| Run::step(h).to(0.5));
+    let runs = report.motions(&file, &[node], runs)?;
+    let ends = runs.map(|run| run.at(0, 0.5).position);
     let source = "theory: the trapezoidal rule";
     let what = "order in the step, gravity put on smoothly";
     report.compare(what, observed_order(&ends), 2.0, 0.1, source);
     Ok(())
 }
 
-/// Largest change of the total energy over the largest kinetic energy.
-fn energy_error(run: &History) -> f64 {
-    let energy = run.total_energy();
-    let first = energy[0].1;
-    let drift = energy
-        .iter()
-        .fold(0.0_f64, |m, e| m.max((e.1 - first).abs()));
-    let scale = run.balance(|a| a.energies.kinetic);
-    drift / scale.iter().fold(0.0_f64, |m, e| m.max(e.1))
-}
-
 /// R04: a pendulum released from the horizontal, and one struck so that it turns over.
 pub(super) fn pendulum(report: &mut CaseReport) -> Result<(), CaseError> {
-    let file = report.file(include_str!("../../../examples/models/pendulum.toml"))?;
-    let runs = [4e-3, 2e-3, 1e-3].map(|h| report.motion(&file, &["rod"], Run::step(h)));
-    let [a, b, c] = runs;
-    let (a, b, c) = (a?, b?, c?);
+    let file = report.model("pendulum")?;
+    let [a, b, c] = report.motions(&file, &["rod"], [4e-3, 2e-3, 1e-3].map(Run::step))?;
     let source = "exact: elliptic functions, R04";
     for (t, exact) in [
         (1.0, [0.986291751131875, -0.165010853125541]),
@@ -76,7 +63,7 @@ pub(super) fn pendulum(report: &mut CaseReport) -> Result<(), CaseError> {
         0.05,
         source,
     );
-    let error = energy_error(&c);
+    let error = c.energy_error();
     report.compare("energy error", error, 0.0, 1e-5, "conserved");
     over(report, &file)
 }
@@ -136,16 +123,14 @@ fn over(report: &mut CaseReport, file: &ModelFile) -> Result<(), CaseError> {
 
 /// A double pendulum of flexible rods.
 pub(super) fn double(report: &mut CaseReport) -> Result<(), CaseError> {
-    let file = report.file(include_str!(
-        "../../../examples/models/double_pendulum.toml"
-    ))?;
+    let file = report.model("double_pendulum")?;
     order(report, &file, "tip")?;
-    let run = |h: f64| report.motion(&file, &["tip", "knee"], Run::step(h));
-    let (a, b, c) = (run(2e-3)?, run(1e-3)?, run(5e-4)?);
+    let steps = [2e-3, 1e-3, 5e-4].map(Run::step);
+    let [a, b, c] = report.motions(&file, &["tip", "knee"], steps)?;
     let source = "theory: the trapezoidal rule";
-    let order = (energy_error(&a) / energy_error(&b)).log2();
+    let order = (a.energy_error() / b.energy_error()).log2();
     report.compare("order of the energy error", order, 2.0, 0.1, source);
-    report.compare("energy error", energy_error(&c), 0.0, 1e-4, "conserved");
+    report.compare("energy error", c.energy_error(), 0.0, 1e-4, "conserved");
     // The hinges keep the motion in its plane.
     let out = c.curve(0, |s| s.d.y.abs());
     let across = out.iter().fold(0.0_f64, |m, p| m.max(p.1));
@@ -163,10 +148,9 @@ pub(super) fn double(report: &mut CaseReport) -> Result<(), CaseError> {
 
 /// A rubber rod that swings under its own weight.
 pub(super) fn rubber(report: &mut CaseReport) -> Result<(), CaseError> {
-    let file = report.file(include_str!("../../../examples/models/rubber_rod.toml"))?;
-    let run = |h: f64| report.motion(&file, &["end"], Run::step(h));
-    let c = run(5e-4)?;
-    report.compare("energy error", energy_error(&c), 0.0, 1e-4, "conserved");
+    let file = report.model("rubber_rod")?;
+    let c = report.motion(&file, &["end"], Run::step(5e-4))?;
+    report.compare("energy error", c.energy_error(), 0.0, 1e-4, "conserved");
     order(report, &file, "end")?;
     let mut coarse = file.clone();
     let mut positions: Vec<Vector3<f64>> = Vec::new();

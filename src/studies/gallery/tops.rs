@@ -56,7 +56,7 @@ impl Gyroscope {
 
 /// Case 3 of [M04] and R02: the fast symmetrical top. Its plot redraws Fig. 33.
 pub(super) fn top(report: &mut CaseReport) -> Result<(), CaseError> {
-    let file = report.file(include_str!("../../../examples/models/top.toml"))?;
+    let file = report.model("top")?;
     let source = "exact: cubic of the top, R02";
     let converged = report.motion(&file, &["O"], Run::step(1e-4))?;
     let angle = converged.curve(0, nutation);
@@ -105,8 +105,7 @@ pub(super) fn top(report: &mut CaseReport) -> Result<(), CaseError> {
     }
 
     let rigid = report.motion(&file, &["O"], Run::FILE)?;
-    let beam = include_str!("../../../examples/models/top_beam.toml");
-    let mut flexible = report.file(beam)?;
+    let mut flexible = report.model("top_beam")?;
     let stiff = report.motion(&flexible, &["O"], Run::FILE)?;
     for section in flexible.sections.values_mut() {
         if let Some(s) = &mut section.stiffness {
@@ -156,7 +155,7 @@ pub(super) fn heavy_top(report: &mut CaseReport) -> Result<(), CaseError> {
         0.5318246113342,
         -0.3201761427363,
     );
-    let top = report.file(include_str!("../../../examples/models/heavy_top.toml"))?;
+    let top = report.model("heavy_top")?;
     // The same body with a pinned node instead of a joint.
     let mut pinned = top.clone();
     pinned.joints.clear();
@@ -166,9 +165,7 @@ pub(super) fn heavy_top(report: &mut CaseReport) -> Result<(), CaseError> {
     pinned.supports[0].node = "top".to_owned();
     pinned.supports[0].fix = Some(crate::input::Fix::Group(crate::input::Group::Position));
     for (name, file) in [("fixed point", &pinned), ("spherical joint", &top)] {
-        let runs = [4e-4, 2e-4, 1e-4].map(|h| report.motion(file, &["top"], Run::step(h)));
-        let [a, b, c] = runs;
-        let (a, b, c) = (a?, b?, c?);
+        let [a, b, c] = report.motions(file, &["top"], [4e-4, 2e-4, 1e-4].map(Run::step))?;
         let axis = |h: &History, t: f64| -> Vector3<f64> { h.at(0, t).R.column(1).into() };
         let source = "exact: order-8 Runge-Kutta in extended precision, R01";
         for (t, x) in exact {
@@ -248,10 +245,9 @@ fn period(run: &History) -> f64 {
 
 /// R03: a free body near its middle axis.
 pub(super) fn free_body(report: &mut CaseReport) -> Result<(), CaseError> {
-    let file = report.file(include_str!("../../../examples/models/free_body.toml"))?;
+    let file = report.model("free_body")?;
     let steps = [2e-3, 1e-3, 5e-4];
-    let [a, b, c] = steps.map(|h| report.motion(&file, &["O"], Run::step(h)));
-    let (a, b, c) = (a?, b?, c?);
+    let [a, b, c] = report.motions(&file, &["O"], steps.map(Run::step))?;
     let omega = richardson(body_rate(&b).into(), body_rate(&c).into());
     let source = "exact: order-8 Runge-Kutta in extended precision, R03";
     let exact = [-8.74573438, 4.84996187, 5.05001221];
