@@ -1,5 +1,6 @@
 //! `drift.csv`: energies and momenta at all common times of all runs, the data of the figure of drift.
 
+use super::tables::number;
 use super::{Comparison, ComparisonRow};
 use std::fmt::Write;
 
@@ -23,7 +24,7 @@ fn rows(out: &mut String, run: &str, row: &ComparisonRow) {
         let momenta = sample.momenta.iter().flat_map(|p| p.iter().copied());
         let numbers = [Some(sample.energy), sample.defect].into_iter();
         let numbers = numbers.chain(momenta.map(Some)).chain([sample.violation]);
-        let cells = numbers.map(|x| x.map_or_else(String::new, |x| format!("{x:e}")));
+        let cells = numbers.map(number);
         // Writing to a string cannot fail.
         let _ = writeln!(
             out,

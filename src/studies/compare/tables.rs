@@ -4,83 +4,85 @@ use super::ABOVE_REFERENCE;
 use super::{Comparison, ComparisonRow, ErrorQuantity, NEAR, Order, SchemeOrders, Slope, Values};
 use std::fmt::Write;
 
-/// Columns of `compare.csv` before and after the errors.
-const BEFORE: [&str; 5] = ["run", "scheme", "requested_step", "step", "status"];
-const AFTER: [&str; 20] = [
-    "energy_drift",
-    "momentum_drift",
-    "angular_momentum_drift",
-    "violation",
-    "energy_balance_defect",
-    "energy_trend",
-    "largest_energy",
-    "steps",
-    "rejected",
-    "iterations",
-    "evaluations",
-    "assemblies",
-    "assemblies_before",
-    "factorisations",
-    "chart_changes",
-    "seconds",
-    "seconds_alone",
-    "threads",
-    "regular",
-    "failure",
+/// A cell of `compare.csv`.
+type Cell = fn(&Comparison, &ComparisonRow) -> String;
+
+/// Columns of `compare.csv` before the errors, behind the kind of the run.
+const BEFORE: [(&str, Cell); 4] = [
+    ("scheme", |_, row| row.scheme.clone()),
+    ("requested_step", |_, row| row.requested_step.to_string()),
+    ("step", |_, row| row.step.to_string()),
+    ("status", |_, row| status(row).to_owned()),
 ];
+
+/// Columns after the errors.
+const AFTER: [(&str, Cell); 20] = [
+    ("energy_drift", |_, row| number(row.drift.energy)),
+    ("momentum_drift", |_, row| number(row.drift.momentum)),
+    ("angular_momentum_drift", |_, row| {
+        number(row.drift.angular_momentum)
+    }),
+    ("violation", |_, row| number(row.drift.violation)),
+    ("energy_balance_defect", |_, row| number(row.drift.balance)),
+    ("energy_trend", |_, row| number(row.drift.trend)),
+    ("largest_energy", |_, row| number(row.drift.largest_energy)),
+    ("steps", |_, row| row.counts.steps.to_string()),
+    ("rejected", |_, row| row.counts.rejected.to_string()),
+    ("iterations", |_, row| row.counts.iterations.to_string()),
+    ("evaluations", |_, row| row.counts.evaluations.to_string()),
+    ("assemblies", |_, row| row.assemblies.to_string()),
+    ("assemblies_before", |_, row| row.searching.to_string()),
+    ("factorisations", |_, row| {
+        row.counts.factorisations.to_string()
+    }),
+    ("chart_changes", |_, row| {
+        row.counts.chart_changes.to_string()
+    }),
+    ("seconds", |_, row| number(Some(row.seconds))),
+    ("seconds_alone", |_, row| number(row.seconds_alone)),
+    ("threads", |comparison, _| comparison.threads.to_string()),
+    ("regular", |_, row| row.is_regular().to_string()),
+    ("failure", |_, row| {
+        quoted(row.failure.as_deref().unwrap_or_default())
+    }),
+];
+
+/// A number, empty if it is unknown.
+pub(super) fn number(x: Option<f64>) -> String {
+    x.map_or_else(String::new, |x| format!("{x:e}"))
+}
 
 /// The content of `compare.csv`: a row per run, first those compared, then those with charts kept longer and the
 /// long ones; unknown values are empty.
 pub(super) fn csv(comparison: &Comparison) -> String {
-    let errors = ErrorQuantity::ALL.map(|q| format!("error_{}", q.key()));
-    let head: Vec<&str> = (BEFORE.into_iter())
-        .chain(errors.iter().map(String::as_str))
-        .chain(AFTER)
-        .collect();
-    let mut out = head.join(",") + "\n";
+    let names = |part: &[(&'static str, Cell)]| part.iter().map(|c| c.0.to_owned()).collect();
+    let errors = ErrorQuantity::ALL
+        .map(|q| format!("error_{}", q.key()))
+        .to_vec();
+    let head: [Vec<String>; 4] = [
+        vec!["run".to_owned()],
+        names(&BEFORE),
+        errors,
+        names(&AFTER),
+    ];
+    let mut out = head.concat().join(",")
+        + "
+";
     let compared = comparison.rows.iter().map(|row| ("compared", row));
     let long = comparison.long.iter().map(|row| ("long", row));
     let late = comparison.charts.iter().map(|row| ("charts", row));
     for (run, row) in compared.chain(late).chain(long) {
-        let optional = |x: Option<f64>| x.map_or(String::new(), |x| format!("{x:e}"));
-        let c = &row.counts;
-        let d = row.drift;
-        let mut cells = vec![
-            run.to_owned(),
-            row.scheme.clone(),
-            row.requested_step.to_string(),
-            row.step.to_string(),
-            status(row).to_owned(),
+        let cells = |part: &[(&str, Cell)]| part.iter().map(|c| c.1(comparison, row)).collect();
+        let errors = ErrorQuantity::ALL.map(|q| number(row.error.map(|e| e.of(q))));
+        let parts: [Vec<String>; 4] = [
+            vec![run.to_owned()],
+            cells(&BEFORE),
+            errors.to_vec(),
+            cells(&AFTER),
         ];
-        cells.extend(ErrorQuantity::ALL.map(|q| optional(row.error.map(|e| e.of(q)))));
-        let drifts = [
-            d.energy,
-            d.momentum,
-            d.angular_momentum,
-            d.violation,
-            d.balance,
-            d.trend,
-            d.largest_energy,
-        ];
-        cells.extend(drifts.map(optional));
-        let counts = [
-            c.steps,
-            c.rejected,
-            c.iterations,
-            c.evaluations,
-            row.assemblies,
-            row.searching,
-            c.factorisations,
-            c.chart_changes,
-        ];
-        cells.extend(counts.map(|n| n.to_string()));
-        cells.push(optional(Some(row.seconds)));
-        cells.push(optional(row.seconds_alone));
-        cells.push(comparison.threads.to_string());
-        cells.push(row.is_regular().to_string());
-        cells.push(quoted(row.failure.as_deref().unwrap_or_default()));
-        // Writing to a string cannot fail.
-        let _ = writeln!(out, "{}", cells.join(","));
+        out += &(parts.concat().join(",")
+            + "
+");
     }
     out
 }

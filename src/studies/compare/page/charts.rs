@@ -1,6 +1,6 @@
 //! The table of the cost of chart changes.
 
-use super::{Page, begun, escaped, first, step};
+use super::{Page, begun, run_table};
 use crate::studies::compare::tables::short;
 use crate::studies::compare::{Comparison, ComparisonRow, ErrorQuantity};
 
@@ -31,29 +31,20 @@ pub(super) fn charts(out: &mut Page, c: &Comparison) {
         out.paragraph("", "No run changes a chart, so there is no cost.");
         return;
     }
-    let errors = SHOWN.map(|q| q.name().to_owned());
-    let columns: Vec<String> = (["scheme", "h", "changes"].map(str::to_owned).into_iter())
-        .chain(errors)
-        .chain(["balance of energy, relative".to_owned()])
-        .collect();
-    out.table(caption, &columns, 1);
-    let rows = begun(&c.rows);
+    let mut columns = vec!["changes"];
+    columns.extend(SHOWN.map(ErrorQuantity::name));
+    columns.push("balance of energy, relative");
     let late = begun(&c.charts);
-    for (k, row) in rows.iter().enumerate() {
+    run_table(out, caption, &columns, &c.rows, |row| {
         let twin = |late: &&&ComparisonRow| late.scheme == row.scheme && late.step == row.step;
-        let Some(late) = late.iter().find(twin) else {
-            continue;
-        };
+        let late = late.iter().find(twin)?;
         let both = |of: &dyn Fn(&ComparisonRow) -> Option<f64>| {
             let [a, b] = [row, late].map(|r| of(r).map_or("–".to_owned(), short));
             format!("{a} / {b}")
         };
-        let mut line = vec![escaped(&row.scheme), step(row)];
-        let [a, b] = [row, late].map(|r| r.counts.chart_changes);
-        line.push(format!("{a} / {b}"));
+        let mut line = vec![format!("{} / {}", changes(row), changes(late))];
         line.extend(SHOWN.map(|q| both(&|r| Some(r.error?.of(q)))));
         line.push(both(&|r| r.drift.relative(r.drift.balance)));
-        out.row(first(&rows, k), 1, &line);
-    }
-    out.end_table();
+        Some(line)
+    });
 }

@@ -1,6 +1,6 @@
 //! Tables of energies and momenta.
 
-use super::{Page, begun, escaped, first, step};
+use super::{Page, escaped, run_table};
 use crate::studies::compare::tables::short;
 use crate::studies::compare::{Comparison, ComparisonRow, Components, Conserved};
 
@@ -61,8 +61,6 @@ fn zero(conserved: &Conserved, zero: Components) -> String {
 
 fn rows(out: &mut Page, caption: &str, all: &[ComparisonRow]) {
     let columns = [
-        "scheme",
-        "h",
         "energy",
         "relative",
         "momentum",
@@ -72,12 +70,8 @@ fn rows(out: &mut Page, caption: &str, all: &[ComparisonRow]) {
         "relative",
         "trend, relative",
     ];
-    out.table(caption, &columns.map(str::to_owned), 1);
-    let rows = begun(all);
-    for (k, row) in rows.iter().enumerate() {
-        let optional = |x: Option<f64>| x.map_or("–".to_owned(), short);
+    run_table(out, caption, &columns, all, |row| {
         let drift = row.drift;
-        let mut line = vec![escaped(&row.scheme), step(row)];
         let all = [
             drift.energy,
             drift.relative(drift.energy),
@@ -88,10 +82,8 @@ fn rows(out: &mut Page, caption: &str, all: &[ComparisonRow]) {
             drift.relative(drift.balance),
             drift.relative(drift.trend),
         ];
-        line.extend(all.map(optional));
-        out.row(first(&rows, k), 1, &line);
-    }
-    out.end_table();
+        Some(all.map(|x| x.map_or("–".to_owned(), short)).to_vec())
+    });
 }
 
 /// Description of the components of a momentum, if any.

@@ -129,8 +129,10 @@ fn head(out: &mut Page, c: &Comparison, command: Option<&str>) {
     }
 }
 
-fn names() -> impl Iterator<Item = String> {
-    ErrorQuantity::ALL.into_iter().map(|q| q.name().to_owned())
+/// The names of columns, of which the last ones are quantities with errors.
+fn with_errors<'a>(first: &[&'a str]) -> Vec<&'a str> {
+    let errors = ErrorQuantity::ALL.map(ErrorQuantity::name);
+    first.iter().copied().chain(errors).collect()
 }
 
 /// The rows of runs that started; the others are among the failures.
@@ -139,13 +141,24 @@ fn begun(rows: &[ComparisonRow]) -> Vec<&ComparisonRow> {
     rows.iter().filter(begun).collect()
 }
 
-/// Whether a row is the first of its scheme.
-fn first(rows: &[&ComparisonRow], k: usize) -> bool {
-    k > 0 && rows[k].scheme != rows[k - 1].scheme
-}
-
-fn step(row: &ComparisonRow) -> String {
-    exact(row.step)
+/// A table of the runs that started, after columns of the scheme and the step size.
+fn run_table(
+    out: &mut Page,
+    caption: &str,
+    columns: &[&str],
+    rows: &[ComparisonRow],
+    cells: impl Fn(&ComparisonRow) -> Option<Vec<String>>,
+) {
+    out.table(caption, &[&["scheme", "h"], columns].concat(), 1);
+    let rows = begun(rows);
+    for (k, row) in rows.iter().enumerate() {
+        if let Some(cells) = cells(row) {
+            let next = k > 0 && row.scheme != rows[k - 1].scheme;
+            let line = [vec![escaped(&row.scheme), exact(row.step)], cells].concat();
+            out.row(next, 1, &line);
+        }
+    }
+    out.end_table();
 }
 
 /// A step size with all its digits if there are few.

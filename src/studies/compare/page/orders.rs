@@ -1,14 +1,11 @@
 //! Tables of orders and of the reference.
 
-use super::{Page, escaped, exact, names};
+use super::{Page, escaped, exact, with_errors};
 use crate::studies::compare::order::{ABOVE_REFERENCE, NEAR, STRAIGHT};
 use crate::studies::compare::tables::{order, short, theory};
 use crate::studies::compare::{Comparison, ErrorQuantity, Reference, SchemeOrders, Slope, unknown};
 
 pub(super) fn orders(out: &mut Page, c: &Comparison) {
-    let columns: Vec<String> = (["scheme", "theory"].map(str::to_owned).into_iter())
-        .chain(names())
-        .collect();
     let caption = format!(
         "Slope of log error over log step by least squares, ± half of its 95 % confidence interval \
          (Student), and the number of step sizes on that line: from the two \
@@ -22,7 +19,7 @@ pub(super) fn orders(out: &mut Page, c: &Comparison) {
         ABOVE_REFERENCE as usize,
         levels(c)
     );
-    out.table(&caption, &columns, 1);
+    out.table(&caption, &with_errors(&["scheme", "theory"]), 1);
     for scheme in &c.orders {
         let mut row = vec![
             escaped(&scheme.scheme),
@@ -104,24 +101,19 @@ pub(super) fn describe(out: &mut Page, comparison: &Comparison, r: &Reference) {
             r.chart_changes
         ),
     );
-    let columns: Vec<String> = std::iter::once(String::new()).chain(names()).collect();
-    out.table("The reference's own error", &columns, 1);
-    let row = |name: &str, value: &dyn Fn(ErrorQuantity) -> String| {
-        let values = ErrorQuantity::ALL.into_iter().map(value);
-        std::iter::once(name.to_owned())
-            .chain(values)
-            .collect::<Vec<_>>()
+    out.table("The reference's own error", &with_errors(&[""]), 1);
+    let mut row = |name: &str, value: &dyn Fn(ErrorQuantity) -> String| {
+        let values = ErrorQuantity::ALL.map(value).to_vec();
+        out.row(false, 1, &[vec![name.to_owned()], values].concat());
     };
-    let observed = row("observed order", &|q| match r.order.of(q) {
+    row("observed order", &|q| match r.order.of(q) {
         order if order.is_finite() => format!("{order:.2}").replace('-', "−"),
         _ => "–".to_owned(),
     });
-    out.row(false, 1, &observed);
-    let extrapolated = row("extrapolated", &|q| {
+    row("extrapolated", &|q| {
         if r.extrapolated.of(q) { "yes" } else { "no" }.to_owned()
     });
-    out.row(false, 1, &extrapolated);
-    out.row(false, 1, &row("error (rms)", &|q| short(r.error.of(q))));
+    row("error (rms)", &|q| short(r.error.of(q)));
     out.end_table();
     if let Some(why) = unknown(comparison) {
         let capital = why[..1].to_uppercase() + &why[1..];

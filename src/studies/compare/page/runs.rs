@@ -1,13 +1,10 @@
 //! Tables of the runs: errors, cost, reasons of failures.
 
-use super::{Page, begun, escaped, exact, first, names, step};
+use super::{Page, escaped, exact, run_table, with_errors};
 use crate::studies::compare::tables::{failures as failures_of, short, status};
 use crate::studies::compare::{Comparison, ComparisonRow, EqualCost, ErrorQuantity};
 
 pub(super) fn errors(out: &mut Page, c: &Comparison) {
-    let columns: Vec<String> = (["scheme", "h", ""].map(str::to_owned).into_iter())
-        .chain(names())
-        .collect();
     let caption = format!(
         "Root mean square errors over {} equally spaced times and all frame nodes; of rotations the \
          angle of the relative rotation in radians. Where the error is below that of the reference \
@@ -15,10 +12,7 @@ pub(super) fn errors(out: &mut Page, c: &Comparison) {
         c.times,
         changed_steps(c)
     );
-    out.table(&caption, &columns, 1);
-    let rows = begun(&c.rows);
-    for (k, row) in rows.iter().enumerate() {
-        let mut line = vec![escaped(&row.scheme), step(row), note(row).to_owned()];
+    run_table(out, &caption, &with_errors(&[""]), &c.rows, |row| {
         // An error below that of the reference has that one as a bound.
         let least = |q| c.reference.as_ref().map_or(0.0, |r| r.error.of(q));
         let error = |q| match row.error.map(|e| e.of(q)) {
@@ -27,10 +21,9 @@ pub(super) fn errors(out: &mut Page, c: &Comparison) {
             Some(error) if error < least(q) => format!("&lt; {}", short(least(q))),
             Some(error) => short(error),
         };
-        line.extend(ErrorQuantity::ALL.map(error));
-        out.row(first(&rows, k), 1, &line);
-    }
-    out.end_table();
+        let errors = ErrorQuantity::ALL.map(error).to_vec();
+        Some([vec![note(row).to_owned()], errors].concat())
+    });
 }
 
 /// Step sizes that differ from those requested.
@@ -85,10 +78,7 @@ pub(super) fn equal_cost(out: &mut Page, equal: &EqualCost) {
         "At {what}: log error interpolated over log cost between neighbouring step sizes, or \
          extrapolated from the nearest two (≈); in brackets, over that of the first scheme.",
     );
-    let columns: Vec<String> = std::iter::once("scheme".to_owned())
-        .chain(names())
-        .collect();
-    out.table(&caption, &columns, 1);
+    out.table(&caption, &with_errors(&["scheme"]), 1);
     for (name, errors, beyond) in &equal.schemes {
         let about = if *beyond { "≈ " } else { "" };
         let mut line = vec![escaped(name)];
@@ -107,8 +97,6 @@ pub(super) fn equal_cost(out: &mut Page, equal: &EqualCost) {
 
 pub(super) fn cost(out: &mut Page, c: &Comparison) {
     let mut columns = vec![
-        "scheme",
-        "h",
         "steps",
         "rejected",
         "solutions per step",
@@ -136,18 +124,13 @@ pub(super) fn cost(out: &mut Page, c: &Comparison) {
          centred anew in every step, and each time counts as a change of chart.{}",
         searching(c)
     );
-    let names: Vec<String> = columns.iter().map(|name| (*name).to_owned()).collect();
-    out.table(&caption, &names, 1);
-    let rows = begun(&c.rows);
-    for (k, row) in rows.iter().enumerate() {
+    run_table(out, &caption, &columns, &c.rows, |row| {
         let n = &row.counts;
         let per_step = match n.steps {
             0 => "–".to_owned(),
             _ => format!("{:.2}", row.iterations_per_step()),
         };
-        let line = [
-            escaped(&row.scheme),
-            step(row),
+        let mut line = vec![
             n.steps.to_string(),
             n.rejected.to_string(),
             per_step,
@@ -158,9 +141,9 @@ pub(super) fn cost(out: &mut Page, c: &Comparison) {
             short(row.seconds),
             row.seconds_alone.map_or("–".to_owned(), short),
         ];
-        out.row(first(&rows, k), 1, &line[..columns.len()]);
-    }
-    out.end_table();
+        line.truncate(columns.len());
+        Some(line)
+    });
 }
 
 /// Assemblies before the first step, which are not counted.
@@ -187,17 +170,15 @@ pub(super) fn failures(out: &mut Page, c: &Comparison) {
         return;
     }
     out.heading(2, "", "Runs without an end");
-    let columns = ["scheme", "h", "reason"].map(str::to_owned);
-    out.table("", &columns, 3);
+    out.table("", &["scheme", "h", "reason"], 3);
     for (failed, reason) in failures_of(c) {
         let reason = format!("<span class=\"reason\">{}</span>", escaped(reason));
         let steps = match failed.len() == c.of(&failed[0].scheme).count() && failed.len() > 1 {
             true => "all".to_owned(),
-            false => failed
-                .iter()
-                .map(|row| step(row))
-                .collect::<Vec<_>>()
-                .join(", "),
+            false => {
+                let steps = failed.iter().map(|row| exact(row.step));
+                steps.collect::<Vec<_>>().join(", ")
+            }
         };
         out.row(false, 3, &[escaped(&failed[0].scheme), steps, reason]);
     }

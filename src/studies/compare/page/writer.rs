@@ -102,7 +102,7 @@ impl Page {
     }
 
     /// The head of a table: a caption and names of columns, the first `words` of them text.
-    pub(super) fn table(&mut self, caption: &str, columns: &[String], words: usize) {
+    pub(super) fn table(&mut self, caption: &str, columns: &[&str], words: usize) {
         if !caption.is_empty() {
             self.paragraph("caption", caption);
         }
@@ -120,7 +120,7 @@ impl Page {
     }
 
     /// A row of a table, the first cells text; `next` at the start of a group.
-    pub(super) fn row(&mut self, next: bool, words: usize, row: &[String]) {
+    pub(super) fn row(&mut self, next: bool, words: usize, row: &[impl AsRef<str>]) {
         match self.format {
             Format::Html => {
                 let class = if next { "next" } else { "" };
@@ -131,8 +131,10 @@ impl Page {
                 ));
             }
             Format::Markdown => {
-                let cell = |cell: &String| {
-                    let line = cell.replace('|', "\\|").replace('\n', "<br/>");
+                let cell = |cell: &_| {
+                    let line = AsRef::<str>::as_ref(cell)
+                        .replace('|', "\\|")
+                        .replace('\n', "<br/>");
                     format!(" {line} |")
                 };
                 self.put(&format!("|{}", row.iter().map(cell).collect::<String>()));
@@ -157,12 +159,12 @@ fn of(class: &str) -> String {
     }
 }
 
-fn cells(tag: &str, words: usize, cells: &[String]) -> String {
+fn cells(tag: &str, words: usize, cells: &[impl AsRef<str>]) -> String {
     let mut out = String::new();
     for (k, cell) in cells.iter().enumerate() {
         let class = of(if k < words { "l" } else { "" });
         // Writing to a string cannot fail.
-        let _ = write!(out, "<{tag}{class}>{cell}</{tag}>");
+        let _ = write!(out, "<{tag}{class}>{}</{tag}>", cell.as_ref());
     }
     out
 }
