@@ -1,11 +1,9 @@
 //! Curves in panels.
 
 use super::axes::{self, Area, Mark, legend_height, legend_rows};
-use super::{FINE, PALETTE, PlotError, TITLE, font, scaled};
+use super::{FINE, PALETTE, PlotError, figure, part};
 use plotters::element::{Circle, PathElement};
-use plotters::prelude::{IntoDrawingArea, SVGBackend};
-use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{Color, RGBColor, WHITE};
+use plotters::style::{Color, RGBColor};
 
 /// A curve with a name.
 #[derive(Clone, Debug, PartialEq)]
@@ -82,36 +80,16 @@ pub fn panels(title: Option<&str>, panels: &[Panel]) -> Result<String, PlotError
     let words = legend_height(words.unwrap_or(0));
     let head = if title.is_some() { 34 } else { 0 };
     let size = [columns * w, head + rows.max(1) * (h + words)];
-    let mut svg = String::new();
-    {
-        let fine = ((size[0] * FINE) as u32, (size[1] * FINE) as u32);
-        let root = SVGBackend::with_string(&mut svg, fine).into_drawing_area();
-        root.fill(&WHITE)?;
-        heading(&root, title, size[0])?;
+    figure(title, size, |root| {
         for (k, (panel, entries)) in panels.iter().zip(&entries).enumerate() {
             let k = k as i32;
             let [x, y] = [k % 2 * w, head + k / 2 * (h + words)];
             let corner = [x + axes::LEFT + axes::MARGIN, y + 4];
-            axes::legend(&root, corner, room, entries)?;
-            let span = |start: i32, length: i32| start * FINE..(start + length) * FINE;
-            let (xs, ys) = (span(x, w), span(y + words, h));
-            let shrunk = root
-                .clone()
-                .shrink((xs.start, ys.start), (w * FINE, h * FINE));
-            draw(&shrunk, panel)?;
+            axes::legend(root, corner, room, entries)?;
+            draw(&part(root, [x, y + words], [w, h]), panel)?;
         }
-        root.present()?;
-    }
-    Ok(scaled(&svg, size))
-}
-
-/// The title over a figure of a width.
-pub(super) fn heading(root: &Area<'_>, title: Option<&str>, w: i32) -> Result<(), PlotError> {
-    if let Some(title) = title {
-        let style = font(TITLE).pos(Pos::new(HPos::Center, VPos::Center));
-        root.draw_text(title, &style, (w * FINE / 2, 20 * FINE))?;
-    }
-    Ok(())
+        Ok(())
+    })
 }
 
 fn entries(panel: &Panel) -> Vec<(String, Mark)> {

@@ -2,13 +2,11 @@
 //! of convergence.
 
 use super::axes::{self, Area, BOTTOM, LEFT, MARGIN, Mark, legend_height, legend_rows};
-use super::curves::heading;
 use super::scale::Division;
-use super::{Curve, FINE, GRID, INK, PALE, PALETTE, PlotError, TEXT, font, scaled};
+use super::{Curve, FINE, GRID, INK, PALE, PALETTE, PlotError, TEXT, figure, font, part};
 use plotters::element::PathElement;
-use plotters::prelude::{IntoDrawingArea, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{Color, FontTransform, ShapeStyle, WHITE};
+use plotters::style::{Color, FontTransform, ShapeStyle};
 
 /// Curves over the same axes, marked at their points, or at some of them if there are more curves than colours.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,21 +41,15 @@ pub fn graphs(title: Option<&str>, level: &str, graphs: &[Graph]) -> Result<Stri
     let words = legend_height(legend_rows(&entries, room));
     let head = if title.is_some() { 34 } else { 6 };
     let size = [columns * w, head + words + rows.max(1) * h];
-    let mut svg = String::new();
-    {
-        let fine = ((size[0] * FINE) as u32, (size[1] * FINE) as u32);
-        let root = SVGBackend::with_string(&mut svg, fine).into_drawing_area();
-        root.fill(&WHITE)?;
-        heading(&root, title, size[0])?;
-        axes::legend(&root, [LEFT + MARGIN, head], room, &entries)?;
+    figure(title, size, |root| {
+        axes::legend(root, [LEFT + MARGIN, head], room, &entries)?;
         for (k, graph) in graphs.iter().enumerate() {
             let k = k as i32;
-            let corner = (k % 2 * w * FINE, (head + words + k / 2 * h) * FINE);
-            draw(&root.clone().shrink(corner, (w * FINE, h * FINE)), graph)?;
+            let corner = [k % 2 * w, head + words + k / 2 * h];
+            draw(&part(root, corner, [w, h]), graph)?;
         }
-        root.present()?;
-    }
-    Ok(scaled(&svg, size))
+        Ok(())
+    })
 }
 
 fn entries(level: &str, graphs: &[Graph]) -> Vec<(String, Mark)> {
@@ -83,6 +75,18 @@ fn entries(level: &str, graphs: &[Graph]) -> Vec<(String, Mark)> {
 }
 
 impl Graph {
+    /// Curves without marks, slopes and level.
+    pub fn new(description: [String; 2], division: [Division; 2], curves: Vec<Curve>) -> Self {
+        Self {
+            description,
+            division,
+            curves,
+            marked: false,
+            slopes: Vec::new(),
+            level: None,
+        }
+    }
+
     /// Whether colours repeat, so that lines need marks.
     fn is_crowded(&self) -> bool {
         let mut curves = self.curves.iter().enumerate();

@@ -11,8 +11,11 @@ pub use graph::{Graph, graphs};
 pub use scale::Division;
 pub use shape::{Shapes, deformed};
 
+use axes::Area;
 use plotters::drawing::DrawingAreaErrorKind;
-use plotters::style::{FontDesc, FontFamily, FontStyle, RGBColor, TextStyle};
+use plotters::prelude::{IntoDrawingArea, SVGBackend};
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{FontDesc, FontFamily, FontStyle, RGBColor, TextStyle, WHITE};
 
 /// Why a figure cannot be drawn.
 #[derive(Debug, thiserror::Error)]
@@ -57,6 +60,33 @@ fn font(size: i32) -> TextStyle<'static> {
 fn width(text: &str, size: i32) -> i32 {
     // Font sizes of the library are 1.24 times those of the text; a letter is half as wide.
     text.chars().count() as i32 * size * FINE * 45 / 100
+}
+
+/// A figure of a size with a title, as SVG text.
+fn figure(
+    title: Option<&str>,
+    size: [i32; 2],
+    draw: impl FnOnce(&Area<'_>) -> Result<(), PlotError>,
+) -> Result<String, PlotError> {
+    let mut svg = String::new();
+    {
+        let fine = ((size[0] * FINE) as u32, (size[1] * FINE) as u32);
+        let root = SVGBackend::with_string(&mut svg, fine).into_drawing_area();
+        root.fill(&WHITE)?;
+        if let Some(title) = title {
+            let style = font(TITLE).pos(Pos::new(HPos::Center, VPos::Center));
+            root.draw_text(title, &style, (size[0] * FINE / 2, 20 * FINE))?;
+        }
+        draw(&root)?;
+        root.present()?;
+    }
+    Ok(scaled(&svg, size))
+}
+
+/// A part of a figure, in units.
+fn part<'a>(root: &Area<'a>, [x, y]: [i32; 2], [w, h]: [i32; 2]) -> Area<'a> {
+    root.clone()
+        .shrink((x * FINE, y * FINE), (w * FINE, h * FINE))
 }
 
 /// Gives a figure drawn in fine pixels its size in units.

@@ -1,15 +1,13 @@
 //! The shape of a structure: reference and deformed, with equal scales on all axes.
 
 use super::axes::{self, Area, Mark, PlotArea, legend_height, legend_rows};
-use super::curves::heading;
-use super::{FINE, INK, PALE, PALETTE, PlotError, TEXT, font, scaled};
+use super::{FINE, INK, PALE, PALETTE, PlotError, TEXT, figure, font, part};
 use crate::input::Geometry;
 use nalgebra::Vector3;
 use plotters::chart::ChartBuilder;
 use plotters::element::{Circle, PathElement, Rectangle};
-use plotters::prelude::{IntoDrawingArea, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{Color, RGBColor, WHITE};
+use plotters::style::{Color, RGBColor};
 use pullback_elements::model::Context;
 use serde::{Deserialize, Serialize};
 
@@ -73,10 +71,7 @@ impl Shapes {
     /// The largest extent along an axis.
     pub fn extent(&self) -> f64 {
         let along = |k: usize| {
-            let values = self.points().map(|p| p[k]);
-            let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
-                (low.min(x), high.max(x))
-            });
+            let [low, high] = span(self.points().map(|p| p[k]));
             (high - low).max(0.0)
         };
         (0..3).map(along).fold(0.0, f64::max)
@@ -133,14 +128,16 @@ impl View {
     }
 
     fn range(self, points: &[Vector3<f64>]) -> [[f64; 2]; 2] {
-        let of = |pick: fn((f64, f64)) -> f64| {
-            let values = points.iter().map(|p| pick(self.project(p)));
-            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
-                [low.min(v), high.max(v)]
-            })
-        };
+        let of = |pick: fn((f64, f64)) -> f64| span(points.iter().map(|p| pick(self.project(p))));
         [of(|p| p.0), of(|p| p.1)]
     }
+}
+
+/// The least and the largest of some values.
+fn span(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
+        [low.min(v), high.max(v)]
+    })
 }
 
 fn extent([low, high]: [f64; 2]) -> f64 {
@@ -219,18 +216,11 @@ pub fn deformed(
         View::Isometric => 0.0,
     };
     let common = views.iter().map(common).fold(0.0, f64::max);
-    let mut svg = String::new();
-    {
-        let fine = ((size[0] * FINE) as u32, (size[1] * FINE) as u32);
-        let root = SVGBackend::with_string(&mut svg, fine).into_drawing_area();
-        root.fill(&WHITE)?;
-        heading(&root, title, size[0])?;
+    figure(title, size, |root| {
         let corner = [axes::LEFT + axes::MARGIN, head + 2];
-        axes::legend(&root, corner, size[0] - edge[0], &entries)?;
+        axes::legend(root, corner, size[0] - edge[0], &entries)?;
         for (view, [x, y], [w, h]) in views {
-            let area = root
-                .clone()
-                .shrink((x * FINE, y * FINE), (w * FINE, h * FINE));
+            let area = part(root, [x, y], [w, h]);
             let own = match view {
                 View::Plane(..) => common,
                 View::Isometric => scale(view, [w, h]),
@@ -244,9 +234,8 @@ pub fn deformed(
             let [x, y] = [0, 1].map(|k| centred(view.range(&points)[k], own, plot[k]));
             draw(&area, view, [x, y], own, reference, shapes)?;
         }
-        root.present()?;
-    }
-    Ok(scaled(&svg, size))
+        Ok(())
+    })
 }
 
 /// Indices of the shapes between the reference and the last, evenly over the load path.

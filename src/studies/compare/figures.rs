@@ -276,17 +276,11 @@ fn rounded(h: f64) -> String {
 
 fn iterations(comparison: &Comparison) -> Vec<Graph> {
     let regular = |row: &ComparisonRow| row.is_regular() && row.counts.steps > 0;
+    let point = |row: &ComparisonRow| regular(row).then(|| (row.step, row.iterations_per_step()));
+    let description = ["step size h", "linear solutions per step"].map(str::to_owned);
+    let division = [Division::Logarithmic, Division::Linear];
     vec![Graph {
-        description: [
-            "step size h".to_owned(),
-            "linear solutions per step".to_owned(),
-        ],
-        division: [Division::Logarithmic, Division::Linear],
-        curves: curves(comparison, &|row| {
-            regular(row).then(|| (row.step, row.iterations_per_step()))
-        }),
         marked: true,
-        slopes: Vec::new(),
-        level: None,
+        ..Graph::new(description, division, curves(comparison, &point))
     }]
 }

@@ -13,11 +13,11 @@ const EXPANDED: &str = "; broken: κ Ω² and σ Ω³ of theory";
 /// [`PlotError`] of the drawing library.
 pub fn figures(spectra: &[(Scheme, Spectrum)]) -> Result<[(&'static str, String); 2], PlotError> {
     type Pick = fn(&Point) -> Option<f64>;
-    let graph = |y: &str, division: [Division; 2], from: f64, to: f64, by: [Pick; 2]| {
+    let graph = |y: &str, division: [Division; 2], to: f64, by: [Pick; 2]| {
         let [steps, closed] = by;
         let mut curves = Vec::new();
         for (k, (_, s)) in spectra.iter().enumerate() {
-            let inside = || s.points.iter().filter(|p| (from..=to).contains(&p.Omega));
+            let inside = || s.points.iter().filter(|p| p.Omega <= to);
             let at = |p: &Point, y: f64| (p.Omega, y);
             let points = |pick: Pick| -> Vec<(f64, f64)> {
                 inside().filter_map(|p| pick(p).map(|y| at(p, y))).collect()
@@ -29,15 +29,10 @@ pub fn figures(spectra: &[(Scheme, Spectrum)]) -> Result<[(&'static str, String)
             curves.push(Curve::new(s.scheme.clone(), line).colored(k));
             curves.push(Curve::points(s.scheme.clone(), marks).colored(k));
         }
-        Graph {
-            description: ["Ω = ω h".to_owned(), y.to_owned()],
-            division,
-            curves,
-            marked: false,
-            slopes: Vec::new(),
-            level: None,
-        }
+        Graph::new(["Ω = ω h".to_owned(), y.to_owned()], division, curves)
     };
+    let all = |y: &str, division, by| graph(y, division, f64::INFINITY, by);
+    let resolved = |y: &str, division, by| graph(y, division, RESOLVED, by);
     let (linear, log) = (Division::Linear, Division::Logarithmic);
     // Growth is shown in part only.
     let radius: Pick = |p| (p.radius <= HIGHEST).then_some(p.radius);
@@ -45,45 +40,18 @@ pub fn figures(spectra: &[(Scheme, Spectrum)]) -> Result<[(&'static str, String)
     // Rounding errors of a scheme without damping have no logarithm.
     let damping: Pick = |p| p.damping.filter(|d| *d > LEAST_DAMPING);
     let closed_damping: Pick = |p| p.closed_damping.filter(|d| *d > LEAST_DAMPING);
+    let ratio: [Pick; 2] = [|p| p.damping, |p| p.closed_damping];
+    let elongation: [Pick; 2] = [|p| p.elongation, |p| p.closed_elongation];
+    let magnitude: [Pick; 2] = [
+        |p| p.elongation.map(f64::abs),
+        |p| p.closed_elongation.map(f64::abs),
+    ];
     let mut spectra_graphs = [
-        graph(
-            "spectral radius",
-            [log, linear],
-            0.0,
-            f64::INFINITY,
-            [radius, closed_radius],
-        ),
-        graph(
-            "damping ratio",
-            [linear, linear],
-            0.0,
-            RESOLVED,
-            [|p| p.damping, |p| p.closed_damping],
-        ),
-        graph(
-            "period elongation",
-            [linear, linear],
-            0.0,
-            RESOLVED,
-            [|p| p.elongation, |p| p.closed_elongation],
-        ),
-        graph(
-            "|period elongation|",
-            [log, log],
-            0.0,
-            RESOLVED,
-            [
-                |p| p.elongation.map(f64::abs),
-                |p| p.closed_elongation.map(f64::abs),
-            ],
-        ),
-        graph(
-            "damping ratio",
-            [log, log],
-            0.0,
-            RESOLVED,
-            [damping, closed_damping],
-        ),
+        all("spectral radius", [log, linear], [radius, closed_radius]),
+        resolved("damping ratio", [linear, linear], ratio),
+        resolved("period elongation", [linear, linear], elongation),
+        resolved("|period elongation|", [log, log], magnitude),
+        resolved("damping ratio", [log, log], [damping, closed_damping]),
     ];
     // κ Ω² and σ Ω³
     let expanded: [Pick; 2] = [
@@ -98,51 +66,36 @@ pub fn figures(spectra: &[(Scheme, Spectrum)]) -> Result<[(&'static str, String)
             graph.curves.extend(curves);
         }
     }
-    let mut overshoot = [
-        graph(
-            "|q₁/q₀|, first step from rest",
-            [log, linear],
-            0.0,
-            f64::INFINITY,
-            [
-                |p| seen(p, p.rest_position),
-                |p| seen(p, p.closed_rest_position?),
-            ],
-        ),
-        graph(
-            "|q̇₁/(ω q₀)|, first step from rest",
-            [log, log],
-            0.0,
-            f64::INFINITY,
-            [
-                |p| above_zero(p, p.rest_velocity),
-                |p| above_zero(p, p.closed_rest_velocity?),
-            ],
-        ),
-        graph(
-            "|ω q₁/q̇₀|, first step from q = 0",
-            [log, log],
-            0.0,
-            f64::INFINITY,
-            [
-                |p| above_zero(p, p.origin_position),
-                |p| above_zero(p, p.closed_origin_position?),
-            ],
-        ),
-        graph(
-            "|q̇₁/q̇₀|, first step from q = 0",
-            [log, linear],
-            0.0,
-            f64::INFINITY,
-            [
-                |p| seen(p, p.origin_velocity),
-                |p| seen(p, p.closed_origin_velocity?),
-            ],
-        ),
+    let rest: [[Pick; 2]; 2] = [
+        [
+            |p| seen(p, p.rest_position),
+            |p| seen(p, p.closed_rest_position?),
+        ],
+        [
+            |p| above_zero(p, p.rest_velocity),
+            |p| above_zero(p, p.closed_rest_velocity?),
+        ],
     ];
-    overshoot
-        .iter_mut()
-        .for_each(|graph| graph.level = Some(1.0));
+    let origin: [[Pick; 2]; 2] = [
+        [
+            |p| above_zero(p, p.origin_position),
+            |p| above_zero(p, p.closed_origin_position?),
+        ],
+        [
+            |p| seen(p, p.origin_velocity),
+            |p| seen(p, p.closed_origin_velocity?),
+        ],
+    ];
+    let overshoot = [
+        all("|q₁/q₀|, first step from rest", [log, linear], rest[0]),
+        all("|q̇₁/(ω q₀)|, first step from rest", [log, log], rest[1]),
+        all("|ω q₁/q̇₀|, first step from q = 0", [log, log], origin[0]),
+        all("|q̇₁/q̇₀|, first step from q = 0", [log, linear], origin[1]),
+    ];
+    let overshoot = overshoot.map(|graph| Graph {
+        level: Some(1.0),
+        ..graph
+    });
     Ok([
         (
             "spectrum.svg",

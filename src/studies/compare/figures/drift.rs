@@ -30,14 +30,9 @@ pub(super) fn drift(comparison: &Comparison) -> Vec<Graph> {
                     Curve::new(label, envelope(row, value)).colored(k)
                 })
             });
-            out.push(Graph {
-                description: [format!("time t,  h = {}", rounded(step)), name.clone()],
-                division: [Division::Linear, Division::Logarithmic],
-                curves: curves.collect(),
-                marked: false,
-                slopes: Vec::new(),
-                level: None,
-            });
+            let description = [format!("time t,  h = {}", rounded(step)), name.clone()];
+            let division = [Division::Linear, Division::Logarithmic];
+            out.push(Graph::new(description, division, curves.collect()));
         }
     }
     out
