@@ -148,10 +148,7 @@ impl Checkpoint {
 
     /// Its text: a JSON object, whose first entry is the checksum of the rest.
     pub(super) fn text(&self) -> Result<String, OutputError> {
-        let text = serde_json::to_string(self).map_err(|source| OutputError::Encode {
-            name: NAME.to_owned(),
-            source,
-        })?;
+        let text = serde_json::to_string(self).map_err(directory::encoding(NAME))?;
         let content = &text[1..];
         let crc32 = crc32fast::hash(content.as_bytes());
         Ok(format!("{{\"crc32\":{crc32},{content}"))

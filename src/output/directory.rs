@@ -2,6 +2,7 @@
 //! checkpoint, whose valid length is in the checkpoint.
 
 use super::plot::PlotError;
+use serde::Serialize;
 use std::fs::{self, TryLockError};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -188,6 +189,15 @@ impl Directory {
         Ok(())
     }
 
+    /// Writes or replaces a file of JSON.
+    ///
+    /// # Errors
+    /// [`OutputError::Encode`], and as [`Directory::write`].
+    pub fn write_json(&mut self, name: &str, value: &impl Serialize) -> Result<(), OutputError> {
+        let text = serde_json::to_string_pretty(value).map_err(encoding(name))?;
+        self.write(name, &(text + "\n"))
+    }
+
     /// Truncates a file after its first bytes and appends to it; without first bytes the file is created or replaced.
     ///
     /// # Errors
@@ -219,6 +229,18 @@ impl Directory {
             self.files.push(name.to_owned());
         }
     }
+}
+
+/// The error of a file that cannot be encoded.
+pub(super) fn encoding(name: &str) -> impl FnOnce(serde_json::Error) -> OutputError {
+    let name = name.to_owned();
+    |source| OutputError::Encode { name, source }
+}
+
+/// The error of a figure that cannot be drawn.
+pub(crate) fn drawing(name: &str) -> impl FnOnce(PlotError) -> OutputError {
+    let name = name.to_owned();
+    |source| OutputError::Draw { name, source }
 }
 
 /// Reads a file of results; links and pipes are refused.

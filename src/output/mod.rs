@@ -15,6 +15,7 @@ mod results;
 mod vtu;
 
 pub use checkpoint::{Checkpoint, ResumeError};
+pub(crate) use directory::drawing;
 pub use directory::{Directory, OutputError};
 pub use history::{COLUMNS, DYNAMIC_COLUMNS, HistoryRow, STATIC_COLUMNS, csv};
 pub use recorder::{RecordError, Recorder, Setting};

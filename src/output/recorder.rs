@@ -3,7 +3,7 @@
 mod finish;
 
 use super::checkpoint::{self, Checkpoint, Record};
-use super::directory::{Directory, OutputError};
+use super::directory::{Directory, OutputError, encoding};
 use super::grids::{Grids, grid_name};
 use super::history::{HistoryRow, csv};
 use super::log::{self, Extent};
@@ -382,14 +382,10 @@ impl<'a> Recorder<'a> {
         context: &Context,
         progress: &Progress,
     ) -> Result<(), OutputError> {
-        let fail = |name: &str| {
-            let name = name.to_owned();
-            |source| OutputError::Encode { name, source }
-        };
         let before = self.log;
         let name = |k| grid_name(self.setting.plan, before.rows + k);
         let (rows, frames) = (&self.rows[before.rows..], &self.frames[before.frames..]);
-        let lines = log::lines(rows, frames, name).map_err(fail(log::NAME))?;
+        let lines = log::lines(rows, frames, name).map_err(encoding(log::NAME))?;
         self.directory.append(log::NAME, before.bytes, &lines)?;
         self.log = Extent {
             rows: self.rows.len(),
@@ -397,7 +393,8 @@ impl<'a> Recorder<'a> {
             bytes: before.bytes + lines.len(),
             crc32: before.crc32_with(&lines),
         };
-        let settings = serde_json::to_value(self.setting.file).map_err(fail(checkpoint::NAME))?;
+        let settings =
+            serde_json::to_value(self.setting.file).map_err(encoding(checkpoint::NAME))?;
         let mut checkpoint = Checkpoint::new(settings, checkpoint::names(context), progress);
         checkpoint.element_charts = context.element_charts();
         checkpoint.maps = context.save_maps();

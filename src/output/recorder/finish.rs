@@ -1,7 +1,7 @@
 //! The results at the end of a run: figures and `result.json`.
 
 use super::Recorder;
-use crate::output::directory::{Directory, OutputError};
+use crate::output::directory::{Directory, OutputError, drawing};
 use crate::output::panels::panels;
 use crate::output::plot::{self, Shapes};
 use crate::output::results::{Ending, NAME, Results};
@@ -14,6 +14,7 @@ impl Recorder<'_> {
         warnings.extend(unbalanced(&self.statistics.counts).map(str::to_owned));
         self.statistics.seconds = self.seconds();
         self.statistics.largest_rotation = self.record.largest_rotation;
+        let files = self.directory.files().to_vec();
         let results = Results {
             program: concat!("pullback ", env!("CARGO_PKG_VERSION")),
             model: self.setting.source,
@@ -25,13 +26,9 @@ impl Recorder<'_> {
             notes: self.setting.notes,
             warnings: &warnings,
             last: self.last.as_ref(),
-            files: self.directory.files(),
+            files: &files,
         };
-        let text = serde_json::to_string_pretty(&results).map_err(|source| {
-            let name = NAME.to_owned();
-            OutputError::Encode { name, source }
-        })?;
-        self.directory.write(NAME, &(text + "\n"))
+        self.directory.write_json(NAME, &results)
     }
 
     /// Title of a figure, which says whether the run is incomplete, and for shapes whether displacements are scaled.
@@ -58,22 +55,17 @@ impl Recorder<'_> {
         if self.setting.output.figures && !self.rows.is_empty() {
             let title = self.figure_title(ending, false);
             let shape_title = self.figure_title(ending, true);
-            let draw = |name: &str, drawn: Result<String, plot::PlotError>| {
-                drawn.map_err(|source| OutputError::Draw {
-                    name: name.to_owned(),
-                    source,
-                })
-            };
             self.record.shapes.extend(self.record.latest.take());
             let shape =
                 plot::deformed(shape_title.as_deref(), &self.reference, &self.record.shapes);
-            let shape = draw("deformed.svg", shape)?;
+            let shape = shape.map_err(drawing("deformed.svg"))?;
             self.directory.write("deformed.svg", &shape)?;
             let shapes = self.record.shapes.iter().map(|(_, shapes)| shapes);
             let extents = shapes.chain([&self.reference]).map(Shapes::extent);
             let length = extents.fold(0.0, f64::max);
             let panels = panels(self.setting.plan, &self.probes, &self.rows, length);
-            let history = draw("history.svg", plot::panels(title.as_deref(), &panels))?;
+            let history = plot::panels(title.as_deref(), &panels);
+            let history = history.map_err(drawing("history.svg"))?;
             self.directory.write("history.svg", &history)?;
         }
         self.write_results(ending)?;

@@ -4,7 +4,7 @@ use super::figures::{Figure, figures};
 use super::page::{Format, page};
 use super::perform::{self, prepare};
 use super::{CompareError, Comparison, Hooks, Maker, Options, over_time, tables};
-use crate::output::{Directory, OutputError};
+use crate::output::{Directory, OutputError, drawing};
 use std::path::{Path, PathBuf};
 
 /// Name of the file that tells whether a comparison is complete.
@@ -50,7 +50,7 @@ pub fn run(
     let prepared = prepare(make, options).map_err(|error| error.of(model))?;
     let mut directory = Directory::open_for(directory, &FILES)?;
     let begun = serde_json::json!({ "model": model, "command": command, "complete": false });
-    directory.write(NAME, &encode(&begun)?)?;
+    directory.write_json(NAME, &begun)?;
     let comparison = Comparison {
         command: command.map(str::to_owned),
         ..perform::run(make, model, options, hooks, prepared)
@@ -115,10 +115,7 @@ pub fn run_several(
 }
 
 fn drawn(comparison: &Comparison) -> Result<Vec<Figure>, OutputError> {
-    figures(comparison).map_err(|source| OutputError::Draw {
-        name: "the figures".to_owned(),
-        source,
-    })
+    figures(comparison).map_err(drawing("the figures"))
 }
 
 /// Writes all files; `compare.json`, which says whether it is complete, comes last.
@@ -134,13 +131,5 @@ fn write(comparison: &Comparison, directory: &mut Directory) -> Result<(), Outpu
     for (name, format) in [(PAGE, Format::Html), (TEXT, Format::Markdown)] {
         directory.write(name, &page(format, &section, command))?;
     }
-    directory.write(NAME, &encode(comparison)?)
-}
-
-fn encode(value: &impl serde::Serialize) -> Result<String, OutputError> {
-    let text = serde_json::to_string_pretty(value).map_err(|source| OutputError::Encode {
-        name: NAME.to_owned(),
-        source,
-    })?;
-    Ok(text + "\n")
+    directory.write_json(NAME, comparison)
 }

@@ -11,7 +11,7 @@ mod figures;
 pub use figures::figures;
 
 use crate::method::PREFIXES;
-use crate::output::{Directory, OutputError};
+use crate::output::{Directory, OutputError, drawing};
 use crate::studies::general;
 use pullback_integrators::dynamics::{DynamicsError, Scheme};
 use pullback_integrators::significant;
@@ -381,20 +381,13 @@ pub fn write(
     command: Option<&str>,
     directory: &Path,
 ) -> Result<(), OutputError> {
-    let drawn = figures(spectra).map_err(|source| OutputError::Draw {
-        name: "the figures".to_owned(),
-        source,
-    })?;
+    let drawn = figures(spectra).map_err(drawing("the figures"))?;
     let all: Vec<&Spectrum> = spectra.iter().map(|(_, s)| s).collect();
     let value = serde_json::json!({ "command": command, "schemes": all });
-    let text = serde_json::to_string_pretty(&value).map_err(|source| OutputError::Encode {
-        name: FILES[0].to_owned(),
-        source,
-    })?;
     let mut directory = Directory::open_for(directory, &FILES)?;
     directory.write("spectrum.csv", &csv(spectra))?;
     for (name, svg) in &drawn {
         directory.write(name, svg)?;
     }
-    directory.write(FILES[0], &(text + "\n"))
+    directory.write_json(FILES[0], &value)
 }
