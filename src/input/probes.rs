@@ -177,63 +177,41 @@ impl ProbeQuantity {
 
     /// Its name in the file.
     pub fn key(self) -> &'static str {
-        match self {
-            Self::displacement => "displacement",
-            Self::position => "position",
-            Self::rotation => "rotation",
-            Self::chart_rotation => "chart_rotation",
-            Self::velocity => "velocity",
-            Self::angular_velocity => "angular_velocity",
-            Self::acceleration => "acceleration",
-            Self::angular_acceleration => "angular_acceleration",
-            Self::joint_coordinate => "joint_coordinate",
-            Self::joint_rate => "joint_rate",
-            Self::joint_acceleration => "joint_acceleration",
-            Self::joint_force => "joint_force",
-            Self::joint_moment => "joint_moment",
-            Self::reaction_force => "reaction_force",
-            Self::reaction_moment => "reaction_moment",
-            Self::N => "N",
-            Self::M => "M",
-            Self::Gamma => "Gamma",
-            Self::K => "K",
-            Self::strain_energy => "strain_energy",
-            Self::kinetic_energy => "kinetic_energy",
-            Self::total_energy => "total_energy",
-            Self::energy_defect => "energy_defect",
-            Self::momentum => "momentum",
-            Self::angular_momentum => "angular_momentum",
-        }
+        self.words()[0]
     }
 
     /// Label of an axis of a figure.
     pub fn axis(self) -> &'static str {
+        self.words()[1]
+    }
+
+    fn words(self) -> [&'static str; 2] {
         match self {
-            Self::displacement => "displacement d",
-            Self::position => "position",
-            Self::rotation => "rotation vector Ψ [rad]",
-            Self::chart_rotation => "rotation vector Ψ in its chart [rad]",
-            Self::velocity => "velocity",
-            Self::angular_velocity => "angular velocity ω",
-            Self::acceleration => "acceleration",
-            Self::angular_acceleration => "angular acceleration ω̇",
-            Self::joint_coordinate => "joint coordinate",
-            Self::joint_rate => "rate of joint coordinate",
-            Self::joint_acceleration => "acceleration of joint coordinate",
-            Self::joint_force => "force in joint",
-            Self::joint_moment => "moment in joint",
-            Self::reaction_force => "reaction force",
-            Self::reaction_moment => "reaction moment",
-            Self::N => "forces N",
-            Self::M => "moments M",
-            Self::Gamma => "strains Γ",
-            Self::K => "curvatures K",
-            Self::strain_energy => "strain energy",
-            Self::kinetic_energy => "kinetic energy",
-            Self::total_energy => "total energy",
-            Self::energy_defect => "energy defect",
-            Self::momentum => "linear momentum",
-            Self::angular_momentum => "angular momentum",
+            Self::displacement => ["displacement", "displacement d"],
+            Self::position => ["position", "position"],
+            Self::rotation => ["rotation", "rotation vector Ψ [rad]"],
+            Self::chart_rotation => ["chart_rotation", "rotation vector Ψ in its chart [rad]"],
+            Self::velocity => ["velocity", "velocity"],
+            Self::angular_velocity => ["angular_velocity", "angular velocity ω"],
+            Self::acceleration => ["acceleration", "acceleration"],
+            Self::angular_acceleration => ["angular_acceleration", "angular acceleration ω̇"],
+            Self::joint_coordinate => ["joint_coordinate", "joint coordinate"],
+            Self::joint_rate => ["joint_rate", "rate of joint coordinate"],
+            Self::joint_acceleration => ["joint_acceleration", "acceleration of joint coordinate"],
+            Self::joint_force => ["joint_force", "force in joint"],
+            Self::joint_moment => ["joint_moment", "moment in joint"],
+            Self::reaction_force => ["reaction_force", "reaction force"],
+            Self::reaction_moment => ["reaction_moment", "reaction moment"],
+            Self::N => ["N", "forces N"],
+            Self::M => ["M", "moments M"],
+            Self::Gamma => ["Gamma", "strains Γ"],
+            Self::K => ["K", "curvatures K"],
+            Self::strain_energy => ["strain_energy", "strain energy"],
+            Self::kinetic_energy => ["kinetic_energy", "kinetic energy"],
+            Self::total_energy => ["total_energy", "total energy"],
+            Self::energy_defect => ["energy_defect", "energy defect"],
+            Self::momentum => ["momentum", "linear momentum"],
+            Self::angular_momentum => ["angular_momentum", "angular momentum"],
         }
     }
 
