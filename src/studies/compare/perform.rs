@@ -151,17 +151,14 @@ pub(super) fn run(
         (hooks.refused)(name, why);
     }
     let relative = options.residual.unwrap_or(f64::INFINITY);
-    let mut tasks = match options.exact {
+    let reference_tasks = match options.exact {
         Some(_) => Vec::new(),
         None => reference::tasks(&reference, &grid).to_vec(),
     };
-    let behind = tasks.len();
-    for late_charts in [false, true] {
-        if late_charts && !options.charts {
-            continue;
-        }
-        let own = options.schemes.iter().flat_map(|&candidate| {
-            grid.counts.iter().map(move |&steps| Task {
+    let tasks = |counts: &[usize], late_charts: bool| -> Vec<Task> {
+        let schemes = options.schemes.iter();
+        let task = schemes.flat_map(|&candidate| {
+            counts.iter().map(move |&steps| Task {
                 name: candidate.to_string(),
                 candidate,
                 steps,
@@ -169,72 +166,63 @@ pub(super) fn run(
                 late_charts,
             })
         });
-        tasks.extend(own);
-    }
+        task.collect()
+    };
+    let own_tasks = tasks(&grid.counts, false);
+    let late_tasks = match options.charts {
+        true => tasks(&grid.counts, true),
+        false => Vec::new(),
+    };
+    let long_tasks = long
+        .as_ref()
+        .map_or_else(Vec::new, |g| tasks(&g.counts, false));
+    let long = long.as_ref().unwrap_or(&grid);
+    let parts: [(&[Task], &Grid); 4] = [
+        (&reference_tasks, &grid),
+        (&own_tasks, &grid),
+        (&late_tasks, &grid),
+        (&long_tasks, long),
+    ];
+    let all = parts
+        .iter()
+        .flat_map(|(tasks, grid)| tasks.iter().map(move |task| (task, *grid)));
+    let all: Vec<(&Task, &Grid)> = all.collect();
     let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
     let threads = options.threads.map_or(cores, NonZeroUsize::get);
-    let threads = threads.min(tasks.len());
-    let first = tasks.len();
-    if let Some(long) = &long {
-        let steps = long.counts[0];
-        let task = |&candidate: &Candidate| Task {
-            name: candidate.to_string(),
-            candidate,
-            steps,
-            relative,
-            late_charts: false,
-        };
-        tasks.extend(options.schemes.iter().map(task));
-    }
-    let grid_of = |k: usize| long.as_ref().filter(|_| k >= first).unwrap_or(&grid);
-    let mut ran = run_all(make, &tasks, &grid_of, threads, hooks);
-    let lasting = ran.split_off(first);
-    let mut own = ran.split_off(behind);
-    let late = own.split_off(options.schemes.len() * grid.counts.len());
+    let threads = threads.min(all.len() - long_tasks.len());
+    let mut results = run_all(make, &all, threads, hooks).into_iter();
+    let [ran, own, late, lasting] =
+        parts.map(|(tasks, _)| results.by_ref().take(tasks.len()).collect::<Vec<_>>());
     let judged = match &options.exact {
         Some(exact) => Some(exact.reference(&grid.all_times(), nodes)),
         None if ran.iter().any(|r| r.failure.is_some()) => None,
         None => reference::judge(&reference, multipliers, &grid, &ran),
     };
     let failure = ran.iter().find_map(|r| r.failure.as_ref());
+    let every = || own.iter().chain(&late).chain(&lasting).chain(&ran);
     let interrupted = |r: &RunResult| matches!(r.failure, Some(RunFailure::Interrupted));
-    let mut complete = !ran
-        .iter()
-        .chain(&own)
-        .chain(&late)
-        .chain(&lasting)
-        .any(interrupted);
-    let zero_momenta = drift::zeros({
-        let own = own.iter().chain(&late).chain(&lasting);
-        own.chain(&ran).map(|ran| &ran.samples[..])
-    });
+    let mut complete = !every().any(interrupted);
+    let zero_momenta = drift::zeros(every().map(|ran| &ran.samples[..]));
     let conserved = judged.as_ref().map(|r| r.conserved).unwrap_or_default();
     let conserved = conserved.without(zero_momenta);
-    let mut rows = Vec::with_capacity(own.len());
-    for (k, (ran, task)) in own.into_iter().zip(&tasks[behind..]).enumerate() {
-        let requested = options.steps[k % options.steps.len()];
-        let mut row = row(ran, task, requested, &grid, judged.as_ref(), conserved);
+    let rows = |ran: Vec<RunResult>, tasks: &[Task]| -> Vec<ComparisonRow> {
+        let steps = options.steps.iter().cycle();
+        (ran.into_iter().zip(tasks).zip(steps))
+            .map(|((ran, task), &step)| row(ran, task, step, &grid, judged.as_ref(), conserved))
+            .collect()
+    };
+    let charts = rows(late, &late_tasks);
+    let mut rows = rows(own, &own_tasks);
+    for (row, task) in rows.iter_mut().zip(&own_tasks) {
         if options.timed && complete && row.failure.is_none() {
             let time = run::clock(make, task, &grid, hooks);
             row.seconds_alone = time.map(|t| t.as_secs_f64());
             complete = (hooks.flow)().is_continue();
         }
-        rows.push(row);
     }
-    let late = late
-        .into_iter()
-        .zip(&tasks[behind + rows.len()..])
-        .enumerate();
-    let late = late.map(|(k, (ran, task))| {
-        let requested = options.steps[k % options.steps.len()];
-        row(ran, task, requested, &grid, judged.as_ref(), conserved)
-    });
-    let late = late.collect();
-    let lasting = lasting
-        .into_iter()
-        .zip(&tasks[first..])
-        .map(|(ran, task)| row(ran, task, options.steps[0], grid_of(first), None, conserved));
-    let long = lasting.collect();
+    let lasting = (lasting.into_iter().zip(&long_tasks))
+        .map(|(ran, task)| row(ran, task, options.steps[0], long, None, conserved));
+    let lasting = lasting.collect();
     let names: Vec<String> = options.schemes.iter().map(Candidate::to_string).collect();
     Comparison {
         program: concat!("pullback ", env!("CARGO_PKG_VERSION")),
@@ -255,25 +243,24 @@ pub(super) fn run(
         reference: judged,
         zero_momenta,
         rows,
-        long,
-        charts: late,
+        long: lasting,
+        charts,
     }
 }
 
 /// Runs all tasks, those with the most steps first.
-fn run_all<'g>(
+fn run_all(
     make: &Maker<'_>,
-    tasks: &[Task],
-    grid_of: &(dyn Fn(usize) -> &'g Grid + Sync),
+    tasks: &[(&Task, &Grid)],
     threads: usize,
     hooks: &Hooks<'_>,
 ) -> Vec<RunResult> {
     let mut turn: Vec<usize> = (0..tasks.len()).collect();
-    turn.sort_by_key(|&k| std::cmp::Reverse(tasks[k].steps));
+    turn.sort_by_key(|&k| std::cmp::Reverse(tasks[k].0.steps));
     let ended = Mutex::new(0);
     let ran = side_by_side(tasks.len(), threads, &|k| {
-        let task = &tasks[turn[k]];
-        let ran = run::drive(make, task, grid_of(turn[k]), hooks);
+        let (task, grid) = tasks[turn[k]];
+        let ran = run::drive(make, task, grid, hooks);
         let mut ended = ended.lock().unwrap_or_else(PoisonError::into_inner);
         *ended += 1;
         (hooks.ended)(*ended, tasks.len(), &task.name);
