@@ -164,13 +164,11 @@ impl Counts {
         Self {
             steps: s.steps,
             rejected: s.rejected,
-            inaccurate: 0,
             iterations: s.iterations,
             evaluations: s.evaluations,
             factorisations: s.factorisations,
             chart_changes: s.chart_changes,
-            energy: None,
-            stable_step: None,
+            ..Self::default()
         }
     }
 

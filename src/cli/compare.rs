@@ -3,7 +3,7 @@
 use super::{FAILED, INTERRUPTED, REFUSED, complain, print};
 use crate::input::{Analysis, Registry, closest};
 use crate::method::Method;
-use crate::studies::compare::{self, Candidate, CompareError, Hooks, Options, Subject};
+use crate::studies::compare::{self, Candidate, CompareError, Comparison, Hooks, Options, Subject};
 use crate::studies::gallery;
 use crate::terminal::{Interrupt, Progress, tell};
 use std::ffi::OsString;
@@ -244,31 +244,15 @@ pub(super) fn compare(registry: &Registry, args: Arguments, command: &str) -> u8
         ));
         return INTERRUPTED;
     }
-    for comparison in &comparisons {
-        if let Some(failure) = &comparison.reference_failure {
-            let model = &comparison.model;
-            tell(format_args!(
-                "error: {model}: there is no reference, hence no error: {failure}\nresults are in \
-                 {kept}"
-            ));
-            return FAILED;
-        }
-    }
-    if let Some(comparison) = comparisons.iter().find(|c| !c.is_known()) {
-        let model = &comparison.model;
-        let why = compare::unknown(comparison).unwrap_or_default();
-        tell(format_args!("error: {model}: {why}\nresults are in {kept}"));
+    let problem = (comparisons.iter().find_map(unreferenced))
+        .or_else(|| comparisons.iter().find_map(unknown))
+        .or_else(|| comparisons.iter().find_map(unfinished));
+    if let Some(problem) = problem {
+        tell(format_args!(
+            "error: {problem}
+results are in {kept}"
+        ));
         return FAILED;
-    }
-    for comparison in &comparisons {
-        let failures = comparison.rows.iter().map(|row| row.failure.as_deref());
-        if let Some([first, ..]) = failures.collect::<Option<Vec<_>>>().as_deref() {
-            let (model, name) = (&comparison.model, &comparison.rows[0].scheme);
-            tell(format_args!(
-                "error: {model}: no run came to its end; {name}: {first}\nresults are in {kept}"
-            ));
-            return FAILED;
-        }
     }
     if *quiet {
         return 0;
@@ -281,4 +265,27 @@ pub(super) fn compare(registry: &Registry, args: Arguments, command: &str) -> u8
         text += &format!("{}\n", compare::summary(comparison));
     }
     print(&format!("{text}the page is {kept}/compare.html\n"))
+}
+
+/// Why a comparison has no reference at all.
+fn unreferenced(comparison: &Comparison) -> Option<String> {
+    let failure = comparison.reference_failure.as_ref()?;
+    let model = &comparison.model;
+    Some(format!(
+        "{model}: there is no reference, hence no error: {failure}"
+    ))
+}
+
+/// Why the reference of a comparison knows nothing.
+fn unknown(comparison: &Comparison) -> Option<String> {
+    let why = compare::unknown(comparison).unwrap_or_default();
+    (!comparison.is_known()).then(|| format!("{}: {why}", comparison.model))
+}
+
+/// The first failure of a comparison in which no run came to its end.
+fn unfinished(comparison: &Comparison) -> Option<String> {
+    let failures = comparison.rows.iter().map(|row| row.failure.as_deref());
+    let first = *failures.collect::<Option<Vec<_>>>()?.first()?;
+    let (model, name) = (&comparison.model, &comparison.rows[0].scheme);
+    Some(format!("{model}: no run came to its end; {name}: {first}"))
 }

@@ -153,13 +153,18 @@ fn print(text: &str) -> u8 {
 }
 
 fn print_schema(registry: &Registry) -> u8 {
-    match serde_json::to_string_pretty(&registry.schema()) {
-        Ok(text) => print(&(text + "\n")),
-        Err(error) => {
-            tell(format_args!("cannot encode the schema: {error}"));
-            REFUSED
-        }
-    }
+    json("the schema", &registry.schema()).map_or_else(|code| code, |text| print(&text))
+}
+
+/// A value as JSON, or the exit code if it cannot be encoded.
+fn json(what: &str, value: &impl serde::Serialize) -> Result<String, u8> {
+    let text = serde_json::to_string_pretty(value).map_err(|error| {
+        tell(format_args!("cannot encode {what}: {error}"));
+        REFUSED
+    })?;
+    Ok(text
+        + "
+")
 }
 
 fn run_model(
@@ -270,12 +275,9 @@ fn check(registry: &Registry, model: &Path, seed: u64, [all, json]: [bool; 2]) -
         }
     };
     let text = if json {
-        match serde_json::to_string_pretty(&crate::check::entries(&report)) {
-            Ok(text) => text + "\n",
-            Err(error) => {
-                tell(format_args!("cannot encode the rows: {error}"));
-                return REFUSED;
-            }
+        match self::json("the rows", &crate::check::entries(&report)) {
+            Ok(text) => text,
+            Err(code) => return code,
         }
     } else if all {
         notes + &crate::check::table(&report)
