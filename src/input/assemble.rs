@@ -5,9 +5,7 @@ use super::initial::Start;
 use super::names::{Names, check_names, usable_name};
 use super::registry::Registry;
 use super::settings::Plan;
-use super::{
-    InputError, Problem, Text, bodies, initial, loads, parts, positive, probes, sections, settings,
-};
+use super::{InputError, Problem, Text, bodies, initial, loads, parts, probes, sections, settings};
 use crate::probe::Probe;
 use nalgebra::{Matrix3, Vector3};
 use pullback_elements::beam::Interpolation;
@@ -139,13 +137,8 @@ pub(super) fn assemble(
         ));
     }
     let plan = settings::plan(source, &model, &nodes, &file.analysis)?;
-    let path = ["output", "deformation_scale"];
-    positive(
-        source,
-        &path,
-        "deformation_scale",
-        file.output.deformation_scale,
-    )?;
+    let scale = file.output.deformation_scale;
+    source.positive(&["output"], "deformation_scale", scale)?;
     settings::fill_in(&plan, &mut file.analysis);
     if !dynamic {
         check_statics(source, &file)?;

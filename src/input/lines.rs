@@ -24,18 +24,17 @@ pub(super) fn lay(
     line: &Described,
 ) -> Result<LineGeometry, InputError> {
     let index = k.to_string();
+    let whole = ["lines", index.as_str()];
     let path = |key: &'static str| ["lines", index.as_str(), key];
     let from = nodes.find(source, &path("from"), &line.from)?;
     let to = nodes.find(source, &path("to"), &line.to)?;
     let section = *sections.get(&line.section).ok_or_else(|| {
-        source.value(
-            &path("section"),
-            Problem::UnknownName {
-                what: "section",
-                name: line.section.clone(),
-                known: sections.keys().cloned().collect(),
-            },
-        )
+        let problem = Problem::UnknownName {
+            what: "section",
+            name: line.section.clone(),
+            known: sections.keys().cloned().collect(),
+        };
+        source.value(&path("section"), problem)
     })?;
     let counts = [
         (
@@ -48,13 +47,7 @@ pub(super) fn lay(
     ];
     for (key, value, most, expected) in counts {
         if value == 0 || value > most {
-            let value = value as f64;
-            let problem = Problem::Range {
-                key,
-                value,
-                expected,
-            };
-            return Err(source.value(&path(key), problem));
+            return Err(source.range(&whole, key, value as f64, expected));
         }
     }
     let interpolation = match line.interpolation {
@@ -62,8 +55,7 @@ pub(super) fn lay(
         Chosen::Geodesic => Interpolation::Geodesic,
     };
     let positions = [builder.position(from), builder.position(to)];
-    let axis = axis(source, &path, line, positions)?;
-    let whole = ["lines", index.as_str()];
+    let axis = axis(source, &index, line, positions)?;
     let stands = BeamLine {
         elements: line.elements,
         order: line.order,
@@ -84,12 +76,8 @@ pub(super) fn lay(
         .collect();
     let mut carried = Vec::new();
     if section.inertia.S != Vector3::zeros() {
-        for (e, own) in made
-            .nodes
-            .windows(line.order + 1)
-            .step_by(line.order)
-            .enumerate()
-        {
+        let elements = made.nodes.windows(line.order + 1).step_by(line.order);
+        for (e, own) in elements.enumerate() {
             let positions: Vec<_> = own.iter().map(|&n| builder.position(n)).collect();
             let frame = |xi: f64| axis.at(stands.parameter(e, xi)).1;
             let shares = beam::carried(&positions, &frame, &section).map_err(|error| {
@@ -115,12 +103,14 @@ pub(super) fn lay(
 }
 
 /// The axis of a line, checked so that it has a direction everywhere.
-fn axis<'p>(
+fn axis(
     source: &Text<'_>,
-    path: &dyn Fn(&'static str) -> [&'p str; 3],
+    index: &str,
     line: &Described,
     [from, to]: [Vector3<f64>; 2],
 ) -> Result<Box<dyn ReferenceCurve>, InputError> {
+    let (whole, arc_table) = (["lines", index], ["lines", index, "arc"]);
+    let path = |key: &'static str| ["lines", index, key];
     let no_direction = |at: &[&str], key: &'static str, vector: [f64; 3]| {
         let line = line.name.clone();
         source.value(at, Problem::NoDirection { line, key, vector })
@@ -132,22 +122,15 @@ fn axis<'p>(
             tangent = to - from;
             let size = from.amax().max(to.amax());
             if tangent.norm() <= 1e-12 * size {
-                let [lines, index, _] = path("from");
                 let problem = Problem::ZeroLength {
                     line: line.name.clone(),
                     from: line.from.clone(),
                     to: line.to.clone(),
                     at: from.into(),
                 };
-                return Err(source.value(&[lines, index], problem));
+                return Err(source.value(&whole, problem));
             }
-            per_element(
-                source,
-                &path("twist_deg"),
-                line,
-                "twist_deg",
-                line.twist_deg,
-            )?;
+            per_element(source, &whole, line, "twist_deg", line.twist_deg)?;
             Box::new(StraightLine {
                 from,
                 to,
@@ -156,10 +139,7 @@ fn axis<'p>(
             })
         }
         Some(arc) => {
-            let at = |key: &'static str| {
-                let [lines, index, arc] = path("arc");
-                [lines, index, arc, key]
-            };
+            let at = |key: &'static str| ["lines", index, "arc", key];
             if line.twist_deg != 0.0 {
                 let line = line.name.clone();
                 return Err(source.value(&path("twist_deg"), Problem::TwistedArc { line }));
@@ -174,14 +154,10 @@ fn axis<'p>(
                 return Err(no_direction(&at("center"), "center", arc.center));
             }
             if arc.angle_deg == 0.0 || arc.angle_deg.abs() > 360.0 {
-                let problem = Problem::Range {
-                    key: "angle_deg",
-                    value: arc.angle_deg,
-                    expected: "an angle between -360 and 360 degrees, not 0",
-                };
-                return Err(source.value(&at("angle_deg"), problem));
+                let expected = "an angle between -360 and 360 degrees, not 0";
+                return Err(source.range(&arc_table, "angle_deg", arc.angle_deg, expected));
             }
-            per_element(source, &at("angle_deg"), line, "angle_deg", arc.angle_deg)?;
+            per_element(source, &arc_table, line, "angle_deg", arc.angle_deg)?;
             Box::new(CircularArc {
                 from,
                 center,
@@ -203,7 +179,7 @@ fn axis<'p>(
 /// Refuses angles of half a turn and more between the ends of an element, whose sense of rotation would be ambiguous.
 fn per_element(
     source: &Text<'_>,
-    path: &[&str],
+    table: &[&str],
     line: &Described,
     key: &'static str,
     degrees: f64,
@@ -211,10 +187,7 @@ fn per_element(
     if degrees.abs() < 180.0 * line.elements as f64 {
         return Ok(());
     }
-    let problem = Problem::Range {
-        key,
-        value: degrees,
-        expected: "less than 180 degrees from one end of an element to the other: take more elements",
-    };
-    Err(source.value(path, problem))
+    let expected =
+        "less than 180 degrees from one end of an element to the other: take more elements";
+    Err(source.range(table, key, degrees, expected))
 }

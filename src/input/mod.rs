@@ -68,6 +68,43 @@ impl<'a> Text<'a> {
     fn key(&self, path: &[&str], problem: Problem) -> InputError {
         self.at(problem, self.positions.key(path))
     }
+
+    /// A number out of range, at the key of the table at a path.
+    fn range(
+        &self,
+        table: &[&str],
+        key: &'static str,
+        value: f64,
+        expected: &'static str,
+    ) -> InputError {
+        let problem = Problem::Range {
+            key,
+            value,
+            expected,
+        };
+        self.value(&[table, &[key]].concat(), problem)
+    }
+
+    /// Refuses a number that is negative (or not finite).
+    fn not_negative(
+        &self,
+        table: &[&str],
+        key: &'static str,
+        value: f64,
+    ) -> Result<(), InputError> {
+        match value >= 0.0 && value.is_finite() {
+            true => Ok(()),
+            false => Err(self.range(table, key, value, "zero or a positive number")),
+        }
+    }
+
+    /// Refuses a number that is not positive (or not finite).
+    fn positive(&self, table: &[&str], key: &'static str, value: f64) -> Result<(), InputError> {
+        match value > 0.0 && value.is_finite() {
+            true => Ok(()),
+            false => Err(self.range(table, key, value, "a positive number")),
+        }
+    }
 }
 
 impl Registry {
@@ -249,42 +286,4 @@ fn unknown_key(message: &str) -> Option<Problem> {
         found: names.next()?,
         known: names.collect(),
     })
-}
-
-/// Refuses values of an option that are negative (or not finite).
-fn not_negative(
-    source: &Text<'_>,
-    path: &[&str],
-    key: &'static str,
-    value: f64,
-) -> Result<(), InputError> {
-    if value >= 0.0 && value.is_finite() {
-        return Ok(());
-    }
-    let expected = "zero or a positive number";
-    let problem = Problem::Range {
-        key,
-        value,
-        expected,
-    };
-    Err(source.value(path, problem))
-}
-
-/// Refuses values of an option that are not positive (or not finite).
-fn positive(
-    source: &Text<'_>,
-    path: &[&str],
-    key: &'static str,
-    value: f64,
-) -> Result<(), InputError> {
-    if value > 0.0 && value.is_finite() {
-        return Ok(());
-    }
-    let expected = "a positive number";
-    let problem = Problem::Range {
-        key,
-        value,
-        expected,
-    };
-    Err(source.value(path, problem))
 }

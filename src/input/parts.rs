@@ -135,14 +135,7 @@ fn closure(source: &Text<'_>, joint: &Joint, index: &str) -> Result<Closure, Inp
             return Err(useless(key, "closure = \"penalty\""));
         }
     }
-    let range = |key: &'static str, value: f64, expected: &'static str| {
-        let problem = Problem::Range {
-            key,
-            value,
-            expected,
-        };
-        Err(source.value(&path(key), problem))
-    };
+    let at = ["joints", index];
     match (by, joint.penalty) {
         (Word::Map, _) => Ok(Closure::Map),
         (Word::Multipliers, _) => Ok(Closure::Multipliers),
@@ -153,10 +146,11 @@ fn closure(source: &Text<'_>, joint: &Joint, index: &str) -> Result<Closure, Inp
         (Word::Penalty, Some(p)) => {
             let tau = joint.penalty_damping.unwrap_or(0.0);
             if p <= 0.0 {
-                return range("penalty", p, "a positive stiffness");
+                return Err(source.range(&at, "penalty", p, "a positive stiffness"));
             }
             if tau < 0.0 {
-                return range("penalty_damping", tau, "a time that is zero or positive");
+                let expected = "a time that is zero or positive";
+                return Err(source.range(&at, "penalty_damping", tau, expected));
             }
             Ok(Closure::Penalty(PenaltyStiffness { p, tau }))
         }

@@ -4,7 +4,7 @@ use super::file::{
     Analysis, ArcLength, Direction, Dynamic, NewtonSettings, Predictor, Static, Stop, TangentRule,
 };
 use super::names::Names;
-use super::{InputError, Problem, Text, not_negative, positive};
+use super::{InputError, Problem, Text};
 use pullback_elements::model::{Model, NodeId};
 use pullback_integrators::dynamics::{self as integrator, Adaptivity, DynamicOptions};
 use pullback_integrators::statics::{ArcLengthOptions, Event, StaticNewtonOptions, StaticOptions};
@@ -80,60 +80,33 @@ pub(super) fn plan(
 }
 
 fn dynamic(source: &Text<'_>, d: &Dynamic) -> Result<DynamicPlan, InputError> {
-    let at = |key: &'static str| ["analysis", "dynamic", key];
-    let adaptive = |key: &'static str| ["analysis", "dynamic", "adaptive", key];
-    let newton = |key: &'static str| ["analysis", "dynamic", "newton", key];
+    let (at, newton) = (["analysis", "dynamic"], ["analysis", "dynamic", "newton"]);
     let min_step = d.min_step.unwrap_or(1e-6 * d.step);
     for (key, value) in [("to", d.to), ("step", d.step), ("min_step", min_step)] {
-        positive(source, &at(key), key, value)?;
+        source.positive(&at, key, value)?;
     }
-    tight(source, &newton("relative"), d.newton.relative)?;
+    tight(source, &newton, d.newton.relative)?;
     let iterations = d.newton.max_iterations as f64;
-    positive(
-        source,
-        &newton("max_iterations"),
-        "max_iterations",
-        iterations,
-    )?;
-    let absolute = d.newton.absolute;
-    not_negative(source, &newton("absolute"), "absolute", absolute)?;
-    positive(
-        source,
-        &at("record_every"),
-        "record_every",
-        d.record_every as f64,
-    )?;
+    source.positive(&newton, "max_iterations", iterations)?;
+    source.not_negative(&newton, "absolute", d.newton.absolute)?;
+    source.positive(&at, "record_every", d.record_every as f64)?;
     record_interval(source, d)?;
-    let adaptivity = match d.adaptive {
-        None => None,
-        Some(a) => {
-            let max_step = a.max_step.unwrap_or(100.0 * d.step);
-            for (key, value) in [("tolerance", a.tolerance), ("max_step", max_step)] {
-                positive(source, &adaptive(key), key, value)?;
-            }
-            let tolerance = a.tolerance;
-            Some(Adaptivity {
-                tolerance,
-                max_step,
-            })
-        }
-    };
+    let adaptivity = d.adaptive.map(|a| Adaptivity {
+        tolerance: a.tolerance,
+        max_step: a.max_step.unwrap_or(100.0 * d.step),
+    });
+    if let Some(a) = adaptivity {
+        let at = ["analysis", "dynamic", "adaptive"];
+        source.positive(&at, "tolerance", a.tolerance)?;
+        source.positive(&at, "max_step", a.max_step)?;
+    }
     if d.step > d.to || min_step > d.step {
-        let problem = Problem::Range {
-            key: "step",
-            value: d.step,
-            expected: "a step between min_step and to",
-        };
-        return Err(source.value(&at("step"), problem));
+        return Err(source.range(&at, "step", d.step, "a step between min_step and to"));
     }
     if d.adaptive.is_none() && d.to / d.step > MOST_STEPS {
-        let problem = Problem::Range {
-            key: "step",
-            value: d.step,
-            expected: "at most 1e9 steps",
-        };
-        return Err(source.value(&at("step"), problem));
+        return Err(source.range(&at, "step", d.step, "at most 1e9 steps"));
     }
+    let at = |key: &'static str| ["analysis", "dynamic", key];
     let method = d.scheme.method().map_err(|error| {
         let message = error.to_string();
         source.value(&at("scheme"), Problem::Scheme { message })
@@ -178,46 +151,24 @@ fn record_interval(source: &Text<'_>, d: &Dynamic) -> Result<(), InputError> {
     let Some(interval) = d.record_interval else {
         return Ok(());
     };
-    let path = ["analysis", "dynamic", "record_interval"];
-    positive(source, &path, "record_interval", interval)?;
+    let (at, key) = (["analysis", "dynamic"], "record_interval");
+    source.positive(&at, key, interval)?;
     let expected = match d.to / interval {
         _ if d.record_every != 1 => "no record_every beside record_interval",
         rows if rows > MOST_STEPS => "an interval that makes at most 1e9 rows",
         _ => return Ok(()),
     };
-    let problem = Problem::Range {
-        key: "record_interval",
-        value: interval,
-        expected,
-    };
-    Err(source.value(&path, problem))
-}
-
-/// Refuses excessive numbers of iterations.
-fn few(source: &Text<'_>, path: &[&str], max_iterations: usize) -> Result<(), InputError> {
-    if max_iterations <= 1000 {
-        return Ok(());
-    }
-    let problem = Problem::Range {
-        key: "max_iterations",
-        value: max_iterations as f64,
-        expected: "at most 1000 iterations",
-    };
-    Err(source.value(path, problem))
+    Err(source.range(&at, key, interval, expected))
 }
 
 /// Refuses tolerances of Newton's method that are too loose for equilibrium.
-fn tight(source: &Text<'_>, path: &[&str], relative: f64) -> Result<(), InputError> {
-    positive(source, path, "relative", relative)?;
+fn tight(source: &Text<'_>, newton: &[&str], relative: f64) -> Result<(), InputError> {
+    source.positive(newton, "relative", relative)?;
     if relative <= StaticNewtonOptions::LOOSEST {
         return Ok(());
     }
-    let problem = Problem::Range {
-        key: "relative",
-        value: relative,
-        expected: "a tenth of the forces at most (1e-9 is the default)",
-    };
-    Err(source.value(path, problem))
+    let expected = "a tenth of the forces at most (1e-9 is the default)";
+    Err(source.range(newton, "relative", relative, expected))
 }
 
 fn newton(
@@ -225,18 +176,14 @@ fn newton(
     kind: &str,
     settings: &NewtonSettings,
 ) -> Result<StaticNewtonOptions, InputError> {
-    tight(
-        source,
-        &["analysis", kind, "newton", "relative"],
-        settings.relative,
-    )?;
-    let iterations = settings.max_iterations as f64;
-    let path = ["analysis", kind, "newton", "max_iterations"];
-    positive(source, &path, "max_iterations", iterations)?;
-    let path = ["analysis", kind, "newton", "absolute"];
-    not_negative(source, &path, "absolute", settings.absolute)?;
-    let path = ["analysis", kind, "newton", "max_iterations"];
-    few(source, &path, settings.max_iterations)?;
+    let at = ["analysis", kind, "newton"];
+    tight(source, &at, settings.relative)?;
+    let (key, iterations) = ("max_iterations", settings.max_iterations as f64);
+    source.positive(&at, key, iterations)?;
+    source.not_negative(&at, "absolute", settings.absolute)?;
+    if iterations > 1000.0 {
+        return Err(source.range(&at, key, iterations, "at most 1000 iterations"));
+    }
     Ok(StaticNewtonOptions {
         relative: settings.relative,
         absolute: settings.absolute,
@@ -246,15 +193,11 @@ fn newton(
 }
 
 fn load_steps(source: &Text<'_>, s: &Static) -> Result<StaticOptions, InputError> {
-    let at = |key: &'static str| ["analysis", "static", key];
+    let at = ["analysis", "static"];
     let range = (s.to - s.from).abs();
     if range == 0.0 || !range.is_finite() {
-        let problem = Problem::Range {
-            key: "to",
-            value: s.to,
-            expected: "a load parameter that differs from the one it starts from",
-        };
-        return Err(source.value(&at("to"), problem));
+        let expected = "a load parameter that differs from the one it starts from";
+        return Err(source.range(&at, "to", s.to, expected));
     }
     let given = [
         ("first_step", s.first_step),
@@ -263,26 +206,19 @@ fn load_steps(source: &Text<'_>, s: &Static) -> Result<StaticOptions, InputError
     ];
     for (key, value) in given {
         let Some(value) = value else { continue };
-        positive(source, &at(key), key, value)?;
+        source.positive(&at, key, value)?;
         if s.steps.is_some() && key != "min_step" {
-            return Err(source.key(&at(key), Problem::StepsTwice { key }));
+            return Err(source.key(&[at[0], at[1], key], Problem::StepsTwice { key }));
         }
     }
-    let equal = match s.steps {
-        None => None,
-        Some(steps) => {
-            positive(source, &at("steps"), "steps", steps as f64)?;
-            if steps as f64 > MOST_STEPS {
-                let problem = Problem::Range {
-                    key: "steps",
-                    value: steps as f64,
-                    expected: "at most 1e9 steps",
-                };
-                return Err(source.value(&at("steps"), problem));
-            }
-            Some(range / steps as f64)
+    let steps = s.steps.map(|steps| steps as f64);
+    if let Some(steps) = steps {
+        source.positive(&at, "steps", steps)?;
+        if steps > MOST_STEPS {
+            return Err(source.range(&at, "steps", steps, "at most 1e9 steps"));
         }
-    };
+    }
+    let equal = steps.map(|steps| range / steps);
     let max_step = equal
         .or(s.max_step)
         .unwrap_or_else(|| (0.25 * range).max(s.first_step.unwrap_or(0.0)));
@@ -291,12 +227,8 @@ fn load_steps(source: &Text<'_>, s: &Static) -> Result<StaticOptions, InputError
         .unwrap_or_else(|| (0.1 * range).min(max_step));
     let min_step = s.min_step.unwrap_or(1e-6 * range).min(first_step);
     if first_step > max_step {
-        let problem = Problem::Range {
-            key: "first_step",
-            value: first_step,
-            expected: "a first step that is not larger than max_step",
-        };
-        return Err(source.value(&at("first_step"), problem));
+        let expected = "a first step that is not larger than max_step";
+        return Err(source.range(&at, "first_step", first_step, expected));
     }
     Ok(StaticOptions {
         from: s.from,
@@ -336,15 +268,11 @@ fn path(
         ("target_iterations", a.target_iterations as f64),
     ];
     for (key, value) in numbers {
-        positive(source, &["analysis", kind, key], key, value)?;
+        source.positive(&["analysis", kind], key, value)?;
     }
     if a.stop.is_empty() {
-        let problem = Problem::Range {
-            key: "stop",
-            value: 0.0,
-            expected: "at least one position to stop at, such as { load = 1.0 }",
-        };
-        return Err(source.value(&["analysis", kind, "stop"], problem));
+        let expected = "at least one position to stop at, such as { load = 1.0 }";
+        return Err(source.range(&["analysis", kind], "stop", 0.0, expected));
     }
     let mut events = Vec::new();
     let mut names = Vec::new();
