@@ -214,7 +214,6 @@ impl Velocities<'_> {
             return Ok(());
         }
         let path = self.first.take().unwrap_or_default();
-        let path: Vec<&str> = path.iter().map(String::as_str).collect();
         // A single component of a spherical joint may be free.
         let problem = match (self.names.as_slice(), self.rates.len()) {
             ([one], 1) => Problem::LoopLocked { of: one.clone() },
@@ -268,13 +267,8 @@ fn check<'a>(
         }
     }
     if initial.node.is_some() && initial.line.is_some() {
-        return Err(source.key(
-            &path("line"),
-            Problem::InitialTwice {
-                first: "node",
-                second: "line",
-            },
-        ));
+        let (first, second) = ("node", "line");
+        return Err(source.key(&path(second), Problem::InitialTwice { first, second }));
     }
     if initial.angular_velocity.is_some() && initial.body_angular_velocity.is_some() {
         let (first, second) = ("angular_velocity", "body_angular_velocity");
@@ -321,8 +315,7 @@ fn check_attached<'a>(
 
 /// Position and rotation vector of a node at coordinates.
 fn at(context: &Context, node: NodeId, q: &[f64]) -> [Vector3<f64>; 2] {
-    let free = context.free_rotation_of(node);
-    let first = if free == node { 3 } else { 0 };
+    let (free, first) = requests::rotation(context, node);
     let three = |node: NodeId, first: usize| {
         Vector3::from_fn(|k, _| context.unknown_at(node, first + k).map_or(0.0, |u| q[u]))
     };
@@ -339,8 +332,7 @@ fn movable<'a>(
     q: &[f64],
     motion: &RigidMotion,
 ) -> Result<(), InputError> {
-    let free = context.free_rotation_of(node);
-    let first = if free == node { 3 } else { 0 };
+    let (free, first) = requests::rotation(context, node);
     let [_, psi] = at(context, node, q);
     let rate = so3::tangent_inverse(&psi).tr_mul(&motion.omega);
     let spin = if initial.angular_velocity.is_some() {
@@ -384,8 +376,7 @@ fn position<'a>(
     initial: &Initial,
     q: &mut [f64],
 ) -> Result<(), InputError> {
-    let free = context.free_rotation_of(node);
-    let first = if free == node { 3 } else { 0 };
+    let (free, first) = requests::rotation(context, node);
     for (key, node, first, values) in [
         ("displacement", node, 0, initial.displacement),
         ("rotation", free, first, initial.rotation.map(folded)),

@@ -21,25 +21,25 @@ impl<'a> Locator<'a> {
     }
 
     /// Span of the value at `path`, or of its closest existing ancestor.
-    pub fn value(&self, path: &[&str]) -> Option<Range<usize>> {
+    pub fn value(&self, path: &[impl AsRef<str>]) -> Option<Range<usize>> {
         self.find(path).map(|found| found.1)
     }
 
     /// Span of the last key of `path`, or of its closest existing ancestor.
-    pub fn key(&self, path: &[&str]) -> Option<Range<usize>> {
+    pub fn key(&self, path: &[impl AsRef<str>]) -> Option<Range<usize>> {
         self.find(path).map(|found| found.0)
     }
 
     /// Spans of the key (or, in an array, of the value) and of the value.
-    fn find(&self, path: &[&str]) -> Option<(Range<usize>, Range<usize>)> {
+    fn find(&self, path: &[impl AsRef<str>]) -> Option<(Range<usize>, Range<usize>)> {
         let root = self.root.as_ref()?;
         let (first, rest) = path.split_first()?;
-        let (key, mut value) = root.get_ref().get_key_value(*first)?;
+        let (key, mut value) = root.get_ref().get_key_value(first.as_ref())?;
         let mut spans = (key.span(), value.span());
-        for part in rest {
+        for part in rest.iter().map(AsRef::as_ref) {
             let next = match value.get_ref() {
                 DeValue::Table(table) => table
-                    .get_key_value(*part)
+                    .get_key_value(part)
                     .map(|(key, value)| (key.span(), value)),
                 DeValue::Array(array) => part
                     .parse::<usize>()

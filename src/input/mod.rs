@@ -60,12 +60,12 @@ impl<'a> Text<'a> {
     }
 
     /// A problem of the value at a path.
-    fn value(&self, path: &[&str], problem: Problem) -> InputError {
+    fn value(&self, path: &[impl AsRef<str>], problem: Problem) -> InputError {
         self.at(problem, self.positions.value(path))
     }
 
     /// A problem of the key at a path.
-    fn key(&self, path: &[&str], problem: Problem) -> InputError {
+    fn key(&self, path: &[impl AsRef<str>], problem: Problem) -> InputError {
         self.at(problem, self.positions.key(path))
     }
 

@@ -50,13 +50,18 @@ pub(super) fn unknowns(
     node: NodeId,
     of: [bool; 2],
 ) -> impl Iterator<Item = usize> + '_ {
-    let free = context.free_rotation_of(node);
-    let turn = if free == node { 3 } else { 0 };
+    let (free, turn) = rotation(context, node);
     let all = [(node, 0, of[0]), (free, turn, of[1])].into_iter();
     let chosen = all.filter(|(.., chosen)| *chosen);
     chosen
         .flat_map(|(node, first, _)| (first..first + 3).map(move |k| (node, k)))
         .filter_map(|(node, k)| context.unknown_at(node, k))
+}
+
+/// The node whose free coordinates are the rotation of a node, and the first of them.
+pub(super) fn rotation(context: &Context, node: NodeId) -> (NodeId, usize) {
+    let free = context.free_rotation_of(node);
+    (free, if free == node { 3 } else { 0 })
 }
 
 /// The rate of a joint.
@@ -95,7 +100,7 @@ pub(super) fn satisfy(
         for rate in rates {
             if context.is_locked(0.0, &start.q, rate.u).map_err(failed)? {
                 let of = rate.of.clone();
-                return Err(source.value(&parts(&rate.at), Problem::LoopLocked { of }));
+                return Err(source.value(&rate.at, Problem::LoopLocked { of }));
             }
         }
         let names: Vec<&str> = rates.iter().map(|r| r.of.as_str()).collect();
@@ -103,7 +108,7 @@ pub(super) fn satisfy(
             of: names.join(", "),
             left: left * most,
         };
-        return Err(source.value(&parts(&first.at), problem));
+        return Err(source.value(&first.at, problem));
     }
     // As with maps of loops, prescribed motion has a velocity of its own, whatever that of the whole model.
     let prescribed = file.supports.iter().any(|s| s.prescribed.is_some())
@@ -132,9 +137,4 @@ fn tried(
 ) -> Result<(f64, String), ModelError> {
     let mut v = start.v.clone();
     context.satisfy_velocities(BEFORE_START, &start.q, &mut v, held)
-}
-
-/// A path in the file.
-fn parts(path: &[String]) -> Vec<&str> {
-    path.iter().map(String::as_str).collect()
 }

@@ -2,10 +2,10 @@
 
 #![allow(non_snake_case)]
 
-use super::file::Section as Described;
+use super::file::{Damping, Material, Section as Described};
 use super::{InputError, Problem, Text};
 use nalgebra::{Matrix3, Matrix6, Vector3};
-use pullback_elements::beam::{Damping, Material, Section, SectionError};
+use pullback_elements::beam::{self, Section, SectionError};
 use pullback_elements::inertia::Inertia;
 
 /// Dotted path, below the section, of the number that an error is about; the shape if it is about no single number.
@@ -38,79 +38,67 @@ pub(super) fn section(
     name: &str,
     described: &Described,
 ) -> Result<Section, InputError> {
-    let path = ["sections", name];
+    let section = || name.to_owned();
+    let Described {
+        stiffness,
+        matrix,
+        rectangle,
+        circle,
+        tube,
+        ..
+    } = *described;
     let given: Vec<&'static str> = [
-        ("stiffness", described.stiffness.is_some()),
-        ("matrix", described.matrix.is_some()),
-        ("rectangle", described.rectangle.is_some()),
-        ("circle", described.circle.is_some()),
-        ("tube", described.tube.is_some()),
+        ("stiffness", stiffness.is_some()),
+        ("matrix", matrix.is_some()),
+        ("rectangle", rectangle.is_some()),
+        ("circle", circle.is_some()),
+        ("tube", tube.is_some()),
     ]
     .into_iter()
     .filter_map(|(key, given)| given.then_some(key))
     .collect();
-    let &[shape] = given.as_slice() else {
-        let section = name.to_owned();
-        return Err(source.key(&path, Problem::SectionKind { section, given }));
+    let shape = given.first().copied().unwrap_or_default();
+    let material = || match described.material {
+        Some(Material { E, nu, rho }) => Ok(beam::Material { E, nu, rho }),
+        None => {
+            let section = section();
+            let problem = Problem::NoMaterial { section, shape };
+            Err(source.value(&["sections", name, shape], problem))
+        }
     };
-    let refuse = |problem: Problem| source.value(&["sections", name, shape], problem);
-    let material = || {
-        described
-            .material
-            .map(|m| Material {
-                E: m.E,
-                nu: m.nu,
-                rho: m.rho,
-            })
-            .ok_or_else(|| {
-                refuse(Problem::NoMaterial {
-                    section: name.to_owned(),
-                    shape,
-                })
-            })
-    };
-    let made = if let Some(s) = described.stiffness {
-        Section::diagonal(s.EA, s.GA, s.GJ, s.EI)
-    } else if let Some(rows) = described.matrix {
-        Section::new(Matrix6::from_fn(|i, j| rows[i][j]))
-    } else if let Some(r) = described.rectangle {
-        Section::rectangle(material()?, r.width, r.height)
-    } else if let Some(c) = described.circle {
-        Section::circle(material()?, c.radius)
-    } else if let Some(t) = described.tube {
-        Section::tube(material()?, t.inner, t.outer)
-    } else {
-        let section = name.to_owned();
-        return Err(source.key(&path, Problem::SectionKind { section, given }));
+    let made = match (stiffness, matrix, rectangle, circle, tube) {
+        (Some(s), None, None, None, None) => Section::diagonal(s.EA, s.GA, s.GJ, s.EI),
+        (None, Some(rows), None, None, None) => Section::new(Matrix6::from_fn(|i, j| rows[i][j])),
+        (None, None, Some(r), None, None) => Section::rectangle(material()?, r.width, r.height),
+        (None, None, None, Some(c), None) => Section::circle(material()?, c.radius),
+        (None, None, None, None, Some(t)) => Section::tube(material()?, t.inner, t.outer),
+        _ => {
+            let section = section();
+            return Err(source.key(&["sections", name], Problem::SectionKind { section, given }));
+        }
     };
     if described.material.is_some() && matches!(shape, "stiffness" | "matrix") {
-        let section = name.to_owned();
+        let section = section();
         let path = ["sections", name, "material"];
         return Err(source.key(&path, Problem::UselessMaterial { section }));
     }
-    let made = made.map_err(|error| {
-        let keys = number(shape, &error);
-        let path: Vec<&str> = path.into_iter().chain(keys.split('.')).collect();
+    let refuse = |keys: &str, error: SectionError| {
+        let path: Vec<&str> = ["sections", name]
+            .into_iter()
+            .chain(keys.split('.'))
+            .collect();
         let problem = Problem::Section {
-            section: name.to_owned(),
+            section: section(),
             source: error,
         };
         source.value(&path, problem)
-    })?;
+    };
+    let made = made.map_err(|error| refuse(&number(shape, &error), error))?;
     let made = match described.damping {
         None => made,
-        Some(d) => made
-            .with_damping(Damping {
-                mass: d.mass,
-                stiffness: d.stiffness,
-            })
-            .map_err(|error| {
-                let problem = Problem::Section {
-                    section: name.to_owned(),
-                    source: error,
-                };
-                source.value(&["sections", name, "damping"], problem)
-            })?,
+        Some(Damping { mass, stiffness }) => made
+            .with_damping(beam::Damping { mass, stiffness })
+            .map_err(|error| refuse("damping", error))?,
     };
     let Some(mass) = described.mass else {
         return Ok(made);
@@ -124,7 +112,7 @@ pub(super) fn section(
     for (key, value) in numbers {
         if !(value >= 0.0 && value.is_finite()) {
             let problem = Problem::NegativeMass {
-                section: name.to_owned(),
+                section: section(),
                 key,
                 value,
             };
@@ -136,11 +124,6 @@ pub(super) fn section(
         return Ok(made.with_mass(mass.A_rho, J));
     };
     let inertia = Inertia::about_centre(mass.A_rho, Vector3::new(0.0, c2, c3), J);
-    made.with_inertia(inertia).map_err(|error| {
-        let problem = Problem::Section {
-            section: name.to_owned(),
-            source: error,
-        };
-        source.value(&["sections", name, "mass"], problem)
-    })
+    made.with_inertia(inertia)
+        .map_err(|error| refuse("mass", error))
 }
