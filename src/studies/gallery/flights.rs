@@ -89,18 +89,12 @@ pub(super) fn flying(report: &mut CaseReport) -> Result<(), CaseError> {
     });
     let source = "exact: impulse of the force";
     report.compare("momentum, largest error", worst, 0.0, 1e-9, source);
-    let path = |k: usize| {
-        run.nodes[k]
-            .iter()
-            .map(|s| (s.position.x, s.position.z))
-            .collect()
-    };
     report.figure(
         "Flying beam",
         ["along e1", "along e3"],
         vec![
-            Curve::new("loaded end", path(0)),
-            Curve::new("free end", path(1)),
+            Curve::new("loaded end", run.path(0, [0, 2])),
+            Curve::new("free end", run.path(1, [0, 2])),
         ],
     )
 }

@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use super::case::{CaseError, CaseReport};
-use super::motion::{History, Run, richardson};
+use super::motion::{History, Run, richardson, runge_kutta};
 use crate::input::{
     Analysis, DofName, Fix, ModelFile, PrescribedMotion, Scheme, SpinUp, Support, Time,
 };
@@ -48,19 +48,7 @@ fn rigid_shafts(cosine: f64, until: f64) -> f64 {
         let speed = p / I;
         [speed, moment + 0.5 * slope * speed * speed]
     };
-    let count = 30_000;
-    let h = until / f64::from(count);
-    let along = |y: [f64; 2], k: [f64; 2], h: f64| [y[0] + h * k[0], y[1] + h * k[1]];
-    let end = (0..count).fold([0.0; 2], |y, n| {
-        let t = h * f64::from(n);
-        let k1 = rates(t, y);
-        let k2 = rates(t + 0.5 * h, along(y, k1, 0.5 * h));
-        let k3 = rates(t + 0.5 * h, along(y, k2, 0.5 * h));
-        let k4 = rates(t + h, along(y, k3, h));
-        let sum = |i: usize| (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]) / 6.0;
-        along(y, [sum(0), sum(1)], h)
-    });
-    end[0]
+    runge_kutta(&rates, [0.0; 2], until, 30_000)[0]
 }
 
 /// Case 4 of [M04]. Its plot redraws Fig. 35.

@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use super::case::{CaseError, CaseReport};
-use super::motion::{History, Run, richardson};
+use super::motion::{History, Run, richardson, runge_kutta};
 use crate::output::plot::Curve;
 use nalgebra::Vector3;
 use pullback_elements::model::NodeState;
@@ -25,17 +25,7 @@ pub(super) fn integrate(system: OneFreedom<'_>, start: [f64; 2], to: f64) -> [f6
         });
         [rate, -(0.5 * M.d * rate * rate + V.d) / M.v]
     };
-    let count = 20_000;
-    let h = to / f64::from(count);
-    let along = |y: [f64; 2], k: [f64; 2], h: f64| [y[0] + h * k[0], y[1] + h * k[1]];
-    (0..count).fold(start, |y, _| {
-        let k1 = rates(y);
-        let k2 = rates(along(y, k1, 0.5 * h));
-        let k3 = rates(along(y, k2, 0.5 * h));
-        let k4 = rates(along(y, k3, h));
-        let sum = |i: usize| (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]) / 6.0;
-        along(y, [sum(0), sum(1)], h)
-    })
+    runge_kutta(&|_, y| rates(y), start, to, 20_000)
 }
 
 /// The derivative by θ of a quantity with two derivatives.
@@ -125,14 +115,10 @@ pub(super) fn four_bar(report: &mut CaseReport) -> Result<(), CaseError> {
     let source = "exact: energy is constant";
     let what = "largest relative change of energy";
     report.compare(what, runs[1].energy_error(), 0.0, 1e-4, source);
-    let path = |node: usize| -> Vec<(f64, f64)> {
-        let positions = runs[1].nodes[node].iter();
-        positions.map(|s| (s.position.x, s.position.y)).collect()
-    };
     report.figure(
         "Four-bar linkage: path of the coupler's tip",
         ["x", "y"],
-        vec![Curve::new("tip of the coupler", path(0))],
+        vec![Curve::new("tip of the coupler", runs[1].path(0, [0, 1]))],
     )
 }
 

@@ -29,6 +29,12 @@ impl History {
         self.t.iter().copied().zip(values).collect()
     }
 
+    /// The path of a watched node, by two of its coordinates.
+    pub fn path(&self, node: usize, [x, y]: [usize; 2]) -> Vec<(f64, f64)> {
+        let positions = self.nodes[node].iter().map(|s| s.position);
+        positions.map(|p| (p[x], p[y])).collect()
+    }
+
     /// A quantity of the whole model over time.
     fn balance(&self, of: impl Fn(&EnergiesAndMomentum) -> f64) -> Vec<(f64, f64)> {
         let values = self.balances.iter().map(of);
@@ -228,4 +234,24 @@ pub(super) fn richardson<const N: usize>(coarse: [f64; N], fine: [f64; N]) -> [f
 pub(super) fn observed_order(values: &[Vector3<f64>; 3]) -> f64 {
     let [a, b, c] = values;
     ((a - b).norm() / (b - c).norm()).log2()
+}
+
+/// The classical Runge-Kutta method with `count` steps from t = 0.
+pub(super) fn runge_kutta(
+    rates: &dyn Fn(f64, [f64; 2]) -> [f64; 2],
+    start: [f64; 2],
+    to: f64,
+    count: u32,
+) -> [f64; 2] {
+    let h = to / f64::from(count);
+    let along = |y: [f64; 2], k: [f64; 2], h: f64| [y[0] + h * k[0], y[1] + h * k[1]];
+    (0..count).fold(start, |y, n| {
+        let t = h * f64::from(n);
+        let k1 = rates(t, y);
+        let k2 = rates(t + 0.5 * h, along(y, k1, 0.5 * h));
+        let k3 = rates(t + 0.5 * h, along(y, k2, 0.5 * h));
+        let k4 = rates(t + h, along(y, k3, h));
+        let sum = |i: usize| (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]) / 6.0;
+        along(y, [sum(0), sum(1)], h)
+    })
 }

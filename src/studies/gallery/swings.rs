@@ -135,14 +135,13 @@ pub(super) fn double(report: &mut CaseReport) -> Result<(), CaseError> {
     let out = c.curve(0, |s| s.d.y.abs());
     let across = out.iter().fold(0.0_f64, |m, p| m.max(p.1));
     report.compare("out of the plane", across, 0.0, 1e-9, "symmetry");
-    let path = |node: usize| -> Vec<(f64, f64)> {
-        let positions = c.nodes[node].iter().map(|s| (s.position.x, s.position.z));
-        positions.collect()
-    };
     report.figure(
         "Flexible double pendulum",
         ["along e1", "along e3"],
-        vec![Curve::new("knee", path(1)), Curve::new("tip", path(0))],
+        vec![
+            Curve::new("knee", c.path(1, [0, 2])),
+            Curve::new("tip", c.path(0, [0, 2])),
+        ],
     )
 }
 
@@ -162,10 +161,9 @@ pub(super) fn rubber(report: &mut CaseReport) -> Result<(), CaseError> {
     let mesh = (positions[1] - positions[2]).norm();
     let what = "8 and 16 quadratic elements apart at t = 0.5";
     report.compare(what, mesh, 0.0, 1e-3, "convergence with the mesh");
-    let path = c.nodes[0].iter().map(|s| (s.position.x, s.position.z));
     report.figure(
         "Swinging rubber rod",
         ["along e1", "along e3"],
-        vec![Curve::new("path of the end", path.collect())],
+        vec![Curve::new("path of the end", c.path(0, [0, 2]))],
     )
 }
