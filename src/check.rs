@@ -261,9 +261,7 @@ fn lines(report: &Report, all: bool) -> String {
     if failures.len() > DESCRIBED {
         let _ = writeln!(out, "\n... and {} more", failures.len() - DESCRIBED);
     }
-    let mut components: Vec<&str> = report.rows().iter().map(|r| r.component.as_str()).collect();
-    components.sort_unstable();
-    components.dedup();
+    let components: HashSet<&str> = report.rows().iter().map(|r| r.component.as_str()).collect();
     let _ = writeln!(
         out,
         "\n{} properties of {} components, {} wrong",

@@ -180,33 +180,27 @@ pub(super) fn legend(
         let y = (top + row * ROW + ROW / 2) * FINE;
         let middle = (x + SAMPLE * FINE / 2, y);
         let r = 4 * FINE;
+        let line = |from: i32, length: i32, color: RGBColor, stroke: i32| {
+            let style = color.stroke_width((stroke * FINE / 2) as u32);
+            area.draw(&PathElement::new(
+                vec![(from, y), (from + length * FINE, y)],
+                style,
+            ))
+        };
         match *mark {
-            Mark::Line(color, stroke) => area.draw(&PathElement::new(
-                vec![(x, y), (x + SAMPLE * FINE, y)],
-                color.stroke_width((stroke * FINE / 2) as u32),
-            ))?,
+            Mark::Line(color, stroke) => line(x, SAMPLE, color, stroke)?,
             Mark::Square(color) => area.draw(&Rectangle::new(
                 [(middle.0 - r, y - r), (middle.0 + r, y + r)],
                 color.filled(),
             ))?,
             Mark::Dot(color) => area.draw(&Circle::new(middle, r * 3 / 4, color.filled()))?,
             Mark::Marked(color, number) => {
-                let ends = vec![(x, y), (x + SAMPLE * FINE, y)];
-                area.draw(&PathElement::new(
-                    ends,
-                    color.stroke_width((3 * FINE / 2) as u32),
-                ))?;
+                line(x, SAMPLE, color, 3)?;
                 marker(area, middle, color, number)?;
             }
             Mark::Broken(color) => {
-                for k in 0..2 {
-                    let from = x + k * 15 * FINE;
-                    let ends = vec![(from, y), (from + 9 * FINE, y)];
-                    area.draw(&PathElement::new(
-                        ends,
-                        color.stroke_width((3 * FINE / 2) as u32),
-                    ))?;
-                }
+                line(x, 9, color, 3)?;
+                line(x + 15 * FINE, 9, color, 3)?;
             }
         }
         area.draw_text(text, &style, (x + (SAMPLE + 6) * FINE, y))?;

@@ -76,7 +76,7 @@ use serde::Serialize;
 use std::num::NonZeroUsize;
 
 /// Options of a comparison.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Options {
     /// The schemes, each with its formulation of rotations, and general solvers.
     pub schemes: Vec<Candidate>,
@@ -107,13 +107,7 @@ impl Options {
         Self {
             schemes,
             steps,
-            reference: None,
-            exact: None,
-            threads: None,
-            timed: false,
-            long: None,
-            charts: false,
-            residual: None,
+            ..Self::default()
         }
     }
 }

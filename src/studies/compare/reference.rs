@@ -130,26 +130,21 @@ fn conserved(best: &[Sample], finest: &[Sample], two: [&[Sample]; 2]) -> Conserv
         let error = error.fold(ROUND_OFF * size, f64::max);
         drift(best, value) <= (10.0 * error).min(STEADY * size)
     };
-    let largest = |value: &dyn Fn(&Sample) -> f64| finest.iter().map(value).fold(0.0, f64::max);
-    let energy = largest(&|s| s.gross_energy);
-    let momentum = |k: usize| {
-        let size = largest(&|s| s.momenta[k].norm());
-        [0, 1, 2].map(|i| conserves(&|s| s.momenta[k][i], size))
-    };
-    Conserved {
-        energy: conserves(&|s| s.energy, energy),
-        momentum: momentum(0),
-        angular_momentum: momentum(1),
-    }
+    each(finest, &conserves)
 }
 
 /// Quantities that an exact motion conserves, up to rounding, among those known.
 pub(super) fn exactly_conserved(samples: &[Sample]) -> Conserved {
-    let largest = |value: &dyn Fn(&Sample) -> f64| samples.iter().map(value).fold(0.0, f64::max);
     let conserves = |value: &dyn Fn(&Sample) -> f64, size: f64| {
         let known = samples.iter().all(|s| value(s).is_finite());
         known && drift(samples, value) <= 10.0 * ROUND_OFF * size
     };
+    each(samples, &conserves)
+}
+
+/// The quantities for which `conserves` holds, with their largest sizes in a run.
+fn each(samples: &[Sample], conserves: &dyn Fn(&dyn Fn(&Sample) -> f64, f64) -> bool) -> Conserved {
+    let largest = |value: &dyn Fn(&Sample) -> f64| samples.iter().map(value).fold(0.0, f64::max);
     let momentum = |k: usize| {
         let size = largest(&|s| s.momenta[k].norm());
         [0, 1, 2].map(|i| conserves(&|s| s.momenta[k][i], size))
