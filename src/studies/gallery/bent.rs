@@ -70,9 +70,8 @@ pub(super) fn coupler(report: &mut CaseReport) -> Result<(), CaseError> {
         (2.0, [1.574_806, 1.941_485, -0.003_976]),
     ] {
         let tip = bent.at(2, t).position;
-        let what = format!("tip at t = {t}, bent coupler, along");
-        report.compare(format!("{what} e1"), tip.x, x, POSITION, INDEPENDENT);
-        report.compare(format!("{what} e2"), tip.y, y, POSITION, INDEPENDENT);
+        let what = format!("tip at t = {t}, bent coupler,");
+        report.compare_parts(&what, &[tip.x, tip.y], &[x, y], POSITION, INDEPENDENT);
         let what = format!("middle off the line between the ends at t = {t}");
         let found = off_the_line(&bent, t, [0, 1, 2]);
         report.compare(what, found, off, BENDING, INDEPENDENT);

@@ -141,9 +141,21 @@ impl CaseReport {
         tolerance: f64,
         source: &str,
     ) {
-        for (k, (computed, published)) in computed.into().into_iter().zip(published).enumerate() {
+        self.compare_parts(what, &computed.into(), &published, tolerance, source);
+    }
+
+    /// The same for the first components of a vector.
+    pub(super) fn compare_parts(
+        &mut self,
+        what: &str,
+        computed: &[f64],
+        published: &[f64],
+        tolerance: f64,
+        source: &str,
+    ) {
+        for (k, (computed, published)) in computed.iter().zip(published).enumerate() {
             let quantity = format!("{what} along e{}", k + 1);
-            self.compare(quantity, computed, published, tolerance, source);
+            self.compare(quantity, *computed, *published, tolerance, source);
         }
     }
 

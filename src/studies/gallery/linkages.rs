@@ -104,11 +104,10 @@ pub(super) fn four_bar(report: &mut CaseReport) -> Result<(), CaseError> {
     let [_, rocker] = closed_form(angle);
     let (x, y) = (rocker.cos() * BARS[2] + BARS[3], rocker.sin() * BARS[2]);
     let found = at_end(&runs, 0, |s| s.position);
-    report.compare("coupler tip at t = 4 along e1", found[0], x.v, 1e-5, SOURCE);
-    report.compare("coupler tip at t = 4 along e2", found[1], y.v, 1e-5, SOURCE);
+    let what = "coupler tip at t = 4";
+    report.compare_parts(what, &found, &[x.v, y.v], 1e-5, SOURCE);
     let found = at_end(&runs, 0, |s| s.velocity);
-    report.compare("its velocity along e1", found[0], x.d, 1e-4, SOURCE);
-    report.compare("its velocity along e2", found[1], y.d, 1e-4, SOURCE);
+    report.compare_parts("its velocity", &found, &[x.d, y.d], 1e-4, SOURCE);
     let source = "exact: the loop is closed at all times";
     let what = "largest gap of the loop in 8000 steps";
     report.compare(what, gap(&runs[1], [0, 1]), 0.0, 1e-14, source);
@@ -164,13 +163,8 @@ pub(super) fn slider_crank(report: &mut CaseReport) -> Result<(), CaseError> {
     let found = at_end(&runs, 0, |s| s.velocity)[0];
     report.compare("its velocity", found, rate, 1e-4, SOURCE);
     let source = "exact: the loop is closed at all times";
-    report.compare(
-        "largest gap of the loop",
-        gap(&runs[1], [0, 1]),
-        0.0,
-        1e-14,
-        source,
-    );
+    let what = "largest gap of the loop";
+    report.compare(what, gap(&runs[1], [0, 1]), 0.0, 1e-14, source);
     let source = "exact: energy is constant";
     let what = "largest relative change of energy";
     report.compare(what, runs[1].energy_error(), 0.0, 1e-3, source);
@@ -191,24 +185,13 @@ pub(super) fn parallelograms(report: &mut CaseReport) -> Result<(), CaseError> {
     let (s, c) = angle.sin_cos();
     let found = at_end(&runs, 0, |s| s.position);
     let source = "exact: a pendulum, Runge-Kutta";
-    report.compare(
-        "last coupler at t = 4 along e1",
-        found[0],
-        5.0 + s,
-        1e-5,
-        source,
-    );
-    report.compare("last coupler at t = 4 along e2", found[1], -c, 1e-5, source);
+    let what = "last coupler at t = 4";
+    report.compare_parts(what, &found, &[5.0 + s, -c], 1e-5, source);
     let found = at_end(&runs, 0, |s| s.velocity);
     report.compare("its velocity along e1", found[0], rate * c, 1e-4, source);
     let source = "exact: the loops are closed at all times";
-    report.compare(
-        "largest gap of the last loop",
-        gap(&runs[1], [0, 1]),
-        0.0,
-        2e-14,
-        source,
-    );
+    let what = "largest gap of the last loop";
+    report.compare(what, gap(&runs[1], [0, 1]), 0.0, 2e-14, source);
     let source = "exact: energy is constant";
     let what = "largest relative change of energy";
     report.compare(what, runs[1].energy_error(), 0.0, 1e-4, source);

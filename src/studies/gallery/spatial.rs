@@ -33,26 +33,17 @@ pub(super) fn twisted(report: &mut CaseReport) -> Result<(), CaseError> {
 /// S08: the Princeton beam.
 pub(super) fn princeton(report: &mut CaseReport) -> Result<(), CaseError> {
     const P: f64 = 8.896;
-    const Y: [f64; 7] = [
-        0.0107141763,
-        0.01061328706,
-        0.0101116963,
-        0.008837226265,
-        0.006604665004,
-        0.003538889001,
-        0.0,
-    ];
-    const Z: [f64; 7] = [
-        0.0,
-        0.04208232124,
-        0.07939482948,
-        0.108987937,
-        0.129887616,
-        0.14219437,
-        0.146245978,
+    const YZ: [[f64; 2]; 7] = [
+        [0.0107141763, 0.0],
+        [0.01061328706, 0.04208232124],
+        [0.0101116963, 0.07939482948],
+        [0.008837226265, 0.108987937],
+        [0.006604665004, 0.129887616],
+        [0.003538889001, 0.14219437],
+        [0.0, 0.146245978],
     ];
     let file = report.model("princeton")?;
-    for (k, (y, z)) in Y.into_iter().zip(Z).enumerate() {
+    for (k, [y, z]) in YZ.into_iter().enumerate() {
         let degrees = 15.0 * k as f64;
         let (s, c) = degrees.to_radians().sin_cos();
         let mut file = file.clone();
@@ -63,7 +54,9 @@ pub(super) fn princeton(report: &mut CaseReport) -> Result<(), CaseError> {
             .state
             .d;
         let source = "published: ANSYS beam (Obrezkov et al. 2022), 0.5 % of the largest";
-        for (name, computed, published, largest) in [("y", d.y, y, Y[0]), ("z", d.z, z, Z[6])] {
+        for (name, computed, published, largest) in
+            [("y", d.y, y, YZ[0][0]), ("z", d.z, z, YZ[6][1])]
+        {
             report.compare(
                 format!("u{name} at {degrees}°"),
                 computed,
