@@ -76,6 +76,7 @@ pub struct Checkpoint {
 
 /// Why a run cannot be resumed.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum ResumeError {
     /// Only dynamic analyses have checkpoints.
     #[error("only a dynamic analysis can be resumed; run without --resume")]
@@ -83,17 +84,13 @@ pub enum ResumeError {
     /// There is no checkpoint.
     #[error("cannot read {}: {source}; run without --resume first", path.display())]
     None {
-        /// Its path.
         path: PathBuf,
-        /// Why.
         source: std::io::Error,
     },
     /// The file is not a checkpoint of this program.
     #[error("{} is no checkpoint of this version of the program: {source}", path.display())]
     Unusable {
-        /// The file.
         path: PathBuf,
-        /// Why.
         source: serde_json::Error,
     },
     /// The model file has changed.
@@ -105,23 +102,16 @@ pub enum ResumeError {
     Changed {
         /// The checkpoint.
         path: PathBuf,
-        /// What has changed.
         part: String,
     },
     /// The file is damaged or was edited.
     #[error("{} is damaged: {what}; run without --resume", path.display())]
-    Damaged {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong with it.
-        what: String,
-    },
+    Damaged { path: PathBuf, what: String },
     /// The run has passed the requested end.
     #[error(
         "the checkpoint is at time {t}, not before `to` = {to}: there is nothing left to compute"
     )]
     Passed {
-        /// Time reached.
         t: f64,
         /// Requested end time.
         to: f64,

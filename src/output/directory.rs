@@ -9,21 +9,14 @@ use std::path::{Path, PathBuf};
 
 /// Why results cannot be written.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum OutputError {
     /// An error of the file system.
     #[error("cannot write {}: {source}", path.display())]
-    Write {
-        /// The file or directory.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
+    Write { path: PathBuf, source: io::Error },
     /// The path for results is a file.
     #[error("cannot write results to {}: it is a file, and they take a directory", path.display())]
-    File {
-        /// The file.
-        path: PathBuf,
-    },
+    File { path: PathBuf },
     /// Another process writes into the directory.
     #[error(
         "cannot write results to {}: process {process} is writing there; wait for it, or give another \
@@ -31,25 +24,17 @@ pub enum OutputError {
         path.display()
     )]
     Busy {
-        /// The directory.
         path: PathBuf,
         /// The process id that it has left.
         process: String,
     },
     /// A figure cannot be drawn.
     #[error("cannot draw {name}: {source}")]
-    Draw {
-        /// Its file name.
-        name: String,
-        /// Why.
-        source: PlotError,
-    },
+    Draw { name: String, source: PlotError },
     /// A result cannot be serialised.
     #[error("cannot encode {name}: {source}")]
     Encode {
-        /// Its file name.
         name: String,
-        /// Why.
         source: serde_json::Error,
     },
 }

@@ -8,6 +8,7 @@ use pullback_integrators::significant;
 /// Why a comparison cannot be made. The failure of a scheme at a step size is not among them: it is a
 /// row with the reason.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum CompareError {
     /// The model file is refused.
     #[error(transparent)]
@@ -17,7 +18,6 @@ pub enum CompareError {
     Of {
         /// Name of the model in the results.
         model: String,
-        /// The error.
         error: Box<Self>,
     },
     /// The analysis is not dynamic.
@@ -33,38 +33,27 @@ pub enum CompareError {
     NoneBegins {
         /// The first one.
         name: String,
-        /// The reason.
         why: String,
     },
     /// A scheme twice.
     #[error("scheme `{name}` is given twice: name it once")]
-    SchemeTwice {
-        /// Its name.
-        name: String,
-    },
+    SchemeTwice { name: String },
     /// A reference scheme that is not accurate or stable enough.
     #[error(
         "scheme `{name}` is no reference: take one of order 2 or more that is stable at every step"
     )]
-    Reference {
-        /// Its name.
-        name: String,
-    },
+    Reference { name: String },
     /// A reference of a general solver.
     #[error(
         "the reference is three runs in steps of halves, and `{name}` chooses its own steps: take `radau`, say"
     )]
-    ReferenceForm {
-        /// The word.
-        name: String,
-    },
+    ReferenceForm { name: String },
     /// Neither a file nor a model of the gallery.
     #[error(
         "there is no file `{name}`, and no model of the gallery is called so{} gallery has {known}",
         near.as_ref().map_or("; the".to_owned(), |near| format!(": did you mean `{near}`? The"))
     )]
     NoModel {
-        /// The requested name.
         name: String,
         /// The nearest name.
         near: Option<String>,
@@ -73,110 +62,64 @@ pub enum CompareError {
     },
     /// A step as long as the motion.
     #[error("step size {} makes one step of the whole motion: take smaller ones", significant(*value))]
-    OneStep {
-        /// Its value.
-        value: f64,
-    },
+    OneStep { value: f64 },
     /// Fewer than two step sizes.
     #[error("an order takes two step sizes at least, {found} given: name them from large to small")]
-    FewSteps {
-        /// How many were given.
-        found: usize,
-    },
+    FewSteps { found: usize },
     /// An invalid step size.
     #[error("step size {} is not usable: it must be positive and finite", significant(*value))]
-    Step {
-        /// Its value.
-        value: f64,
-    },
+    Step { value: f64 },
     /// Step sizes that do not descend.
     #[error("step sizes must decrease, and {} comes after {}", significant(*after), significant(*before))]
-    Order {
-        /// A step size.
-        before: f64,
-        /// The next one.
-        after: f64,
-    },
+    Order { before: f64, after: f64 },
     /// A step size larger than the whole motion.
     #[error(
         "step size {} is larger than the duration {} of the motion: take smaller ones",
         significant(*value), significant(*to)
     )]
-    Long {
-        /// Its value.
-        value: f64,
-        /// The duration.
-        to: f64,
-    },
+    Long { value: f64, to: f64 },
     /// Too many steps.
     #[error("step size {} makes more than {most:e} steps: take larger ones", significant(*value))]
-    Many {
-        /// Its value.
-        value: f64,
-        /// Most steps.
-        most: f64,
-    },
+    Many { value: f64, most: f64 },
     /// A long run with too many steps.
     #[error(
         "a run of {} times the duration makes more than {most:e} steps: take it shorter",
         significant(*value)
     )]
-    TooLong {
-        /// How many times.
-        value: f64,
-        /// Most steps.
-        most: f64,
-    },
+    TooLong { value: f64, most: f64 },
     /// Two step sizes with the same number of steps.
     #[error(
         "step sizes {before} and {after} both come to {count} equal steps: take sizes further apart"
     )]
     Close {
-        /// A step size.
         before: f64,
-        /// The next one.
         after: f64,
-        /// Number of steps.
         count: usize,
     },
     /// An invalid file of exact values.
     #[error("the exact solution {}: {problem}", path.display())]
     Exact {
-        /// The file.
         path: std::path::PathBuf,
-        /// The problem.
         problem: String,
     },
     /// An invalid factor of long runs.
     #[error("long runs of {} times the duration are none: it must be 1 or more, and finite", significant(*value))]
-    Longer {
-        /// The factor.
-        value: f64,
-    },
+    Longer { value: f64 },
     /// An invalid residual.
     #[error("residual {value} is not usable: it must be positive and finite, such as 1e-10")]
-    Residual {
-        /// Its value.
-        value: f64,
-    },
+    Residual { value: f64 },
     /// A residual below the rounding errors of forces.
     #[error(
         "residual {value:e} is below the rounding of forces, {:.1e} of them: no run reaches it; take 1e-10, for example",
         f64::EPSILON
     )]
-    Rounding {
-        /// Its value.
-        value: f64,
-    },
+    Rounding { value: f64 },
     /// Models with the same directory of results.
     #[error(
         "two models are called `{name}`: results of each go to a directory of its name; rename a file, or compare \
          on one of them alone"
     )]
-    NameTwice {
-        /// The name.
-        name: String,
-    },
+    NameTwice { name: String },
     /// An unknown scheme, or a motion that cannot start.
     #[error(transparent)]
     Dynamics(#[from] DynamicsError),

@@ -25,6 +25,7 @@ use std::str::FromStr;
 
 /// Failure of a general solver.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum GeneralError {
     /// Multipliers are not supported.
     #[error(
@@ -32,7 +33,6 @@ pub enum GeneralError {
          multiplier: close the loop by a map"
     )]
     Multiplier {
-        /// The solver.
         solver: String,
         /// The first multiplier.
         multiplier: String,
@@ -43,9 +43,7 @@ pub enum GeneralError {
     /// The model cannot be evaluated at a state of the solver.
     #[error("the solver {solver} at time {t:.6}: {reason}")]
     Solver {
-        /// The solver.
         solver: String,
-        /// Time.
         t: f64,
         /// The error of the model or the solver.
         reason: String,

@@ -40,6 +40,7 @@ const RANGE: [f64; 2] = [1e-12, 1e12];
 
 /// Errors of spectra.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum SpectrumError {
     /// A scheme or a position is refused.
     #[error("{0}")]
@@ -49,12 +50,7 @@ pub enum SpectrumError {
         "Ω from {} to {} is no range: both must lie between {:e} and {:e}, the second one larger",
         significant(*from), significant(*to), RANGE[0], RANGE[1]
     )]
-    Range {
-        /// Smallest.
-        from: f64,
-        /// Largest.
-        to: f64,
-    },
+    Range { from: f64, to: f64 },
     /// A formulation of rotations, which do not occur in a vibration.
     #[error(
         "scheme `{word}`: formulations of rotations do not affect a linear vibration: leave the prefix \
@@ -87,10 +83,7 @@ pub enum SpectrumError {
     },
     /// A scheme twice.
     #[error("scheme `{name}` is given twice: name it once")]
-    Twice {
-        /// Its name.
-        name: String,
-    },
+    Twice { name: String },
     /// Files cannot be written.
     #[error("{0}")]
     Output(#[from] OutputError),
