@@ -141,12 +141,8 @@ pub fn table(rows: &[Comparison]) -> String {
             row.source
         );
     }
-    let mut cases: Vec<&Comparison> = Vec::new();
-    for row in rows {
-        if cases.last().is_none_or(|last| last.case != row.case) {
-            cases.push(row);
-        }
-    }
+    let cases = rows.chunk_by(|a, b| a.case == b.case);
+    let cases: Vec<&Comparison> = cases.filter_map(|rows| rows.first()).collect();
     let total: f64 = cases.iter().map(|row| row.seconds).sum();
     let times = cases
         .iter()

@@ -140,20 +140,16 @@ pub(super) fn run(
         grid,
         long,
         reference,
-        unknowns,
-        nodes,
-        enforced,
         multipliers,
-        title,
-        refused,
-    } = prepared;
-    for (name, why) in &refused {
+        ..
+    } = &prepared;
+    for (name, why) in &prepared.refused {
         (hooks.refused)(name, why);
     }
     let relative = options.residual.unwrap_or(f64::INFINITY);
     let reference_tasks = match options.exact {
         Some(_) => Vec::new(),
-        None => reference::tasks(&reference, &grid).to_vec(),
+        None => reference::tasks(reference, grid).to_vec(),
     };
     let tasks = |counts: &[usize], late_charts: bool| -> Vec<Task> {
         let schemes = options.schemes.iter();
@@ -176,11 +172,11 @@ pub(super) fn run(
     let long_tasks = long
         .as_ref()
         .map_or_else(Vec::new, |g| tasks(&g.counts, false));
-    let long = long.as_ref().unwrap_or(&grid);
+    let long = long.as_ref().unwrap_or(grid);
     let parts: [(&[Task], &Grid); 4] = [
-        (&reference_tasks, &grid),
-        (&own_tasks, &grid),
-        (&late_tasks, &grid),
+        (&reference_tasks, grid),
+        (&own_tasks, grid),
+        (&late_tasks, grid),
         (&long_tasks, long),
     ];
     let all = parts
@@ -194,9 +190,9 @@ pub(super) fn run(
     let [ran, own, late, lasting] =
         parts.map(|(tasks, _)| results.by_ref().take(tasks.len()).collect::<Vec<_>>());
     let judged = match &options.exact {
-        Some(exact) => Some(exact.reference(&grid.all_times(), nodes)),
+        Some(exact) => Some(exact.reference(&grid.all_times(), prepared.nodes)),
         None if ran.iter().any(|r| r.failure.is_some()) => None,
-        None => reference::judge(&reference, multipliers, &grid, &ran),
+        None => reference::judge(reference, *multipliers, grid, &ran),
     };
     let failure = ran.iter().find_map(|r| r.failure.as_ref());
     let every = || own.iter().chain(&late).chain(&lasting).chain(&ran);
@@ -208,14 +204,14 @@ pub(super) fn run(
     let rows = |ran: Vec<RunResult>, tasks: &[Task]| -> Vec<ComparisonRow> {
         let steps = options.steps.iter().cycle();
         (ran.into_iter().zip(tasks).zip(steps))
-            .map(|((ran, task), &step)| row(ran, task, step, &grid, judged.as_ref(), conserved))
+            .map(|((ran, task), &step)| row(ran, task, step, grid, judged.as_ref(), conserved))
             .collect()
     };
     let charts = rows(late, &late_tasks);
     let mut rows = rows(own, &own_tasks);
     for (row, task) in rows.iter_mut().zip(&own_tasks) {
         if options.timed && complete && row.failure.is_none() {
-            let time = run::clock(make, task, &grid, hooks);
+            let time = run::clock(make, task, grid, hooks);
             row.seconds_alone = time.map(|t| t.as_secs_f64());
             complete = (hooks.flow)().is_continue();
         }
@@ -227,16 +223,16 @@ pub(super) fn run(
     Comparison {
         program: concat!("pullback ", env!("CARGO_PKG_VERSION")),
         model: model.to_owned(),
-        title,
+        title: prepared.title.clone(),
         command: None,
         complete,
         to: grid.to,
         times: grid.times,
-        unknowns,
-        enforced,
-        multipliers,
+        unknowns: prepared.unknowns,
+        enforced: prepared.enforced,
+        multipliers: *multipliers,
         threads,
-        orders: orders(&options.schemes, multipliers, &rows, judged.as_ref()),
+        orders: orders(&options.schemes, *multipliers, &rows, judged.as_ref()),
         reference_failure: failure.map(|f| format!("{reference}: {f}")),
         equal_cost: EqualCost::find(&names, &rows, judged.as_ref(), false),
         equal_time: EqualCost::find(&names, &rows, judged.as_ref(), true),

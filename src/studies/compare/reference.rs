@@ -142,8 +142,11 @@ pub(super) fn exactly_conserved(samples: &[Sample]) -> Conserved {
     each(samples, &conserves)
 }
 
+/// Whether a quantity of this size is conserved.
+type Criterion<'a> = dyn Fn(&dyn Fn(&Sample) -> f64, f64) -> bool + 'a;
+
 /// The quantities for which `conserves` holds, with their largest sizes in a run.
-fn each(samples: &[Sample], conserves: &dyn Fn(&dyn Fn(&Sample) -> f64, f64) -> bool) -> Conserved {
+fn each(samples: &[Sample], conserves: &Criterion<'_>) -> Conserved {
     let largest = |value: &dyn Fn(&Sample) -> f64| samples.iter().map(value).fold(0.0, f64::max);
     let momentum = |k: usize| {
         let size = largest(&|s| s.momenta[k].norm());

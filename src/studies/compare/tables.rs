@@ -97,18 +97,16 @@ fn quoted(text: &str) -> String {
 }
 
 /// Failed runs, grouped by scheme and reason.
-pub(super) fn failures(comparison: &Comparison) -> Vec<(Vec<&ComparisonRow>, &str)> {
-    let mut out: Vec<(Vec<&ComparisonRow>, &str)> = Vec::new();
-    for row in &comparison.rows {
-        let Some(reason) = row.failure.as_deref() else {
-            continue;
-        };
-        match out.last_mut() {
-            Some((rows, said)) if rows[0].scheme == row.scheme && *said == reason => rows.push(row),
-            _ => out.push((vec![row], reason)),
-        }
-    }
-    out
+pub(super) fn failures<'c>(comparison: &'c Comparison) -> Vec<(Vec<&'c ComparisonRow>, &'c str)> {
+    let failed = comparison.rows.iter();
+    let failed: Vec<_> = failed
+        .filter_map(|row| Some((row, row.failure.as_deref()?)))
+        .collect();
+    let alike = failed.chunk_by(|a, b| a.0.scheme == b.0.scheme && a.1 == b.1);
+    let group = |group: &[(&'c ComparisonRow, &'c str)]| {
+        (group.iter().map(|(row, _)| *row).collect(), group[0].1)
+    };
+    alike.map(group).collect()
 }
 
 /// Status of a run, in a word.
