@@ -73,7 +73,7 @@ pub(super) fn usable_name(name: &str) -> bool {
 /// Refuses duplicate names.
 pub(super) fn distinct<'a>(
     source: &Text<'_>,
-    table: &str,
+    table: &'static str,
     what: &'static str,
     names: impl Iterator<Item = &'a str>,
 ) -> Result<(), InputError> {
@@ -86,14 +86,7 @@ pub(super) fn distinct<'a>(
             return Err(source.value(&path, Problem::Name { what, name }));
         }
         if !seen.insert(name) {
-            let what = match what {
-                "line" => "lines",
-                "probe" => "probes",
-                "joint" => "joints",
-                "body" => "bodies",
-                _ => "springs",
-            };
-            let name = name.to_owned();
+            let (what, name) = (table, name.to_owned());
             return Err(source.value(&path, Problem::Duplicate { what, name }));
         }
     }

@@ -118,20 +118,16 @@ fn thinned(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     }
     let group = 4 * points.len().div_ceil(POINTS);
     let mut out = Vec::with_capacity(POINTS + 4);
-    for (k, part) in points.chunks(group).enumerate() {
-        let start = k * group;
+    for part in points.chunks(group) {
         let extreme = |sign: f64| {
             let best = part.iter().enumerate();
             best.max_by(|a, b| (sign * a.1.1).total_cmp(&(sign * b.1.1)))
                 .map_or(0, |(i, _)| i)
         };
-        let mut kept = [0, extreme(1.0), extreme(-1.0), part.len() - 1];
+        let mut kept = vec![0, extreme(1.0), extreme(-1.0), part.len() - 1];
         kept.sort_unstable();
-        for (n, &i) in kept.iter().enumerate() {
-            if n == 0 || kept[n - 1] != i {
-                out.push(points[start + i]);
-            }
-        }
+        kept.dedup();
+        out.extend(kept.into_iter().map(|i| part[i]));
     }
     out
 }

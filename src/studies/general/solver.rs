@@ -220,12 +220,8 @@ impl<Y: System> Along<'_, '_, Y> {
                 solver.state().dy.clone_as_vec(),
             );
             let state = &mut progress.state;
-            let n = state.q.len();
-            state.t = t;
-            state.q.copy_from_slice(&y[..n]);
-            state.v.copy_from_slice(&y[n..]);
-            state.a.copy_from_slice(&dy[n..]);
-            state.algorithmic.copy_from_slice(&dy[n..]);
+            put(state, t, &y, &dy);
+            state.algorithmic.copy_from_slice(&state.a);
             let State {
                 q,
                 v,
@@ -267,11 +263,16 @@ impl<Y: System> Along<'_, '_, Y> {
             let reason = equations.failure.clone().unwrap_or_default();
             return Err((t, reason));
         }
-        let n = state.q.len();
-        state.t = t;
-        state.q.copy_from_slice(&y[..n]);
-        state.v.copy_from_slice(&y[n..]);
-        state.a.copy_from_slice(&rate[n..]);
+        put(state, t, y, &rate);
         Ok(())
     }
+}
+
+/// Sets a state from y = (q, q̇) and its rate.
+fn put(state: &mut State, t: f64, y: &[f64], rate: &[f64]) {
+    let n = state.q.len();
+    state.t = t;
+    state.q.copy_from_slice(&y[..n]);
+    state.v.copy_from_slice(&y[n..]);
+    state.a.copy_from_slice(&rate[n..]);
 }
