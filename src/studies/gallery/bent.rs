@@ -7,13 +7,13 @@ use crate::input::{ModelFile, Stiffness, Tensor};
 use crate::output::plot::Curve;
 use nalgebra::Vector3;
 
-/// All stiffnesses of all sections 1000 times.
-fn stiffer(file: &ModelFile) -> ModelFile {
+/// All stiffnesses of all sections times a factor.
+pub(super) fn stiffer(file: &ModelFile, factor: f64) -> ModelFile {
     let mut file = file.clone();
     for stiffness in (file.sections.values_mut()).filter_map(|s| s.stiffness.as_mut()) {
         let Stiffness { EA, GA, GJ, EI } = stiffness;
         let all = [EA, GJ].into_iter().chain(GA).chain(EI);
-        all.for_each(|x| *x *= 1e3);
+        all.for_each(|x| *x *= factor);
     }
     file
 }
@@ -55,7 +55,7 @@ pub(super) fn coupler(report: &mut CaseReport) -> Result<(), CaseError> {
     }
     let to = Run::step(1e-3).to(2.0);
     let rigid = report.motion(&alike, &["coupler tip"], to)?;
-    let stiff = report.motion(&stiffer(&file), &["coupler tip"], to)?;
+    let stiff = report.motion(&stiffer(&file, 1e3), &["coupler tip"], to)?;
     let [a, b] = [&rigid, &stiff].map(|run| last(run, 0).position);
     let source = "independent: the rigid linkage, whose loop closes implicitly";
     for (k, name) in ["e1", "e2"].into_iter().enumerate() {
@@ -89,7 +89,7 @@ pub(super) fn coupler(report: &mut CaseReport) -> Result<(), CaseError> {
 pub(super) fn connecting_rod(report: &mut CaseReport) -> Result<(), CaseError> {
     let file = report.model("slider_crank_flexible")?;
     let to = Run::step(5e-4).to(1.0);
-    let stiff = report.motion(&stiffer(&file), &["slider"], to)?;
+    let stiff = report.motion(&stiffer(&file, 1e3), &["slider"], to)?;
     let source = "exact: closed-form kinematics of the driven crank, which has turned by 6 rad";
     let what = "slider at t = 1, rod 1000 times stiffer";
     let y = 6.0_f64.sin() * CRANK;

@@ -208,6 +208,11 @@ impl CaseReport {
         })
     }
 
+    /// The end of load stepping from 0 to 1, watched at the tip.
+    pub(super) fn tip(&self, file: &ModelFile) -> Result<Record, CaseError> {
+        self.build(file, "tip")?.end(&StaticOptions::default())
+    }
+
     pub(super) fn find(&self, model: &Context, node: &str) -> Result<NodeId, CaseError> {
         model.find(node).ok_or_else(|| CaseError::Node {
             case: self.case.to_owned(),

@@ -3,12 +3,11 @@
 #![allow(non_snake_case)]
 
 use super::case::{CaseError, CaseReport};
-use super::motion::{History, Run, richardson, runge_kutta};
+use super::motion::{History, Run, continued, richardson, runge_kutta};
 use crate::input::{
     Analysis, DofName, Fix, ModelFile, PrescribedMotion, Scheme, SpinUp, Support, Time,
 };
 use crate::output::plot::Curve;
-use crate::probe::continue_rotation;
 use nalgebra::Vector3;
 use pullback_elements::model::NodeState;
 use std::f64::consts::PI;
@@ -21,12 +20,7 @@ fn ahead(alpha: f64, cosine: f64) -> f64 {
 
 /// Rotation angle of a node over time, any number of turns.
 fn angles(states: &[NodeState]) -> Vec<f64> {
-    let mut continued = Vector3::zeros();
-    let turn = states.iter().map(|s| {
-        continued = continue_rotation(&continued, &s.psi);
-        continued.norm()
-    });
-    turn.collect()
+    continued(states).iter().map(Vector3::norm).collect()
 }
 
 /// Angle of the input of rigid shafts with inertias of 20 after the moment 0 → 40 → 0, by the

@@ -2,6 +2,7 @@
 
 use super::case::{CaseError, CaseReport};
 use crate::input::{self, ModelFile, Plan};
+use crate::probe::continue_rotation;
 use crate::solve::{begin, point};
 use nalgebra::Vector3;
 use pullback_elements::model::{Context, EnergiesAndMomentum, NodeId, NodeState};
@@ -223,6 +224,15 @@ impl CaseReport {
             problem: problem.to_owned(),
         }
     }
+}
+
+/// The rotation vectors of a node from step to step, any number of turns.
+pub(super) fn continued(states: &[NodeState]) -> Vec<Vector3<f64>> {
+    let turns = states.iter().scan(Vector3::zeros(), |before, state| {
+        *before = continue_rotation(before, &state.psi);
+        Some(*before)
+    });
+    turns.collect()
 }
 
 /// Value of order two in the step from those with steps h and h/2.

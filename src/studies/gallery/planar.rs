@@ -3,7 +3,6 @@
 use super::case::{CaseError, CaseReport, Record, meshed, order};
 use crate::input::ModelFile;
 use crate::output::plot::Curve;
-use pullback_integrators::statics::StaticOptions;
 use std::f64::consts::{PI, TAU};
 
 /// Rotation about e3 in (−π, π].
@@ -83,7 +82,7 @@ pub(super) fn elastica(report: &mut CaseReport) -> Result<(), CaseError> {
 /// S05: Géradin's cantilever.
 pub(super) fn cantilever(report: &mut CaseReport) -> Result<(), CaseError> {
     let file = report.model("cantilever")?;
-    let r = report.build(&file, "tip")?.end(&StaticOptions::default())?;
+    let r = report.tip(&file)?;
     let rotation = (-r.state.R[(2, 0)].atan2(r.state.R[(0, 0)])).abs();
     let computed = [-r.state.d.x, r.state.d.z, rotation];
     let exact = [0.596471272235, 2.15969389449, 0.672006063844];
@@ -93,13 +92,8 @@ pub(super) fn cantilever(report: &mut CaseReport) -> Result<(), CaseError> {
         let source = "exact curve: independent shooting, S05";
         report.compare(*name, computed[k], exact[k], 1e-9, source);
         let source = "published: Géradin & Cardona 2001 (3 digits)";
-        report.compare(
-            format!("{name}, published digits"),
-            computed[k],
-            published[k],
-            1e-3,
-            source,
-        );
+        let what = format!("{name}, published digits");
+        report.compare(what, computed[k], published[k], 1e-3, source);
     }
     Ok(())
 }
@@ -114,7 +108,7 @@ fn stub(
 ) -> Result<Record, CaseError> {
     let mut file = meshed(file, elements, order);
     file.loads[0].force = Some([0.0, force, 0.0]);
-    report.build(&file, "tip")?.end(&StaticOptions::default())
+    report.tip(&file)
 }
 
 /// S09: a stubby cantilever in which shear counts.

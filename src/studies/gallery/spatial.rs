@@ -12,18 +12,10 @@ use std::f64::consts::PI;
 /// S07: pretwisted by 90°.
 pub(super) fn twisted(report: &mut CaseReport) -> Result<(), CaseError> {
     let file = report.model("twisted")?;
-    let d = report
-        .build(&file, "tip")?
-        .end(&StaticOptions::default())?
-        .state
-        .d;
-    report.compare_vector(
-        "tip displacement",
-        d,
-        [-1.14152599954, -1.718053346465, -3.593213240272],
-        1e-9,
-        "published: kynema-fmb and BeamDyn (Wang et al. 2017)",
-    );
+    let d = report.tip(&file)?.state.d;
+    let exact = [-1.14152599954, -1.718053346465, -3.593213240272];
+    let source = "published: kynema-fmb and BeamDyn (Wang et al. 2017)";
+    report.compare_vector("tip displacement", d, exact, 1e-9, source);
     let solid = [-1.134192, -1.714467, -3.58423];
     let source = "published: ANSYS solid (Wang et al. 2017), 1 %";
     report.compare_vector("tip displacement, solid model,", d, solid, 0.036, source);
@@ -48,22 +40,13 @@ pub(super) fn princeton(report: &mut CaseReport) -> Result<(), CaseError> {
         let (s, c) = degrees.to_radians().sin_cos();
         let mut file = file.clone();
         file.loads[0].force = Some([0.0, P * c, P * s]);
-        let d = report
-            .build(&file, "tip")?
-            .end(&StaticOptions::default())?
-            .state
-            .d;
+        let d = report.tip(&file)?.state.d;
         let source = "published: ANSYS beam (Obrezkov et al. 2022), 0.5 % of the largest";
         for (name, computed, published, largest) in
             [("y", d.y, y, YZ[0][0]), ("z", d.z, z, YZ[6][1])]
         {
-            report.compare(
-                format!("u{name} at {degrees}°"),
-                computed,
-                published,
-                0.005 * largest,
-                source,
-            );
+            let (what, tolerance) = (format!("u{name} at {degrees}°"), 0.005 * largest);
+            report.compare(what, computed, published, tolerance, source);
         }
     }
     Ok(())
