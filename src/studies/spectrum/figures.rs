@@ -1,6 +1,6 @@
 //! Figures of spectra.
 
-use super::{Point, RESOLVED, Spectrum};
+use super::{Pick, Point, RESOLVED, Spectrum};
 use crate::output::plot::{Curve, Division, Graph, PlotError, graphs};
 use pullback_integrators::dynamics::Scheme;
 
@@ -12,7 +12,6 @@ const EXPANDED: &str = "; broken: κ Ω² and σ Ω³ of theory";
 /// # Errors
 /// [`PlotError`] of the drawing library.
 pub fn figures(spectra: &[(Scheme, Spectrum)]) -> Result<[(&'static str, String); 2], PlotError> {
-    type Pick = fn(&Point) -> Option<f64>;
     let graph = |y: &str, division: [Division; 2], to: f64, by: [Pick; 2]| {
         let [steps, closed] = by;
         let mut curves = Vec::new();

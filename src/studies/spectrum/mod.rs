@@ -315,37 +315,38 @@ pub fn table(spectra: &[(Scheme, Spectrum)]) -> Result<String, DynamicsError> {
     Ok(out)
 }
 
+/// A number of a point, where it is known.
+type Pick = fn(&Point) -> Option<f64>;
+
+/// Columns of `spectrum.csv` after the scheme.
+const COLUMNS: [(&str, Pick); 17] = [
+    ("Omega", |p| Some(p.Omega)),
+    ("radius", |p| Some(p.radius)),
+    ("damping", |p| p.damping),
+    ("elongation", |p| p.elongation),
+    ("closed_radius", |p| p.closed_radius),
+    ("closed_damping", |p| p.closed_damping),
+    ("closed_elongation", |p| p.closed_elongation),
+    ("expanded_damping", |p| p.expanded_damping),
+    ("expanded_elongation", |p| p.expanded_elongation),
+    ("rest_position", |p| Some(p.rest_position)),
+    ("rest_velocity", |p| Some(p.rest_velocity)),
+    ("closed_rest_position", |p| p.closed_rest_position),
+    ("closed_rest_velocity", |p| p.closed_rest_velocity),
+    ("origin_position", |p| Some(p.origin_position)),
+    ("origin_velocity", |p| Some(p.origin_velocity)),
+    ("closed_origin_position", |p| p.closed_origin_position),
+    ("closed_origin_velocity", |p| p.closed_origin_velocity),
+];
+
 /// All numbers as comma-separated values: one line per scheme and Ω; unknown ones are empty.
 pub fn csv(spectra: &[(Scheme, Spectrum)]) -> String {
-    let mut out = "scheme,Omega,radius,damping,elongation,closed_radius,closed_damping,\
-                   closed_elongation,expanded_damping,expanded_elongation,rest_position,\
-                   rest_velocity,closed_rest_position,closed_rest_velocity,origin_position,\
-                   origin_velocity,closed_origin_position,closed_origin_velocity\n"
-        .to_owned();
+    let mut out = format!("scheme,{}\n", COLUMNS.map(|column| column.0).join(","));
     // Zero has no sign.
     let number = |x: Option<f64>| x.map_or_else(String::new, |x| (x + 0.0).to_string());
     for (_, spectrum) in spectra {
         for p in &spectrum.points {
-            let numbers = [
-                Some(p.Omega),
-                Some(p.radius),
-                p.damping,
-                p.elongation,
-                p.closed_radius,
-                p.closed_damping,
-                p.closed_elongation,
-                p.expanded_damping,
-                p.expanded_elongation,
-                Some(p.rest_position),
-                Some(p.rest_velocity),
-                p.closed_rest_position,
-                p.closed_rest_velocity,
-                Some(p.origin_position),
-                Some(p.origin_velocity),
-                p.closed_origin_position,
-                p.closed_origin_velocity,
-            ];
-            let line = numbers.map(number).join(",");
+            let line = COLUMNS.map(|column| number(column.1(p))).join(",");
             let _ = writeln!(out, "{},{line}", spectrum.scheme);
         }
     }
