@@ -108,17 +108,14 @@ pub fn read(path: &Path, nodes: &[String], times: &[f64]) -> Result<Exact, Compa
     // Skips a byte order mark.
     let head = head.trim_start_matches('\u{feff}');
     let names: Vec<&str> = head.split(',').map(str::trim).collect();
-    let twice = names
-        .iter()
-        .enumerate()
-        .find(|(k, name)| names[..*k].contains(name));
-    if let Some((_, name)) = twice {
+    let mut known = names.iter().enumerate();
+    if let Some((_, name)) = known.find(|(k, name)| names[..*k].contains(name)) {
         return Err(refuse(format!("column `{name}` is there twice")));
     }
-    let columns: Vec<Column> = head
-        .split(',')
-        .map(|name| column(name.trim(), nodes).map_err(&refuse))
-        .collect::<Result<_, _>>()?;
+    let columns = names
+        .iter()
+        .map(|name| column(name, nodes).map_err(&refuse));
+    let columns: Vec<Column> = columns.collect::<Result<_, _>>()?;
     let Some(of_time) = columns.iter().position(|c| matches!(c, Column::Time)) else {
         return Err(refuse("it has no column `t`".to_owned()));
     };

@@ -71,16 +71,9 @@ impl<'a, Y: System> Equations<'a, Y> {
 
     /// ẏ; NaN where it cannot be evaluated.
     pub fn rate(&mut self, t: f64, y: &[f64], out: &mut [f64]) {
-        match self.accelerate(t, y) {
-            Ok(()) => {
-                out[..self.n].copy_from_slice(&y[self.n..]);
-                out[self.n..].copy_from_slice(&self.a);
-            }
-            Err(reason) => {
-                self.failure = Some(reason);
-                out.fill(f64::NAN);
-            }
-        }
+        let solved = self.accelerate(t, y);
+        let parts = [&y[self.n..], &self.a];
+        self.failure = write(solved, parts, out).or(self.failure.take());
     }
 
     /// K and C at y.
@@ -125,15 +118,18 @@ impl<'a, Y: System> Equations<'a, Y> {
             let solved = self.solver.solve(Some(&self.M), &mut self.r);
             solved.map_err(|error| format!("the mass matrix: {error}"))
         });
-        match solved {
-            Ok(()) => {
-                out[..self.n].copy_from_slice(dv);
-                out[self.n..].copy_from_slice(&self.r);
-            }
-            Err(reason) => {
-                self.failure = Some(reason);
-                out.fill(f64::NAN);
-            }
-        }
+        self.failure = write(solved, [dv, &self.r], out).or(self.failure.take());
     }
+}
+
+/// Writes both halves of a result; where it cannot be evaluated NaN, and returns the reason.
+fn write(solved: Result<(), String>, halves: [&[f64]; 2], out: &mut [f64]) -> Option<String> {
+    let (first, second) = out.split_at_mut(out.len() / 2);
+    first.copy_from_slice(halves[0]);
+    second.copy_from_slice(halves[1]);
+    let failure = solved.err();
+    if failure.is_some() {
+        out.fill(f64::NAN);
+    }
+    failure
 }
