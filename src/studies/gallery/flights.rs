@@ -73,13 +73,8 @@ pub(super) fn flying(report: &mut CaseReport) -> Result<(), CaseError> {
             "free end e3",
         ];
         for (k, name) in names.into_iter().enumerate() {
-            report.compare(
-                format!("{name} at t = {t}"),
-                computed[k],
-                exact[k],
-                1e-2,
-                source,
-            );
+            let what = format!("{name} at t = {t}");
+            report.compare(what, computed[k], exact[k], 1e-2, source);
         }
     }
     let worst = (run.t.iter().zip(&run.balances)).fold(0.0_f64, |m, (t, balance)| {

@@ -170,13 +170,8 @@ pub(super) fn universal(report: &mut CaseReport) -> Result<(), CaseError> {
         let what = format!("{shafts}: output off the relation, at most");
         report.compare(what, off[0], 0.0, 1e-7, "exact: tan β = tan α / cos γ");
         let what = format!("{shafts}: ratio of speeds off the relation, at most");
-        report.compare(
-            what,
-            off[1],
-            0.0,
-            1e-7,
-            "exact: cos γ / (1 − sin² γ cos² α)",
-        );
+        let formula = "exact: cos γ / (1 − sin² γ cos² α)";
+        report.compare(what, off[1], 0.0, 1e-7, formula);
         for &(alpha, beta, speed) in points {
             // The relation repeats itself after half a turn.
             let [_, b, ratio] = rows[RUN_UP / 2 + 2 * (180 + alpha)];

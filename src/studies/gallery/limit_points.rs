@@ -48,21 +48,12 @@ pub(super) fn lee_frame(report: &mut CaseReport) -> Result<(), CaseError> {
         let (p, x) = first(k + 1).map_or((nan, nan), |r| (r.t * FORCE, r.state.d.x));
         let quantity = format!("load at deflection {v}");
         report.compare(quantity, p, load, 1e-5 * load, EXACT);
-        report.compare(
-            format!("displacement along e1 at deflection {v}"),
-            x,
-            u,
-            f64::min(1e-5 * u, 1e-4),
-            EXACT,
-        );
+        let quantity = format!("displacement along e1 at deflection {v}");
+        report.compare(quantity, x, u, f64::min(1e-5 * u, 1e-4), EXACT);
     }
-    report.compare(
-        "turning points of the load up to 20 000",
-        turns.len() as f64,
-        2.0,
-        0.0,
-        "published: Simo & Vu-Quoc 1986, figure",
-    );
+    let (what, count) = ("turning points of the load up to 20 000", turns.len());
+    let source = "published: Simo & Vu-Quoc 1986, figure";
+    report.compare(what, count as f64, 2.0, 0.0, source);
     let path = |pick: fn(&Record) -> f64| -> Vec<(f64, f64)> {
         std::iter::once((0.0, 0.0))
             .chain(records.iter().map(|r| (pick(r), r.t * FORCE)))
@@ -144,30 +135,15 @@ pub(super) fn deep_arch(report: &mut CaseReport) -> Result<(), CaseError> {
     }
     let passed = |event: usize| whole.iter().filter(|r| r.event == Some(event)).count();
     let source = "exact curve: one limit point before zero load";
-    report.compare(
-        "turning points of the load",
-        passed(0) as f64,
-        1.0,
-        0.0,
-        source,
-    );
+    let what = "turning points of the load";
+    report.compare(what, passed(0) as f64, 1.0, 0.0, source);
     let source = "published: DaDeppo & Schmidt 1975";
     report.compare("limit load", fine[0], 897.0, 0.5, source);
     let source = "published: Simo & Vu-Quoc 1986, the same mesh";
-    report.compare(
-        "limit load, 40 2-node elements",
-        linear[0],
-        905.28,
-        0.5,
-        source,
-    );
+    let what = "limit load, 40 2-node elements";
+    report.compare(what, linear[0], 905.28, 0.5, source);
     let source = "published: Ibrahimbegovic 1995, the same mesh";
-    report.compare(
-        "limit load, 20 3-node elements",
-        curved[0],
-        897.3,
-        0.5,
-        source,
-    );
+    let what = "limit load, 20 3-node elements";
+    report.compare(what, curved[0], 897.3, 0.5, source);
     Ok(())
 }

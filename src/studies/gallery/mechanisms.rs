@@ -82,13 +82,8 @@ pub(super) fn bricard(report: &mut CaseReport) -> Result<(), CaseError> {
     let source = "exact: threefold-symmetric Bricard linkage, twist 90° (Chen, You & Tarnai 2005)";
     let what = "cos θ + cos φ + cos θ cos φ, largest in 1250 steps";
     report.compare(what, worst, 0.0, 1e-12, source);
-    report.compare(
-        "largest difference of every other hinge",
-        uneven,
-        0.0,
-        1e-12,
-        source,
-    );
+    let what = "largest difference of every other hinge";
+    report.compare(what, uneven, 0.0, 1e-12, source);
     let source = "exact: the loop is closed at all times";
     report.compare("largest gap of the loop", gap, 0.0, 1e-13, source);
     let run = report.motion(&file, &["end 2"], Run::step(2e-3))?;
@@ -188,13 +183,8 @@ pub(super) fn misaligned(report: &mut CaseReport) -> Result<(), CaseError> {
         let states = run.nodes[0].iter();
         states.fold(0.0_f64, |m, s| m.max(s.d.z.abs()))
     };
-    report.compare(
-        "aligned: largest deflection at C",
-        off(&run),
-        0.0,
-        1e-12,
-        source,
-    );
+    let what = "aligned: largest deflection at C";
+    report.compare(what, off(&run), 0.0, 1e-12, source);
     let turns = |elements: usize, order: usize, loads: &[f64]| {
         let file = meshed(&file, elements, order);
         let records = report.build(&file, "C")?.at_loads(loads)?;

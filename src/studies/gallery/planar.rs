@@ -22,13 +22,9 @@ pub(super) fn rollup(report: &mut CaseReport) -> Result<(), CaseError> {
         let record = &beam.at_loads(loads)?[loads.len() - 1];
         // One and two turns give the same tip position: the energy ½ M φ tells them apart.
         let phi = TAU * turns as f64;
-        report.compare(
-            format!("strain energy after {turns} turns over EI/L"),
-            beam.model.strain_energy(record.t) / EI,
-            0.5 * phi * phi,
-            1e-9,
-            SOURCE,
-        );
+        let energy = beam.model.strain_energy(record.t) / EI;
+        let what = format!("strain energy after {turns} turns over EI/L");
+        report.compare(what, energy, 0.5 * phi * phi, 1e-9, SOURCE);
         let tip = format!("tip displacement after {turns} turns,");
         report.compare_vector(&tip, record.state.d, [-1.0, 0.0, 0.0], 1e-9, SOURCE);
         let rest = format!("rotation left over after {turns} turns");
@@ -40,13 +36,8 @@ pub(super) fn rollup(report: &mut CaseReport) -> Result<(), CaseError> {
     let record = report
         .build(&one, "tip")?
         .at_loads(&[2.0 / (4.0 * PI), 3.0 / (4.0 * PI)])?[1];
-    report.compare(
-        "rotation of a single element",
-        angle(&record),
-        3.0,
-        1e-10,
-        SOURCE,
-    );
+    let what = "rotation of a single element";
+    report.compare(what, angle(&record), 3.0, 1e-10, SOURCE);
     Ok(())
 }
 

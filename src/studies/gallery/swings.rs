@@ -56,13 +56,8 @@ pub(super) fn pendulum(report: &mut CaseReport) -> Result<(), CaseError> {
     }
     let ends = [&a, &b, &c].map(|h| h.at(0, 10.0).position);
     let source = "theory: the trapezoidal rule";
-    report.compare(
-        "order in the step",
-        observed_order(&ends),
-        2.0,
-        0.05,
-        source,
-    );
+    let order = observed_order(&ends);
+    report.compare("order in the step", order, 2.0, 0.05, source);
     let error = c.energy_error();
     report.compare("energy error", error, 0.0, 1e-5, "conserved");
     over(report, &file)

@@ -96,13 +96,8 @@ pub(super) fn top(report: &mut CaseReport) -> Result<(), CaseError> {
         let exact = UnitQuaternion::from_quaternion(p) * Vector3::z();
         let axis: Vector3<f64> = converged.at(0, t).R.column(2).into();
         let source = "independent: quaternion, Runge-Kutta";
-        report.compare_vector(
-            &format!("axis at t = {t}"),
-            axis,
-            exact.into(),
-            1e-4,
-            source,
-        );
+        let what = format!("axis at t = {t}");
+        report.compare_vector(&what, axis, exact.into(), 1e-4, source);
     }
 
     let rigid = report.motion(&file, &["O"], Run::FILE)?;
@@ -181,13 +176,11 @@ pub(super) fn heavy_top(report: &mut CaseReport) -> Result<(), CaseError> {
         let [rate, exact] = [body_rate(&third), exact].map(|r| (r / 150.0).into());
         report.compare_vector(&what, rate, exact, 1e-5, source);
         let order = observed_order(&[&a, &b, &c].map(|h| axis(h, 1.0)));
-        report.compare(
+        let (what, source) = (
             format!("{name}, order in the step"),
-            order,
-            2.0,
-            0.1,
             "theory: the trapezoidal rule",
         );
+        report.compare(what, order, 2.0, 0.1, source);
     }
     Ok(())
 }
@@ -244,23 +237,13 @@ pub(super) fn free_body(report: &mut CaseReport) -> Result<(), CaseError> {
     let omega = richardson(body_rate(&b).into(), body_rate(&c).into());
     let source = "exact: order-8 Runge-Kutta in extended precision, R03";
     let exact = [-8.74573438, 4.84996187, 5.05001221];
-    report.compare_vector(
-        "extrapolated body rate at t = 1",
-        omega,
-        exact,
-        1e-5,
-        source,
-    );
+    let what = "extrapolated body rate at t = 1";
+    report.compare_vector(what, omega, exact, 1e-5, source);
     let exact = Quaternion::new(0.24270299, 0.11814413, -0.82272015, -0.50026871);
     let [coarse, fine] = [axes(&b), axes(&c)];
     let extrapolated = [0, 1, 2].map(|k| richardson(coarse[k], fine[k]));
-    compare_axes(
-        report,
-        "extrapolated body axis",
-        extrapolated,
-        exact,
-        source,
-    );
+    let what = "extrapolated body axis";
+    compare_axes(report, what, extrapolated, exact, source);
     let period = richardson([period(&b)], [period(&c)])[0];
     let source = "exact: Jacobi's elliptic functions, R03";
     let what = "extrapolated period";
