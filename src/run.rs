@@ -216,10 +216,8 @@ fn execute(
     if matches!(plan, Plan::Dynamic(_)) {
         recorder.checkpoint(&context, &progress)?;
     }
-    let (rows, t) = (
-        recorder.rows().len(),
-        recorder.rows().last().map_or(plan.start(), |row| row.t),
-    );
+    let rows = recorder.rows().len();
+    let t = recorder.rows().last().map_or(plan.start(), |row| row.t);
     let ending = match unevaluated {
         Some(error) => Ending::Failed {
             message: RecordError::System(error).to_string(),

@@ -214,13 +214,8 @@ pub(super) fn compare(registry: &Registry, args: Arguments, command: &str) -> u8
     let subjects: Result<Vec<_>, _> = subjects.collect();
     let ran = subjects.and_then(|subjects| match &subjects[..] {
         [only] => {
-            let Subject {
-                model,
-                make,
-                options,
-                ..
-            } = only;
-            let one = compare::run(&**make, model, Some(command), &directory, options, &hooks)?;
+            let (make, model, options) = (&*only.make, &only.model, &only.options);
+            let one = compare::run(make, model, Some(command), &directory, options, &hooks)?;
             Ok(vec![one])
         }
         several => compare::run_several(several, Some(command), &directory, &hooks),

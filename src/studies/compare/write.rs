@@ -90,15 +90,10 @@ pub fn run_several(
         prepare(&*subject.make, &subject.options).map_err(|error| error.of(&subject.model))?;
     }
     let mut all: Vec<Comparison> = Vec::with_capacity(subjects.len());
-    for Subject {
-        name,
-        model,
-        make,
-        options,
-    } in subjects
-    {
-        let own = directory.join(name);
-        let comparison = run(&**make, model, command, &own, options, hooks)?;
+    for subject in subjects {
+        let own = directory.join(&subject.name);
+        let (make, model, options) = (&*subject.make, &subject.model, &subject.options);
+        let comparison = run(make, model, command, &own, options, hooks)?;
         let complete = comparison.complete;
         all.push(comparison);
         if !complete {
