@@ -1,6 +1,6 @@
 //! A run: model file in, results out.
 
-use crate::input::{self, InputError, Job, Plan};
+use crate::input::{self, InputError, Job, ModelFile, Plan};
 use crate::output::{
     Checkpoint, Directory, Ending, OutputError, RecordError, Recorder, ResumeError, Setting,
     is_complete,
@@ -167,17 +167,13 @@ fn execute(
         };
         begin(&mut context, &plan.options, &mut progress)?;
     }
-    let mut warnings = Vec::new();
-    if checkpoint.is_none() {
-        warnings = warnings::strained(&context, &file, &progress);
-        if matches!(plan, Plan::Dynamic(_)) {
-            notes.extend(warnings::carried(&context, &file));
-            warnings.extend(warnings::left_behind(&file));
-            warnings.extend(warnings::immobile(&context));
-            warnings.extend(warnings::massless(&mut context, &progress));
-            warnings.extend(warnings::drowned(&mut context, &file, &progress));
-        }
+    if checkpoint.is_none() && matches!(plan, Plan::Dynamic(_)) {
+        notes.extend(warnings::carried(&context, &file));
     }
+    let warnings = match &checkpoint {
+        None => first_warnings(&mut context, &file, &plan, &progress),
+        Some(_) => Vec::new(),
+    };
     let directory = match &checkpoint {
         None => Directory::open(directory)?,
         Some(checkpoint) => Directory::reopen(directory, &checkpoint.grids())?,
@@ -207,21 +203,18 @@ fn execute(
         }
         observer(step)
     });
-    let mut unevaluated = None;
-    match unwritten {
-        Some(RecordError::System(error)) => unevaluated = Some(error),
+    let unevaluated = match unwritten {
+        Some(error @ RecordError::System(_)) => Some(error.to_string()),
         Some(error) => return Err(error.into()),
-        None => {}
-    }
+        None => None,
+    };
     if matches!(plan, Plan::Dynamic(_)) {
         recorder.checkpoint(&context, &progress)?;
     }
     let rows = recorder.rows().len();
     let t = recorder.rows().last().map_or(plan.start(), |row| row.t);
     let ending = match unevaluated {
-        Some(error) => Ending::Failed {
-            message: RecordError::System(error).to_string(),
-        },
+        Some(message) => Ending::Failed { message },
         None => ending(&ended, t),
     };
     let mut warnings = recorder.warnings(&ending);
@@ -239,6 +232,23 @@ fn execute(
         files: written.files().to_vec(),
         notes,
     })
+}
+
+/// The warnings about a model at its start.
+fn first_warnings(
+    context: &mut Context,
+    file: &ModelFile,
+    plan: &Plan,
+    progress: &Progress,
+) -> Vec<String> {
+    let mut warnings = warnings::strained(context, file, progress);
+    if matches!(plan, Plan::Dynamic(_)) {
+        warnings.extend(warnings::left_behind(file));
+        warnings.extend(warnings::immobile(context));
+        warnings.extend(warnings::massless(context, progress));
+        warnings.extend(warnings::drowned(context, file, progress));
+    }
+    warnings
 }
 
 /// Records a step, and a checkpoint when it is due.
