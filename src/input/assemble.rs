@@ -1,6 +1,6 @@
 //! Assembles the whole model: names, references, and the order of construction.
 
-use super::file::{Analysis, ModelFile, Output};
+use super::file::{Analysis, Joint, ModelFile, Output};
 use super::initial::Start;
 use super::names::{Names, check_names, usable_name};
 use super::registry::Registry;
@@ -203,7 +203,7 @@ fn check_statics(source: &Text<'_>, file: &ModelFile) -> Result<(), InputError> 
     if !file.initial.is_empty() {
         return Err(source.value(&["initial", "0"], Problem::InitialStatics));
     }
-    let moving = |j: &super::file::Joint| {
+    let moving = |j: &Joint| {
         let mut acts = j.all_acts();
         acts.any(|(_, a)| a.rate.is_some() || a.value.is_some())
     };
@@ -272,11 +272,7 @@ pub(super) fn locate(source: &Text<'_>, file: &ModelFile, error: ModelError) -> 
             // The cause: prescribed motion of the joint, or a support of the node.
             let name = coordinate.strip_prefix("node ").unwrap_or(coordinate);
             let name = name.split(", ").next().unwrap_or_default().to_owned();
-            let prescribed = |j: &super::file::Joint| {
-                let of = name.strip_prefix(&j.name);
-                of.is_some_and(|r| r.is_empty() || r.starts_with(' '))
-                    && j.acts().prescribed.is_some()
-            };
+            let prescribed = |j: &Joint| j.names(&name) && j.prescribed.is_some();
             let path = match file.joints.iter().position(prescribed) {
                 Some(k) => Some(["joints".to_owned(), k.to_string(), "prescribed".to_owned()]),
                 None => (file.supports.iter().position(|s| s.node == name))
@@ -295,13 +291,7 @@ pub(super) fn locate(source: &Text<'_>, file: &ModelFile, error: ModelError) -> 
         node.contains('/').then(|| k.to_string())
     });
     let problem = Problem::Model(error);
-    let joint = (file.joints.iter()).position(|j| {
-        node == j.name
-            || node
-                .strip_prefix(&j.name)
-                .is_some_and(|r| r.starts_with(' '))
-    });
-    if let Some(k) = joint {
+    if let Some(k) = file.joints.iter().position(|j| j.names(&node)) {
         return source.value(&["joints", &k.to_string(), "name"], problem);
     }
     match line {
