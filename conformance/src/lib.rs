@@ -60,7 +60,7 @@ mod sample;
 mod schemes;
 
 pub use block::{Block, Compared, difference};
-pub use elements::{element, element_at, joint, same};
+pub use elements::{InCharts, element, element_at, joint, same};
 pub use forces::{
     CONFIRMED, Forces, State, dense, forces, forces_at, sizes, states, system, system_at,
     system_sizes,

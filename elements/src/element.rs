@@ -9,6 +9,11 @@ use pullback_manifold::system::Weights;
 /// Time, coordinates, velocities and accelerations of an element, node by node. A frame node has
 /// six coordinates (d, Ψ): displacement from its reference position and rotation vector from its
 /// reference orientation, both in global components.
+///
+/// An element that [reads poses](Properties::reads_poses) has the displacement and the modified Rodrigues
+/// parameters (d, σ) instead, the velocity and the angular velocity (ẋ, ω), and (ẍ, ω̇). Its residual is a
+/// force and a moment, and its tangents are derivatives along (δx, δθ), (δx, δθ)˙ and (δx, δθ)¨: see
+/// [`ToPose`](pullback_manifold::map::ToPose).
 #[derive(Clone, Copy, Debug)]
 pub struct Motion<'a> {
     /// Time, or load parameter in statics.
@@ -130,6 +135,9 @@ pub struct Properties {
     /// It depends on rotations of its nodes: false for an element that uses positions only, whose nodes
     /// may rotate relative to each other without limit.
     pub sees_rotations: bool,
+    /// It reads the poses of its nodes, all of them frames, and gives forces and moments:
+    /// [`Motion`].
+    pub reads_poses: bool,
 }
 
 impl Properties {
@@ -141,6 +149,7 @@ impl Properties {
         symmetric: true,
         objective: true,
         sees_rotations: true,
+        reads_poses: false,
     };
 
     /// A load with a symmetric tangent.
@@ -160,6 +169,7 @@ impl Properties {
             symmetric: self.symmetric && other.symmetric,
             objective: self.objective && other.objective,
             sees_rotations: self.sees_rotations || other.sees_rotations,
+            reads_poses: self.reads_poses && other.reads_poses,
         }
     }
 }

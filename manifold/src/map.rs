@@ -15,14 +15,18 @@
 
 pub mod derived;
 mod erased;
+mod graph;
 mod increment;
 mod linear;
+pub mod pose;
 
 use erased::Erased;
 pub use erased::{KinematicsMut, Parametrization};
 pub use erased::{write_geometric_stiffness, write_kinematics, write_tangent};
+pub use graph::{MapGraph, Read};
 pub use increment::Increment;
 pub use linear::Linear;
+pub use pose::{ToChart, ToPose};
 
 use crate::scalar::Scalar;
 use crate::system::CHART_EDGE;

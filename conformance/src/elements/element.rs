@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::inertia;
+use super::{in_charts, inertia};
 use crate::{Forces, Layout, Random, Report, State, forces_at, states};
 use nalgebra::{DMatrix, DVector};
 use pullback_elements::element::{Element, Motion, Response};
@@ -13,11 +13,14 @@ use pullback_manifold::system::Weights;
 /// Tangents by slope, at rest and in motion; symmetry where the element claims it; the force as
 /// derivative of the energy where there is one; inertial forces as those of the kinetic energy; the
 /// power of all forces against the energies; that neither the residual nor a tangent depends on what
-/// else is requested; and that a combined tangent is the sum of its parts.
+/// else is requested; and that a combined tangent is the sum of its parts. An element that reads poses is
+/// checked in the charts of its frames.
 pub fn element(element: &dyn Element) -> Report {
     let n = element.dim();
     let name = format!("element of {n} coordinates");
-    element_at(&name, &Layout::plain(n), &states(n), element)
+    in_charts(element, |element| {
+        element_at(&name, &Layout::plain(n), &states(n), element)
+    })
 }
 
 /// As [`element`], of coordinates with names and units, at given states.

@@ -21,7 +21,7 @@ where
 {
     let mut report = Report::new(short_name::<J>());
     let mut random = Random::default();
-    let mut map = JointMap::new(joint.clone());
+    let mut map = JointMap::new(joint.clone()).between_charts();
     let of_joint = |q: &[f64]| SVector::<f64, D>::from_column_slice(&q[6..]);
     let margin = |q: &[f64]| joint.margin(TIME, &of_joint(q));
     for (at, q) in within(&mut report, &mut random, 6 + D, margin) {

@@ -1,6 +1,7 @@
 //! The laws of elements and joints.
 
 mod element;
+mod in_charts;
 mod inertia;
 pub(crate) mod invariance;
 mod joint;
@@ -9,6 +10,8 @@ mod same;
 
 pub(crate) use element::{Request, evaluate};
 pub use element::{element, element_at};
+pub use in_charts::InCharts;
+pub(crate) use in_charts::in_charts;
 pub(crate) use invariance::{EXACT, Placed, vector};
 pub use joint::joint;
 pub(crate) use rigid::{Carrier, FrameAt, carry};

@@ -3,6 +3,7 @@
 #![allow(non_snake_case)]
 
 use super::element::{Request, evaluate, motion};
+use super::in_charts;
 use crate::{Report, states};
 use nalgebra::DMatrix;
 use pullback_elements::element::Element;
@@ -12,6 +13,12 @@ use pullback_elements::element::Element;
 ///
 /// What [`element`](super::element()) cannot see is an error in the force that its own tangents share.
 pub fn same(found: &dyn Element, expected: &dyn Element) -> Report {
+    in_charts(found, |found| {
+        in_charts(expected, |expected| of_coordinates(found, expected))
+    })
+}
+
+fn of_coordinates(found: &dyn Element, expected: &dyn Element) -> Report {
     let n = expected.dim();
     let mut report = Report::new(format!("two elements of {n} coordinates"));
     if found.dim() != n {

@@ -46,9 +46,6 @@ pub(super) fn step_inside(context: &mut Context, t: f64, q: &mut [f64], units: &
 fn room(context: &mut Context, k: usize, t: f64, q: &[f64]) -> Option<f64> {
     let (v, a) = (&[][..], &[][..]);
     context.configure(Point { t, q, v, a }).ok()?;
-    let (_, map, parents) = maps(context).nth(k)?;
-    Some(
-        map.duplicate()
-            .margin(t, parent_state(context, parents, t).x.as_slice()),
-    )
+    let (_, mut map, parents) = maps(context).nth(k)?;
+    Some(map.margin(t, parent_state(context, parents, t).x.as_slice()))
 }

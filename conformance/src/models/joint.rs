@@ -32,9 +32,8 @@ pub(super) fn laws(
     if let Err(error) = context.configure(point) {
         return report.impossible("domain", at, error.to_string());
     }
-    for mapped in maps(context) {
-        let (n, _, parents) = mapped;
-        let joint = view::joint(context, mapped, units);
+    for (n, map, parents) in maps(context) {
+        let joint = view::joint(context, (n, &*map, parents), units);
         let rows = view::rows(context, n, units);
         let node = &context.nodes()[n as usize];
         let framed = view::is_frame(node);

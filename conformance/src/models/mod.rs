@@ -9,12 +9,14 @@ mod states;
 mod transport;
 mod view;
 
-use crate::elements::{Placed, Request, element_at, evaluate, invariance};
+use crate::elements::{Placed, Request, element_at, evaluate, in_charts, invariance};
 use crate::{Forces, Layout, Random, Report, State, system_at};
 use nalgebra::DVector;
+use pullback_elements::element::Element;
 use pullback_elements::model::Context;
 use pullback_manifold::system::{Evaluation, Point, System, Weights};
 use states::{Size, beside, moving};
+use view::Component;
 
 /// Where a model is checked.
 #[derive(Clone, Debug, PartialEq)]
@@ -147,7 +149,25 @@ fn component<'a>(
     positions: impl Iterator<Item = (&'a str, &'a State)>,
     random: &mut Random,
 ) -> Report {
-    let mut own = view::element(context, k, units);
+    let own = view::element(context, k, units);
+    in_charts(own.thing, |element| {
+        let own = Component {
+            thing: element,
+            name: own.name,
+            layout: own.layout,
+            frames: own.frames,
+            rotations: own.rotations,
+        };
+        of_element(own, rate, positions, random)
+    })
+}
+
+fn of_element<'a>(
+    mut own: Component<&dyn Element>,
+    rate: f64,
+    positions: impl Iterator<Item = (&'a str, &'a State)>,
+    random: &mut Random,
+) -> Report {
     let element = own.thing;
     own.layout.rate = rate;
     let mut states = Vec::new();

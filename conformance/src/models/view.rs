@@ -5,7 +5,7 @@ use crate::{CoordinateGroup, Layout, State, plain};
 use nalgebra::{DVector, Vector3};
 use pullback_elements::element::{Element, Motion};
 use pullback_elements::model::{Context, Node, NodeForm};
-use pullback_manifold::map::Parametrization;
+use pullback_manifold::map::{MapGraph, Parametrization, Read, ToChart, ToPose};
 use pullback_manifold::system::{Evaluation, Point, Quantity, System, SystemError};
 use std::ops::Range;
 
@@ -25,7 +25,7 @@ pub(super) struct Component<T> {
 pub(super) type Rotation = [Option<usize>; 3];
 
 pub(super) fn is_frame(node: &Node) -> bool {
-    node.form() == NodeForm::Frame
+    matches!(node.form(), NodeForm::Frame | NodeForm::Pose)
 }
 
 /// Element `k` with its layout; `units` are those of the nodes.
@@ -49,27 +49,68 @@ pub(super) fn element<'a>(
 
 /// The state of element `k`, in its chart, without motion.
 pub(super) fn element_state(context: &Context, k: usize, t: f64) -> State {
-    let [x, ..] = context.element_motion(k);
-    State::statics(t, DVector::from_vec(x))
+    let e = &context.elements()[k];
+    let x = match e.element().properties().reads_poses {
+        true => parent_state(context, e.nodes(), t).x,
+        false => {
+            let [x, ..] = context.element_motion(k);
+            DVector::from_vec(x)
+        }
+    };
+    State::statics(t, x)
 }
 
-/// The maps of a model: the node that follows, its map, the nodes that this reads.
-pub(super) fn maps(context: &Context) -> impl Iterator<Item = (u32, &dyn Parametrization, &[u32])> {
+/// The maps of a model: the node that follows, its map, the nodes that this reads; between the charts of
+/// frames, without those from a chart to a pose and back.
+pub(super) fn maps(
+    context: &Context,
+) -> impl Iterator<Item = (u32, Box<dyn Parametrization>, &[u32])> {
     context.mapped_nodes().iter().filter_map(|&n| {
         let node = &context.nodes()[n as usize];
         let map = context.map_of(node)?;
-        Some((n, map, node.parents(map.segment())))
+        let parents = node.parents(map.segment());
+        let is_pose = |n: &u32| context.nodes()[*n as usize].form() == NodeForm::Pose;
+        if let [parent] = parents
+            && is_frame(node)
+            && is_frame(&context.nodes()[*parent as usize])
+            && is_pose(&n) != is_pose(parent)
+        {
+            return None;
+        }
+        if !parents.iter().chain([&n]).any(is_pose) {
+            return Some((n, map.duplicate(), parents));
+        }
+        let mut graph = MapGraph::new(map.dims().0);
+        let mut first = 0;
+        let mut reads = Vec::new();
+        for m in parents {
+            let len = context.nodes()[*m as usize].range().len();
+            let read = match is_pose(m) {
+                true => graph.add(Box::new(ToPose), vec![(Read::Input(first), len)]),
+                false => Read::Input(first),
+            };
+            reads.push((read, len));
+            first += len;
+        }
+        let child = graph.add(map.duplicate(), reads);
+        if is_pose(&n) {
+            graph.add(
+                Box::new(ToChart::default()),
+                vec![(child, node.range().len())],
+            );
+        }
+        Some((n, Box::new(graph.with_outputs(1)) as Box<_>, parents))
     })
 }
 
 /// The map of a node with the layout of what it takes.
 pub(super) fn joint<'a>(
-    context: &'a Context,
+    context: &Context,
     (n, map, parents): (u32, &'a dyn Parametrization, &[u32]),
     units: &[f64],
 ) -> Component<&'a dyn Parametrization> {
     let node = &context.nodes()[n as usize];
-    let kind = plain(map.kind());
+    let kind = plain(context.map_of(node).map_or("", |map| map.kind()));
     let name = match is_frame(node) {
         true => format!("joint {} ({kind})", node.name()),
         false if kind == LOOP => format!("{} ({kind})", node.name()),
@@ -88,12 +129,11 @@ pub(super) fn rows(context: &Context, n: u32, units: &[f64]) -> Layout {
 
 /// The motion of the parents of a map, in the configuration last set.
 pub(super) fn parent_state(context: &Context, parents: &[u32], t: f64) -> State {
-    let [x, v, a] = context.configuration().map(|all| {
-        let ranges = parents.iter().map(|&m| context.nodes()[m as usize].range());
-        DVector::from_iterator(
-            ranges.clone().map(|r| r.len()).sum(),
-            ranges.flatten().map(|c| all[c]),
-        )
+    let own = |&m: &u32| context.node_motion(&context.nodes()[m as usize]);
+    let all: Vec<[Vec<f64>; 3]> = parents.iter().map(own).collect();
+    let [x, v, a] = [0, 1, 2].map(|k| {
+        let values: Vec<f64> = all.iter().flat_map(|own| own[k].iter().copied()).collect();
+        DVector::from_vec(values)
     });
     State { t, x, v, a }
 }
@@ -114,7 +154,7 @@ fn component<T>(
             groups.push(group(node, range, name, kind, unit(n as usize)));
         }
         match node.form() {
-            NodeForm::Frame => frames.push(FrameAt {
+            NodeForm::Frame | NodeForm::Pose => frames.push(FrameAt {
                 first,
                 position: node.position(),
             }),
@@ -284,7 +324,7 @@ pub(super) fn silent_power(context: &mut Context, t: f64) -> f64 {
 fn groups_of(node: &Node) -> Vec<(Range<usize>, String, Quantity)> {
     let name = node.name();
     match node.form() {
-        NodeForm::Frame => vec![
+        NodeForm::Frame | NodeForm::Pose => vec![
             (
                 0..3,
                 format!("displacement of node {name}"),

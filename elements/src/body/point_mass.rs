@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use super::BodyError;
-use crate::element::{Element, ElementError, Motion, Response};
+use crate::element::{Element, ElementError, Motion, Properties, Response};
 use crate::load::{LoadKind, NodalLoad};
 use crate::time::TimeFunction;
 
@@ -61,6 +61,13 @@ impl PointMass {
 impl Element for PointMass {
     fn dim(&self) -> usize {
         6
+    }
+
+    fn properties(&self) -> Properties {
+        Properties {
+            sees_rotations: false,
+            ..Properties::INTERNAL
+        }
     }
 
     fn kinetic_energy(&self, at: &Motion<'_>) -> Option<f64> {

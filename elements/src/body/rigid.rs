@@ -3,12 +3,13 @@
 #![allow(non_snake_case)]
 
 use super::BodyError;
-use crate::element::{EDGE, Element, ElementError, Motion, Response};
-use crate::inertia::{FrameMotion, Inertia};
+use crate::element::{Element, ElementError, Motion, Properties, Response};
+use crate::inertia::Inertia;
 use crate::load::EccentricForce;
 use crate::time::TimeFunction;
-use nalgebra::{Matrix3, Matrix6, Vector3};
-use pullback_manifold::system::Weights;
+use nalgebra::{Matrix3, Vector3};
+use pullback_manifold::map::pose::orientation;
+use pullback_manifold::so3::skew;
 
 /// Tolerance of a negative principal moment, relative to the largest: round-off.
 const ROUND_OFF: f64 = 1e-12;
@@ -19,8 +20,16 @@ const FLAT: f64 = 1e-5;
 
 /// A rigid body moving with a frame node; dim 6. \[M04\] (119), (147), (152) without the integral.
 ///
-/// The node need not be the centre of mass. Residual −f_acc of [`Inertia`], exact M, C (gyroscopic)
-/// and K (centrifugal, with the accelerations); no force in statics.
+/// The node need not be the centre of mass. With the first moment s and the inertia J about the node, both in
+/// global components,
+///
+/// ```text
+/// f = −(m ẍ + l),        l = ω̇ × s + ω × (ω × s)
+/// m = −(s × ẍ + h),      h = J ω̇ + ω × J ω
+/// ```
+///
+/// with exact M, C (gyroscopic) and K (centrifugal, with the accelerations); no force in statics. It
+/// [reads poses](Properties::reads_poses).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RigidBody {
     inertia: Inertia,
@@ -82,8 +91,15 @@ impl RigidBody {
         if at.v.is_empty() {
             return 0.0;
         }
-        self.inertia
-            .kinetic_energy(&triple(at.v, 0), &triple(at.x, 3), &triple(at.v, 3))
+        let (v, omega) = (triple(at.v, 0), triple(at.v, 3));
+        let [s, J_omega] = {
+            let turn = orientation(at.x);
+            let own = turn.conjugate().rotate(&omega);
+            [self.inertia.S, self.inertia.J * own].map(|u| turn.rotate(&u))
+        };
+        0.5 * self.inertia.mass * v.norm_squared()
+            + v.dot(&omega.cross(&s))
+            + 0.5 * omega.dot(&J_omega)
     }
 }
 
@@ -115,11 +131,15 @@ fn triple(x: &[f64], first: usize) -> Vector3<f64> {
     Vector3::new(x[first], x[first + 1], x[first + 2])
 }
 
-/// Adds a 6×6 matrix to an entry, if requested.
-fn add(to: Option<&mut [f64]>, matrix: &Matrix6<f64>) {
-    if let Some(to) = to {
-        for (to, m) in to.iter_mut().zip(matrix.iter()) {
-            *to += m;
+/// Adds blocks to a 6×6 matrix, if requested, each with its first row and column.
+fn add(to: Option<&mut [f64]>, blocks: &[([usize; 2], Matrix3<f64>)]) {
+    let Some(to) = to else { return };
+    for ([row, column], block) in blocks {
+        for (j, values) in block.column_iter().enumerate() {
+            let first = (column + j) * 6 + row;
+            for (to, value) in to[first..first + 3].iter_mut().zip(&values) {
+                *to += value;
+            }
         }
     }
 }
@@ -127,6 +147,13 @@ fn add(to: Option<&mut [f64]>, matrix: &Matrix6<f64>) {
 impl Element for RigidBody {
     fn dim(&self) -> usize {
         6
+    }
+
+    fn properties(&self) -> Properties {
+        Properties {
+            reads_poses: true,
+            ..Properties::INTERNAL
+        }
     }
 
     fn kinetic_energy(&self, at: &Motion<'_>) -> Option<f64> {
@@ -137,29 +164,48 @@ impl Element for RigidBody {
         if at.v.is_empty() {
             return Ok(());
         }
-        let motion = FrameMotion {
-            psi: triple(at.x, 3),
-            psi_dot: triple(at.v, 3),
-            psi_ddot: triple(at.a, 3),
-            x_dot: triple(at.v, 0),
-            x_ddot: triple(at.a, 0),
-        };
-        let psi = motion.psi.norm();
-        if psi.is_nan() || psi > EDGE {
-            return Err(ElementError::OutsideChart { psi });
+        let Inertia { mass, S, J } = self.inertia;
+        let R = orientation(at.x).rotation();
+        let (s, J) = (R * S, R * J * R.transpose());
+        let (x_ddot, omega, omega_dot) = (triple(at.a, 0), triple(at.v, 3), triple(at.a, 3));
+        let J_omega = J * omega;
+        let l = omega_dot.cross(&s) + omega.cross(&omega.cross(&s));
+        let h = J * omega_dot + omega.cross(&J_omega);
+        let f = x_ddot * mass + l;
+        let m = s.cross(&x_ddot) + h;
+        for k in 0..3 {
+            out.r[k] -= f[k];
+            out.r[3 + k] -= m[k];
         }
-        let moving = self.inertia.moving(&motion);
-        for (r, f) in out.r.iter_mut().zip(moving.force().iter()) {
-            *r -= f;
-        }
+        let spin = skew(&omega);
+        let first = skew(&s);
+        add(
+            out.M.as_deref_mut(),
+            &[
+                ([0, 0], Matrix3::from_diagonal_element(mass)),
+                ([0, 3], -first),
+                ([3, 0], first),
+                ([3, 3], J),
+            ],
+        );
         if out.K.is_none() && out.C.is_none() {
-            add(out.M.as_deref_mut(), &moving.mass());
             return Ok(());
         }
-        let one = |K, C, M| moving.tangent(Weights { K, C, M });
-        add(out.M.as_deref_mut(), &moving.mass());
-        add(out.C.as_deref_mut(), &one(0.0, 1.0, 0.0));
-        add(out.K.as_deref_mut(), &one(1.0, 0.0, 0.0));
+        // Turned with the body, both forces turn with it; the rest is due to δθ˙ alone.
+        let centrifugal = Matrix3::from_diagonal_element(omega.dot(&s)) + omega * s.transpose()
+            - s * omega.transpose() * 2.0;
+        let gyroscopic = spin * J - skew(&J_omega) - J * spin;
+        add(
+            out.C.as_deref_mut(),
+            &[([0, 3], centrifugal + first * spin), ([3, 3], gyroscopic)],
+        );
+        add(
+            out.K.as_deref_mut(),
+            &[
+                ([0, 3], -skew(&l)),
+                ([3, 3], skew(&x_ddot) * first - skew(&h)),
+            ],
+        );
         Ok(())
     }
 }

@@ -16,6 +16,13 @@ impl<A: Element, B: Element> Element for Sum<A, B> {
     }
 
     fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
+        if self.0.properties().reads_poses != self.1.properties().reads_poses {
+            return Err(ElementError::OutsideDomain {
+                edge: "what a sum can hold, elements that read poses or elements that do not: \
+                       add them to the model one by one",
+                margin: 0.0,
+            });
+        }
         self.0.evaluate(at, out)?;
         self.1.evaluate(at, out)
     }

@@ -60,7 +60,7 @@ pub use universal::Universal;
 use axes::{PARALLEL, direction};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
-use pullback_manifold::so3::{Quaternion, log_quaternion, quaternion};
+use pullback_manifold::so3::{Quaternion, quaternion};
 use pullback_manifold::system::{CHART_EDGE, Quantity};
 
 /// The pose of a child frame in its parent.
@@ -111,27 +111,6 @@ impl<S: Scalar> Pose<S> {
         Self {
             d: self.d + self.rotation.rotate(by),
             rotation: self.rotation,
-        }
-    }
-}
-
-/// Which of the two rotation vectors of a rotation a map gives; see
-/// [`log_quaternion`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum LogBranch {
-    /// That of the quaternion as it comes out.
-    #[default]
-    Same,
-    /// That of its opposite.
-    Opposite,
-}
-
-impl LogBranch {
-    /// The rotation vector on this branch.
-    pub fn log<S: Scalar>(self, turn: &Quaternion<S>) -> Vector3<S> {
-        match self {
-            Self::Same => log_quaternion(turn),
-            Self::Opposite => log_quaternion(&turn.opposite()),
         }
     }
 }

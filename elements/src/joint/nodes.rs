@@ -60,6 +60,7 @@ impl ModelBuilder {
     {
         let mut coordinates = self.add_coordinates(name, &joint)?;
         coordinates.push(self.rotation(format!("{name} rotation"))?);
+        let parent = self.pose_of(parent, || format!("joint at node {name}"))?;
         let position = self.child_position(parent, &joint);
         let parents = [&[parent], &coordinates[..]].concat();
         let map = Box::new(FreeJointMap::new(joint));
@@ -129,9 +130,11 @@ impl ModelBuilder {
     where
         J: Joint<D> + Clone + 'static,
     {
+        let name = name.into();
+        let parent = self.pose_of(parent, || format!("joint at node {name}"))?;
         let position = self.child_position(parent, &joint);
         let parents = [&[parent], coordinates].concat();
-        self.mapped_node(name, position, Box::new(JointMap::new(joint)), &parents)
+        self.mapped_pose(name, position, Box::new(JointMap::new(joint)), &parents)
     }
 
     fn child_position<J: Joint<D>, const D: usize>(&self, parent: NodeId, joint: &J) -> [f64; 3] {

@@ -5,13 +5,14 @@
 use crate::element::{Element, ElementError, Motion, Properties, Response};
 use crate::time::TimeFunction;
 use nalgebra::Vector3;
-use pullback_manifold::quotients::Quotients;
-use pullback_manifold::so3::{self, skew};
+use pullback_manifold::map::pose::orientation;
+use pullback_manifold::so3::skew;
 
 /// A force n of fixed direction at the material offset e from a frame node; dim 6. \[M04\] (156)–(157).
 ///
-/// Covector n for d and Tᵀ e~ Rᵀn for Ψ. It has the potential −n·(d + (R − I) e), zero in the
-/// reference configuration, so that its tangent is symmetric.
+/// The force n and the moment R e × n. It has the potential −n·(d + (R − I) e), zero in the reference
+/// configuration, so that its tangent is symmetric in coordinates. It [reads
+/// poses](Properties::reads_poses).
 #[derive(Debug)]
 pub struct EccentricForce {
     n: Vector3<f64>,
@@ -42,30 +43,25 @@ impl Element for EccentricForce {
     }
 
     fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
-        let psi = Vector3::from_column_slice(&at.x[3..6]);
         let [amplitude, rate, _] = self.amplitude.at(at.t);
-        let quotients = Quotients::new(psi.norm());
-        let c = quotients.tangent();
-        let T = so3::T(&psi, &c);
-        let n = so3::R(&psi, &c).tr_mul(&self.n);
-        let moment = self.e.cross(&n);
-        let f = T.tr_mul(&moment);
+        let e = orientation(at.x).rotate(&self.e);
+        let moment = e.cross(&self.n);
         for k in 0..3 {
             out.r[k] += amplitude * self.n[k];
-            out.r[3 + k] += amplitude * f[k];
+            out.r[3 + k] += amplitude * moment[k];
         }
         if let Some(r_t) = out.r_t.as_deref_mut() {
             for k in 0..3 {
                 r_t[k] += rate * self.n[k];
-                r_t[3 + k] += rate * f[k];
+                r_t[3 + k] += rate * moment[k];
             }
         }
         if let Some(K) = out.K.as_deref_mut() {
-            // [M04] (157): D_Ψ(Tᵀ e~ Rᵀn).
-            let D = so3::C2(&moment, &psi, &quotients) + T.tr_mul(&(skew(&self.e) * skew(&n) * T));
+            // δ(e × n) = (δθ × e) × n
+            let turned = skew(&self.n) * skew(&e);
             for c in 0..3 {
                 for r in 0..3 {
-                    K[3 + r + (3 + c) * 6] -= amplitude * D[(r, c)];
+                    K[3 + r + (3 + c) * 6] -= amplitude * turned[(r, c)];
                 }
             }
         }
@@ -74,8 +70,7 @@ impl Element for EccentricForce {
 
     fn energy(&self, at: &Motion<'_>) -> f64 {
         let d = Vector3::from_column_slice(&at.x[..3]);
-        let psi = Vector3::from_column_slice(&at.x[3..6]);
-        let moved = d + so3::rotation(&psi) * self.e - self.e;
+        let moved = d + orientation(at.x).rotate(&self.e) - self.e;
         -self.amplitude.at(at.t)[0] * self.n.dot(&moved)
     }
 
@@ -86,6 +81,7 @@ impl Element for EccentricForce {
     fn properties(&self) -> Properties {
         Properties {
             steady: self.amplitude.constant().is_some(),
+            reads_poses: true,
             ..Properties::LOAD
         }
     }

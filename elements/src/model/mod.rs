@@ -66,6 +66,8 @@ enum Source {
 pub enum NodeForm {
     /// (d, Ψ) of a frame.
     Frame,
+    /// The pose of a frame, as [`ToPose`](pullback_manifold::map::ToPose) writes it.
+    Pose,
     /// (d, θ) behind a frame, or θ behind a rotation, θ since the last converged step.
     Increment,
     /// A rotation vector alone.
@@ -104,6 +106,8 @@ pub struct Node {
     /// First coordinate in the vector of all nodes' coordinates.
     first: usize,
     source: Source,
+    /// Of a frame the node of its pose, of a pose that of its frame, or [`NONE`].
+    partner: u32,
 }
 
 impl Node {
@@ -117,11 +121,13 @@ impl Node {
             quantities: quantities.to_vec(),
             first: 0,
             source,
+            partner: NONE,
         }
     }
 
+    /// Whether it is a frame, by its chart or by its pose.
     fn is_frame(&self) -> bool {
-        self.form == NodeForm::Frame
+        matches!(self.form, NodeForm::Frame | NodeForm::Pose)
     }
 
     /// First coordinate of the rotation vector, if there is one.
@@ -129,7 +135,8 @@ impl Node {
         match self.form {
             NodeForm::Frame => Some(self.first + 3),
             NodeForm::Rotation => Some(self.first),
-            NodeForm::Increment
+            NodeForm::Pose
+            | NodeForm::Increment
             | NodeForm::Coordinates
             | NodeForm::Multipliers
             | NodeForm::Dummy => None,

@@ -73,6 +73,30 @@ impl<S: Scalar> Quaternion<S> {
         self.w * b.w + self.v.dot(&b.v)
     }
 
+    /// The modified Rodrigues parameters tan(ψ/4) e of a unit quaternion, ψ < 2π; zero for w = −1.
+    ///
+    /// Their sign is that of the quaternion: ‖σ‖ > 1 for w < 0.
+    #[must_use]
+    pub fn rodrigues(&self) -> Vector3<S> {
+        let square = self.v.dot(&self.v);
+        if self.w.re() >= 0.0 || square.re() == 0.0 {
+            self.v * (self.w + S::one()).recip()
+        } else {
+            self.v * ((S::one() - self.w) * square.recip())
+        }
+    }
+
+    /// The unit quaternion of modified Rodrigues parameters.
+    #[must_use]
+    pub fn from_rodrigues(sigma: &Vector3<S>) -> Self {
+        let square = sigma.dot(sigma);
+        let scale = (square + S::one()).recip();
+        Self {
+            w: (S::one() - square) * scale,
+            v: sigma * (scale + scale),
+        }
+    }
+
     /// The rotation matrix of a unit quaternion.
     #[must_use]
     pub fn rotation(&self) -> Matrix3<S> {

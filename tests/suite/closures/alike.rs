@@ -48,7 +48,7 @@ fn values_that_cannot_all_be_are_kept_as_by_the_map() {
     let (by_map, _) = start(&too_far(CLOSURES[0]));
     for closure in &CLOSURES[1..] {
         let (positions, notes) = start(&too_far(closure));
-        assert_eq!(positions["A angle"][0], -0.71);
+        assert!((positions["A angle"][0] + 0.71).abs() <= f64::EPSILON);
         for name in ["A angle", "B angle", "E angle", "D angle"] {
             let apart = (positions[name][0] - by_map[name][0]).abs();
             assert!(apart < 1e-9, "{closure}: {name} {apart:e}");

@@ -384,5 +384,6 @@ fn a_prescribed_angle_is_followed_exactly() {
         turned = turned.max(context.coordinate(free.coordinates[0], 0).unwrap()[0].abs());
     });
     assert!(turned > 0.1, "the second body is to move");
-    assert!(progress.summary.chart_changes >= 4);
+    // Poses have no charts, whatever their angles.
+    assert_eq!(progress.summary.chart_changes, 0);
 }

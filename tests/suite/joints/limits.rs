@@ -84,7 +84,7 @@ fn a_universal_joint_goes_through_a_right_angle_and_any_number_of_turns() {
     let progress = progress.unwrap();
     assert!(beta * progress.state.t > 2.0 * TAU);
     assert!(largest < 1e-10, "{largest:e}");
-    assert!(progress.summary.chart_changes > 0);
+    assert_eq!(progress.summary.chart_changes, 0);
 }
 
 /// A point mass that hangs along the third axis of the shaft: at β = 90° no mass acts on α, which turns by

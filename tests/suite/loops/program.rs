@@ -83,8 +83,15 @@ fn a_free_child_hangs_on_its_joint() {
 
 #[test]
 fn a_resumed_loop_gives_the_same_bits() {
-    // Long enough for the coordinates to change on both sides of the interruption.
-    let text = with(&[("to = 4", "to = 2.4\ncheckpoint_every = 50")]);
+    // The rocker's angle is independent at first, and not any more at the interruption.
+    let text = with(&[
+        ("to = 4", "to = 2.4\ncheckpoint_every = 50"),
+        ("rate = 4.5\n", ""),
+        (
+            "name = \"D\"\n",
+            "name = \"D\"\nrate = 4.0\nspring = { k = 0.5 }\n",
+        ),
+    ]);
     let straight = directory("loops-straight");
     let broken = directory("loops-broken");
     let go_on = |_: &pullback::solve::Advance<'_>| ControlFlow::Continue(());
@@ -110,7 +117,7 @@ fn a_resumed_loop_gives_the_same_bits() {
             .as_u64()
             .unwrap()
     };
-    assert!(changes(&one) >= 2, "{} changes", changes(&one));
+    assert!(changes(&one) >= 1, "{} changes", changes(&one));
     assert_eq!(changes(&one), changes(&other));
     // A checkpoint of another loop is refused.
     let path = broken.join("model.out/checkpoint.json");

@@ -9,7 +9,7 @@ use pullback::elements::beam::Interpolation;
 use pullback::elements::joint::{JointMap, JointNodes, Revolute};
 use pullback::input::Registry;
 use pullback::input::{BoxedError, InputError};
-use pullback::manifold::map::{KinematicsMut, Parametrization};
+use pullback::manifold::map::{KinematicsMut, MapGraph, Parametrization};
 use pullback::manifold::system::Quantity;
 use pullback::prelude::*;
 use std::ffi::OsString;
@@ -169,7 +169,7 @@ fn springs_drives_motors_and_probes_act_on_its_coordinates() {
 
 /// A map of a program's own, whose author has lost a factor 2 in Ḃ.
 #[derive(Clone)]
-struct Halved(JointMap<Revolute, 1>);
+struct Halved(MapGraph);
 
 impl Parametrization for Halved {
     fn dims(&self) -> (usize, usize) {
@@ -217,7 +217,10 @@ fn check_fails_on_a_wrong_joint_and_blames_its_block() {
         let angle = at
             .builder
             .coordinates(format!("{} angle", at.name), &[Quantity::Angle])?;
-        let (position, map) = (at.builder.position(at.parent), Halved(JointMap::new(pin)));
+        let (position, map) = (
+            at.builder.position(at.parent),
+            Halved(JointMap::new(pin).between_charts()),
+        );
         let nodes = [at.parent, angle];
         let frame = (at.builder).mapped_node(at.name, position.into(), Box::new(map), &nodes)?;
         let coordinates = vec![angle];

@@ -1,7 +1,6 @@
 //! Rotations between the two nodes of a beam, for joints along it.
 
 use crate::beam::Interpolation;
-use crate::joint::LogBranch;
 use nalgebra::Vector3;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::{complement, log_quaternion, quaternion};
@@ -12,24 +11,24 @@ use std::f64::consts::TAU;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Between {
     interpolation: Interpolation,
-    branches: [LogBranch; 2],
+    /// Whether the complement of a node's vector is used.
+    complements: [bool; 2],
 }
 
 impl Between {
     /// On the branches of the coordinates.
     pub fn new(interpolation: Interpolation) -> Self {
-        let branches = [LogBranch::Same; 2];
         Self {
             interpolation,
-            branches,
+            complements: [false; 2],
         }
     }
 
     /// The rotation vector between those of the two nodes: Σ Nᵢ Ψᵢ, or log(R₁ exp(N₂ log(R₁ᵀ R₂))).
     pub fn at<S: Scalar>(&self, ends: [Vector3<S>; 2], shape: [S; 2]) -> Vector3<S> {
-        let [first, last] = [0, 1].map(|k| match self.branches[k] {
-            LogBranch::Same => ends[k],
-            LogBranch::Opposite => complement(&ends[k]),
+        let [first, last] = [0, 1].map(|k| match self.complements[k] {
+            false => ends[k],
+            true => complement(&ends[k]),
         });
         match self.interpolation {
             Interpolation::Total => first * shape[0] + last * shape[1],
@@ -44,20 +43,18 @@ impl Between {
     /// Takes the chart in which the larger of the two angles is smaller, as the beam itself has it, or the
     /// branches of the coordinates where these are not known; whether that is another one.
     pub fn choose(&mut self, psi: Option<[Vector3<f64>; 2]>) -> bool {
-        let before = self.branches;
-        self.branches = psi.map_or([LogBranch::Same; 2], |psi| {
+        let before = self.complements;
+        self.complements = psi.map_or([false; 2], |psi| {
             let angle = psi.map(|p| p.norm());
             match quaternion(&psi[0]).dot(&quaternion(&psi[1])) >= 0.0 {
-                true if angle[0].max(angle[1]) > TAU - angle[0].min(angle[1]) => {
-                    [LogBranch::Opposite; 2]
-                }
-                true => [LogBranch::Same; 2],
+                true if angle[0].max(angle[1]) > TAU - angle[0].min(angle[1]) => [true; 2],
+                true => [false; 2],
                 false if angle[0].max(TAU - angle[1]) <= angle[1].max(TAU - angle[0]) => {
-                    [LogBranch::Same, LogBranch::Opposite]
+                    [false, true]
                 }
-                false => [LogBranch::Opposite, LogBranch::Same],
+                false => [true, false],
             }
         });
-        self.branches != before
+        self.complements != before
     }
 }

@@ -4,11 +4,12 @@ use crate::element::Element;
 use crate::model::assembly::residual::MAX_NODES;
 use crate::model::kinematics::formulation::Formulation;
 use crate::model::kinematics::mapped_node::MappedNode;
+use crate::model::kinematics::pose::{add_pose, new_pose};
 use crate::model::loops::Closing;
-use crate::model::{ElementEntry, ModelError, Node, NodeForm, NodeList, Source};
+use crate::model::{ElementEntry, ModelError, NONE, Node, NodeForm, NodeList, Source};
 use crate::time::{Constant, Input, TimeFunction};
 use nalgebra::Vector3;
-use pullback_manifold::map::Parametrization;
+use pullback_manifold::map::{Parametrization, ToChart};
 use pullback_manifold::system::Quantity;
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
@@ -175,8 +176,44 @@ impl ModelBuilder {
         map: Box<dyn Parametrization>,
         segments: &[&[NodeId]],
     ) -> Result<NodeId, ModelError> {
-        let form = (NodeForm::Frame, &FRAME_QUANTITIES[..]);
-        self.add_mapped(name.into(), position, form, map, segments)
+        let name = name.into();
+        let source = self.mapped(&name, FRAME, map, segments)?;
+        self.add_node(name, position, NodeForm::Frame, &FRAME_QUANTITIES, source)
+    }
+
+    /// Adds a frame node whose pose is a map of the coordinates of `parents`; a frame among them is the
+    /// node of its pose.
+    ///
+    /// # Errors
+    /// As [`ModelBuilder::mapped_node`].
+    pub(crate) fn mapped_pose(
+        &mut self,
+        name: String,
+        position: [f64; 3],
+        map: Box<dyn Parametrization>,
+        parents: &[NodeId],
+    ) -> Result<NodeId, ModelError> {
+        let source = self.mapped(&name, FRAME, map, &[parents])?;
+        let [frame, pose] = [0, 1].map(|k| self.nodes.len() as u32 + k);
+        let view = MappedNode::new(Box::new(ToChart::default()), vec![vec![pose]], FRAME);
+        let view = Source::Mapped(Box::new(view));
+        let id = self.add_node(name, position, NodeForm::Frame, &FRAME_QUANTITIES, view)?;
+        let node = new_pose(&mut self.nodes, frame, source);
+        self.nodes.push(node);
+        Ok(id)
+    }
+
+    /// The node with the pose of a frame; any other node itself.
+    ///
+    /// # Errors
+    /// [`ModelError::ForeignNode`].
+    pub(crate) fn pose_of(
+        &mut self,
+        node: NodeId,
+        what: impl Fn() -> String,
+    ) -> Result<NodeId, ModelError> {
+        self.check_own(&[node], what)?;
+        Ok(NodeId(add_pose(&mut self.nodes, node.0)))
     }
 
     /// Adds scalar coordinates that are a map of those of `parents`: those of a loop that is closed
@@ -195,18 +232,19 @@ impl ModelBuilder {
         map: Box<dyn Parametrization>,
         parents: &[NodeId],
     ) -> Result<NodeId, ModelError> {
-        let form = (NodeForm::Coordinates, quantities);
-        self.add_mapped(name.into(), [0.0; 3], form, map, &[parents])
+        let name = name.into();
+        let source = self.mapped(&name, quantities.len(), map, &[parents])?;
+        self.add_node(name, [0.0; 3], NodeForm::Coordinates, quantities, source)
     }
 
-    fn add_mapped(
-        &mut self,
-        name: String,
-        position: [f64; 3],
-        (form, quantities): (NodeForm, &[Quantity]),
+    /// A map to the `dim` coordinates of the node `name`, with its parents.
+    fn mapped(
+        &self,
+        name: &str,
+        dim: usize,
         map: Box<dyn Parametrization>,
         segments: &[&[NodeId]],
-    ) -> Result<NodeId, ModelError> {
+    ) -> Result<Source, ModelError> {
         let (d, n) = map.dims();
         for parents in segments {
             self.check_own(parents, || format!("joint at node {name}"))?;
@@ -218,20 +256,19 @@ impl ModelBuilder {
                 });
             }
             let found: usize = parents.iter().map(|m| self.nodes[m.0 as usize].dim).sum();
-            if d != found || n != quantities.len() {
+            if d != found || n != dim {
                 return Err(ModelError::JointDimension {
-                    node: name,
+                    node: name.to_owned(),
                     parents: self.names_of(parents),
                     map: (d, n),
                     found,
-                    dim: quantities.len(),
+                    dim,
                 });
             }
         }
         let numbers = |parents: &&[NodeId]| parents.iter().map(|m| m.0).collect();
         let segments = segments.iter().map(numbers).collect();
-        let source = Source::Mapped(Box::new(MappedNode::new(map, segments, d)));
-        self.add_node(name, position, form, quantities, source)
+        Ok(Source::Mapped(Box::new(MappedNode::new(map, segments, d))))
     }
 
     pub(in crate::model) fn add_node(
@@ -375,18 +412,29 @@ impl ModelBuilder {
                 element: name,
             });
         }
+        let properties = element.properties();
+        let mut nodes = nodes.to_vec();
+        for n in &mut nodes {
+            let node = &self.nodes[n.0 as usize];
+            // Positions are the same in both.
+            let either = !properties.sees_rotations && !node.is_own() && node.partner != NONE;
+            if properties.reads_poses || either {
+                *n = NodeId(add_pose(&mut self.nodes, n.0));
+            }
+        }
+        let nodes = &nodes[..];
         self.elements.push(ElementEntry {
             name,
             frames: (0..)
                 .zip(nodes)
                 .filter(|(_, n)| {
-                    element.properties().sees_rotations && self.nodes[n.0 as usize].is_frame()
+                    properties.sees_rotations && self.nodes[n.0 as usize].form == NodeForm::Frame
                 })
                 .map(|(k, _)| 1 << k)
                 .sum(),
-            dead: element.properties().dead,
-            load: element.properties().load,
-            steady: element.properties().load && element.properties().steady,
+            dead: properties.dead,
+            load: properties.load,
+            steady: properties.load && properties.steady,
             element: element.into(),
             nodes: NodeList::new(nodes),
             mapped: false,

@@ -8,6 +8,7 @@ use crate::model::build::dependency_graph::{self, Alternatives};
 use crate::model::build::elimination_order::outward;
 use crate::model::constraints::start;
 use crate::model::kinematics::formulation;
+use crate::model::kinematics::pose::mark_unread;
 use crate::model::loops;
 use crate::model::state::State;
 use crate::model::{
@@ -64,6 +65,13 @@ impl ModelBuilder {
             node.first = total;
             total += node.dim;
         }
+        let parents = |n: &Node| match &n.source {
+            Source::Mapped(d) => d.segments.concat(),
+            Source::Own => Vec::new(),
+        };
+        let of_elements = elements.iter().flat_map(|e| e.nodes.iter().copied());
+        let read: Vec<u32> = of_elements.chain(nodes.iter().flat_map(parents)).collect();
+        mark_unread(&mut nodes, &read);
         let dependent = dependency_graph::order(&nodes);
         let alternatives = Alternatives::new(&nodes, &dependent)?;
         let [operators, motions] = dependency_graph::arrange(&mut nodes, &dependent);

@@ -26,6 +26,8 @@ pub(in crate::model) struct MappedNode {
     pub direct: usize,
     /// Index among the mapped nodes, parents first.
     pub index: usize,
+    /// Whether an element or a map reads its values: it is not evaluated otherwise.
+    pub read: bool,
     /// Offset of the operators, and of the motion of the parents.
     pub local: usize,
     pub motion: usize,
@@ -60,6 +62,7 @@ impl MappedNode {
             segments,
             direct,
             index: 0,
+            read: true,
             local: 0,
             motion: 0,
         }
@@ -106,6 +109,9 @@ impl Context {
         let Source::Mapped(d) = &node.source else {
             return Ok(());
         };
+        if !d.read {
+            return Ok(());
+        }
         let parents = d.parents(&self.state.maps);
         let (map, k) = (&mut self.state.maps[d.index], d.direct);
         let (motion, known) = w.motions[d.motion..d.motion + 6 * k + 2].split_at_mut(3 * k + 1);
@@ -159,6 +165,9 @@ impl Context {
             let Source::Mapped(d) = &node.source else {
                 continue;
             };
+            if !d.read {
+                continue;
+            }
             let parents = d.parents(&self.state.maps);
             let map = &mut self.state.maps[d.index];
             pull_back_forces(d, parents, node, &self.model.spans, w, rates);
@@ -211,6 +220,9 @@ impl Context {
             let Source::Mapped(d) = &node.source else {
                 continue;
             };
+            if !d.read {
+                continue;
+            }
             let (w, maps) = (&mut self.work, &mut self.state.maps);
             let before = maps[d.index].segment();
             // On a new segment the map has other parents, and may need other charts.

@@ -6,4 +6,5 @@ pub(super) mod free_coordinates;
 pub(super) mod mapped_node;
 pub(super) mod motion;
 pub(super) mod node_entries;
+pub(super) mod pose;
 pub(super) mod rates;

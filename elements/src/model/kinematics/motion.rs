@@ -88,7 +88,9 @@ impl Model {
         self.nodes
             .iter()
             .enumerate()
-            .filter(|(_, n)| n.is_frame() && matches!(self.carrier(n).source, Source::Mapped(_)))
+            .filter(|(_, n)| {
+                n.form == NodeForm::Frame && matches!(self.carrier(n).source, Source::Mapped(_))
+            })
             .map(|(k, n)| (NodeId(k as u32), n.name.as_str()))
     }
 }
@@ -97,12 +99,10 @@ impl Context {
     /// A frame node in the configuration last evaluated or set by [`Context::configure`].
     pub fn node_state(&self, node: NodeId) -> NodeState {
         let n = &self.model.nodes[node.0 as usize];
-        let three = |x: &[f64], k: usize| {
-            Vector3::new(x[n.first + k], x[n.first + k + 1], x[n.first + k + 2])
-        };
-        let w = &self.work;
-        let (d, psi) = (three(&w.x, 0), three(&w.x, 3));
-        let [psi_dot, psi_ddot] = [&w.v, &w.a].map(|x| three(x, 3));
+        let [x, v, a] = self.chart_motion(n);
+        let three = |x: &[f64; 6], k: usize| Vector3::new(x[k], x[k + 1], x[k + 2]);
+        let (d, psi) = (three(&x, 0), three(&x, 3));
+        let [psi_dot, psi_ddot] = [&v, &a].map(|x| three(x, 3));
         let R = so3::rotation(&psi);
         // ω̇ = R Ω̇ with Ω̇ = T Ψ̈ + Ṫ Ψ̇, [M04] (50).
         let rest = so3::T_dot_psi_dot(&psi_dot, &psi, &Quotients::new(psi.norm()));
@@ -111,9 +111,9 @@ impl Context {
             psi,
             position: n.position + d,
             R,
-            velocity: three(&w.v, 0),
+            velocity: three(&v, 0),
             omega: so3::tangent(&psi).tr_mul(&psi_dot),
-            acceleration: three(&w.a, 0),
+            acceleration: three(&a, 0),
             omega_dot: R * (so3::tangent(&psi) * psi_ddot + rest),
         }
     }
@@ -121,14 +121,17 @@ impl Context {
     /// Value and rate of a coordinate of a node, such as the angle of a joint, in the configuration
     /// last set. `None` if the node has no such coordinate.
     pub fn coordinate(&self, node: NodeId, k: usize) -> Option<[f64; 2]> {
-        let n = &self.model.nodes[node.0 as usize];
-        (k < n.dim).then(|| [self.work.x[n.first + k], self.work.v[n.first + k]])
+        let [x, v, _] = self.coordinate_motion(node, k)?;
+        Some([x, v])
     }
 
     /// As [`Context::coordinate`], with the acceleration: zero in statics, and after an evaluation
     /// without accelerations.
     pub fn coordinate_motion(&self, node: NodeId, k: usize) -> Option<[f64; 3]> {
         let n = &self.model.nodes[node.0 as usize];
+        if n.is_view() {
+            return (k < n.dim).then(|| self.chart_motion(n).map(|x| x[k]));
+        }
         let (w, c) = (&self.work, n.first + k);
         (k < n.dim).then(|| [w.x[c], w.v[c], w.a[c]])
     }
@@ -140,12 +143,7 @@ impl Context {
         if self.is_own(node) || !n.is_frame() {
             return None;
         }
-        let three = |x: &[f64], k: usize| {
-            Vector3::new(x[n.first + k], x[n.first + k + 1], x[n.first + k + 2])
-        };
-        let (r, psi) = (&self.work.r, three(&self.work.x, 3));
-        // The covector of a spatial moment m is T m.
-        let mut out = [-three(r, 0), -(so3::tangent_inverse(&psi) * three(r, 3))];
+        let mut out = self.wrench(n).map(|f| -f);
         let [force, moment] = self.closing_force(node);
         (out[0], out[1]) = (out[0] + force, out[1] + moment);
         Some(out)
@@ -178,7 +176,9 @@ impl Context {
                 let moment = R * Vector3::new(mu[3], mu[4], mu[5]);
                 for (end, sign) in [(frame, -1.0), (child, 1.0)] {
                     let path = upwards(&self.model.nodes, end);
-                    let Some(above) = path.iter().position(|&n| n == node.0) else {
+                    let partner = self.model.nodes[node.0 as usize].partner;
+                    let Some(above) = path.iter().rposition(|&n| n == node.0 || n == partner)
+                    else {
                         continue;
                     };
                     // These forces act on the frame at which the chains of this loop end for the
@@ -242,7 +242,8 @@ impl Context {
             let Some(parent) = parents.find(|m| m.is_frame()) else {
                 continue;
             };
-            let mut psi = Vector3::from_column_slice(&self.work.x[parent.first + 3..][..3]);
+            let [[.., x, y, z], ..] = self.chart_motion(parent);
+            let mut psi = Vector3::new(x, y, z);
             if psi.norm() > PI {
                 psi = so3::complement(&psi);
             }

@@ -26,7 +26,11 @@ impl Model {
         nodes: Option<&[NodeId]>,
     ) -> Option<&crate::model::kinematics::mapped_node::MappedNode> {
         let node = &self.nodes[n as usize];
-        let chosen = nodes.is_none_or(|nodes| nodes.contains(&NodeId(n)));
+        let frame = match node.form {
+            NodeForm::Pose => node.partner,
+            _ => n,
+        };
+        let chosen = nodes.is_none_or(|nodes| nodes.contains(&NodeId(frame)));
         match &node.source {
             Source::Mapped(d) if chosen && node.is_frame() => Some(d),
             _ => None,
@@ -157,7 +161,10 @@ impl Context {
         for (k, &n) in frames.iter().enumerate() {
             let state = self.node_state(NodeId(n));
             let position = motion.velocity + motion.omega.cross(&(state.position - motion.about));
-            let turn = so3::tangent_inverse(&state.psi).tr_mul(&motion.omega);
+            let turn = match self.model.nodes[n as usize].form {
+                NodeForm::Pose => motion.omega,
+                _ => so3::tangent_inverse(&state.psi).tr_mul(&motion.omega),
+            };
             let both = Vector6::new(position.x, position.y, position.z, turn.x, turn.y, turn.z);
             wanted
                 .fixed_rows_mut::<6>(6 * k)

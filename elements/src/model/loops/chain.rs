@@ -1,11 +1,9 @@
 //! The two chains of joints of a loop.
 
-use super::link::Read;
 use super::set::{self, Inputs};
-use super::tree::Tree;
 use super::{Closing, Held};
 use crate::model::{ModelError, Node, NodeForm, Source};
-use pullback_manifold::map::Parametrization;
+use pullback_manifold::map::{Parametrization, Read};
 use pullback_manifold::system::Quantity;
 
 /// A loop: its two frames, and the frame where their chains meet.
@@ -52,6 +50,13 @@ impl Chain {
         let (frame, child) = (closing.frame.0, closing.child.0);
         let (a, b) = (upwards(nodes, frame), upwards(nodes, child));
         if let Some(&root) = a.iter().find(|n| b.contains(n)) {
+            // The chart of a frame that carries joints.
+            let partner = nodes[root as usize].partner;
+            let root = if a.contains(&partner) && !nodes[partner as usize].is_view() {
+                partner
+            } else {
+                root
+            };
             return Ok(Self {
                 frame,
                 child,
@@ -147,7 +152,7 @@ pub(super) fn root_matters(
     let own = coordinates(nodes, chain);
     let nothing = Held(&[]);
     let inputs = Inputs::new(nodes, &own, &[root], &nothing);
-    let mut tree: Tree = set::tree(nodes, std::slice::from_ref(chain), &inputs);
+    let mut tree = set::tree(nodes, std::slice::from_ref(chain), &inputs);
     let at = |first: usize| inputs.nodes.iter().find(|(_, f)| *f == first);
     debug_assert!(at(0).is_some_and(|(n, _)| inputs.read(*n) == Read::Input(0)));
     let mut value = |y: &[f64]| {

@@ -15,23 +15,25 @@
 #![allow(non_snake_case)]
 
 mod chain;
-mod link;
+mod coincide;
+mod part;
 mod set;
-mod tree;
 
 use super::{ModelError, Node, Source};
 use crate::joint::{JointMap, Offset};
-use crate::model::build::builder::{ModelBuilder, NodeId};
+use crate::model::build::builder::{FRAME, ModelBuilder, NodeId};
 use crate::model::build::closures::Closure;
 use crate::model::kinematics::mapped_node::MappedNode;
+use crate::model::kinematics::pose::add_pose;
 use crate::time::TimeFunction;
 pub(in crate::model) use chain::upwards;
 use chain::{Chain, coordinates};
+pub(in crate::model) use coincide::Coincide;
 use nalgebra::Vector3;
+use pullback_manifold::map::ToChart;
 use set::close_set;
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
-pub(in crate::model) use tree::Coincide;
 
 /// Names of the equations of a frame at a joint, in the order of [`Coincide`].
 pub(in crate::model) const EQUATIONS: [&str; 6] = [
@@ -163,8 +165,12 @@ pub(in crate::model) fn close(
     for &closing in closings {
         let Closing { frame, child, .. } = closing;
         let (a, b) = (&nodes[frame.0 as usize], &nodes[child.0 as usize]);
-        if let Source::Mapped(d) = &a.source
-            && d.segments.iter().flatten().any(|&m| m == child.0)
+        let joint = match a.is_view() {
+            true => &nodes[a.partner as usize],
+            false => a,
+        };
+        if let Source::Mapped(d) = &joint.source
+            && (d.segments.iter().flatten()).any(|&m| [child.0, b.partner].contains(&m))
         {
             return Err(ModelError::OwnParent {
                 joint: a.name.clone(),
@@ -186,11 +192,14 @@ pub(in crate::model) fn close(
         }
         let words = format!("joint {}: {} is attached to it", a.name, b.name);
         reports.push(Report::say(words));
-        let same = JointMap::new(Offset {
+        let same = Box::new(JointMap::new(Offset {
             c: Vector3::zeros(),
-        });
-        let mapped = MappedNode::new(Box::new(same), vec![vec![frame.0]], 6);
-        nodes[child.0 as usize].source = Source::Mapped(Box::new(mapped));
+        }));
+        let mapped = MappedNode::new(same, vec![vec![add_pose(nodes, frame.0)]], FRAME);
+        let pose = add_pose(nodes, child.0);
+        nodes[pose as usize].source = Source::Mapped(Box::new(mapped));
+        let view = MappedNode::new(Box::new(ToChart::default()), vec![vec![pose]], FRAME);
+        nodes[child.0 as usize].source = Source::Mapped(Box::new(view));
     }
     for set in connected(nodes, &loops, held, length)? {
         reports.push(close_set(nodes, &set, held, preferences, length)?);

@@ -1,8 +1,8 @@
 //! A set of loops that share coordinates: dependencies and equations.
 
 use super::chain::{self, Chain, coordinates};
-use super::link::Read;
-use super::tree::{Coincide, Part, Tree};
+use super::coincide::Coincide;
+use super::part::Part;
 use super::{APART, EQUATIONS, Held, Report, StartPreferences};
 use crate::model::assembly::residual::MAX_NODES;
 use crate::model::build::builder::NodeId;
@@ -10,7 +10,7 @@ use crate::model::kinematics::mapped_node::MappedNode;
 use crate::model::{ModelError, NONE, Node, NodeForm, Source};
 use nalgebra::Vector3;
 use pullback_manifold::implicit::{Description, Equation, ImplicitMap, Unknown};
-use pullback_manifold::map::Parametrization;
+use pullback_manifold::map::{Map, MapGraph, Parametrization, Read};
 use pullback_manifold::system::Quantity;
 use std::collections::HashMap;
 
@@ -62,8 +62,8 @@ impl Inputs {
 }
 
 /// The equations of chains, as a tree of copies of their maps.
-pub(super) fn tree(nodes: &[Node], chains: &[Chain], inputs: &Inputs) -> Tree {
-    let mut tree = Tree::new(inputs.count);
+pub(super) fn tree(nodes: &[Node], chains: &[Chain], inputs: &Inputs) -> MapGraph {
+    let mut tree = MapGraph::new(inputs.count);
     let mut made: HashMap<(u32, u32), Read> = HashMap::new();
     let mut closures = Vec::new();
     for chain in chains {
@@ -74,9 +74,9 @@ pub(super) fn tree(nodes: &[Node], chains: &[Chain], inputs: &Inputs) -> Tree {
         closures.push((Coincide { apart }, ends));
     }
     for (between, ends) in closures {
-        tree.close(between, ends);
+        tree.add(between.boxed(), ends.map(|end| (end, 6)).to_vec());
     }
-    tree
+    tree.with_outputs(chains.len()).named("closed loop")
 }
 
 /// Adds the map of node n, and of those above it, up to the root.
@@ -85,11 +85,16 @@ fn add(
     n: u32,
     chain: &Chain,
     inputs: &Inputs,
-    tree: &mut Tree,
+    tree: &mut MapGraph,
     made: &mut HashMap<(u32, u32), Read>,
 ) -> Read {
     if chain.root == Some(n) {
         return inputs.read(n);
+    }
+    let node = &nodes[n as usize];
+    let of_root = node.form == NodeForm::Pose && Some(node.partner) == chain.root;
+    if of_root && inputs.read(node.partner) == Read::Nothing {
+        return Read::Nothing;
     }
     let Source::Mapped(d) = &nodes[n as usize].source else {
         return inputs.read(n);
@@ -104,7 +109,7 @@ fn add(
             (read, nodes[m as usize].dim)
         })
         .collect();
-    let read = Read::Link(tree.link(d.map.clone(), reads));
+    let read = tree.add(d.map.clone(), reads);
     made.insert(key, read);
     read
 }

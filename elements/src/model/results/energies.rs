@@ -5,9 +5,9 @@
 use crate::constraint::MAX_EQUATIONS;
 use crate::model::assembly::element_workspace::ElementWorkspace;
 use crate::model::assembly::residual::named;
+use crate::model::kinematics::pose::spatial;
 use crate::model::{Context, ElementEntry, Node, Source};
 use nalgebra::Vector3;
-use pullback_manifold::so3;
 use pullback_manifold::system::{Energies, Point, SystemError};
 
 /// Linear and angular momentum, components in the global frame.
@@ -37,12 +37,11 @@ impl Momentum {
         let mut k = 0;
         for node in e.nodes.iter().map(|&n| &nodes[n as usize]) {
             if node.is_frame() {
-                let three = |x: &[f64], k: usize| Vector3::new(x[k], x[k + 1], x[k + 2]);
-                let linear = three(p, k);
-                // The covector of a spatial moment m is T m.
-                let spin = so3::tangent_inverse(&three(x, k + 3)) * three(p, k + 3);
+                let (x, p) = (&x[k..k + node.dim], &p[k..k + node.dim]);
+                let [linear, spin] = spatial(node, x, p);
+                let d = Vector3::new(x[0], x[1], x[2]);
                 self.linear += linear;
-                self.angular += (node.position + three(x, k)).cross(&linear) + spin;
+                self.angular += (node.position + d).cross(&linear) + spin;
             }
             k += node.dim;
         }

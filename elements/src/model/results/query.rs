@@ -4,7 +4,7 @@
 
 use crate::element::{Motion, SectionState};
 use crate::model::build::builder::{ElementId, NodeId};
-use crate::model::{Context, Model, ModelError, NONE, Source};
+use crate::model::{Context, Model, ModelError, NONE, NodeForm, Source};
 use nalgebra::Vector3;
 use pullback_manifold::so3;
 use pullback_manifold::system::{Point, SystemError};
@@ -30,7 +30,7 @@ impl Model {
         self.nodes
             .iter()
             .enumerate()
-            .filter(|(_, n)| n.is_frame())
+            .filter(|(_, n)| n.form == NodeForm::Frame)
             .map(|(k, n)| (NodeId(k as u32), n.name.as_str()))
     }
 
@@ -45,7 +45,11 @@ impl Model {
     /// Name and nodes of an element.
     pub fn element(&self, id: ElementId) -> (&str, Vec<NodeId>) {
         let e = &self.elements[id.0 as usize];
-        (&e.name, e.nodes.iter().map(|&n| NodeId(n)).collect())
+        let frame = |&n: &u32| match &self.nodes[n as usize] {
+            node if node.form == NodeForm::Pose => NodeId(node.partner),
+            _ => NodeId(n),
+        };
+        (&e.name, e.nodes.iter().map(frame).collect())
     }
 
     /// Names of elements and loads with a tangent that is not symmetric; the stability of
@@ -233,7 +237,7 @@ impl Context {
             .nodes
             .iter()
             .enumerate()
-            .filter(|(_, n)| n.is_frame());
+            .filter(|(_, n)| n.form == NodeForm::Frame);
         for (id, n) in frames {
             let own = self.carrier(n);
             let prescribed =

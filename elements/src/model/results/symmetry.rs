@@ -10,8 +10,8 @@
 
 use crate::model::assembly::residual::named;
 use crate::model::kinematics::motion::RigidMotion;
-use crate::model::{Context, Model, NONE, Node, Source};
-use nalgebra::{DMatrix, Vector3};
+use crate::model::{Context, Model, NONE, Node, NodeForm, Source};
+use nalgebra::{DMatrix, Matrix3, Vector3};
 use pullback_manifold::so3;
 use pullback_manifold::system::{
     Evaluation, Point, Quantity, RigidRates, Symmetry, System, SystemError,
@@ -281,7 +281,10 @@ impl Context {
                 };
                 let x = &self.work.x[node.range()];
                 let position = node.position + Vector3::new(x[0], x[1], x[2]);
-                let T = so3::tangent(&Vector3::new(x[3], x[4], x[5]));
+                let T = match node.form {
+                    NodeForm::Pose => Matrix3::identity(),
+                    _ => so3::tangent(&Vector3::new(x[3], x[4], x[5])),
+                };
                 let missing = (three(0) - motion.velocity - motion.omega.cross(&position))
                     / self.model.length;
                 let turned = T.tr_mul(&three(3)) - motion.omega;

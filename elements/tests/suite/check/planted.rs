@@ -6,7 +6,7 @@
 use crate::support::{coupled, line};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use pullback_conformance::{self as check, Options};
-use pullback_conformance::{LawRow, Report};
+use pullback_conformance::{InCharts, LawRow, Report};
 use pullback_elements::body::RigidBody;
 use pullback_elements::element::{Element, ElementError, Motion, Response};
 use pullback_elements::joint::Pose;
@@ -101,7 +101,7 @@ impl Element for Top {
             M: out.M.as_deref_mut(),
             r_t: None,
         };
-        body().evaluate(at, &mut again)?;
+        InCharts(&body()).evaluate(at, &mut again)?;
         if self.0 == Planted::MissingForce && !at.v.is_empty() {
             let [psi, rate] = [at.x, at.v].map(|x| Vector3::new(x[3], x[4], x[5]));
             let T = so3::tangent(&psi);

@@ -137,7 +137,7 @@ impl Element for WithoutGyroscope {
     }
 
     fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
-        self.0.evaluate(at, out)?;
+        check::InCharts(&self.0).evaluate(at, out)?;
         if let Some(C) = out.C.as_deref_mut() {
             C.fill(0.0);
         }

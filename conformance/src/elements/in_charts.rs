@@ -1,0 +1,172 @@
+//! An element that reads poses, in the charts of its frames.
+
+#![allow(non_snake_case)]
+
+use pullback_elements::element::{Element, ElementError, Motion, Properties, Response};
+use pullback_manifold::map::{KinematicsMut, Parametrization, ToPose};
+use pullback_manifold::pullback::{Slot, Tangents, residual, tangent};
+use pullback_manifold::system::Weights;
+
+/// Applies laws to an element, in charts.
+pub(crate) fn in_charts<T>(element: &dyn Element, laws: impl FnOnce(&dyn Element) -> T) -> T {
+    match element.properties().reads_poses {
+        true => laws(&InCharts(element)),
+        false => laws(element),
+    }
+}
+
+/// An element that [reads poses](Properties::reads_poses), as one of the coordinates (d, Ψ) of its frames:
+/// what a model makes of it, and what the laws of elements are about.
+pub struct InCharts<'a>(pub &'a dyn Element);
+
+/// Number of coordinates of a frame, and of values of its operator.
+const FRAME: usize = 6;
+const OPERATOR: usize = FRAME * FRAME;
+
+/// The poses of all frames, with their operators frame by frame.
+struct Poses {
+    x: [Vec<f64>; 3],
+    B: [Vec<f64>; 3],
+}
+
+impl Poses {
+    fn of(at: &Motion<'_>) -> Self {
+        let zero = vec![0.0; at.x.len()];
+        let moving = |x| if at.v.is_empty() { &zero[..] } else { x };
+        let (v, a) = (moving(at.v), moving(at.a));
+        let mut out = Self {
+            x: [zero.clone(), zero.clone(), zero.clone()],
+            B: std::array::from_fn(|_| vec![0.0; FRAME * at.x.len()]),
+        };
+        let [x, x_dot, x_ddot] = &mut out.x;
+        let [B, B_dot, B_ddot] = &mut out.B;
+        for k in 0..at.x.len() / FRAME {
+            let own = k * FRAME..(k + 1) * FRAME;
+            let all = k * OPERATOR..(k + 1) * OPERATOR;
+            let to = KinematicsMut {
+                x: &mut x[own.clone()],
+                x_dot: &mut x_dot[own.clone()],
+                x_ddot: &mut x_ddot[own.clone()],
+                B: &mut B[all.clone()],
+                B_dot: &mut B_dot[all.clone()],
+                B_ddot: &mut B_ddot[all],
+            };
+            ToPose.kinematics(at.t, &at.x[own.clone()], &v[own.clone()], &a[own], to);
+        }
+        out
+    }
+
+    fn motion<'a>(&'a self, at: &Motion<'_>) -> Motion<'a> {
+        let end = at.v.len();
+        Motion {
+            t: at.t,
+            x: &self.x[0],
+            v: &self.x[1][..end],
+            a: &self.x[2][..end],
+            previous: None,
+        }
+    }
+}
+
+impl Element for InCharts<'_> {
+    fn dim(&self) -> usize {
+        self.0.dim()
+    }
+
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
+        for x in at.x.chunks_exact(FRAME) {
+            let psi = x[3..].iter().map(|x| x * x).sum::<f64>().sqrt();
+            if psi.is_nan() || ToPose.margin(at.t, x) <= 0.0 {
+                return Err(ElementError::OutsideChart { psi });
+            }
+        }
+        let (n, poses) = (self.dim(), Poses::of(at));
+        let (mut r, mut r_t) = (vec![0.0; n], vec![0.0; n]);
+        let [mut K, mut C, mut M] = [(); 3].map(|()| vec![0.0; n * n]);
+        let moving = !at.v.is_empty();
+        let mut own = Response {
+            r: &mut r,
+            K: Some(&mut K),
+            C: moving.then_some(&mut C),
+            M: moving.then_some(&mut M),
+            r_t: Some(&mut r_t),
+        };
+        self.0.evaluate(&poses.motion(at), &mut own)?;
+        let mut K_sigma = vec![0.0; FRAME * n];
+        for ((x, r), K) in (at.x.chunks_exact(FRAME).zip(r.chunks_exact(FRAME)))
+            .zip(K_sigma.chunks_exact_mut(OPERATOR))
+        {
+            ToPose.geometric_stiffness(at.t, x, r, K);
+        }
+        let slots: Vec<Slot<'_>> = (0..n / FRAME)
+            .map(|k| {
+                let own = k * OPERATOR..(k + 1) * OPERATOR;
+                let [B, B_dot, B_ddot] = poses.B.each_ref().map(|B| &B[own.clone()]);
+                Slot {
+                    n: FRAME,
+                    d: FRAME,
+                    B: Some(B),
+                    B_dot,
+                    B_ddot,
+                    K_sigma: &K_sigma[own],
+                }
+            })
+            .collect();
+        let all = Tangents {
+            K: Some(&K),
+            C: moving.then_some(&C),
+            M: moving.then_some(&M),
+        };
+        let (mut work, mut pulled) = (vec![0.0; n], vec![0.0; n * n]);
+        let one = |K, C, M| Weights { K, C, M };
+        let requests = [
+            (&mut out.K, one(1.0, 0.0, 0.0)),
+            (&mut out.C, one(0.0, 1.0, 0.0)),
+            (&mut out.M, one(0.0, 0.0, 1.0)),
+        ];
+        for (to, weights) in requests {
+            if let Some(to) = to {
+                tangent(&slots, all, weights, &mut pulled, &mut work);
+                add(to, &pulled);
+            }
+        }
+        for (to, own) in [(Some(&mut *out.r), &r), (out.r_t.as_deref_mut(), &r_t)] {
+            residual(&slots, own, &mut work);
+            add(to.unwrap_or_default(), &work);
+        }
+        Ok(())
+    }
+
+    fn energy(&self, at: &Motion<'_>) -> f64 {
+        self.0.energy(&Poses::of(at).motion(at))
+    }
+
+    fn kinetic_energy(&self, at: &Motion<'_>) -> Option<f64> {
+        self.0.kinetic_energy(&Poses::of(at).motion(at))
+    }
+
+    fn dissipation(&self, at: &Motion<'_>) -> f64 {
+        self.0.dissipation(&Poses::of(at).motion(at))
+    }
+
+    fn kinks(&self) -> Vec<f64> {
+        self.0.kinks()
+    }
+
+    fn properties(&self) -> Properties {
+        Properties {
+            reads_poses: false,
+            ..self.0.properties()
+        }
+    }
+
+    fn kind(&self) -> &'static str {
+        self.0.kind()
+    }
+}
+
+fn add(to: &mut [f64], from: &[f64]) {
+    for (to, from) in to.iter_mut().zip(from) {
+        *to += from;
+    }
+}

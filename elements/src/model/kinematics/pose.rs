@@ -1,0 +1,122 @@
+//! Nodes of the poses of frames.
+//!
+//! Chains of joints, and the elements that read poses, go from pose to pose. A frame that is attached to a joint
+//! is the chart of its pose ([`ToChart`]), which is evaluated only if an element or a map reads it; the
+//! pose of any other frame is mapped from its chart ([`ToPose`]).
+
+use crate::model::build::builder::FRAME_QUANTITIES;
+use crate::model::kinematics::mapped_node::MappedNode;
+use crate::model::{Context, NONE, Node, NodeForm, Source};
+use nalgebra::Vector3;
+use pullback_manifold::map::{KinematicsMut, Parametrization, ToChart, ToPose};
+use pullback_manifold::so3;
+
+/// A node for the pose of a frame, at the end of all nodes.
+pub(in crate::model) fn new_pose(nodes: &mut [Node], frame: u32, source: Source) -> Node {
+    let number = nodes.len() as u32;
+    let node = &mut nodes[frame as usize];
+    node.partner = number;
+    Node {
+        position: node.position,
+        partner: frame,
+        ..Node::new(node.name.clone(), NodeForm::Pose, &FRAME_QUANTITIES, source)
+    }
+}
+
+/// The node with the pose of a frame, which is added if there is none; any other node itself.
+pub(in crate::model) fn add_pose(nodes: &mut Vec<Node>, frame: u32) -> u32 {
+    let node = &nodes[frame as usize];
+    if node.form != NodeForm::Frame {
+        return frame;
+    }
+    if node.partner == NONE {
+        let mapped = MappedNode::new(Box::new(ToPose), vec![vec![frame]], node.dim);
+        let pose = new_pose(nodes, frame, Source::Mapped(Box::new(mapped)));
+        nodes.push(pose);
+    }
+    nodes[frame as usize].partner
+}
+
+/// Force and moment of a covector of a frame at coordinates x: the covector of a moment m is T m in a chart.
+pub(in crate::model) fn spatial(node: &Node, x: &[f64], covector: &[f64]) -> [Vector3<f64>; 2] {
+    let three = |x: &[f64], k: usize| Vector3::new(x[k], x[k + 1], x[k + 2]);
+    let turn = three(covector, 3);
+    let moment = match node.form {
+        NodeForm::Pose => turn,
+        _ => so3::tangent_inverse(&three(x, 3)) * turn,
+    };
+    [three(covector, 0), moment]
+}
+
+/// Marks the frames whose chart nothing reads.
+pub(in crate::model) fn mark_unread(nodes: &mut [Node], read: &[u32]) {
+    let mut is_read = vec![false; nodes.len()];
+    read.iter().for_each(|&n| is_read[n as usize] = true);
+    for (n, is_read) in is_read.into_iter().enumerate() {
+        if !is_read && nodes[n].is_view() {
+            if let Source::Mapped(d) = &mut nodes[n].source {
+                d.read = false;
+            }
+        }
+    }
+}
+
+impl Node {
+    /// Whether it is the chart of its pose.
+    pub(in crate::model) fn is_view(&self) -> bool {
+        self.form == NodeForm::Frame
+            && match &self.source {
+                Source::Mapped(d) => *d.initial_parents() == [self.partner],
+                Source::Own => false,
+            }
+    }
+}
+
+impl Context {
+    /// Force and moment of the residual at a frame and at all that follows from it.
+    pub(in crate::model) fn wrench(&self, node: &Node) -> [Vector3<f64>; 2] {
+        let node = match node.is_view() {
+            true => &self.model.nodes[node.partner as usize],
+            false => node,
+        };
+        let [x, r] = [&self.work.x, &self.work.r].map(|x| &x[node.range()]);
+        spatial(node, x, r)
+    }
+
+    /// Coordinates, velocities and accelerations of a node, those of a frame in its chart, in the
+    /// configuration last set.
+    pub fn node_motion(&self, node: &Node) -> [Vec<f64>; 3] {
+        match node.is_frame() {
+            true => self.chart_motion(node).map(|x| x.to_vec()),
+            false => self.configuration().map(|x| x[node.range()].to_vec()),
+        }
+    }
+
+    /// Coordinates, velocities and accelerations of a frame in its chart, in the configuration last set.
+    pub(in crate::model) fn chart_motion(&self, node: &Node) -> [[f64; 6]; 3] {
+        let w = &self.work;
+        let own =
+            |node: &Node| [&w.x, &w.v, &w.a].map(|x| std::array::from_fn(|k| x[node.first + k]));
+        let pose = match node.form {
+            NodeForm::Pose => own(node),
+            _ if node.is_view() => own(&self.model.nodes[node.partner as usize]),
+            _ => return own(node),
+        };
+        let mut out = [[0.0; 6]; 3];
+        let mut operators = [[0.0; 36]; 3];
+        let [x, x_dot, x_ddot] = &mut out;
+        let [B, B_dot, B_ddot] = &mut operators;
+        let to = KinematicsMut {
+            x,
+            x_dot,
+            x_ddot,
+            B,
+            B_dot,
+            B_ddot,
+        };
+        let mut chart = ToChart::default();
+        chart.change_charts(w.t, &pose[0]);
+        chart.kinematics(w.t, &pose[0], &pose[1], &pose[2], to);
+        out
+    }
+}

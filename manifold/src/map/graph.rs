@@ -1,0 +1,364 @@
+//! A graph of maps: compositions of maps from common inputs.
+//!
+//! With the operators B of a map and B₀ of what it reads, with respect to the inputs,
+//!
+//! ```text
+//! B B₀,   Ḃ B₀ + B Ḃ₀,   B̈ B₀ + 2 Ḃ Ḃ₀ + B B̈₀,   K_σ(f) + B₀ᵀ K_σ,own(f) B₀ with Bᵀ f for what it reads
+//! ```
+
+#![allow(non_snake_case)]
+#![allow(
+    clippy::needless_range_loop,
+    reason = "orders of derivatives and matrices in slices are read by their indices"
+)]
+
+use super::{KinematicsMut, Parametrization};
+use crate::system::ChartChanges;
+
+/// Maps that read common inputs, and each other; its values are those of its last maps, the outputs.
+#[derive(Clone, Default)]
+pub struct MapGraph {
+    kind: Option<&'static str>,
+    inputs: usize,
+    /// Index of the first output, and the number of all values.
+    first: usize,
+    values: usize,
+    links: Vec<Link>,
+    K: Vec<f64>,
+    stack: Vec<f64>,
+    product: Vec<f64>,
+}
+
+impl MapGraph {
+    /// A graph of this number of inputs, without maps.
+    #[must_use]
+    pub fn new(inputs: usize) -> Self {
+        Self {
+            inputs,
+            ..Self::default()
+        }
+    }
+
+    /// Adds a map with the sources of its coordinates, and the number of each; returns what reads its values.
+    /// Maps come before those that read them.
+    pub fn add(&mut self, map: Box<dyn Parametrization>, reads: Vec<(Read, usize)>) -> Read {
+        let (d, n) = map.dims();
+        let sources: Vec<Vec<usize>> = (reads.iter())
+            .map(|&(read, len)| match read {
+                Read::Input(first) => (first..first + len).collect(),
+                Read::Nothing => Vec::new(),
+                Read::Link(j) => self.links[j].columns.clone(),
+            })
+            .collect();
+        let mut columns = sources.concat();
+        columns.sort_unstable();
+        columns.dedup();
+        let position = |input: &usize| columns.partition_point(|c| c < input);
+        let positions = sources.iter().map(|s| s.iter().map(position).collect());
+        let positions = positions.collect();
+        let N = columns.len();
+        let z = |len: usize| [vec![0.0; len], vec![0.0; len], vec![0.0; len]];
+        self.K.resize(self.K.len().max(d * d), 0.0);
+        self.stack.resize(self.stack.len().max(d * N), 0.0);
+        self.product.resize(self.product.len().max(d * N), 0.0);
+        self.links.push(Link {
+            map,
+            reads,
+            columns,
+            positions,
+            n,
+            d,
+            q: z(d),
+            x: z(n),
+            own: z(n * d),
+            all: z(n * N),
+            r: vec![0.0; n],
+        });
+        Read::Link(self.links.len() - 1)
+    }
+
+    /// The same graph, whose values are those of its last `count` maps.
+    #[must_use]
+    pub fn with_outputs(mut self, count: usize) -> Self {
+        self.first = self.links.len().saturating_sub(count);
+        self.values = self.links[self.first..].iter().map(|link| link.n).sum();
+        self
+    }
+
+    /// The same graph by another name in reports.
+    #[must_use]
+    pub fn named(mut self, kind: &'static str) -> Self {
+        self.kind = Some(kind);
+        self
+    }
+
+    /// Evaluates all links at y: tangents without `rates`, kinematics with them.
+    fn evaluate(&mut self, t: f64, y: &[f64], rates: Option<[&[f64]; 2]>) {
+        let orders = if rates.is_some() { 3 } else { 1 };
+        let [v, a] = rates.unwrap_or([&[], &[]]);
+        for k in 0..self.links.len() {
+            let (before, rest) = self.links.split_at_mut(k);
+            let link = &mut rest[0];
+            link.gather(before, [y, v, a], orders);
+            if orders == 1 {
+                link.map
+                    .tangent(t, &link.q[0], &mut link.x[0], &mut link.own[0]);
+            } else {
+                let [x, x_dot, x_ddot] = &mut link.x;
+                let [B, B_dot, B_ddot] = &mut link.own;
+                let out = KinematicsMut {
+                    x,
+                    x_dot,
+                    x_ddot,
+                    B,
+                    B_dot,
+                    B_ddot,
+                };
+                let [q, v, a] = &link.q;
+                link.map.kinematics(t, q, v, a, out);
+            }
+            link.chain(before, orders);
+        }
+    }
+
+    /// Copies values and operators of the outputs, one under the other.
+    fn collect(&self, order: usize, x: &mut [f64], B: &mut [f64]) {
+        B.fill(0.0);
+        let mut row = 0;
+        for link in &self.links[self.first..] {
+            let rows = row..row + link.n;
+            x[rows.clone()].copy_from_slice(&link.x[order]);
+            for (&j, own) in link
+                .columns
+                .iter()
+                .zip(link.all[order].chunks_exact(link.n))
+            {
+                B[j * self.values..][rows.clone()].copy_from_slice(own);
+            }
+            row = rows.end;
+        }
+    }
+}
+
+impl Parametrization for MapGraph {
+    fn kind(&self) -> &'static str {
+        self.kind.unwrap_or("graph of maps")
+    }
+
+    fn dims(&self) -> (usize, usize) {
+        (self.inputs, self.values)
+    }
+
+    fn duplicate(&self) -> Box<dyn Parametrization> {
+        Box::new(self.clone())
+    }
+
+    /// The least of those of its maps, up to the first without one.
+    fn margin(&mut self, t: f64, y: &[f64]) -> f64 {
+        let mut least = f64::INFINITY;
+        for k in 0..self.links.len() {
+            let (before, rest) = self.links.split_at_mut(k);
+            let link = &mut rest[0];
+            link.gather(before, [y, &[], &[]], 1);
+            let margin = link.map.margin(t, &link.q[0]);
+            if margin.is_nan() || margin <= 0.0 {
+                return margin;
+            }
+            least = least.min(margin);
+            link.map
+                .tangent(t, &link.q[0], &mut link.x[0], &mut link.own[0]);
+        }
+        least
+    }
+
+    /// Chooses the charts of each map, from the inputs outwards.
+    fn change_charts(&mut self, t: f64, y: &[f64]) -> ChartChanges {
+        let mut all = ChartChanges::default();
+        for k in 0..self.links.len() {
+            let (before, rest) = self.links.split_at_mut(k);
+            let link = &mut rest[0];
+            link.gather(before, [y, &[], &[]], 1);
+            all.charts += link.map.change_charts(t, &link.q[0]).charts;
+            link.map
+                .tangent(t, &link.q[0], &mut link.x[0], &mut link.own[0]);
+        }
+        all
+    }
+
+    fn freeze_piece(&mut self, at: Option<(f64, &[f64])>) {
+        if let Some((t, y)) = at {
+            self.evaluate(t, y, None);
+        }
+        for link in &mut self.links {
+            link.map.freeze_piece(at.map(|(t, _)| (t, &link.q[0][..])));
+        }
+    }
+
+    fn tangent(&mut self, t: f64, y: &[f64], h: &mut [f64], J: &mut [f64]) {
+        self.evaluate(t, y, None);
+        self.collect(0, h, J);
+    }
+
+    fn kinematics(&mut self, t: f64, y: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
+        self.evaluate(t, y, Some([v, a]));
+        self.collect(0, out.x, out.B);
+        self.collect(1, out.x_dot, out.B_dot);
+        self.collect(2, out.x_ddot, out.B_ddot);
+    }
+
+    fn geometric_stiffness(&mut self, t: f64, y: &[f64], f: &[f64], K: &mut [f64]) {
+        let N = self.inputs;
+        self.evaluate(t, y, None);
+        K.fill(0.0);
+        self.links.iter_mut().for_each(|l| l.r.fill(0.0));
+        let mut rest = f;
+        for link in &mut self.links[self.first..] {
+            let (own, others) = rest.split_at(link.n);
+            link.r.copy_from_slice(own);
+            rest = others;
+        }
+        for k in (0..self.links.len()).rev() {
+            let (before, rest) = self.links.split_at_mut(k);
+            let link = &mut rest[0];
+            if link.r.iter().all(|r| *r == 0.0) {
+                continue;
+            }
+            let (d, columns) = (link.d, &link.columns);
+            let own = &mut self.K[..d * d];
+            link.map.geometric_stiffness(t, &link.q[0], &link.r, own);
+            // Operators of the coordinates with respect to the inputs, and Bᵀ r for their sources.
+            let stack = &mut self.stack[..d * columns.len()];
+            stack.fill(0.0);
+            let mut column = 0;
+            for (&(read, len), positions) in link.reads.iter().zip(&link.positions) {
+                match read {
+                    Read::Nothing => {}
+                    Read::Input(_) => {
+                        for (i, &position) in positions.iter().enumerate() {
+                            stack[column + i + position * d] += 1.0;
+                        }
+                    }
+                    Read::Link(j) => {
+                        let from = before[j].all[0].chunks_exact(len);
+                        for (&position, from) in positions.iter().zip(from) {
+                            let at = position * d + column;
+                            stack[at..at + len].copy_from_slice(from);
+                        }
+                        let B = &link.own[0][column * link.n..];
+                        for (r, B) in before[j].r.iter_mut().zip(B.chunks_exact(link.n)) {
+                            *r += B.iter().zip(&link.r).map(|(b, r)| b * r).sum::<f64>();
+                        }
+                    }
+                }
+                column += len;
+            }
+            let product = &mut self.product[..d * columns.len()];
+            product.fill(0.0);
+            add_product([d, d], 1.0, own, stack, product);
+            for (&j, p) in columns.iter().zip(product.chunks_exact(d)) {
+                for (&i, s) in columns.iter().zip(stack.chunks_exact(d)) {
+                    K[i + j * N] += s.iter().zip(p).map(|(s, p)| s * p).sum::<f64>();
+                }
+            }
+        }
+    }
+}
+
+/// Where a map of a graph takes some of its coordinates from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Read {
+    /// Inputs of the graph, from this index on.
+    Input(usize),
+    /// Constant zeros.
+    Nothing,
+    /// The values of an earlier map.
+    Link(usize),
+}
+
+/// One map of a graph, with its results.
+#[derive(Clone)]
+struct Link {
+    map: Box<dyn Parametrization>,
+    /// Sources of the coordinates, and the number of each.
+    reads: Vec<(Read, usize)>,
+    /// Inputs that it depends on, ascending, and for each source the indices of its inputs among them.
+    columns: Vec<usize>,
+    positions: Vec<Vec<usize>>,
+    n: usize,
+    d: usize,
+    /// Coordinates and their rates, values and their rates.
+    q: [Vec<f64>; 3],
+    x: [Vec<f64>; 3],
+    /// B, Ḃ, B̈ with respect to the coordinates, and to the inputs in `columns`.
+    own: [Vec<f64>; 3],
+    all: [Vec<f64>; 3],
+    r: Vec<f64>,
+}
+
+/// Factors of a product of operators of two orders.
+const BINOMIAL: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 2.0, 1.0]];
+
+impl Link {
+    /// Collects the coordinates, up to the given order of their derivatives.
+    fn gather(&mut self, before: &[Self], y: [&[f64]; 3], orders: usize) {
+        for k in 0..orders {
+            let mut at = 0;
+            for &(read, len) in &self.reads {
+                let to = &mut self.q[k][at..at + len];
+                match read {
+                    Read::Input(first) => to.copy_from_slice(&y[k][first..first + len]),
+                    Read::Nothing => to.fill(0.0),
+                    Read::Link(j) => to.copy_from_slice(&before[j].x[k]),
+                }
+                at += len;
+            }
+        }
+    }
+
+    /// Computes operators with respect to the inputs, by the chain rule.
+    fn chain(&mut self, before: &[Self], orders: usize) {
+        let n = self.n;
+        for k in 0..orders {
+            let out = &mut self.all[k];
+            out.fill(0.0);
+            let mut column = 0;
+            for (&(read, len), positions) in self.reads.iter().zip(&self.positions) {
+                match read {
+                    Read::Nothing => {}
+                    Read::Input(_) => {
+                        let from = self.own[k][column * n..(column + len) * n].chunks_exact(n);
+                        for (&position, B) in positions.iter().zip(from) {
+                            let out = &mut out[position * n..(position + 1) * n];
+                            out.iter_mut().zip(B).for_each(|(o, b)| *o += b);
+                        }
+                    }
+                    Read::Link(j) => {
+                        for (inner, &factor) in BINOMIAL[k].iter().enumerate().take(k + 1) {
+                            let outer = &self.own[k - inner][column * n..(column + len) * n];
+                            let from = before[j].all[inner].chunks_exact(len);
+                            for (&position, B) in positions.iter().zip(from) {
+                                let out = &mut out[position * n..(position + 1) * n];
+                                add_product([n, len], factor, outer, B, out);
+                            }
+                        }
+                    }
+                }
+                column += len;
+            }
+        }
+    }
+}
+
+/// out += factor A B, with A n×len.
+fn add_product([n, len]: [usize; 2], factor: f64, A: &[f64], B: &[f64], out: &mut [f64]) {
+    for (out, B) in out.chunks_exact_mut(n).zip(B.chunks_exact(len)) {
+        for (A, b) in A.chunks_exact(n).zip(B) {
+            let b = factor * b;
+            if b != 0.0 {
+                for (o, a) in out.iter_mut().zip(A) {
+                    *o += a * b;
+                }
+            }
+        }
+    }
+}
