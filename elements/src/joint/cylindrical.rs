@@ -25,8 +25,7 @@ impl Cylindrical {
 
 impl Joint<2> for Cylindrical {
     fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 2>) -> Pose<S> {
-        Pose::identity()
-            .translated(&(self.axis.map(S::constant) * q[0]))
+        Pose::from_translation(self.axis.map(S::constant) * q[0])
             .rotated(&Quaternion::about(&self.axis, q[1]))
     }
 

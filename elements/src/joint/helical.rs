@@ -28,8 +28,7 @@ impl Helical {
 impl Joint<1> for Helical {
     fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 1>) -> Pose<S> {
         let displacement = q[0] * (self.pitch / TAU);
-        Pose::identity()
-            .translated(&(self.axis.map(S::constant) * displacement))
+        Pose::from_translation(self.axis.map(S::constant) * displacement)
             .rotated(&Quaternion::about(&self.axis, q[0]))
     }
 

@@ -47,12 +47,13 @@ impl Parent {
         }
     }
 
-    /// Vectors that the parent carries, from components in its axes.
-    fn carry<const N: usize>(&self, u: &Rates<SMatrix<f64, 3, N>>) -> Rates<SMatrix<f64, 3, N>> {
-        let [omega, omega_dot] = self.omega.map(|omega| skew(&omega));
+    /// A vector that the parent carries, from components in its axes.
+    #[inline]
+    fn carry(&self, u: &Rates<Vector3<f64>>) -> Rates<Vector3<f64>> {
+        let [omega, omega_dot] = &self.omega;
         let [u, u_dot, u_ddot] = u.each_ref().map(|u| self.R * u);
-        let rate = omega * u + u_dot;
-        let second = omega_dot * u + omega * (rate + u_dot) + u_ddot;
+        let rate = omega.cross(&u) + u_dot;
+        let second = omega_dot.cross(&u) + omega.cross(&(rate + u_dot)) + u_ddot;
         [u, rate, second]
     }
 }
@@ -64,8 +65,8 @@ pub(super) struct Carried<const D: usize> {
     pub turn: Quaternion<f64>,
     omega: [Vector3<f64>; 2],
     rho: Rates<Vector3<f64>>,
-    alpha: Rates<SMatrix<f64, 3, D>>,
-    beta: Rates<SMatrix<f64, 3, D>>,
+    /// α and β, by columns.
+    own: [[Rates<Vector3<f64>>; 2]; D],
 }
 
 impl<J: Joint<D>, const D: usize> Link<J, D> {
@@ -103,18 +104,19 @@ impl<J: Joint<D>, const D: usize> Link<J, D> {
         let q = SVector::<Moving<D>, D>::from_fn(|i, _| Moving::variable([q[i], v[i], a[i]], i));
         let Pose { d, rotation } = self.joint.pose(Moving::given([t, 1.0, 0.0]), &q);
         let c = [0, 1, 2].map(|k| d.map(|d| d.x[k]));
-        let c_q = [0, 1, 2].map(|k| SMatrix::from_fn(|i, j| d[i].g[k][j]));
         let of = |k: usize| part(&rotation, |x| x.x[k]);
         let [Q, Q_dot, Q_ddot] = [of(0), of(1), of(2)];
-        let mut b = [SMatrix::<f64, 3, D>::zeros(); 3];
-        for j in 0..D {
+        let own = std::array::from_fn(|j| {
+            let c_q = [0, 1, 2].map(|k| d.map(|d| d.g[k][j]));
             let of = |k: usize| part(&rotation, |x| x.g[k][j]);
             let [g, g_dot, g_ddot] = [of(0), of(1), of(2)];
-            b[0].set_column(j, &turn(&g, &Q));
-            b[1].set_column(j, &(turn(&g_dot, &Q) + turn(&g, &Q_dot)));
-            let mixed = turn(&g_dot, &Q_dot) * 2.0;
-            b[2].set_column(j, &(turn(&g_ddot, &Q) + mixed + turn(&g, &Q_ddot)));
-        }
+            let b = [
+                turn(&g, &Q),
+                turn(&g_dot, &Q) + turn(&g, &Q_dot),
+                turn(&g_ddot, &Q) + turn(&g_dot, &Q_dot) * 2.0 + turn(&g, &Q_ddot),
+            ];
+            [parent.carry(&c_q), parent.carry(&b)]
+        });
         // The child turns against its parent by w; Q̇ Q̇* has no vector part.
         let w = [turn(&Q_dot, &Q), turn(&Q_ddot, &Q), Vector3::zeros()];
         let [relative, relative_dot, _] = parent.carry(&w);
@@ -124,9 +126,8 @@ impl<J: Joint<D>, const D: usize> Link<J, D> {
             x: std::array::from_fn(|k| vector(motion[k], 0) + rho[k] - starts[k]),
             turn: parent.turn.product(&Q),
             omega: [parent.omega[0] + relative, parent.omega[1] + relative_dot],
-            alpha: parent.carry(&c_q),
-            beta: parent.carry(&b),
             rho,
+            own,
         }
     }
 
@@ -171,7 +172,7 @@ impl<const D: usize> Carried<D> {
             x[..3].copy_from_slice(self.x[k].as_slice());
             put(B, 6, [0, 0], &unit(k));
             put(B, 6, [0, 3], &-skew(&self.rho[k]));
-            put(B, 6, [0, 6], &self.alpha[k]);
+            self.write_own(B, 0, k);
         }
     }
 
@@ -182,7 +183,14 @@ impl<const D: usize> Carried<D> {
             x[3..].copy_from_slice(turn[k].as_slice());
             put(B, 6, [3, 0], &Matrix3::zeros());
             put(B, 6, [3, 3], &unit(k));
-            put(B, 6, [3, 6], &self.beta[k]);
+            self.write_own(B, 1, k);
+        }
+    }
+
+    /// Rows of the joint's own columns: α (0) or β (1).
+    fn write_own(&self, B: &mut [f64], part: usize, order: usize) {
+        for (own, to) in self.own.iter().zip(B[36..].chunks_exact_mut(6)) {
+            to[3 * part..3 * part + 3].copy_from_slice(own[part][order].as_slice());
         }
     }
 }
@@ -205,6 +213,7 @@ fn is_unit(rotation: &Quaternion<f64>) -> bool {
 }
 
 /// One number of each entry of a quaternion.
+#[inline]
 fn part<S: Scalar>(of: &Quaternion<S>, number: impl Fn(&S) -> f64) -> Quaternion<f64> {
     Quaternion {
         w: number(&of.w),
@@ -213,8 +222,9 @@ fn part<S: Scalar>(of: &Quaternion<S>, number: impl Fn(&S) -> f64) -> Quaternion
 }
 
 /// 2 vec(a b*): the rotation vector by which a variation `a` turns a quaternion `b`.
+#[inline]
 fn turn(a: &Quaternion<f64>, b: &Quaternion<f64>) -> Vector3<f64> {
-    a.product(&b.conjugate()).v * 2.0
+    (a.v * b.w - b.v * a.w - a.v.cross(&b.v)) * 2.0
 }
 
 /// The identity, which does not move.
@@ -223,7 +233,7 @@ pub(super) fn unit(order: usize) -> Matrix3<f64> {
 }
 
 /// Coordinates and operators, order by order.
-pub(super) fn orders<'a>(out: KinematicsMut<'a>) -> [[&'a mut [f64]; 2]; 3] {
+pub(crate) fn orders<'a>(out: KinematicsMut<'a>) -> [[&'a mut [f64]; 2]; 3] {
     [
         [out.x, out.B],
         [out.x_dot, out.B_dot],
@@ -232,7 +242,7 @@ pub(super) fn orders<'a>(out: KinematicsMut<'a>) -> [[&'a mut [f64]; 2]; 3] {
 }
 
 /// Writes a block into a matrix of `n` rows, column by column.
-pub(super) fn put<const M: usize, const N: usize>(
+pub(crate) fn put<const M: usize, const N: usize>(
     into: &mut [f64],
     n: usize,
     [row, column]: [usize; 2],

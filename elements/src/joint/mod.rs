@@ -58,6 +58,7 @@ pub use spherical::Spherical;
 pub use universal::Universal;
 
 use axes::{PARALLEL, direction};
+pub(crate) use link::{orders, put};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::{Quaternion, quaternion};
@@ -83,6 +84,22 @@ impl<S: Scalar> Pose<S> {
                 w: S::one(),
                 v: Vector3::from_element(S::zero()),
             },
+        }
+    }
+
+    /// A translation, in the parent's axes.
+    pub fn from_translation(by: Vector3<S>) -> Self {
+        Self {
+            d: by,
+            ..Self::identity()
+        }
+    }
+
+    /// A rotation.
+    pub fn from_rotation(by: Quaternion<S>) -> Self {
+        Self {
+            rotation: by,
+            ..Self::identity()
         }
     }
 

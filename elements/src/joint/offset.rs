@@ -15,7 +15,7 @@ pub struct Offset {
 
 impl Joint<0> for Offset {
     fn pose<S: Scalar>(&self, _t: S, _q: &SVector<S, 0>) -> Pose<S> {
-        Pose::identity().translated(&self.c.map(S::constant))
+        Pose::from_translation(self.c.map(S::constant))
     }
 
     fn coordinates(&self) -> [JointCoordinate; 0] {

@@ -41,7 +41,7 @@ impl<C: Curve> OnCurve<C> {
 
 impl<C: Curve> Joint<1> for OnCurve<C> {
     fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 1>) -> Pose<S> {
-        Pose::identity().translated(&self.curve.at(q[0]))
+        Pose::from_translation(self.curve.at(q[0]))
     }
 
     fn coordinates(&self) -> [JointCoordinate; 1] {

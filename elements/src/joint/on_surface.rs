@@ -35,7 +35,7 @@ impl<F> OnSurface<F> {
 
 impl<F: Surface> Joint<2> for OnSurface<F> {
     fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 2>) -> Pose<S> {
-        Pose::identity().translated(&self.surface.at(q[0], q[1]))
+        Pose::from_translation(self.surface.at(q[0], q[1]))
     }
 
     fn coordinates(&self) -> [JointCoordinate; 2] {

@@ -33,9 +33,7 @@ impl Planar {
 impl Joint<3> for Planar {
     fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 3>) -> Pose<S> {
         let [a, b] = self.across.map(|e| e.map(S::constant));
-        Pose::identity()
-            .translated(&(a * q[0] + b * q[1]))
-            .rotated(&Quaternion::about(&self.normal, q[2]))
+        Pose::from_translation(a * q[0] + b * q[1]).rotated(&Quaternion::about(&self.normal, q[2]))
     }
 
     fn coordinates(&self) -> [JointCoordinate; 3] {

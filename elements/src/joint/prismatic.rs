@@ -24,7 +24,7 @@ impl Prismatic {
 
 impl Joint<1> for Prismatic {
     fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 1>) -> Pose<S> {
-        Pose::identity().translated(&(self.axis.map(S::constant) * q[0]))
+        Pose::from_translation(self.axis.map(S::constant) * q[0])
     }
 
     fn coordinates(&self) -> [JointCoordinate; 1] {

@@ -25,7 +25,7 @@ impl Revolute {
 
 impl Joint<1> for Revolute {
     fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 1>) -> Pose<S> {
-        Pose::identity().rotated(&Quaternion::about(&self.axis, q[0]))
+        Pose::from_rotation(Quaternion::about(&self.axis, q[0]))
     }
 
     fn coordinates(&self) -> [JointCoordinate; 1] {

@@ -32,8 +32,7 @@ impl Universal {
 
 impl Joint<2> for Universal {
     fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 2>) -> Pose<S> {
-        Pose::identity()
-            .rotated(&Quaternion::about(&self.axes[0], q[0]))
+        Pose::from_rotation(Quaternion::about(&self.axes[0], q[0]))
             .rotated(&Quaternion::about(&self.axes[1], q[1]))
     }
 

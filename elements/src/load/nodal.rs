@@ -4,25 +4,26 @@
 
 use crate::element::{Element, ElementError, Motion, Properties, Response};
 use crate::time::TimeFunction;
-use nalgebra::{Matrix3, Vector3};
-use pullback_manifold::quotients::Quotients;
-use pullback_manifold::so3;
+use nalgebra::Vector3;
+use pullback_manifold::map::pose::orientation;
+use pullback_manifold::so3::skew;
 
 /// Kind of a nodal load: its behaviour when the node rotates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LoadKind {
-    /// Dead force f: covector f for d.
+    /// Dead force f.
     DeadForce,
-    /// Follower force R f; its tangent −R f~ T is not symmetric.
+    /// Follower force R f; its tangent is not symmetric.
     FollowerForce,
-    /// Spatial moment m of fixed direction: covector T m for Ψ; its tangent C₁(m,Ψ) is not
-    /// symmetric, so it has no potential.
+    /// Spatial moment m of fixed direction; its tangent in coordinates, C₁(m,Ψ), is not symmetric, so it
+    /// has no potential.
     SpatialMoment,
-    /// Follower moment R M: covector Tᵀ M, tangent C₂(M,Ψ).
+    /// Follower moment R M.
     FollowerMoment,
 }
 
-/// A force or moment at a frame node: a vector times a function of time.
+/// A force or moment at a frame node: a vector times a function of time. All but dead forces [read
+/// poses](Properties::reads_poses).
 #[derive(Debug)]
 pub struct NodalLoad {
     which: LoadKind,
@@ -45,22 +46,6 @@ impl NodalLoad {
             amplitude,
         }
     }
-
-    /// The covector of the unit amplitude, and its derivative D_Ψ: (first row 0 or 3, f, D).
-    fn covector(&self, psi: &Vector3<f64>) -> (usize, Vector3<f64>, Matrix3<f64>) {
-        let V = &self.vector;
-        let q = Quotients::new(psi.norm());
-        let c = q.tangent();
-        match self.which {
-            LoadKind::DeadForce => (0, *V, Matrix3::zeros()),
-            LoadKind::FollowerForce => {
-                let R = so3::R(psi, &c);
-                (0, R * V, R * so3::skew(V) * so3::T(psi, &c) * -1.0)
-            }
-            LoadKind::SpatialMoment => (3, so3::T(psi, &c) * V, so3::C1(V, psi, &q)),
-            LoadKind::FollowerMoment => (3, so3::T(psi, &c).tr_mul(V), so3::C2(V, psi, &q)),
-        }
-    }
 }
 
 impl Element for NodalLoad {
@@ -69,16 +54,26 @@ impl Element for NodalLoad {
     }
 
     fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
-        let psi = Vector3::from_column_slice(&at.x[3..6]);
         let [amplitude, rate, _] = self.amplitude.at(at.t);
-        let (first, f, D) = self.covector(&psi);
+        let (first, follows) = match self.which {
+            LoadKind::DeadForce => (0, false),
+            LoadKind::FollowerForce => (0, true),
+            LoadKind::SpatialMoment => (3, false),
+            LoadKind::FollowerMoment => (3, true),
+        };
+        let f = match follows {
+            true => orientation(at.x).rotate(&self.vector),
+            false => self.vector,
+        };
         for k in 0..3 {
             out.r[first + k] += amplitude * f[k];
         }
-        if let Some(K) = out.K.as_deref_mut() {
+        if let Some(K) = out.K.as_deref_mut().filter(|_| follows) {
+            // δ(R f) = δθ × R f
+            let turned = skew(&f);
             for c in 0..3 {
                 for r in 0..3 {
-                    K[first + r + (3 + c) * 6] -= amplitude * D[(r, c)];
+                    K[first + r + (3 + c) * 6] += amplitude * turned[(r, c)];
                 }
             }
         }
@@ -106,12 +101,13 @@ impl Element for NodalLoad {
     }
 
     fn properties(&self) -> Properties {
-        // A follower moment's D = C₂(M,Ψ) is not symmetric either.
         let dead = self.which == LoadKind::DeadForce;
         Properties {
             dead,
             steady: dead && self.amplitude.constant().is_some(),
             symmetric: dead,
+            sees_rotations: !dead,
+            reads_poses: !dead,
             ..Properties::LOAD
         }
     }

@@ -44,6 +44,7 @@ pub struct ToChart {
 }
 
 /// The orientation of a pose, from its six coordinates.
+#[inline]
 #[must_use]
 pub fn orientation(pose: &[f64]) -> Quaternion<f64> {
     Quaternion::from_rodrigues(&three(pose, 3))

@@ -21,6 +21,7 @@ pub struct Quaternion<S> {
 
 impl<S: Scalar> Quaternion<S> {
     /// The product whose rotation is R(self) R(b).
+    #[inline]
     #[must_use]
     pub fn product(&self, b: &Self) -> Self {
         Self {
@@ -30,6 +31,7 @@ impl<S: Scalar> Quaternion<S> {
     }
 
     /// The conjugate, whose rotation is Rᵀ.
+    #[inline]
     #[must_use]
     pub fn conjugate(&self) -> Self {
         Self {
@@ -52,6 +54,7 @@ impl<S: Scalar> Quaternion<S> {
     }
 
     /// The opposite quaternion: the same rotation on the other branch.
+    #[inline]
     #[must_use]
     pub fn opposite(&self) -> Self {
         Self {
@@ -61,6 +64,7 @@ impl<S: Scalar> Quaternion<S> {
     }
 
     /// The rotated vector R a = a + 2 v × (w a + v × a).
+    #[inline]
     #[must_use]
     pub fn rotate(&self, a: &Vector3<S>) -> Vector3<S> {
         let u = self.v.cross(&(a * self.w + self.v.cross(a)));
@@ -68,6 +72,7 @@ impl<S: Scalar> Quaternion<S> {
     }
 
     /// Inner product; its sign tells whether two nearby rotations are on the same branch.
+    #[inline]
     #[must_use]
     pub fn dot(&self, b: &Self) -> S {
         self.w * b.w + self.v.dot(&b.v)
@@ -76,6 +81,7 @@ impl<S: Scalar> Quaternion<S> {
     /// The modified Rodrigues parameters tan(ψ/4) e of a unit quaternion, ψ < 2π; zero for w = −1.
     ///
     /// Their sign is that of the quaternion: ‖σ‖ > 1 for w < 0.
+    #[inline]
     #[must_use]
     pub fn rodrigues(&self) -> Vector3<S> {
         let square = self.v.dot(&self.v);
@@ -87,6 +93,7 @@ impl<S: Scalar> Quaternion<S> {
     }
 
     /// The unit quaternion of modified Rodrigues parameters.
+    #[inline]
     #[must_use]
     pub fn from_rodrigues(sigma: &Vector3<S>) -> Self {
         let square = sigma.dot(sigma);
@@ -98,6 +105,7 @@ impl<S: Scalar> Quaternion<S> {
     }
 
     /// The rotation matrix of a unit quaternion.
+    #[inline]
     #[must_use]
     pub fn rotation(&self) -> Matrix3<S> {
         let two = S::constant(2.0);

@@ -9,7 +9,7 @@ use crate::model::{ElementEntry, NONE, Node, Source};
 pub(in crate::model) struct Coupled {
     /// Own nodes, and mapped nodes that are pulled back later, ascending.
     pub partners: Vec<Partner>,
-    /// Whether an element can exert a force on it.
+    /// Whether an element can exert a force on it, and an unknown moves it.
     pub loaded: bool,
     /// First value of its own block.
     pub diagonal: usize,
@@ -26,9 +26,9 @@ pub(in crate::model) struct Partner {
     pub column: usize,
 }
 
-/// The couplings of all mapped nodes, by [`MappedNode::index`].
+/// The couplings of all mapped nodes, by [`MappedNode::index`], and the nodes that no unknown moves.
 #[derive(Clone, Default)]
-pub(in crate::model) struct Couplings(pub(in crate::model) Vec<Coupled>);
+pub(in crate::model) struct Couplings(pub(in crate::model) Vec<Coupled>, Vec<bool>);
 
 impl Couplings {
     /// Finds all couplings by elements, and by maps with the parents of the given segments; returns the
@@ -42,6 +42,18 @@ impl Couplings {
         segments: impl Fn(&'a MappedNode) -> &'a [Vec<u32>],
     ) -> usize {
         self.0.resize_with(dependent.len(), Coupled::default);
+        let held = nodes
+            .iter()
+            .zip(blocks)
+            .map(|(n, &block)| n.is_own() && block == NONE);
+        self.1.clear();
+        self.1.extend(held);
+        for &n in dependent {
+            if let Source::Mapped(d) = &nodes[n as usize].source {
+                let mut parents = segments(d).iter().flatten();
+                self.1[n as usize] = parents.all(|&m| self.1[m as usize]);
+            }
+        }
         for coupled in &mut self.0 {
             coupled.partners.clear();
             coupled.loaded = false;
@@ -49,7 +61,7 @@ impl Couplings {
         for e in elements.iter().filter(|e| e.mapped) {
             self.load(nodes, &e.nodes);
             if !e.dead {
-                self.couple(nodes, &e.nodes, blocks);
+                self.couple(nodes, &e.nodes);
             }
         }
         for &n in dependent.iter().rev() {
@@ -62,11 +74,11 @@ impl Couplings {
             let partners = std::mem::take(&mut self.0[d.index].partners);
             for parents in segments(d) {
                 self.load(nodes, parents);
-                self.couple(nodes, parents, blocks);
+                self.couple(nodes, parents);
                 for (&p, partner) in
                     (parents.iter()).flat_map(|p| partners.iter().map(move |partner| (p, partner)))
                 {
-                    self.couple(nodes, &[p, partner.node], blocks);
+                    self.couple(nodes, &[p, partner.node]);
                 }
             }
             self.0[d.index].partners = partners;
@@ -98,17 +110,16 @@ impl Couplings {
     fn load(&mut self, nodes: &[Node], group: &[u32]) {
         for &n in group {
             if let Source::Mapped(d) = &nodes[n as usize].source {
-                self.0[d.index].loaded = true;
+                self.0[d.index].loaded |= !self.1[n as usize];
             }
         }
     }
 
     /// Couples each two nodes of a group.
-    fn couple(&mut self, nodes: &[Node], group: &[u32], blocks: &[u32]) {
-        let fixed = |n: u32| nodes[n as usize].is_own() && blocks[n as usize] == NONE;
+    fn couple(&mut self, nodes: &[Node], group: &[u32]) {
         for (k, &i) in group.iter().enumerate() {
             for &j in &group[..k] {
-                if i == j || fixed(i) || fixed(j) {
+                if i == j || self.1[i as usize] || self.1[j as usize] {
                     continue;
                 }
                 let Some((owner, node)) = owner(nodes, i, j) else {

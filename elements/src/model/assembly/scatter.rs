@@ -46,6 +46,9 @@ impl ScatterMap {
     ) {
         let positions = &self.positions[self.first_position(k)..];
         for (order, tangent) in tangents.iter().enumerate() {
+            if order > 0 && tangent.iter().all(|s| *s == 0.0) {
+                continue;
+            }
             let from = (*tangent, e.element.dim());
             self.add(nodes, [&e.nodes, &e.nodes], positions, from, order, into);
         }
@@ -53,7 +56,7 @@ impl ScatterMap {
 
     /// Adds a matrix of K, C or M (order 0, 1, 2), given with its leading dimension, over the coordinates
     /// of some nodes at the positions of their blocks.
-    fn add(
+    pub(super) fn add(
         &self,
         nodes: &[Node],
         [rows, columns]: [&[u32]; 2],
@@ -159,8 +162,8 @@ impl ScatterMap {
 
 /// K B + C Ḃ + M B̈ (order 0), C B + 2 M Ḃ (1) or M B (2) from the tangents of this order and higher
 /// ones, which have `n` columns of `height` rows.
-fn products(
-    tangents: &[&[f64]],
+pub(super) fn products<T: AsRef<[f64]>>(
+    tangents: &[T],
     B: [&[f64]; 3],
     order: usize,
     (n, height): (usize, usize),
@@ -168,18 +171,20 @@ fn products(
 ) {
     // Most nodes are frames or angles: sums without loops.
     match height {
-        6 => fixed::<6>(tangents, B, order, n, out),
+        6 => fixed::<6, _>(tangents, B, order, n, out),
         1 => {
             for (c, out) in out.iter_mut().enumerate().take(B[0].len() / n) {
                 let terms = tangents.iter().zip(B).zip(FACTORS[order]);
-                *out = (terms.map(|((row, B), factor)| factor * dot(&B[c * n..][..n], row))).sum();
+                *out = (terms
+                    .map(|((row, B), factor)| factor * dot(&B[c * n..][..n], row.as_ref())))
+                .sum();
             }
         }
         _ => {
             out[..height * B[0].len() / n].fill(0.0);
             for ((tangent, B), factor) in tangents.iter().zip(B).zip(FACTORS[order]) {
                 for (out, B) in out.chunks_exact_mut(height).zip(B.chunks_exact(n)) {
-                    for (b, column) in B.iter().zip(tangent.chunks_exact(height)) {
+                    for (b, column) in B.iter().zip(tangent.as_ref().chunks_exact(height)) {
                         add(out, column, factor * b);
                     }
                 }
@@ -191,8 +196,8 @@ fn products(
 /// Binomial coefficients of the orders of B.
 const FACTORS: [[f64; 3]; 3] = [[1.0, 1.0, 1.0], [1.0, 2.0, 0.0], [1.0, 0.0, 0.0]];
 
-fn fixed<const H: usize>(
-    tangents: &[&[f64]],
+fn fixed<const H: usize, T: AsRef<[f64]>>(
+    tangents: &[T],
     B: [&[f64]; 3],
     order: usize,
     n: usize,
@@ -202,7 +207,10 @@ fn fixed<const H: usize>(
     for (c, out) in out.iter_mut().enumerate().take(B[0].len() / n) {
         let mut sum = [0.0; H];
         for ((tangent, B), factor) in tangents.iter().zip(B).zip(FACTORS[order]) {
-            for (b, column) in B[c * n..][..n].iter().zip(tangent.as_chunks::<H>().0) {
+            for (b, column) in B[c * n..][..n]
+                .iter()
+                .zip(tangent.as_ref().as_chunks::<H>().0)
+            {
                 let b = factor * b;
                 if b != 0.0 {
                     for k in 0..H {
@@ -216,7 +224,7 @@ fn fixed<const H: usize>(
 }
 
 /// out = Bᵀ F of a matrix F with `n` rows, where B has `d` columns.
-fn transposed(B: &[f64], F: &[f64], (n, d): (usize, usize), out: &mut [f64]) {
+pub(super) fn transposed(B: &[f64], F: &[f64], (n, d): (usize, usize), out: &mut [f64]) {
     for (f, out) in F.chunks_exact(n).zip(out.chunks_exact_mut(d)) {
         for (o, B) in out.iter_mut().zip(B.chunks_exact(n)) {
             *o = dot(B, f);
@@ -235,7 +243,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 /// out += factor x.
 #[inline(always)]
-fn add(out: &mut [f64], x: &[f64], factor: f64) {
+pub(super) fn add(out: &mut [f64], x: &[f64], factor: f64) {
     for (o, x) in out.iter_mut().zip(x) {
         *o += factor * x;
     }

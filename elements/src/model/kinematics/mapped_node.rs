@@ -5,9 +5,10 @@
 
 use crate::model::assembly::element_workspace::ElementWorkspace;
 use crate::model::assembly::scatter::{PulledNode, ScatterTarget};
+use crate::model::assembly::scatter_map::ScatterMap;
 use crate::model::assembly::workspace::Workspace;
 use crate::model::kinematics::node_entries::collect;
-use crate::model::{Context, Node, Source, Span};
+use crate::model::{Context, Node, NodeForm, Source, Span};
 use pullback_manifold::map::{KinematicsMut, Parametrization};
 use pullback_manifold::pullback::{self, Slot};
 use pullback_manifold::system::{ChartChanges, Point, SystemError, Weights};
@@ -200,7 +201,20 @@ impl Context {
             };
             let (nodes, orders) = (&self.model.nodes, if statics { 1 } else { 3 });
             let map = &w.scatter_map;
-            map.pull_back(&link, nodes, K_sigma, orders, &mut into, &mut w.columns);
+            let of_poses = [n, parents[0]].map(|n| nodes[n as usize].form == NodeForm::Pose);
+            let pull_back = match of_poses {
+                [true, true] => ScatterMap::pull_back_link,
+                _ => ScatterMap::pull_back,
+            };
+            pull_back(
+                map,
+                &link,
+                nodes,
+                K_sigma,
+                orders,
+                &mut into,
+                &mut w.columns,
+            );
         }
     }
 

@@ -8,6 +8,7 @@ use crate::model::build::builder::FRAME_QUANTITIES;
 use crate::model::kinematics::mapped_node::MappedNode;
 use crate::model::{Context, NONE, Node, NodeForm, Source};
 use nalgebra::Vector3;
+use pullback_manifold::map::pose::orientation;
 use pullback_manifold::map::{KinematicsMut, Parametrization, ToChart, ToPose};
 use pullback_manifold::so3;
 
@@ -81,6 +82,17 @@ impl Context {
         };
         let [x, r] = [&self.work.x, &self.work.r].map(|x| &x[node.range()]);
         spatial(node, x, r)
+    }
+
+    /// Rotation angle of a frame, that of its rotation vector, in the configuration last set.
+    pub(in crate::model) fn angle(&self, node: &Node) -> f64 {
+        let x = &self.work.x;
+        if node.is_view() {
+            let pose = &self.model.nodes[node.partner as usize];
+            let turn = orientation(&x[pose.range()]);
+            return 2.0 * turn.v.norm().atan2(turn.w.abs());
+        }
+        Vector3::from_column_slice(&x[node.first + 3..node.first + 6]).norm()
     }
 
     /// Coordinates, velocities and accelerations of a node, those of a frame in its chart, in the

@@ -179,6 +179,9 @@ pub(in crate::model) fn close(
         }
         let free = b.is_own() && !held.any(child.0 as usize) && !follows(nodes, frame.0, child.0);
         if !free {
+            // Poses are compared.
+            add_pose(nodes, frame.0);
+            add_pose(nodes, child.0);
             loops.push(closing);
             continue;
         }

@@ -1,7 +1,7 @@
 //! A set of loops that share coordinates: dependencies and equations.
 
 use super::chain::{self, Chain, coordinates};
-use super::coincide::Coincide;
+use super::coincide::{Coincide, CoincidePoses};
 use super::part::Part;
 use super::{APART, EQUATIONS, Held, Report, StartPreferences};
 use crate::model::assembly::residual::MAX_NODES;
@@ -10,7 +10,7 @@ use crate::model::kinematics::mapped_node::MappedNode;
 use crate::model::{ModelError, NONE, Node, NodeForm, Source};
 use nalgebra::Vector3;
 use pullback_manifold::implicit::{Description, Equation, ImplicitMap, Unknown};
-use pullback_manifold::map::{Map, MapGraph, Parametrization, Read};
+use pullback_manifold::map::{MapGraph, Parametrization, Read};
 use pullback_manifold::system::Quantity;
 use std::collections::HashMap;
 
@@ -67,14 +67,15 @@ pub(super) fn tree(nodes: &[Node], chains: &[Chain], inputs: &Inputs) -> MapGrap
     let mut made: HashMap<(u32, u32), Read> = HashMap::new();
     let mut closures = Vec::new();
     for chain in chains {
-        let ends =
-            [chain.frame, chain.child].map(|n| add(nodes, n, chain, inputs, &mut tree, &mut made));
+        let poses = [chain.frame, chain.child].map(|n| nodes[n as usize].partner);
+        let ends = poses.map(|n| add(nodes, n, chain, inputs, &mut tree, &mut made));
         let position = |n: u32| nodes[n as usize].position;
         let apart = position(chain.frame) - position(chain.child);
         closures.push((Coincide { apart }, ends));
     }
     for (between, ends) in closures {
-        tree.add(between.boxed(), ends.map(|end| (end, 6)).to_vec());
+        let reads = ends.map(|end| (end, 6)).to_vec();
+        tree.add(Box::new(CoincidePoses(between)), reads);
     }
     tree.with_outputs(chains.len()).named("closed loop")
 }
@@ -92,9 +93,13 @@ fn add(
         return inputs.read(n);
     }
     let node = &nodes[n as usize];
-    let of_root = node.form == NodeForm::Pose && Some(node.partner) == chain.root;
-    if of_root && inputs.read(node.partner) == Read::Nothing {
-        return Read::Nothing;
+    if node.form == NodeForm::Pose {
+        // The pose of a frame that stands still, as far as the loop can tell.
+        let chart = node.partner;
+        let ends = chain.root == Some(chart) || nodes[chart as usize].is_own();
+        if ends && inputs.read(chart) == Read::Nothing {
+            return Read::Nothing;
+        }
     }
     let Source::Mapped(d) = &nodes[n as usize].source else {
         return inputs.read(n);

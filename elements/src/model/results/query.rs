@@ -320,9 +320,9 @@ impl Context {
 
     /// Largest rotation angle of any node in the configuration last set.
     pub fn largest_rotation(&self) -> f64 {
-        self.frames()
-            .map(|(n, _)| self.node_state(n).psi.norm())
-            .fold(0.0, f64::max)
+        let frames = self.model.nodes.iter();
+        let frames = frames.filter(|n| n.form == NodeForm::Frame);
+        frames.map(|n| self.angle(n)).fold(0.0, f64::max)
     }
 }
 

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use crate::support::{matrix, numbers, reference, vector};
+use crate::support::{in_charts, matrix, numbers, reference, vector};
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, SVector, Vector3, Vector6};
 use pullback_conformance as check;
 use pullback_conformance::Random;
@@ -51,10 +51,7 @@ fn all(element: &dyn Element, x: &[f64], v: &[f64], a: &[f64]) -> Result<All, El
         a,
         previous: None,
     };
-    match element.properties().reads_poses {
-        true => check::InCharts(element).evaluate(&at, &mut out)?,
-        false => element.evaluate(&at, &mut out)?,
-    }
+    in_charts(element, &at, &mut out)?;
     Ok((r, K, C, M))
 }
 

@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case)]
 
+use crate::support::in_charts;
 use nalgebra::{DVector, Matrix3, Vector3};
 use pullback_conformance as check;
 use pullback_elements::body::{PointMass, RigidBody};
@@ -36,10 +37,7 @@ fn residual(element: &dyn Element, x: &[f64], v: &[f64]) -> DVector<f64> {
         a: &a,
         previous: None,
     };
-    match element.properties().reads_poses {
-        true => check::InCharts(element).evaluate(&at, &mut out).unwrap(),
-        false => element.evaluate(&at, &mut out).unwrap(),
-    }
+    in_charts(element, &at, &mut out).unwrap();
     r
 }
 

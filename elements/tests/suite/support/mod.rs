@@ -8,6 +8,7 @@ pub mod elastic_joint;
 pub mod strain_beam;
 
 use nalgebra::{DMatrix, DVector, Matrix6, SVector, Vector3};
+use pullback_conformance::InCharts;
 use pullback_elements::beam::Section;
 use pullback_elements::element::{Element, ElementError, Motion, Properties, Response};
 use pullback_elements::model::{BeamLine, ModelBuilder, NodeId, StraightLine};
@@ -189,6 +190,18 @@ impl Element for Idle {
     }
 }
 
+/// Evaluates an element of frames in their charts.
+pub fn in_charts(
+    element: &dyn Element,
+    at: &Motion<'_>,
+    out: &mut Response<'_>,
+) -> Result<(), ElementError> {
+    match element.properties().reads_poses {
+        true => InCharts(element).evaluate(at, out),
+        false => element.evaluate(at, out),
+    }
+}
+
 /// Residual and K at a motion at rest.
 pub fn at_rest(element: &dyn Element, x: &[f64]) -> Result<(Vec<f64>, DMatrix<f64>), ElementError> {
     let n = element.dim();
@@ -207,6 +220,6 @@ pub fn at_rest(element: &dyn Element, x: &[f64]) -> Result<(Vec<f64>, DMatrix<f6
         M: None,
         r_t: None,
     };
-    element.evaluate(&at, &mut out)?;
+    in_charts(element, &at, &mut out)?;
     Ok((r, K))
 }
