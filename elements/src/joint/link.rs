@@ -13,10 +13,10 @@
 #![allow(non_snake_case)]
 
 use super::{Joint, Pose};
-use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use nalgebra::{Matrix3, SVector, Vector3};
 use pullback_manifold::jet::{Hess, Moving};
-use pullback_manifold::map::KinematicsMut;
 use pullback_manifold::map::pose::orientation;
+use pullback_manifold::map::write_block;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::{Quaternion, skew};
 
@@ -147,13 +147,13 @@ impl<J: Joint<D>, const D: usize> Link<J, D> {
         let Q = part(&rotation, |x| x.v);
         let gradient = |k: usize| part(&rotation, |x| x.g[k]);
         let (f_own, m_own) = (R.tr_mul(f), R.tr_mul(m));
-        put(K, n, [3, 3], &(skew(f) * skew(&rho)));
+        write_block(K, n, [3, 3], &(skew(f) * skew(&rho)));
         for k in 0..D {
             let alpha = R * d.map(|d| d.g[k]);
             let beta = R * turn(&gradient(k), &Q);
-            put(K, n, [3, 6 + k], &alpha.cross(f));
+            write_block(K, n, [3, 6 + k], &alpha.cross(f));
             let row = alpha.cross(f) + beta.cross(m);
-            put(K, n, [6 + k, 3], &row.transpose());
+            write_block(K, n, [6 + k, 3], &row.transpose());
             for l in 0..D {
                 let [i, j] = [k.max(l), k.min(l)];
                 let bent = part(&rotation, |x| x.h[i][j]);
@@ -170,8 +170,8 @@ impl<const D: usize> Carried<D> {
     pub(super) fn write_position(&self, out: &mut [[&mut [f64]; 2]]) {
         for (k, [x, B]) in out.iter_mut().enumerate() {
             x[..3].copy_from_slice(self.x[k].as_slice());
-            put(B, 6, [0, 0], &unit(k));
-            put(B, 6, [0, 3], &-skew(&self.rho[k]));
+            write_block(B, 6, [0, 0], &unit(k));
+            write_block(B, 6, [0, 3], &-skew(&self.rho[k]));
             self.write_own(B, 0, k);
         }
     }
@@ -181,8 +181,8 @@ impl<const D: usize> Carried<D> {
         let turn = [self.turn.rodrigues(), self.omega[0], self.omega[1]];
         for (k, [x, B]) in out.iter_mut().enumerate() {
             x[3..].copy_from_slice(turn[k].as_slice());
-            put(B, 6, [3, 0], &Matrix3::zeros());
-            put(B, 6, [3, 3], &unit(k));
+            write_block(B, 6, [3, 0], &Matrix3::zeros());
+            write_block(B, 6, [3, 3], &unit(k));
             self.write_own(B, 1, k);
         }
     }
@@ -230,26 +230,4 @@ fn turn(a: &Quaternion<f64>, b: &Quaternion<f64>) -> Vector3<f64> {
 /// The identity, which does not move.
 pub(super) fn unit(order: usize) -> Matrix3<f64> {
     Matrix3::from_diagonal_element(if order == 0 { 1.0 } else { 0.0 })
-}
-
-/// Coordinates and operators, order by order.
-pub(crate) fn orders<'a>(out: KinematicsMut<'a>) -> [[&'a mut [f64]; 2]; 3] {
-    [
-        [out.x, out.B],
-        [out.x_dot, out.B_dot],
-        [out.x_ddot, out.B_ddot],
-    ]
-}
-
-/// Writes a block into a matrix of `n` rows, column by column.
-pub(crate) fn put<const M: usize, const N: usize>(
-    into: &mut [f64],
-    n: usize,
-    [row, column]: [usize; 2],
-    block: &SMatrix<f64, M, N>,
-) {
-    for (j, values) in block.column_iter().enumerate() {
-        let first = (column + j) * n + row;
-        into[first..first + M].copy_from_slice(values.as_slice());
-    }
 }

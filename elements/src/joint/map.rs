@@ -2,11 +2,11 @@
 
 #![allow(non_snake_case)]
 
-use super::link::{Link, orders, put, unit, vector};
+use super::link::{Link, unit, vector};
 use super::{Joint, Slide};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::map::{
-    KinematicsMut, Map, MapGraph, Parametrization, Read, ToChart, ToPose,
+    KinematicsMut, Map, MapGraph, Parametrization, Read, ToChart, ToPose, write_block,
     write_geometric_stiffness, write_kinematics, write_tangent,
 };
 use pullback_manifold::system::ChartChanges;
@@ -14,13 +14,14 @@ use std::f64::consts::TAU;
 
 /// A joint as a map (pose of the parent, q) ↦ pose of the child: see [`ToPose`].
 ///
-/// Outside of its domain is also a joint whose pose has no unit quaternion.
+/// A child that turns freely has a rotation vector among the coordinates, and is given by its chart: (pose of
+/// the parent, q, Ψ of the child) ↦ (d, Ψ) of the child. Outside of the domain is also a joint whose pose has
+/// no unit quaternion.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct JointMap<J, const D: usize>(Link<J, D>);
-
-/// A joint whose child turns freely: the map (pose of the parent, q, Ψ of the child) ↦ (d, Ψ) of the child.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FreeJointMap<J, const D: usize>(Link<J, D>);
+pub struct JointMap<J, const D: usize> {
+    link: Link<J, D>,
+    turns_freely: bool,
+}
 
 impl<J, const D: usize> JointMap<J, D>
 where
@@ -28,43 +29,41 @@ where
 {
     /// The map of a joint.
     pub fn new(joint: J) -> Self {
-        Self(Link::new(joint))
+        let (link, turns_freely) = (Link::new(joint), false);
+        Self { link, turns_freely }
+    }
+
+    /// The map of a joint whose child turns freely.
+    pub fn turning_freely(joint: J) -> Self {
+        let (link, turns_freely) = (Link::new(joint), true);
+        Self { link, turns_freely }
     }
 
     /// The same between charts, (d, Ψ of the parent, q) ↦ (d, Ψ of the child), \[M04\] (207).
     pub fn between_charts(self) -> MapGraph {
-        let mut graph = MapGraph::new(6 + D);
+        let (d, turns_freely) = (self.dims().0, self.turns_freely);
+        let mut graph = MapGraph::new(d);
         let parent = graph.add(Box::new(ToPose), vec![(Read::Input(0), 6)]);
-        let child = graph.add(Box::new(self), vec![(parent, 6), (Read::Input(6), D)]);
-        graph.add(Box::new(ToChart::default()), vec![(child, 6)]);
-        graph.with_outputs(1)
-    }
-}
-
-impl<J, const D: usize> FreeJointMap<J, D>
-where
-    J: Joint<D> + Clone + 'static,
-{
-    /// The map of a joint whose child turns freely.
-    pub fn new(joint: J) -> Self {
-        Self(Link::new(joint))
-    }
-
-    /// The same between charts, (d, Ψ of the parent, q, Ψ of the child) ↦ (d, Ψ of the child).
-    pub fn between_charts(self) -> MapGraph {
-        let mut graph = MapGraph::new(9 + D);
-        let parent = graph.add(Box::new(ToPose), vec![(Read::Input(0), 6)]);
-        graph.add(Box::new(self), vec![(parent, 6), (Read::Input(6), 3 + D)]);
+        let reads = vec![(parent, 6), (Read::Input(6), d - 6)];
+        let child = graph.add(Box::new(self), reads);
+        if !turns_freely {
+            graph.add(Box::new(ToChart::default()), vec![(child, 6)]);
+        }
         graph.with_outputs(1)
     }
 
     fn write(&self, t: f64, motion: [&[f64]; 3], out: &mut [[&mut [f64]; 2]]) {
-        for (k, [x, B]) in out.iter_mut().enumerate() {
-            x[3..].copy_from_slice(vector(motion[k], 6 + D).as_slice());
-            B.fill(0.0);
-            put(B, 6, [3, 6 + D], &unit(k));
+        let at = self.link.carried(t, motion);
+        if self.turns_freely {
+            for (k, [x, B]) in out.iter_mut().enumerate() {
+                x[3..].copy_from_slice(vector(motion[k], 6 + D).as_slice());
+                B.fill(0.0);
+                write_block(B, 6, [3, 6 + D], &unit(k));
+            }
+        } else {
+            at.write_rotation(out);
         }
-        self.0.carried(t, motion).write_position(out);
+        at.write_position(out);
     }
 }
 
@@ -77,7 +76,7 @@ where
     }
 
     fn dims(&self) -> (usize, usize) {
-        (6 + D, 6)
+        (6 + D + if self.turns_freely { 3 } else { 0 }, 6)
     }
 
     fn duplicate(&self) -> Box<dyn Parametrization> {
@@ -85,77 +84,24 @@ where
     }
 
     fn margin(&mut self, t: f64, q: &[f64]) -> f64 {
-        self.0.margin(t, q)
-    }
-
-    fn edge(&self) -> &'static str {
-        self.0.joint.edge()
-    }
-
-    fn domain_error(&mut self, t: f64, q: &[f64]) -> Option<String> {
-        self.0.domain_error(t, q)
-    }
-
-    fn freeze_piece(&mut self, at: Option<(f64, &[f64])>) {
-        self.0.freeze_piece(at);
-    }
-
-    fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
-        let at = self.0.carried(t, [q, &[], &[]]);
-        let mut out = [[x, B]];
-        at.write_position(&mut out);
-        at.write_rotation(&mut out);
-    }
-
-    fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
-        let at = self.0.carried(t, [q, v, a]);
-        let mut out = orders(out);
-        at.write_position(&mut out);
-        at.write_rotation(&mut out);
-    }
-
-    /// \[M04\] (212) for any joint.
-    fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
-        K.fill(0.0);
-        let forces = [&vector(f, 0), &vector(f, 3)];
-        self.0.write_stiffness((t, q), forces, (K, 6 + D));
-    }
-}
-
-impl<J, const D: usize> Parametrization for FreeJointMap<J, D>
-where
-    J: Joint<D> + Clone + 'static,
-{
-    fn kind(&self) -> &'static str {
-        std::any::type_name::<J>()
-    }
-
-    fn dims(&self) -> (usize, usize) {
-        (9 + D, 6)
-    }
-
-    fn duplicate(&self) -> Box<dyn Parametrization> {
-        Box::new(self.clone())
-    }
-
-    fn margin(&mut self, t: f64, q: &[f64]) -> f64 {
-        let own = self.0.margin(t, q);
-        match own.is_nan() {
-            true => own,
-            false => own.min(TAU - vector(q, 6 + D).norm()),
+        let own = self.link.margin(t, q);
+        // Of the child's chart; a margin that is not a number stays.
+        match TAU - vector(q, 6 + D).norm() {
+            free if self.turns_freely && free < own => free,
+            _ => own,
         }
     }
 
     fn edge(&self) -> &'static str {
-        self.0.joint.edge()
+        self.link.joint.edge()
     }
 
     fn domain_error(&mut self, t: f64, q: &[f64]) -> Option<String> {
-        self.0.domain_error(t, q)
+        self.link.domain_error(t, q)
     }
 
     fn freeze_piece(&mut self, at: Option<(f64, &[f64])>) {
-        self.0.freeze_piece(at);
+        self.link.freeze_piece(at);
     }
 
     fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
@@ -163,13 +109,19 @@ where
     }
 
     fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
-        self.write(t, [q, v, a], &mut orders(out));
+        self.write(t, [q, v, a], &mut out.orders());
     }
 
+    /// \[M04\] (212) for any joint.
     fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
         K.fill(0.0);
-        let forces = [&vector(f, 0), &Vector3::zeros()];
-        self.0.write_stiffness((t, q), forces, (K, 9 + D));
+        let moment = match self.turns_freely {
+            true => Vector3::zeros(),
+            false => vector(f, 3),
+        };
+        let n = self.dims().0;
+        self.link
+            .write_stiffness((t, q), [&vector(f, 0), &moment], (K, n));
     }
 }
 

@@ -44,7 +44,7 @@ pub use constant_velocity::ConstantVelocity;
 pub use cylindrical::Cylindrical;
 pub use gear::GearError;
 pub use helical::Helical;
-pub use map::{FreeJointMap, JointMap};
+pub use map::JointMap;
 pub use nodes::JointNodes;
 pub use offset::Offset;
 pub use on_curve::{Curve, OnCurve};
@@ -58,7 +58,6 @@ pub use spherical::Spherical;
 pub use universal::Universal;
 
 use axes::{PARALLEL, direction};
-pub(crate) use link::{orders, put};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::{Quaternion, quaternion};

@@ -1,7 +1,7 @@
 //! Joints in a model: the child of each, and nodes for its coordinates.
 
 use super::shape::Chain;
-use super::{FreeJointMap, Joint, JointMap, Offset, Slide};
+use super::{Joint, JointMap, Offset, Slide};
 use crate::beam::Interpolation;
 use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
@@ -63,7 +63,7 @@ impl ModelBuilder {
         let parent = self.pose_of(parent, || format!("joint at node {name}"))?;
         let position = self.child_position(parent, &joint);
         let parents = [&[parent], &coordinates[..]].concat();
-        let map = Box::new(FreeJointMap::new(joint));
+        let map = Box::new(JointMap::turning_freely(joint));
         let frame = self.mapped_node(name, position, map, &parents)?;
         Ok(JointNodes { frame, coordinates })
     }

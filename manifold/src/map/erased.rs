@@ -6,7 +6,7 @@ use super::Map;
 use crate::implicit::ImplicitMap;
 use crate::so3::VelocityKind;
 use crate::system::{CHART_EDGE, ChartChanges};
-use nalgebra::SVector;
+use nalgebra::{SMatrix, SVector};
 
 /// Output of [`Parametrization::kinematics`]; matrices column by column, n×d.
 #[allow(missing_docs, reason = "fields are the symbols of docs/notation.md")]
@@ -17,6 +17,30 @@ pub struct KinematicsMut<'a> {
     pub B: &'a mut [f64],
     pub B_dot: &'a mut [f64],
     pub B_ddot: &'a mut [f64],
+}
+
+impl<'a> KinematicsMut<'a> {
+    /// Coordinates and operators, order by order.
+    pub fn orders(self) -> [[&'a mut [f64]; 2]; 3] {
+        [
+            [self.x, self.B],
+            [self.x_dot, self.B_dot],
+            [self.x_ddot, self.B_ddot],
+        ]
+    }
+}
+
+/// Writes a block into a matrix of `n` rows, column by column.
+pub fn write_block<const M: usize, const N: usize>(
+    into: &mut [f64],
+    n: usize,
+    [row, column]: [usize; 2],
+    block: &SMatrix<f64, M, N>,
+) {
+    for (j, values) in block.column_iter().enumerate() {
+        let first = (column + j) * n + row;
+        into[first..first + M].copy_from_slice(values.as_slice());
+    }
 }
 
 /// An object-safe [`Map`] of any dimensions: slices outside, fixed sizes and no heap inside.

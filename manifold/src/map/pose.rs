@@ -17,7 +17,7 @@
 
 #![allow(non_snake_case)]
 
-use super::{KinematicsMut, Parametrization};
+use super::{KinematicsMut, Parametrization, write_block};
 use crate::quotients::{InverseQuotients, Quotients};
 use crate::so3::{self, Quaternion};
 use crate::system::ChartChanges;
@@ -55,14 +55,6 @@ fn three(x: &[f64], first: usize) -> Vector3<f64> {
         .map_or_else(Vector3::zeros, Vector3::from_column_slice)
 }
 
-/// Writes a block into a 6×6 matrix, column by column.
-fn put(into: &mut [f64], [row, column]: [usize; 2], block: &Matrix3<f64>) {
-    for (j, values) in block.column_iter().enumerate() {
-        let first = (column + j) * FRAME + row;
-        into[first..first + 3].copy_from_slice(values.as_slice());
-    }
-}
-
 /// A position and its operator, which is the identity: as many orders as there is room for.
 fn write(motion: [&[f64]; 3], turn: &[(Vector3<f64>, Matrix3<f64>)], out: &mut [[&mut [f64]; 2]]) {
     for (k, ([x, B], (rotation, own))) in out.iter_mut().zip(turn).enumerate() {
@@ -70,19 +62,10 @@ fn write(motion: [&[f64]; 3], turn: &[(Vector3<f64>, Matrix3<f64>)], out: &mut [
         x[3..].copy_from_slice(rotation.as_slice());
         B.fill(0.0);
         if k == 0 {
-            put(B, [0, 0], &Matrix3::identity());
+            write_block(B, FRAME, [0, 0], &Matrix3::identity());
         }
-        put(B, [3, 3], own);
+        write_block(B, FRAME, [3, 3], own);
     }
-}
-
-/// Coordinates and operators, order by order.
-fn orders<'a>(out: KinematicsMut<'a>) -> [[&'a mut [f64]; 2]; 3] {
-    [
-        [out.x, out.B],
-        [out.x_dot, out.B_dot],
-        [out.x_ddot, out.B_ddot],
-    ]
 }
 
 impl ToPose {
@@ -119,14 +102,14 @@ impl Parametrization for ToPose {
     }
 
     fn kinematics(&mut self, _t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
-        Self::write([q, v, a], &mut orders(out));
+        Self::write([q, v, a], &mut out.orders());
     }
 
     fn geometric_stiffness(&mut self, _t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
         let psi = three(q, 3);
         K.fill(0.0);
         let moment = so3::C1(&three(f, 3), &psi, &Quotients::new(psi.norm()));
-        put(K, [3, 3], &moment);
+        write_block(K, FRAME, [3, 3], &moment);
     }
 }
 
@@ -188,7 +171,7 @@ impl Parametrization for ToChart {
     }
 
     fn kinematics(&mut self, _t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
-        self.write([q, v, a], &mut orders(out));
+        self.write([q, v, a], &mut out.orders());
     }
 
     fn geometric_stiffness(&mut self, _t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
@@ -198,6 +181,6 @@ impl Parametrization for ToChart {
         // The covector stays as the frame turns: δ(T⁻¹ f) = D_Ψ(T⁻¹ f) T⁻ᵀ δθ.
         let moment = -so3::C6(&three(f, 3), &-psi, &inverse) * T_inverse.transpose();
         K.fill(0.0);
-        put(K, [3, 3], &moment);
+        write_block(K, FRAME, [3, 3], &moment);
     }
 }

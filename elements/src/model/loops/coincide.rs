@@ -2,10 +2,10 @@
 
 #![allow(non_snake_case)]
 
-use crate::joint::{Pose, orders, put};
+use crate::joint::Pose;
 use nalgebra::{Matrix3, SVector, Vector3};
 use pullback_manifold::map::pose::orientation;
-use pullback_manifold::map::{KinematicsMut, Map, Parametrization};
+use pullback_manifold::map::{KinematicsMut, Map, Parametrization, write_block};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::skew;
 
@@ -105,11 +105,11 @@ impl CoincidePoses {
             x[..3].copy_from_slice(at.g[k].as_slice());
             x[3..].copy_from_slice((at.v[k] * 2.0).as_slice());
             B.fill(0.0);
-            put(B, 6, [0, 0], &shifts[k]);
-            put(B, 6, [0, 6], &-shifts[k]);
-            put(B, 6, [0, 9], &levers[k]);
-            put(B, 6, [3, 3], &turns[k]);
-            put(B, 6, [3, 9], &-turns[k]);
+            write_block(B, 6, [0, 0], &shifts[k]);
+            write_block(B, 6, [0, 6], &-shifts[k]);
+            write_block(B, 6, [0, 9], &levers[k]);
+            write_block(B, 6, [3, 3], &turns[k]);
+            write_block(B, 6, [3, 9], &-turns[k]);
         }
     }
 }
@@ -128,7 +128,7 @@ impl Parametrization for CoincidePoses {
     }
 
     fn kinematics(&mut self, _t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
-        self.write([q, v, a], &mut orders(out));
+        self.write([q, v, a], &mut out.orders());
     }
 
     fn geometric_stiffness(&mut self, _t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
@@ -142,13 +142,13 @@ impl Parametrization for CoincidePoses {
         let N = (mu * v.transpose() + skew(&mu) * L) * -0.5;
         let N = at.R * N * at.R.transpose();
         K.fill(0.0);
-        put(K, 12, [0, 9], &-force);
-        put(K, 12, [6, 9], &force);
-        put(K, 12, [9, 0], &force);
-        put(K, 12, [9, 6], &-force);
-        put(K, 12, [3, 3], &N);
-        put(K, 12, [3, 9], &(-moment - N));
-        put(K, 12, [9, 3], &-N);
-        put(K, 12, [9, 9], &(arm * force + moment + N));
+        write_block(K, 12, [0, 9], &-force);
+        write_block(K, 12, [6, 9], &force);
+        write_block(K, 12, [9, 0], &force);
+        write_block(K, 12, [9, 6], &-force);
+        write_block(K, 12, [3, 3], &N);
+        write_block(K, 12, [3, 9], &(-moment - N));
+        write_block(K, 12, [9, 3], &-N);
+        write_block(K, 12, [9, 9], &(arm * force + moment + N));
     }
 }

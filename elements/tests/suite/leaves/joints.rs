@@ -7,8 +7,8 @@ use nalgebra::{DMatrix, SVector, Vector3};
 use pullback_conformance::{self as check, Random};
 use pullback_elements::beam::Interpolation;
 use pullback_elements::joint::{
-    Chain, FreeJointMap, Helical, Joint, JointCoordinate, JointMap, Offset, Planar, Pose, Revolute,
-    Slide, Spherical, Universal,
+    Chain, Helical, Joint, JointCoordinate, JointMap, Offset, Planar, Pose, Revolute, Slide,
+    Spherical, Universal,
 };
 use pullback_manifold::map::{KinematicsMut, Map, MapGraph, Parametrization, derived};
 use pullback_manifold::scalar::Scalar;
@@ -141,10 +141,10 @@ fn laws_hold_on_the_other_branch_too() {
 
 #[test]
 fn joints_whose_children_turn_freely_obey_the_laws_of_a_map() {
-    check::parametrization(&FreeJointMap::new(Spherical).between_charts()).assert();
+    check::parametrization(&JointMap::turning_freely(Spherical).between_charts()).assert();
     let screw = Helical::new([1.0, -2.0, 0.5], 0.7).unwrap();
-    check::parametrization(&FreeJointMap::new(screw).between_charts()).assert();
-    check::parametrization(&FreeJointMap::new(Rheonomic).between_charts()).assert();
+    check::parametrization(&JointMap::turning_freely(screw).between_charts()).assert();
+    check::parametrization(&JointMap::turning_freely(Rheonomic).between_charts()).assert();
 }
 
 #[test]
