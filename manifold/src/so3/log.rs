@@ -85,10 +85,12 @@ impl<S: Scalar> Quaternion<S> {
     #[must_use]
     pub fn rodrigues(&self) -> Vector3<S> {
         let square = self.v.dot(&self.v);
-        if self.w.re() >= 0.0 || square.re() == 0.0 {
+        if self.w.re() >= 0.0 {
             self.v * (self.w + S::one()).recip()
-        } else {
+        } else if square.re() > 0.0 {
             self.v * ((S::one() - self.w) * square.recip())
+        } else {
+            self.v
         }
     }
 

@@ -2,4 +2,5 @@
 
 mod jets;
 mod phase;
+mod pose;
 mod pullback;
