@@ -21,7 +21,7 @@ mod linear;
 pub mod pose;
 
 use erased::Erased;
-pub use erased::{KinematicsMut, Parametrization};
+pub use erased::{KinematicsMut, OutsideDomain, Parametrization};
 pub use erased::{write_block, write_geometric_stiffness, write_kinematics, write_tangent};
 pub use graph::{MapGraph, Read};
 pub use increment::Increment;

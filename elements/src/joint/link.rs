@@ -16,7 +16,7 @@ use super::{Joint, Pose};
 use nalgebra::{Matrix3, SVector, Vector3};
 use pullback_manifold::jet::{Hess, Moving};
 use pullback_manifold::map::pose::orientation;
-use pullback_manifold::map::write_block;
+use pullback_manifold::map::{OutsideDomain, write_block};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::{Quaternion, skew};
 
@@ -85,12 +85,15 @@ impl<J: Joint<D>, const D: usize> Link<J, D> {
         }
     }
 
-    pub(super) fn domain_error(&self, t: f64, q: &[f64]) -> Option<String> {
+    pub(super) fn domain_error(&self, t: f64, q: &[f64]) -> OutsideDomain {
         let rotation = self.joint.pose(t, &own(q)).rotation;
         let norm = rotation.dot(&rotation).sqrt();
-        (norm.is_finite() && !is_unit(&rotation)).then(|| {
-            format!("the quaternion of its pose has length {norm:.6}: make it a unit quaternion")
-        })
+        match norm.is_finite() && !is_unit(&rotation) {
+            true => OutsideDomain::Undefined(format!(
+                "the quaternion of its pose has length {norm:.6}: make it a unit quaternion"
+            )),
+            false => OutsideDomain::Beyond(self.joint.edge()),
+        }
     }
 
     pub(super) fn freeze_piece(&mut self, at: Option<(f64, &[f64])>) {

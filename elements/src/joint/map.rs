@@ -6,8 +6,8 @@ use super::link::{Link, unit, vector};
 use super::{Joint, Slide};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::map::{
-    KinematicsMut, Map, MapGraph, Parametrization, Read, ToChart, ToPose, write_block,
-    write_geometric_stiffness, write_kinematics, write_tangent,
+    KinematicsMut, Map, MapGraph, OutsideDomain, Parametrization, Read, ToChart, ToPose,
+    write_block, write_geometric_stiffness, write_kinematics, write_tangent,
 };
 use pullback_manifold::system::ChartChanges;
 use std::f64::consts::TAU;
@@ -92,11 +92,7 @@ where
         }
     }
 
-    fn edge(&self) -> &'static str {
-        self.link.joint.edge()
-    }
-
-    fn domain_error(&mut self, t: f64, q: &[f64]) -> Option<String> {
+    fn domain_error(&mut self, t: f64, q: &[f64]) -> OutsideDomain {
         self.link.domain_error(t, q)
     }
 
@@ -139,8 +135,8 @@ impl Parametrization for Slide {
         Map::margin(self, t, &SVector::from_column_slice(q))
     }
 
-    fn edge(&self) -> &'static str {
-        Map::edge(self)
+    fn domain_error(&mut self, _t: f64, _q: &[f64]) -> OutsideDomain {
+        OutsideDomain::Beyond(self.edge())
     }
 
     fn change_charts(&mut self, _t: f64, q: &[f64]) -> ChartChanges {

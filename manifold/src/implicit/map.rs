@@ -4,7 +4,7 @@ use super::core::{CONSISTENT, Core, RANK};
 use super::{
     Choice, Description, DomainError, Equation, Equations, Implicit, ImplicitError, Unknown,
 };
-use crate::map::{KinematicsMut, Map, Parametrization};
+use crate::map::{KinematicsMut, Map, OutsideDomain, Parametrization};
 use crate::system::ChartChanges;
 
 /// The map (q, p) ↦ x of equations h(t, p, x) = 0, solved for x in D = X − rank(h_x) of its own
@@ -214,12 +214,11 @@ impl Parametrization for ImplicitMap {
         core.D > 0 && core.about.choice != Choice::Fixed
     }
 
-    fn edge(&self) -> &'static str {
-        "the positions that its equations allow"
-    }
-
-    fn domain_error(&mut self, t: f64, q: &[f64]) -> Option<String> {
-        self.0.solve(t, q).err().map(advised)
+    fn domain_error(&mut self, t: f64, q: &[f64]) -> OutsideDomain {
+        match self.0.solve(t, q) {
+            Ok(()) => OutsideDomain::Beyond("the positions that its equations allow"),
+            Err(error) => OutsideDomain::Undefined(advised(error)),
+        }
     }
 
     fn save(&self) -> Vec<f64> {

@@ -43,6 +43,16 @@ pub fn write_block<const M: usize, const N: usize>(
     }
 }
 
+/// Why a point is outside the domain of a map.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum OutsideDomain {
+    /// It is beyond this limit: words that follow "the joint left", with a remedy unless it is
+    /// [`CHART_EDGE`].
+    Beyond(&'static str),
+    /// There is no value, for this reason: words that follow "joint at node a: ".
+    Undefined(String),
+}
+
 /// An object-safe [`Map`] of any dimensions: slices outside, fixed sizes and no heap inside.
 ///
 /// Implemented for every map by [`Map::boxed`], and by maps with a state of their own
@@ -65,11 +75,6 @@ pub trait Parametrization: Send + Sync {
     fn margin(&mut self, t: f64, q: &[f64]) -> f64 {
         let _ = (t, q);
         f64::INFINITY
-    }
-
-    /// See [`Map::edge`].
-    fn edge(&self) -> &'static str {
-        CHART_EDGE
     }
 
     /// Changes the charts of the values (branch of a logarithm, segment of a curve) if another one is
@@ -112,10 +117,10 @@ pub trait Parametrization: Send + Sync {
         None
     }
 
-    /// Why q is outside the domain, to follow "joint at node a: "; none by default.
-    fn domain_error(&mut self, t: f64, q: &[f64]) -> Option<String> {
+    /// Why q is outside the domain, where the margin has ended; the edge of a chart by default.
+    fn domain_error(&mut self, t: f64, q: &[f64]) -> OutsideDomain {
         let _ = (t, q);
-        None
+        OutsideDomain::Beyond(CHART_EDGE)
     }
 
     /// Amount by which a step of size h between two states (q, q̇) overshot the first change of
@@ -200,8 +205,8 @@ where
         self.0.margin(t, &SVector::from_column_slice(q))
     }
 
-    fn edge(&self) -> &'static str {
-        self.0.edge()
+    fn domain_error(&mut self, _t: f64, _q: &[f64]) -> OutsideDomain {
+        OutsideDomain::Beyond(self.0.edge())
     }
 
     fn is_objective(&self) -> bool {

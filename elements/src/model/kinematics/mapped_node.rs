@@ -9,7 +9,7 @@ use crate::model::assembly::scatter_map::ScatterMap;
 use crate::model::assembly::workspace::Workspace;
 use crate::model::kinematics::node_entries::collect;
 use crate::model::{Context, Node, NodeForm, Source, Span};
-use pullback_manifold::map::{KinematicsMut, Parametrization};
+use pullback_manifold::map::{KinematicsMut, OutsideDomain, Parametrization};
 use pullback_manifold::pullback::{self, Slot};
 use pullback_manifold::system::{ChartChanges, Point, SystemError, Weights};
 
@@ -131,10 +131,9 @@ impl Context {
         let margin = map.margin(t, q);
         if margin.is_nan() || margin <= 0.0 {
             let what = format!("joint at node {}", node.name);
-            let edge = map.edge();
             return Err(match map.domain_error(t, q) {
-                Some(why) => SystemError::Unsolved { what, why },
-                None => SystemError::OutsideChart { edge, what, margin },
+                OutsideDomain::Undefined(why) => SystemError::Unsolved { what, why },
+                OutsideDomain::Beyond(edge) => SystemError::OutsideChart { edge, what, margin },
             });
         }
         let own = node.range();
