@@ -25,8 +25,8 @@ use std::time::Instant;
 
 /// What residual and combined tangent of a two-node beam with inertia may cost, in products.
 const BEAM_LIMIT: f64 = 10.0;
-/// What a joint derived from its map may cost, in units of its closed form.
-const DERIVED_LIMIT: f64 = 4.0;
+/// What a joint derived from its map of rotation vectors may cost, in units of its closed form of poses.
+const DERIVED_LIMIT: f64 = 11.0;
 
 /// Seconds of one call, averaged over `count` of them.
 fn average(count: usize, f: &mut impl FnMut()) -> f64 {
