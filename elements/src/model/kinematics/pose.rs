@@ -54,10 +54,9 @@ pub(in crate::model) fn mark_unread(nodes: &mut [Node], read: &[u32]) {
     let mut is_read = vec![false; nodes.len()];
     read.iter().for_each(|&n| is_read[n as usize] = true);
     for (n, is_read) in is_read.into_iter().enumerate() {
-        if !is_read && nodes[n].is_view() {
-            if let Source::Mapped(d) = &mut nodes[n].source {
-                d.read = false;
-            }
+        let unread = !is_read && nodes[n].is_view();
+        if let (true, Source::Mapped(d)) = (unread, &mut nodes[n].source) {
+            d.read = false;
         }
     }
 }
