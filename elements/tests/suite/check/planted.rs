@@ -3,14 +3,14 @@
 
 #![allow(non_snake_case)]
 
-use crate::support::{coupled, line};
+use crate::support::{coupled, line, straight};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use pullback_conformance::{self as check, Options};
 use pullback_conformance::{InCharts, LawRow, Report};
 use pullback_elements::body::RigidBody;
 use pullback_elements::element::{Element, ElementError, Motion, Response};
 use pullback_elements::joint::Pose;
-use pullback_elements::model::{BeamLine, Context, Dof, ModelBuilder, StraightLine};
+use pullback_elements::model::{BeamLine, Context, Dof, ModelBuilder};
 use pullback_manifold::map::{Kinematics, Map, derived};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;
@@ -120,12 +120,7 @@ fn report(planted: Planted, seed: u64) -> Report {
     let mut b = ModelBuilder::new();
     let root = b.node("root", [0.0; 3]).unwrap();
     let tip = b.node("tip", [1.0, 0.2, 0.1]).unwrap();
-    let axis = StraightLine {
-        from: b.position(root),
-        to: b.position(tip),
-        second: None,
-        twist: 0.0,
-    };
+    let axis = straight(&b, [root, tip]);
     let beams = BeamLine {
         section: coupled(),
         ..line(2, 1)

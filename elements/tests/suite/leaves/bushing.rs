@@ -2,9 +2,10 @@
 
 #![allow(non_snake_case)]
 
+use crate::support::{moving, response};
 use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, Vector3, Vector6};
 use pullback_conformance::Random;
-use pullback_elements::element::{Element, Motion, Response};
+use pullback_elements::element::{Element, Response};
 use pullback_elements::spring::Bushing;
 use pullback_manifold::map::{Map, derived};
 use pullback_manifold::scalar::Scalar;
@@ -44,19 +45,11 @@ fn evaluated([k, d]: [f64; 2], x: &Vector12, v: &Vector12) -> (Vector12, [Matrix
     let bushing = Bushing::new(&positions, &Matrix3::identity(), &(one * k), &(one * d)).unwrap();
     let mut r = Vector12::zeros();
     let [mut K, mut C] = [Matrix12::zeros(); 2];
-    let at = Motion {
-        t: 0.0,
-        x: x.as_slice(),
-        v: v.as_slice(),
-        a: &[],
-        previous: None,
-    };
+    let at = moving(x.as_slice(), v.as_slice(), &[]);
     let mut out = Response {
-        r: r.as_mut_slice(),
         K: Some(K.as_mut_slice()),
         C: Some(C.as_mut_slice()),
-        M: None,
-        r_t: None,
+        ..response(r.as_mut_slice())
     };
     bushing.evaluate(&at, &mut out).unwrap();
     (r, [K, C])

@@ -4,7 +4,7 @@
 
 use crate::support::elastic_joint::ElasticJoint;
 use crate::support::strain_beam::{FrameInertia, GreenLagrange, Reissner, StrainBeam, strain_beam};
-use crate::support::{coupled, section};
+use crate::support::{coupled, moving, response, section};
 use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, Vector3};
 use pullback_conformance as check;
 use pullback_elements::beam::{Beam, BeamError, Damping, Section};
@@ -257,13 +257,7 @@ fn a_kinetic_energy_linear_in_the_velocities_turns_the_motion() {
     // At x₀ = 0 the mass is 2.5 and stationary: r = −2.5 a + 3 (v₁, −v₀).
     let (x, v, a) = ([0.0, 0.7], [0.4, -0.9], [1.0, 2.0]);
     let mut r = [0.0; 2];
-    let at = Motion {
-        t: 0.0,
-        x: &x,
-        v: &v,
-        a: &a,
-        previous: None,
-    };
+    let at = moving(&x, &v, &a);
     element.evaluate(&at, &mut response(&mut r)).unwrap();
     assert!((r[0] - (-2.5 - 2.7)).abs() < 1e-14, "{r:?}");
     assert!((r[1] - (-5.0 - 1.2)).abs() < 1e-14, "{r:?}");
@@ -282,23 +276,10 @@ fn what_is_not_written_is_zero() {
     assert_eq!(r, [0.0; 3]);
 }
 
-fn response(r: &mut [f64]) -> Response<'_> {
-    Response {
-        r,
-        K: None,
-        C: None,
-        M: None,
-        r_t: None,
-    }
-}
-
 fn rest(x: &[f64]) -> Motion<'_> {
     Motion {
         t: 0.37,
-        x,
-        v: &[],
-        a: &[],
-        previous: None,
+        ..moving(x, &[], &[])
     }
 }
 

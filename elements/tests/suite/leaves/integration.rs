@@ -2,9 +2,10 @@
 
 #![allow(non_snake_case)]
 
+use crate::support::{moving, response};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use pullback_elements::beam::{Beam, Section};
-use pullback_elements::element::{Motion, Response};
+use pullback_elements::element::Response;
 
 /// K and M of a straight beam of unit shear stiffness along e2 and unit mass per length at rest, with its
 /// nodes at these positions on e1.
@@ -17,19 +18,11 @@ fn tangents(positions: &[f64]) -> [DMatrix<f64>; 2] {
     let n = beam.dim();
     let (zero, mut r) = (vec![0.0; n], vec![0.0; n]);
     let [mut K, mut M] = [(); 2].map(|()| DMatrix::zeros(n, n));
-    let at = Motion {
-        t: 0.0,
-        x: &zero,
-        v: &zero,
-        a: &zero,
-        previous: None,
-    };
+    let at = moving(&zero, &zero, &zero);
     let mut out = Response {
-        r: &mut r,
         K: Some(K.as_mut_slice()),
-        C: None,
         M: Some(M.as_mut_slice()),
-        r_t: None,
+        ..response(&mut r)
     };
     beam.evaluate(&at, &mut out).unwrap();
     [K, M]

@@ -3,16 +3,16 @@
 
 #![allow(non_snake_case)]
 
-use crate::support::coupled;
+use crate::support::{coupled, line, moving, response, straight};
 use nalgebra::{Matrix3, Matrix6, SVector, Vector3};
 use pullback_conformance as check;
 use pullback_conformance::Random;
 use pullback_elements::beam::{Beam, Damping, Geodesic, Interpolation, Section};
-use pullback_elements::element::{Element, ElementError, Motion, Response, SectionState};
+use pullback_elements::element::{Element, ElementError, SectionState};
 use pullback_elements::energy::{EnergyElement, inside_chart, rate};
 use pullback_elements::inertia::Inertia;
 use pullback_elements::load::LineLoad;
-use pullback_elements::model::{BeamLine, Context, ModelBuilder, StraightLine, frame_along};
+use pullback_elements::model::{BeamLine, Context, ModelBuilder, frame_along};
 use pullback_elements::time::Constant;
 use pullback_manifold::quotients::{Quotients, TangentQuotients};
 use pullback_manifold::scalar::Scalar;
@@ -202,21 +202,9 @@ fn answer(element: &dyn Element, nodes: &[Node], near: &Vector3<f64>, other: boo
         }
     }
     let [x, v, a] = &motion;
-    let at = Motion {
-        t: 0.0,
-        x,
-        v,
-        a,
-        previous: None,
-    };
+    let at = moving(x, v, a);
     let mut r = vec![0.0; x.len()];
-    let mut out = Response {
-        r: &mut r,
-        K: None,
-        C: None,
-        M: None,
-        r_t: None,
-    };
+    let mut out = response(&mut r);
     element.evaluate(&at, &mut out).unwrap();
     let mut states = Vec::new();
     element.section_states(&at, &mut states);
@@ -383,19 +371,12 @@ fn laws_found(interpolation: Interpolation) -> Vec<String> {
     let mut b = ModelBuilder::new();
     let ends = [[0.0; 3], [1.0, 0.2, 0.1]];
     let ends = [b.node("a", ends[0]).unwrap(), b.node("b", ends[1]).unwrap()];
-    let axis = StraightLine {
-        from: b.position(ends[0]),
-        to: b.position(ends[1]),
-        second: None,
-        twist: 0.0,
-    };
     let line = BeamLine {
-        elements: 1,
-        order: 2,
         section: massive(DAMPING),
+        ..line(1, 2)
     };
-    b.line_with("beam", &axis, ends, &line, interpolation)
-        .unwrap();
+    let laid = b.line_with("beam", &straight(&b, ends), ends, &line, interpolation);
+    laid.unwrap();
     let report = check::model(
         &mut Context::new(b.build().unwrap()),
         &check::Options::default(),
@@ -428,16 +409,6 @@ fn rolled(alpha: f64) -> [f64; 12] {
     x
 }
 
-fn at_rest(x: &[f64]) -> Motion<'_> {
-    Motion {
-        t: 0.0,
-        x,
-        v: &[],
-        a: &[],
-        previous: None,
-    }
-}
-
 #[test]
 fn nodes_may_turn_against_each_other_by_less_than_one_turn() {
     let positions = [Vector3::zeros(), Vector3::x()];
@@ -448,7 +419,7 @@ fn nodes_may_turn_against_each_other_by_less_than_one_turn() {
     for alpha in [0.0, 1e-9, 1.0, PI - 1e-6, PI, PI + 1e-6, 5.0, TAU - 0.01] {
         let x = rolled(alpha);
         let mut states = Vec::new();
-        beam.section_states(&at_rest(&x), &mut states);
+        beam.section_states(&moving(&x, &[], &[]), &mut states);
         let K = states[0].K;
         let error = (K - Vector3::new(0.0, 0.6, 0.8) * alpha).norm();
         assert!(error < 1e-12, "{alpha}: {K:?}");
@@ -457,14 +428,8 @@ fn nodes_may_turn_against_each_other_by_less_than_one_turn() {
     let mut x = rolled(3.13);
     x[3..6].copy_from_slice((Vector3::new(0.0, 0.6, 0.8) * -3.1528).as_slice());
     let mut r = [0.0; 12];
-    let mut out = Response {
-        r: &mut r,
-        K: None,
-        C: None,
-        M: None,
-        r_t: None,
-    };
-    let refused = beam.evaluate(&at_rest(&x), &mut out).unwrap_err();
+    let mut out = response(&mut r);
+    let refused = beam.evaluate(&moving(&x, &[], &[]), &mut out).unwrap_err();
     let ElementError::Overturned { psi } = refused else {
         panic!("{refused}");
     };

@@ -2,10 +2,10 @@
 
 #![allow(non_snake_case)]
 
-use crate::support::{matrix, numbers, reference, vector};
+use crate::support::{matrix, moving, numbers, reference, response, vector};
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, Vector3};
 use pullback_elements::beam::{Beam, Material, Section, SectionError, rectangle_torsion};
-use pullback_elements::element::{Motion, Response};
+use pullback_elements::element::Response;
 use std::f64::consts::PI;
 
 #[test]
@@ -28,20 +28,11 @@ fn beam_is_that_of_the_reference() {
         let section = Section::diagonal(N[0], [N[1], N[2]], M[0], [M[1], M[2]]).unwrap();
         let beam = Beam::along(&positions, &|_| R0, &section).unwrap();
         let x = numbers(&row["q"]);
-        let at = Motion {
-            t: 0.0,
-            x: &x,
-            v: &[],
-            a: &[],
-            previous: None,
-        };
+        let at = moving(&x, &[], &[]);
         let (mut r, mut K) = (DVector::zeros(12), DMatrix::zeros(12, 12));
         let mut out = Response {
-            r: r.as_mut_slice(),
             K: Some(K.as_mut_slice()),
-            C: None,
-            M: None,
-            r_t: None,
+            ..response(r.as_mut_slice())
         };
         beam.evaluate(&at, &mut out).unwrap();
         let expected = vector(&row["f_int"]);
@@ -79,13 +70,7 @@ fn inertia_of_the_beam_is_that_of_the_reference() {
         let J = Matrix3::from_diagonal(&Vector3::from_vec(numbers(&row["J"])));
         let (N, M) = (numbers(&row["EA_GA2_GA3"]), numbers(&row["GJ_EI2_EI3"]));
         let [x, v, a] = ["q", "q_dot", "q_ddot"].map(|key| numbers(&row[key]));
-        let at = Motion {
-            t: 0.0,
-            x: &x,
-            v: &v,
-            a: &a,
-            previous: None,
-        };
+        let at = moving(&x, &v, &a);
         // Inertia does not see the stiffness: next to a soft beam's it stands alone, and is held to
         // its own largest entry.
         for soft in [1.0, 1e-20] {
@@ -95,11 +80,10 @@ fn inertia_of_the_beam_is_that_of_the_reference() {
             let mut r = DVector::zeros(12);
             let [mut K, mut C, mut M] = [(); 3].map(|()| DMatrix::zeros(12, 12));
             let mut out = Response {
-                r: r.as_mut_slice(),
                 K: Some(K.as_mut_slice()),
                 C: Some(C.as_mut_slice()),
                 M: Some(M.as_mut_slice()),
-                r_t: None,
+                ..response(r.as_mut_slice())
             };
             beam.evaluate(&at, &mut out).unwrap();
             let f = vector(&row["f_int"]) * soft + vector(&row["f_acc"]);

@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case)]
 
+use crate::support::{self, response};
 use nalgebra::{DVector, Matrix3, Matrix6, SVector, Vector3, Vector6};
 use pullback_conformance as check;
 use pullback_conformance::Random;
@@ -42,19 +43,10 @@ fn axial() -> AxialSpring {
 fn residual(element: &dyn Element, x: &[f64], v: &[f64]) -> Result<DVector<f64>, ElementError> {
     let mut r = DVector::zeros(element.dim());
     let a = vec![0.0; v.len()];
-    let mut out = Response {
-        r: r.as_mut_slice(),
-        K: None,
-        C: None,
-        M: None,
-        r_t: None,
-    };
+    let mut out = response(r.as_mut_slice());
     let at = Motion {
         t: 0.37,
-        x,
-        v,
-        a: &a,
-        previous: None,
+        ..support::moving(x, v, &a)
     };
     element.evaluate(&at, &mut out)?;
     Ok(r)
@@ -63,10 +55,7 @@ fn residual(element: &dyn Element, x: &[f64], v: &[f64]) -> Result<DVector<f64>,
 fn moving<'a>(x: &'a [f64], v: &'a [f64]) -> Motion<'a> {
     Motion {
         t: 0.37,
-        x,
-        v,
-        a: &[],
-        previous: None,
+        ..support::moving(x, v, &[])
     }
 }
 

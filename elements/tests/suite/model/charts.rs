@@ -2,11 +2,11 @@
 
 #![allow(non_snake_case)]
 
-use crate::support::{Twin, coupled};
+use crate::support::{Twin, coupled, moving, response};
 use nalgebra::{Matrix3, Vector3};
 use pullback_conformance::Random;
 use pullback_elements::beam::Beam;
-use pullback_elements::element::{Motion, Response, SectionState};
+use pullback_elements::element::SectionState;
 use pullback_elements::model::{
     BeamLine, Context, Dof, ModelBuilder, NodeId, StraightLine, frame_along,
 };
@@ -178,21 +178,9 @@ fn by_elements(values: &[[Vector3<f64>; 2]], order: usize) -> Physical {
                 [d.x, d.y, d.z, psi.x, psi.y, psi.z]
             })
             .collect();
-        let motion = Motion {
-            t: 0.0,
-            x: &x,
-            v: &[],
-            a: &[],
-            previous: None,
-        };
+        let motion = moving(&x, &[], &[]);
         let mut r = vec![0.0; x.len()];
-        let mut response = Response {
-            r: &mut r,
-            K: None,
-            C: None,
-            M: None,
-            r_t: None,
-        };
+        let mut response = response(&mut r);
         beam.evaluate(&motion, &mut response).unwrap();
         out.energy += beam.energy(&motion);
         beam.section_states(&motion, &mut out.states);

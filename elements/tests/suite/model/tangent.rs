@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use crate::support::{Coupling, Offset, Twin, TwoTurn, coupled, section};
+use crate::support::{Coupling, Offset, Twin, TwoTurn, coupled, lay, section};
 use nalgebra::{DVector, Vector3};
 use pullback_conformance::{self as check, Random, State, dense};
 use pullback_elements::load::{LineLoad, LoadKind, NodalLoad};
@@ -181,18 +181,7 @@ fn nodes_that_follow_through_maps() {
         // Slave and parent in one element: their blocks meet.
         ("brace", [corner, dependent]),
     ] {
-        let axis = StraightLine {
-            from: b.position(ends[0]),
-            to: b.position(ends[1]),
-            second: None,
-            twist: 0.0,
-        };
-        let line = BeamLine {
-            elements: 1,
-            order: 1,
-            section: section(),
-        };
-        b.line(name, &axis, ends, &line).unwrap();
+        lay(&mut b, name, ends, 1, 1, section());
     }
     // Residuals that depend on velocities and accelerations, symmetric in nothing.
     b.element("coupling", Coupling, &[dependent, pin]).unwrap();
@@ -213,18 +202,7 @@ fn chain(count: usize) -> (Context, Vec<NodeId>) {
     let mut b = ModelBuilder::new();
     let from = b.node("0", [0.0; 3]).unwrap();
     let to = b.node("end", [count as f64, 0.0, 0.0]).unwrap();
-    let axis = StraightLine {
-        from: b.position(from),
-        to: b.position(to),
-        second: None,
-        twist: 0.0,
-    };
-    let line = BeamLine {
-        elements: count,
-        order: 1,
-        section: coupled(),
-    };
-    let nodes = b.line("chain", &axis, [from, to], &line).unwrap().nodes;
+    let nodes = lay(&mut b, "chain", [from, to], count, 1, coupled());
     for pair in nodes.windows(2) {
         b.element("coupling", Coupling, pair).unwrap();
     }
@@ -267,18 +245,7 @@ fn mapped_nodes_stored_in_the_other_chart() {
         .mapped_node("twin", positions[1], Twin.boxed(), &parents[1..2])
         .unwrap();
     for (name, ends) in [("a", [parents[0], twin]), ("b", [twin, parents[2]])] {
-        let axis = StraightLine {
-            from: b.position(ends[0]),
-            to: b.position(ends[1]),
-            second: None,
-            twist: 0.0,
-        };
-        let line = BeamLine {
-            elements: 1,
-            order: 1,
-            section: coupled(),
-        };
-        b.line(name, &axis, ends, &line).unwrap();
+        lay(&mut b, name, ends, 1, 1, coupled());
         b.element(format!("coupling {name}"), Coupling, &ends)
             .unwrap();
     }
@@ -343,18 +310,7 @@ fn a_tangent_from_the_previous_iterate_differs_by_the_square_of_the_step() {
 fn conservative_models_are_symmetric_also_with_changed_charts() {
     let mut b = ModelBuilder::new();
     let ends = [[0.0; 3], [1.0, 0.5, 0.0]].map(|p| b.node(format!("{p:?}"), p).unwrap());
-    let axis = StraightLine {
-        from: b.position(ends[0]),
-        to: b.position(ends[1]),
-        second: None,
-        twist: 0.0,
-    };
-    let line = BeamLine {
-        elements: 2,
-        order: 2,
-        section: coupled(),
-    };
-    let nodes = b.line("line", &axis, ends, &line).unwrap().nodes;
+    let nodes = lay(&mut b, "line", ends, 2, 2, coupled());
     let load = NodalLoad::new(LoadKind::DeadForce, [1.0, 2.0, 3.0], Constant(1.0));
     b.element("load", load, &ends[1..]).unwrap();
     let mut context = Context::new(b.build().unwrap());

@@ -160,10 +160,27 @@ pub fn line(elements: usize, order: usize) -> BeamLine {
     }
 }
 
+/// Elements in a straight line between two nodes; the nodes of the line.
+pub fn lay(
+    b: &mut ModelBuilder,
+    name: &str,
+    ends: [NodeId; 2],
+    elements: usize,
+    order: usize,
+    section: Section,
+) -> Vec<NodeId> {
+    let axis = straight(b, ends);
+    let line = BeamLine {
+        elements,
+        order,
+        section,
+    };
+    b.line(name, &axis, ends, &line).unwrap().nodes
+}
+
 /// A line of one element between two named nodes.
 pub fn beam(b: &mut ModelBuilder, name: &str, ends: [NodeId; 2]) {
-    let axis = straight(b, ends);
-    b.line(name, &axis, ends, &line(1, 1)).unwrap();
+    lay(b, name, ends, 1, 1, section());
 }
 
 /// Two nodes a metre apart and a beam.
@@ -190,6 +207,28 @@ impl Element for Idle {
     }
 }
 
+/// A motion at t = 0, at rest where it has neither rates nor accelerations.
+pub fn moving<'a>(x: &'a [f64], v: &'a [f64], a: &'a [f64]) -> Motion<'a> {
+    Motion {
+        t: 0.0,
+        x,
+        v,
+        a,
+        previous: None,
+    }
+}
+
+/// What an element adds to its residual, and to nothing else.
+pub fn response(r: &mut [f64]) -> Response<'_> {
+    Response {
+        r,
+        K: None,
+        C: None,
+        M: None,
+        r_t: None,
+    }
+}
+
 /// Evaluates an element of frames in their charts.
 pub fn in_charts(
     element: &dyn Element,
@@ -206,20 +245,10 @@ pub fn in_charts(
 pub fn at_rest(element: &dyn Element, x: &[f64]) -> Result<(Vec<f64>, DMatrix<f64>), ElementError> {
     let n = element.dim();
     let (mut r, mut K) = (vec![0.0; n], DMatrix::zeros(n, n));
-    let at = Motion {
-        t: 0.0,
-        x,
-        v: &[],
-        a: &[],
-        previous: None,
-    };
     let mut out = Response {
-        r: &mut r,
         K: Some(K.as_mut_slice()),
-        C: None,
-        M: None,
-        r_t: None,
+        ..response(&mut r)
     };
-    in_charts(element, &at, &mut out)?;
+    in_charts(element, &moving(x, &[], &[]), &mut out)?;
     Ok((r, K))
 }
