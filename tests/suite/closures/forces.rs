@@ -83,12 +83,7 @@ fn go_with(scheme: Scheme, by: Closure, [to, step]: [f64; 2]) -> Outcome {
         gap =
             gap.max((context.node_state(tip).position - context.node_state(other).position).norm());
         let s = &step.progress.state;
-        let at = Point {
-            t: s.t,
-            q: &s.q,
-            v: &s.v,
-            a: &s.a,
-        };
+        let at = point(s);
         let mut r = vec![0.0; s.q.len()];
         context.evaluate(at, Evaluation::residual(&mut r)).unwrap();
         force.push(context.joint_force(pin).unwrap()[0]);

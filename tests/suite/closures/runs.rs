@@ -11,7 +11,7 @@ use pullback::elements::model::{BEFORE_START, Closure, Context, ModelBuilder};
 use pullback::elements::time::Table;
 use pullback::input::assemble_text;
 use pullback::integrators::dynamics::Scheme;
-use pullback::manifold::system::{Evaluation, Point, System};
+use pullback::manifold::system::{Evaluation, System};
 
 // Flexible -------------------------------------------------------------------------------------
 
@@ -30,12 +30,7 @@ fn flexible(words: &str, step: f64) -> Vec<f64> {
     let mut out = Vec::new();
     observed(&mut job.context, start, &options, &mut |model, step| {
         let s = &step.progress.state;
-        let at = Point {
-            t: s.t,
-            q: &s.q,
-            v: &s.v,
-            a: &s.a,
-        };
+        let at = point(s);
         let mut r = vec![0.0; s.q.len()];
         model.evaluate(at, Evaluation::residual(&mut r)).unwrap();
         let state = model.node_state(tip);

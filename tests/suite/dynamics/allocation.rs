@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case)]
 
+use crate::support::beams::beam;
 use allocation_counter::measure;
 use nalgebra::{Matrix3, SVector};
 use pullback::elements::beam::{Damping, Interpolation};
@@ -17,8 +18,7 @@ use pullback::integrators::dynamics::{
 use pullback::manifold::implicit::{Choice, Implicit, ImplicitMap};
 use pullback::manifold::map::{Linear, Map};
 use pullback::manifold::scalar::Scalar;
-use pullback::manifold::system::Quantity;
-use pullback::manifold::system::System;
+use pullback::manifold::system::{Quantity, System};
 use pullback::prelude::*;
 use std::ops::ControlFlow;
 
@@ -29,18 +29,7 @@ fn section() -> Section {
 }
 
 fn line(b: &mut ModelBuilder, name: &str, ends: [NodeId; 2], section: Section) -> Vec<NodeId> {
-    let axis = StraightLine {
-        from: b.position(ends[0]),
-        to: b.position(ends[1]),
-        second: None,
-        twist: 0.0,
-    };
-    let line = BeamLine {
-        elements: 4,
-        order: 1,
-        section,
-    };
-    b.line(name, &axis, ends, &line).unwrap().nodes
+    beam(b, name, ends, 4, section)
 }
 
 /// Two angles a and b on a circle: neither can be the coordinate for long.

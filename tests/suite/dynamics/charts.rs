@@ -9,14 +9,13 @@
 
 #![allow(non_snake_case, clippy::unwrap_used)]
 
+use crate::support::beams;
 use crate::support::dynamics::*;
 use nalgebra::{Matrix3, Vector3};
 use pullback::elements::beam::Section;
 use pullback::elements::body::{PointMass, RigidBody};
 use pullback::elements::joint::Spherical;
-use pullback::elements::model::{
-    BeamLine, Context, Dof, ModelBuilder, NodeId, NodeState, RigidMotion, StraightLine,
-};
+use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId, NodeState, RigidMotion};
 use pullback::integrators::dynamics::Scheme;
 use pullback::manifold::so3;
 use pullback::manifold::system::System;
@@ -135,20 +134,9 @@ fn beam(psi: [f64; 3], omega: [f64; 3]) -> Problem {
     let mut b = ModelBuilder::new();
     let ends = [[0.0; 3], [1.0, 0.0, 0.0]];
     let ends = [b.node("a", ends[0]).unwrap(), b.node("b", ends[1]).unwrap()];
-    let axis = StraightLine {
-        from: b.position(ends[0]),
-        to: b.position(ends[1]),
-        second: None,
-        twist: 0.0,
-    };
     let J = Matrix3::from_diagonal(&Vector3::new(0.02, 0.01, 0.01));
     let section = Section::diagonal(60.0, [30.0; 2], 4.0, [4.0, 6.0]).unwrap();
-    let line = BeamLine {
-        elements: 2,
-        order: 1,
-        section: section.with_mass(1.0, J),
-    };
-    let nodes = b.line("beam", &axis, ends, &line).unwrap().nodes;
+    let nodes = beams::beam(&mut b, "beam", ends, 2, section.with_mass(1.0, J));
     let context = Context::new(b.build().unwrap());
     let psi = Vector3::from(psi);
     let mut q = vec![0.0; context.pattern().dim()];

@@ -2,14 +2,13 @@
 
 #![allow(non_snake_case, clippy::unwrap_used)]
 
+use crate::support::beams;
 use crate::support::dynamics::*;
 use nalgebra::{Matrix3, Vector3};
 use pullback::elements::beam::{Damping, Interpolation, Section};
 use pullback::elements::joint::Revolute;
 use pullback::elements::load::LineLoad;
-use pullback::elements::model::{
-    BeamLine, Context, Dof, ModelBuilder, NodeId, RigidMotion, StraightLine,
-};
+use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId, RigidMotion};
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::elements::time::Constant;
 use pullback::integrators::dynamics::{DynamicOptions, EnergyBalance, Scheme};
@@ -28,19 +27,7 @@ fn beam_with(
     section: Section,
     interpolation: Interpolation,
 ) -> Vec<NodeId> {
-    let axis = StraightLine {
-        from: b.position(ends[0]),
-        to: b.position(ends[1]),
-        second: None,
-        twist: 0.0,
-    };
-    let line = BeamLine {
-        elements,
-        order: 1,
-        section,
-    };
-    let laid = b.line_with("beam", &axis, ends, &line, interpolation);
-    let nodes = laid.unwrap().nodes;
+    let nodes = beams::beam_with(b, "beam", ends, elements, section, interpolation);
     for (k, pair) in nodes.windows(2).enumerate() {
         let positions = [b.position(pair[0]), b.position(pair[1])];
         let force = [0.0, 0.0, -9.81 * section.inertia.mass];
@@ -174,13 +161,7 @@ fn free_beam_conserves(interpolation: Interpolation) {
         let mut stored = 0.0_f64;
         let options = tight(Scheme::default(), to, to / n as f64);
         let progress = observed(&mut context, [&q, &v], &options, &mut |context, step| {
-            let s = &step.progress.state;
-            let at = Point {
-                t: s.t,
-                q: &s.q,
-                v: &s.v,
-                a: &s.a,
-            };
+            let at = point(&step.progress.state);
             let now = context.energies_and_momentum(at).unwrap();
             let total = now.energies.kinetic + now.energies.stored;
             stored = stored.max(now.energies.stored);

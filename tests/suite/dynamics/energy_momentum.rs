@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case, clippy::unwrap_used)]
 
+use crate::support::beams::beam_with;
 use crate::support::dynamics::*;
 use nalgebra::{Matrix3, SVector, Vector3};
 use pullback::elements::beam::{Interpolation, Section};
@@ -10,7 +11,7 @@ use pullback::elements::energy::EnergyElement;
 use pullback::elements::joint::{Revolute, Spherical};
 use pullback::elements::load::{LineLoad, LoadKind, NodalLoad};
 use pullback::elements::model::{
-    BeamLine, Context, Dof, Formulation, ModelBuilder, NodeId, NodeState, RigidMotion, StraightLine,
+    Context, Dof, Formulation, ModelBuilder, NodeId, NodeState, RigidMotion,
 };
 use pullback::elements::time::{Constant, Pulse};
 use pullback::integrators::dynamics::{DynamicOptions, Progress, Scheme, integrate, start};
@@ -27,12 +28,6 @@ fn em() -> Scheme {
 
 /// Four geodesic or total elements along e1 between two nodes.
 fn beam(b: &mut ModelBuilder, ends: [NodeId; 2], stiff: f64, interpolation: Interpolation) {
-    let axis = StraightLine {
-        from: b.position(ends[0]),
-        to: b.position(ends[1]),
-        second: None,
-        twist: 0.0,
-    };
     let J = Matrix3::from_diagonal(&Vector3::new(0.2, 0.1, 0.1));
     let section = Section::diagonal(
         60.0 * stiff,
@@ -40,13 +35,14 @@ fn beam(b: &mut ModelBuilder, ends: [NodeId; 2], stiff: f64, interpolation: Inte
         4.0 * stiff,
         [4.0 * stiff, 6.0 * stiff],
     );
-    let line = BeamLine {
-        elements: 4,
-        order: 1,
-        section: section.unwrap().with_mass(MASS / LENGTH, J),
-    };
-    b.line_with("beam", &axis, ends, &line, interpolation)
-        .unwrap();
+    beam_with(
+        b,
+        "beam",
+        ends,
+        4,
+        section.unwrap().with_mass(MASS / LENGTH, J),
+        interpolation,
+    );
 }
 
 /// Two nodes one length apart with a beam between them, supported by `support`.
@@ -120,13 +116,7 @@ fn run(
     let mut worst = [0.0_f64; 3];
     let q = context.initial().to_vec();
     let progress = observed(context, [&q, v], options, &mut |context, step| {
-        let s = &step.progress.state;
-        let at = Point {
-            t: s.t,
-            q: &s.q,
-            v: &s.v,
-            a: &s.a,
-        };
+        let at = point(&step.progress.state);
         let (now, both) = audit(context, at);
         worst[0] = worst[0].max((now - energy).abs());
         for k in 0..2 {
@@ -392,12 +382,7 @@ fn constant_loads_change_momentum_by_their_impulse() {
         let options = options(em(), 10.0, 500);
         observed(&mut context, [&q, &v], &options, &mut |context, step| {
             let s = &step.progress.state;
-            let at = Point {
-                t: s.t,
-                q: &s.q,
-                v: &s.v,
-                a: &s.a,
-            };
+            let at = point(s);
             let (energy, [now, _]) = audit(context, at);
             let off = [energy - start, (now - p - force * s.t).norm()];
             worst = std::array::from_fn(|k| worst[k].max(off[k].abs()));
@@ -477,12 +462,7 @@ fn what_a_load_has_left_is_kept() {
                 &step.progress.state,
                 step.progress.invariants.as_ref().unwrap(),
             );
-            let at = Point {
-                t: s.t,
-                q: &s.q,
-                v: &s.v,
-                a: &s.a,
-            };
+            let at = point(s);
             let (energy, [p, L]) = audit(model, at);
             if s.t < 0.499 {
                 // Translations across the force, and turns about an axis along it.

@@ -4,12 +4,11 @@
 
 #![allow(clippy::unwrap_used)]
 
-use crate::support::dynamics::configure;
+use crate::support::dynamics::{configure, point};
 use nalgebra::Vector3;
 use pullback::elements::model::Context;
 use pullback::input::{Plan, assemble_text};
 use pullback::integrators::dynamics::{Progress, State, integrate, start};
-use pullback::manifold::system::Point;
 use std::ops::ControlFlow;
 
 /// Runs a model by a scheme with a step, and hands its states over.
@@ -186,12 +185,7 @@ fn what_vibrations_have_lost_is_given_back() {
     let text = spinning(0.0).replace("\"total\"", "\"geodesic\"");
     let exact = 0.5 * 20.0_f64.powi(2) * (1.0 / 12.0 + 1e-4);
     run(&text, "projected-newmark:0.5", 0.02, &mut |model, state| {
-        let at = Point {
-            t: state.t,
-            q: &state.q,
-            v: &state.v,
-            a: &state.a,
-        };
+        let at = point(state);
         let off = model.energies_and_momentum(at).unwrap().energies.total() / exact - 1.0;
         assert!(off.abs() < 1e-12, "{off} at {}", state.t);
     });
@@ -206,12 +200,7 @@ fn a_drag_takes_momentum() {
         .replace("[0, 0, 20]", "[0, 0, 1]\nvelocity = [1, 2, 3]");
     let mut momentum = Vector3::zeros();
     run(&text, "projected-newmark", 0.005, &mut |model, state| {
-        let at = Point {
-            t: state.t,
-            q: &state.q,
-            v: &state.v,
-            a: &state.a,
-        };
+        let at = point(state);
         momentum = model.energies_and_momentum(at).unwrap().momentum.linear;
     });
     let exact = Vector3::new(1.0, 2.0, 3.0) * (-0.5 * 2.0_f64).exp();
@@ -255,12 +244,7 @@ fn dampers_that_steps_do_not_resolve_take_no_momentum() {
 fn spun_down(damping: f64, scheme: &str) -> (f64, f64) {
     let (mut momentum, mut most) = (0.0, 0.0_f64);
     run(&spinning(damping), scheme, 0.005, &mut |model, state| {
-        let at = Point {
-            t: state.t,
-            q: &state.q,
-            v: &state.v,
-            a: &state.a,
-        };
+        let at = point(state);
         let audit = model.energies_and_momentum(at).unwrap();
         momentum = audit.momentum.angular.z;
         most = most.max(audit.energies.total());

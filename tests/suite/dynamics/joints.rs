@@ -3,15 +3,14 @@
 
 #![allow(non_snake_case, clippy::unwrap_used)]
 
+use crate::support::beams::beam;
 use crate::support::dynamics::*;
 use nalgebra::{Matrix2, Matrix3, SVector, Vector2, Vector3};
 use pullback::elements::beam::Section;
 use pullback::elements::body::{PointMass, RigidBody};
 use pullback::elements::joint::{JointNodes, Revolute, Spherical};
 use pullback::elements::load::CoordinateForce;
-use pullback::elements::model::{
-    BeamLine, Context, Dof, ModelBuilder, NodeId, NodeState, RigidMotion, StraightLine,
-};
+use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId, NodeState, RigidMotion};
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::elements::time::{Constant, TimeFunction};
 use pullback::integrators::dynamics::{Progress, Scheme};
@@ -63,18 +62,13 @@ fn linked(stiffness: Option<f64>) -> Vec<NodeState> {
     let position = [1.0, 0.3, -0.2];
     let second = if let Some(s) = stiffness {
         let second = b.node("second", position).unwrap();
-        let axis = StraightLine {
-            from: b.position(first),
-            to: b.position(second),
-            second: None,
-            twist: 0.0,
-        };
-        let line = BeamLine {
-            elements: 1,
-            order: 1,
-            section: Section::diagonal(s, [s; 2], s, [s; 2]).unwrap(),
-        };
-        b.line("link", &axis, [first, second], &line).unwrap();
+        beam(
+            &mut b,
+            "link",
+            [first, second],
+            1,
+            Section::diagonal(s, [s; 2], s, [s; 2]).unwrap(),
+        );
         second
     } else {
         b.offset("second", first, position).unwrap()

@@ -1,13 +1,13 @@
 //! Jumps of driven velocities: what is free takes the impulse. Inputs that change between steps.
 #![allow(clippy::unwrap_used)]
 
+use crate::support::dynamics::point;
 use pullback::elements::body::PointMass;
 use pullback::elements::load::{LoadKind, NodalLoad};
 use pullback::elements::model::{Context, Dof, ModelBuilder};
 use pullback::elements::time::TimeFunction;
 use pullback::input::{Plan, assemble_text};
 use pullback::integrators::dynamics::{DynamicOptions, Progress, integrate, start};
-use pullback::manifold::system::Point;
 use pullback::solve::begin;
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -141,12 +141,7 @@ fn jerk(from: f64) {
         &plan.options,
         &mut |model, step| {
             let state = &step.progress.state;
-            let at = Point {
-                t: state.t,
-                q: &state.q,
-                v: &state.v,
-                a: &state.a,
-            };
+            let at = point(state);
             let audit = model.energies_and_momentum(at).unwrap();
             assert!(audit.momentum.angular.norm() < 1e-12, "at {}", state.t);
             // (2 + ½) Ω + ½ ω = 0 with the rate ω of the drive.

@@ -13,11 +13,12 @@
 
 #![allow(non_snake_case, clippy::unwrap_used)]
 
+use crate::support::beams;
 use crate::support::dynamics::*;
 use nalgebra::{Matrix3, SVector, Vector3};
 use pullback::elements::beam::Section;
 use pullback::elements::joint::{Joint, JointCoordinate, Pose, Revolute};
-use pullback::elements::model::{BeamLine, Context, Dof, ModelBuilder, NodeId, StraightLine};
+use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId};
 use pullback::elements::time::Sine;
 use pullback::input::{Plan, assemble_text};
 use pullback::integrators::dynamics::{
@@ -124,21 +125,10 @@ fn thrown_beams(hang: Hang) -> Context {
 }
 
 fn beam(b: &mut ModelBuilder, name: &str, ends: [NodeId; 2], elements: usize) {
-    let axis = StraightLine {
-        from: b.position(ends[0]),
-        to: b.position(ends[1]),
-        second: None,
-        twist: 0.0,
-    };
     let J = Matrix3::from_diagonal(&Vector3::new(0.02, 0.01, 0.01));
     let [_, EA, A_rho, _] = DATA;
     let section = Section::diagonal(EA, [EA; 2], 10.0, [10.0; 2]).unwrap();
-    let line = BeamLine {
-        elements,
-        order: 1,
-        section: section.with_mass(A_rho, J),
-    };
-    b.line(name, &axis, ends, &line).unwrap();
+    beams::beam(b, name, ends, elements, section.with_mass(A_rho, J));
 }
 
 /// A model whose tangent is the exact one times a factor: no extrapolated stresses.

@@ -2,14 +2,13 @@
 
 #![allow(non_snake_case, clippy::unwrap_used)]
 
+use crate::support::beams::beam_with;
 use crate::support::dynamics::*;
 use nalgebra::{Matrix3, Vector3};
 use pullback::elements::beam::{Interpolation, Section};
 use pullback::elements::body::PointMass;
 use pullback::elements::joint::{Revolute, Spherical};
-use pullback::elements::model::{
-    BeamLine, Context, Dof, ModelBuilder, NodeId, NodeState, RigidMotion, StraightLine,
-};
+use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId, NodeState, RigidMotion};
 use pullback::integrators::dynamics::Scheme;
 use pullback::manifold::system::System;
 use std::f64::consts::PI;
@@ -69,23 +68,11 @@ fn swung_beam_with(elements: usize, tilt: f64, interpolation: Interpolation) -> 
         .unwrap();
     let arm = b.offset("arm", hinge.frame, [0.3, 0.0, 0.0]).unwrap();
     let tip = b.node("tip", [1.3, 0.0, 0.0]).unwrap();
-    let axis = StraightLine {
-        from: b.position(arm),
-        to: b.position(tip),
-        second: None,
-        twist: 0.0,
-    };
     let J = Vector3::new(0.2, 0.1, 0.1);
     let section = Section::diagonal(60.0, [30.0; 2], 4.0, [4.0, 6.0])
         .unwrap()
         .with_mass(1.0, Matrix3::from_diagonal(&J));
-    let line = BeamLine {
-        elements,
-        order: 1,
-        section,
-    };
-    b.line_with("beam", &axis, [arm, tip], &line, interpolation)
-        .unwrap();
+    beam_with(&mut b, "beam", [arm, tip], elements, section, interpolation);
     let context = Context::new(b.build().unwrap());
     let q = vec![0.0; context.pattern().dim()];
     let mut v = q.clone();

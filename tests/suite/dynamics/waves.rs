@@ -2,6 +2,7 @@
 //! the largest stable step of a bar of linear elements with consistent mass.
 #![allow(non_snake_case, clippy::unwrap_used)]
 
+use crate::support::beams::beam;
 use crate::support::dynamics::{observed, slopes};
 use crate::support::program::{command, directory, results, write};
 use nalgebra::{Matrix3, Vector3};
@@ -59,18 +60,7 @@ fn bar(elements: usize, blow: Blow) -> (Context, Vec<NodeId>) {
     // Nothing is as stiff for its mass as stretching.
     let section = Section::diagonal(EA, [10.0, 10.0], 10.0, [10.0, 10.0]).unwrap();
     let J = Matrix3::from_diagonal(&Vector3::new(2.0, 1.0, 1.0));
-    let axis = StraightLine {
-        from: b.position(ends[0]),
-        to: b.position(ends[1]),
-        second: None,
-        twist: 0.0,
-    };
-    let line = BeamLine {
-        elements,
-        order: 1,
-        section: section.with_mass(A_RHO, J),
-    };
-    let nodes = b.line("bar", &axis, ends, &line).unwrap().nodes;
+    let nodes = beam(&mut b, "bar", ends, elements, section.with_mass(A_RHO, J));
     let strike = NodalLoad::new(LoadKind::DeadForce, [1.0, 0.0, 0.0], blow);
     b.element("blow", strike, &nodes[..1]).unwrap();
     (Context::new(b.build().unwrap()), nodes)

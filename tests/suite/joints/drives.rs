@@ -3,7 +3,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use crate::support::dynamics::{assert_slopes, configure, sine, tight};
+use crate::support::dynamics::{assert_slopes, configure, point, sine, tight};
 use nalgebra::Matrix3;
 use pullback::elements::joint::{
     ConstantVelocity, Curve, Cylindrical, Helical, OnCurve, OnSurface, Planar, Prismatic, Revolute,
@@ -12,9 +12,8 @@ use pullback::elements::joint::{
 use pullback::elements::time::TimeFunction;
 use pullback::integrators::dynamics::{Progress, StepReport, integrate};
 use pullback::manifold::so3;
-use pullback::manifold::system::Evaluation;
 use pullback::manifold::system::Point;
-use pullback::manifold::system::System;
+use pullback::manifold::system::{Evaluation, System};
 use pullback::prelude::*;
 use std::ops::ControlFlow;
 
@@ -177,12 +176,7 @@ fn a_carriage_on_a_driven_boom_is_flung_and_pulls_at_the_drive() {
                 first * omega * (omega * to).sinh(),
             );
             let state = &progress.state;
-            let at = Point {
-                t: state.t,
-                q: &state.q,
-                v: &state.v,
-                a: &state.a,
-            };
+            let at = point(state);
             context
                 .evaluate(at, Evaluation::residual(&mut [0.0]))
                 .unwrap();

@@ -3,12 +3,13 @@
 
 #![allow(non_snake_case, clippy::unwrap_used)]
 
+use crate::support::beams::beam;
 use crate::support::dynamics::*;
 use crate::support::loops::*;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector2};
 use pullback::conformance as check;
 use pullback::elements::beam::Section;
-use pullback::elements::model::{BeamLine, Context, ModelBuilder, NodeId, StraightLine};
+use pullback::elements::model::{Context, ModelBuilder, NodeId};
 use pullback::elements::time::Proportional;
 use pullback::integrators::dynamics::{Progress, Scheme, integrate, start};
 use pullback::manifold::implicit::{Choice, Implicit, ImplicitMap};
@@ -245,19 +246,14 @@ fn a_beam_is_carried_by_a_loop() {
         let crank = bar(&mut b, ground, [0.0; 3], angles[0], 1.0, 1.0);
         bar(&mut b, ground, [2.0, 0.0, 0.0], angles[1], 1.0, 2.0);
         let tip = b.node("tip", [1.0, 0.0, 0.0]).unwrap();
-        let axis = StraightLine {
-            from: b.position(crank),
-            to: b.position(tip),
-            second: None,
-            twist: 0.0,
-        };
         let section = Section::diagonal(1e4, [1e4; 2], 10.0, [10.0; 2]).unwrap();
-        let line = BeamLine {
-            elements: 2,
-            order: 1,
-            section: section.with_mass(1.0, Matrix3::identity() * 1e-2),
-        };
-        b.line("beam", &axis, [crank, tip], &line).unwrap();
+        beam(
+            &mut b,
+            "beam",
+            [crank, tip],
+            2,
+            section.with_mass(1.0, Matrix3::identity() * 1e-2),
+        );
         let h = |x: &SVector<f64, 4>| Parallelogram { length: 1.0 }.h(0.0, x).amax();
         let run = run(
             Context::new(b.build().unwrap()),

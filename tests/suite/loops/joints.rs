@@ -64,13 +64,7 @@ fn go(mut context: Context, angles: [NodeId; 4], rate: f64, [to, step]: [f64; 2]
         if notes.last().is_none_or(|last| last.1 != note) {
             notes.push((step.progress.state.t, note));
         }
-        let s = &step.progress.state;
-        let at = Point {
-            t: s.t,
-            q: &s.q,
-            v: &s.v,
-            a: &s.a,
-        };
+        let at = point(&step.progress.state);
         let audit = context.energies_and_momentum(at).unwrap();
         let energy = audit.energies.kinetic + audit.energies.stored + audit.load_potential;
         drift = drift.max((energy - *start.get_or_insert(energy)).abs());
@@ -152,12 +146,7 @@ fn a_driven_crank_takes_the_loop_along() {
         &options,
         &mut |context, step| {
             let s = &step.progress.state;
-            let at = Point {
-                t: s.t,
-                q: &s.q,
-                v: &s.v,
-                a: &s.a,
-            };
+            let at = point(s);
             context.configure(at).unwrap();
             let [x, x_dot, x_ddot] = drive.at(s.t);
             let crank = Taylor {
@@ -275,13 +264,7 @@ fn forces_do_not_depend_on_where_the_loop_is_closed() {
             [&[0.0], &v],
             &options,
             &mut |context, step| {
-                let s = &step.progress.state;
-                let at = Point {
-                    t: s.t,
-                    q: &s.q,
-                    v: &s.v,
-                    a: &s.a,
-                };
+                let at = point(&step.progress.state);
                 context.energies_and_momentum(at).unwrap();
                 let mut r = [0.0];
                 context.evaluate(at, Evaluation::residual(&mut r)).unwrap();
@@ -323,13 +306,7 @@ fn forces_do_not_depend_on_where_the_loop_is_closed() {
             [&[0.0], &v],
             &options,
             &mut |context, step| {
-                let s = &step.progress.state;
-                let at = Point {
-                    t: s.t,
-                    q: &s.q,
-                    v: &s.v,
-                    a: &s.a,
-                };
+                let at = point(&step.progress.state);
                 let mut r = [0.0];
                 context.evaluate(at, Evaluation::residual(&mut r)).unwrap();
                 out = nodes.map(|n| context.joint_force(n).unwrap()[0]);
@@ -374,13 +351,7 @@ fn ball_joints_in_a_loop_change_their_charts() {
         let (mut residual, mut drift, mut start, mut turned) = (0.0_f64, 0.0_f64, None, 0.0_f64);
         let mut position = Vector3::zeros();
         let progress = observed(&mut context, [&zero, &v], &options, &mut |context, step| {
-            let s = &step.progress.state;
-            let at = Point {
-                t: s.t,
-                q: &s.q,
-                v: &s.v,
-                a: &s.a,
-            };
+            let at = point(&step.progress.state);
             let audit = context.energies_and_momentum(at).unwrap();
             let [p, q] = names.map(|n| context.node_state(n).position);
             position = p;

@@ -15,7 +15,7 @@ use pullback::integrators::dynamics::{
     DynamicsError, Progress, Scheme, StepReport, integrate, start,
 };
 use pullback::integrators::statics::Cause;
-use pullback::manifold::system::{Evaluation, Point, System, SystemError};
+use pullback::manifold::system::{Evaluation, System, SystemError};
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
@@ -111,12 +111,7 @@ fn a_driven_slide_bears_weight_and_inertia_of_its_mass() {
     let options = tight(Scheme::default(), 2.6, 0.013);
     observed(&mut context, [&[], &[]], &options, &mut |context, step| {
         let s = &step.progress.state;
-        let at = Point {
-            t: s.t,
-            q: &s.q,
-            v: &s.v,
-            a: &s.a,
-        };
+        let at = point(s);
         let mut r = vec![0.0; s.q.len()];
         context.evaluate(at, Evaluation::residual(&mut r)).unwrap();
         let [way, rate, second] = drive.at(s.t);

@@ -2,6 +2,7 @@
 //! errors do not keep one from being found. All against closed forms.
 #![allow(non_snake_case)]
 
+use crate::support::beams::{beam, straight};
 use nalgebra::Matrix3;
 use pullback::elements::load::LineLoad;
 use pullback::elements::spring::AxialSpring;
@@ -117,23 +118,18 @@ fn a_stiff_spring_keeps_what_turns_on_it() {
 fn rod(E: f64, length: f64, elements: usize) -> (ModelBuilder, Vec<NodeId>) {
     let mut b = ModelBuilder::new();
     let ends = [("a", 0.0), ("b", length)].map(|(name, x)| b.node(name, [x, 0.0, 0.0]).unwrap());
-    let axis = StraightLine {
-        from: b.position(ends[0]),
-        to: b.position(ends[1]),
-        second: None,
-        twist: 0.0,
-    };
     let area = std::f64::consts::PI * 1e-4;
     let I = std::f64::consts::PI * 1e-8 / 4.0;
     let (EA, EI, rho) = (E * area, E * I, 7850.0);
     let J = Matrix3::from_diagonal(&Vector3::new(2.0, 1.0, 1.0)) * (rho * I);
     let section = Section::diagonal(EA, [0.35 * EA; 2], 0.8 * EI, [EI; 2]).unwrap();
-    let line = BeamLine {
+    let nodes = beam(
+        &mut b,
+        "rod",
+        ends,
         elements,
-        order: 1,
-        section: section.with_mass(rho * area, J),
-    };
-    let nodes = b.line("rod", &axis, ends, &line).unwrap().nodes;
+        section.with_mass(rho * area, J),
+    );
     for pair in nodes.windows(2) {
         let positions = [b.position(pair[0]), b.position(pair[1])];
         let weight = [0.0, -9.81 * rho * area, 0.0];
@@ -194,12 +190,7 @@ fn a_load_on_a_support_measures_nothing() {
         let mut b = ModelBuilder::new();
         let root = b.node("root", [0.0; 3]).unwrap();
         let tip = b.node("tip", [1.0, 0.0, 0.0]).unwrap();
-        let axis = StraightLine {
-            from: b.position(root),
-            to: b.position(tip),
-            second: None,
-            twist: 0.0,
-        };
+        let axis = straight(&b, [root, tip]);
         let line = BeamLine {
             elements: 6,
             order: 3,

@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case)]
 
+use crate::support::beams::beam;
 use pullback::integrators::statics::{Cause, solve_statics};
 use pullback::integrators::statics::{StaticsError, Step};
 use pullback::prelude::*;
@@ -12,18 +13,13 @@ fn cantilever(EA: f64, elements: usize, load: NodalLoad) -> (Context, NodeId) {
     let mut builder = ModelBuilder::new();
     let root = builder.node("root", [0.0; 3]).unwrap();
     let tip = builder.node("tip", [1.0, 0.0, 0.0]).unwrap();
-    let axis = StraightLine {
-        from: builder.position(root),
-        to: builder.position(tip),
-        second: None,
-        twist: 0.0,
-    };
-    let line = BeamLine {
+    beam(
+        &mut builder,
+        "beam",
+        [root, tip],
         elements,
-        order: 1,
-        section: Section::diagonal(EA, [EA, EA], 1.0, [1.0, 1.0]).unwrap(),
-    };
-    builder.line("beam", &axis, [root, tip], &line).unwrap();
+        Section::diagonal(EA, [EA, EA], 1.0, [1.0, 1.0]).unwrap(),
+    );
     builder.support(root, &Dof::ALL);
     builder.element("load", load, &[tip]).unwrap();
     (Context::new(builder.build().unwrap()), tip)
@@ -159,19 +155,8 @@ fn a_driven_rotation_of_three_turns_carries_the_beam_around() {
     let mut builder = ModelBuilder::new();
     let root = builder.node("root", [0.0; 3]).unwrap();
     let tip = builder.node("tip", [1.0, 0.0, 0.0]).unwrap();
-    let axis = StraightLine {
-        from: builder.position(root),
-        to: builder.position(tip),
-        second: None,
-        twist: 0.0,
-    };
     let section = Section::diagonal(1e3, [1e3; 2], 1.0, [1.0; 2]).unwrap();
-    let line = BeamLine {
-        elements: 4,
-        order: 1,
-        section,
-    };
-    builder.line("beam", &axis, [root, tip], &line).unwrap();
+    beam(&mut builder, "beam", [root, tip], 4, section);
     builder.support(root, &[Dof::X, Dof::Y, Dof::Z, Dof::RX, Dof::RY]);
     builder.prescribe(root, Dof::RZ, Proportional(angle));
     let mut context = Context::new(builder.build().unwrap());
@@ -201,19 +186,8 @@ fn a_mechanism_is_named_before_and_during_the_solution() {
     let mut builder = ModelBuilder::new();
     let root = builder.node("root", [0.0; 3]).unwrap();
     let tip = builder.node("tip", [1.0, 0.0, 0.0]).unwrap();
-    let axis = StraightLine {
-        from: builder.position(root),
-        to: builder.position(tip),
-        second: None,
-        twist: 0.0,
-    };
     let section = Section::diagonal(1e3, [1e3; 2], 1.0, [1.0; 2]).unwrap();
-    let line = BeamLine {
-        elements: 3,
-        order: 1,
-        section,
-    };
-    builder.line("beam", &axis, [root, tip], &line).unwrap();
+    beam(&mut builder, "beam", [root, tip], 3, section);
     // Nothing holds the rotation about e1.
     builder.support(root, &Dof::TRANSLATIONS);
     builder.support(tip, &[Dof::Y, Dof::Z]);

@@ -3,6 +3,7 @@
 
 #![allow(non_snake_case)]
 
+use crate::support::beams::beam;
 use nalgebra::{Matrix3, Matrix6};
 use pullback::elements::body::RigidBody;
 use pullback::elements::joint::Revolute;
@@ -66,25 +67,20 @@ fn bent(u: Units) -> (Vector3<f64>, usize) {
     let mut b = ModelBuilder::new();
     let root = b.node("root", [0.0; 3]).unwrap();
     let tip = b.node("tip", [u.length, 0.0, 0.0]).unwrap();
-    let axis = StraightLine {
-        from: b.position(root),
-        to: b.position(tip),
-        second: None,
-        twist: 0.0,
-    };
     let bending = u.force * u.length * u.length;
-    let line = BeamLine {
-        elements: 8,
-        order: 1,
-        section: Section::diagonal(
+    beam(
+        &mut b,
+        "beam",
+        [root, tip],
+        8,
+        Section::diagonal(
             1e4 * u.force,
             [4e3 * u.force; 2],
             bending,
             [1.5 * bending, bending],
         )
         .unwrap(),
-    };
-    b.line("beam", &axis, [root, tip], &line).unwrap();
+    );
     b.support(root, &Dof::ALL);
     let force = [0.0, 2.0 * u.force, 1.0 * u.force];
     let load = NodalLoad::new(LoadKind::DeadForce, force, Proportional(1.0));
@@ -132,22 +128,11 @@ fn swung(u: Units) -> ([f64; 2], usize) {
         .offset("foot", hinge.frame, [0.5 * u.length, 0.0, 0.0])
         .unwrap();
     let tip = b.node("tip", [1.5 * u.length, 0.0, 0.0]).unwrap();
-    let axis = StraightLine {
-        from: b.position(foot),
-        to: b.position(tip),
-        second: None,
-        twist: 0.0,
-    };
     let bending = 20.0 * u.force * u.length * u.length;
     let section = Section::diagonal(1e3 * u.force, [1e3 * u.force; 2], bending, [bending; 2])
         .unwrap()
         .with_mass(mass / u.length, J / u.length * 0.1);
-    let line = BeamLine {
-        elements: 3,
-        order: 1,
-        section,
-    };
-    b.line("rod", &axis, [foot, tip], &line).unwrap();
+    beam(&mut b, "rod", [foot, tip], 3, section);
     let mut context = Context::new(b.build().unwrap());
     let options = DynamicOptions::new(2.0 * u.time, 0.02 * u.time);
     let rest = vec![0.0; context.initial().len()];

@@ -149,15 +149,19 @@ impl Modelled for Flipped {
     }
 }
 
-/// Brings the model to a state, for questions.
-pub fn configure(context: &mut Context, state: &State) {
-    let at = Point {
+/// A state as the argument of an evaluation.
+pub fn point(state: &State) -> Point<'_> {
+    Point {
         t: state.t,
         q: &state.q,
         v: &state.v,
         a: &state.a,
-    };
-    context.configure(at).unwrap();
+    }
+}
+
+/// Brings the model to a state, for questions.
+pub fn configure(context: &mut Context, state: &State) {
+    context.configure(point(state)).unwrap();
 }
 
 /// Runs a system; the observer sees it configured at each accepted step.

@@ -1,6 +1,7 @@
 //! Set-up that several tests share.
 
 pub mod andrews;
+pub mod beams;
 pub mod closures;
 pub mod drawings;
 pub mod dynamics;

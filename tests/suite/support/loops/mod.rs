@@ -14,7 +14,7 @@ use pullback::elements::time::Constant;
 use pullback::integrators::dynamics::{Progress, Scheme};
 use pullback::manifold::jet::Taylor;
 use pullback::manifold::map::{Linear, Map};
-use pullback::manifold::system::{Point, Quantity, System};
+use pullback::manifold::system::{Quantity, System};
 
 pub const G: f64 = 9.81;
 
@@ -96,13 +96,7 @@ pub fn run<const X: usize>(
             if notes.last().is_none_or(|last| last.1 != note) {
                 notes.push((step.progress.state.t, note));
             }
-            let state = &step.progress.state;
-            let at = Point {
-                t: state.t,
-                q: &state.q,
-                v: &state.v,
-                a: &state.a,
-            };
+            let at = point(&step.progress.state);
             let audit = context.energies_and_momentum(at).unwrap();
             let energy = audit.energies.kinetic + audit.energies.stored + audit.load_potential;
             drift = drift.max((energy - *start.get_or_insert(energy)).abs());

@@ -1,0 +1,45 @@
+//! Straight lines of beam elements between nodes.
+#![allow(dead_code, clippy::unwrap_used)]
+
+use pullback::elements::beam::Interpolation;
+use pullback::prelude::*;
+
+/// The straight line between two nodes.
+pub fn straight(b: &ModelBuilder, ends: [NodeId; 2]) -> StraightLine {
+    StraightLine {
+        from: b.position(ends[0]),
+        to: b.position(ends[1]),
+        second: None,
+        twist: 0.0,
+    }
+}
+
+/// Elements of order one in a straight line between two nodes; the nodes of the line.
+pub fn beam(
+    b: &mut ModelBuilder,
+    name: &str,
+    ends: [NodeId; 2],
+    elements: usize,
+    section: Section,
+) -> Vec<NodeId> {
+    beam_with(b, name, ends, elements, section, Interpolation::Total)
+}
+
+/// As [`beam`], with another interpolation of rotations.
+pub fn beam_with(
+    b: &mut ModelBuilder,
+    name: &str,
+    ends: [NodeId; 2],
+    elements: usize,
+    section: Section,
+    interpolation: Interpolation,
+) -> Vec<NodeId> {
+    let axis = straight(b, ends);
+    let line = BeamLine {
+        elements,
+        order: 1,
+        section,
+    };
+    let laid = b.line_with(name, &axis, ends, &line, interpolation);
+    laid.unwrap().nodes
+}
