@@ -2,7 +2,9 @@
 //! takes up again.
 #![allow(clippy::unwrap_used)]
 
-use crate::support::program::{check, directory, history, number, program, read, refusal, write};
+use crate::support::program::{
+    check, directory, history, number, program, read, recorded, refusal, succeeded, write,
+};
 use pullback::input::assemble_text;
 use pullback::run::{resume, run};
 use std::ops::ControlFlow;
@@ -24,9 +26,8 @@ fn one_file_three_methods() {
     let rows = |name: &str, words: &str, said: &str| {
         let out = directory(&format!("closures-{name}"));
         let ran = program(&[&write(&out, &closed_by(words))]);
+        let stderr = succeeded(&ran);
         let stdout = String::from_utf8(ran.stdout).unwrap();
-        let stderr = String::from_utf8_lossy(&ran.stderr);
-        assert!(ran.status.success(), "{stderr}");
         assert!(stdout.contains(said), "{stdout}");
         // Multipliers tie the closing joint's angle to the links, which have mass.
         let massless = format!("{stdout}{stderr}").contains("no mass acts");
@@ -302,14 +303,7 @@ fn bodies_that_fly_are_linked() {
                 position = [1.7, 0, 0]\nchild = \"free\"";
     let end = |closed: &str, step: &str| {
         let text = FLYING.replace("{closed}", closed).replace("{step}", step);
-        let out = directory("closures-flying");
-        let ran = program(&[&write(&out, &text)]);
-        assert!(
-            ran.status.success(),
-            "{}",
-            String::from_utf8_lossy(&ran.stderr)
-        );
-        let rows = history(&out.join("model.out"));
+        let rows = recorded("closures-flying", &text);
         ["body.x", "body.y"].map(|k| number(rows.last().unwrap(), k))
     };
     let gaps = ["0.004", "0.002", "0.001"].map(|step| {

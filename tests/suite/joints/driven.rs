@@ -1,7 +1,7 @@
 //! Models of which everything is driven: the forces of given motions.
 #![allow(clippy::unwrap_used, non_snake_case)]
 
-use crate::support::program::{directory, history, number, program, write};
+use crate::support::program::{directory, history, number, program, succeeded, write};
 use std::f64::consts::TAU;
 
 /// An arm of mass 2 and centre 0.5 from a motor that prescribes its angle: `analysis` and the angle.
@@ -65,8 +65,8 @@ fn a_model_of_which_everything_is_driven_gives_the_moments_of_its_drives() {
     let analysis = "[analysis.dynamic]\nto = 0.4\nstep = 0.01";
     let out = directory("all-driven");
     let output = program(&[&write(&out, &driven_arm(analysis, &angle))]);
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success() && said.is_empty(), "{said}");
+    let said = succeeded(&output);
+    assert!(said.is_empty(), "{said}");
     let rows = history(&out.join("model.out"));
     assert_eq!(rows.len(), 41);
     for row in &rows {
@@ -96,8 +96,8 @@ fn a_model_of_which_everything_is_driven_gives_the_moments_of_its_drives() {
         &out,
         &driven_arm(analysis, "{ proportional = 0.8 }"),
     )]);
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success() && said.is_empty(), "{said}");
+    let said = succeeded(&output);
+    assert!(said.is_empty(), "{said}");
     for row in &history(&out.join("model.out")) {
         let t = number(row, "t");
         let (found, exact) = (number(row, "moment.z"), t * 9.81 * (0.8 * t).cos());

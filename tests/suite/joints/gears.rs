@@ -2,13 +2,13 @@
 
 #![allow(clippy::unwrap_used)]
 
-use crate::support::program::{check, directory, history, number, program, write};
+use crate::support::dynamics::point;
+use crate::support::program::{check, number, recorded};
 use nalgebra::Matrix3;
 use pullback::elements::joint::{GearError, JointNodes, Revolute};
 use pullback::elements::load::CoordinateForce;
 use pullback::elements::model::ModelError;
 use pullback::integrators::dynamics::{Progress, StepReport, integrate};
-use pullback::manifold::system::Point;
 use pullback::manifold::system::System;
 use pullback::prelude::*;
 use std::ops::ControlFlow;
@@ -112,21 +112,12 @@ component = "z"
 
 const GEAR: &str = "[[gears]]\njoints = [\"pinion\", \"wheel\"]\nratio = -0.25\n";
 
-#[track_caller]
-fn ran(name: &str, text: &str) -> Vec<std::collections::HashMap<String, String>> {
-    let directory = directory(name);
-    let output = program(&[&write(&directory, text)]);
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "{said}");
-    history(&directory.join("model.out"))
-}
-
 #[test]
 fn two_rotors_have_the_reduced_inertia() {
     let (ratio, first, second, motor) = (-0.25, 0.02, 0.9, 0.5);
     // (J₁ + i² J₂) θ̈₁ = M; each rotor takes J θ̈ from its joint.
     let reduced = first + ratio * ratio * second;
-    let rows = ran(
+    let rows = recorded(
         "gear_motor",
         &rotors(["actuator = { constant = 0.5 }", ""], GEAR),
     );
@@ -154,7 +145,7 @@ fn a_motor_and_a_spring_on_the_wheel_act_through_the_gear() {
     let (motor, k) = (0.5, 20.0_f64);
     let omega = (k / reduced).sqrt();
     let acts = "actuator = { constant = 0.5 }\nspring = { k = 20 }";
-    for row in ran("gear_spring", &rotors(["", acts], GEAR)) {
+    for row in recorded("gear_spring", &rotors(["", acts], GEAR)) {
         let t = number(&row, "t");
         let angle = motor / k * (1.0 - (omega * t).cos());
         assert!((number(&row, "wheel") - angle).abs() < 1e-6);
@@ -184,7 +175,7 @@ fn a_rack_falls_and_spins_its_pinion() {
     );
     // (m + J/r²) ü = −m g.
     let acceleration = -9.81 / (1.0 + 0.02 / 0.09);
-    for row in ran("gear_rack", &text) {
+    for row in recorded("gear_rack", &text) {
         let t = number(&row, "t");
         let way = 0.5 * acceleration * t * t;
         assert!((number(&row, "wheel") - way).abs() < 1e-9);
@@ -272,13 +263,7 @@ fn a_planet_rolls_around_a_fixed_sun_and_drives_a_train() {
         integrate(&mut context, &mut progress, &options, go_on).unwrap();
         let angle = 0.5 * acceleration * 4.0;
         assert!((progress.state.q[0] - angle).abs() < 1e-9);
-        let state = &progress.state;
-        let at = Point {
-            t: state.t,
-            q: &state.q,
-            v: &state.v,
-            a: &state.a,
-        };
+        let at = point(&progress.state);
         context.configure(at).unwrap();
         let [found, rate] = context.coordinate(pinion, 0).unwrap();
         assert!((found - angle * 8.0 / 3.0).abs() < 1e-9);

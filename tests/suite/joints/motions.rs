@@ -1,7 +1,7 @@
 //! The joints of the library in motion, from model files, against closed forms.
 #![allow(clippy::unwrap_used)]
 
-use crate::support::program::{check, directory, history, number, program, write};
+use crate::support::program::{check, number, recorded};
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 
@@ -56,11 +56,7 @@ fn coordinate(name: &str) -> String {
 
 #[track_caller]
 fn ran(name: &str, text: &str) -> Vec<HashMap<String, String>> {
-    let directory = directory(name);
-    let output = program(&[&write(&directory, text)]);
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "{said}");
-    let rows = history(&directory.join("model.out"));
+    let rows = recorded(name, text);
     assert_eq!(rows.len(), 101);
     rows
 }
@@ -317,11 +313,7 @@ node = "B"
 component = "norm"
 "#
     );
-    let directory = directory("joint_coupling");
-    let output = program(&[&write(&directory, &text)]);
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "{said}");
-    let rows = history(&directory.join("model.out"));
+    let rows = recorded("joint_coupling", &text);
     for row in &rows {
         let (before, after) = (number(row, "in"), number(row, "out"));
         assert!((before - after).abs() < 1e-8, "{before} {after}");

@@ -3,8 +3,8 @@
 
 #![allow(clippy::unwrap_used)]
 
-use crate::support::closures::{GROUND, angle, arm, body, hinge, joint};
-use crate::support::program::{check, directory, history, number, program, refusal, write};
+use crate::support::closures::{self, GROUND, angle, arm, body, failure, hinge, joint, rows};
+use crate::support::program::{check, directory, number, refusal, write};
 use pullback::input::assemble_text;
 use std::f64::consts::PI;
 use std::path::Path;
@@ -48,22 +48,6 @@ fn rocker(crank: f64) -> f64 {
 fn apart(a: f64, b: f64) -> f64 {
     let d = (a - b).rem_euclid(2.0 * PI);
     d.min(2.0 * PI - d)
-}
-
-fn rows(name: &str, text: &str) -> (String, Vec<std::collections::HashMap<String, String>>) {
-    let out = directory(name);
-    let ran = program(&[&write(&out, text)]);
-    let error = String::from_utf8_lossy(&ran.stderr);
-    assert!(ran.status.success(), "{error}");
-    let said = String::from_utf8(ran.stdout).unwrap();
-    (said, history(&out.join("model.out")))
-}
-
-/// What the program says when it ends with an error.
-fn failure(name: &str, text: &str) -> String {
-    let ran = program(&[&write(&directory(name), text)]);
-    assert!(!ran.status.success());
-    String::from_utf8(ran.stderr).unwrap()
 }
 
 #[test]
@@ -329,7 +313,7 @@ fn values_are_kept_as_far_as_they_close_the_loop() {
     // Ends that are drawn 5 cm apart.
     let text = [GROUND, RUN, &four_bar(1.0, "", "", "")].concat();
     let text = text.replacen("[1.2, 1.9, 0.0]", "[1.25, 1.9, 0.0]", 1);
-    let (said, _) = self::rows("limits-drawn", &text);
+    let (said, _) = closures::rows("limits-drawn", &text);
     assert!(
         said.contains("C and rocker tip were drawn 5.000e-2 apart"),
         "{said}"

@@ -1,7 +1,9 @@
 //! What a run in time tells of its energy, and small forces beside large ones, against closed forms.
 #![allow(clippy::unwrap_used)]
 
-use crate::support::program::{directory, history, number, program, results, write};
+use crate::support::program::{
+    directory, ended, history, number, program, results, succeeded, write,
+};
 use std::path::{Path, PathBuf};
 
 /// A point mass on an arm of length 1 that turns about e₂ and starts along e₁.
@@ -59,8 +61,7 @@ fn a_model_that_is_unstable_itself_is_told_so() {
                 [[supports]]\nnode = \"ground\"\nfix = \"all\"\n\n\
                 [analysis.dynamic]\nto = 100\nstep = 0.01\n\n[output]\nfigures = false\nparaview_every = 0\n";
     let output = program(&[&write(&directory("program_balance_pushed"), text)]);
-    assert_eq!(output.status.code(), Some(1));
-    let said = String::from_utf8_lossy(&output.stderr);
+    let said = ended(&output, 1);
     let told = "its energy is beyond all numbers";
     assert!(said.contains(told) && said.contains("stiffness"), "{said}");
     assert!(!said.contains("NaN") && !said.contains("inf "), "{said}");
@@ -88,8 +89,7 @@ fn a_motion_with_hardly_any_energy_is_not_unstable() {
 fn defect(name: &str, text: &str) -> (f64, String, PathBuf) {
     let directory = directory(&format!("program_balance_{name}"));
     let output = program(&[&write(&directory, text)]);
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "{said}");
+    let said = succeeded(&output);
     let out = directory.join("model.out");
     let energy = &results(&out)["statistics"]["energy"];
     let [defect, gross] = ["largest_defect", "gross"].map(|key| energy[key].as_f64().unwrap());

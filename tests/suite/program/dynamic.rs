@@ -2,7 +2,9 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::support::dynamics::assert_slopes;
-use crate::support::program::{directory, history, number, program, read, results, write};
+use crate::support::program::{
+    directory, history, number, program, ran, read, results, succeeded, write,
+};
 use pullback::input::{Analysis, assemble_text, load};
 use pullback::output::{COLUMNS, DYNAMIC_COLUMNS};
 use std::collections::HashMap;
@@ -12,13 +14,6 @@ const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
 fn example(name: &str) -> String {
     read(Path::new(ROOT).join("examples/models").join(name))
-}
-
-fn ran(directory: &Path, text: &str) -> std::path::PathBuf {
-    let output = program(&[&write(directory, text)]);
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "{said}");
-    directory.join("model.out")
 }
 
 #[test]
@@ -298,8 +293,7 @@ joint = "pivot"
             "",
         );
     let output = program(&[&write(&directory, &driven)]);
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "{said}");
+    let said = succeeded(&output);
     assert!(
         said.contains("warning: joint pivot is not where the model is drawn"),
         "{said}"

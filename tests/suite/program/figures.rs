@@ -1,7 +1,7 @@
 //! Figures: ticks at round numbers, ranges that are never empty, and round-off that is not drawn.
 #![allow(clippy::unwrap_used)]
 
-use crate::support::program::{directory, program, read, write};
+use crate::support::program::{directory, ran, read};
 use pullback::output::plot::{Curve, Division, Graph, graphs};
 use roxmltree::{Document, Node};
 
@@ -131,9 +131,7 @@ fn ranges_are_never_empty() {
 /// The figure of the history of a model.
 fn history(name: &str, text: &str) -> String {
     let directory = directory(name);
-    let output = program(&[&write(&directory, text)]);
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "{said}");
+    ran(&directory, text);
     read(directory.join("model.out/history.svg"))
 }
 

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::support::program::{
-    MODEL, directory, files, history, number, program, results, with, write,
+    MODEL, directory, ended, files, history, number, program, results, with, write,
 };
 use pullback::output::Ending;
 use pullback::run::run;
@@ -72,8 +72,7 @@ fn a_failed_run_keeps_its_steps_and_prints_the_whole_error() {
     let directory = directory("program_failed");
     let model = write(&directory, &failing());
     let output = program(&[&model]);
-    assert_eq!(output.status.code(), Some(1));
-    let said = String::from_utf8(output.stderr).unwrap();
+    let said = ended(&output, 1);
     for part in [
         "step 1 failed",
         "did not converge",

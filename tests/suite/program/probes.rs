@@ -1,21 +1,13 @@
 //! Probes against closed forms: what an arm turning about an axis does, and a bar's strains and forces.
 #![allow(non_snake_case, clippy::unwrap_used)]
 
-use crate::support::program::{directory, history, number, program, write};
+use crate::support::program::{number, recorded};
 use nalgebra::Vector3;
 use pullback::probe::continue_rotation;
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
-use std::path::Path;
 
 type Row = HashMap<String, String>;
-
-fn ran(directory: &Path, text: &str) -> Vec<Row> {
-    let output = program(&[&write(directory, text)]);
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "{said}");
-    history(&directory.join("model.out"))
-}
 
 fn vector(row: &Row, probe: &str, ends: [&str; 3]) -> Vector3<f64> {
     Vector3::from(ends.map(|end| number(row, &format!("{probe}.{end}"))))
@@ -121,7 +113,7 @@ quantity = "acceleration"
 node = "arm"
 component = "z"
 "#;
-    let rows = ran(&directory("program_probes_arm"), text);
+    let rows = recorded("program_probes_arm", text);
     assert_eq!(rows.len(), 101);
     let e = Vector3::new(0.0, 0.6, 0.8);
     let r = Vector3::new(0.5, -0.3, 0.7);
@@ -198,7 +190,7 @@ steps = 2
 {}"#,
         probes.join("\n")
     );
-    let rows = ran(&directory(name), &text);
+    let rows = recorded(name, &text);
     let last = rows.last().unwrap();
     ["N", "Gamma", "M", "K"].map(|probe| vector(last, probe, ["1", "2", "3"]))
 }

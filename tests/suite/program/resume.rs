@@ -1,7 +1,7 @@
 //! A motion that was stopped goes on from its checkpoint to the very same bits.
 #![allow(clippy::unwrap_used)]
 
-use crate::support::program::{directory, files, program, read, results, write};
+use crate::support::program::{directory, ended, files, program, read, results, write};
 use pullback::output::{Ending, ResumeError};
 use pullback::run::{RunError, resume, run};
 use serde_json::Value;
@@ -231,8 +231,7 @@ fn what_cannot_be_resumed_is_refused_by_name() {
     let model = write(&directory, MODEL);
     let refusal = || {
         let output = program(&[Path::new("--resume"), &model]);
-        assert_eq!(output.status.code(), Some(2));
-        String::from_utf8(output.stderr).unwrap()
+        ended(&output, 2)
     };
     assert!(refusal().contains("checkpoint.json"), "{}", refusal());
     run(&model, None, &mut |step| {

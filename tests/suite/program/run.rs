@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, non_snake_case)]
 
 use crate::support::program::{
-    MODEL, directory, files, history, number, program, read, results, with, write,
+    MODEL, directory, ended, files, history, number, program, read, results, succeeded, with, write,
 };
 use nalgebra::{Rotation3, Vector3};
 use pullback::output::{COLUMNS, STATIC_COLUMNS};
@@ -16,11 +16,7 @@ fn a_run_writes_all_its_files() {
     let directory = directory("program_run");
     let model = write(&directory, MODEL);
     let output = program(&[&model]);
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    succeeded(&output);
     let out = directory.join("model.out");
     let expected = [
         "deformed.svg",
@@ -294,8 +290,7 @@ fn a_refused_file_shows_the_place_and_writes_nothing() {
     let directory = directory("program_refused");
     let model = write(&directory, &with("to = \"B\"", "to = \"C\""));
     let output = program(&[&model]);
-    assert_eq!(output.status.code(), Some(2));
-    let said = String::from_utf8(output.stderr).unwrap();
+    let said = ended(&output, 2);
     for part in [
         "no node named \"C\"",
         "model.toml:13:6",
@@ -314,8 +309,7 @@ fn results_that_cannot_be_written_are_an_error() {
     let file = directory.join("file");
     std::fs::write(&file, "in the way").unwrap();
     let output = program(&[&model, Path::new("--out"), &file]);
-    assert_eq!(output.status.code(), Some(2));
-    let said = String::from_utf8(output.stderr).unwrap();
+    let said = ended(&output, 2);
     assert!(said.contains("cannot write"), "{said}");
 }
 
@@ -391,11 +385,7 @@ fn paths_record_their_events() {
     let directory = directory("program_path");
     let model = write(&directory, &with("[analysis.static]\nsteps = 4", analysis));
     let output = program(&[&model]);
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    succeeded(&output);
     let rows = history(&directory.join("model.out"));
     let half = rows.iter().find(|r| r["event"] == "load = 0.5").unwrap();
     assert!((number(half, "t") - 0.5).abs() < 1e-9);

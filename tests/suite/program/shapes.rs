@@ -1,16 +1,15 @@
 //! Points on curves and surfaces of model files, against closed forms.
 #![allow(clippy::unwrap_used)]
 
-use crate::support::program::{check, directory, history, number, program, write};
+use crate::support::program::{check, number, recorded};
 use std::f64::consts::PI;
 
 /// A body on a joint that the ground bears, under gravity along −z: x, y, z at the times of all rows.
 fn run(name: &str, joint: &str, gravity: f64, [to, step]: [f64; 2]) -> Vec<[f64; 4]> {
-    let directory = directory(&format!("program_shapes_{name}"));
-    let output = program(&[&write(&directory, &model(joint, gravity, [to, step]))]);
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "{said}");
-    let rows = history(&directory.join("model.out"));
+    let rows = recorded(
+        &format!("program_shapes_{name}"),
+        &model(joint, gravity, [to, step]),
+    );
     let columns = ["t", "position.x", "position.y", "position.z"];
     let numbers = |row| columns.map(|column| number(row, column));
     rows.iter().map(numbers).collect()

@@ -2,7 +2,7 @@
 //! with its position and with what would be right.
 #![allow(clippy::unwrap_used)]
 
-use crate::support::program::{check, directory, program, refusal, write};
+use crate::support::program::{check, directory, ended, program, ran, refusal, write};
 
 /// Everything a moving model can have.
 const MODEL: &str = r#"[sections.rod]
@@ -92,10 +92,7 @@ fn with(old: &str, new: &str) -> String {
 
 #[test]
 fn the_model_itself_is_fine() {
-    let directory = directory("program_motion");
-    let output = program(&[&write(&directory, MODEL)]);
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "{said}");
+    ran(&directory("program_motion"), MODEL);
 }
 
 #[test]
@@ -394,10 +391,8 @@ fn analyses_and_probes() {
 fn a_structure_without_mass_is_named_when_it_starts() {
     let directory = directory("program_massless");
     let text = with("mass = { A_rho = 1, J = [2e-3, 1e-3, 1e-3] }\n", "");
-    let output = program(&[&write(&directory, &text)]);
     // Statics of its rods and the motion of its bodies: a fine model.
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "{said}");
+    ran(&directory, &text);
     // A node that nothing holds and that has neither mass nor stiffness about its axis.
     let text = with(
         "stiffness = 10.0",
@@ -441,8 +436,7 @@ step = 0.01
     let moment = text.replace("force = [0, 0, -1]", "moment = [0, 0, 1]");
     write(&directory, &moment);
     let output = program(&[&model]);
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(2), "{said}");
+    let said = ended(&output, 2);
     assert!(said.contains("node A, rotation about e"), "{said}");
     assert_eq!(
         crate::support::program::read(out.join("result.json")),

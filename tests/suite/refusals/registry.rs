@@ -3,7 +3,7 @@
 
 #![allow(clippy::unwrap_used, non_snake_case)]
 
-use crate::support::program::{directory, history, number, write};
+use crate::support::program::{directory, ended, history, number, write};
 use pullback::check;
 use pullback::elements::beam::Interpolation;
 use pullback::elements::joint::{JointMap, JointNodes, Revolute};
@@ -162,8 +162,7 @@ fn springs_drives_motors_and_probes_act_on_its_coordinates() {
     assert!(resumed.starts_with(&whole) && resumed.len() > whole.len());
     // The program without this joint refuses the file.
     let standard = crate::support::program::program(&[&model]);
-    assert_eq!(standard.status.code(), Some(2));
-    let said = String::from_utf8_lossy(&standard.stderr).into_owned();
+    let said = ended(&standard, 2);
     assert!(said.contains("no type of joint named \"bench\""), "{said}");
 }
 

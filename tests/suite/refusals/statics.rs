@@ -1,15 +1,14 @@
 //! What a static analysis that fails tells its user.
 #![allow(clippy::unwrap_used)]
 
-use crate::support::program::{MODEL, check, directory, program, refusal, with, write};
+use crate::support::program::{MODEL, check, directory, ended, program, refusal, with, write};
 
 /// What the program says of a run that fails.
 fn failure(name: &str, text: &str) -> String {
     let directory = directory(name);
     let model = write(&directory, text);
     let output = program(&[&model]);
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(1), "{said}");
+    let said = ended(&output, 1);
     said
 }
 
@@ -212,7 +211,6 @@ fn gaps_that_are_rounding_errors_say_nothing_of_forces() {
     text = format!("{}[analysis.static]\nsteps = 4\n", &text[..analysis]);
     let directory = directory("messages_gaps");
     let output = program(&[&write(&directory, &text)]);
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(0), "{said}");
+    let said = ended(&output, 0);
     assert!(!said.contains("rounding"), "{said}");
 }

@@ -1,7 +1,7 @@
 //! A body that slides over the corner of a free chain: what it gives the chain it loses.
 #![allow(clippy::unwrap_used)]
 
-use crate::support::program::{directory, history, number, program, write};
+use crate::support::program::{number, recorded};
 
 fn chain(step: f64) -> String {
     format!(
@@ -70,11 +70,7 @@ joint = "bead"
 fn momentum_is_kept_where_a_slide_is_handed_over() {
     let mut drifts = Vec::new();
     for (k, step) in [2e-3, 1e-3, 5e-4].into_iter().enumerate() {
-        let directory = directory(&format!("program_slide_{k}"));
-        let output = program(&[&write(&directory, &chain(step))]);
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(output.status.success(), "{said}");
-        let rows = history(&directory.join("model.out"));
+        let rows = recorded(&format!("program_slide_{k}"), &chain(step));
         let columns = |name: &str| ["x", "y", "z"].map(|axis| format!("{name}.{axis}"));
         let change = |name: &str| {
             let largest = |column: &String| {
@@ -164,13 +160,12 @@ step = 0.002
         .iter()
         .enumerate()
     {
-        let directory = directory(&format!("program_slide_rod_{k}"));
-        let output = program(&[&write(&directory, &format!("{model}scheme = {scheme}\n"))]);
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(output.status.success(), "{said}");
         let mut worst = [0.0_f64; 2];
         // What has no mass comes in from accelerations of zero, which the damped scheme forgets.
-        let rows = history(&directory.join("model.out"));
+        let rows = recorded(
+            &format!("program_slide_rod_{k}"),
+            &format!("{model}scheme = {scheme}\n"),
+        );
         for row in rows.iter().filter(|row| number(row, "t") > 0.15) {
             let t = number(row, "t");
             let (sin, cos) = (4.0 * t).sin_cos();

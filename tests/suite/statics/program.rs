@@ -3,7 +3,7 @@
 
 use crate::support::closures::{CLOSURES, GROUND, arm, hinge, joint};
 use crate::support::program::{
-    MODEL, directory, history, number, program, read, results, with, write,
+    MODEL, directory, history, number, program, read, results, succeeded, with, write,
 };
 use serde_json::Value;
 use std::collections::HashMap;
@@ -17,8 +17,7 @@ fn run(name: &str, text: &str) -> (Rows, Value, PathBuf) {
     let directory = directory(name);
     let model = write(&directory, text);
     let output = program(&[&model]);
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "{said}");
+    let said = succeeded(&output);
     let out = directory.join("model.out");
     let result = results(&out);
     for warning in result["warnings"].as_array().unwrap() {

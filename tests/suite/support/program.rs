@@ -129,6 +129,46 @@ pub fn command(name: &str, arguments: &[&Path]) -> Output {
         .unwrap()
 }
 
+/// The program, comparing schemes on a model with arguments.
+pub fn compare(model: &Path, arguments: &[&str]) -> Output {
+    let words: Vec<&Path> = arguments.iter().map(Path::new).collect();
+    command("compare", &[&[model], &words[..]].concat())
+}
+
+/// The program in a directory, with the words of a line.
+pub fn program_in(directory: &Path, line: &str) -> Output {
+    let mut program = Command::new(env!("CARGO_BIN_EXE_pullback"));
+    let program = program.current_dir(directory).args(line.split(' '));
+    program.output().unwrap()
+}
+
+/// What a run that succeeds tells on standard error.
+#[track_caller]
+pub fn succeeded(output: &Output) -> String {
+    ended(output, 0)
+}
+
+/// What a run that ends with a code tells on standard error.
+#[track_caller]
+pub fn ended(output: &Output, code: i32) -> String {
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(code), "{said}");
+    said
+}
+
+/// Runs a model of this text in a directory; where its results are.
+#[track_caller]
+pub fn ran(directory: &Path, text: &str) -> PathBuf {
+    succeeded(&program(&[&write(directory, text)]));
+    directory.join("model.out")
+}
+
+/// The rows that a model of this text leaves when it runs in a new directory of a name.
+#[track_caller]
+pub fn recorded(name: &str, text: &str) -> Vec<HashMap<String, String>> {
+    history(&ran(&directory(name), text))
+}
+
 /// A model file of this text in a directory.
 pub fn write(directory: &Path, text: &str) -> PathBuf {
     let path = directory.join("model.toml");
