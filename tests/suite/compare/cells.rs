@@ -2,9 +2,8 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::support::formulations::table;
-use crate::support::program::{directory, read};
+use crate::support::program::{directory, program_in, read, succeeded};
 use serde_json::Value;
-use std::process::Command;
 
 /// Cells of a row in Markdown.
 fn cells(line: &str) -> Vec<String> {
@@ -47,16 +46,8 @@ const QUANTITIES: [&str; 7] = [
 #[test]
 fn cells_of_pages_are_the_numbers_of_the_json() {
     let directory = directory("program_compare_cells");
-    let ran = Command::new(env!("CARGO_BIN_EXE_pullback"))
-        .current_dir(&directory)
-        .args("compare pendulum --schemes newmark,ga:0.8,radau --steps 0.1,0.05,0.025 --long 3 -q --out out".split(' '))
-        .output()
-        .unwrap();
-    assert!(
-        ran.status.success(),
-        "{}",
-        String::from_utf8_lossy(&ran.stderr)
-    );
+    let asked = "compare pendulum --schemes newmark,ga:0.8,radau --steps 0.1,0.05,0.025 --long 3 -q --out out";
+    succeeded(&program_in(&directory, asked));
     let [json, text, page] =
         ["json", "md", "html"].map(|e| read(directory.join("out").join(format!("compare.{e}"))));
     let json: Value = serde_json::from_str(&json).unwrap();

@@ -1,42 +1,9 @@
 //! What changes of chart cost, as a comparison tells it, after theory.
 #![allow(clippy::unwrap_used)]
 
-use pullback::input;
-use pullback::studies::compare::{
-    Comparison, ComparisonRow, ErrorQuantity, Hooks, Options, compare,
-};
-
-/// A rod of two elements on a ball joint, on its way round: `{spin}` is its angular velocity,
-/// `{interpolation}` that of its rotations.
-const ROD: &str = r#"
-[sections.rod]
-stiffness = { EA = 400, GA = [400, 400], GJ = 4, EI = [4, 4] }
-mass = { A_rho = 1, J = [0.1, 0.05, 0.05] }
-[nodes]
-ground = [0, 0, 0]
-tip = [1, 0, 0]
-[[joints]]
-name = "ball"
-type = "spherical"
-parent = "ground"
-[[lines]]
-name = "rod"
-from = "ball"
-to = "tip"
-elements = 2
-section = "rod"
-interpolation = "{interpolation}"
-[[supports]]
-node = "ground"
-fix = "all"
-[[initial]]
-line = "rod"
-angular_velocity = {spin}
-about = [0, 0, 0]
-[analysis.dynamic]
-to = 0.6
-step = 0.01
-"#;
+use crate::support::comparisons;
+use crate::support::laboratory::options;
+use pullback::studies::compare::{Comparison, ComparisonRow, ErrorQuantity, Options};
 
 /// A free body with three different moments of inertia.
 const BODY: &str = r#"
@@ -56,15 +23,12 @@ step = 0.01
 "#;
 
 fn compared(text: &str, methods: &[&str], steps: &[f64]) -> Comparison {
-    let file = input::parse("model.toml", text).unwrap();
-    let make = |formulation| input::job_in("model.toml", &file, formulation);
-    let methods = methods.iter().map(|m| m.parse().unwrap()).collect();
     let options = Options {
         charts: true,
         residual: Some(1e-12),
-        ..Options::new(methods, steps.to_vec())
+        ..options(methods, steps)
     };
-    let comparison = compare(&make, "model.toml", &options, &Hooks::NONE).unwrap();
+    let comparison = comparisons::compared(text, &options).unwrap();
     assert_eq!(comparison.charts.len(), comparison.rows.len());
     for (row, late) in comparison.rows.iter().zip(&comparison.charts) {
         assert!(row.is_regular() && late.is_regular(), "{late:?}");
@@ -74,8 +38,11 @@ fn compared(text: &str, methods: &[&str], steps: &[f64]) -> Comparison {
 }
 
 fn rod(spin: &str, interpolation: &str) -> String {
-    ROD.replace("{spin}", spin)
-        .replace("{interpolation}", interpolation)
+    let analysis = "[analysis.dynamic]\nto = 0.6\nstep = 0.01\n";
+    comparisons::rod(
+        spin,
+        &format!("interpolation = {interpolation:?}\n{analysis}"),
+    )
 }
 
 /// Errors of rotations of a scheme, from large to small steps.

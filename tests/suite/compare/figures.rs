@@ -1,32 +1,10 @@
 //! Data of a comparison's figures, on an oscillator whose steps are known in closed form.
 #![allow(clippy::unwrap_used)]
 
-use pullback::input;
+use crate::support::comparisons::{self, OSCILLATOR};
+use crate::support::laboratory::options;
 use pullback::output::plot::{Curve, Division, Graph, graphs};
-use pullback::studies::compare::{Comparison, Figure, Hooks, Options, compare, figures};
-
-/// A mass of 1 on a spring of stiffness 4, let go at 0.3: x = 0.3 cos 2t.
-const OSCILLATOR: &str = r#"
-[nodes]
-ground = [0, 0, 0]
-[[joints]]
-name = "slider"
-type = "prismatic"
-parent = "ground"
-axis = [1, 0, 0]
-spring = { k = 4 }
-value = 0.3
-[[bodies]]
-name = "mass"
-node = "slider"
-mass = 1
-[[supports]]
-node = "ground"
-fix = "all"
-[analysis.dynamic]
-to = 8
-step = 0.01
-"#;
+use pullback::studies::compare::{Comparison, Figure, Options, figures};
 
 const STEPS: [f64; 3] = [0.1, 0.05, 0.025];
 
@@ -34,14 +12,11 @@ const STEPS: [f64; 3] = [0.1, 0.05, 0.025];
 const PARTS: usize = 32;
 
 fn compared(schemes: &[&str], long: Option<f64>) -> Comparison {
-    let file = input::parse("model.toml", OSCILLATOR).unwrap();
-    let make = |formulation| input::job_in("model.toml", &file, formulation);
-    let schemes = schemes.iter().map(|s| s.parse().unwrap()).collect();
     let options = Options {
         long,
-        ..Options::new(schemes, STEPS.to_vec())
+        ..options(schemes, &STEPS)
     };
-    compare(&make, "model.toml", &options, &Hooks::NONE).unwrap()
+    comparisons::compared(OSCILLATOR, &options).unwrap()
 }
 
 fn figure(comparison: &Comparison, name: &str) -> Figure {

@@ -1,11 +1,12 @@
 //! Comparisons of schemes against exact solutions.
 #![allow(non_snake_case, clippy::unwrap_used)]
 
+use crate::support::comparisons::{self, BODY, OSCILLATOR};
+use crate::support::laboratory::options;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use pullback::input;
 use pullback::studies::compare::{
-    CompareError, Comparison, ComparisonRow, ErrorQuantity, Hooks, Options, Sample, Values,
-    compare, run,
+    Comparison, ComparisonRow, ErrorQuantity, Hooks, Options, Sample, Values, compare, run,
 };
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
@@ -13,62 +14,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// A free symmetrical body: moments of inertia 2, 2 and 1.
-const BODY: &str = r#"
-title = "Free symmetrical body"
-[nodes]
-O = [0, 0, 0]
-[[bodies]]
-name = "body"
-node = "O"
-mass = 1
-inertia = [2, 2, 1]
-[[initial]]
-node = "O"
-angular_velocity = [3, 0, 4]
-[analysis.dynamic]
-to = 2
-step = 0.01
-scheme = { newmark = [0.25, 0.5] }
-"#;
-
-/// A mass of 1 on a spring of stiffness 4, let go at 0.3: x = 0.3 cos 2t.
-const OSCILLATOR: &str = r#"
-[nodes]
-ground = [0, 0, 0]
-[[joints]]
-name = "slider"
-type = "prismatic"
-parent = "ground"
-axis = [1, 0, 0]
-spring = { k = 4 }
-value = 0.3
-[[bodies]]
-name = "mass"
-node = "slider"
-mass = 1
-[[supports]]
-node = "ground"
-fix = "all"
-[analysis.dynamic]
-to = 8
-step = 0.01
-scheme = { newmark = [0.25, 0.5] }
-"#;
-
-fn options(schemes: &[&str], steps: &[f64]) -> Options {
-    let schemes = schemes.iter().map(|s| s.parse().unwrap());
-    Options::new(schemes.collect(), steps.to_vec())
-}
-
 fn compared(text: &str, options: &Options) -> Comparison {
-    tried(text, options).unwrap()
-}
-
-fn tried(text: &str, options: &Options) -> Result<Comparison, CompareError> {
-    let file = input::parse("model.toml", text).unwrap();
-    let make = |formulation| input::job_in("model.toml", &file, formulation);
-    compare(&make, "model.toml", options, &Hooks::NONE)
+    comparisons::compared(text, options).unwrap()
 }
 
 /// Root mean square over the samples after the start.
@@ -283,7 +230,7 @@ fn a_scheme_that_fails_at_a_step_is_a_row_with_the_reason() {
 #[test]
 fn what_makes_no_sense_is_refused_by_name() {
     let refused = |text: &str, schemes: &[&str], steps: &[f64], word: &str| {
-        let error = tried(text, &options(schemes, steps)).unwrap_err();
+        let error = comparisons::compared(text, &options(schemes, steps)).unwrap_err();
         let said = error.to_string();
         assert!(said.contains(word), "{said:?} lacks {word:?}");
     };
@@ -329,7 +276,7 @@ fn what_makes_no_sense_is_refused_by_name() {
             reference,
             ..options(&["newmark"], &good)
         };
-        let said = tried(BODY, &asked).unwrap_err().to_string();
+        let said = comparisons::compared(BODY, &asked).unwrap_err().to_string();
         assert!(
             said.contains(&format!("`{scheme}` is no reference")),
             "{said}"

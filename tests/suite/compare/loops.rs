@@ -2,12 +2,10 @@
 //! step resolves.
 #![allow(clippy::unwrap_used)]
 
-use crate::support::program::{directory, write};
-use pullback::input;
-use pullback::studies::compare::{
-    Comparison, ErrorQuantity, Hooks, Options, Sample, Slope, Values, compare,
-};
-use std::process::Command;
+use crate::support::comparisons;
+use crate::support::laboratory::options;
+use crate::support::program::{compare, directory, ended, write};
+use pullback::studies::compare::{Comparison, ErrorQuantity, Options, Sample, Slope, Values};
 
 const FOUR_BAR: &str = include_str!("../../../examples/models/four_bar.toml");
 
@@ -21,14 +19,11 @@ fn four_bar(closure: &str, to: f64) -> String {
 }
 
 fn compared(text: &str, words: &[&str], steps: &[f64]) -> Comparison {
-    let file = input::parse("four_bar.toml", text).unwrap();
-    let make = |formulation| input::job_in("four_bar.toml", &file, formulation);
-    let schemes = words.iter().map(|w| w.parse().unwrap()).collect();
     let options = Options {
         residual: Some(1e-12),
-        ..Options::new(schemes, steps.to_vec())
+        ..options(words, steps)
     };
-    compare(&make, "four_bar.toml", &options, &Hooks::NONE).unwrap()
+    comparisons::compared(text, &options).unwrap()
 }
 
 /// Root mean square of the distance of accelerations of positions.
@@ -91,14 +86,8 @@ fn a_comparison_without_any_reference_says_so() {
     assert!(!comparison.is_known() && comparison.reference_failure.is_none());
     let directory = directory("compare_loops");
     let model = write(&directory, &text);
-    let ran = Command::new(env!("CARGO_BIN_EXE_pullback"))
-        .arg("compare")
-        .arg(&model)
-        .args(["--schemes", "ga:0.8", "--steps", "0.004,0.002"])
-        .output()
-        .unwrap();
-    let said = String::from_utf8_lossy(&ran.stderr).into_owned();
-    assert_eq!(ran.status.code(), Some(1), "{said}");
+    let ran = compare(&model, &["--schemes", "ga:0.8", "--steps", "0.004,0.002"]);
+    let said = ended(&ran, 1);
     for word in [
         "no reference for any quantity",
         "(observed orders −",

@@ -1,21 +1,27 @@
 //! `pullback compare`: its files, its page, its refusals.
 #![allow(clippy::unwrap_used)]
 
-use crate::support::program::{directory, files, read};
+use crate::support::program::{compare, directory, ended, files, program_in, read, succeeded};
 use pullback::studies::compare::FILES;
 use pullback::studies::gallery::{self, MODELS};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
-fn compare(model: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_pullback"))
-        .arg("compare")
-        .arg(model)
-        .args(arguments)
-        .output()
-        .unwrap()
+/// The files that a comparison writes, sorted.
+fn written() -> [String; FILES.len()] {
+    let mut names = FILES.map(str::to_owned);
+    names.sort();
+    names
+}
+
+/// A page as a document.
+fn document(page: &str) -> roxmltree::Document<'_> {
+    let options = roxmltree::ParsingOptions {
+        allow_dtd: true,
+        ..Default::default()
+    };
+    roxmltree::Document::parse_with_options(page, options).unwrap()
 }
 
 /// A model of the examples, copied into a directory of this test.
@@ -38,19 +44,13 @@ fn it_writes_tables_figures_and_a_page_that_needs_no_other_file() {
     let directory = directory("program_compare");
     let model = example(&directory, "pendulum.toml");
     let output = compare(&model, &ASKED);
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{said}");
+    succeeded(&output);
     let out = directory.join("model.compare");
-    let mut names = FILES.map(str::to_owned);
-    names.sort();
+    let names = written();
     assert_eq!(files(&out), names);
 
     let page = read(out.join("compare.html"));
-    let options = roxmltree::ParsingOptions {
-        allow_dtd: true,
-        ..Default::default()
-    };
-    let document = roxmltree::Document::parse_with_options(&page, options).unwrap();
+    let document = document(&page);
     let count = |name: &str| {
         let tags = document
             .descendants()
@@ -157,8 +157,7 @@ fn several_models_make_one_page_and_a_directory_each() {
     let second = examples.join("top.toml");
     let several = [&[second.to_str().unwrap()], &asked[..]].concat();
     let output = compare(&examples.join("pendulum.toml"), &several);
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{said}");
+    succeeded(&output);
     // Two steps make no order, and the terminal says so.
     let text = String::from_utf8_lossy(&output.stdout);
     assert!(
@@ -167,15 +166,10 @@ fn several_models_make_one_page_and_a_directory_each() {
     );
     assert_eq!(files(&out), ["compare.html", "pendulum", "top"]);
     let page = read(out.join("compare.html"));
-    let options = roxmltree::ParsingOptions {
-        allow_dtd: true,
-        ..Default::default()
-    };
-    let document = roxmltree::Document::parse_with_options(&page, options).unwrap();
+    let document = document(&page);
     let heads = document.descendants().filter(|n| n.has_tag_name("h1"));
     assert_eq!(heads.count(), 3);
-    let mut names = FILES.map(str::to_owned);
-    names.sort();
+    let names = written();
     for (model, own_step) in [("pendulum", 0.01), ("top", 0.00025)] {
         assert_eq!(files(&out.join(model)), names, "{model}");
         let json = read(out.join(model).join("compare.json"));
@@ -218,8 +212,7 @@ fn refusals_name_what_is_wrong() {
         ),
     ] {
         let output = compare(&model, &["--schemes", schemes, "--steps", steps]);
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{said}");
+        let said = ended(&output, 2);
         assert!(said.contains(word), "{said:?} lacks {word:?}");
     }
     for (arguments, word) in [
@@ -233,20 +226,17 @@ fn refusals_name_what_is_wrong() {
         ),
     ] {
         let output = compare(&model, &[&ASKED[..], &arguments].concat());
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{said}");
+        let said = ended(&output, 2);
         assert!(said.contains(word), "{said:?} lacks {word:?}");
     }
     // A name that is neither a file nor a model has the nearest one beside it.
     let output = compare(Path::new("pendulm"), &ASKED);
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{said}");
+    let said = ended(&output, 2);
     let all = ["no file `pendulm`", "did you mean `pendulum`?", "heavy_top"];
     assert!(all.iter().all(|word| said.contains(word)), "{said}");
     let statics = example(&directory, "cantilever.toml");
     let output = compare(&statics, &ASKED);
-    assert_eq!(output.status.code(), Some(2));
-    let said = String::from_utf8_lossy(&output.stderr);
+    let said = ended(&output, 2);
     assert!(
         said.contains("model.toml: the analysis of this model is not dynamic"),
         "{said}"
@@ -274,35 +264,14 @@ fn models_of_the_gallery_need_no_file() {
     let known: Vec<&str> = MODELS.iter().map(|(name, _)| *name).collect();
     assert_eq!(known, listed);
     let directory = directory("program_compare_built_in");
-    let output = Command::new(env!("CARGO_BIN_EXE_pullback"))
-        .current_dir(&directory)
-        .args([
-            "compare",
-            "pendulum",
-            "--schemes",
-            "newmark",
-            "--steps",
-            "0.1,0.05",
-            "-q",
-        ])
-        .output()
-        .unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{said}");
-    let mut names = FILES.map(str::to_owned);
-    names.sort();
+    let asked = "compare pendulum --schemes newmark --steps 0.1,0.05 -q";
+    succeeded(&program_in(&directory, asked));
+    let names = written();
     assert_eq!(files(&directory.join("pendulum.compare")), names);
     // A directory of results does not hide the model whose name it has.
     let asked = "compare pendulum --schemes newmark --steps 0.1,0.05 -q --out pendulum";
     for _ in 0..2 {
-        let mut program = Command::new(env!("CARGO_BIN_EXE_pullback"));
-        let output = program
-            .current_dir(&directory)
-            .args(asked.split(' '))
-            .output();
-        let output = output.unwrap();
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "{said}");
+        succeeded(&program_in(&directory, asked));
     }
     assert_eq!(files(&directory.join("pendulum")), names);
 }
@@ -315,8 +284,7 @@ fn formulations_that_a_model_does_not_take_are_rows() {
     let schemes = "newmark,hht:-0.1,ga:0.8,lie-ga:0.8";
     let asked = ["--schemes", schemes, "--steps", "0.1,0.05", "--charts"];
     let output = compare(&model, &asked);
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{said}");
+    let said = succeeded(&output);
     assert_eq!(
         said.matches("lie-ga:0.8 cannot begin: ").count(),
         1,
@@ -364,8 +332,7 @@ fn schemes_that_cannot_begin_are_refused_before_anything_runs_if_none_can() {
         &model,
         &[&["--schemes", "newmark,hht:0"], &steps[..]].concat(),
     );
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{said}");
+    let said = ended(&output, 2);
     assert!(
         said.contains("model.toml: no scheme can begin this motion; newmark: "),
         "{said}"
@@ -376,8 +343,7 @@ fn schemes_that_cannot_begin_are_refused_before_anything_runs_if_none_can() {
         &model,
         &[&["--schemes", "newmark,ga:0.8"], &steps[..]].concat(),
     );
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{said}");
+    succeeded(&output);
     let table = read(directory.join("model.compare/compare.csv"));
     let failed = table
         .lines()

@@ -1,41 +1,20 @@
 //! `pullback compare` with all its options, and on every model of the gallery that moves.
 #![allow(non_snake_case, clippy::unwrap_used)]
 
-use crate::support::program::{directory, files, read, write};
+use crate::support::comparisons::BODY;
+use crate::support::program::{compare, directory, ended, files, read, write};
 use nalgebra::{Rotation3, Vector3};
 use pullback::studies::compare::FILES;
 use pullback::studies::gallery::MODELS;
 use serde_json::Value;
 use std::fmt::Write;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Command;
 
-/// A free symmetrical body: moments of inertia 2, 2 and 1.
-const BODY: &str = r#"
-title = "Free symmetrical body"
-[nodes]
-O = [0, 0, 0]
-[[bodies]]
-name = "body"
-node = "O"
-mass = 1
-inertia = [2, 2, 1]
-[[initial]]
-node = "O"
-angular_velocity = [3, 0, 4]
-velocity = [1, 2, 3]
-[analysis.dynamic]
-to = 1
-step = 0.01
-"#;
-
-fn compare(model: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_pullback"))
-        .arg("compare")
-        .arg(model)
-        .args(arguments)
-        .output()
-        .unwrap()
+/// A free symmetrical body that also moves along, for a second.
+fn body() -> String {
+    BODY.replace("[3, 0, 4]", "[3, 0, 4]\nvelocity = [1, 2, 3]")
+        .replace("to = 2", "to = 1")
 }
 
 /// What compare.json says, of a comparison that ends well.
@@ -81,7 +60,7 @@ fn precession() -> String {
 #[test]
 fn an_exact_solution_comes_from_a_file() {
     let directory = directory("program_compare_exact");
-    let model = write(&directory, BODY);
+    let model = write(&directory, &body());
     let file = directory.join("exact.csv");
     std::fs::write(&file, precession()).unwrap();
     let steps = ["--steps", "0.02,0.01,0.005", "--schemes", "newmark,radau"];
@@ -117,8 +96,7 @@ fn an_exact_solution_comes_from_a_file() {
     // A file that does not go with the steps says which times are looked at.
     let other = ["--steps", "0.03,0.01", "--schemes", "newmark"];
     let refused = compare(&model, &[&other[..], &exact].concat());
-    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
-    assert_eq!(refused.status.code(), Some(2), "{said}");
+    let said = ended(&refused, 2);
     assert!(said.contains("there is no row for t = "), "{said}");
     // What it says twice it says once, and something.
     let text = precession();
@@ -138,8 +116,7 @@ fn an_exact_solution_comes_from_a_file() {
     ] {
         std::fs::write(&file, &wrong).unwrap();
         let refused = compare(&model, &[&steps[..], &exact].concat());
-        let said = String::from_utf8_lossy(&refused.stderr).into_owned();
-        assert_eq!(refused.status.code(), Some(2), "{said}");
+        let said = ended(&refused, 2);
         assert!(said.contains(word), "{said}");
     }
 }
@@ -164,7 +141,7 @@ fn a_search_that_finds_nothing_is_apart_too() {
 #[test]
 fn times_are_taken_alone_where_they_are_asked_for() {
     let directory = directory("program_compare_timed");
-    let model = write(&directory, BODY);
+    let model = write(&directory, &body());
     let asked = [
         "--schemes",
         "newmark,lie-newmark,projected-newmark,central-difference,radau",
@@ -243,7 +220,7 @@ fn times_are_taken_alone_where_they_are_asked_for() {
 #[test]
 fn long_runs_tell_what_becomes_of_momenta_and_constraints() {
     let directory = directory("program_compare_long");
-    let model = write(&directory, BODY);
+    let model = write(&directory, &body());
     let asked = [
         "--schemes",
         "newmark,projected-newmark",

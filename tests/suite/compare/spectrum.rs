@@ -1,6 +1,7 @@
 //! `pullback spectrum`: its table, its files, what it refuses.
 #![allow(clippy::unwrap_used)]
 
+use crate::support::program::ended;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -127,8 +128,7 @@ fn what_it_refuses() {
         (&["--from", "10", "--to", "1"], "Ω from 10 to 1 is no range"),
     ] {
         let output = spectrum(arguments);
-        assert_eq!(output.status.code(), Some(2));
-        let said = String::from_utf8_lossy(&output.stderr);
+        let said = ended(&output, 2);
         assert!(said.contains(text), "{said}");
     }
 }

@@ -1,34 +1,17 @@
 //! The formulations of a comparison against exact motions and against each other.
 #![allow(non_snake_case, clippy::unwrap_used)]
 
+use crate::support::comparisons::{self, BODY};
 use crate::support::dynamics::{observed, slopes, tight};
 use crate::support::heavy_top::{HELD, assert_heavy_top};
+use crate::support::laboratory::options;
 use nalgebra::{Rotation3, Vector3};
 use pullback::conformance as check;
 use pullback::elements::model::Formulation;
 use pullback::input;
 use pullback::integrators::dynamics::Scheme;
 use pullback::method::Method;
-use pullback::studies::compare::{Comparison, ErrorQuantity, Hooks, Options, compare};
-
-/// A free symmetrical body: moments of inertia 2, 2 and 1.
-const BODY: &str = r#"
-[nodes]
-O = [0, 0, 0]
-[[bodies]]
-name = "body"
-node = "O"
-mass = 1
-inertia = [2, 2, 1]
-[[initial]]
-node = "O"
-rotation = [0.4, -0.9, 0.6]
-body_angular_velocity = [3, 0, 4]
-velocity = [1, 0, 0]
-[analysis.dynamic]
-to = 2
-step = 0.01
-"#;
+use pullback::studies::compare::{Comparison, ErrorQuantity};
 
 const METHODS: [&str; 6] = [
     "newmark",
@@ -40,17 +23,15 @@ const METHODS: [&str; 6] = [
 ];
 
 fn compared(text: &str, methods: &[&str], steps: &[f64]) -> Comparison {
-    let file = input::parse("model.toml", text).unwrap();
-    let make = |formulation| input::job_in("model.toml", &file, formulation);
-    let methods = methods.iter().map(|m| m.parse().unwrap()).collect();
-    let options = Options::new(methods, steps.to_vec());
-    compare(&make, "model.toml", &options, &Hooks::NONE).unwrap()
+    comparisons::compared(text, &options(methods, steps)).unwrap()
 }
 
 #[test]
 fn a_free_body_precesses_in_every_formulation_with_order_two() {
     let steps = [0.01, 0.005, 0.0025, 0.00125];
-    let comparison = compared(BODY, &METHODS, &steps);
+    let turned = "velocity = [1, 0, 0]\nrotation = [0.4, -0.9, 0.6]\nbody_angular_velocity";
+    let text = BODY.replace("body_angular_velocity", turned);
+    let comparison = compared(&text, &METHODS, &steps);
     // Landau & Lifshitz, Mechanics, section 33: about the fixed angular momentum with |L|/J₁, about
     // its own axis with Ω₃ (1 − J₃/J₁); all of it turned by R₀.
     let turned = Rotation3::new(Vector3::new(0.4, -0.9, 0.6));
@@ -109,47 +90,27 @@ fn a_free_body_precesses_in_every_formulation_with_order_two() {
 }
 
 /// A rod on a ball joint with a body at its end, let go in a turn: rotations of frames and of a joint.
-const ROD: &str = r#"
-[sections.rod]
-stiffness = { EA = 400, GA = [400, 400], GJ = 4, EI = [4, 4] }
-mass = { A_rho = 1, J = [0.1, 0.05, 0.05] }
-[nodes]
-ground = [0, 0, 0]
-tip = [1, 0, 0]
-[[joints]]
-name = "ball"
-type = "spherical"
-parent = "ground"
-[[lines]]
-name = "rod"
-from = "ball"
-to = "tip"
-elements = 2
-section = "rod"
+fn rod() -> String {
+    let more = r#"
 [[bodies]]
 name = "body"
 node = "tip"
 mass = 0.5
 inertia = [0.05, 0.1, 0.15]
-[[supports]]
-node = "ground"
-fix = "all"
 [[loads]]
 gravity = [0, 0, -9.81]
-[[initial]]
-line = "rod"
-angular_velocity = [2, 0, 5]
-about = [0, 0, 0]
 [analysis.dynamic]
 to = 0.5
 step = 0.01
 "#;
+    comparisons::rod("[2, 0, 5]", more)
+}
 
 #[test]
 fn a_flexible_rod_moves_alike_in_every_formulation() {
     // The reference is the total formulation: others have its limit, at the order of their schemes.
     let methods = ["newmark", "ul-newmark", "lie-ga:0.8", "spin-newmark"];
-    let comparison = compared(ROD, &methods, &[0.008, 0.004, 0.002, 0.001]);
+    let comparison = compared(&rod(), &methods, &[0.008, 0.004, 0.002, 0.001]);
     for orders in &comparison.orders {
         for quantity in [
             ErrorQuantity::Position,
@@ -188,7 +149,7 @@ fn the_heavy_top_held_by_multipliers_is_where_it_should_be() {
 
 #[test]
 fn the_tangent_of_spins_is_that_of_their_residual() {
-    let file = input::parse("rod.toml", ROD).unwrap();
+    let file = input::parse("rod.toml", &rod()).unwrap();
     for formulation in [
         Formulation::Updated,
         Formulation::LieGroup,

@@ -15,6 +15,7 @@
 //! step, and an order is lost.
 #![allow(non_snake_case, clippy::unwrap_used)]
 
+use crate::support::comparisons::{BODY, rod};
 use crate::support::dynamics::{observed, slopes, tight};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use pullback::input::{self, Job};
@@ -25,56 +26,13 @@ use std::ops::ControlFlow;
 
 const METHODS: [&str; 3] = ["lie-newmark", "ul-newmark", "spin-newmark"];
 
-/// A free symmetrical body: moments of inertia 2, 2 and 1.
-const BODY: &str = r#"
-[nodes]
-O = [0, 0, 0]
-[[bodies]]
-name = "body"
-node = "O"
-mass = 1
-inertia = [2, 2, 1]
-[[initial]]
-node = "O"
-body_angular_velocity = [3, 0, 4]
-[analysis.dynamic]
-to = 2
-step = 0.01
-"#;
-
 const J: Vector3<f64> = Vector3::new(2.0, 2.0, 1.0);
 
 /// A rod that moves in a plane, bends, and goes round more than once; its joint is a ball.
-const PLANE: &str = r#"
-[sections.rod]
-stiffness = { EA = 400, GA = [400, 400], GJ = 4, EI = [4, 4] }
-mass = { A_rho = 1, J = [0.1, 0.05, 0.05] }
-[nodes]
-ground = [0, 0, 0]
-tip = [1, 0, 0]
-[[joints]]
-name = "ball"
-type = "spherical"
-parent = "ground"
-[[lines]]
-name = "rod"
-from = "ball"
-to = "tip"
-elements = 2
-section = "rod"
-[[supports]]
-node = "ground"
-fix = "all"
-[[loads]]
-gravity = [0, -9.81, 0]
-[[initial]]
-line = "rod"
-angular_velocity = [0, 0, 8]
-about = [0, 0, 0]
-[analysis.dynamic]
-to = 2
-step = 0.01
-"#;
+fn plane() -> String {
+    let more = "[[loads]]\ngravity = [0, -9.81, 0]\n[analysis.dynamic]\nto = 2\nstep = 0.01\n";
+    rod("[0, 0, 8]", more)
+}
 
 fn job(text: &str, method: &Method) -> Job {
     let file = input::parse("model.toml", text).unwrap();
@@ -170,7 +128,7 @@ fn rates_that_are_not_transported_cost_an_order() {
 fn in_a_plane_nothing_tells_them_apart() {
     let [newmark, others @ ..] = ["newmark", METHODS[0], METHODS[1], METHODS[2]].map(|name| {
         let method: Method = name.parse().unwrap();
-        (name, run(&mut job(PLANE, &method), &method, 1.0, 0.01).0)
+        (name, run(&mut job(&plane(), &method), &method, 1.0, 0.01).0)
     });
     let turned = |steps: &[Vec<Matrix3<f64>>]| {
         let pairs = steps.windows(2);
@@ -189,7 +147,7 @@ fn in_a_plane_nothing_tells_them_apart() {
         }
     }
     // Out of the plane they differ.
-    let text = PLANE.replace("[0, 0, 8]", "[1, 0, 8]");
+    let text = plane().replace("[0, 0, 8]", "[1, 0, 8]");
     let ends = METHODS.map(|name| {
         let method: Method = name.parse().unwrap();
         run(&mut job(&text, &method), &method, 1.0, 0.01)

@@ -3,6 +3,7 @@
 pub mod andrews;
 pub mod beams;
 pub mod closures;
+pub mod comparisons;
 pub mod drawings;
 pub mod dynamics;
 pub mod formulations;

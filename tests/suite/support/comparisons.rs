@@ -1,0 +1,86 @@
+//! Models that comparisons of schemes and of formulations run, and the comparison of a text.
+#![allow(dead_code, clippy::unwrap_used)]
+
+use super::laboratory;
+use pullback::input;
+use pullback::studies::compare::{CompareError, Comparison, Options};
+
+/// A free symmetrical body: moments of inertia 2, 2 and 1.
+pub const BODY: &str = r#"
+title = "Free symmetrical body"
+[nodes]
+O = [0, 0, 0]
+[[bodies]]
+name = "body"
+node = "O"
+mass = 1
+inertia = [2, 2, 1]
+[[initial]]
+node = "O"
+body_angular_velocity = [3, 0, 4]
+[analysis.dynamic]
+to = 2
+step = 0.01
+scheme = { newmark = [0.25, 0.5] }
+"#;
+
+/// A mass of 1 on a spring of stiffness 4, let go at 0.3: x = 0.3 cos 2t.
+pub const OSCILLATOR: &str = r#"
+[nodes]
+ground = [0, 0, 0]
+[[joints]]
+name = "slider"
+type = "prismatic"
+parent = "ground"
+axis = [1, 0, 0]
+spring = { k = 4 }
+value = 0.3
+[[bodies]]
+name = "mass"
+node = "slider"
+mass = 1
+[[supports]]
+node = "ground"
+fix = "all"
+[analysis.dynamic]
+to = 8
+step = 0.01
+scheme = { newmark = [0.25, 0.5] }
+"#;
+
+/// A rod of two elements on a ball joint, on its way round at an angular velocity; then what else the model has.
+pub fn rod(spin: &str, more: &str) -> String {
+    format!(
+        r#"
+[sections.rod]
+stiffness = {{ EA = 400, GA = [400, 400], GJ = 4, EI = [4, 4] }}
+mass = {{ A_rho = 1, J = [0.1, 0.05, 0.05] }}
+[nodes]
+ground = [0, 0, 0]
+tip = [1, 0, 0]
+[[joints]]
+name = "ball"
+type = "spherical"
+parent = "ground"
+[[supports]]
+node = "ground"
+fix = "all"
+[[initial]]
+line = "rod"
+angular_velocity = {spin}
+about = [0, 0, 0]
+[[lines]]
+name = "rod"
+from = "ball"
+to = "tip"
+elements = 2
+section = "rod"
+{more}
+"#
+    )
+}
+
+/// The comparison of a model of this text.
+pub fn compared(text: &str, options: &Options) -> Result<Comparison, CompareError> {
+    laboratory::compared(&input::parse("model.toml", text).unwrap(), options)
+}
