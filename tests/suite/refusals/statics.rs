@@ -8,8 +8,7 @@ fn failure(name: &str, text: &str) -> String {
     let directory = directory(name);
     let model = write(&directory, text);
     let output = program(&[&model]);
-    let said = ended(&output, 1);
-    said
+    ended(&output, 1)
 }
 
 #[track_caller]

@@ -134,6 +134,11 @@ impl Couplings {
         }
     }
 
+    /// Whether no unknown moves a node.
+    pub(in crate::model) fn is_fixed(&self, n: u32) -> bool {
+        self.1[n as usize]
+    }
+
     /// First value of the rows of node `i` and the columns of node `j`, one of them mapped; `None` if
     /// they are not coupled.
     pub(in crate::model) fn position(&self, nodes: &[Node], i: u32, j: u32) -> Option<usize> {

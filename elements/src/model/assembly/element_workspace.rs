@@ -3,6 +3,7 @@
 #![allow(non_snake_case)]
 
 use crate::element::{Combined, ElementError, Motion, Response};
+use crate::model::assembly::couplings::Couplings;
 use crate::model::assembly::residual::MAX_NODES;
 use crate::model::constraints::omitted::Omitted;
 use crate::model::kinematics::complement::Complement;
@@ -266,12 +267,16 @@ impl ElementWorkspace {
         &self,
         e: &ElementEntry,
         nodes: &[Node],
-        unknowns: &[u32],
+        (unknowns, couplings): (&[u32], &Couplings),
         scales: &mut Scales,
     ) {
         let mut k = 0;
-        for &node in e.nodes.iter() {
-            let node = &nodes[node as usize];
+        for &n in e.nodes.iter() {
+            let node = &nodes[n as usize];
+            if couplings.is_fixed(n) {
+                k += node.dim;
+                continue;
+            }
             for (quantity, c) in node.quantities.iter().zip(node.range()) {
                 if !(e.held && node.is_own() && unknowns[c] == NONE) {
                     let force = &mut scales.force[quantity.index()];

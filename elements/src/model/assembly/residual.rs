@@ -81,6 +81,7 @@ impl Context {
             w.dead_loads.forget();
             w.dead_loads.r.fill(0.0);
             w.scales.force = [0.0; 3];
+            let moved = (&model.unknowns[..], &w.scatter_map.couplings);
             for (e, state) in model.elements.iter().zip(&self.state.elements) {
                 if !reads_only_time(e, state) {
                     continue;
@@ -90,7 +91,7 @@ impl Context {
                     .evaluate((e, state), t, true, None, false, false)
                     .map_err(|error| named(error, &e.name))?;
                 if e.load {
-                    local.measure(e, &model.nodes, &model.unknowns, &mut w.scales);
+                    local.measure(e, &model.nodes, moved, &mut w.scales);
                 }
                 local.add_residual(e, &model.spans, &mut w.dead_loads.r);
             }
@@ -114,6 +115,7 @@ impl Context {
         let (w, model) = (&mut self.work, &*self.model);
         let (local, spans) = (&mut w.local, &model.spans);
         w.exerted.force = [0.0; 3];
+        let moved = (&model.unknowns[..], &w.scatter_map.couplings);
         let alone = model.prescribed.is_empty() && w.scales.force == [0.0; 3];
         for (k, (e, state)) in (model.elements.iter().zip(&self.state.elements)).enumerate() {
             let switched = state.switched;
@@ -141,9 +143,9 @@ impl Context {
                 local.raise_to_accelerations(e, state.left_out, t, h);
             }
             if e.load {
-                local.measure(e, &model.nodes, &model.unknowns, &mut w.scales);
+                local.measure(e, &model.nodes, moved, &mut w.scales);
             } else if alone {
-                local.measure(e, &model.nodes, &model.unknowns, &mut w.exerted);
+                local.measure(e, &model.nodes, moved, &mut w.exerted);
             }
             if rates && w.moving && !e.dead {
                 // ∂r/∂t through the nodes' motion at fixed unknowns: −K ẋ.
