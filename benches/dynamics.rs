@@ -152,6 +152,7 @@ fn evaluation(beam: &dyn Element, ask: Ask) -> impl FnMut() {
         r.fill(0.0);
         let at = Motion {
             t: 0.0,
+            inputs: &[],
             x: black_box(&x),
             v: black_box(&v),
             a: black_box(&a),

@@ -41,6 +41,7 @@ fn evaluate(
     r.fill(0.0);
     let at = Motion {
         t: 0.0,
+        inputs: &[],
         x: black_box(x),
         v: &[],
         a: &[],

@@ -60,6 +60,7 @@ fn run(element: &dyn Element, job: Job, motion: &[Vec<f64>; 3], out: &mut [Vec<f
     let moving = !matches!(job, Job::Static);
     let at = Motion {
         t: 0.0,
+        inputs: &[],
         x,
         v: if moving { v } else { &[] },
         a: if moving { a } else { &[] },

@@ -25,7 +25,7 @@ fn model() -> Result<(Model, Input), Failure> {
     let body = RigidBody::new(1.0, inertia, Vector3::zeros())?;
     builder.element("body", body, &[joint.frame])?;
     let torque = builder.input(0.0);
-    let motor = CoordinateForce::new(torque.clone());
+    let motor = CoordinateForce::new(torque);
     builder.element("motor", motor, &[joint.coordinates[0]])?;
     Ok((builder.build()?, torque))
 }
@@ -50,7 +50,7 @@ fn main() -> Result<(), Failure> {
             snapshot = run.save();
         }
         let u = torque(run.state().q[0], run.state().v[0]);
-        input.set(u);
+        run.set_input(input, u);
         run.step()?;
         let acceleration = torque(angle, rate) / INERTIA;
         angle += H * rate + 0.5 * H * H * acceleration;
@@ -68,20 +68,21 @@ fn main() -> Result<(), Failure> {
     // The second half once more, from the snapshot: the same to the last bit.
     run.restore(&snapshot)?;
     for _ in SAMPLES / 2..SAMPLES {
-        input.set(torque(run.state().q[0], run.state().v[0]));
+        let u = torque(run.state().q[0], run.state().v[0]);
+        run.set_input(input, u);
         run.step()?;
     }
     assert_eq!(run.state(), &end);
 
     // From 0.5 rad at rest the motor turns the joint back. It is switched off at 0 rad, and the run
     // ends at −1 rad.
-    input.set(-5.0 * INERTIA);
+    context.set_input(input, -5.0 * INERTIA);
     let first = start(&context, 0.0, &[0.5], &[0.0])?;
     let mut run = Simulation::new(&mut context, first, &options)?;
     run.add_event(
         |_, state| -state.q[0],
-        move |_, _| {
-            input.set(0.0);
+        move |context, _| {
+            context.set_input(input, 0.0);
             Continue(())
         },
     );

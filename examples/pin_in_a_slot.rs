@@ -30,12 +30,9 @@ impl Joint<2> for Slot {
         [("along", Quantity::Length), ("angle", Quantity::Angle)]
     }
 
-    fn margin(&self, _t: f64, q: &SVector<f64, 2>) -> f64 {
-        self.end - q[0].abs()
-    }
-
-    fn edge(&self) -> &'static str {
-        "its slot at an end: make it longer, or stop before"
+    fn domain(&self, _t: f64, q: &SVector<f64, 2>) -> Result<f64, DomainError> {
+        let margin = self.end - q[0].abs();
+        DomainError::within(margin, "its slot at an end: make it longer, or stop before")
     }
 }
 

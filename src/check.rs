@@ -2,7 +2,7 @@
 //!
 //! [`model`] checks an assembled [`Context`](crate::prelude::Context), [`file()`] and [`job`] that of a file;
 //! [`element`], [`same`], [`joint`], [`map`], [`implicit`] and [`scheme`] are the [`conformance`](crate::conformance) kit
-//! for components of your own. All hand back one [`Report`]: [`summary`], [`table`] and [`entries`] make
+//! for components of your own. All return a [`Report`]: [`summary`], [`table`] and [`entries`] make
 //! it readable.
 //!
 //! ```no_run
@@ -114,7 +114,7 @@ pub struct Entry<'a> {
     pub limit: Option<f64>,
     /// Why the property could not be checked.
     pub reason: Option<&'a str>,
-    /// The verdict.
+    /// Whether the property holds.
     pub passed: bool,
     /// Wrong blocks, the worst first.
     pub blocks: Vec<BlockEntry<'a>>,

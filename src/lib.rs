@@ -135,6 +135,7 @@ pub mod prelude {
     pub use pullback_elements::time::{Constant, Proportional};
     pub use pullback_integrators::dynamics::{DynamicOptions, Scheme, Simulation, start};
     pub use pullback_integrators::statics::{LoadSteps, StaticOptions, equilibrium};
+    pub use pullback_manifold::domain::DomainError;
     pub use pullback_manifold::scalar::Scalar;
     pub use pullback_manifold::so3::Quaternion;
     pub use pullback_manifold::system::Quantity;

@@ -19,7 +19,7 @@ pub struct Prefix {
 }
 
 /// All of them.
-pub static PREFIXES: [Prefix; 5] = [
+pub static PREFIXES: [Prefix; 6] = [
     Prefix {
         word: "",
         formulation: Formulation::Total,
@@ -54,6 +54,12 @@ pub static PREFIXES: [Prefix; 5] = [
         about: "spin vectors in the fixed frame with rates in the body (not a published method): components \
                 of different frames are added without transport, and an order is lost",
         only: Some("newmark"),
+    },
+    Prefix {
+        word: "wm-",
+        formulation: Formulation::WienerMilenkovic,
+        about: "total Lagrangian: parameters of Wiener and Milenković, 4 tan(ψ/4) e, instead of rotation vectors",
+        only: None,
     },
 ];
 

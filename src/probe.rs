@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 
 /// The object of a probe.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Target {
+pub(crate) enum Target {
     /// A node and its name.
     Node(NodeId, String),
     /// An element.
@@ -23,7 +23,7 @@ pub enum Target {
 
 /// Which part of a vector is recorded.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Component {
+pub(crate) enum Component {
     /// All three, with the ends of their column names.
     All([&'static str; 3]),
     /// One.
@@ -38,22 +38,23 @@ pub enum Component {
 #[derive(Clone, Debug)]
 pub struct Probe {
     name: String,
-    quantity: ProbeQuantity,
+    pub(crate) quantity: ProbeQuantity,
     target: Target,
     component: Component,
-    /// Rotation vector at the last step, continued over changes of chart.
+    /// Rotation vector at the last step, continued over changes of chart; the next value depends on it.
     continued: Vector3<f64>,
 }
 
 /// The quantities of a model at one step, evaluated once for all probes.
-pub struct Answers {
-    sections: Vec<(ElementId, SectionState)>,
-    /// In the order of their nodes' names.
-    reactions: Vec<Reaction>,
-    strain_energy: f64,
-    load_potential: f64,
-    energy_balance: Option<EnergiesAndMomentum>,
-    energy_defect: f64,
+pub(crate) struct Answers {
+    /// Strains and forces at all integration points.
+    pub sections: Vec<(ElementId, SectionState)>,
+    /// Reactions of all supported nodes, in the order of their names.
+    pub reactions: Vec<Reaction>,
+    pub strain_energy: f64,
+    pub load_potential: f64,
+    /// Energies, powers and momenta of a motion, and the defect of its energy balance.
+    pub motion: Option<(EnergiesAndMomentum, f64)>,
 }
 
 impl Answers {
@@ -66,62 +67,20 @@ impl Answers {
             reactions,
             strain_energy: context.strain_energy(t),
             load_potential: context.load_potential(t),
-            energy_balance: None,
-            energy_defect: 0.0,
+            motion: None,
         }
-    }
-
-    /// The same, with the quantities of a motion.
-    #[must_use]
-    pub fn moving(self, energy_balance: Option<EnergiesAndMomentum>, energy_defect: f64) -> Self {
-        Self {
-            energy_balance,
-            energy_defect,
-            ..self
-        }
-    }
-
-    /// Whether they belong to a motion.
-    pub fn is_moving(&self) -> bool {
-        self.energy_balance.is_some()
-    }
-
-    /// Energies, powers and momenta; zero in statics.
-    pub fn energy_balance(&self) -> EnergiesAndMomentum {
-        self.energy_balance.unwrap_or_default()
-    }
-
-    /// Defect of the energy balance; zero in statics.
-    pub fn energy_defect(&self) -> f64 {
-        self.energy_defect
     }
 
     /// A scalar of the whole model.
     fn whole(&self, quantity: ProbeQuantity) -> f64 {
-        let balance = self.energy_balance();
+        let (balance, defect) = self.motion.unwrap_or_default();
+        let kinetic = balance.energies.kinetic;
         match quantity {
-            ProbeQuantity::kinetic_energy => balance.energies.kinetic,
-            ProbeQuantity::total_energy => {
-                balance.energies.kinetic + self.strain_energy + self.load_potential
-            }
-            ProbeQuantity::energy_defect => self.energy_defect,
+            ProbeQuantity::kinetic_energy => kinetic,
+            ProbeQuantity::total_energy => kinetic + self.strain_energy + self.load_potential,
+            ProbeQuantity::energy_defect => defect,
             _ => self.strain_energy,
         }
-    }
-
-    /// Strains and forces at all integration points.
-    pub fn sections(&self) -> &[(ElementId, SectionState)] {
-        &self.sections
-    }
-
-    /// Reactions of all supported nodes.
-    pub fn reactions(&self) -> &[Reaction] {
-        &self.reactions
-    }
-
-    /// Strain energy of the structure.
-    pub fn strain_energy(&self) -> f64 {
-        self.strain_energy
     }
 
     /// Mean over the integration points of an element; zero without any.
@@ -142,7 +101,12 @@ impl Answers {
 
 impl Probe {
     /// A probe before its first rotation.
-    pub fn new(name: &str, quantity: ProbeQuantity, target: Target, component: Component) -> Self {
+    pub(crate) fn new(
+        name: &str,
+        quantity: ProbeQuantity,
+        target: Target,
+        component: Component,
+    ) -> Self {
         Self {
             name: name.to_owned(),
             quantity,
@@ -152,24 +116,14 @@ impl Probe {
         }
     }
 
-    /// Its name.
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
-    /// Rotation vector at the last step, continued over changes of chart; the next value depends on it.
-    pub fn memory(&self) -> [f64; 3] {
+    /// Rotation vector at the last step, for a checkpoint.
+    pub(crate) fn memory(&self) -> [f64; 3] {
         self.continued.into()
     }
 
     /// Restores that rotation vector.
-    pub fn remember(&mut self, memory: [f64; 3]) {
+    pub(crate) fn remember(&mut self, memory: [f64; 3]) {
         self.continued = memory.into();
-    }
-
-    /// The recorded quantity.
-    pub fn quantity(&self) -> ProbeQuantity {
-        self.quantity
     }
 
     /// Heads of its columns.
@@ -181,7 +135,7 @@ impl Probe {
     }
 
     /// Appends its values at a converged step.
-    pub fn record(&mut self, context: &Context, answers: &Answers, out: &mut Vec<f64>) {
+    pub(crate) fn record(&mut self, context: &Context, answers: &Answers, out: &mut Vec<f64>) {
         let v = self.vector(context, answers);
         match self.component {
             Component::All(_) => out.extend(v.iter()),
@@ -205,7 +159,7 @@ impl Probe {
         match &self.target {
             Target::Joint(_) => Vector3::zeros(),
             Target::Whole => {
-                let momentum = answers.energy_balance().momentum;
+                let momentum = answers.motion.unwrap_or_default().0.momentum;
                 match self.quantity {
                     ProbeQuantity::momentum => momentum.linear,
                     _ => momentum.angular,

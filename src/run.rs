@@ -1,6 +1,6 @@
 //! A run: model file in, results out.
 
-use crate::input::{self, InputError, Job, ModelFile, Plan};
+use crate::input::{self, InputError, Job, ModelFile, Plan, Start};
 use crate::output::{
     Checkpoint, Directory, Ending, OutputError, RecordError, Recorder, ResumeError, Setting,
     is_complete,
@@ -74,9 +74,9 @@ pub fn run(
     out: Option<&Path>,
     observer: &mut dyn FnMut(&Advance<'_>) -> ControlFlow<()>,
 ) -> Result<Outcome, RunError> {
-    let job = input::load(model)?;
     let directory = out.map_or_else(|| default_directory(model), Path::to_path_buf);
-    run_job(job, &model.display().to_string(), &directory, observer)
+    let source = model.display().to_string();
+    run_job(input::load(model)?, &source, &directory, false, observer)
 }
 
 /// Resumes a dynamic run from its last checkpoint, with results that are bitwise those of an uninterrupted run.
@@ -88,92 +88,47 @@ pub fn resume(
     out: Option<&Path>,
     observer: &mut dyn FnMut(&Advance<'_>) -> ControlFlow<()>,
 ) -> Result<Outcome, RunError> {
-    let job = input::load(model)?;
     let directory = out.map_or_else(|| default_directory(model), Path::to_path_buf);
-    resume_job(job, &model.display().to_string(), &directory, observer)
+    let source = model.display().to_string();
+    run_job(input::load(model)?, &source, &directory, true, observer)
 }
 
-/// Runs an assembled job; `source` is the name of its model file in the results.
+/// Runs an assembled job, or resumes it from its last checkpoint; `source` is the name of its model file in the
+/// results.
 ///
 /// # Errors
-/// As [`run`].
+/// As [`run`] and [`resume`].
 pub fn run_job(
     job: Job,
     source: &str,
     directory: &Path,
+    resume: bool,
     observer: &mut dyn FnMut(&Advance<'_>) -> ControlFlow<()>,
 ) -> Result<Outcome, RunError> {
-    execute(job, source, directory, None, observer)
-}
-
-/// Like [`resume`], for an assembled job.
-///
-/// # Errors
-/// As [`resume`].
-pub fn resume_job(
-    job: Job,
-    source: &str,
-    directory: &Path,
-    observer: &mut dyn FnMut(&Advance<'_>) -> ControlFlow<()>,
-) -> Result<Outcome, RunError> {
-    let Plan::Dynamic(plan) = &job.plan else {
-        return Err(ResumeError::Statics.into());
+    let checkpoint = match resume {
+        true => Some(checkpoint(&job, directory)?),
+        false => None,
     };
-    let settings = serde_json::to_value(&job.file).unwrap_or_default();
-    let checkpoint = Checkpoint::read(directory, &settings, &job.context)?;
-    let (t, to) = (checkpoint.progress().state.t, plan.options.to);
-    // A run may have been killed between its last step and its results.
-    if t > to || t == to && is_complete(directory) {
-        return Err(ResumeError::Passed { t, to }.into());
-    }
-    execute(job, source, directory, Some(checkpoint), observer)
-}
-
-fn execute(
-    job: Job,
-    source: &str,
-    directory: &Path,
-    checkpoint: Option<Checkpoint>,
-    observer: &mut dyn FnMut(&Advance<'_>) -> ControlFlow<()>,
-) -> Result<Outcome, RunError> {
     let Job {
         mut context,
-        start: initial,
+        start,
         plan,
         probes,
         geometry,
-        output,
         file,
         ..
     } = job;
-    let mut notes = context.descriptions();
-    if context.mapped_frames().next().is_some() {
-        notes.push(context.mobility().to_string());
-    }
-    if !matches!(plan, Plan::Dynamic(_)) {
-        notes.extend(warnings::stability_unknown(&context));
-    }
+    let mut notes = notes(&context, &plan);
     // A refused start leaves the directory unchanged.
-    let mut progress = Progress::default();
-    let mut every = 0;
-    if let Plan::Dynamic(plan) = &plan {
-        every = plan.checkpoint_every;
-        progress = match &checkpoint {
-            Some(checkpoint) => {
-                checkpoint.restore(&mut context, directory)?;
-                checkpoint.progress().clone()
-            }
-            None => Progress::new(start(&context, 0.0, &initial.q, &initial.v)?),
-        };
-        begin(&mut context, &plan.options, &mut progress)?;
+    let mut progress =
+        initial_progress(&mut context, &plan, &start, checkpoint.as_ref(), directory)?;
+    let mut warnings = Vec::new();
+    if checkpoint.is_none() {
+        if matches!(plan, Plan::Dynamic(_)) {
+            notes.extend(warnings::prescribed_start(&context, &file));
+        }
+        warnings = first_warnings(&mut context, &file, &plan, &progress);
     }
-    if checkpoint.is_none() && matches!(plan, Plan::Dynamic(_)) {
-        notes.extend(warnings::carried(&context, &file));
-    }
-    let warnings = match &checkpoint {
-        None => first_warnings(&mut context, &file, &plan, &progress),
-        Some(_) => Vec::new(),
-    };
     let directory = match &checkpoint {
         None => Directory::open(directory)?,
         Some(checkpoint) => Directory::reopen(directory, &checkpoint.grids())?,
@@ -184,26 +139,24 @@ fn execute(
         plan: &plan,
         geometry: &geometry,
         notes: &notes,
-        output,
     };
     let mut recorder = Recorder::new(setting, directory, probes, &context, warnings)?;
     match (&plan, checkpoint) {
         (Plan::Dynamic(_), Some(checkpoint)) => {
-            recorder.resume(checkpoint)?;
-            recorder.look(&mut context, &progress)?;
+            recorder.resume(&mut context, checkpoint, &progress)?;
         }
         (Plan::Dynamic(_), None) => recorder.start_motion(&mut context, &progress)?,
         _ => recorder.start(&mut context)?,
     }
-    let mut unwritten = None;
+    let mut unrecorded = None;
     let ended = solve(&mut context, &plan, &mut progress, &mut |context, step| {
-        if let Err(error) = take(&mut recorder, context, step, every) {
-            unwritten = Some(error);
+        if let Err(error) = record(&mut recorder, context, &plan, step) {
+            unrecorded = Some(error);
             return ControlFlow::Break(());
         }
         observer(step)
     });
-    let unevaluated = match unwritten {
+    let unevaluated = match unrecorded {
         Some(error @ RecordError::System(_)) => Some(error.to_string()),
         Some(error) => return Err(error.into()),
         None => None,
@@ -211,15 +164,13 @@ fn execute(
     if matches!(plan, Plan::Dynamic(_)) {
         recorder.checkpoint(&context, &progress)?;
     }
-    let rows = recorder.rows().len();
-    let t = recorder.rows().last().map_or(plan.start(), |row| row.t);
+    let rows = recorder.rows.len();
+    let t = recorder.rows.last().map_or(plan.start(), |row| row.t);
     let ending = match unevaluated {
         Some(message) => Ending::Failed { message },
         None => ending(&ended, t),
     };
-    let mut warnings = recorder.warnings(&ending);
-    warnings.extend(warnings::unbalanced(&ended.counts).map(str::to_owned));
-    let written = recorder.finish(&ending, ended.counts)?;
+    let (written, warnings) = recorder.finish(&ending, ended.counts)?;
     Ok(Outcome {
         ending,
         failure: ended.failure,
@@ -234,6 +185,55 @@ fn execute(
     })
 }
 
+/// The last checkpoint of a job.
+fn checkpoint(job: &Job, directory: &Path) -> Result<Checkpoint, ResumeError> {
+    let Plan::Dynamic(plan) = &job.plan else {
+        return Err(ResumeError::Statics);
+    };
+    let settings = serde_json::to_value(&job.file).unwrap_or_default();
+    let checkpoint = Checkpoint::read(directory, &settings, &job.context)?;
+    let (t, to) = (checkpoint.progress().state.t, plan.options.to);
+    // A run may have been killed between its last step and its results.
+    match t > to || t == to && is_complete(directory) {
+        true => Err(ResumeError::Passed { t, to }),
+        false => Ok(checkpoint),
+    }
+}
+
+/// Notes on the joints and loops of a model, and in statics on its stability.
+fn notes(context: &Context, plan: &Plan) -> Vec<String> {
+    let mut notes = context.descriptions();
+    if context.mapped_frames().next().is_some() {
+        notes.push(context.mobility().to_string());
+    }
+    if !matches!(plan, Plan::Dynamic(_)) {
+        notes.extend(warnings::stability_unknown(context));
+    }
+    notes
+}
+
+/// The state in which a motion begins, or resumes from a checkpoint; nothing in statics.
+fn initial_progress(
+    context: &mut Context,
+    plan: &Plan,
+    initial: &Start,
+    checkpoint: Option<&Checkpoint>,
+    directory: &Path,
+) -> Result<Progress, RunError> {
+    let Plan::Dynamic(plan) = plan else {
+        return Ok(Progress::default());
+    };
+    let mut progress = match checkpoint {
+        Some(checkpoint) => {
+            checkpoint.restore(context, directory)?;
+            checkpoint.progress().clone()
+        }
+        None => Progress::new(start(context, 0.0, &initial.q, &initial.v)?),
+    };
+    begin(context, &plan.options, &mut progress)?;
+    Ok(progress)
+}
+
 /// The warnings about a model at its start.
 fn first_warnings(
     context: &mut Context,
@@ -243,25 +243,25 @@ fn first_warnings(
 ) -> Vec<String> {
     let mut warnings = warnings::strained(context, file, progress);
     if matches!(plan, Plan::Dynamic(_)) {
-        warnings.extend(warnings::left_behind(file));
+        warnings.extend(warnings::lines_at_rest(file));
         warnings.extend(warnings::immobile(context));
         warnings.extend(warnings::massless(context, progress));
-        warnings.extend(warnings::drowned(context, file, progress));
+        warnings.extend(warnings::too_stiff(context, file, progress));
     }
     warnings
 }
 
 /// Records a step, and a checkpoint when it is due.
-fn take(
+fn record(
     recorder: &mut Recorder<'_>,
     context: &mut Context,
+    plan: &Plan,
     step: &Advance<'_>,
-    every: usize,
 ) -> Result<(), RecordError> {
     recorder.record(context, step)?;
-    if let Some(progress) = step.progress
-        && every > 0
-        && step.number.is_multiple_of(every)
+    if let (Plan::Dynamic(plan), Some(progress)) = (plan, step.progress)
+        && plan.checkpoint_every > 0
+        && step.number.is_multiple_of(plan.checkpoint_every)
     {
         recorder.checkpoint(context, progress)?;
     }

@@ -6,8 +6,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 use std::fmt::{Display, Write};
 use std::io::{self, Write as _};
 use std::ops::ControlFlow;
+use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, OnceLock};
 
 /// Writes a line to standard error; errors are ignored.
 pub fn tell(what: impl Display) {
@@ -21,7 +21,7 @@ pub struct Progress {
     to: Option<f64>,
 }
 
-/// Resolution of a bar.
+/// Number of positions of a progress bar.
 const WHOLE: u64 = 1000;
 
 impl Progress {
@@ -75,32 +75,22 @@ impl Progress {
     }
 }
 
-/// Ctrl-C, SIGTERM and SIGHUP: the first stops the analysis after the present step, the second
-/// ends the program at once.
-pub struct Interrupt(Arc<AtomicBool>);
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
-impl Interrupt {
-    /// Installs the handler, once for a program.
-    pub fn install() -> Self {
-        static INTERRUPTED: OnceLock<Arc<AtomicBool>> = OnceLock::new();
-        Self(Arc::clone(INTERRUPTED.get_or_init(listen)))
-    }
-
-    /// Whether to continue.
-    pub fn flow(&self) -> ControlFlow<()> {
-        if self.0.load(Ordering::Relaxed) {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
-        }
+/// Whether to continue. From the first call on, the first Ctrl-C, SIGTERM or SIGHUP stops the analysis after the
+/// present step, the second ends the program at once.
+pub fn flow() -> ControlFlow<()> {
+    static LISTENING: Once = Once::new();
+    LISTENING.call_once(listen);
+    match INTERRUPTED.load(Ordering::Relaxed) {
+        true => ControlFlow::Break(()),
+        false => ControlFlow::Continue(()),
     }
 }
 
-fn listen() -> Arc<AtomicBool> {
-    let interrupted = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&interrupted);
-    let installed = ctrlc::set_handler(move || {
-        if flag.swap(true, Ordering::Relaxed) {
+fn listen() {
+    let installed = ctrlc::set_handler(|| {
+        if INTERRUPTED.swap(true, Ordering::Relaxed) {
             std::process::exit(i32::from(crate::cli::INTERRUPTED));
         }
         tell("\nstopping after this step (Ctrl-C again stops at once)");
@@ -110,7 +100,6 @@ fn listen() -> Arc<AtomicBool> {
             "warning: Ctrl-C will stop the program without saving: {error}"
         ));
     }
-    interrupted
 }
 
 /// The rows of the gallery as text.

@@ -58,20 +58,14 @@ pub(crate) fn stability_unknown(context: &Context) -> Option<String> {
 /// Whether any released coordinate of the joint is an unknown of its own (true), or depends on those of
 /// a loop (false).
 fn has(own: bool, context: &Context, joint: &Joint) -> bool {
-    (context.released()).any(|(node, name, _)| context.is_own(node) == own && is_of(joint, name))
-}
-
-/// Whether a released coordinate of this name belongs to the joint.
-fn is_of(joint: &Joint, name: &str) -> bool {
-    let rest = name.strip_prefix(&joint.name);
-    rest.is_some_and(|rest| rest.starts_with(' '))
+    (context.released()).any(|(node, name, _)| context.is_own(node) == own && joint.names(name))
 }
 
 /// Supports and joints whose prescribed motion has a value (0) or a rate (1) at the start.
 fn prescribed(file: &ModelFile, order: usize) -> impl Iterator<Item = (String, Option<&Joint>)> {
     let off = move |time: &Time| {
         time.function()
-            .is_ok_and(|f| f.at(BEFORE_START)[order] != 0.0)
+            .is_ok_and(|f| f.at(BEFORE_START, &[])[order] != 0.0)
     };
     let supports = file.supports.iter().filter(move |s| {
         let prescribed = s.prescribed.as_ref();
@@ -91,14 +85,14 @@ fn listed(names: &[String]) -> String {
     }
 }
 
-/// Names with their verb.
+/// Names, followed by "is" or "are".
 fn are(names: &[String]) -> String {
     let verb = if names.len() == 1 { "is" } else { "are" };
     format!("{} {verb}", names.join(", "))
 }
 
 /// A warning about bodies that start with a velocity as joints attach them to something prescribed.
-pub(crate) fn carried(context: &Context, file: &ModelFile) -> Option<String> {
+pub(crate) fn prescribed_start(context: &Context, file: &ModelFile) -> Option<String> {
     let prescribed: Vec<String> = prescribed(file, 1).map(|(name, _)| name).collect();
     if !file.initial.is_empty() || prescribed.is_empty() {
         return None;
@@ -111,7 +105,7 @@ pub(crate) fn carried(context: &Context, file: &ModelFile) -> Option<String> {
     };
     // Rates of loops depend on prescribed motion.
     let rests = |joint: &Joint| {
-        let mut own = context.released().filter(|(_, name, _)| is_of(joint, name));
+        let mut own = context.released().filter(|(_, name, _)| joint.names(name));
         own.all(|(n, _, dim)| {
             (0..dim).all(|k| context.coordinate(n, k).is_none_or(|[_, rate]| rate == 0.0))
         })
@@ -132,7 +126,7 @@ pub(crate) fn carried(context: &Context, file: &ModelFile) -> Option<String> {
 }
 
 /// A warning about lines at rest next to a joint that starts with a rate.
-pub(crate) fn left_behind(file: &ModelFile) -> impl Iterator<Item = String> {
+pub(crate) fn lines_at_rest(file: &ModelFile) -> impl Iterator<Item = String> {
     let rated = (file.joints.iter()).filter(|j| j.rate.is_some_and(|rate| rate != 0.0));
     rated.filter(|_| file.initial.is_empty()).flat_map(|j| {
         let child = j.child.as_ref();
@@ -190,7 +184,7 @@ pub(crate) fn immobile(context: &Context) -> impl Iterator<Item = String> {
 const ROUGH: f64 = 1e-3;
 
 /// A warning about penalties for which rounding errors of the gap are large forces.
-pub(crate) fn drowned(
+pub(crate) fn too_stiff(
     context: &mut Context,
     file: &ModelFile,
     progress: &Progress,

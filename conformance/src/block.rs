@@ -1,9 +1,9 @@
-//! Which block of a matrix is wrong, and by how much.
+//! Errors of a matrix, block by block.
 
 use crate::layout::Layout;
 use std::fmt;
 
-/// A block of a matrix that is wrong: rows, columns, and how far it is off.
+/// A wrong block of a matrix: its rows, its columns and its error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Block {
     /// The matrix: K, C, M, B_dot, ...
@@ -12,13 +12,12 @@ pub struct Block {
     pub rows: String,
     /// Name of its columns; empty for a vector.
     pub columns: String,
-    /// Norm of the difference between what was found and what is right (by differences).
+    /// Norm of the difference between the computed block and the correct one, which is found by differences.
     pub defect: f64,
-    /// Norm of what is right.
+    /// Norm of the correct block.
     pub right: f64,
-    /// What was found as a multiple of what is right, as closely as one number tells: 0.5 for a
-    /// lost factor 2, −1 for a swapped sign, 0 for a missing term. Not a number where nothing
-    /// belongs.
+    /// The multiple of the correct block that is closest to the computed one: 0.5 for a lost factor 2, −1 for a
+    /// wrong sign, 0 for a missing term. NaN where the correct block is zero.
     pub factor: f64,
 }
 
@@ -49,29 +48,37 @@ impl fmt::Display for Block {
     }
 }
 
-/// Blocks that are named for one law at most.
+/// Most blocks that are reported for one law.
 const MOST: usize = 3;
-/// Blocks are named down to this fraction of the worst.
+/// Least error of a reported block over that of the worst one.
 const NOTABLE: f64 = 0.1;
 
-/// A matrix that was found beside the right one, in some of their columns.
-#[derive(Clone, Debug)]
-pub struct Compared<'a> {
-    /// Its name.
+/// Columns of a matrix beside the correct ones.
+pub(crate) struct Compared<'a> {
+    /// Name of the matrix.
     pub matrix: &'a str,
-    /// What its rows are.
     pub rows: &'a Layout,
-    /// What its columns are.
     pub columns: &'a Layout,
-    /// Whether rows are forces (times their unit in energies) or coordinates (over it).
+    /// Whether rows are forces, whose energies are multiples of the unit, or coordinates, which are divided by it.
     pub forces: bool,
-    /// Number of a column, the column found, the right one.
+    /// Number of a column, the computed column, the correct one.
     pub values: Vec<(usize, Vec<f64>, Vec<f64>)>,
 }
 
 impl Compared<'_> {
-    /// The blocks that are off most, when all are made comparable by the units.
-    #[must_use]
+    /// The blocks of a vector of forces with the largest errors.
+    pub fn forces(matrix: &str, rows: &Layout, found: &[f64], right: &[f64]) -> Vec<Block> {
+        let compared = Compared {
+            matrix,
+            rows,
+            columns: &Layout::single(),
+            forces: true,
+            values: vec![(0, found.to_vec(), right.to_vec())],
+        };
+        compared.worst()
+    }
+
+    /// The blocks with the largest errors, compared in units.
     pub fn worst(&self) -> Vec<Block> {
         let mut blocks: Vec<(f64, Block)> = Vec::new();
         for row in self.rows.groups() {
@@ -86,23 +93,19 @@ impl Compared<'_> {
                     }
                 }
                 if off > 0.0 {
-                    let unit = if self.forces {
-                        row.unit
-                    } else {
-                        1.0 / row.unit
+                    let unit = match self.forces {
+                        true => row.unit,
+                        false => 1.0 / row.unit,
                     };
+                    // Differences leave round-off where the correct block is zero.
+                    let known = right > 1e-12 * off;
                     let block = Block {
                         matrix: self.matrix.to_owned(),
                         rows: row.name.clone(),
                         columns: column.name.clone(),
                         defect: off.sqrt(),
                         right: right.sqrt(),
-                        // Differences leave round-off where nothing belongs.
-                        factor: if right > 1e-12 * off {
-                            both / right
-                        } else {
-                            f64::NAN
-                        },
+                        factor: if known { both / right } else { f64::NAN },
                     };
                     blocks.push((off.sqrt() * unit * column.unit, block));
                 }
@@ -117,7 +120,7 @@ impl Compared<'_> {
 
 /// The derivative of a vector at 0 by central differences with steps `h` and `h`/2, extrapolated;
 /// `None` where `f` has no value.
-pub fn difference(h: f64, mut f: impl FnMut(f64) -> Option<Vec<f64>>) -> Option<Vec<f64>> {
+pub(crate) fn difference(h: f64, mut f: impl FnMut(f64) -> Option<Vec<f64>>) -> Option<Vec<f64>> {
     let mut central = |h: f64| -> Option<Vec<f64>> {
         let (ahead, behind) = (f(h)?, f(-h)?);
         let pairs = ahead.iter().zip(&behind);

@@ -1,24 +1,25 @@
-//! Coordinates in groups that have a name and a size: what makes defects comparable and readable.
+//! Coordinates in groups with a name and a unit, in which errors are compared and reported.
 
+use crate::vectors::norm;
 use pullback_manifold::system::System;
 use std::ops::Range;
 
-/// Coordinates that stand together: the displacement of a node, say.
+/// A group of coordinates, such as the displacement of a node.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CoordinateGroup {
-    /// Their name.
+    /// Name of the group.
     pub name: String,
-    /// Which they are.
+    /// Numbers of the coordinates.
     pub range: Range<usize>,
-    /// A typical change of one of them: a length of the component, one radian. Coordinates are
-    /// divided by it and their forces multiplied, which makes all of them energies.
+    /// A typical change of one of them, such as a length of the component or one radian. Coordinates are divided by
+    /// it and forces multiplied, so that products of both are energies.
     pub unit: f64,
-    /// Magnitude of the numbers behind them in units, as far as coordinates do not show it: the
-    /// distance of a node from the origin, in which its displacement may lose digits.
+    /// Magnitude, in units, of numbers to which the coordinates are added, such as the distance of a node from the
+    /// origin: a displacement loses as many digits.
     pub reach: f64,
 }
 
-/// All coordinates of something, group by group.
+/// The groups of all coordinates of a component or model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layout {
     groups: Vec<CoordinateGroup>,
@@ -27,12 +28,12 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// Of groups one after the other.
+    /// A layout of consecutive groups.
     pub fn new(groups: Vec<CoordinateGroup>) -> Self {
         Self { groups, rate: 1.0 }
     }
 
-    /// Of a vector that stands alone: the one column of a matrix.
+    /// The layout of the only column of a vector.
     pub fn single() -> Self {
         Self::new(vec![CoordinateGroup {
             name: String::new(),
@@ -42,7 +43,7 @@ impl Layout {
         }])
     }
 
-    /// Of `n` coordinates without names: groups of three of unit size.
+    /// A layout of `n` coordinates without names: groups of three with unit 1.
     pub fn plain(n: usize) -> Self {
         let group = |first: usize| {
             let last = (first + 3).min(n);
@@ -69,15 +70,15 @@ impl Layout {
         self.spread(|g| g.unit)
     }
 
-    /// The magnitude of each coordinate (velocity, acceleration: `order` 1, 2): its value, its unit,
-    /// and what stands behind it.
+    /// The magnitude of each coordinate, velocity or acceleration (`order` 0, 1, 2): the sum of its value, its unit
+    /// and its reach.
     pub fn magnitudes(&self, x: &[f64], order: i32) -> Vec<f64> {
         let rate = self.rate.powi(order);
-        let behind = self.spread(|g| match order {
+        let least = self.spread(|g| match order {
             0 => g.unit * (1.0 + g.reach),
             _ => g.unit * rate,
         });
-        behind.iter().zip(x).map(|(b, x)| b + x.abs()).collect()
+        least.iter().zip(x).map(|(b, x)| b + x.abs()).collect()
     }
 
     fn spread(&self, of: impl Fn(&CoordinateGroup) -> f64) -> Vec<f64> {
@@ -88,8 +89,7 @@ impl Layout {
         out
     }
 
-    /// That of a system by what it says of its coordinates: those of one block that measure the same
-    /// make a group.
+    /// The layout of a system: consecutive coordinates of a block with the same quantity form a group.
     pub fn of(system: &dyn System) -> Self {
         let pattern = system.pattern();
         let mut groups: Vec<CoordinateGroup> = Vec::new();
@@ -118,19 +118,13 @@ impl Layout {
 
     /// The norm of each group's forces as energies.
     pub fn forces(&self, r: &[f64]) -> Vec<f64> {
-        let norm = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
-        self.groups
-            .iter()
-            .map(|g| g.unit * norm(&r[g.range.clone()]))
-            .collect()
+        let norm = |g: &CoordinateGroup| g.unit * norm(&r[g.range.clone()]);
+        self.groups.iter().map(norm).collect()
     }
 
     /// The norm of each group's coordinates in units.
     pub fn coordinates(&self, x: &[f64]) -> Vec<f64> {
-        let norm = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
-        self.groups
-            .iter()
-            .map(|g| norm(&x[g.range.clone()]) / g.unit)
-            .collect()
+        let norm = |g: &CoordinateGroup| norm(&x[g.range.clone()]) / g.unit;
+        self.groups.iter().map(norm).collect()
     }
 }

@@ -1,12 +1,12 @@
-//! What the kit hands back: a table of components, laws, positions and measurements.
+//! The results of checks: a table of components, laws, positions and measured values.
 
 use crate::block::Block;
 use std::fmt;
 
-/// What was measured.
+/// The result of one check.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Measure {
-    /// A defect and the largest one that round-off explains.
+    /// A defect and its largest value due to round-off.
     Defect {
         /// Found.
         defect: f64,
@@ -17,7 +17,7 @@ pub enum Measure {
     Slope {
         /// Found.
         slope: f64,
-        /// By Taylor's theorem; more is as good.
+        /// The smallest slope by Taylor's theorem.
         expected: f64,
     },
     /// The law could not be checked, or a value was not finite.
@@ -25,8 +25,8 @@ pub enum Measure {
 }
 
 impl Measure {
-    /// How much of what is allowed is used up: at most one where the law holds. A number that is
-    /// none, and what could not be checked, count as infinite.
+    /// The defect, or the shortfall of a slope, over the allowed one: at most 1 where the law holds. Infinite for
+    /// NaN, and where the law could not be checked.
     pub fn strain(&self) -> f64 {
         let strain = match self {
             Self::Defect { defect: 0.0, .. } => 0.0,
@@ -34,14 +34,13 @@ impl Measure {
             Self::Slope { slope, expected } => (expected - slope) / SHORTFALL,
             _ => f64::INFINITY,
         };
-        if strain.is_nan() {
-            f64::INFINITY
-        } else {
-            strain
+        match strain.is_nan() {
+            true => f64::INFINITY,
+            false => strain,
         }
     }
 
-    /// A slope that counts as enough, or the largest defect that does.
+    /// The smallest slope, or the largest defect, that is accepted.
     pub fn limit(&self) -> f64 {
         match self {
             Self::Defect { allowed, .. } => *allowed,
@@ -54,18 +53,25 @@ impl Measure {
 /// One law of one component at one position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LawRow {
-    /// What was checked: the report's subject, or a part of it.
+    /// The component: the subject of the report, or a part of it.
     pub component: String,
     /// The law.
     pub law: String,
-    /// Where.
+    /// Name of the position.
     pub at: String,
-    /// What was measured.
+    /// The result.
     pub measure: Measure,
     /// Whether the law holds.
     pub passed: bool,
-    /// The blocks that are wrong, the worst first, where they could be told.
+    /// The wrong blocks, if known, the worst first.
     pub blocks: Vec<Block>,
+}
+
+impl LawRow {
+    /// Whether it is a slope that is too small.
+    fn falls_short(&self) -> bool {
+        matches!(self.measure, Measure::Slope { .. }) && !self.passed
+    }
 }
 
 /// All laws of all components at all positions.
@@ -75,19 +81,19 @@ pub struct Report {
     rows: Vec<LawRow>,
 }
 
-/// The largest ratio between steps and remainders: every step is a quarter of the one before.
+/// Ratio of successive steps.
 const RATIO: f64 = 4.0;
-/// Steps at most: the last one is 2.4e-8 of the first.
+/// Most steps: the last one is 2.4e-8 of the first.
 const STEPS: usize = 12;
-/// Steps at most that may lead out of a domain.
+/// Most steps that may lead out of a domain.
 const OUTSIDE: usize = 4;
-/// Remainders below this fraction of the scale are not told from round-off.
-pub(crate) const RESOLVED: f64 = 1e-12;
-/// A slope may fall short of Taylor's by this much: the next term still bends the line a little.
+/// Remainders below this fraction of the scale are round-off.
+const RESOLVED: f64 = 1e-12;
+/// Largest shortfall of a slope, which the next Taylor term causes.
 const SHORTFALL: f64 = 0.25;
 
 impl Report {
-    /// An empty report on something.
+    /// An empty report on a component.
     pub fn new(subject: impl Into<String>) -> Self {
         Self {
             subject: subject.into(),
@@ -95,7 +101,7 @@ impl Report {
         }
     }
 
-    /// What was checked.
+    /// Name of what was checked.
     pub fn subject(&self) -> &str {
         &self.subject
     }
@@ -110,7 +116,7 @@ impl Report {
         self.rows.iter().filter(|r| !r.passed).collect()
     }
 
-    /// Whether anything was checked, and all of it holds.
+    /// Whether at least one law was checked, and all of them hold.
     pub fn is_ok(&self) -> bool {
         !self.rows.is_empty() && self.rows.iter().all(|r| r.passed)
     }
@@ -136,7 +142,7 @@ impl Report {
         self.rows.extend(other.rows);
     }
 
-    /// One row for each component and law: where it came closest to failing, or failed worst.
+    /// One row for each component and law: the one with the largest [`Measure::strain`].
     #[must_use]
     pub fn worst(self) -> Self {
         let mut rows: Vec<LawRow> = Vec::new();
@@ -154,7 +160,8 @@ impl Report {
         Self { subject, rows }
     }
 
-    fn push(&mut self, law: &str, at: &str, measure: Measure, passed: bool) {
+    fn push(&mut self, law: &str, at: &str, measure: Measure) {
+        let passed = measure.strain() <= 1.0 && measure.limit().is_finite();
         self.rows.push(LawRow {
             component: self.subject.clone(),
             law: law.to_owned(),
@@ -165,30 +172,28 @@ impl Report {
         });
     }
 
-    /// Says which blocks are wrong in the law noted last, if it failed.
+    /// Adds the wrong blocks to the last row, if it failed.
     pub fn blame(&mut self, blocks: impl FnOnce() -> Vec<Block>) {
         if let Some(row) = self.rows.last_mut().filter(|row| !row.passed) {
             row.blocks = blocks();
         }
     }
 
-    /// Drops the law noted last, to measure it anew; whether it was a slope that falls short.
-    pub fn retry(&mut self) -> bool {
-        let short = |row: &LawRow| matches!(row.measure, Measure::Slope { .. }) && !row.passed;
-        let retry = self.rows.last().is_some_and(short);
-        if retry {
+    /// Makes two attempts at a law: if the slope of the first is too small its row is replaced by that of the second,
+    /// since terms of two orders may cancel by chance.
+    pub(crate) fn twice(&mut self, mut measure: impl FnMut(&mut Self)) {
+        measure(self);
+        if self.rows.last().is_some_and(LawRow::falls_short) {
             self.rows.pop();
+            measure(self);
         }
-        retry
     }
 
-    /// Takes a second opinion where a slope noted last falls short: a defect by differences and what
-    /// it is allowed, or nothing. Single numbers can bend a line where two terms cancel by chance.
-    ///
-    /// The opinion takes the slope's position if it is that all is well.
+    /// Checks a slope in the last row that is too small by a defect, found by differences, and the allowed defect, if
+    /// they are known. The defect replaces the slope if it is small enough: terms that cancel by chance may bend a
+    /// line.
     pub fn second_opinion(&mut self, opinion: impl FnOnce() -> Option<(f64, f64)>) {
-        let slope = |row: &&mut LawRow| matches!(row.measure, Measure::Slope { .. }) && !row.passed;
-        if let Some(row) = self.rows.last_mut().filter(slope)
+        if let Some(row) = self.rows.last_mut().filter(|row| row.falls_short())
             && let Some((defect, allowed)) = opinion()
             && defect <= allowed
         {
@@ -197,40 +202,34 @@ impl Report {
         }
     }
 
-    /// Notes a law that could not be checked: a failure.
+    /// Adds a law that could not be checked, which is a failure.
     pub fn impossible(&mut self, law: &str, at: &str, why: impl Into<String>) {
-        self.push(law, at, Measure::Impossible(why.into()), false);
+        self.push(law, at, Measure::Impossible(why.into()));
     }
 
-    /// Notes a defect that round-off must explain.
+    /// Adds a defect and the allowed one.
     pub fn defect(&mut self, law: &str, at: &str, defect: f64, allowed: f64) {
-        // A NaN is not below anything: it fails.
-        let passed = defect <= allowed && allowed.is_finite();
-        self.push(law, at, Measure::Defect { defect, allowed }, passed);
+        self.push(law, at, Measure::Defect { defect, allowed });
     }
 
-    /// Notes a slope that was measured elsewhere, and the one expected.
+    /// Adds a measured slope and the expected one.
     pub fn rate(&mut self, law: &str, at: &str, slope: f64, expected: f64) {
-        let measure = Measure::Slope { slope, expected };
-        let passed = measure.strain() <= 1.0;
-        self.push(law, at, measure, passed);
+        self.push(law, at, Measure::Slope { slope, expected });
     }
 
-    /// Notes the worst of some defects and what each is allowed; which one it was.
+    /// Adds the worst of some defects, given the allowed ones; returns its number.
     pub fn defects(&mut self, law: &str, at: &str, defects: &[f64], allowed: &[f64]) -> usize {
         let measures = defects.iter().zip(allowed);
         let measures = measures.map(|(&defect, &allowed)| Measure::Defect { defect, allowed });
         let (worst, measure) = worst(measures);
-        let passed = measure.strain() <= 1.0;
-        self.push(law, at, measure, passed);
+        self.push(law, at, measure);
         worst
     }
 
-    /// Measures how fast a remainder falls: like `step`^`order` or faster, down to round-off.
+    /// Measures the order of a remainder in the step: `order` or more, down to round-off.
     ///
-    /// `scale` is the size of the numbers that cancel in the remainder. Steps start at `first` and
-    /// shrink; the slope is that of the last three remainders above round-off, where neither the
-    /// next Taylor term nor round-off bends it.
+    /// `scale` is the size of the numbers that cancel in the remainder. Steps decrease from `first`; the slope is that
+    /// of the last three remainders above round-off, the least affected by the next Taylor term.
     pub fn slope(
         &mut self,
         law: &str,
@@ -243,12 +242,11 @@ impl Report {
         self.slopes(law, at, order, first, &[scale], |e| vec![remainder(e)]);
     }
 
-    /// Measures how fast several remainders fall, each with its own scale, and notes the worst; which
-    /// one it was.
+    /// Measures the orders of several remainders, each with its own scale, and adds the worst; returns its number.
     ///
-    /// Small numbers beside large ones (a soft spring in a stiff structure, moments in millimetres
-    /// beside forces) are thus not lost in a common norm. First steps with a remainder that is no
-    /// number may lead out of the domain, and are left out.
+    /// Small numbers beside large ones, such as a soft spring in a stiff structure or moments in millimetres beside
+    /// forces, are thus not lost in a common norm. First steps with a remainder that is NaN may lead out of the domain,
+    /// and are left out.
     pub fn slopes(
         &mut self,
         law: &str,
@@ -305,13 +303,12 @@ impl Report {
                 }
             });
         let (worst, measure) = worst(measures);
-        let passed = measure.strain() <= 1.0;
-        self.push(law, at, measure, passed);
+        self.push(law, at, measure);
         worst
     }
 }
 
-/// The measure that strains its law most, and its number.
+/// The measure with the largest strain, and its number.
 fn worst(measures: impl Iterator<Item = Measure>) -> (usize, Measure) {
     let worst = measures
         .enumerate()
@@ -321,7 +318,7 @@ fn worst(measures: impl Iterator<Item = Measure>) -> (usize, Measure) {
 
 fn table(subject: &str, rows: &[&LawRow]) -> String {
     let width = |of: fn(&LawRow) -> &str| rows.iter().map(|r| of(r).chars().count()).max();
-    // Where everything is about the subject, nobody needs to be told.
+    // Components are named where one is not the subject.
     let parts = rows.iter().any(|r| r.component != subject);
     let component = width(|r| &r.component).map_or(0, |w| if parts { w + 2 } else { 0 });
     let law = width(|r| &r.law).unwrap_or(0);
@@ -329,14 +326,11 @@ fn table(subject: &str, rows: &[&LawRow]) -> String {
     let mut out = String::new();
     for row in rows {
         let verdict = if row.passed { "ok  " } else { "FAIL" };
-        let line = format!(
-            "{verdict}  {:component$}{:law$}  {:at$}  {}\n",
-            if parts { &row.component } else { "" },
-            row.law,
-            row.at,
-            row.measure
+        let name = if parts { &row.component } else { "" };
+        out += &format!(
+            "{verdict}  {name:component$}{:law$}  {:at$}  {}\n",
+            row.law, row.at, row.measure
         );
-        out += &line;
         for block in &row.blocks {
             out += &format!("      {block}\n");
         }

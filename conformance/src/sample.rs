@@ -1,14 +1,12 @@
-//! Where laws are checked: a seeded generator and the positions every chart must get right.
+//! A seeded random generator, and the positions at which laws are checked.
 
-use nalgebra::SVector;
+use nalgebra::{DVector, SVector};
 use std::f64::consts::{PI, TAU};
 
-/// Points closer than this to the edge of a domain are left out.
+/// Points closer than this to the boundary of a domain are left out.
 pub(crate) const CLEARANCE: f64 = 0.02;
 
-/// Names of the positions and the norm of every three consecutive coordinates there.
-///
-/// A `None` stands for a random norm. Several random positions: directions matter more than norms.
+/// Names of the positions and the norm of every three consecutive coordinates there; `None` stands for a random norm.
 const POSITIONS: [(&str, Option<f64>); 8] = [
     ("0", Some(0.0)),
     ("1e-8", Some(1e-8)),
@@ -62,9 +60,23 @@ impl Random {
         out
     }
 
+    /// A vector with entries in [−1, 1) times these units.
+    pub(crate) fn entries(&mut self, units: &[f64]) -> DVector<f64> {
+        let mut out = DVector::zeros(units.len());
+        self.fill(out.as_mut_slice());
+        out.component_mul(&DVector::from_column_slice(units))
+    }
+
+    /// A direction of norm 1, each entry times its unit.
+    pub(crate) fn direction_in(&mut self, units: &[f64]) -> DVector<f64> {
+        let mut out = DVector::zeros(units.len());
+        self.direction(1.0, out.as_mut_slice());
+        out.component_mul(&DVector::from_column_slice(units))
+    }
+
     /// Fills a slice with a random direction of the given norm.
     pub fn direction(&mut self, norm: f64, out: &mut [f64]) {
-        // Directions are drawn until one is long enough to be scaled, for any length of slice.
+        // A short vector has few digits: another one is drawn.
         loop {
             self.fill(out);
             let length = out.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -75,23 +87,17 @@ impl Random {
         }
     }
 
-    /// Gives every three consecutive entries the norm of a position and random directions.
-    fn triples(&mut self, norm: Option<f64>, out: &mut [f64]) {
-        for triple in out.chunks_mut(3) {
-            let norm = norm.unwrap_or_else(|| self.range(0.3, 2.8));
-            self.direction(norm, triple);
-        }
-    }
-
-    /// All positions in D coordinates, with their names.
+    /// All positions with this number of coordinates, with their names. Every three consecutive coordinates have the
+    /// norm of the position and a random direction.
     pub(crate) fn positions(&mut self, dim: usize) -> Vec<(&'static str, Vec<f64>)> {
-        POSITIONS
-            .iter()
-            .map(|(name, norm)| {
-                let mut q = vec![0.0; dim];
-                self.triples(*norm, &mut q);
-                (*name, q)
-            })
-            .collect()
+        let mut position = |(name, norm): (&'static str, Option<f64>)| {
+            let mut q = vec![0.0; dim];
+            for triple in q.chunks_mut(3) {
+                let norm = norm.unwrap_or_else(|| self.range(0.3, 2.8));
+                self.direction(norm, triple);
+            }
+            (name, q)
+        };
+        POSITIONS.map(&mut position).to_vec()
     }
 }

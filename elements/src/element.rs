@@ -4,7 +4,9 @@
 
 use crate::constraint::Enforced;
 use nalgebra::{Matrix3, Vector3};
+use pullback_manifold::domain::DomainError;
 use pullback_manifold::system::Weights;
+use std::f64::consts::TAU;
 
 /// Time, coordinates, velocities and accelerations of an element, node by node. A frame node has
 /// six coordinates (d, Ψ): displacement from its reference position and rotation vector from its
@@ -18,6 +20,8 @@ use pullback_manifold::system::Weights;
 pub struct Motion<'a> {
     /// Time, or load parameter in statics.
     pub t: f64,
+    /// Values that a program sets ([`Input`](crate::time::Input)), for functions of time.
+    pub inputs: &'a [f64],
     /// Coordinates.
     pub x: &'a [f64],
     /// Velocities; zero in statics.
@@ -48,51 +52,65 @@ pub struct Response<'a> {
     pub r_t: Option<&'a mut [f64]>,
 }
 
-/// Error of the evaluation of an element.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum ElementError {
-    /// A rotation vector has reached the edge of its chart, ψ = 2π.
-    #[error("rotation angle {psi:.6} rad is at the edge of its chart (2π)")]
-    OutsideChart {
-        /// The rotation angle in radians.
-        psi: f64,
-    },
-    /// Two nodes have rotated by a whole turn relative to each other.
-    #[error("its nodes have turned against each other by {psi:.6} rad, nearly a whole turn (2π)")]
-    Overturned {
-        /// The angle of the relative rotation in radians.
-        psi: f64,
-    },
-    /// The enforced equations are outside their domain.
-    #[error("it left {edge}")]
-    OutsideDomain {
-        /// The limit that was exceeded, with a remedy.
-        edge: &'static str,
-        /// Distance to the edge, ≤ 0.
-        margin: f64,
-    },
-    /// The two ends of a spring coincide.
-    #[error("its ends coincide (length {length:.3e}): its force has no direction")]
-    ZeroLength {
-        /// The distance of its ends.
-        length: f64,
-    },
+/// Limit of the relative rotation of nodes, in messages.
+const TOO_FAR: &str = "the range of relative rotation of its nodes, less than one turn: \
+                                  take more elements, or a revolute joint for what turns freely";
+
+/// Two nodes have rotated against each other by `psi`, nearly a whole turn.
+pub(crate) fn overturned(psi: f64) -> DomainError {
+    let (limit, margin) = (TOO_FAR, TAU - psi);
+    DomainError::Beyond { limit, margin }
+}
+
+/// The two ends of a spring coincide.
+pub(crate) fn coincident(length: f64) -> DomainError {
+    DomainError::Undefined(format!(
+        "its ends coincide (length {length:.3e}): its force has no direction"
+    ))
+}
+
+/// Matrices of tangents, each with the weights of K, C and M in it.
+pub type Tangents<'a> = [Option<(Weights, &'a mut [f64])>; 3];
+
+impl Response<'_> {
+    /// The residual and the requested parts K, C and M of the tangent.
+    pub(crate) fn parts(&mut self) -> (&mut [f64], Tangents<'_>) {
+        let one = |K, C, M| Weights { K, C, M };
+        let K = self.K.as_deref_mut().map(|K| (one(1.0, 0.0, 0.0), K));
+        let C = self.C.as_deref_mut().map(|C| (one(0.0, 1.0, 0.0), C));
+        let M = self.M.as_deref_mut().map(|M| (one(0.0, 0.0, 1.0), M));
+        (&mut *self.r, [K, C, M])
+    }
 }
 
 /// An element that forms the combined tangent of an integrator faster than its parts K, C and M.
 pub trait Combined {
-    /// Adds the residual to `r` and cK·K + cC·C + cM·M to `S` (n×n, column by column), as
-    /// [`Element::evaluate`] does. Both are zero on entry.
+    /// Adds the residual to `r` and w.K·K + w.C·C + w.M·M to each matrix (n×n, column by column) with the
+    /// weights w, as [`Element::evaluate`] does. All are zero on entry.
     ///
     /// # Errors
     /// As [`Element::evaluate`].
+    fn add(
+        &self,
+        at: &Motion<'_>,
+        r: &mut [f64],
+        tangents: &mut Tangents<'_>,
+    ) -> Result<(), DomainError>;
+
+    /// Adds the residual to `r` and one combined tangent to `S`.
+    ///
+    /// # Errors
+    /// As [`Element::evaluate`].
+    #[inline]
     fn evaluate_combined(
         &self,
         at: &Motion<'_>,
         weights: Weights,
         r: &mut [f64],
         S: &mut [f64],
-    ) -> Result<(), ElementError>;
+    ) -> Result<(), DomainError> {
+        self.add(at, r, &mut [Some((weights, S)), None, None])
+    }
 }
 
 /// Largest rotation angle accepted: T is singular at 2π, T⁻¹ unbounded.
@@ -185,8 +203,8 @@ pub trait Element: Send + Sync {
     /// Adds the residual, and the requested tangents, at the given motion.
     ///
     /// # Errors
-    /// [`ElementError`] if the motion is outside the element's domain.
-    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError>;
+    /// [`DomainError`] if the motion is outside the element's domain.
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError>;
 
     /// The combined tangent, if it can be formed faster than from its parts.
     fn combined(&self) -> Option<&dyn Combined> {
@@ -216,7 +234,7 @@ pub trait Element: Send + Sync {
         Vec::new()
     }
 
-    /// What holds for it at all motions; [`Properties::INTERNAL`] by default.
+    /// Its properties at all motions; [`Properties::INTERNAL`] by default.
     fn properties(&self) -> Properties {
         Properties::INTERNAL
     }

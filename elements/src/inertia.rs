@@ -12,6 +12,7 @@
 
 #![allow(non_snake_case)]
 
+use crate::Asymmetry;
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 use pullback_manifold::quotients::{Quotients, TangentQuotients};
 use pullback_manifold::so3::{self, skew};
@@ -31,33 +32,14 @@ pub struct Inertia {
 
 /// Error of an inertia.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "each message says what its variant is")]
 pub enum InertiaError {
-    /// A number that is infinite or not a number.
     #[error("inertia needs finite numbers, got {what} = {value}")]
-    NotFinite {
-        /// Name of the quantity.
-        what: &'static str,
-        /// Its value.
-        value: f64,
-    },
-    /// A negative mass.
+    NotFinite { what: &'static str, value: f64 },
     #[error("mass must not be negative, got {0}")]
     NegativeMass(f64),
-    /// The tensor of inertia is not symmetric.
-    #[error(
-        "the inertia tensor must be symmetric, but entries ({row}, {column}) and ({column}, {row}) are {upper} and {lower}"
-    )]
-    NotSymmetric {
-        /// Row, from 1.
-        row: usize,
-        /// Column, from 1.
-        column: usize,
-        /// Entry (row, column).
-        upper: f64,
-        /// Entry (column, row).
-        lower: f64,
-    },
-    /// Principal moments that no distribution of mass can have.
+    #[error("the inertia tensor must be symmetric, but {0}")]
+    NotSymmetric(Asymmetry),
     #[error(
         "principal moments of inertia about the mass centre {principal:?} are impossible: none may \
          be negative, and none larger than the sum of the other two"
@@ -97,6 +79,12 @@ struct Eccentric {
     l: Vector3<f64>,
 }
 
+/// D_Ω (Ω×(Ω×S)), 3×3.
+pub(crate) fn centrifugal(Omega: &Vector3<f64>, S: &Vector3<f64>) -> Matrix3<f64> {
+    Matrix3::from_diagonal_element(Omega.dot(S)) + Omega * S.transpose()
+        - S * Omega.transpose() * 2.0
+}
+
 fn stack(a: &Vector3<f64>, b: &Vector3<f64>) -> Vector6<f64> {
     Vector6::new(a.x, a.y, a.z, b.x, b.y, b.z)
 }
@@ -130,18 +118,8 @@ impl Inertia {
             return Err(InertiaError::NegativeMass(self.mass));
         }
         let size = self.J.amax();
-        for i in 0..3 {
-            for j in 0..i {
-                let (upper, lower) = (self.J[(j, i)], self.J[(i, j)]);
-                if (upper - lower).abs() > 1e-12 * size {
-                    return Err(InertiaError::NotSymmetric {
-                        row: j + 1,
-                        column: i + 1,
-                        upper,
-                        lower,
-                    });
-                }
-            }
+        if let Some(asymmetry) = Asymmetry::of(&self.J, |_, _| 1e-12 * size) {
+            return Err(InertiaError::NotSymmetric(asymmetry));
         }
         self.J = (self.J + self.J.transpose()) * 0.5;
         let central = if self.mass > 0.0 {
@@ -282,10 +260,7 @@ impl Moving<'_> {
         if let Some(Eccentric { R, l }) = &self.eccentric {
             let S_skew = skew(S);
             h_q += S_skew * skew(&R.tr_mul(&motion.x_ddot)) * T * K;
-            // D_Ω (Ω×(Ω×S)).
-            let L = Matrix3::from_diagonal_element(Omega.dot(S)) + Omega * S.transpose()
-                - S * Omega.transpose() * 2.0;
-            let l_q = L * Omega_q - S_skew * A_q - skew(l) * T * K;
+            let l_q = centrifugal(Omega, S) * Omega_q - S_skew * A_q - skew(l) * T * K;
             put(&mut tangent, 0, 3, &(R * l_q));
             put(&mut tangent, 3, 0, &(T.tr_mul(&S_skew) * R.transpose() * M));
         }

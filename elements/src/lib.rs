@@ -20,7 +20,9 @@
 
 #![warn(clippy::unwrap_used)]
 
+mod asymmetry;
 pub mod beam;
+mod blocks;
 pub mod body;
 pub mod constraint;
 pub mod element;
@@ -32,3 +34,5 @@ mod memory;
 pub mod model;
 pub mod spring;
 pub mod time;
+
+pub use asymmetry::Asymmetry;

@@ -4,16 +4,14 @@
 
 use std::f64::consts::TAU;
 use std::fmt::Debug;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 
-/// A function of time with two derivatives, independent of everything else; see [`Input`] for
-/// values set from outside.
+/// A function of time, and of the inputs of its model, with two derivatives by time.
 pub trait TimeFunction: Send + Sync + Debug {
-    /// Value, first and second derivative at `t`.
+    /// Value, first and second derivative at `t` and the present values of all inputs ([`Input`]),
+    /// which are constant during a step.
     ///
     /// At a kink, the derivatives from the right.
-    fn at(&self, t: f64) -> [f64; 3];
+    fn at(&self, t: f64, inputs: &[f64]) -> [f64; 3];
 
     /// Its value, if it is known to be constant.
     fn constant(&self) -> Option<f64> {
@@ -28,19 +26,12 @@ pub trait TimeFunction: Send + Sync + Debug {
 
 /// Error of a time function.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "each message says what its variant is")]
 pub enum TimeFunctionError {
-    /// A number is infinite or not a number.
     #[error("a time function needs finite numbers, got {0}")]
     NotFinite(f64),
-    /// Times do not increase.
     #[error("times must increase strictly, but {previous} is followed by {next}")]
-    NotIncreasing {
-        /// A time.
-        previous: f64,
-        /// The one after it.
-        next: f64,
-    },
-    /// A table without points.
+    NotIncreasing { previous: f64, next: f64 },
     #[error("a table needs at least one point")]
     Empty,
 }
@@ -50,7 +41,7 @@ pub enum TimeFunctionError {
 pub struct Constant(pub f64);
 
 impl TimeFunction for Constant {
-    fn at(&self, _: f64) -> [f64; 3] {
+    fn at(&self, _: f64, _: &[f64]) -> [f64; 3] {
         [self.0, 0.0, 0.0]
     }
 
@@ -59,32 +50,24 @@ impl TimeFunction for Constant {
     }
 }
 
-/// A value set from outside during a run, by a controller for example: a handle whose clones share it.
+/// A value that a program sets during a run, such as the torque of a controller: its index among the
+/// inputs of a model.
 ///
-/// Created by [`ModelBuilder::input`](crate::model::ModelBuilder::input). If the value changes between
-/// two steps, a run updates the accelerations, as at a kink; it must not change within a step.
-#[derive(Clone, Debug)]
-pub struct Input(Arc<AtomicU64>);
+/// Created by [`ModelBuilder::input`](crate::model::ModelBuilder::input). The values are part of the state:
+/// [`Context::set_input`](crate::model::Context::set_input). If one changes between two steps, a run finds new
+/// accelerations, as at a kink.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Input(pub(crate) usize);
 
-impl Input {
-    pub(crate) fn new(value: f64) -> Self {
-        Self(Arc::new(AtomicU64::new(value.to_bits())))
-    }
-
-    /// The value.
-    pub fn get(&self) -> f64 {
-        f64::from_bits(self.0.load(Ordering::Relaxed))
-    }
-
-    /// Sets the value, for all times from the present step on.
-    pub fn set(&self, value: f64) {
-        self.0.store(value.to_bits(), Ordering::Relaxed);
+impl From<Input> for usize {
+    fn from(input: Input) -> Self {
+        input.0
     }
 }
 
 impl TimeFunction for Input {
-    fn at(&self, _: f64) -> [f64; 3] {
-        [self.get(), 0.0, 0.0]
+    fn at(&self, _: f64, inputs: &[f64]) -> [f64; 3] {
+        [inputs.get(self.0).copied().unwrap_or(0.0), 0.0, 0.0]
     }
 }
 
@@ -93,7 +76,7 @@ impl TimeFunction for Input {
 pub struct Proportional(pub f64);
 
 impl TimeFunction for Proportional {
-    fn at(&self, t: f64) -> [f64; 3] {
+    fn at(&self, t: f64, _: &[f64]) -> [f64; 3] {
         [self.0 * t, self.0, 0.0]
     }
 
@@ -116,7 +99,7 @@ pub struct Sine {
 }
 
 impl TimeFunction for Sine {
-    fn at(&self, t: f64) -> [f64; 3] {
+    fn at(&self, t: f64, _: &[f64]) -> [f64; 3] {
         let (s, c) = (self.omega * t + self.phase).sin_cos();
         let a = self.amplitude;
         [
@@ -180,7 +163,7 @@ impl Table {
 }
 
 impl TimeFunction for Table {
-    fn at(&self, t: f64) -> [f64; 3] {
+    fn at(&self, t: f64, _: &[f64]) -> [f64; 3] {
         let after = self.points.partition_point(|p| p[0] <= t);
         if after == 0 {
             return [self.points[0][1], 0.0, 0.0];
@@ -226,7 +209,7 @@ impl Pulse {
 }
 
 impl TimeFunction for Pulse {
-    fn at(&self, t: f64) -> [f64; 3] {
+    fn at(&self, t: f64, _: &[f64]) -> [f64; 3] {
         let on = self.start <= t && t < self.end;
         [if on { self.value } else { 0.0 }, 0.0, 0.0]
     }
@@ -258,7 +241,7 @@ impl SpinUp {
 }
 
 impl TimeFunction for SpinUp {
-    fn at(&self, t: f64) -> [f64; 3] {
+    fn at(&self, t: f64, _: &[f64]) -> [f64; 3] {
         let (rate, T) = (self.rate, self.duration);
         if t <= 0.0 {
             return [0.0; 3];

@@ -1,8 +1,8 @@
 //! A bushing between two frames.
 
 use nalgebra::{Matrix6, SVector, Vector3};
-use pullback_elements::element::ElementError;
 use pullback_elements::energy::{EnergyElement, inside_chart, rate};
+use pullback_manifold::domain::DomainError;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;
 
@@ -48,7 +48,7 @@ impl EnergyElement<12> for ElasticJoint {
         y_dot.dot(&(self.D.map(S::constant) * y_dot)) * 0.5
     }
 
-    fn domain(&self, x: &SVector<f64, 12>) -> Result<(), ElementError> {
+    fn domain(&self, x: &SVector<f64, 12>) -> Result<(), DomainError> {
         inside_chart(&self.relative(x).fixed_rows::<3>(3).into_owned())
     }
 }

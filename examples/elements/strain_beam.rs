@@ -4,9 +4,9 @@
 
 use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, Vector3};
 use pullback_elements::beam::{BeamError, Damping, Section, oriented};
-use pullback_elements::element::ElementError;
 use pullback_elements::energy::{EnergyElement, EnergySample, Sampled, Sum, inside_chart, rate};
 use pullback_elements::inertia::Inertia;
+use pullback_manifold::domain::DomainError;
 use pullback_manifold::quotients::TangentQuotients;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;
@@ -96,7 +96,7 @@ impl<M: StrainMeasure> EnergyElement<9> for SectionEnergy<M> {
         self.quadratic(&rate(|y| self.strains(y), y, y_dot)) * self.beta
     }
 
-    fn domain(&self, y: &SVector<f64, 9>) -> Result<(), ElementError> {
+    fn domain(&self, y: &SVector<f64, 9>) -> Result<(), DomainError> {
         inside_chart(&triple(y, 6))
     }
 }
@@ -139,7 +139,7 @@ impl EnergyElement<6> for FrameInertia {
         self.kinetic(y, y_dot) * self.drag
     }
 
-    fn domain(&self, y: &SVector<f64, 6>) -> Result<(), ElementError> {
+    fn domain(&self, y: &SVector<f64, 6>) -> Result<(), DomainError> {
         inside_chart(&triple(y, 3))
     }
 }

@@ -1,8 +1,9 @@
-//! The abilities of a system, with what a system without them does.
+//! The optional abilities of a system, each with the default for a system without it.
 
 use pullback_manifold::system::{
     ChartChanges, Energies, Events, Point, RigidRates, Symmetry, System, SystemError,
 };
+use std::ops::{Deref, DerefMut};
 
 /// See [`Charts::change_charts`](pullback_manifold::system::Charts::change_charts).
 pub(crate) fn change_charts(
@@ -30,11 +31,32 @@ struct Smooth;
 
 impl Events for Smooth {}
 
+/// The discontinuities of a system, if it has any, else those of a smooth one.
+pub(crate) struct EventsOf<'a>(Option<&'a mut dyn Events>, Smooth);
+
+impl<'a> Deref for EventsOf<'a> {
+    type Target = dyn Events + 'a;
+
+    fn deref(&self) -> &Self::Target {
+        match &self.0 {
+            Some(events) => &**events,
+            None => &self.1,
+        }
+    }
+}
+
+impl DerefMut for EventsOf<'_> {
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        match &mut self.0 {
+            Some(events) => &mut **events,
+            None => &mut self.1,
+        }
+    }
+}
+
 /// The discontinuities of a system.
-pub(crate) fn events(system: &mut dyn System) -> &mut dyn Events {
-    // A value without size takes no memory.
-    let none = || -> &mut dyn Events { Box::leak(Box::new(Smooth)) };
-    system.events().unwrap_or_else(none)
+pub(crate) fn events(system: &mut dyn System) -> EventsOf<'_> {
+    EventsOf(system.events(), Smooth)
 }
 
 /// See [`Energetics::energies`](pullback_manifold::system::Energetics::energies).

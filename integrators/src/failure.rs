@@ -4,7 +4,8 @@
 
 use crate::abilities::events;
 use crate::linear_solver::{LinearError, null_vector};
-use crate::statics::{Event, Iteration};
+use crate::statics::{Iteration, solutions};
+use pullback_manifold::domain::DomainError;
 use pullback_manifold::system::{Quantity, System, SystemError};
 use std::fmt;
 
@@ -53,7 +54,7 @@ pub struct FailedStep {
     pub parameter: StepParameter,
     /// Its value at the last converged step.
     pub from: f64,
-    /// Its value that was attempted.
+    /// The attempted value.
     pub to: f64,
     /// The cause.
     pub cause: Cause,
@@ -82,101 +83,64 @@ pub struct Cost {
     pub factorisations: usize,
 }
 
-/// Why an iteration did not converge.
-#[derive(Debug)]
-pub(crate) enum Failure {
-    System(SystemError),
-    Linear(LinearError),
-    /// No damping made the correction smaller.
-    Diverged,
-    /// A step along a path led away from it.
-    OffPath,
-    TooManyIterations,
-    Inaccurate,
-    Unlocated(Event),
+/// The name of a cause before it is reported.
+pub(crate) use Cause as Failure;
+
+impl Cause {
+    /// The tangent cannot be solved with; the report finds the mechanism.
+    pub(crate) fn linear(error: LinearError) -> Self {
+        Self::Linear {
+            error,
+            mechanism: Vec::new(),
+        }
+    }
 }
 
-/// State of an iteration that failed.
+/// An attempt at a step that failed.
 pub(crate) struct FailureContext<'a> {
     pub failure: Failure,
     pub r: &'a [f64],
     pub S: &'a [f64],
     pub history: &'a [Iteration],
+    pub parameter: StepParameter,
+    /// Value of the parameter at the beginning, and the attempted one.
+    pub span: [f64; 2],
+    /// Numbers of steps and of failed attempts before this one.
+    pub steps: usize,
+    pub rejected: usize,
+    pub cost: Cost,
 }
 
 impl FailedStep {
-    /// Reports a failure. `steps` and `rejected` count those before this attempt.
-    pub(crate) fn new(
-        system: &mut dyn System,
-        context: FailureContext<'_>,
-        parameter: StepParameter,
-        [from, to]: [f64; 2],
-        steps: usize,
-        rejected: usize,
-        cost: Cost,
-    ) -> Self {
-        let cause = match context.failure {
-            Failure::System(error) => Cause::System(error),
-            Failure::Diverged => Cause::Diverged,
-            Failure::OffPath => Cause::OffPath,
-            Failure::TooManyIterations => Cause::TooManyIterations,
-            Failure::Inaccurate => Cause::Inaccurate,
-            Failure::Unlocated(event) => Cause::Unlocated {
-                position: match event {
-                    Event::TurningPoint => "a turning point".to_owned(),
-                    Event::Load(load) => format!("load parameter {load}"),
-                    Event::Coordinate { unknown, value } => {
-                        format!("{} = {value}", system.name(unknown))
-                    }
-                },
-            },
-            Failure::Linear(error) => Cause::Linear {
-                error,
-                mechanism: mechanism(system, context.S),
-            },
-        };
-        let mut worst: [Option<(usize, f64)>; 3] = [None; 3];
-        for (i, r) in context.r.iter().enumerate() {
-            let entry = &mut worst[system.coordinate_info(i).quantity.index()];
-            if entry.is_none_or(|(_, largest)| r.abs() > largest) {
-                *entry = Some((i, r.abs()));
-            }
+    /// Reports a failure.
+    pub(crate) fn new(system: &mut dyn System, context: FailureContext<'_>) -> Box<Self> {
+        let mut cause = context.failure;
+        if let Cause::Linear { mechanism, .. } = &mut cause {
+            *mechanism = find_mechanism(system, context.S);
         }
-        Self {
-            step: steps + 1,
-            parameter,
+        let [from, to] = context.span;
+        Box::new(Self {
+            step: context.steps + 1,
+            parameter: context.parameter,
             from,
             to,
             history: context.history.to_vec(),
-            worst: Quantity::ALL
-                .into_iter()
-                .filter_map(|quantity| {
-                    let (i, r) = worst[quantity.index()].filter(|w| w.1 > 0.0)?;
-                    Some((quantity, system.name(i), r))
-                })
-                .collect(),
-            rejected,
+            worst: worst(system, context.r),
+            rejected: context.rejected,
             min_step: None,
             // An evaluation error gives the reason itself.
-            singularity_warnings: match cause {
-                Cause::System(_) => Vec::new(),
-                _ => {
-                    (system.charts()).map_or_else(Vec::new, |charts| charts.singularity_warnings())
-                }
+            singularity_warnings: match (&cause, system.charts()) {
+                (Cause::System(_), _) | (_, None) => Vec::new(),
+                (_, Some(charts)) => charts.singularity_warnings(),
             },
-            kink: match parameter {
+            kink: match context.parameter {
                 StepParameter::Load => (events(system).kinks().into_iter())
                     .find(|k| (from.min(to)..=from.max(to)).contains(k) && *k != from),
                 StepParameter::Time => None,
             },
             cause,
-            cost,
-        }
-    }
-
-    /// Linear solutions of the last attempt.
-    fn iterations(&self) -> usize {
-        self.history.iter().filter(|i| i.damping > 0.0).count()
+            cost: context.cost,
+        })
     }
 
     /// Whether the residual was falling by orders of magnitude when the iterations ended.
@@ -223,8 +187,25 @@ impl FailedStep {
     }
 }
 
+/// The largest residual of each quantity that is out of balance, with the name of its coordinate.
+fn worst(system: &dyn System, r: &[f64]) -> Vec<(Quantity, String, f64)> {
+    let mut worst: [Option<(usize, f64)>; 3] = [None; 3];
+    for (i, r) in r.iter().enumerate() {
+        let entry = &mut worst[system.coordinate_info(i).quantity.index()];
+        if entry.is_none_or(|(_, largest)| r.abs() > largest) {
+            *entry = Some((i, r.abs()));
+        }
+    }
+    let found = Quantity::ALL.into_iter().zip(worst);
+    let found = found.filter_map(|(quantity, worst)| {
+        let (i, r) = worst.filter(|(_, r)| *r > 0.0)?;
+        Some((quantity, system.name(i), r))
+    });
+    found.collect()
+}
+
 /// The largest components of the null vector, with names.
-pub(crate) fn mechanism(system: &dyn System, values: &[f64]) -> Vec<(String, f64)> {
+pub(crate) fn find_mechanism(system: &dyn System, values: &[f64]) -> Vec<(String, f64)> {
     let Some(null) = null_vector(system.pattern(), values) else {
         return Vec::new();
     };
@@ -238,45 +219,12 @@ pub(crate) fn mechanism(system: &dyn System, values: &[f64]) -> Vec<(String, f64
         .collect()
 }
 
-impl fmt::Display for FailedStep {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.heading(f)?;
+impl FailedStep {
+    /// Writes the cause, with a remedy.
+    fn explain(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.cause {
-            Cause::System(SystemError::OutsideChart { what, edge, .. }) if self.step == 0 => {
-                // There are no steps before the start that could be smaller.
-                write!(
-                    f,
-                    "{what} left {edge}: let these loads grow with the load parameter, or make them \
-                     smaller"
-                )?;
-            }
-            Cause::System(error) if self.step == 0 => write!(f, "{error}")?,
-            Cause::System(error) => {
-                write!(f, "{error}")?;
-                if self.min_step.is_some() {
-                    write!(
-                        f,
-                        "\n  where halving does not help the load is far too large (units?), or the \
-                         structure is a mechanism"
-                    )?;
-                }
-            }
-            Cause::Linear { error, mechanism } if mechanism.is_empty() => {
-                write!(f, "the tangent cannot be solved with: {error}")?;
-            }
-            Cause::Linear { error, mechanism } => {
-                write!(f, "what moves without resistance:")?;
-                for (name, entry) in mechanism {
-                    write!(f, "\n    {name} ({entry:+.3})")?;
-                }
-                f.write_str(match self.parameter {
-                    StepParameter::Load => {
-                        "\n  support it, or follow the path with arc-length control if this is a limit point"
-                    }
-                    StepParameter::Time => "\n  give it mass or stiffness, or hold it",
-                })?;
-                write!(f, "\n  (the tangent cannot be solved with: {error})")?;
-            }
+            Cause::System(error) => self.explain_system(error, f),
+            Cause::Linear { error, mechanism } => self.explain_linear(error, mechanism, f),
             Cause::Diverged => f.write_str(match self.parameter {
                 StepParameter::Load if self.step == 0 => {
                     "Newton's corrections grow however they are damped; let these loads grow with \
@@ -287,24 +235,24 @@ impl fmt::Display for FailedStep {
                      (try arc-length control), or the load is too large"
                 }
                 StepParameter::Time => "Newton's corrections grow; take smaller steps",
-            })?,
+            }),
             Cause::OffPath => f.write_str(
                 "the path turns too sharply for steps of this size, branches or ends; with a larger \
                  load_scale displacements measure steps more than loads do, which helps at limit \
                  points of shallow or stiff structures together with a max_step and a first_step below \
                  their displacements over their size; an imperfection makes branches smooth",
-            )?,
+            ),
             Cause::Inaccurate => f.write_str(
                 "the estimate of the local error asks for steps below min_step; raise the tolerance",
-            )?,
+            ),
             Cause::Unlocated { position } => write!(
                 f,
                 "the path passes {position} in this step, but no equilibrium is found there: it may \
                  jump or branch, and then an imperfection makes it smooth; or displacements are too \
                  small beside the loads, and then a larger load_scale makes steps follow them"
-            )?,
+            ),
             Cause::TooManyIterations => {
-                let word = match self.iterations() {
+                let word = match solutions(&self.history) {
                     1 => "1 iteration".to_owned(),
                     n => format!("{n} iterations"),
                 };
@@ -312,8 +260,61 @@ impl fmt::Display for FailedStep {
                 if self.was_converging() {
                     write!(f, "; it was converging fast: raise max_iterations")?;
                 }
+                Ok(())
             }
         }
+    }
+
+    fn explain_system(&self, error: &SystemError, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match error {
+            // There are no steps before the start that could be smaller.
+            SystemError::Domain {
+                what,
+                why: DomainError::Beyond { limit, .. },
+            } if self.step == 0 => write!(
+                f,
+                "{what} left {limit}: let these loads grow with the load parameter, or make them \
+                 smaller"
+            ),
+            error if self.step == 0 || self.min_step.is_none() => write!(f, "{error}"),
+            error => write!(
+                f,
+                "{error}\n  where halving does not help the load is far too large (units?), or the \
+                 structure is a mechanism"
+            ),
+        }
+    }
+
+    fn explain_linear(
+        &self,
+        error: &LinearError,
+        mechanism: &[(String, f64)],
+        f: &mut fmt::Formatter<'_>,
+    ) -> fmt::Result {
+        if mechanism.is_empty() {
+            return write!(f, "the tangent cannot be solved with: {error}");
+        }
+        write!(f, "what moves without resistance:")?;
+        for (name, entry) in mechanism {
+            write!(f, "\n    {name} ({entry:+.3})")?;
+        }
+        let remedy = match self.parameter {
+            StepParameter::Load => {
+                "support it, or follow the path with arc-length control if this is a limit point"
+            }
+            StepParameter::Time => "give it mass or stiffness, or hold it",
+        };
+        write!(
+            f,
+            "\n  {remedy}\n  (the tangent cannot be solved with: {error})"
+        )
+    }
+}
+
+impl fmt::Display for FailedStep {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.heading(f)?;
+        self.explain(f)?;
         if let (Some(kink), Some(_)) = (self.kink, self.min_step) {
             write!(
                 f,
@@ -326,10 +327,10 @@ impl fmt::Display for FailedStep {
             write!(f, "\n  {warning}")?;
         }
         for (quantity, name, residual) in &self.worst {
+            let conjugate = quantity.conjugate();
             write!(
                 f,
-                "\n  largest {} out of balance: {residual:.3e} at {name}",
-                quantity.conjugate()
+                "\n  largest {conjugate} out of balance: {residual:.3e} at {name}"
             )?;
         }
         if !self.history.is_empty() {
@@ -337,13 +338,13 @@ impl fmt::Display for FailedStep {
                 f,
                 "\n  iteration  force residual  moment residual  over tolerance  correction  damping"
             )?;
-            for (k, i) in self.history.iter().enumerate() {
-                write!(
-                    f,
-                    "\n  {:9}  {:14.3e}  {:15.3e}  {:14.3e}  {:10.3e}  {:7.3}",
-                    k, i.residual[0], i.residual[1], i.ratio, i.correction, i.damping
-                )?;
-            }
+        }
+        for (k, i) in self.history.iter().enumerate() {
+            write!(
+                f,
+                "\n  {:9}  {:14.3e}  {:15.3e}  {:14.3e}  {:10.3e}  {:7.3}",
+                k, i.residual[0], i.residual[1], i.ratio, i.correction, i.damping
+            )?;
         }
         Ok(())
     }

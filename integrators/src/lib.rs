@@ -1,6 +1,6 @@
-//! Solvers for the systems of `pullback-manifold`: statics, and the linear algebra under it.
+//! Solvers for the systems of `pullback-manifold`: statics, dynamics, and their linear algebra.
 //!
-//! Solvers know nothing of elements: a [`System`](pullback_manifold::system::System) is a residual,
+//! Solvers do not depend on elements: a [`System`](pullback_manifold::system::System) is a residual,
 //! a combined tangent in a fixed pattern, and changes of chart after converged steps.
 //!
 //! - [`statics`]: load stepping that halves and grows its steps, and path following through limit
@@ -8,7 +8,7 @@
 //! - [`dynamics`]: Newmark, HHT, WBZ and generalised-α, composite, Runge-Kutta and explicit schemes
 //!   by one step routine; steps end at kinks, are halved after a failure, and may follow an error
 //!   estimate.
-//! - [`spectrum`]: numerical damping and dispersion of these, measured and in closed form.
+//! - [`spectrum`]: numerical damping and dispersion of schemes, measured and in closed form.
 //! - [`linear_solver`]: block elimination on the node graph with sparse LU and Cholesky behind it.
 
 #![warn(clippy::unwrap_used)]

@@ -1,30 +1,75 @@
-//! Scales of coordinates, and detection of residuals that are rounding errors.
+//! Scales of coordinates, and tests of residuals for equilibrium and for rounding errors.
+
+#![allow(non_snake_case)]
 
 use pullback_manifold::system::{CoordinateInfo, Quantity, System};
 
-/// Largest residual per quantity in equilibrium. A quantity without loads and reactions must vanish
-/// to rounding errors: the first residual would be a reference, but a stiff spring that is out of
-/// balance makes it arbitrarily large. Gaps of multipliers contain no spring, so the gap after the
-/// prediction is a fair reference. The limit is never smaller than `least`.
-pub(crate) fn allowed(
-    measures: [f64; 3],
-    first: [f64; 3],
+/// The test of a step's residuals for equilibrium, per quantity.
+pub(crate) struct ResidualTest {
     relative: f64,
-    least: [f64; 3],
-) -> [f64; 3] {
-    let allow = |k: usize| {
-        let measure = match measures[k] > 0.0 {
-            false if k == Quantity::Other.index() => first[k],
-            _ => measures[k],
+    absolute: f64,
+    /// First nonzero residuals of the step; for a prediction, the change of the loads.
+    pub first: [f64; 3],
+    /// The largest rounding error in the gaps of multipliers.
+    pub gaps: f64,
+    /// Largest residuals in equilibrium, by the last test.
+    pub allowed: [f64; 3],
+}
+
+impl ResidualTest {
+    /// A test with a relative and an absolute tolerance.
+    pub(crate) fn new(relative: f64, absolute: f64) -> Self {
+        Self {
+            relative,
+            absolute,
+            first: [0.0; 3],
+            gaps: 0.0,
+            allowed: [0.0; 3],
+        }
+    }
+
+    /// The largest residual relative to its tolerance.
+    ///
+    /// A quantity without loads and reactions must vanish to rounding errors: the first residual
+    /// would be a reference, but a stiff spring that is out of balance makes it arbitrarily large.
+    /// Gaps of multipliers contain no spring, so the gap after the prediction is a fair reference.
+    pub(crate) fn ratio(&mut self, residual: [f64; 3], measures: [f64; 3]) -> f64 {
+        for (first, most) in self.first.iter_mut().zip(residual) {
+            if *first == 0.0 {
+                *first = most;
+            }
+        }
+        let allow = |k: usize| {
+            let gaps = k == Quantity::Other.index();
+            let measure = match measures[k] > 0.0 {
+                false if gaps => self.first[k],
+                _ => measures[k],
+            };
+            // The first residual has no digits below its own rounding.
+            let rounding = f64::EPSILON * self.first[k];
+            let least = if gaps {
+                self.absolute.max(self.gaps)
+            } else {
+                self.absolute
+            };
+            (self.relative * measure)
+                .max(rounding)
+                .max(least)
+                .max(f64::MIN_POSITIVE)
         };
-        // The first residual has no digits below its own rounding.
-        let rounding = f64::EPSILON * first[k];
-        (relative * measure)
-            .max(rounding)
-            .max(least[k])
-            .max(f64::MIN_POSITIVE)
-    };
-    std::array::from_fn(allow)
+        self.allowed = std::array::from_fn(allow);
+        let ratios = residual.iter().zip(self.allowed).map(|(r, a)| r / a);
+        ratios.fold(0.0, f64::max)
+    }
+}
+
+/// The largest entries per quantity of a residual vector, and of `others`.
+pub(crate) fn largest(quantities: &[Quantity], r: &[f64], others: [f64; 3]) -> [f64; 3] {
+    let mut largest = others;
+    for (r, quantity) in r.iter().zip(quantities) {
+        largest[quantity.index()] = largest[quantity.index()].max(r.abs());
+    }
+    largest
 }
 
 /// Rounding errors of a sum in units of those of its largest term; element forces add some ten.
@@ -45,7 +90,6 @@ pub(crate) fn inverse_scales(system: &dyn System) -> Vec<f64> {
 ///
 /// All multipliers count as the largest: they are solved for together, and a vanishing one has the
 /// rounding errors of the others. `sizes` and `floor` are scratch, one number per coordinate.
-#[allow(non_snake_case)]
 pub(crate) fn is_rounding(
     system: &dyn System,
     S: &[f64],
@@ -53,46 +97,30 @@ pub(crate) fn is_rounding(
     r: &[f64],
     [sizes, floor]: [&mut [f64]; 2],
 ) -> bool {
-    let mut multipliers = (0..q.len())
-        .filter(|&i| system.coordinate_info(i).is_multiplier)
-        .peekable();
-    let gaps = match multipliers.peek() {
+    let is_multiplier = |i: usize| system.coordinate_info(i).is_multiplier;
+    let multipliers = (0..q.len()).filter(|&i| is_multiplier(i));
+    let gaps = match multipliers.clone().next() {
         Some(_) => rounding_of_gaps(system, S, q, [&mut *sizes, &mut *floor]),
         None => 0.0,
     };
     let largest = multipliers.fold(0.0, |most, i| f64::max(most, q[i].abs()));
-    let nothing = |_: usize| 0.0;
-    find_rounding(
-        system,
-        S,
-        q,
-        (largest, &nothing),
-        [&mut *sizes, &mut *floor],
-    );
-    let least = |i: usize| {
-        if system.coordinate_info(i).is_multiplier {
-            gaps
-        } else {
-            0.0
-        }
-    };
-    (r.iter().zip(&*floor).enumerate())
-        .all(|(i, (r, floor))| r.abs() <= TERMS * floor.max(least(i)))
+    find_rounding(system, S, q, (largest, false), [sizes, &mut *floor]);
+    (r.iter().zip(&*floor).enumerate()).all(|(i, (r, floor))| {
+        let least = if is_multiplier(i) { gaps } else { 0.0 };
+        r.abs() <= TERMS * floor.max(least)
+    })
 }
 
 /// The largest rounding error in the gaps of multipliers, ε Σ_j |S_ij| |q_j|, with coordinates not
 /// below their scales: the gap after the prediction may be far below by chance, and at the origin
 /// all of it is zero.
-#[allow(non_snake_case)]
 pub(crate) fn rounding_of_gaps(
     system: &dyn System,
     S: &[f64],
     q: &[f64],
     [sizes, floor]: [&mut [f64]; 2],
 ) -> f64 {
-    let scales = system.scales().coordinate;
-    let least = |i: usize| scales[system.coordinate_info(i).quantity.index()];
-    find_rounding(system, S, q, (0.0, &least), [&mut *sizes, &mut *floor]);
+    find_rounding(system, S, q, (0.0, true), [sizes, &mut *floor]);
     let gaps = (0..q.len()).filter(|&i| system.coordinate_info(i).is_multiplier);
     gaps.fold(0.0, |most, i| f64::max(most, floor[i]))
 }
@@ -100,28 +128,27 @@ pub(crate) fn rounding_of_gaps(
 /// Writes the rounding error of each residual, ε Σ_j |S_ij| |q_j|, to `floor`; multipliers count as
 /// `multiplier`.
 ///
-/// Coordinates count with their [`CoordinateInfo::magnitude`], and at least with `least` of them: a small
-/// displacement is the difference of positions that are not small.
-#[allow(non_snake_case)]
+/// Coordinates count with their [`CoordinateInfo::magnitude`], and if `scaled` at least with their
+/// scale: a small displacement is the difference of positions that are not small.
 fn find_rounding(
     system: &dyn System,
     S: &[f64],
     q: &[f64],
-    (multiplier, least): (f64, &dyn Fn(usize) -> f64),
+    (multiplier, scaled): (f64, bool),
     [sizes, floor]: [&mut [f64]; 2],
 ) {
+    let scales = system.scales().coordinate;
     for (i, (size, q)) in sizes.iter_mut().zip(q).enumerate() {
-        *size = match system.coordinate_info(i).is_multiplier {
+        let CoordinateInfo {
+            quantity,
+            magnitude,
+            is_multiplier,
+        } = system.coordinate_info(i);
+        let scale = scales[quantity.index()];
+        let least = if scaled { scale } else { 0.0 };
+        *size = match is_multiplier {
             true => multiplier,
-            false => {
-                let CoordinateInfo {
-                    quantity,
-                    magnitude,
-                    ..
-                } = system.coordinate_info(i);
-                let scale = || system.scales().coordinate[quantity.index()];
-                q.abs().max(magnitude.unwrap_or_else(scale)).max(least(i))
-            }
+            false => q.abs().max(magnitude.unwrap_or(scale)).max(least),
         };
     }
     let pattern = system.pattern();

@@ -1,73 +1,56 @@
-//! Charts: coordinates of a configuration manifold, their domain, and changes between them.
+//! Charts of rotations: three coordinates, their domain, and the change between them.
 
 #![allow(non_snake_case)]
 
+mod charted;
+mod wiener_milenkovic;
+
+pub use charted::Charted;
+pub use wiener_milenkovic::WienerMilenkovic;
+
+use crate::domain::{CHART_EDGE, DomainError};
 use crate::map::{Kinematics, Map, Tangent};
 use crate::scalar::Scalar;
 use crate::so3::{self, Quaternion};
-use nalgebra::{SMatrix, SVector, Vector3};
-use std::f64::consts::{PI, TAU};
+use nalgebra::{SMatrix, Vector3};
+use std::f64::consts::TAU;
 
-/// A chart of a manifold of dimension D.
+/// A chart of rotations: three coordinates c of a unit quaternion.
 ///
-/// Coordinates and points determine each other within the chart. Near its edge,
-/// [`Chart::transition`] gives the map to a better chart, which transforms velocities,
-/// accelerations and forces as well ([`Map::kinematics`], [`Map::geometric_stiffness`]).
-pub trait Chart<const D: usize> {
-    /// A point of the manifold, independent of coordinates.
-    type Point;
+/// A quaternion and its opposite are the same rotation. Their coordinates are those of two charts, and a
+/// chart changes to the other one where w < 0 (ψ > π). [`Charted`] derives all else from these two
+/// functions: rates, forces, stiffness, and the change of chart.
+pub trait RotationChart: Copy + Send + Sync + 'static {
+    /// The unit quaternion of coordinates, smooth, with w > −1.
+    fn quaternion<S: Scalar>(&self, c: &Vector3<S>) -> Quaternion<S>;
 
-    /// The change of chart.
-    type Transition: Map<D, D> + Clone + 'static;
+    /// The coordinates of a unit quaternion.
+    fn coordinates<S: Scalar>(&self, rotation: &Quaternion<S>) -> Vector3<S>;
 
-    /// The point with coordinates q.
-    fn point(&self, q: &SVector<f64, D>) -> Self::Point;
-
-    /// Coordinates of a point; those closest to `near` if several are possible.
-    fn coordinates(&self, point: &Self::Point, near: &SVector<f64, D>) -> SVector<f64, D>;
-
-    /// Distance of q to the edge of the chart: positive inside, infinite for a global chart.
-    fn margin(&self, q: &SVector<f64, D>) -> f64 {
-        let _ = q;
+    /// Distance of c to the edge of the chart: positive inside, infinite for a chart without an edge.
+    fn margin(&self, c: &Vector3<f64>) -> f64 {
+        let _ = c;
         f64::INFINITY
-    }
-
-    /// The change of chart at q, if another chart is better there.
-    fn transition(&self, q: &SVector<f64, D>) -> Option<Self::Transition> {
-        let _ = q;
-        None
     }
 }
 
 /// Rotations by the rotation vector Ψ = ψ e, an open ball of radius 2π (\[M04\] definition 14).
 ///
-/// The chart changes where ψ > π, by the [`Complement`].
+/// The chart of all frames unless another one is chosen; its change is the [`Complement`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RotationVector;
 
-impl Chart<3> for RotationVector {
-    /// A unit quaternion; ±q are the same rotation.
-    type Point = Quaternion<f64>;
-    type Transition = Complement;
-
-    fn point(&self, q: &Vector3<f64>) -> Self::Point {
-        so3::quaternion(q)
+impl RotationChart for RotationVector {
+    fn quaternion<S: Scalar>(&self, c: &Vector3<S>) -> Quaternion<S> {
+        so3::quaternion(c)
     }
 
-    fn coordinates(&self, point: &Self::Point, near: &Vector3<f64>) -> Vector3<f64> {
-        if so3::quaternion(near).dot(point) < 0.0 {
-            so3::log_quaternion(&point.opposite())
-        } else {
-            so3::log_quaternion(point)
-        }
+    fn coordinates<S: Scalar>(&self, rotation: &Quaternion<S>) -> Vector3<S> {
+        so3::log_quaternion(rotation)
     }
 
-    fn margin(&self, q: &Vector3<f64>) -> f64 {
-        TAU - q.norm()
-    }
-
-    fn transition(&self, q: &Vector3<f64>) -> Option<Self::Transition> {
-        (q.norm() > PI).then_some(Complement)
+    fn margin(&self, c: &Vector3<f64>) -> f64 {
+        TAU - c.norm()
     }
 }
 
@@ -81,9 +64,9 @@ impl Map<3, 3> for Complement {
         so3::complement(q)
     }
 
-    fn margin(&self, _t: f64, q: &Vector3<f64>) -> f64 {
+    fn domain(&self, _t: f64, q: &Vector3<f64>) -> Result<f64, DomainError> {
         let psi = q.norm();
-        psi.min(TAU - psi)
+        DomainError::within(psi.min(TAU - psi), CHART_EDGE)
     }
 
     fn tangent(&self, _t: f64, q: &Vector3<f64>) -> Tangent<3, 3> {

@@ -5,7 +5,7 @@
 //!
 //! | | trait | what its author writes |
 //! |---|---|---|
-//! | chart | [`chart::Chart`] | coordinates ↔ point, where it is valid, the change to another chart |
+//! | chart | [`chart::RotationChart`] | coordinates ↔ quaternion, where it is valid |
 //! | map | [`map::Map`], [`map::Parametrization`] | one generic function φ(t, q) |
 //! | implicit constraint | [`implicit::Implicit`] | one generic function h(t, x), a map by [`implicit::ImplicitMap`] |
 //! | system | [`system::System`] | residual and combined tangent of an equation of motion |
@@ -26,6 +26,7 @@
 #![warn(clippy::unwrap_used)]
 
 pub mod chart;
+pub mod domain;
 pub mod implicit;
 pub mod jet;
 pub mod map;

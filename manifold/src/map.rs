@@ -21,15 +21,16 @@ mod linear;
 pub mod pose;
 
 use erased::Erased;
-pub use erased::{KinematicsMut, OutsideDomain, Parametrization};
+pub use erased::{KinematicsMut, Parametrization};
 pub use erased::{write_block, write_geometric_stiffness, write_kinematics, write_tangent};
 pub use graph::{MapGraph, Read};
 pub use increment::Increment;
 pub use linear::Linear;
 pub use pose::{ToChart, ToPose};
 
+use crate::domain::DomainError;
 use crate::scalar::Scalar;
-use crate::system::CHART_EDGE;
+
 use nalgebra::{SMatrix, SVector};
 
 /// Value and gradient of a map at one point.
@@ -68,16 +69,14 @@ pub trait Map<const D: usize, const N: usize>: Send + Sync {
     /// The constraint itself, x = φ(t, q).
     fn phi<S: Scalar>(&self, t: S, q: &SVector<S, D>) -> SVector<S, N>;
 
-    /// Distance of q to the edge of the domain on which φ is a chart; points with a margin ≤ 0 are
-    /// rejected. Infinite by default.
-    fn margin(&self, t: f64, q: &SVector<f64, D>) -> f64 {
+    /// Distance of q to the edge of the domain on which φ is a chart, such as
+    /// [`DomainError::within`]`(1.0 - q.norm(), "the unit circle: …")`. Infinite by default.
+    ///
+    /// # Errors
+    /// [`DomainError`] outside; such a point is rejected.
+    fn domain(&self, t: f64, q: &SVector<f64, D>) -> Result<f64, DomainError> {
         let _ = (t, q);
-        f64::INFINITY
-    }
-
-    /// Description of the limit where the margin ends, with a remedy, for messages.
-    fn edge(&self) -> &'static str {
-        CHART_EDGE
+        Ok(f64::INFINITY)
     }
 
     /// Whether an attached frame follows a rigid motion of all frames that the map reads: true for

@@ -123,7 +123,7 @@ const fn taylor<const L: usize, const N: usize>(kind: [(usize, usize); L]) -> [[
 
 /// b₂, b₃, e₃, f₃: first neglected term below 4e-18 of the value for z ≤ [`SERIES_LIMIT`].
 const HEADS: [[f64; 4]; 12] = taylor([(2, 1), (3, 1), (3, 2), (3, 3)]);
-/// b₄, e₄, f₄, for those who differentiate that often.
+/// b₄, e₄, f₄, needed for fourth derivatives only.
 const FOURTH: [[f64; 3]; 12] = taylor([(4, 1), (4, 2), (4, 3)]);
 /// b₀, e₀, f₀.
 const VALUES: [[f64; 3]; 14] = taylor([(0, 1), (0, 2), (0, 3)]);
@@ -282,7 +282,7 @@ pub struct TangentQuotients<S> {
 }
 
 impl<S: Scalar> TangentQuotients<S> {
-    /// At z = ψ² ≥ 0, differentiable as often as `S` asks, also at zero.
+    /// At z = ψ² ≥ 0, with all derivatives that `S` carries, also at zero.
     #[inline]
     #[must_use]
     pub fn new(z: S) -> Self {

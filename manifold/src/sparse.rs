@@ -141,6 +141,16 @@ impl BlockPattern {
         Some(self.values[range.start + k])
     }
 
+    /// Index of the diagonal entry of each unknown among the values.
+    pub fn diagonal(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.blocks()).flat_map(|j| {
+            let (n, first) = (self.size(j), self.find(j, j));
+            first
+                .into_iter()
+                .flat_map(move |first| (0..n).map(move |k| first + k * (n + 1)))
+        })
+    }
+
     /// y ← y + α A x for the matrix of this pattern with the given values.
     pub fn multiply_add(&self, alpha: f64, values: &[f64], x: &[f64], y: &mut [f64]) {
         for j in 0..self.blocks() {

@@ -12,6 +12,7 @@ mod abilities;
 
 pub use abilities::{Charts, Energetics, Events};
 
+use crate::domain::DomainError;
 use crate::sparse::BlockPattern;
 
 /// Time and state at which a system is evaluated. In statics, t is the load parameter, and v and a
@@ -226,29 +227,16 @@ pub struct Symmetry {
     pub force: f64,
 }
 
-/// Default limit of a chart in messages: the step was too large.
-pub const CHART_EDGE: &str = "the domain of its chart (it moved or turned too far at once)";
-
 /// Error of an evaluation. An integrator treats it as a failed trial step.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SystemError {
-    /// The coordinates are outside the domain of a chart or map.
-    #[error("{what} left {edge}{}", if *edge == CHART_EDGE { ": take smaller steps" } else { "" })]
-    OutsideChart {
-        /// The limit that was exceeded, with a remedy unless it is [`CHART_EDGE`].
-        edge: &'static str,
-        /// The node or joint.
+    /// The coordinates are outside the domain of a chart, map or element.
+    #[error("{}", why.of(what))]
+    Domain {
+        /// The node, joint or element.
         what: String,
-        /// Distance to the edge of validity, ≤ 0.
-        margin: f64,
-    },
-    /// The implicit equations of a map have no solution at these coordinates.
-    #[error("{what}: {why}")]
-    Unsolved {
-        /// The joint.
-        what: String,
-        /// The reason and the remedy.
-        why: String,
+        /// The limit, or why there is no value.
+        why: DomainError,
     },
     /// A residual or tangent is infinite or not a number.
     #[error(

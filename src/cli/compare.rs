@@ -1,11 +1,11 @@
 //! `pullback compare`.
 
-use super::{FAILED, INTERRUPTED, REFUSED, complain, print};
+use super::{FAILED, INTERRUPTED, complain, print, refuse};
 use crate::input::{Analysis, Registry, closest};
 use crate::method::Method;
 use crate::studies::compare::{self, Candidate, CompareError, Comparison, Hooks, Options, Subject};
 use crate::studies::gallery;
-use crate::terminal::{Interrupt, Progress, tell};
+use crate::terminal::{self, Progress, tell};
 use std::ffi::OsString;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -198,7 +198,7 @@ pub(super) fn compare(registry: &Registry, args: Arguments, command: &str) -> u8
     let progress = Progress::new(*quiet);
     let hooks = Hooks {
         // Interrupts are handled from the first step on, as in a run.
-        flow: &|| Interrupt::install().flow(),
+        flow: &terminal::flow,
         ended: &|done, all, name| progress.say(&format!("{done} of {all} runs, {name}")),
         refused: &|name, why| {
             let why = why.lines().next().unwrap_or_default();
@@ -223,14 +223,8 @@ pub(super) fn compare(registry: &Registry, args: Arguments, command: &str) -> u8
     progress.clear();
     let comparisons = match ran {
         Ok(comparisons) => comparisons,
-        Err(CompareError::Input(error)) => {
-            complain(&error);
-            return REFUSED;
-        }
-        Err(error) => {
-            tell(format_args!("error: {error}"));
-            return REFUSED;
-        }
+        Err(CompareError::Input(error)) => return complain(&error),
+        Err(error) => return refuse(error),
     };
     let kept = directory.display();
     if comparisons.iter().any(|c| !c.complete) {

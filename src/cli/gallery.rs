@@ -1,6 +1,6 @@
 //! `pullback gallery`.
 
-use super::{FAILED, REFUSED, print};
+use super::{FAILED, REFUSED, print, refuse};
 use crate::studies::gallery::{self, Comparison};
 use crate::terminal::{self, Progress, tell};
 use std::path::Path;
@@ -18,19 +18,13 @@ pub(super) fn gallery(cases: &[String], json: bool, out: Option<&Path>) -> u8 {
     progress.clear();
     let rows = match ran {
         Ok(rows) => rows,
-        Err(error) => {
-            tell(format_args!("error: {error}"));
-            return REFUSED;
-        }
+        Err(error) => return refuse(error),
     };
     if out.is_some_and(|out| !out.exists()) {
         tell("note: none of these cases draws a plot");
     }
     match answer(&rows, json) {
-        Ok((text, code)) => match print(&text) {
-            0 => code,
-            unwritten => unwritten,
-        },
+        Ok((text, code)) => code.max(print(&text)),
         Err(error) => {
             tell(format_args!("cannot encode the rows: {error}"));
             REFUSED

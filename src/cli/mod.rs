@@ -6,14 +6,14 @@ mod spectrum;
 
 use crate::input::{InputError, Plan, Registry};
 use crate::output::Ending;
-use crate::run::{Outcome, RunError, default_directory, resume_job, run_job};
+use crate::run::{Outcome, RunError, default_directory, run_job};
 use crate::solve::Advance;
-use crate::terminal::{self, Interrupt, Progress, tell};
+use crate::terminal::{self, Progress, tell};
 use clap::{Parser, Subcommand};
 use pullback_integrators::significant;
 use std::ffi::OsString;
 use std::io::{self, IsTerminal, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// The analysis failed, or a gallery case is off.
@@ -38,38 +38,13 @@ enum Command {
     /// Exit code 0: complete; 1: the analysis failed; 2: the model file is refused or the results
     /// cannot be written; 130: interrupted. After a failure, Ctrl-C, SIGTERM or SIGHUP the converged steps
     /// are kept, and result.json marks them as incomplete; a dynamic analysis can be resumed.
-    Run {
-        /// Model file (TOML; see docs/model_file.md).
-        model: PathBuf,
-        /// Directory of the results; `MODEL.out` beside the model file by default.
-        #[arg(long)]
-        out: Option<PathBuf>,
-        /// Resumes from the checkpoint in the directory of the results (dynamic analyses): the
-        /// results are bitwise those of an uninterrupted run.
-        #[arg(long)]
-        resume: bool,
-        /// Prints errors only.
-        #[arg(long, short)]
-        quiet: bool,
-    },
+    Run(RunArguments),
     /// Checks every element, load and joint of a model file and the assembled system: tangents
     /// against residuals, symmetry, objectivity, changes of chart, the balance of power.
     ///
     /// Prints one line for each component with the property closest to failing, and for a failure the
     /// wrong blocks and their errors. Exit code 0: all is well; 1: something is wrong; 2: the model file is refused.
-    Check {
-        /// Model file (TOML; see docs/model_file.md).
-        model: PathBuf,
-        /// Seed of the random states and directions.
-        #[arg(long, default_value_t = 0)]
-        seed: u64,
-        /// Prints a line for each property of each component.
-        #[arg(long)]
-        all: bool,
-        /// Prints the rows as JSON.
-        #[arg(long)]
-        json: bool,
-    },
+    Check(CheckArguments),
     /// Compares schemes of time integration on model files, at several step sizes: errors against
     /// a reference solution, observed orders, cost, drift of invariants.
     ///
@@ -102,6 +77,37 @@ enum Command {
     },
 }
 
+#[derive(clap::Args)]
+struct RunArguments {
+    /// Model file (TOML; see docs/model_file.md).
+    model: PathBuf,
+    /// Directory of the results; `MODEL.out` beside the model file by default.
+    #[arg(long)]
+    out: Option<PathBuf>,
+    /// Resumes from the checkpoint in the directory of the results (dynamic analyses): the
+    /// results are bitwise those of an uninterrupted run.
+    #[arg(long)]
+    resume: bool,
+    /// Prints errors only.
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+#[derive(clap::Args)]
+struct CheckArguments {
+    /// Model file (TOML; see docs/model_file.md).
+    model: PathBuf,
+    /// Seed of the random states and directions.
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Prints a line for each property of each component.
+    #[arg(long)]
+    all: bool,
+    /// Prints the rows as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
 /// The program: all commands of `pullback`, for model files with the joints of a registry.
 ///
 /// Give it to `main` of a program of your own; see [`Registry`].
@@ -122,21 +128,13 @@ pub fn run(registry: &Registry, arguments: impl IntoIterator<Item = OsString>) -
         }
     };
     match command {
-        Command::Run {
-            model,
-            out,
-            resume,
-            quiet,
-        } => run_model(registry, &model, out, resume, quiet),
-        Command::Check {
-            model,
-            seed,
-            all,
-            json,
-        } => check(registry, &model, seed, [all, json]),
+        Command::Run(args) => run_model(registry, args),
+        Command::Check(args) => check(registry, &args),
         Command::Compare(args) => compare::compare(registry, args, &command_line),
         Command::Spectrum(args) => spectrum::spectrum(args, &command_line),
-        Command::Schema => print_schema(registry),
+        Command::Schema => {
+            json("the schema", &registry.schema()).map_or_else(|code| code, |text| print(&text))
+        }
         Command::Gallery { cases, json, out } => gallery::gallery(&cases, json, out.as_deref()),
     }
 }
@@ -152,54 +150,52 @@ fn print(text: &str) -> u8 {
     }
 }
 
-fn print_schema(registry: &Registry) -> u8 {
-    json("the schema", &registry.schema()).map_or_else(|code| code, |text| print(&text))
-}
-
 /// A value as JSON, or the exit code if it cannot be encoded.
 fn json(what: &str, value: &impl serde::Serialize) -> Result<String, u8> {
-    let text = serde_json::to_string_pretty(value).map_err(|error| {
+    let text = serde_json::to_string_pretty(value);
+    let text = text.map_err(|error| {
         tell(format_args!("cannot encode {what}: {error}"));
         REFUSED
     })?;
-    Ok(text
-        + "
-")
+    Ok(text + "\n")
 }
 
-fn run_model(
-    registry: &Registry,
-    model: &Path,
-    out: Option<PathBuf>,
-    again: bool,
-    quiet: bool,
-) -> u8 {
-    let directory = out.unwrap_or_else(|| default_directory(model));
+/// Prints an error; returns the exit code.
+fn refuse(error: impl std::fmt::Display) -> u8 {
+    tell(format_args!("error: {error}"));
+    REFUSED
+}
+
+/// Prints the refusal of a model file with the position in it; returns the exit code.
+fn complain(error: &InputError) -> u8 {
+    tell(error.report(io::stderr().is_terminal()));
+    REFUSED
+}
+
+fn run_model(registry: &Registry, args: RunArguments) -> u8 {
+    let RunArguments {
+        model,
+        out,
+        resume,
+        quiet,
+    } = args;
+    let directory = out.unwrap_or_else(|| default_directory(&model));
     let source = model.display().to_string();
     let mut progress = Progress::new(quiet);
-    let job = registry.load(model).map_err(RunError::from);
+    let job = registry.load(&model).map_err(RunError::from);
     if let Ok(Plan::Dynamic(motion)) = job.as_ref().map(|job| &job.plan) {
         progress.until(motion.options.to);
     }
     let mut observer = |step: &Advance<'_>| {
         progress.step(step);
         // Before the first step there is nothing to save: until then Ctrl-C ends the program at once.
-        Interrupt::install().flow()
+        terminal::flow()
     };
-    let ran = job.and_then(|job| match again {
-        true => resume_job(job, &source, &directory, &mut observer),
-        false => run_job(job, &source, &directory, &mut observer),
-    });
+    let ran = job.and_then(|job| run_job(job, &source, &directory, resume, &mut observer));
     progress.clear();
     match ran {
-        Err(RunError::Input(error)) => {
-            complain(&error);
-            REFUSED
-        }
-        Err(error) => {
-            tell(format_args!("error: {error}"));
-            REFUSED
-        }
+        Err(RunError::Input(error)) => complain(&error),
+        Err(error) => refuse(error),
         Ok(outcome) => report(&outcome, quiet),
     }
 }
@@ -254,39 +250,28 @@ fn report(outcome: &Outcome, quiet: bool) -> u8 {
     }
 }
 
-/// Prints a refusal with the position in the file.
-fn complain(error: &InputError) {
-    tell(error.report(io::stderr().is_terminal()));
-}
-
-fn check(registry: &Registry, model: &Path, seed: u64, [all, json]: [bool; 2]) -> u8 {
+fn check(registry: &Registry, args: &CheckArguments) -> u8 {
     let mut notes = String::new();
-    let report = match registry.load(model) {
+    let report = match registry.load(&args.model) {
         Ok(mut job) => {
             if job.context.mapped_frames().next().is_some() {
                 notes = job.context.descriptions().join("\n") + "\n";
                 notes = format!("{}{}\n\n", notes.trim_start(), job.context.mobility());
             }
-            crate::check::job(&mut job, seed)
+            crate::check::job(&mut job, args.seed)
         }
-        Err(error) => {
-            complain(&error);
-            return REFUSED;
-        }
+        Err(error) => return complain(&error),
     };
-    let text = if json {
-        match self::json("the rows", &crate::check::entries(&report)) {
+    let text = if args.json {
+        match json("the rows", &crate::check::entries(&report)) {
             Ok(text) => text,
             Err(code) => return code,
         }
-    } else if all {
+    } else if args.all {
         notes + &crate::check::table(&report)
     } else {
         notes + &crate::check::summary(&report)
     };
-    match print(&text) {
-        0 if report.is_ok() => 0,
-        0 => FAILED,
-        code => code,
-    }
+    let code = if report.is_ok() { 0 } else { FAILED };
+    code.max(print(&text))
 }

@@ -1,6 +1,6 @@
 //! `pullback spectrum`.
 
-use super::{REFUSED, print};
+use super::{print, refuse};
 use crate::studies::spectrum::{self, SpectrumError};
 use crate::terminal::tell;
 use std::path::PathBuf;
@@ -43,9 +43,6 @@ pub(super) fn spectrum(args: Arguments, command: &str) -> u8 {
     };
     match done() {
         Ok(table) => print(&table),
-        Err(error) => {
-            tell(format_args!("error: {error}"));
-            REFUSED
-        }
+        Err(error) => refuse(error),
     }
 }

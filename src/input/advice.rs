@@ -13,7 +13,7 @@ fn names(known: &[String]) -> String {
     shown.join(", ")
 }
 
-/// Words of other programs and the keys here.
+/// Words of other programs, and the keys that mean the same here.
 const SYNONYMS: &[(&str, &str)] = &[
     ("linear", "proportional"),
     ("limit-point", "turning_point"),
@@ -47,28 +47,42 @@ pub(super) const RENAMED: &[(&str, &str)] = &[
     ("on-surface", "on_surface"),
 ];
 
+/// Parts of parser messages and their explanations.
+const EXPLANATIONS: &[(&str, &str)] = &[
+    (
+        "an array of length 3",
+        "three numbers in brackets are expected, such as [X, Y, Z] of a position or [Fx, Fy, Fz] of a \
+         force; decimals stand after a point",
+    ),
+    (
+        "an array of length 2",
+        "two numbers in brackets are expected, such as GA = [GA2, GA3] of a section or [t, value] of \
+         a table",
+    ),
+    (
+        "an array of length 6",
+        "six numbers in brackets are expected: along and about the three axes, and six rows of them \
+         in the matrix of a section",
+    ),
+    (
+        "a whole number",
+        "a whole number stands without quotes and point, such as 8",
+    ),
+    (
+        "expected f64",
+        "a number stands without quotes, its decimals after a point",
+    ),
+    (
+        "exactly one key",
+        "one at a time: one of static, arc_length and dynamic for an analysis, one function for a \
+         time",
+    ),
+];
+
 /// Explanation of a parser message.
 fn explanation(message: &str) -> Option<String> {
-    let told = if message.contains("an array of length 3") {
-        "three numbers in brackets are expected, such as [X, Y, Z] of a position or [Fx, Fy, Fz] of a \
-         force; decimals stand after a point"
-    } else if message.contains("an array of length 2") {
-        "two numbers in brackets are expected, such as GA = [GA2, GA3] of a section or [t, value] of \
-         a table"
-    } else if message.contains("an array of length 6") {
-        "six numbers in brackets are expected: along and about the three axes, and six rows of them \
-         in the matrix of a section"
-    } else if message.contains("a whole number") {
-        "a whole number stands without quotes and point, such as 8"
-    } else if message.contains("expected f64") {
-        "a number stands without quotes, its decimals after a point"
-    } else if message.contains("exactly one key") {
-        "one at a time: one of static, arc_length and dynamic for an analysis, one function for a \
-         time"
-    } else {
-        return None;
-    };
-    Some(told.to_owned())
+    let found = EXPLANATIONS.iter().find(|(part, _)| message.contains(part));
+    found.map(|(_, explanation)| (*explanation).to_owned())
 }
 
 fn suggestion(found: &str, known: &[String]) -> String {
@@ -98,23 +112,28 @@ fn suggestion(found: &str, known: &[String]) -> String {
 impl Problem {
     /// The suggestion for a refusal.
     pub fn advice(&self) -> Option<String> {
-        let fixed = match self {
+        match self {
             Self::UnknownKey { found, known }
             | Self::JointKey {
                 key: found, known, ..
             }
             | Self::UnknownName {
                 name: found, known, ..
-            } => {
-                return Some(suggestion(found, known));
-            }
+            } => Some(suggestion(found, known)),
             Self::Range { expected, .. } | Self::ProbeComponent { expected, .. } => {
-                return Some(format!("expected {expected}"));
+                Some(format!("expected {expected}"))
             }
-            Self::Toml(message) => return explanation(message),
+            Self::Toml(message) => explanation(message),
             Self::Components { expected, .. } => {
-                return explanation(&format!("an array of length {expected}"));
+                explanation(&format!("an array of length {expected}"))
             }
+            _ => self.advice_on_parts().map(str::to_owned),
+        }
+    }
+
+    /// The suggestion for a part of the model or a load.
+    fn advice_on_parts(&self) -> Option<&'static str> {
+        Some(match self {
             Self::Section {
                 source: SectionError::NotPositive { quantity, .. },
                 ..
@@ -160,14 +179,21 @@ impl Problem {
                  gravity (on all lines, or one)"
             }
             Self::NoMass { .. } => "add mass = { A_rho = ... } or a material with rho",
+            Self::SpringKind { .. } => {
+                "give stiffness, damping (and rest_length), or bushing = { stiffness = [...] }"
+            }
+            Self::Cycle { .. } => "let at least one of them start at a node of [nodes]",
+            _ => return self.advice_on_motion(),
+        })
+    }
+
+    /// The suggestion for a probe, a loop or an initial condition.
+    fn advice_on_motion(&self) -> Option<&'static str> {
+        Some(match self {
             Self::NoReaction { .. } => "probe a node that has a support",
             Self::ClosureKey { .. } => "add it, or remove this key",
             Self::NoJoint { .. } => "probe the node that bears the joint's name",
             Self::DynamicProbe { .. } => "add [analysis.dynamic], or remove the probe",
-            Self::SpringKind { .. } => {
-                "give stiffness, damping (and rest_length), or bushing = { stiffness = [...] }"
-            }
-            Self::WeightlessModel => "add bodies, or sections with mass",
             Self::InitialNode { .. } => "name the node",
             Self::InitialNothing => "add displacement, rotation, velocity or angular_velocity",
             Self::InitialHeld { .. } => "remove it, or free the node",
@@ -190,9 +216,7 @@ impl Problem {
                  displacement and rotation"
             }
             Self::InitialStatics => "add [analysis.dynamic], or remove [[initial]]",
-            Self::Cycle { .. } => "let at least one of them start at a node of [nodes]",
             _ => return None,
-        };
-        Some(fixed.to_owned())
+        })
     }
 }

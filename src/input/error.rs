@@ -1,6 +1,6 @@
 //! Refusals of model files: the problem, its position, a suggestion.
 
-use super::registry::BoxedError;
+use super::joints::BoxedError;
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 use pullback_elements::beam::SectionError;
 use pullback_elements::body::BodyError;
@@ -114,8 +114,6 @@ pub enum Problem {
     FollowerGravity,
     #[error("gravity acts on line \"{line}\", but its section \"{section}\" has no mass")]
     NoMass { line: String, section: String },
-    #[error("gravity acts on nothing that has mass")]
-    WeightlessModel,
     #[error("body \"{body}\": {source}")]
     Body { body: String, source: BodyError },
     #[error("spring {spring}: {source}")]
@@ -189,8 +187,8 @@ pub enum Problem {
     Column { column: String },
     #[error("a prescribed coordinate cannot jump")]
     Jump,
-    #[error("{source}")]
-    Time { source: TimeFunctionError },
+    #[error("{0}")]
+    Time(#[from] TimeFunctionError),
     #[error("the probe \"{probe}\" records {quantity}, which needs {needs}")]
     ProbeTarget {
         probe: String,
@@ -221,7 +219,7 @@ pub enum Problem {
     #[error("steps already says how large each step is; {key} contradicts it")]
     StepsTwice { key: &'static str },
     #[error("{0}")]
-    Model(ModelError),
+    Model(#[from] ModelError),
 }
 
 /// Items joined by commas.
@@ -238,7 +236,7 @@ fn list(words: &[&'static str]) -> String {
 pub struct InputError {
     /// What is wrong.
     pub problem: Box<Problem>,
-    /// Bytes of the text it concerns.
+    /// The part of the text that it concerns, in bytes.
     pub span: Option<Range<usize>>,
     /// Name and text of the file.
     source: Option<(String, String)>,
@@ -246,7 +244,7 @@ pub struct InputError {
 
 impl InputError {
     /// A problem of the file as a whole.
-    pub fn whole(problem: Problem) -> Self {
+    pub(super) fn whole(problem: Problem) -> Self {
         Self {
             problem: Box::new(problem),
             span: None,
@@ -255,7 +253,7 @@ impl InputError {
     }
 
     /// A problem at a position of the text.
-    pub fn at(problem: Problem, span: Option<Range<usize>>, name: &str, text: &str) -> Self {
+    pub(super) fn at(problem: Problem, span: Option<Range<usize>>, name: &str, text: &str) -> Self {
         // The first line represents a span over many lines (a whole table).
         let span = span.map(|s| {
             let start = s.start.min(text.len());

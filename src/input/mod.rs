@@ -4,108 +4,30 @@
 
 mod advice;
 mod assemble;
-mod bodies;
 mod error;
 mod file;
 mod initial;
-mod joint_types;
 mod joints;
-mod lines;
-mod loads;
-mod locate;
+mod location;
 mod names;
 mod parts;
 mod probes;
-mod registry;
-mod requests;
 mod schema;
-mod sections;
 mod settings;
-mod values;
 
 pub use assemble::{BodyGeometry, Geometry, Job, LineGeometry};
 pub use error::{InputError, Problem};
 pub use file::*;
 pub use initial::Start;
-pub use locate::LARGEST;
-pub use registry::{BoxedError, Registry, Site};
+pub use joints::{BoxedError, Registry, Site};
 pub use schema::schema;
 pub use settings::{DynamicPlan, Plan};
 
 pub(crate) use names::closest;
 
-use locate::Locator;
+use location::{Location, Text};
 use pullback_elements::model::{Context, Formulation};
-use std::ops::Range;
 use std::path::Path;
-
-/// The text of a model file, for positions in messages.
-struct Text<'a> {
-    name: &'a str,
-    text: &'a str,
-    positions: Locator<'a>,
-}
-
-impl<'a> Text<'a> {
-    fn new(name: &'a str, text: &'a str) -> Self {
-        Self {
-            name,
-            text,
-            positions: Locator::new(text),
-        }
-    }
-
-    fn at(&self, problem: Problem, span: Option<Range<usize>>) -> InputError {
-        InputError::at(problem, span, self.name, self.text)
-    }
-
-    /// A problem of the value at a path.
-    fn value(&self, path: &[impl AsRef<str>], problem: Problem) -> InputError {
-        self.at(problem, self.positions.value(path))
-    }
-
-    /// A problem of the key at a path.
-    fn key(&self, path: &[impl AsRef<str>], problem: Problem) -> InputError {
-        self.at(problem, self.positions.key(path))
-    }
-
-    /// A number out of range, at the key of the table at a path.
-    fn range(
-        &self,
-        table: &[&str],
-        key: &'static str,
-        value: f64,
-        expected: &'static str,
-    ) -> InputError {
-        let problem = Problem::Range {
-            key,
-            value,
-            expected,
-        };
-        self.value(&[table, &[key]].concat(), problem)
-    }
-
-    /// Refuses a number that is negative (or not finite).
-    fn not_negative(
-        &self,
-        table: &[&str],
-        key: &'static str,
-        value: f64,
-    ) -> Result<(), InputError> {
-        match value >= 0.0 && value.is_finite() {
-            true => Ok(()),
-            false => Err(self.range(table, key, value, "zero or a positive number")),
-        }
-    }
-
-    /// Refuses a number that is not positive (or not finite).
-    fn positive(&self, table: &[&str], key: &'static str, value: f64) -> Result<(), InputError> {
-        match value > 0.0 && value.is_finite() {
-            true => Ok(()),
-            false => Err(self.range(table, key, value, "a positive number")),
-        }
-    }
-}
 
 impl Registry {
     /// Reads a model file and assembles what it describes.
@@ -124,7 +46,7 @@ impl Registry {
     pub fn assemble_text(&self, name: &str, text: &str) -> Result<Job, InputError> {
         let source = Text::new(name, text);
         let file = parse_text(&source)?;
-        assemble::assemble(&source, self, file, None)
+        assemble::assemble(&source.root(), self, file, None)
     }
 
     /// Assembles a parsed file.
@@ -132,7 +54,7 @@ impl Registry {
     /// # Errors
     /// As [`Registry::load`], without positions.
     pub fn job(&self, name: &str, file: &ModelFile) -> Result<Job, InputError> {
-        assemble::assemble(&Text::new(name, ""), self, file.clone(), None)
+        assemble::assemble(&Text::new(name, "").root(), self, file.clone(), None)
     }
 
     /// Like [`Registry::job`], with a formulation of rotations other than that of the file's scheme.
@@ -146,7 +68,7 @@ impl Registry {
         formulation: Formulation,
     ) -> Result<Job, InputError> {
         let source = Text::new(name, "");
-        assemble::assemble(&source, self, file.clone(), Some(formulation))
+        assemble::assemble(&source.root(), self, file.clone(), Some(formulation))
     }
 }
 
@@ -218,22 +140,22 @@ fn read(path: &Path) -> Result<String, InputError> {
 }
 
 fn parse_text(source: &Text<'_>) -> Result<ModelFile, InputError> {
-    if source.positions.is_empty() {
+    if source.is_empty() {
         return Err(InputError::whole(Problem::Empty));
     }
-    if let Some((span, number)) = source.positions.unusable_number() {
-        return Err(source.at(Problem::Number { number }, Some(span)));
+    if let Some((span, number)) = source.unusable_number() {
+        return Err(source.refuse(Problem::Number { number }, Some(span)));
     }
     let file: ModelFile = toml::from_str(source.text).map_err(|error| {
         let message = error.message();
         let problem = unknown_key(message).unwrap_or_else(|| Problem::Toml(plain(message)));
-        source.at(problem, error.span())
+        source.refuse(problem, error.span())
     })?;
     // Serde takes the first components of an array that has too many.
     let read = serde_json::to_value(&file).unwrap_or_default();
-    if let Some((span, found, expected)) = source.positions.surplus(&read) {
+    if let Some((span, found, expected)) = source.surplus(&read) {
         let problem = Problem::Components { found, expected };
-        return Err(source.at(problem, Some(span)));
+        return Err(source.refuse(problem, Some(span)));
     }
     Ok(file)
 }

@@ -1,7 +1,8 @@
-//! Names of things in a file: valid, unique, known, and the closest of the known ones.
+//! Names of parts in a file: valid, unique, known, and the closest of the known ones.
 
 use super::file::ModelFile;
-use super::{InputError, Problem, Text};
+use super::parts::Assembly;
+use super::{InputError, Location, Problem};
 use std::collections::{HashMap, HashSet};
 
 /// Named items.
@@ -33,22 +34,14 @@ impl<T: Copy> Names<T> {
         self.things.insert(name, thing);
     }
 
-    /// The item of a name, or a refusal of the value at `path`.
-    pub(super) fn find(
-        &self,
-        source: &Text<'_>,
-        path: &[&str],
-        name: &str,
-    ) -> Result<T, InputError> {
-        self.things.get(name).copied().ok_or_else(|| {
-            source.value(
-                path,
-                Problem::UnknownName {
-                    what: self.what,
-                    name: name.to_owned(),
-                    known: self.order.clone(),
-                },
-            )
+    /// The item of the name that stands at a location.
+    pub(super) fn find(&self, at: &Location<'_>, name: &str) -> Result<T, InputError> {
+        self.get(name).ok_or_else(|| {
+            at.refuse(Problem::UnknownName {
+                what: self.what,
+                name: name.to_owned(),
+                known: self.order.clone(),
+            })
         })
     }
 }
@@ -70,39 +63,36 @@ pub(super) fn usable_name(name: &str) -> bool {
     !name.trim().is_empty() && !name.contains(forbidden)
 }
 
-/// Refuses duplicate names.
+/// Refuses unusable and duplicate names in a list of tables, the items of which are called `what`.
 pub(super) fn distinct<'a>(
-    source: &Text<'_>,
+    assembly: &Assembly<'_>,
     table: &'static str,
     what: &'static str,
-    names: impl Iterator<Item = &'a str>,
+    names: impl Iterator<Item = &'a String>,
 ) -> Result<(), InputError> {
     let mut seen = HashSet::new();
     for (k, name) in names.enumerate() {
-        let index = k.to_string();
-        let path = [table, index.as_str(), "name"];
+        let at = assembly.at(table).at(k).at("name");
         if !usable_name(name) {
-            let name = name.to_owned();
-            return Err(source.value(&path, Problem::Name { what, name }));
+            let name = name.clone();
+            return Err(at.refuse(Problem::Name { what, name }));
         }
         if !seen.insert(name) {
-            let (what, name) = (table, name.to_owned());
-            return Err(source.value(&path, Problem::Duplicate { what, name }));
+            let (what, name) = (table, name.clone());
+            return Err(at.refuse(Problem::Duplicate { what, name }));
         }
     }
     Ok(())
 }
 
-/// Checks that names of lines, joints, bodies and springs are valid and unique.
-pub(super) fn check_names(source: &Text<'_>, file: &ModelFile) -> Result<(), InputError> {
-    let lines = file.lines.iter().map(|l| l.name.as_str());
-    distinct(source, "lines", "line", lines)?;
-    let bodies = file.bodies.iter().map(|b| b.name.as_str());
-    distinct(source, "bodies", "body", bodies)?;
-    let springs = file.springs.iter().map(|s| s.name.as_str());
-    distinct(source, "springs", "spring", springs)?;
-    let joints = file.joints.iter().map(|j| j.name.as_str());
-    distinct(source, "joints", "joint", joints)
+/// Checks that names of lines, bodies, springs and joints are valid and unique.
+pub(super) fn check_names(of: &Assembly<'_>) -> Result<(), InputError> {
+    let file = of.file;
+    distinct(of, "lines", "line", file.lines.iter().map(|l| &l.name))?;
+    distinct(of, "bodies", "body", file.bodies.iter().map(|b| &b.name))?;
+    let springs = file.springs.iter().map(|s| &s.name);
+    distinct(of, "springs", "spring", springs)?;
+    distinct(of, "joints", "joint", file.joints.iter().map(|j| &j.name))
 }
 
 /// The name closest to `given`, if it is close enough for a typing error.

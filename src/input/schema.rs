@@ -1,7 +1,7 @@
 //! The JSON Schema of the model file, derived from the types that parse it.
 
 use super::file::ModelFile;
-use super::registry::{JointType, Registry};
+use super::joints::{JointType, Registry};
 use schemars::SchemaGenerator;
 use serde_json::{Map, Value, json};
 

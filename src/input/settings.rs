@@ -4,9 +4,10 @@ use super::file::{
     Analysis, ArcLength, Direction, Dynamic, NewtonSettings, Predictor, Static, Stop, TangentRule,
 };
 use super::names::Names;
-use super::{InputError, Problem, Text};
+use super::parts::Assembly;
+use super::{InputError, Location, Problem};
 use pullback_elements::model::{Model, NodeId};
-use pullback_integrators::dynamics::{self as integrator, Adaptivity, DynamicOptions};
+use pullback_integrators::dynamics::{self as integrator, Adaptivity, DynamicOptions, Scheme};
 use pullback_integrators::statics::{ArcLengthOptions, Event, StaticNewtonOptions, StaticOptions};
 
 /// Largest number of steps accepted.
@@ -66,75 +67,54 @@ impl Plan {
     }
 }
 
-pub(super) fn plan(
-    source: &Text<'_>,
-    model: &Model,
-    nodes: &Names<NodeId>,
-    analysis: &Analysis,
-) -> Result<Plan, InputError> {
-    match analysis {
-        Analysis::Static(s) => load_steps(source, s).map(Plan::Static),
-        Analysis::ArcLength(a) => path(source, model, nodes, a),
-        Analysis::Dynamic(d) => dynamic(source, d).map(Plan::Dynamic),
+pub(super) fn plan(assembly: &Assembly<'_>, model: &Model) -> Result<Plan, InputError> {
+    let (at, nodes) = (assembly.at("analysis"), &assembly.nodes);
+    match &assembly.file.analysis {
+        Analysis::Static(s) => load_steps(&at.at("static"), s).map(Plan::Static),
+        Analysis::ArcLength(a) => path(&at.at("arc_length"), model, nodes, a),
+        Analysis::Dynamic(d) => dynamic(&at.at("dynamic"), d).map(Plan::Dynamic),
     }
 }
 
-fn dynamic(source: &Text<'_>, d: &Dynamic) -> Result<DynamicPlan, InputError> {
-    let (at, newton) = (["analysis", "dynamic"], ["analysis", "dynamic", "newton"]);
+fn dynamic(at: &Location<'_>, d: &Dynamic) -> Result<DynamicPlan, InputError> {
     let min_step = d.min_step.unwrap_or(1e-6 * d.step);
     for (key, value) in [("to", d.to), ("step", d.step), ("min_step", min_step)] {
-        source.positive(&at, key, value)?;
+        at.positive(key, value)?;
     }
-    tight(source, &newton, d.newton.relative)?;
-    let iterations = d.newton.max_iterations as f64;
-    source.positive(&newton, "max_iterations", iterations)?;
-    source.not_negative(&newton, "absolute", d.newton.absolute)?;
-    source.positive(&at, "record_every", d.record_every as f64)?;
-    record_interval(source, d)?;
+    let n = d.newton;
+    check_newton(&at.at("newton"), n.relative, n.absolute, n.max_iterations)?;
+    at.positive("record_every", d.record_every as f64)?;
+    record_interval(at, d)?;
     let adaptivity = d.adaptive.map(|a| Adaptivity {
         tolerance: a.tolerance,
         max_step: a.max_step.unwrap_or(100.0 * d.step),
     });
     if let Some(a) = adaptivity {
-        let at = ["analysis", "dynamic", "adaptive"];
-        source.positive(&at, "tolerance", a.tolerance)?;
-        source.positive(&at, "max_step", a.max_step)?;
+        let at = at.at("adaptive");
+        at.positive("tolerance", a.tolerance)?;
+        at.positive("max_step", a.max_step)?;
     }
     if d.step > d.to || min_step > d.step {
-        return Err(source.range(&at, "step", d.step, "a step between min_step and to"));
+        return Err(at.range("step", d.step, "a step between min_step and to"));
     }
     if d.adaptive.is_none() && d.to / d.step > MOST_STEPS {
-        return Err(source.range(&at, "step", d.step, "at most 1e9 steps"));
-    }
-    let at = |key: &'static str| ["analysis", "dynamic", key];
-    let method = d.scheme.method().map_err(|error| {
-        let message = error.to_string();
-        source.value(&at("scheme"), Problem::Scheme { message })
-    })?;
-    let scheme = method.scheme();
-    if d.adaptive.is_some() && !scheme.estimates_error() {
-        let name = scheme.name;
-        let message = format!(
-            "{name} has no estimate of the local error, which schemes of order 2 and tsitouras have; take \
-             equal steps, or another scheme"
-        );
-        return Err(source.value(&at("scheme"), Problem::Scheme { message }));
+        return Err(at.range("step", d.step, "at most 1e9 steps"));
     }
     Ok(DynamicPlan {
         options: DynamicOptions {
             interval: d.record_interval,
             min_step,
-            scheme,
+            scheme: scheme(at, d)?,
             adaptivity,
             newton: integrator::NewtonOptions {
-                relative: d.newton.relative,
-                absolute: d.newton.absolute,
-                max_iterations: d.newton.max_iterations,
-                tangent: match d.newton.tangent {
+                relative: n.relative,
+                absolute: n.absolute,
+                max_iterations: n.max_iterations,
+                tangent: match n.tangent {
                     TangentRule::Every => integrator::Tangent::Every,
                     TangentRule::Once => integrator::Tangent::Once,
                 },
-                predictor: match d.newton.predictor {
+                predictor: match n.predictor {
                     Predictor::Velocity => integrator::Predictor::Velocity,
                     Predictor::Keep => integrator::Predictor::Keep,
                 },
@@ -146,58 +126,76 @@ fn dynamic(source: &Text<'_>, d: &Dynamic) -> Result<DynamicPlan, InputError> {
     })
 }
 
+/// The scheme, which must estimate its error if step sizes are adaptive.
+fn scheme(at: &Location<'_>, d: &Dynamic) -> Result<Scheme, InputError> {
+    let refuse = |message| at.at("scheme").refuse(Problem::Scheme { message });
+    let method = d.scheme.method();
+    let scheme = method.map_err(|error| refuse(error.to_string()))?.scheme();
+    if d.adaptive.is_some() && !scheme.estimates_error() {
+        let name = scheme.name;
+        return Err(refuse(format!(
+            "{name} has no estimate of the local error, which schemes of order 2 and tsitouras have; take \
+             equal steps, or another scheme"
+        )));
+    }
+    Ok(scheme)
+}
+
 /// Refuses invalid intervals of rows.
-fn record_interval(source: &Text<'_>, d: &Dynamic) -> Result<(), InputError> {
+fn record_interval(at: &Location<'_>, d: &Dynamic) -> Result<(), InputError> {
     let Some(interval) = d.record_interval else {
         return Ok(());
     };
-    let (at, key) = (["analysis", "dynamic"], "record_interval");
-    source.positive(&at, key, interval)?;
+    let key = "record_interval";
+    at.positive(key, interval)?;
     let expected = match d.to / interval {
         _ if d.record_every != 1 => "no record_every beside record_interval",
         rows if rows > MOST_STEPS => "an interval that makes at most 1e9 rows",
         _ => return Ok(()),
     };
-    Err(source.range(&at, key, interval, expected))
+    Err(at.range(key, interval, expected))
 }
 
-/// Refuses tolerances of Newton's method that are too loose for equilibrium.
-fn tight(source: &Text<'_>, newton: &[&str], relative: f64) -> Result<(), InputError> {
-    source.positive(newton, "relative", relative)?;
-    if relative <= StaticNewtonOptions::LOOSEST {
-        return Ok(());
+/// Refuses invalid settings of Newton's method, and tolerances that are too loose for equilibrium.
+fn check_newton(
+    at: &Location<'_>,
+    relative: f64,
+    absolute: f64,
+    max_iterations: usize,
+) -> Result<(), InputError> {
+    at.positive("relative", relative)?;
+    if relative > StaticNewtonOptions::LOOSEST {
+        let expected = "a tenth of the forces at most (1e-9 is the default)";
+        return Err(at.range("relative", relative, expected));
     }
-    let expected = "a tenth of the forces at most (1e-9 is the default)";
-    Err(source.range(newton, "relative", relative, expected))
+    at.positive("max_iterations", max_iterations as f64)?;
+    at.not_negative("absolute", absolute)
 }
 
-fn newton(
-    source: &Text<'_>,
-    kind: &str,
-    settings: &NewtonSettings,
-) -> Result<StaticNewtonOptions, InputError> {
-    let at = ["analysis", kind, "newton"];
-    tight(source, &at, settings.relative)?;
-    let (key, iterations) = ("max_iterations", settings.max_iterations as f64);
-    source.positive(&at, key, iterations)?;
-    source.not_negative(&at, "absolute", settings.absolute)?;
-    if iterations > 1000.0 {
-        return Err(source.range(&at, key, iterations, "at most 1000 iterations"));
+fn newton(at: &Location<'_>, settings: &NewtonSettings) -> Result<StaticNewtonOptions, InputError> {
+    let &NewtonSettings {
+        relative,
+        absolute,
+        max_iterations,
+    } = settings;
+    check_newton(at, relative, absolute, max_iterations)?;
+    if max_iterations > 1000 {
+        let expected = "at most 1000 iterations";
+        return Err(at.range("max_iterations", max_iterations as f64, expected));
     }
     Ok(StaticNewtonOptions {
-        relative: settings.relative,
-        absolute: settings.absolute,
-        max_iterations: settings.max_iterations,
+        relative,
+        absolute,
+        max_iterations,
         ..StaticNewtonOptions::default()
     })
 }
 
-fn load_steps(source: &Text<'_>, s: &Static) -> Result<StaticOptions, InputError> {
-    let at = ["analysis", "static"];
+fn load_steps(at: &Location<'_>, s: &Static) -> Result<StaticOptions, InputError> {
     let range = (s.to - s.from).abs();
     if range == 0.0 || !range.is_finite() {
         let expected = "a load parameter that differs from the one it starts from";
-        return Err(source.range(&at, "to", s.to, expected));
+        return Err(at.range("to", s.to, expected));
     }
     let given = [
         ("first_step", s.first_step),
@@ -206,16 +204,16 @@ fn load_steps(source: &Text<'_>, s: &Static) -> Result<StaticOptions, InputError
     ];
     for (key, value) in given {
         let Some(value) = value else { continue };
-        source.positive(&at, key, value)?;
+        at.positive(key, value)?;
         if s.steps.is_some() && key != "min_step" {
-            return Err(source.key(&[at[0], at[1], key], Problem::StepsTwice { key }));
+            return Err(at.at(key).refuse_key(Problem::StepsTwice { key }));
         }
     }
     let steps = s.steps.map(|steps| steps as f64);
     if let Some(steps) = steps {
-        source.positive(&at, "steps", steps)?;
+        at.positive("steps", steps)?;
         if steps > MOST_STEPS {
-            return Err(source.range(&at, "steps", steps, "at most 1e9 steps"));
+            return Err(at.range("steps", steps, "at most 1e9 steps"));
         }
     }
     let equal = steps.map(|steps| range / steps);
@@ -228,7 +226,7 @@ fn load_steps(source: &Text<'_>, s: &Static) -> Result<StaticOptions, InputError
     let min_step = s.min_step.unwrap_or(1e-6 * range).min(first_step);
     if first_step > max_step {
         let expected = "a first step that is not larger than max_step";
-        return Err(source.range(&at, "first_step", first_step, expected));
+        return Err(at.range("first_step", first_step, expected));
     }
     Ok(StaticOptions {
         from: s.from,
@@ -236,7 +234,7 @@ fn load_steps(source: &Text<'_>, s: &Static) -> Result<StaticOptions, InputError
         first_step,
         min_step,
         max_step,
-        newton: newton(source, "static", &s.newton)?,
+        newton: newton(&at.at("newton"), &s.newton)?,
         ..StaticOptions::default()
     })
 }
@@ -253,12 +251,11 @@ pub(super) fn fill_in(plan: &Plan, analysis: &mut Analysis) {
 }
 
 fn path(
-    source: &Text<'_>,
+    at: &Location<'_>,
     model: &Model,
     nodes: &Names<NodeId>,
     a: &ArcLength,
 ) -> Result<Plan, InputError> {
-    let kind = "arc_length";
     let numbers = [
         ("first_step", a.first_step),
         ("max_step", a.max_step),
@@ -268,19 +265,17 @@ fn path(
         ("target_iterations", a.target_iterations as f64),
     ];
     for (key, value) in numbers {
-        source.positive(&["analysis", kind], key, value)?;
+        at.positive(key, value)?;
     }
     if a.stop.is_empty() {
         let expected = "at least one position to stop at, such as { load = 1.0 }";
-        return Err(source.range(&["analysis", kind], "stop", 0.0, expected));
+        return Err(at.range("stop", 0.0, expected));
     }
     let mut events = Vec::new();
     let mut names = Vec::new();
     for (list, stops, ends) in [("stop", &a.stop, true), ("record", &a.record, false)] {
         for (k, stop) in stops.iter().enumerate() {
-            let index = k.to_string();
-            let at = ["analysis", kind, list, index.as_str()];
-            let (event, name) = event(source, &at, model, nodes, stop)?;
+            let (event, name) = event(&at.at(list).at(k), model, nodes, stop)?;
             events.push((event, ends));
             names.push(name);
         }
@@ -295,14 +290,14 @@ fn path(
         target_iterations: a.target_iterations,
         events,
         forward: a.direction == Direction::Forward,
-        newton: newton(source, kind, &a.newton)?,
+        newton: newton(&at.at("newton"), &a.newton)?,
     };
     Ok(Plan::Path(options, names))
 }
 
+/// An event of the path, and its name in the history.
 fn event(
-    source: &Text<'_>,
-    at: &[&str],
+    at: &Location<'_>,
     model: &Model,
     nodes: &Names<NodeId>,
     stop: &Stop,
@@ -311,17 +306,13 @@ fn event(
         Stop::TurningPoint => (Event::TurningPoint, "turning_point".to_owned()),
         Stop::Load(load) => (Event::Load(*load), format!("load = {load}")),
         Stop::Coordinate(c) => {
-            let path = [at, &["coordinate", "node"]].concat();
-            let node = nodes.find(source, &path, &c.node)?;
+            let (dof, value) = (c.dof.key(), c.value);
+            let node = nodes.find(&at.at("coordinate").at("node"), &c.node)?;
             let unknown = model.unknown(node, c.dof.dof()).ok_or_else(|| {
-                let problem = Problem::PrescribedEvent {
-                    node: c.node.clone(),
-                    dof: c.dof.key(),
-                };
-                source.value(at, problem)
+                let node = c.node.clone();
+                at.refuse(Problem::PrescribedEvent { node, dof })
             })?;
-            let name = format!("{} of {} = {}", c.dof.key(), c.node, c.value);
-            let value = c.value;
+            let name = format!("{dof} of {} = {value}", c.node);
             (Event::Coordinate { unknown, value }, name)
         }
     })

@@ -7,7 +7,7 @@ use super::log::{self, Extent};
 use super::plot::Shapes;
 use super::vtu::VtuFrame;
 use crate::warnings::Turn;
-use pullback_elements::model::Context;
+use pullback_elements::model::{Context, SavedState};
 use pullback_integrators::dynamics::Progress;
 use pullback_manifold::system::System;
 use serde::{Deserialize, Serialize};
@@ -58,9 +58,8 @@ pub struct Checkpoint {
     /// Names of the unknowns in their order.
     unknowns: Vec<String>,
     pub(super) progress: Progress,
-    pub(super) element_charts: Vec<u32>,
-    /// State of the maps: reference configurations, splits, branches.
-    pub(super) maps: Vec<Vec<f64>>,
+    /// State of the model besides the coordinates.
+    pub(super) state: SavedState,
     /// Last rotation vectors of the probes.
     pub(super) memories: Vec<[f64; 3]>,
     pub(super) record: Record,
@@ -119,15 +118,14 @@ pub enum ResumeError {
 }
 
 impl Checkpoint {
-    pub(super) fn new(settings: Value, unknowns: Vec<String>, progress: &Progress) -> Self {
+    pub(super) fn new(settings: Value, context: &Context, progress: &Progress) -> Self {
         Self {
             crc32: 0,
             program: PROGRAM.to_owned(),
             settings,
-            unknowns,
+            unknowns: names(context),
             progress: progress.clone(),
-            element_charts: Vec::new(),
-            maps: Vec::new(),
+            state: context.save(),
             memories: Vec::new(),
             record: Record::default(),
             log: Extent::default(),
@@ -198,7 +196,7 @@ impl Checkpoint {
         &self.progress
     }
 
-    /// Restores the charts of a model.
+    /// Restores the state of a model besides the coordinates.
     ///
     /// # Errors
     /// [`ResumeError::Damaged`] if they do not belong to this model.
@@ -207,13 +205,12 @@ impl Checkpoint {
         context: &mut Context,
         directory: &Path,
     ) -> Result<(), ResumeError> {
-        context.set_element_charts(&self.element_charts);
-        if context.restore_maps(&self.maps) {
+        if context.restore(&self.state) {
             return Ok(());
         }
         Err(ResumeError::Damaged {
             path: directory.join(NAME),
-            what: "what the joints remember is not of this model".to_owned(),
+            what: "its state of charts and joints is not of this model".to_owned(),
         })
     }
 
@@ -224,7 +221,7 @@ impl Checkpoint {
 }
 
 /// Names of the unknowns of a model.
-pub(super) fn names(context: &Context) -> Vec<String> {
+fn names(context: &Context) -> Vec<String> {
     (0..context.pattern().dim())
         .map(|i| context.name(i))
         .collect()

@@ -25,7 +25,7 @@ pub enum OutputError {
     )]
     Busy {
         path: PathBuf,
-        /// The process id that it has left.
+        /// Its id.
         process: String,
     },
     /// A figure cannot be drawn.
@@ -41,7 +41,7 @@ pub enum OutputError {
 
 /// A directory for results, claimed by one process while this value exists.
 #[derive(Debug)]
-pub struct Directory {
+pub(crate) struct Directory {
     path: PathBuf,
     files: Vec<String>,
     /// Locked, so that the claim ends with the process.
@@ -61,18 +61,12 @@ impl Drop for Directory {
 impl Directory {
     /// Opens a directory, creates it if needed, and removes the results of an earlier run
     /// (identified by its `result.json`): steps of two runs must not mix.
-    ///
-    /// # Errors
-    /// [`OutputError::Write`].
     pub fn open(path: &Path) -> Result<Self, OutputError> {
         Self::cleared(path, super::results::NAME, &is_result)
     }
 
     /// Opens a directory for files of these names, creates it if needed, and removes files of an earlier
     /// run (identified by the first name). Other files stay.
-    ///
-    /// # Errors
-    /// [`OutputError::Write`].
     pub fn open_for(path: &Path, names: &[&str]) -> Result<Self, OutputError> {
         let first = names.first().copied().unwrap_or_default();
         Self::cleared(path, first, &|name| names.contains(&name))
@@ -83,58 +77,45 @@ impl Directory {
         known_by: &str,
         ours: &dyn Fn(&str) -> bool,
     ) -> Result<Self, OutputError> {
-        let fail = |source| OutputError::Write {
-            path: path.to_owned(),
-            source,
-        };
         if path.is_file() {
             let path = path.to_owned();
             return Err(OutputError::File { path });
         }
-        fs::create_dir_all(path).map_err(fail)?;
-        let claim = claim(path)?;
+        fs::create_dir_all(path).map_err(writing(path))?;
+        let directory = Self::claimed(path)?;
         if path.join(known_by).is_file() {
-            for entry in fs::read_dir(path).map_err(fail)? {
-                let entry = entry.map_err(fail)?;
-                let ours = |name: &str| ours(name) || is_litter(name, ours);
-                if entry.file_name().to_str().is_some_and(ours) {
-                    fs::remove_file(entry.path()).map_err(fail)?;
-                }
-            }
+            directory.remove(&|name| ours(name) || is_temporary(name, ours))?;
         }
-        Ok(Self {
-            path: path.to_owned(),
-            files: Vec::new(),
-            _claim: claim,
-        })
+        Ok(directory)
     }
 
     /// Opens the directory of a resumed run, and removes the ParaView files written after its checkpoint.
-    ///
-    /// # Errors
-    /// [`OutputError::Write`].
     pub fn reopen(path: &Path, kept: &[&str]) -> Result<Self, OutputError> {
-        let fail = |source| OutputError::Write {
-            path: path.to_owned(),
-            source,
-        };
-        let claim = claim(path)?;
-        let mut files: Vec<String> = Vec::new();
-        for entry in fs::read_dir(path).map_err(fail)? {
-            let entry = entry.map_err(fail)?;
-            let Some(name) = entry.file_name().to_str().map(str::to_owned) else {
-                continue;
-            };
-            if is_litter(&name, &is_result) || is_grid(&name) && !kept.contains(&name.as_str()) {
-                fs::remove_file(entry.path()).map_err(fail)?;
-            }
-        }
-        files.extend(kept.iter().map(|&name| name.to_owned()));
+        let mut directory = Self::claimed(path)?;
+        let later = |name: &str| is_grid(name) && !kept.contains(&name);
+        directory.remove(&|name| is_temporary(name, &is_result) || later(name))?;
+        directory.files = kept.iter().map(|&name| name.to_owned()).collect();
+        Ok(directory)
+    }
+
+    fn claimed(path: &Path) -> Result<Self, OutputError> {
         Ok(Self {
             path: path.to_owned(),
-            files,
-            _claim: claim,
+            files: Vec::new(),
+            _claim: claim(path)?,
         })
+    }
+
+    /// Removes the files with unwanted names.
+    fn remove(&self, unwanted: &dyn Fn(&str) -> bool) -> Result<(), OutputError> {
+        let fail = || writing(&self.path);
+        for entry in fs::read_dir(&self.path).map_err(fail())? {
+            let entry = entry.map_err(fail())?;
+            if entry.file_name().to_str().is_some_and(unwanted) {
+                fs::remove_file(entry.path()).map_err(fail())?;
+            }
+        }
+        Ok(())
     }
 
     /// Its path.
@@ -147,10 +128,7 @@ impl Directory {
         &self.files
     }
 
-    /// Writes or replaces a file as a whole.
-    ///
-    /// # Errors
-    /// [`OutputError::Write`]; the file is then unchanged.
+    /// Writes or replaces a file as a whole; after an error it is unchanged.
     pub fn write(&mut self, name: &str, content: &str) -> Result<(), OutputError> {
         let path = self.path.join(name);
         let temporary = self.path.join(format!(".{name}.{}", std::process::id()));
@@ -175,18 +153,13 @@ impl Directory {
     }
 
     /// Writes or replaces a file of JSON.
-    ///
-    /// # Errors
-    /// [`OutputError::Encode`], and as [`Directory::write`].
     pub fn write_json(&mut self, name: &str, value: &impl Serialize) -> Result<(), OutputError> {
         let text = serde_json::to_string_pretty(value).map_err(encoding(name))?;
         self.write(name, &(text + "\n"))
     }
 
-    /// Truncates a file after its first bytes and appends to it; without first bytes the file is created or replaced.
-    ///
-    /// # Errors
-    /// [`OutputError::Write`]; the first bytes are then unchanged.
+    /// Truncates a file after its first bytes and appends to it; after an error the first bytes are unchanged.
+    /// Without first bytes the file is created or replaced.
     pub fn append(&mut self, name: &str, bytes: usize, content: &str) -> Result<(), OutputError> {
         let path = self.path.join(name);
         if bytes == 0 {
@@ -204,7 +177,7 @@ impl Directory {
                 file.write_all(content.as_bytes())?;
                 file.sync_data()
             })
-            .map_err(|source| OutputError::Write { path, source })?;
+            .map_err(writing(&path))?;
         self.add(name);
         Ok(())
     }
@@ -214,6 +187,12 @@ impl Directory {
             self.files.push(name.to_owned());
         }
     }
+}
+
+/// The error of a path that cannot be written.
+fn writing(path: &Path) -> impl FnOnce(io::Error) -> OutputError {
+    let path = path.to_owned();
+    |source| OutputError::Write { path, source }
 }
 
 /// The error of a file that cannot be encoded.
@@ -249,15 +228,12 @@ fn regular(path: &Path) -> io::Result<()> {
 fn claim(directory: &Path) -> Result<fs::File, OutputError> {
     let path = directory.join(CLAIM);
     let own = std::process::id().to_string();
+    let fail = || writing(&path);
     loop {
-        let fail = |source| OutputError::Write {
-            path: path.clone(),
-            source,
-        };
-        regular(&path).map_err(fail)?;
+        regular(&path).map_err(fail())?;
         let mut options = fs::OpenOptions::new();
         let options = options.write(true).create(true).truncate(false);
-        let mut file = options.open(&path).map_err(fail)?;
+        let mut file = options.open(&path).map_err(fail())?;
         // The file system has no locks.
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
             return Err(OutputError::Busy {
@@ -265,8 +241,8 @@ fn claim(directory: &Path) -> Result<fs::File, OutputError> {
                 process: fs::read_to_string(&path).unwrap_or_default(),
             });
         }
-        file.set_len(0).map_err(fail)?;
-        file.write_all(own.as_bytes()).map_err(fail)?;
+        file.set_len(0).map_err(fail())?;
+        file.write_all(own.as_bytes()).map_err(fail())?;
         // The previous owner may have removed the file after it was opened here.
         if fs::read_to_string(&path).is_ok_and(|owner| owner == own) {
             return Ok(file);
@@ -283,7 +259,7 @@ pub(super) fn is_grid(name: &str) -> bool {
 }
 
 /// Whether a file name is that of an unfinished file of a killed program.
-fn is_litter(name: &str, ours: &dyn Fn(&str) -> bool) -> bool {
+fn is_temporary(name: &str, ours: &dyn Fn(&str) -> bool) -> bool {
     let inner = name.strip_prefix('.').and_then(|n| n.rsplit_once('.'));
     inner.is_some_and(|(name, id)| ours(name) && id.bytes().all(|b| b.is_ascii_digit()))
 }

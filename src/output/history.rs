@@ -28,7 +28,7 @@ pub const DYNAMIC_COLUMNS: [&str; 2] = ["kinetic_energy", "energy_defect"];
 
 /// A converged step.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct HistoryRow {
+pub(crate) struct HistoryRow {
     /// Number of the step; 0 is the start.
     pub step: usize,
     /// The located event, if any.
@@ -61,7 +61,7 @@ pub struct HistoryRow {
 }
 
 /// The whole file.
-pub fn csv(probes: &[String], rows: &[HistoryRow]) -> String {
+pub(super) fn csv(probes: &[String], rows: &[HistoryRow]) -> String {
     let mut out = COLUMNS.join(",");
     let moving = rows.iter().any(|row| row.motion.is_some());
     let more: &[&str] = if moving {

@@ -14,13 +14,13 @@ mod recorder;
 mod results;
 mod vtu;
 
-pub use checkpoint::{Checkpoint, ResumeError};
-pub(crate) use directory::drawing;
-pub use directory::{Directory, OutputError};
-pub use history::{COLUMNS, DYNAMIC_COLUMNS, HistoryRow, STATIC_COLUMNS, csv};
-pub use recorder::{RecordError, Recorder, Setting};
+pub(crate) use checkpoint::Checkpoint;
+pub use checkpoint::ResumeError;
+pub use directory::OutputError;
+pub(crate) use directory::{Directory, drawing};
+pub(crate) use history::HistoryRow;
+pub use history::{COLUMNS, DYNAMIC_COLUMNS, STATIC_COLUMNS};
+pub use recorder::RecordError;
+pub(crate) use recorder::{Recorder, Setting};
+pub use results::Ending;
 pub(crate) use results::is_complete;
-pub use results::{
-    Ending, FinalState, MotionResult, NodeResult, ReactionResult, Results, Statistics,
-};
-pub use vtu::{VtuFrame, collection, grid};

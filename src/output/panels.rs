@@ -64,15 +64,11 @@ impl Scales {
 }
 
 /// Draws zero if a panel has nothing but round-off, which full scale would show as a result.
-fn without_noise(curves: &mut [Curve], size: f64, value: fn(&mut (f64, f64)) -> &mut f64) {
-    let points = |curves: &mut [Curve], f: &mut dyn FnMut(&mut f64)| {
+fn without_noise(curves: &mut [Curve], size: f64) {
+    let values = curves.iter().flat_map(|c| &c.points).map(|p| p.1.abs());
+    if values.fold(0.0, f64::max) < ROUND_OFF * size {
         let points = curves.iter_mut().flat_map(|c| &mut c.points);
-        points.for_each(|p| f(value(p)));
-    };
-    let mut largest = 0.0_f64;
-    points(curves, &mut |x| largest = largest.max(x.abs()));
-    if largest < ROUND_OFF * size {
-        points(curves, &mut |x| *x = 0.0);
+        points.for_each(|p| p.1 = 0.0);
     }
 }
 
@@ -85,12 +81,13 @@ pub(super) fn panels(
     length: f64,
 ) -> Vec<Panel> {
     let scales = Scales::of(length, rows);
-    // By custom the load of a path, which may turn back, is on the vertical axis.
-    let upright = matches!(plan, Plan::Path(..));
+    let curve = |label: String, value: &dyn Fn(&HistoryRow) -> f64| {
+        Curve::new(label, rows.iter().map(|row| (row.t, value(row))).collect())
+    };
     let mut panels: Vec<(ProbeQuantity, Vec<Curve>)> = Vec::new();
     let mut column = 0;
     for probe in probes {
-        let (quantity, labels) = (probe.quantity(), probe.columns());
+        let (quantity, labels) = (probe.quantity, probe.columns());
         let room = |(q, curves): &(ProbeQuantity, Vec<Curve>)| {
             *q == quantity && curves.len() + labels.len() <= CURVES
         };
@@ -99,43 +96,29 @@ pub(super) fn panels(
             panels.len() - 1
         });
         for label in labels {
-            let points = rows.iter().map(|row| {
-                let value = row.probes[column];
-                if upright {
-                    (value, row.t)
-                } else {
-                    (row.t, value)
-                }
-            });
-            panels[position].1.push(Curve::new(label, points.collect()));
+            panels[position]
+                .1
+                .push(curve(label, &|row| row.probes[column]));
             column += 1;
         }
     }
     if panels.is_empty() {
-        let points = rows.iter().map(|row| {
-            if upright {
-                (row.strain_energy, row.t)
-            } else {
-                (row.t, row.strain_energy)
-            }
-        });
-        let curve = Curve::new("strain energy", points.collect());
-        panels.push((ProbeQuantity::strain_energy, vec![curve]));
+        let energy = curve("strain energy".to_owned(), &|row| row.strain_energy);
+        panels.push((ProbeQuantity::strain_energy, vec![energy]));
     }
-    panels
-        .into_iter()
-        .map(|(quantity, mut curves)| {
-            let value: fn(&mut (f64, f64)) -> &mut f64 =
-                if upright { |p| &mut p.0 } else { |p| &mut p.1 };
-            without_noise(&mut curves, scales.size(quantity), value);
-            let parameter = format!("{} t", plan.parameter());
-            let (load, value) = (parameter, quantity.axis().to_owned());
-            let (x, y) = if upright {
-                (value, load)
-            } else {
-                (load, value)
-            };
-            Panel { x, y, curves }
-        })
-        .collect()
+    let panel = |(quantity, mut curves): (ProbeQuantity, Vec<Curve>)| {
+        without_noise(&mut curves, scales.size(quantity));
+        let (mut x, mut y) = (
+            format!("{} t", plan.parameter()),
+            quantity.axis().to_owned(),
+        );
+        // By custom the load of a path, which may turn back, is on the vertical axis.
+        if matches!(plan, Plan::Path(..)) {
+            std::mem::swap(&mut x, &mut y);
+            let points = curves.iter_mut().flat_map(|c| &mut c.points);
+            points.for_each(|p| *p = (p.1, p.0));
+        }
+        Panel { x, y, curves }
+    };
+    panels.into_iter().map(panel).collect()
 }

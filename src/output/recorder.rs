@@ -10,10 +10,10 @@ use super::log::{self, Extent};
 use super::plot::Shapes;
 use super::results::{Ending, FinalState, Statistics, final_state};
 use super::vtu::{VtuFrame, collection, grid};
-use crate::input::{DynamicPlan, Geometry, ModelFile, Output, Plan};
+use crate::input::{DynamicPlan, Geometry, ModelFile, Plan};
 use crate::probe::{Answers, Probe};
 use crate::solve::{Advance, Counts, point};
-use crate::warnings::{Diagnostics, Turn, Turns};
+use crate::warnings::{Diagnostics, Turns};
 use pullback_elements::model::Context;
 use pullback_integrators::dynamics::Progress;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError};
@@ -26,7 +26,7 @@ const SAVED: Duration = Duration::from_secs(5);
 const SHAPES: usize = 64;
 
 /// The constant data of an analysis.
-pub struct Setting<'a> {
+pub(crate) struct Setting<'a> {
     /// Path of the model file, as displayed.
     pub source: &'a str,
     /// The file with defaults.
@@ -37,17 +37,16 @@ pub struct Setting<'a> {
     pub geometry: &'a Geometry,
     /// Notes on the model.
     pub notes: &'a [String],
-    /// Options of the output.
-    pub output: Output,
 }
 
 /// Collects steps and writes files.
-pub struct Recorder<'a> {
+pub(crate) struct Recorder<'a> {
     setting: Setting<'a>,
     directory: Directory,
     probes: Vec<Probe>,
     reference: Shapes,
-    rows: Vec<HistoryRow>,
+    /// Rows so far.
+    pub rows: Vec<HistoryRow>,
     frames: Vec<VtuFrame>,
     record: Record,
     /// The rows and frames in the log of the last checkpoint.
@@ -62,10 +61,7 @@ pub struct Recorder<'a> {
 }
 
 impl<'a> Recorder<'a> {
-    /// Marks the directory as that of an unfinished run. `warnings` are those of the model.
-    ///
-    /// # Errors
-    /// [`OutputError`].
+    /// Writes a first `result.json`, marked as incomplete. `warnings` are those of the model.
     pub fn new(
         setting: Setting<'a>,
         directory: Directory,
@@ -86,7 +82,7 @@ impl<'a> Recorder<'a> {
         let now = Instant::now();
         let mut recorder = Self {
             reference: Shapes::of(context, setting.geometry, 0.0),
-            grids: Grids::of(setting.output.paraview_every, setting.plan),
+            grids: Grids::of(setting.file.output.paraview_every, setting.plan),
             diagnostics: Diagnostics::new(setting.plan.start(), setting.plan.relative()),
             turns: Turns::default(),
             setting,
@@ -109,11 +105,13 @@ impl<'a> Recorder<'a> {
         Ok(recorder)
     }
 
-    /// Resumes from a checkpoint.
-    ///
-    /// # Errors
-    /// [`OutputError`].
-    pub fn resume(&mut self, checkpoint: Checkpoint) -> Result<(), OutputError> {
+    /// Resumes from a checkpoint, whose state has its row already.
+    pub fn resume(
+        &mut self,
+        context: &mut Context,
+        checkpoint: Checkpoint,
+        progress: &Progress,
+    ) -> Result<(), RecordError> {
         for (probe, memory) in self.probes.iter_mut().zip(checkpoint.memories) {
             probe.remember(memory);
         }
@@ -121,19 +119,19 @@ impl<'a> Recorder<'a> {
         self.rows = checkpoint.rows;
         self.frames = checkpoint.frames;
         self.log = checkpoint.log;
-        self.statistics.counts = Counts::of_motion(&checkpoint.progress.summary);
-        // Grids written after the checkpoint were removed.
-        match self.grids {
-            Grids::None => Ok(()),
-            _ => self.write_collection(),
+        self.statistics.counts = Counts::of_motion(&progress.summary);
+        self.turns = Turns::new(context, &progress.state);
+        let (t, answers) = (progress.state.t, moving(context, progress)?);
+        self.last = Some(final_state(context, &answers, t, None, self.setting.file));
+        if self.grids != Grids::None {
+            // Grids written after the checkpoint were removed.
+            self.write_collection()?;
         }
+        Ok(())
     }
 
     /// Records the reference configuration if nothing acts on it at the first load; otherwise the
     /// equilibrium there is a step of its own, number 0.
-    ///
-    /// # Errors
-    /// [`OutputError`].
     pub fn start(&mut self, context: &mut Context) -> Result<(), OutputError> {
         let n = context.pattern().dim();
         let (q, t) = (vec![0.0; n], self.setting.plan.start());
@@ -152,13 +150,10 @@ impl<'a> Recorder<'a> {
             t,
             ..HistoryRow::default()
         };
-        self.add(context, row, Answers::of(context, t))
+        self.add(context, row, &Answers::of(context, t))
     }
 
     /// Records the initial state of a motion.
-    ///
-    /// # Errors
-    /// [`RecordError`].
     pub fn start_motion(
         &mut self,
         context: &mut Context,
@@ -173,29 +168,37 @@ impl<'a> Recorder<'a> {
             ..HistoryRow::default()
         };
         let answers = moving(context, progress)?;
-        Ok(self.add(context, row, answers)?)
-    }
-
-    /// Observes the state from which a motion is resumed, without a row of its own.
-    ///
-    /// # Errors
-    /// [`RecordError`].
-    pub fn look(&mut self, context: &mut Context, progress: &Progress) -> Result<(), RecordError> {
-        self.turns = Turns::new(context, &progress.state);
-        let answers = moving(context, progress)?;
-        let row = HistoryRow {
-            t: progress.state.t,
-            ..HistoryRow::default()
-        };
-        self.last = Some(final_state(context, &answers, &row, self.setting.file));
-        Ok(())
+        Ok(self.add(context, row, &answers)?)
     }
 
     /// Records a converged step, with the model in its configuration; in a motion at the interval of the plan.
-    ///
-    /// # Errors
-    /// [`RecordError`].
     pub fn record(&mut self, context: &mut Context, step: &Advance<'_>) -> Result<(), RecordError> {
+        self.count(context, step);
+        if !self.due(step) {
+            return Ok(());
+        }
+        let row = self.row(step);
+        let answers = match step.progress {
+            Some(progress) => moving(context, progress)?,
+            None => {
+                let answers = Answers::of(context, step.t);
+                let first = step.residuals.first().filter(|_| step.number == 0);
+                let released = first.map_or([0.0; 3], |i| i.residual);
+                self.diagnostics.record(context, &answers, &row, released);
+                answers
+            }
+        };
+        self.add(context, row, &answers)?;
+        if self.saved.elapsed() > SAVED {
+            self.write_history()?;
+            self.write_results(&Ending::Running)?;
+            self.saved = Instant::now();
+        }
+        Ok(())
+    }
+
+    /// Updates what is known of all steps, recorded as rows or not.
+    fn count(&mut self, context: &Context, step: &Advance<'_>) {
         let rotation = context.largest_rotation();
         self.record.largest_rotation = self.record.largest_rotation.max(rotation);
         let counts = &mut self.statistics.counts;
@@ -213,51 +216,31 @@ impl<'a> Recorder<'a> {
         }
         self.record.since[0] += step.iterations;
         self.record.since[1] += step.chart_changes;
-        if !self.due(step) {
-            return Ok(());
-        }
+    }
+
+    /// The row of a step, without the quantities of the model.
+    fn row(&mut self, step: &Advance<'_>) -> HistoryRow {
         let [iterations, chart_changes] = std::mem::take(&mut self.record.since);
         let event = match (self.setting.plan, step.event) {
             (Plan::Path(_, names), Some(k)) => names.get(k).cloned(),
             _ => None,
         };
         let end = step.residuals.last();
-        let before = step.residuals.len().checked_sub(2);
-        let correction = before.map_or(0.0, |k| {
-            let i = &step.residuals[k];
-            i.correction * i.damping
-        });
+        let before = step.residuals.iter().nth_back(1);
         let [force, moment, _] = end.map_or([0.0; 3], |i| i.residual);
-        let row = HistoryRow {
+        HistoryRow {
             step: step.number,
             t: step.t,
             step_size: step.step_size,
             iterations,
             residual: [force, moment],
             ratio: end.map_or(0.0, |i| i.ratio),
-            correction,
+            correction: before.map_or(0.0, |i| i.correction * i.damping),
             chart_changes,
             event,
             unstable: step.unstable,
             ..HistoryRow::default()
-        };
-        let answers = match step.progress {
-            Some(progress) => moving(context, progress)?,
-            None => {
-                let answers = Answers::of(context, step.t);
-                let first = step.residuals.first().filter(|_| step.number == 0);
-                let released = first.map_or([0.0; 3], |i| i.residual);
-                self.diagnostics.record(context, &answers, &row, released);
-                answers
-            }
-        };
-        self.add(context, row, answers)?;
-        if self.saved.elapsed() > SAVED {
-            self.write_history()?;
-            self.write_results(&Ending::Running)?;
-            self.saved = Instant::now();
         }
-        Ok(())
     }
 
     /// Whether a step is recorded as a row.
@@ -282,22 +265,23 @@ impl<'a> Recorder<'a> {
         &mut self,
         context: &Context,
         mut row: HistoryRow,
-        answers: Answers,
+        answers: &Answers,
     ) -> Result<(), OutputError> {
         row.largest_rotation = context.largest_rotation();
-        row.strain_energy = answers.strain_energy();
-        if answers.is_moving() {
-            row.motion = Some([
-                answers.energy_balance().energies.kinetic,
-                answers.energy_defect(),
-            ]);
-        }
+        row.strain_energy = answers.strain_energy;
+        row.motion = (answers.motion).map(|(balance, defect)| [balance.energies.kinetic, defect]);
         for probe in &mut self.probes {
-            probe.record(context, &answers, &mut row.probes);
+            probe.record(context, answers, &mut row.probes);
         }
-        self.last = Some(final_state(context, &answers, &row, self.setting.file));
+        self.last = Some(final_state(
+            context,
+            answers,
+            row.t,
+            row.unstable,
+            self.setting.file,
+        ));
         let number = self.rows.len();
-        let scale = self.setting.output.deformation_scale;
+        let scale = self.setting.file.output.deformation_scale;
         let shape = (row.t, Shapes::of(context, self.setting.geometry, scale));
         if number.is_multiple_of(self.record.stride) {
             self.record.latest = None;
@@ -316,7 +300,7 @@ impl<'a> Recorder<'a> {
                 t: at,
                 file: grid_name(self.setting.plan, number),
             };
-            let text = grid(context, self.setting.geometry, &answers, load);
+            let text = grid(context, self.setting.geometry, answers, load);
             self.record.pending = Some((frame, text));
             let before = self.rows.last().map(|row| row.t);
             if self.grids.due(number, before, row.t) {
@@ -351,21 +335,10 @@ impl<'a> Recorder<'a> {
         self.directory.write("steps.pvd", &collection(&self.frames))
     }
 
-    fn columns(&self) -> Vec<String> {
-        self.probes.iter().flat_map(Probe::columns).collect()
-    }
-
     fn write_history(&mut self) -> Result<(), OutputError> {
-        let text = csv(&self.columns(), &self.rows);
+        let columns: Vec<String> = self.probes.iter().flat_map(Probe::columns).collect();
+        let text = csv(&columns, &self.rows);
         self.directory.write("history.csv", &text)
-    }
-
-    /// The warnings so far, of a complete run or not.
-    pub fn warnings(&self, ending: &Ending) -> Vec<String> {
-        let seen = self.diagnostics.warnings(*ending == Ending::Complete);
-        let turn = self.record.turn.as_ref().map(Turn::warning);
-        let warnings = self.record.warnings.iter().cloned();
-        warnings.chain(seen).chain(turn).collect()
     }
 
     fn seconds(&self) -> f64 {
@@ -374,9 +347,6 @@ impl<'a> Recorder<'a> {
 
     /// Writes a checkpoint: first appends the rows since the last one to the log, then writes the state with the
     /// new length of the log.
-    ///
-    /// # Errors
-    /// [`OutputError`].
     pub fn checkpoint(
         &mut self,
         context: &Context,
@@ -395,19 +365,12 @@ impl<'a> Recorder<'a> {
         };
         let settings =
             serde_json::to_value(self.setting.file).map_err(encoding(checkpoint::NAME))?;
-        let mut checkpoint = Checkpoint::new(settings, checkpoint::names(context), progress);
-        checkpoint.element_charts = context.element_charts();
-        checkpoint.maps = context.save_maps();
+        let mut checkpoint = Checkpoint::new(settings, context, progress);
         checkpoint.memories = self.probes.iter().map(Probe::memory).collect();
         checkpoint.record = self.record.clone();
         checkpoint.record.seconds = self.seconds();
         checkpoint.log = self.log;
         self.directory.write(checkpoint::NAME, &checkpoint.text()?)
-    }
-
-    /// Rows so far.
-    pub fn rows(&self) -> &[HistoryRow] {
-        &self.rows
     }
 }
 
@@ -418,7 +381,10 @@ fn moving(context: &mut Context, progress: &Progress) -> Result<Answers, RecordE
         .energies_and_momentum(point(progress))
         .map_err(RecordError::System)?;
     let defect = progress.summary.energy.map_or(0.0, |e| e.defect());
-    Ok(Answers::of(context, t).moving(Some(balance), defect))
+    Ok(Answers {
+        motion: Some((balance, defect)),
+        ..Answers::of(context, t)
+    })
 }
 
 /// Why a step cannot be recorded.

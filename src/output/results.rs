@@ -1,6 +1,5 @@
 //! `result.json`: settings, summary and the final state.
 
-use super::history::HistoryRow;
 use crate::input::ModelFile;
 use crate::probe::Answers;
 use crate::solve::Counts;
@@ -17,7 +16,7 @@ pub(super) const NAME: &str = "result.json";
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Ending {
-    /// Not yet (or the program was killed).
+    /// The run has not ended, or the program was killed.
     Running,
     /// The end of the load or of time, or a stop on the path.
     Complete,
@@ -42,7 +41,7 @@ pub enum Ending {
 
 /// The content of `result.json`.
 #[derive(Clone, Debug, Serialize)]
-pub struct Results<'a> {
+pub(super) struct Results<'a> {
     /// Program and version.
     pub program: &'static str,
     /// The model file.
@@ -54,7 +53,7 @@ pub struct Results<'a> {
     /// How it ended.
     pub ending: &'a Ending,
     /// The model file with all defaults filled in.
-    pub settings: &'a ModelFile,
+    pub settings: toml::Table,
     /// Counts.
     pub statistics: Statistics,
     /// Notes on the model, as on the terminal.
@@ -69,12 +68,11 @@ pub struct Results<'a> {
 
 /// Counts of a run.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
-pub struct Statistics {
+pub(super) struct Statistics {
     /// Frame nodes.
     pub nodes: usize,
     /// Elements, loads not counted.
     pub elements: usize,
-    /// Unknowns.
     pub unknowns: usize,
     /// Whether the tangent is symmetric: all loads are conservative.
     pub symmetric: bool,
@@ -89,7 +87,7 @@ pub struct Statistics {
 
 /// A converged state.
 #[derive(Clone, Debug, Default, Serialize)]
-pub struct FinalState {
+pub(super) struct FinalState {
     /// Load parameter or time.
     pub t: f64,
     /// All frame nodes by name.
@@ -98,7 +96,6 @@ pub struct FinalState {
     pub reactions: BTreeMap<String, ReactionResult>,
     /// Beam elements by name.
     pub elements: BTreeMap<String, ElementResult>,
-    /// Strain energy.
     pub strain_energy: f64,
     /// Potential of the loads that have one.
     pub load_potential: f64,
@@ -112,7 +109,7 @@ pub struct FinalState {
 
 /// A node.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub struct NodeResult {
+pub(super) struct NodeResult {
     /// Displacement d, global components.
     pub displacement: [f64; 3],
     /// Rotation vector Ψ in the chart in use, global components.
@@ -129,8 +126,7 @@ pub struct NodeResult {
 
 /// Energy and momentum of everything that has mass.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
-pub struct MotionResult {
-    /// Kinetic energy.
+pub(super) struct MotionResult {
     pub kinetic_energy: f64,
     /// Linear momentum, global components.
     pub momentum: [f64; 3],
@@ -140,8 +136,7 @@ pub struct MotionResult {
 
 /// Force and moment with which a support acts on the structure, global components.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub struct ReactionResult {
-    /// Force.
+pub(super) struct ReactionResult {
     pub force: [f64; 3],
     /// Moment; a covector for Ψ where not all three rotations are prescribed.
     pub moment: [f64; 3],
@@ -150,7 +145,7 @@ pub struct ReactionResult {
 /// Stress resultants of a beam element in section axes, mean over its integration points.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[allow(non_snake_case)]
-pub struct ElementResult {
+pub(super) struct ElementResult {
     /// Normal and shear forces N₁, N₂, N₃.
     pub N: [f64; 3],
     /// Torque and bending moments M₁, M₂, M₃.
@@ -168,10 +163,11 @@ pub(crate) fn is_complete(directory: &Path) -> bool {
 pub(super) fn final_state(
     context: &Context,
     answers: &Answers,
-    row: &HistoryRow,
+    t: f64,
+    unstable: Option<usize>,
     file: &ModelFile,
 ) -> FinalState {
-    let moving = answers.is_moving();
+    let moving = answers.motion.is_some();
     let nodes = context.frames().map(|(id, name)| {
         let state = context.node_state(id);
         let result = NodeResult {
@@ -184,7 +180,7 @@ pub(super) fn final_state(
         (name.to_owned(), result)
     });
     let supported: HashSet<&String> = file.supports.iter().map(|s| &s.node).collect();
-    let reactions = (answers.reactions().iter()).filter(|r| supported.contains(&r.node));
+    let reactions = (answers.reactions.iter()).filter(|r| supported.contains(&r.node));
     let reactions = reactions.map(|r| {
         let result = ReactionResult {
             force: r.force.into(),
@@ -193,7 +189,7 @@ pub(super) fn final_state(
         (r.node.clone(), result)
     });
     let mut elements = BTreeMap::new();
-    for (id, _) in answers.sections() {
+    for (id, _) in &answers.sections {
         let result = || ElementResult {
             N: answers.mean(*id, |s| s.N).into(),
             M: answers.mean(*id, |s| s.M).into(),
@@ -202,20 +198,17 @@ pub(super) fn final_state(
         elements.entry(name).or_insert_with(result);
     }
     FinalState {
-        t: row.t,
+        t,
         nodes: nodes.collect(),
         reactions: reactions.collect(),
         elements,
-        strain_energy: answers.strain_energy(),
-        load_potential: context.load_potential(row.t),
-        unstable: row.unstable,
-        motion: moving.then(|| {
-            let balance = answers.energy_balance();
-            MotionResult {
-                kinetic_energy: balance.energies.kinetic,
-                momentum: balance.momentum.linear.into(),
-                angular_momentum: balance.momentum.angular.into(),
-            }
+        strain_energy: answers.strain_energy,
+        load_potential: answers.load_potential,
+        unstable,
+        motion: answers.motion.map(|(balance, _)| MotionResult {
+            kinetic_energy: balance.energies.kinetic,
+            momentum: balance.momentum.linear.into(),
+            angular_momentum: balance.momentum.angular.into(),
         }),
     }
 }

@@ -14,7 +14,7 @@ use std::fmt::Write;
 
 /// A grid and its time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct VtuFrame {
+pub(super) struct VtuFrame {
     /// Load parameter or time, and along a path the number of the row.
     pub t: f64,
     /// File name.
@@ -27,7 +27,7 @@ const CELL_TYPES: [u8; 3] = [3, 21, 35];
 const VERTEX: u8 = 1;
 
 /// The collection (`.pvd`) of grids.
-pub fn collection(frames: &[VtuFrame]) -> String {
+pub(super) fn collection(frames: &[VtuFrame]) -> String {
     let mut out = "<?xml version=\"1.0\"?>\n\
                    <VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n\
                    <Collection>\n"
@@ -43,53 +43,13 @@ pub fn collection(frames: &[VtuFrame]) -> String {
 }
 
 /// The grid (`.vtu`) of a model in its present configuration, in statics with the load parameter.
-pub fn grid(
+pub(super) fn grid(
     context: &Context,
     geometry: &Geometry,
     answers: &Answers,
     load: Option<f64>,
 ) -> String {
-    let mut points = Points::default();
-    let mut connectivity = Vec::new();
-    let mut offsets = Vec::new();
-    let mut types = Vec::new();
-    let mut line_number = Vec::new();
-    let mut resultants: [Vec<Vector3<f64>>; 4] = Default::default();
-    for (l, line) in geometry.lines.iter().enumerate() {
-        let first = points.positions.len();
-        for (&node, R0) in line.nodes.iter().zip(&line.frames) {
-            points.push(&context.node_state(node), Vector3::zeros(), R0);
-        }
-        for (e, &id) in line.elements.iter().enumerate() {
-            let start = first + e * line.order;
-            // Both ends come first, then the inner nodes.
-            connectivity.extend([start, start + line.order]);
-            connectivity.extend(start + 1..start + line.order);
-            offsets.push(connectivity.len());
-            types.push(CELL_TYPES[(line.order - 1).min(2)]);
-            line_number.push(l + 1);
-            resultants[0].push(answers.mean(id, |s| s.N));
-            resultants[1].push(answers.mean(id, |s| s.M));
-            resultants[2].push(answers.mean(id, |s| s.Gamma));
-            resultants[3].push(answers.mean(id, |s| s.K));
-        }
-    }
-    let bodies = geometry.bodies.iter();
-    let bodies = bodies.map(|b| (VERTEX, vec![(b.node, b.center)]));
-    let links = geometry.links.iter();
-    let links = links.map(|ends| (CELL_TYPES[0], ends.map(|n| (n, Vector3::zeros())).to_vec()));
-    for (cell_type, all) in bodies.chain(links) {
-        for (node, center) in all {
-            connectivity.push(points.positions.len());
-            points.push(&context.node_state(node), center, &Matrix3::identity());
-        }
-        offsets.push(connectivity.len());
-        types.push(cell_type);
-        line_number.push(0);
-        for part in &mut resultants {
-            part.push(Vector3::zeros());
-        }
-    }
+    let (points, cells) = parts(context, geometry, answers);
     let mut out = format!(
         "<?xml version=\"1.0\"?>\n\
          <VTKFile type=\"UnstructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\">\n\
@@ -101,18 +61,18 @@ pub fn grid(
              NumberOfTuples=\"1\" format=\"ascii\">\n{load:?}\n</DataArray>\n</FieldData>\n"
         )),
         points.positions.len(),
-        types.len()
+        cells.types.len()
     );
     out += "<Points>\n";
     vectors(&mut out, "Points", &points.positions);
     out += "</Points>\n<Cells>\n";
-    integers(&mut out, "connectivity", "Int64", &connectivity);
-    integers(&mut out, "offsets", "Int64", &offsets);
-    integers(&mut out, "types", "UInt8", &types);
+    integers(&mut out, "connectivity", "Int64", &cells.connectivity);
+    integers(&mut out, "offsets", "Int64", &cells.offsets);
+    integers(&mut out, "types", "UInt8", &cells.types);
     out += "</Cells>\n<PointData Vectors=\"displacement\">\n";
     vectors(&mut out, "displacement", &points.displacement);
     vectors(&mut out, "rotation", &points.rotation);
-    if answers.is_moving() {
+    if answers.motion.is_some() {
         vectors(&mut out, "velocity", &points.velocity);
         vectors(&mut out, "angular_velocity", &points.omega);
     }
@@ -120,11 +80,78 @@ pub fn grid(
         vectors(&mut out, name, axis);
     }
     out += "</PointData>\n<CellData>\n";
-    for (name, values) in ["N", "M", "Gamma", "K"].into_iter().zip(&resultants) {
+    for (name, values) in ["N", "M", "Gamma", "K"].into_iter().zip(&cells.resultants) {
         vectors(&mut out, name, values);
     }
-    integers(&mut out, "line", "Int32", &line_number);
+    integers(&mut out, "line", "Int32", &cells.line_number);
     out + "</CellData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n"
+}
+
+/// The points and cells of all lines, bodies and links.
+fn parts(context: &Context, geometry: &Geometry, answers: &Answers) -> (Points, Cells) {
+    let (mut points, mut cells) = (Points::default(), Cells::default());
+    for (l, line) in geometry.lines.iter().enumerate() {
+        let first = points.positions.len();
+        for (&node, R0) in line.nodes.iter().zip(&line.frames) {
+            points.push(&context.node_state(node), Vector3::zeros(), R0);
+        }
+        for (e, &id) in line.elements.iter().enumerate() {
+            let start = first + e * line.order;
+            // Both ends come first, then the inner nodes.
+            let ends = [start, start + line.order];
+            let own = ends.into_iter().chain(start + 1..start + line.order);
+            let means = [
+                answers.mean(id, |s| s.N),
+                answers.mean(id, |s| s.M),
+                answers.mean(id, |s| s.Gamma),
+                answers.mean(id, |s| s.K),
+            ];
+            cells.push(CELL_TYPES[(line.order - 1).min(2)], own, l + 1, means);
+        }
+    }
+    let bodies = geometry.bodies.iter();
+    let bodies = bodies.map(|b| (VERTEX, vec![(b.node, b.center)]));
+    let links = geometry.links.iter();
+    let links = links.map(|ends| (CELL_TYPES[0], ends.map(|n| (n, Vector3::zeros())).to_vec()));
+    for (cell_type, all) in bodies.chain(links) {
+        let first = points.positions.len();
+        for (node, center) in all {
+            points.push(&context.node_state(node), center, &Matrix3::identity());
+        }
+        let own = first..points.positions.len();
+        cells.push(cell_type, own, 0, [Vector3::zeros(); 4]);
+    }
+    (points, cells)
+}
+
+/// Cells and their data.
+#[derive(Default)]
+struct Cells {
+    connectivity: Vec<usize>,
+    offsets: Vec<usize>,
+    types: Vec<u8>,
+    /// Numbers of lines from 1; 0 for bodies and links.
+    line_number: Vec<usize>,
+    /// N, M, Γ and K.
+    resultants: [Vec<Vector3<f64>>; 4],
+}
+
+impl Cells {
+    fn push(
+        &mut self,
+        cell_type: u8,
+        points: impl Iterator<Item = usize>,
+        line_number: usize,
+        resultants: [Vector3<f64>; 4],
+    ) {
+        self.connectivity.extend(points);
+        self.offsets.push(self.connectivity.len());
+        self.types.push(cell_type);
+        self.line_number.push(line_number);
+        for (all, own) in self.resultants.iter_mut().zip(resultants) {
+            all.push(own);
+        }
+    }
 }
 
 /// Points and their data.

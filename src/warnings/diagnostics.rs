@@ -20,7 +20,7 @@ struct Change {
 }
 
 /// Records the rows of a static analysis.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Diagnostics {
     /// Load parameter and number of unstable directions of the last row that has it.
     stability: (f64, usize),
@@ -39,7 +39,7 @@ pub(crate) struct Diagnostics {
     inverted: Option<(String, f64, f64)>,
     /// Element, strain and load parameter of the first row with a large strain.
     strained: Option<(String, f64, f64)>,
-    /// Tolerance of the residual relative to loads and reactions, unless the rest is rounding.
+    /// Tolerance of the residual, relative to loads and reactions.
     relative: f64,
     /// Residual force and moment, their ratio to loads and reactions, and load parameter of
     /// the first row in which rounding errors are that large.
@@ -53,21 +53,13 @@ const UNRESOLVED: f64 = 1e-5;
 const LARGE_STRAIN: f64 = 0.2;
 
 impl Diagnostics {
-    /// Starts at a load parameter with a stable structure; `relative` is the tolerance of the residual.
+    /// The structure is stable at the first load parameter `t`; `relative` is the tolerance of the residual.
     pub(crate) fn new(t: f64, relative: f64) -> Self {
         Self {
             stability: (t, 0),
             last: t,
-            sense: 0.0,
-            turns: false,
-            changes: Vec::new(),
-            rows: 0,
-            moved: false,
-            held: false,
-            inverted: None,
-            strained: None,
             relative,
-            unresolved: None,
+            ..Self::default()
         }
     }
 
@@ -96,10 +88,10 @@ impl Diagnostics {
         if unresolved && self.unresolved.is_none() {
             self.unresolved = Some((row.residual, part, t));
         }
-        self.moved = self.moved || answers.strain_energy() != 0.0 || moved(context);
-        let mut reactions = answers.reactions().iter();
+        self.moved = self.moved || answers.strain_energy != 0.0 || moved(context);
+        let mut reactions = answers.reactions.iter();
         self.held |= reactions.any(|r| r.force.norm() + r.moment.norm() > 0.0);
-        for (id, state) in answers.sections() {
+        for (id, state) in &answers.sections {
             let about = |value| Some((context.element(*id).0.to_owned(), value, t));
             let stretch = 1.0 + state.Gamma.x;
             if stretch <= 0.0 && self.inverted.is_none() {

@@ -1,7 +1,5 @@
 //! The laws of one element.
 
-#![allow(non_snake_case)]
-
 use super::{in_charts, inertia};
 use crate::{Forces, Layout, Random, Report, State, forces_at, states};
 use nalgebra::{DMatrix, DVector};
@@ -10,11 +8,10 @@ use pullback_manifold::system::Weights;
 
 /// Checks every law of an element at every position within its domain.
 ///
-/// Tangents by slope, at rest and in motion; symmetry where the element claims it; the force as
-/// derivative of the energy where there is one; inertial forces as those of the kinetic energy; the
-/// power of all forces against the energies; that neither the residual nor a tangent depends on what
-/// else is requested; and that a combined tangent is the sum of its parts. An element that reads poses is
-/// checked in the charts of its frames.
+/// The laws are those of tangents, at rest and in motion; symmetry where the element declares it; the force as the
+/// derivative of the energy, if it has one; inertial forces as those of the kinetic energy; the balance of power; that
+/// neither the residual nor a tangent depends on what else is requested; and that a combined tangent is the sum of its
+/// parts. An element that reads poses is checked in the charts of its frames.
 pub fn element(element: &dyn Element) -> Report {
     let n = element.dim();
     let name = format!("element of {n} coordinates");
@@ -23,26 +20,23 @@ pub fn element(element: &dyn Element) -> Report {
     })
 }
 
-/// As [`element`], of coordinates with names and units, at given states.
-pub fn element_at(
+/// As [`element`], with a layout of the coordinates, at given states.
+pub(crate) fn element_at(
     subject: &str,
     layout: &Layout,
     states: &[(String, State)],
     element: &dyn Element,
 ) -> Report {
-    // An element without energy answers zero: only one that differs somewhere is held to it.
-    let conservative = states
-        .iter()
-        .any(|(_, s)| element.energy(&motion(s)) != 0.0);
+    // The energy of an element that has none is zero everywhere.
+    let any = |of: &dyn Fn(&Motion<'_>) -> f64| states.iter().any(|(_, s)| of(&motion(s)) != 0.0);
+    let conservative = any(&|at| element.energy(at));
     let symmetric = element.properties().symmetric;
     let mut report = forces_at(subject, layout, states, symmetric, |s| {
         let mut f = evaluate(element, s, Request::All)?;
         f.energy = conservative.then(|| element.energy(&motion(s)));
         Some(f)
     });
-    let dissipative = states
-        .iter()
-        .any(|(_, s)| element.dissipation(&motion(s)) != 0.0);
+    let dissipative = any(&|at| element.dissipation(at));
     let mut random = Random::default();
     for (at, state) in states {
         if let Some(all) = evaluate(element, state, Request::All) {
@@ -71,7 +65,7 @@ pub(crate) struct One<'a> {
     pub layout: &'a Layout,
     pub at: &'a str,
     pub state: &'a State,
-    /// What it answers there.
+    /// Its forces and tangents there.
     pub all: &'a Forces,
 }
 
@@ -81,13 +75,6 @@ impl One<'_> {
         let units = self.layout.units();
         let scaled = DMatrix::from_fn(A.nrows(), A.ncols(), |i, j| A[(i, j)] * units[i] * units[j]);
         scaled.norm()
-    }
-
-    /// A direction with entries of the size of the units.
-    pub(crate) fn direction(&self, random: &mut Random) -> DVector<f64> {
-        let mut d = DVector::zeros(self.state.x.len());
-        random.direction(1.0, d.as_mut_slice());
-        d.component_mul(&DVector::from_vec(self.layout.units()))
     }
 
     /// The state with other velocities and accelerations.
@@ -104,14 +91,14 @@ impl One<'_> {
         }
     }
 
-    /// The state at rest, where nothing moves but could.
+    /// The state at rest, with velocities and accelerations of zero.
     pub(crate) fn rest(&self) -> State {
         let none = || DVector::zeros(self.state.x.len());
         self.moving(none(), none())
     }
 }
 
-/// What one evaluation computes.
+/// The requested results of an evaluation.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Request {
     All,
@@ -122,6 +109,7 @@ pub(crate) enum Request {
 pub(crate) fn motion(s: &State) -> Motion<'_> {
     Motion {
         t: s.t,
+        inputs: &[],
         x: s.x.as_slice(),
         v: s.v.as_slice(),
         a: s.a.as_slice(),
@@ -169,34 +157,20 @@ fn evaluate_from(
 impl One<'_> {
     /// A request for less gives the same numbers, to the last bit.
     fn requests(&self, report: &mut Report) {
-        let Self {
-            element,
-            at,
-            state: s,
-            all,
-            ..
-        } = *self;
+        let (element, at, s, all) = (self.element, self.at, self.state, self.all);
         let gap = |f: Option<Forces>, of: fn(&Forces, &Forces) -> f64| {
             f.map_or(f64::NAN, |f| of(&f, all))
         };
         let alone = gap(evaluate(element, s, Request::Residual), |f, all| {
             (&f.r - &all.r).norm()
         });
-        report.defect(
-            "r does not depend on what else is requested",
-            at,
-            alone,
-            0.0,
-        );
+        let law = "r does not depend on what else is requested";
+        report.defect(law, at, alone, 0.0);
         let with_K = gap(evaluate(element, s, Request::Stiffness), |f, all| {
             (&f.K - &all.K).norm() + (&f.r - &all.r).norm()
         });
-        report.defect(
-            "K does not depend on what else is requested",
-            at,
-            with_K,
-            0.0,
-        );
+        let law = "K does not depend on what else is requested";
+        report.defect(law, at, with_K, 0.0);
         if s.is_static() {
             // Sums of terms that are zero may still be ordered differently.
             let size = all.r.norm() + all.K.norm() * (1.0 + s.x.norm());
@@ -207,15 +181,9 @@ impl One<'_> {
         }
     }
 
-    /// The combined tangent is the sum of its parts, and an element that is dead has none.
+    /// The combined tangent is the sum of its parts, and a dead element has none.
     fn combination(&self, report: &mut Report) {
-        let Self {
-            element,
-            at,
-            state: s,
-            all,
-            ..
-        } = *self;
+        let (element, at, s, all) = (self.element, self.at, self.state, self.all);
         let rate = self.layout.rate;
         let weights = Weights {
             K: 1.0,
@@ -252,18 +220,12 @@ impl One<'_> {
         report.defect("S = cK K + cC C + cM M", at, gap, 1e-13 * size);
     }
 
-    /// Damping takes the power it says, and never gives any.
+    /// The dissipation is not negative, and is the power of damping.
     ///
-    /// Without inertia, what the velocities change in the force is damping: its power at ẋ is the
-    /// dissipation. With inertia only the sign is known, gyroscopic forces also have power.
+    /// Without inertia the change of the force with velocities is damping: its power at ẋ is the dissipation. With
+    /// inertia only the sign is known, since gyroscopic forces also have power.
     fn dissipation(&self, report: &mut Report) {
-        let Self {
-            element,
-            at,
-            state: s,
-            all,
-            ..
-        } = *self;
+        let (element, at, s, all) = (self.element, self.at, self.state, self.all);
         let lost = element.dissipation(&motion(s));
         report.defect("dissipation >= 0", at, (-lost).max(0.0), 0.0);
         if s.is_static() {
@@ -277,16 +239,10 @@ impl One<'_> {
         }
     }
 
-    /// The tangent of a Newton iterate: exact without a step, and off by its square otherwise.
+    /// The tangent of a Newton iterate has an error of second order in the step from the previous one.
     fn iterates(&self, report: &mut Report, random: &mut Random) {
-        let Self {
-            element,
-            at,
-            state: s,
-            all,
-            ..
-        } = *self;
-        let d = self.direction(random);
+        let (element, at, s, all) = (self.element, self.at, self.state, self.all);
+        let d = random.direction_in(&self.layout.units());
         let from = |e: f64| evaluate_from(element, Some(&(&s.x - &d * e)), s, Request::Stiffness);
         let gap = from(0.05).map_or(f64::NAN, |f| (&f.r - &all.r).norm());
         report.defect("r does not depend on the previous iterate", at, gap, 0.0);

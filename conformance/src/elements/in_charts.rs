@@ -1,13 +1,13 @@
 //! An element that reads poses, in the charts of its frames.
 
-#![allow(non_snake_case)]
-
-use pullback_elements::element::{Element, ElementError, Motion, Properties, Response};
+use crate::vectors::add;
+use pullback_elements::element::{Element, Motion, Properties, Response};
+use pullback_manifold::domain::DomainError;
 use pullback_manifold::map::{KinematicsMut, Parametrization, ToPose};
 use pullback_manifold::pullback::{Slot, Tangents, residual, tangent};
 use pullback_manifold::system::Weights;
 
-/// Applies laws to an element, in charts.
+/// Calls `laws` with an element of chart coordinates.
 pub(crate) fn in_charts<T>(element: &dyn Element, laws: impl FnOnce(&dyn Element) -> T) -> T {
     match element.properties().reads_poses {
         true => laws(&InCharts(element)),
@@ -15,11 +15,11 @@ pub(crate) fn in_charts<T>(element: &dyn Element, laws: impl FnOnce(&dyn Element
     }
 }
 
-/// An element that [reads poses](Properties::reads_poses), as one of the coordinates (d, Ψ) of its frames:
-/// what a model makes of it, and what the laws of elements are about.
+/// An element that [reads poses](Properties::reads_poses), as an element of the coordinates (d, Ψ) of its frames, as in a
+/// model.
 pub struct InCharts<'a>(pub &'a dyn Element);
 
-/// Number of coordinates of a frame, and of values of its operator.
+/// Number of coordinates of a frame, and of entries of its operator.
 const FRAME: usize = 6;
 const OPERATOR: usize = FRAME * FRAME;
 
@@ -56,10 +56,11 @@ impl Poses {
         out
     }
 
-    fn motion<'a>(&'a self, at: &Motion<'_>) -> Motion<'a> {
+    fn motion<'a>(&'a self, at: &Motion<'a>) -> Motion<'a> {
         let end = at.v.len();
         Motion {
             t: at.t,
+            inputs: at.inputs,
             x: &self.x[0],
             v: &self.x[1][..end],
             a: &self.x[2][..end],
@@ -68,18 +69,21 @@ impl Poses {
     }
 }
 
+/// Refuses rotation vectors outside of their charts.
+fn inside(at: &Motion<'_>) -> Result<(), DomainError> {
+    for x in at.x.chunks_exact(FRAME) {
+        ToPose.domain(at.t, x)?;
+    }
+    Ok(())
+}
+
 impl Element for InCharts<'_> {
     fn dim(&self) -> usize {
         self.0.dim()
     }
 
-    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
-        for x in at.x.chunks_exact(FRAME) {
-            let psi = x[3..].iter().map(|x| x * x).sum::<f64>().sqrt();
-            if psi.is_nan() || ToPose.margin(at.t, x) <= 0.0 {
-                return Err(ElementError::OutsideChart { psi });
-            }
-        }
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
+        inside(at)?;
         let (n, poses) = (self.dim(), Poses::of(at));
         let (mut r, mut r_t) = (vec![0.0; n], vec![0.0; n]);
         let [mut K, mut C, mut M] = [(); 3].map(|()| vec![0.0; n * n]);
@@ -127,12 +131,12 @@ impl Element for InCharts<'_> {
         for (to, weights) in requests {
             if let Some(to) = to {
                 tangent(&slots, all, weights, &mut pulled, &mut work);
-                add(to, &pulled);
+                add(to, &pulled, 1.0);
             }
         }
         for (to, own) in [(Some(&mut *out.r), &r), (out.r_t.as_deref_mut(), &r_t)] {
             residual(&slots, own, &mut work);
-            add(to.unwrap_or_default(), &work);
+            add(to.unwrap_or_default(), &work, 1.0);
         }
         Ok(())
     }
@@ -162,11 +166,5 @@ impl Element for InCharts<'_> {
 
     fn kind(&self) -> &'static str {
         self.0.kind()
-    }
-}
-
-fn add(to: &mut [f64], from: &[f64]) {
-    for (to, from) in to.iter_mut().zip(from) {
-        *to += from;
     }
 }

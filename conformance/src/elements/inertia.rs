@@ -1,42 +1,30 @@
-//! Inertial forces follow from a kinetic energy, and all forces together keep the books of power.
-
-#![allow(non_snake_case)]
+//! Inertial forces follow from a kinetic energy, and the power of all forces is balanced.
 
 use super::element::{One, Request, evaluate, motion};
-use crate::{CONFIRMED, Compared, Layout, Random, Report, State, difference, sizes};
+use crate::block::{Compared, difference};
+use crate::forces::{CONFIRMED, FIRST, STEP, sizes};
+use crate::vectors::minus;
+use crate::{Random, Report, State};
 use nalgebra::{DMatrix, DVector};
 
-/// First step along coordinates, as in the laws of forces.
-const FIRST: f64 = 0.05;
-/// Step of differences that tell where a force is wrong.
-const STEP: f64 = 1e-3;
-/// Masses with different velocities are the same below this, relatively.
+/// Largest relative difference of masses at two velocities that do not depend on them.
 const SAME: f64 = 1e-12;
 
-/// Notes the laws of inertia at a state in motion; `conservative` where the element has an energy.
+/// The laws of inertia at a state in motion; `conservative` if the element has an energy.
 pub(crate) fn laws(report: &mut Report, one: &One<'_>, conservative: bool, random: &mut Random) {
-    let s = one.state;
-    let Some(M) = one
-        .all
-        .M
-        .as_ref()
-        .filter(|_| one.element.properties().symmetric)
-    else {
+    let n = one.state.x.len();
+    let Some(M) = (one.all.M.as_ref()).filter(|_| one.element.properties().symmetric) else {
         return;
     };
     let mass = |state: &State| {
         let all = evaluate(one.element, state, Request::All)?;
-        Some(
-            all.M
-                .unwrap_or_else(|| DMatrix::zeros(s.x.len(), s.x.len())),
-        )
+        Some(all.M.unwrap_or_else(|| DMatrix::zeros(n, n)))
     };
     let heavy = M.norm() > 0.0;
     if heavy {
         symmetric(report, one, M);
     }
-    // T = ½ ẋ·M(x) ẋ is all that is known of a kinetic energy: where M depends on velocities there
-    // is another one.
+    // The kinetic energy is ½ ẋ·M(x) ẋ unless M depends on velocities.
     let quadratic =
         mass(&one.rest()).is_some_and(|at_rest| one.norm(&(&at_rest - M)) <= SAME * one.norm(M));
     if !quadratic {
@@ -45,7 +33,7 @@ pub(crate) fn laws(report: &mut Report, one: &One<'_>, conservative: bool, rando
     if heavy {
         lagrange(report, one, M, &mass, random);
     }
-    // An element that exerts forces at rest and tells no energy cannot be held to one.
+    // The energy of an element that exerts forces at rest and has none is unknown.
     let rest = evaluate(one.element, &one.rest(), Request::Residual);
     let silent = rest.is_none_or(|f| f.r.norm() > 0.0) && !conservative;
     if !(one.element.properties().load || silent) {
@@ -67,8 +55,8 @@ fn symmetric(report: &mut Report, one: &One<'_>, M: &DMatrix<f64>) {
     report.defect(law, one.at, (-least).max(0.0), 1e-12 * size);
 }
 
-/// f_acc = d/dt ∂T/∂ẋ − ∂T/∂x with T = ½ ẋ·M ẋ (theory of \[M04\] (119)): what the tangents of a
-/// wrong force, which are its derivatives all the same, do not show.
+/// f_acc = d/dt ∂T/∂ẋ − ∂T/∂x with T = ½ ẋ·M ẋ (theory of \[M04\] (119)): it reveals a wrong force whose tangents are
+/// consistent with it.
 ///
 /// The force is the part that is even in ẋ: damping and gyroscopic potentials are odd.
 fn lagrange(
@@ -93,7 +81,7 @@ fn lagrange(
     let kinetic = |x: DVector<f64>| Some(0.5 * s.v.dot(&(mass(&at(x))? * &s.v)));
     let (p, T) = (M * &s.v, 0.5 * s.v.dot(&(M * &s.v)));
 
-    let d = one.direction(random);
+    let d = random.direction_in(&one.layout.units());
     let work = force.dot(&d);
     let absolute = |A: &DMatrix<f64>, x: &DVector<f64>| (A.abs() * x.abs()).dot(&d.abs());
     let size = absolute(M, &s.v) * rate + absolute(M, &s.a) + T.abs() + work.abs();
@@ -122,29 +110,18 @@ fn lagrange(
     let force = force.as_slice();
     report.second_opinion(|| {
         let right = right()?;
-        let gap: Vec<f64> = force.iter().zip(&right).map(|(a, b)| a - b).collect();
-        Some((one.layout.forces(&gap).iter().sum(), CONFIRMED * size))
+        let gap = one.layout.forces(&minus(force, &right));
+        Some((gap.iter().sum(), CONFIRMED * size))
     });
-    report.blame(|| {
-        let compared = |right| {
-            Compared {
-                matrix: "inertial force",
-                rows: one.layout,
-                columns: &Layout::single(),
-                forces: true,
-                values: vec![(0, force.to_vec(), right)],
-            }
-            .worst()
-        };
-        right().map_or_else(Vec::new, compared)
-    });
+    let blocks = |right: Vec<f64>| Compared::forces("inertial force", one.layout, force, &right);
+    report.blame(|| right().map_or_else(Vec::new, blocks));
 }
 
-/// d/dt (U + T) = −ẋ·r − dissipation, with time held in the potential.
+/// d/dt (U + T) = −ẋ·r − dissipation, at constant time in the potential.
 fn power(report: &mut Report, one: &One<'_>, mass: &dyn Fn(&State) -> Option<DMatrix<f64>>) {
     let (s, rate) = (one.state, one.layout.rate);
     let energy = |tau: f64| {
-        let there = one.moved(&s.x + &s.v * tau + &s.a * (0.5 * tau * tau));
+        let there = one.moved(s.ahead(tau));
         let v = &s.v + &s.a * tau;
         let M = mass(&there)?;
         Some(one.element.energy(&motion(&there)) + 0.5 * v.dot(&(M * &v)))
@@ -152,7 +129,7 @@ fn power(report: &mut Report, one: &One<'_>, mass: &dyn Fn(&State) -> Option<DMa
     let Some(now) = energy(0.0) else { return };
     let lost = one.element.dissipation(&motion(s));
     let gain = -one.all.r.dot(&s.v) - lost;
-    // The power of each group's forces: its speed in units, times what cancels in the force.
+    // The power of each group: its speed in units times the magnitude of its forces.
     let sizes = sizes(one.layout, s, one.all);
     let speeds = one.layout.coordinates(s.v.as_slice());
     let work: f64 = sizes.iter().zip(&speeds).map(|(f, v)| f * v).sum();

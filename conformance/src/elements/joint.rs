@@ -1,20 +1,19 @@
-//! The laws of one joint: those of its map, and what it says of its own coordinates.
-
-#![allow(non_snake_case)]
+//! The laws of one joint: those of its map, of its coordinates and of its rotation.
 
 use crate::maps::{TIME, laws_behind_slices, short_name, within};
+use crate::vectors::norm;
 use crate::{Random, Report};
 use nalgebra::SVector;
 use pullback_elements::joint::{Joint, JointMap};
 use pullback_manifold::map::Parametrization;
 
-/// How far from 1 the square of a quaternion's length may be: it is a product of some.
+/// Largest difference from 1 of the square of a quaternion's length, a product of several.
 const UNIT: f64 = 1e-12;
 /// A column of B below this part of the largest is zero.
 const STILL: f64 = 1e-14;
 
-/// Checks a joint at every position within its domain: the laws of its map, that its rotation is one, and
-/// that each of its coordinates moves it.
+/// Checks a joint at every position within its domain: the laws of its map, that its quaternion has unit length, and
+/// that it moves with each of its coordinates.
 pub fn joint<J, const D: usize>(joint: &J) -> Report
 where
     J: Joint<D> + Clone + 'static,
@@ -23,7 +22,7 @@ where
     let mut random = Random::default();
     let mut map = JointMap::new(joint.clone()).between_charts();
     let of_joint = |q: &[f64]| SVector::<f64, D>::from_column_slice(&q[6..]);
-    let margin = |q: &[f64]| joint.margin(TIME, &of_joint(q));
+    let margin = |q: &[f64]| joint.domain(TIME, &of_joint(q)).unwrap_or(0.0);
     for (at, q) in within(&mut report, &mut random, 6 + D, margin) {
         let (mut x, mut B) = (vec![0.0; 6], vec![0.0; 6 * (6 + D)]);
         map.tangent(TIME, &q, &mut x, &mut B);
@@ -33,7 +32,7 @@ where
     report
 }
 
-/// Notes the laws of a joint besides those of its map, whose B is given.
+/// The laws of a joint besides those of its map, whose B is given.
 fn own<J: Joint<D>, const D: usize>(
     report: &mut Report,
     joint: &J,
@@ -51,7 +50,7 @@ fn own<J: Joint<D>, const D: usize>(
             None => report.defect(law, "everywhere", 0.0, 0.0),
         }
     }
-    // Where there are no numbers the laws of every map say so.
+    // Values that are not finite are reported by the laws of the map.
     if !B.iter().all(|b| b.is_finite()) {
         return;
     }
@@ -61,7 +60,6 @@ fn own<J: Joint<D>, const D: usize>(
 
     let law = "moves with its coordinates";
     let names = coordinates.iter().map(|c| c.0);
-    let norm = |B: &[f64]| B.iter().map(|b| b * b).sum::<f64>().sqrt();
     let mut columns = B.chunks_exact(6).skip(6).zip(1..).zip(names);
     match columns.find(|((column, _), _)| norm(column) <= STILL * norm(B)) {
         Some(((_, j), name)) => report.impossible(

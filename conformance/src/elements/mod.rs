@@ -8,11 +8,11 @@ mod joint;
 mod rigid;
 mod same;
 
-pub(crate) use element::{Request, evaluate};
-pub use element::{element, element_at};
+pub use element::element;
+pub(crate) use element::{Request, element_at, evaluate};
 pub use in_charts::InCharts;
 pub(crate) use in_charts::in_charts;
-pub(crate) use invariance::{EXACT, Placed, vector};
+pub(crate) use invariance::{Component, EXACT, FIRST, vector};
 pub use joint::joint;
 pub(crate) use rigid::{Carrier, FrameAt, carry};
 pub use same::same;

@@ -1,6 +1,4 @@
-//! Motions and charts in which an element is looked at again: what is the same in all of them.
-
-#![allow(non_snake_case)]
+//! Superposed rigid motions and changes of chart, under which forces and energies stay the same.
 
 use crate::State;
 use nalgebra::{DMatrix, DVector, SVector, Vector3};
@@ -8,16 +6,16 @@ use pullback_manifold::map::Map;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::{complement, log_quaternion, quaternion};
 
-/// A frame among coordinates.
+/// A frame among the coordinates of a component.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FrameAt {
-    /// First of its six coordinates (d, Ψ).
+    /// The first of its six coordinates (d, Ψ).
     pub first: usize,
     /// Its position in the reference configuration.
     pub position: Vector3<f64>,
 }
 
-/// What is done to a frame of six coordinates.
+/// A change of the six coordinates of a frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Carrier {
     /// A rigid motion: x ↦ c + R(θ + ω t)(x − c) + u + w t.
@@ -38,7 +36,7 @@ pub(crate) enum Carrier {
 }
 
 impl Carrier {
-    /// A rigid motion at rest.
+    /// A constant rigid motion.
     pub(crate) fn still(about: Vector3<f64>, turn: Vector3<f64>, shift: Vector3<f64>) -> Self {
         let (spin, drift) = (Vector3::zeros(), Vector3::zeros());
         Self::Rigid {
@@ -82,13 +80,13 @@ impl Map<6, 6> for Carried {
     }
 }
 
-/// A state carried on, and the derivative B of its coordinates by those before.
+/// A changed state, and the derivative B of its coordinates with respect to those before.
 pub(crate) struct Moved {
     pub state: State,
     pub B: DMatrix<f64>,
 }
 
-/// Carries all frames of a state; other coordinates stay.
+/// Changes all frames of a state; other coordinates stay.
 pub(crate) fn carry(by: Carrier, t: f64, frames: &[FrameAt], s: &State) -> Moved {
     let n = s.x.len();
     let mut out = Moved {

@@ -1,6 +1,4 @@
-//! Two elements that should be one.
-
-#![allow(non_snake_case)]
+//! Comparison of two implementations of an element.
 
 use super::element::{Request, evaluate, motion};
 use super::in_charts;
@@ -8,10 +6,10 @@ use crate::{Report, states};
 use nalgebra::DMatrix;
 use pullback_elements::element::Element;
 
-/// Compares an element that is derived by hand with one that should be the same, for instance by
-/// its [`energy`](pullback_elements::energy): residual, tangents, rate, stored energy and dissipation to 1e-12.
+/// Compares an element derived by hand with another implementation, for instance by its
+/// [`energy`](pullback_elements::energy): residual, tangents, rate, stored energy and dissipation to 1e-12.
 ///
-/// What [`element`](super::element()) cannot see is an error in the force that its own tangents share.
+/// It finds errors of a force with consistent tangents, which [`element`](super::element()) cannot find.
 pub fn same(found: &dyn Element, expected: &dyn Element) -> Report {
     in_charts(found, |found| {
         in_charts(expected, |expected| of_coordinates(found, expected))
@@ -30,18 +28,15 @@ fn of_coordinates(found: &dyn Element, expected: &dyn Element) -> Report {
         let pair = [found, expected].map(|e| (e, evaluate(e, s, Request::All)));
         let [(_, Some(f)), (_, Some(e))] = &pair else {
             if pair[0].1.is_some() != pair[1].1.is_some() {
-                report.impossible(
-                    "domain",
-                    at,
-                    "inside that of one, outside that of the other",
-                );
+                let why = "inside that of one, outside that of the other";
+                report.impossible("domain", at, why);
             }
             continue;
         };
         let mut near = |law: &str, gap: f64, size: f64, cancelled: f64| {
             report.defect(law, at, gap, 1e-12 * size + 1e-14 * cancelled);
         };
-        // What is zero is so by terms that cancel: stiffness times coordinates, force times these.
+        // Values near zero are differences of larger terms: stiffness times coordinates, force times coordinates.
         let (r, K, x) = (e.r.norm(), e.K.norm(), 1.0 + s.x.norm());
         near("r", (&f.r - &e.r).norm(), r, K * x);
         near("K", (&f.K - &e.K).norm(), K, 0.0);

@@ -1,5 +1,4 @@
-//! The laws of forces: tangents are derivatives of the residual, conservative forces those of an
-//! energy.
+//! The laws of forces: tangents are derivatives of the residual, conservative forces those of an energy.
 
 mod system;
 mod tangents;
@@ -8,12 +7,14 @@ use crate::block::{Compared, difference};
 use crate::layout::Layout;
 use crate::report::Report;
 use crate::sample::Random;
-use tangents::{Part, STEP, Tangents, tangents};
-
+use crate::vectors::minus;
 use nalgebra::{DMatrix, DVector};
 use pullback_manifold::sparse::BlockPattern;
-pub use system::{dense, system, system_at, system_sizes};
-pub use tangents::CONFIRMED;
+use pullback_manifold::system::Point;
+pub use system::{dense, system};
+pub(crate) use system::{system_at, system_sizes};
+pub(crate) use tangents::{CONFIRMED, FIRST, STEP};
+use tangents::{Part, Tangents, tangents};
 
 /// Time and motion at which forces are evaluated; `v` and `a` are empty in statics.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,9 +45,20 @@ impl State {
     pub fn is_static(&self) -> bool {
         self.v.is_empty()
     }
+
+    /// The state as the argument of a system.
+    pub fn point(&self) -> Point<'_> {
+        let [q, v, a] = [&self.x, &self.v, &self.a].map(|x| x.as_slice());
+        Point { t: self.t, q, v, a }
+    }
+
+    /// The coordinates later by `tau`, with constant accelerations.
+    pub(crate) fn ahead(&self, tau: f64) -> DVector<f64> {
+        &self.x + &self.v * tau + &self.a * (0.5 * tau * tau)
+    }
 }
 
-/// What forces answer at a state. Absent tangents count as zero, other absent values are not verified.
+/// Forces at a state. Absent tangents count as zero, other absent values are not verified.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Forces {
     /// Residual.
@@ -78,7 +90,7 @@ pub fn states(n: usize) -> Vec<(String, State)> {
     out
 }
 
-/// Checks forces of `n` coordinates at every position; `evaluate` answers `None` outside its domain.
+/// Checks forces of `n` coordinates at every position; `evaluate` returns `None` outside its domain.
 pub fn forces(
     subject: &str,
     n: usize,
@@ -88,7 +100,7 @@ pub fn forces(
     forces_at(subject, &Layout::plain(n), &states(n), symmetric, evaluate)
 }
 
-/// As [`forces`], of coordinates with names and units, at given states.
+/// As [`forces`], with a layout of the coordinates, at given states.
 pub fn forces_at(
     subject: &str,
     layout: &Layout,
@@ -96,21 +108,32 @@ pub fn forces_at(
     symmetric: bool,
     mut evaluate: impl FnMut(&State) -> Option<Forces>,
 ) -> Report {
+    at_states(subject, layout, states, |laws| {
+        let f = evaluate(laws.state)?;
+        laws.forces(&f, symmetric, &mut evaluate);
+        Some(())
+    })
+}
+
+/// Checks laws at each state; `check` returns `None` outside of the domain.
+fn at_states(
+    subject: &str,
+    layout: &Layout,
+    states: &[(String, State)],
+    mut check: impl FnMut(&mut Laws<'_>) -> Option<()>,
+) -> Report {
     let mut report = Report::new(subject);
     let mut random = Random::new(7);
     let mut evaluated = 0;
     for (at, state) in states {
-        if let Some(f) = evaluate(state) {
-            evaluated += 1;
-            let mut laws = Laws {
-                report: &mut report,
-                layout,
-                at,
-                state,
-                random: &mut random,
-            };
-            laws.forces(&f, symmetric, &mut evaluate);
-        }
+        let mut laws = Laws {
+            report: &mut report,
+            layout,
+            at,
+            state,
+            random: &mut random,
+        };
+        evaluated += usize::from(check(&mut laws).is_some());
     }
     if evaluated == 0 {
         report.impossible("domain", "everywhere", "no state is inside the domain");
@@ -118,10 +141,7 @@ pub fn forces_at(
     report
 }
 
-/// First step along coordinates: half the change at which a rotation chart's edge is left.
-pub(crate) const FIRST: f64 = 0.05;
-
-/// What is checked at one state, and where it is noted.
+/// A state at which laws are checked, and the report of them.
 pub(crate) struct Laws<'a> {
     pub report: &'a mut Report,
     pub layout: &'a Layout,
@@ -130,9 +150,8 @@ pub(crate) struct Laws<'a> {
     pub random: &'a mut Random,
 }
 
-/// Sizes of what cancels in each group of the residual of given forces, as energies: terms of
-/// these magnitudes make its round-off.
-pub fn sizes(layout: &Layout, state: &State, f: &Forces) -> Vec<f64> {
+/// The magnitude of the terms of the residual in each group, as an energy: its round-off is a fraction of them.
+pub(crate) fn sizes(layout: &Layout, state: &State, f: &Forces) -> Vec<f64> {
     let pattern = BlockPattern::dense(state.x.len());
     f.tangents(&pattern).sizes(layout, state)
 }
@@ -182,46 +201,46 @@ impl Laws<'_> {
             });
         }
         if let (Some(energy), true) = (f.energy, state.is_static()) {
-            let units = self.layout.units();
-            let mut d = DVector::zeros(n);
-            self.random.direction(1.0, d.as_mut_slice());
-            d.iter_mut().zip(&units).for_each(|(d, u)| *d *= u);
-            let magnitudes = self.layout.magnitudes(state.x.as_slice(), 0);
-            let work = f.r.iter().zip(&magnitudes).map(|(r, x)| (r * x).abs());
-            let size = energy.abs() + work.sum::<f64>();
-            let mut there = |x: DVector<f64>| {
-                let moved = State::statics(state.t, x);
-                evaluate(&moved).and_then(|f| f.energy)
-            };
-            self.report.slope("r = -dE/dx", at, 2.0, FIRST, size, |e| {
-                let there = there(&state.x + &d * e).unwrap_or(f64::NAN);
-                (there - energy + f.r.dot(&d) * e).abs()
-            });
-            if self.report.rows().last().is_some_and(|row| row.passed) {
-                return;
-            }
-            let by_differences = units.iter().enumerate().map(|(i, unit)| {
-                let slope = difference(STEP * unit, |e| {
-                    let mut x = state.x.clone();
-                    x[i] += e;
-                    Some(vec![there(x)?])
-                });
-                slope.map_or(f64::NAN, |slope| -slope[0])
-            });
-            let right: Vec<f64> = by_differences.collect();
-            let gap: Vec<f64> = f.r.iter().zip(&right).map(|(a, b)| a - b).collect();
-            let off: f64 = self.layout.forces(&gap).iter().sum();
-            self.report.second_opinion(|| Some((off, CONFIRMED * size)));
-            self.report.blame(|| {
-                Compared {
-                    matrix: "force",
-                    rows: self.layout,
-                    columns: &Layout::single(),
-                    forces: true,
-                    values: vec![(0, f.r.as_slice().to_vec(), right)],
-                }
-                .worst()
-            });
+            self.conservative(f, energy, evaluate);
         }
+    }
+
+    /// r = −∂E/∂x in statics.
+    fn conservative(
+        &mut self,
+        f: &Forces,
+        energy: f64,
+        evaluate: &mut dyn FnMut(&State) -> Option<Forces>,
+    ) {
+        let (at, state) = (self.at, self.state);
+        let units = self.layout.units();
+        let d = self.random.direction_in(&units);
+        let magnitudes = self.layout.magnitudes(state.x.as_slice(), 0);
+        let work = f.r.iter().zip(&magnitudes).map(|(r, x)| (r * x).abs());
+        let size = energy.abs() + work.sum::<f64>();
+        let mut there = |x: DVector<f64>| {
+            let moved = State::statics(state.t, x);
+            evaluate(&moved).and_then(|f| f.energy)
+        };
+        self.report.slope("r = -dE/dx", at, 2.0, FIRST, size, |e| {
+            let there = there(&state.x + &d * e).unwrap_or(f64::NAN);
+            (there - energy + f.r.dot(&d) * e).abs()
+        });
+        if self.report.rows().last().is_some_and(|row| row.passed) {
+            return;
+        }
+        let by_differences = units.iter().enumerate().map(|(i, unit)| {
+            let slope = difference(STEP * unit, |e| {
+                let mut x = state.x.clone();
+                x[i] += e;
+                Some(vec![there(x)?])
+            });
+            slope.map_or(f64::NAN, |slope| -slope[0])
+        });
+        let (found, right) = (f.r.as_slice(), by_differences.collect::<Vec<_>>());
+        let off = self.layout.forces(&minus(found, &right)).iter().sum();
+        self.report.second_opinion(|| Some((off, CONFIRMED * size)));
+        let blocks = || Compared::forces("force", self.layout, found, &right);
+        self.report.blame(blocks);
     }
 }

@@ -1,18 +1,18 @@
-//! The laws of a system: the assembled tangent, taken out of its pattern, is that of its residual.
+//! The laws of a system: the assembled tangent in its pattern is that of the residual.
 
-use super::tangents::{CONFIRMED, Part, Tangents, tangents};
-use super::{FIRST, Laws, State};
+use super::tangents::{CONFIRMED, FIRST, Part, Tangents, tangents};
+use super::{Laws, State, at_states};
 use crate::block::difference;
 use crate::layout::Layout;
 use crate::report::Report;
-use crate::sample::Random;
+use crate::vectors::minus;
 use nalgebra::DMatrix;
 use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::{Evaluation, Point, System, Weights};
+use pullback_manifold::system::{Evaluation, System, Weights};
 
-/// Changes in the last digits that are looked at: the round-off of one may vanish by chance.
+/// Number of changes in the last digits: the round-off of one may vanish by chance.
 const SAMPLES: u32 = 8;
-/// What round-off in a tangent may be, of what a change in the last digits of coordinates makes.
+/// Largest round-off of a tangent over its change with the last digits of the coordinates.
 const NOISE: f64 = 100.0;
 
 /// The full matrix of values in a pattern.
@@ -32,42 +32,30 @@ pub fn dense(pattern: &BlockPattern, values: &[f64]) -> DMatrix<f64> {
 
 /// Checks a system's residual and tangents at given states.
 ///
-/// ∂r/∂t is verified at rest only: in motion the path of driven coordinates would need a third time
-/// derivative, which no solver asks for.
+/// ∂r/∂t is verified at rest only: in motion it would require a third derivative of prescribed coordinates, which no
+/// solver uses.
 pub fn system(subject: &str, system: &mut dyn System, states: &[(String, State)]) -> Report {
     let layout = Layout::of(system);
     system_at(subject, &layout, system, states)
 }
 
-/// As [`system`], of coordinates with names and units.
-pub fn system_at(
+/// As [`system`], with a layout of the coordinates.
+pub(crate) fn system_at(
     subject: &str,
     layout: &Layout,
     system: &mut dyn System,
     states: &[(String, State)],
 ) -> Report {
-    let mut report = Report::new(subject);
-    let mut random = Random::new(7);
-    let mut evaluated = 0;
-    for (at, state) in states {
-        let laws = Laws {
-            report: &mut report,
-            layout,
-            at,
-            state,
-            random: &mut random,
-        };
-        evaluated += usize::from(one(laws, system).is_some());
-    }
-    if evaluated == 0 {
-        report.impossible("domain", "everywhere", "no state is inside the domain");
-    }
-    report
+    at_states(subject, layout, states, |laws| one(laws, system))
 }
 
-/// Sizes of what cancels in each group of a system's residual, as energies: terms of these
-/// magnitudes make its round-off. `None` outside of the domain.
-pub fn system_sizes(layout: &Layout, system: &mut dyn System, state: &State) -> Option<Vec<f64>> {
+/// The magnitude of the terms of a system's residual in each group, as an energy: its round-off is a fraction of them.
+/// `None` outside of the domain.
+pub(crate) fn system_sizes(
+    layout: &Layout,
+    system: &mut dyn System,
+    state: &State,
+) -> Option<Vec<f64>> {
     let (r, values) = parts(system, state)?;
     let all = Tangents {
         pattern: system.pattern(),
@@ -92,8 +80,8 @@ fn parts(system: &mut dyn System, state: &State) -> Option<(Vec<f64>, [Vec<f64>;
     Some((r, [K, C, M]))
 }
 
-/// Notes the laws at one state; nothing where it is outside of the domain.
-fn one(mut laws: Laws<'_>, system: &mut dyn System) -> Option<()> {
+/// The laws at one state; `None` outside of the domain.
+fn one(laws: &mut Laws<'_>, system: &mut dyn System) -> Option<()> {
     let (state, at) = (laws.state, laws.at);
     let pattern = system.pattern().clone();
     let (r, values) = parts(system, state)?;
@@ -102,14 +90,36 @@ fn one(mut laws: Laws<'_>, system: &mut dyn System) -> Option<()> {
         r: &r,
         values,
     };
-    let sizes = with_noise(all.sizes(laws.layout, state), &laws, system, &r);
-    tangents(&mut laws, &all, &sizes, &mut |s| residual(system, s));
+    let sizes = with_noise(all.sizes(laws.layout, state), laws, system, &r);
+    tangents(laws, &all, &sizes, &mut |s| residual(system, s));
+    let again = combination(laws, system, &all);
 
-    // One evaluation with three weights is the weighted sum of three evaluations; at rest there is K alone.
+    let alone = residual(system, state).unwrap_or_else(|| vec![f64::NAN; r.len()]);
+    let gap = alone.iter().zip(&again).map(|(a, b)| (a - b).abs());
+    let law = "r does not depend on what else is requested";
+    laws.report.defect(law, at, gap.sum(), 0.0);
+
+    if state.is_static() {
+        let mut rate = vec![1e3; r.len()];
+        let mut again = r.clone();
+        let out = Evaluation {
+            r_t: Some(&mut rate),
+            ..Evaluation::residual(&mut again)
+        };
+        system.evaluate(state.point(), out).ok()?;
+        load_rate(laws, system, &r, &rate, &sizes);
+    }
+    Some(())
+}
+
+/// One evaluation with three weights is the weighted sum of three evaluations; at rest there is K alone. Also the
+/// symmetry of tangents. Returns the residual of that evaluation.
+fn combination(laws: &mut Laws<'_>, system: &mut dyn System, all: &Tangents<'_>) -> Vec<f64> {
+    let (state, at, pattern) = (laws.state, laws.at, all.pattern);
     let rates = if state.is_static() { 0.0 } else { 1.0 };
     let w = weights(0.7, -1.3 * rates, 2.1 * rates);
     let [K, C, M] = &all.values;
-    let nowhere = || (r.clone(), vec![f64::NAN; K.len()]);
+    let nowhere = || (all.r.to_vec(), vec![f64::NAN; K.len()]);
     let (again, S) = combined(system, state, w).unwrap_or_else(nowhere);
     let (mut gap, mut size) = (Vec::new(), Vec::new());
     for (k, S) in S.iter().enumerate() {
@@ -118,12 +128,12 @@ fn one(mut laws: Laws<'_>, system: &mut dyn System) -> Option<()> {
         size.push(parts.iter().map(|p| p.abs()).sum());
     }
     let by_row = |values: &[f64]| {
-        let mut rows = vec![0.0; r.len()];
+        let mut rows = vec![0.0; all.r.len()];
         pattern.multiply_add(1.0, values, &laws.layout.units(), &mut rows);
         laws.layout.forces(&rows)
     };
-    // Stiff parts that cancel leave their round-off, which nothing here shows but the change of S with
-    // the last digits of the coordinates.
+    // Stiff parts that cancel leave their round-off, which only the change of S with the last digits of the
+    // coordinates shows.
     let mut noise = vec![0.0_f64; S.len()];
     let mut of_parts = [K, C, M].map(|values| vec![0.0_f64; values.len()]);
     for sample in 1..=SAMPLES {
@@ -143,29 +153,13 @@ fn one(mut laws: Laws<'_>, system: &mut dyn System) -> Option<()> {
     }
     if system.is_symmetric() {
         let part = if state.is_static() { Part::K } else { Part::M };
-        all.symmetric(&mut laws, part, &of_parts[part as usize]);
+        all.symmetric(laws, part, &of_parts[part as usize]);
     }
     let allowed = by_row(&size).into_iter().zip(by_row(&noise));
     let allowed: Vec<f64> = allowed.map(|(s, n)| 1e-12 * s + NOISE * n).collect();
     let law = "S = cK K + cC C + cM M";
     laws.report.defects(law, at, &by_row(&gap), &allowed);
-
-    let alone = residual(system, state).unwrap_or_else(|| vec![f64::NAN; r.len()]);
-    let gap = alone.iter().zip(&again).map(|(a, b)| (a - b).abs());
-    let law = "r does not depend on what else is requested";
-    laws.report.defect(law, at, gap.sum(), 0.0);
-
-    if state.is_static() {
-        let mut rate = vec![1e3; r.len()];
-        let mut again = r.clone();
-        let out = Evaluation {
-            r_t: Some(&mut rate),
-            ..Evaluation::residual(&mut again)
-        };
-        system.evaluate(point(state), out).ok()?;
-        load_rate(&mut laws, system, &r, &rate, &sizes);
-    }
-    Some(())
+    again
 }
 
 /// A state that differs in its last digits.
@@ -178,8 +172,8 @@ fn beside(state: &State, layout: &Layout, sample: u32) -> State {
     beside
 }
 
-/// Sizes of what cancels in the residual, raised to what its change with the last digits of the
-/// coordinates says: forces of a loop that do no work on its coordinates are in no row.
+/// The magnitudes of the terms of the residual, raised to those that its change with the last digits of the
+/// coordinates implies: forces of a loop that do no work on its coordinates are in no row.
 fn with_noise(
     mut sizes: Vec<f64>,
     laws: &Laws<'_>,
@@ -190,16 +184,17 @@ fn with_noise(
         let Some(there) = residual(system, &beside(laws.state, laws.layout, sample)) else {
             continue;
         };
-        let gaps: Vec<f64> = there.iter().zip(r).map(|(a, b)| (a - b).abs()).collect();
         let digit = f64::from(sample) * f64::EPSILON;
-        for (size, gap) in sizes.iter_mut().zip(laws.layout.forces(&gaps)) {
+        let gaps = laws.layout.forces(&minus(&there, r));
+        for (size, gap) in sizes.iter_mut().zip(gaps) {
             *size = size.max(gap / digit);
         }
     }
     sizes
 }
 
-/// Least size of forces over the largest: what cancels in a group, as a weight on a plane, is in no tangent.
+/// Least magnitude of forces over the largest: terms that cancel in a group, such as a weight on a plane, are in no
+/// tangent.
 const ROUGH: f64 = 1e-4;
 
 /// ∂r/∂t, on steps that do not reach the next kink of a function of time.
@@ -226,27 +221,17 @@ fn load_rate(laws: &mut Laws<'_>, system: &mut dyn System, r: &[f64], rate: &[f6
         });
     laws.report.second_opinion(|| {
         let right = difference(1e-2 * first, |e| at(state.t + e))?;
-        let gaps: Vec<f64> = right.iter().zip(rate).map(|(a, b)| a - b).collect();
-        let strains = layout.forces(&gaps).into_iter().zip(&sizes);
+        let gaps = layout.forces(&minus(&right, rate));
+        let strains = gaps.into_iter().zip(&sizes);
         let worst = strains.map(|(gap, size)| gap / size).fold(0.0, f64::max);
         Some((worst, CONFIRMED))
     });
 }
 
-fn point(s: &State) -> Point<'_> {
-    Point {
-        t: s.t,
-        q: s.x.as_slice(),
-        v: s.v.as_slice(),
-        a: s.a.as_slice(),
-    }
-}
-
 fn residual(system: &mut dyn System, state: &State) -> Option<Vec<f64>> {
     let mut r = vec![0.0; state.x.len()];
-    system
-        .evaluate(point(state), Evaluation::residual(&mut r))
-        .ok()?;
+    let out = Evaluation::residual(&mut r);
+    system.evaluate(state.point(), out).ok()?;
     Some(r)
 }
 
@@ -259,6 +244,6 @@ fn combined(
     // Entries that an evaluation forgets to overwrite show up.
     let mut values = vec![1e3; system.pattern().len()];
     let out = Evaluation::with_tangent(&mut r, weights, &mut values);
-    system.evaluate(point(state), out).ok()?;
+    system.evaluate(state.point(), out).ok()?;
     Some((r, values))
 }

@@ -1,13 +1,14 @@
 //! K = −∂r/∂x, C = −∂r/∂ẋ and M = −∂r/∂ẍ, group by group of coordinates.
 
-use super::{FIRST, Laws, State};
+use super::{Laws, State};
 use crate::block::{Compared, difference};
 use crate::layout::{CoordinateGroup, Layout};
 use crate::report::Measure;
+use crate::vectors::minus;
 use nalgebra::DVector;
 use pullback_manifold::sparse::BlockPattern;
 
-/// Which tangent.
+/// One of the three tangents.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Part {
     K,
@@ -26,7 +27,7 @@ impl Part {
         ["K", "C", "M"][self as usize]
     }
 
-    /// What of a state it is a derivative by.
+    /// The vector of a state with respect to which it is the derivative.
     fn of(self, s: &mut State) -> &mut DVector<f64> {
         match self {
             Self::K => &mut s.x,
@@ -44,12 +45,14 @@ pub(crate) struct Tangents<'a> {
     pub values: [Vec<f64>; 3],
 }
 
-/// Where a residual can be had.
+/// The residual at a state, if that is inside the domain.
 pub(crate) type Residual<'a> = dyn FnMut(&State) -> Option<Vec<f64>> + 'a;
 
-/// A slope that falls short is believed if differences say so too: above this fraction of what
-/// cancels, where their own errors end.
-pub const CONFIRMED: f64 = 1e-9;
+/// First step along coordinates, in units: half of the change at which a rotation leaves the domain of its chart.
+pub(crate) const FIRST: f64 = 0.05;
+/// Least defect by differences, over the magnitude of the terms, that confirms a slope that is too small: their own
+/// errors are below it.
+pub(crate) const CONFIRMED: f64 = 1e-9;
 /// Step of these differences in units.
 pub(crate) const STEP: f64 = 1e-3;
 
@@ -69,7 +72,7 @@ impl Tangents<'_> {
         out
     }
 
-    /// Sizes of what cancels in each group of the residual, as energies.
+    /// The magnitude of the terms of the residual in each group, as an energy.
     pub(crate) fn sizes(&self, layout: &Layout, s: &State) -> Vec<f64> {
         let mut all: Vec<f64> = self.r.iter().map(|r| r.abs()).collect();
         for (part, x) in Part::ALL.into_iter().zip([&s.x, &s.v, &s.a]) {
@@ -90,8 +93,8 @@ impl Tangents<'_> {
         sizes.map(|(g, size)| first(g).unwrap_or(size)).collect()
     }
 
-    /// Raises the energies of unknowns to [`MIXED`] of the largest that they are coupled to: a map that
-    /// mixes coordinates sums up terms of that size, which may cancel.
+    /// Raises the energies of unknowns to [`MIXED`] of the largest of those coupled to them: a map that mixes
+    /// coordinates adds terms of that size, which may cancel.
     fn raise(&self, energies: &mut [f64]) {
         let pattern = self.pattern;
         let most = |b: usize| {
@@ -114,8 +117,7 @@ impl Tangents<'_> {
         }
     }
 
-    /// Notes whether a tangent is symmetric, but for what its values lose to rounding: `noise` in the
-    /// pattern, none if it is empty.
+    /// Checks the symmetry of a tangent up to the `noise` of its values in the pattern, which may be empty.
     pub(crate) fn symmetric(&self, laws: &mut Laws<'_>, part: Part, noise: &[f64]) {
         let values = &self.values[part as usize];
         let units = laws.layout.units();
@@ -165,16 +167,14 @@ impl Tangents<'_> {
                 });
                 (columns[k].1[i], columns[k].2[i]) = (a, b);
             }
-            let matrix = format!("{} against its transpose", part.name());
-            let (rows, values) = (laws.layout, columns);
-            Compared {
-                matrix: &matrix,
-                rows,
-                columns: rows,
+            let compared = Compared {
+                matrix: &format!("{} against its transpose", part.name()),
+                rows: laws.layout,
+                columns: laws.layout,
                 forces: true,
-                values,
-            }
-            .worst()
+                values: columns,
+            };
+            compared.worst()
         });
     }
 
@@ -191,14 +191,13 @@ impl Tangents<'_> {
     }
 }
 
-/// Entries of a symmetric matrix may differ by this fraction of the sizes of their rows.
+/// Largest difference of entries of a symmetric matrix, over the magnitudes of their rows.
 const SYMMETRIC: f64 = 1e-13;
 
-/// Part of the energies in the rows beside it that may have cancelled in a row. Of these, what the
-/// laws allow is a few last digits.
+/// Fraction of the energies in coupled rows that may have cancelled in a row.
 const MIXED: f64 = 1e-2;
 
-/// Notes the laws of all tangents that there are at a state; `sizes` is what cancels in each group.
+/// The laws of the tangents at a state; `sizes` are the magnitudes of the terms in each group.
 pub(crate) fn tangents(
     laws: &mut Laws<'_>,
     all: &Tangents<'_>,
@@ -222,10 +221,8 @@ fn tangent(
     let layout = laws.layout;
     let scale = layout.rate.powi(part as i32);
     let units: Vec<f64> = layout.units().iter().map(|u| u * scale).collect();
-    let mut d = vec![0.0; units.len()];
-    laws.random.direction(1.0, &mut d);
-    d.iter_mut().zip(&units).for_each(|(d, u)| *d *= u);
-    let slope = all.times(part, &d);
+    let d = laws.random.direction_in(&units);
+    let slope = all.times(part, d.as_slice());
     let state = laws.state;
     let mut varied = state.clone();
     let base = part.of(&mut varied).clone();
@@ -233,9 +230,7 @@ fn tangent(
     let worst = laws
         .report
         .slopes(part.law(), laws.at, 2.0, FIRST, sizes, |e| {
-            for ((x, base), d) in part.of(&mut varied).iter_mut().zip(&base).zip(&d) {
-                *x = base + d * e;
-            }
+            part.of(&mut varied).copy_from(&(&base + &d * e));
             let Some(there) = residual(&varied) else {
                 return nowhere.clone();
             };
@@ -247,7 +242,7 @@ fn tangent(
     if row.is_none_or(|r| r.passed || matches!(r.measure, Measure::Impossible(_))) {
         return;
     }
-    // A second opinion, which also tells where: columns by differences.
+    // Columns by differences confirm the defect, and show where it is.
     let group = &layout.groups()[worst];
     let mut values = Vec::new();
     let mut off: f64 = 0.0;
@@ -263,8 +258,8 @@ fn tangent(
         let mut one = vec![0.0; units.len()];
         one[j] = 1.0;
         let found = all.times(part, &one);
-        let gaps: Vec<f64> = found.iter().zip(&right).map(|(a, b)| a - b).collect();
-        off = off.max(layout.forces(&gaps)[worst] * units[j]);
+        let gaps = layout.forces(&minus(&found, &right));
+        off = off.max(gaps[worst] * units[j]);
         values.push((j, found, right));
     }
     if values.is_empty() {
@@ -272,9 +267,8 @@ fn tangent(
     }
     let allowed = CONFIRMED * sizes[worst];
     laws.report.second_opinion(|| Some((off, allowed)));
-    let matrix = part.name();
     let compared = Compared {
-        matrix,
+        matrix: part.name(),
         rows: layout,
         columns: layout,
         forces: true,

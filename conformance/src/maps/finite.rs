@@ -1,15 +1,15 @@
-//! Values of a map that are no numbers: where they stand, before anything is compared with them.
+//! Finds values of a map that are not finite, before they are compared with anything.
 
 use super::kinematics::Mapped;
 use crate::forces::State;
 use crate::layout::Layout;
 
-/// How far coordinates go to where there may be numbers, in units.
+/// Distance of neighbouring coordinates, in units, at which the map may be finite.
 const BESIDE: f64 = 1e-3;
 
 impl Mapped<'_> {
-    /// Says which entry of the first of x, its rates and operators is not finite at a state, if one is,
-    /// and in which coordinates it would be beside.
+    /// Describes the first entry of x, its rates and operators that is not finite at a state, if any, and the
+    /// coordinates along which the neighbours are finite.
     pub(crate) fn unknown(&self, s: &State) -> Option<String> {
         let n = self.map.dims().1;
         let (x, B) = self.tangent(s.t, s.x.as_slice());
@@ -26,10 +26,8 @@ impl Mapped<'_> {
             [BESIDE, -BESIDE].iter().any(|step| {
                 let mut s = s.clone();
                 s.x[*j] += step * **unit;
-                self.tangent(s.t, s.x.as_slice())
-                    .1
-                    .iter()
-                    .all(|b| b.is_finite())
+                let (_, B) = self.tangent(s.t, s.x.as_slice());
+                B.iter().all(|b| b.is_finite())
             })
         });
         let beside: Vec<String> = beside.map(|(j, _)| entry(self.columns, j)).collect();
@@ -45,7 +43,7 @@ impl Mapped<'_> {
     }
 }
 
-/// What coordinate i is called.
+/// Name of coordinate i.
 fn entry(of: &Layout, i: usize) -> String {
     let group = of.groups().iter().find(|g| g.range.contains(&i));
     group.map_or_else(String::new, |g| match g.range.len() {

@@ -1,25 +1,25 @@
-//! The laws of an implicit constraint that is solved: a map whose coordinates change their meaning.
+//! The laws of the map of an implicit constraint, whose coordinates are changed during a run.
 
-use super::kinematics::{Kinematics, Mapped, norm};
+use super::kinematics::{Kinematics, Mapped};
 use super::map::{agree, shortened, slopes};
 use crate::forces::State;
 use crate::layout::Layout;
 use crate::report::Report;
 use crate::sample::Random;
+use crate::vectors::{norm, relative};
 use nalgebra::DVector;
 use pullback_manifold::implicit::ImplicitMap;
 use pullback_manifold::map::Parametrization;
 
 /// Residual of the equations, relative to their sizes and to the coordinates.
 const RESIDUAL: f64 = 1e-12;
-/// Charts with a larger condition number lose digits that are not theirs.
+/// Largest condition number of a chart: beyond it digits are lost.
 const REGULAR: f64 = 100.0;
-/// Largest distance of the positions from q = 0.
+/// Largest distance of a position from q = 0.
 const REACH: f64 = 0.1;
 
-/// Checks every law of a solved constraint around the configuration that it is at, at time `t`:
-/// that of its equations, those of a map, and those of a change of its coordinates to others and to
-/// the tangent space.
+/// Checks every law of a solved constraint around its present configuration, at time `t`: that of its equations, those
+/// of a map, and those of a change to other coordinates and to the tangent space.
 pub fn implicit(map: &ImplicitMap, t: f64) -> Report {
     let mut report = Report::new(shortened(map.kind()));
     let mut random = Random::default();
@@ -39,11 +39,8 @@ pub fn implicit(map: &ImplicitMap, t: f64) -> Report {
         let allowed = RESIDUAL * (1.0 + norm(&motion(map, &rest)[0]));
         let h = map.clone().violation(t, &q);
         report.defect("h(t, phi) = 0", at, h, allowed);
-        let s = state(
-            t,
-            &q,
-            [random_vector(d, &mut random), random_vector(d, &mut random)],
-        );
+        let mut vector = || random_vector(d, &mut random);
+        let s = state(t, &q, [vector(), vector()]);
         slopes(&mut report, "", map, at, &s, &mut random);
         // A chart per coordinate and the tangent space; all coordinates take part.
         let splits = (0..n).map(|k| Some((0..d).map(|j| (k + j) % n).collect::<Vec<_>>()));
@@ -76,9 +73,8 @@ pub fn implicit(map: &ImplicitMap, t: f64) -> Report {
 /// none.
 type Change<'a, M> = dyn Fn(&mut M, &mut [f64], &mut [f64], &mut [Vec<f64>]) -> bool + 'a;
 
-/// Checks the laws of a change of coordinates of any map at time `t` and `q`: x, ẋ, ẍ and forces
-/// are the same before and after `change`, the map is one afterwards, and `back`, if it is given,
-/// leads back.
+/// Checks the laws of a change of coordinates of any map at time `t` and `q`: x, ẋ, ẍ and forces are the same before and
+/// after `change`, the laws of a map hold afterwards, and `back`, if given, is the inverse.
 pub fn rewriting<M: Parametrization + Clone>(
     map: &M,
     t: f64,
@@ -103,7 +99,7 @@ fn exchange<M: Parametrization + Clone>(
 ) {
     let d = q.len();
     let v = random_vector(d, random);
-    // ẍ is affine in the accelerations: so many of them determine B, and with it that forces stay.
+    // ẍ is affine in the accelerations: d + 1 of them determine B, and hence the forces.
     let a: Vec<Vec<f64>> = (0..=d).map(|_| random_vector(d, random)).collect();
     let mut changed = map.clone();
     let (mut new_q, mut new_v, mut new_a) = (q.to_vec(), v.clone(), a.clone());
@@ -145,15 +141,15 @@ fn inside(map: &ImplicitMap, t: f64, reach: f64, random: &mut Random) -> Option<
     None
 }
 
-/// Whether a position is well inside the domain: the steps of the laws stay there too.
+/// Whether a position and the steps of the laws from there are inside the domain.
 fn roomy(map: &ImplicitMap, t: f64, q: &[f64]) -> bool {
     let mut map = map.clone();
-    let margin = map.margin(t, q);
+    let margin = map.domain(t, q).unwrap_or(0.0);
     let mut step = |j: usize, sign: f64| {
         let mut there = q.to_vec();
-        // Steps go in all directions at once, and the motion is bent.
+        // Steps are in all directions at once, and the motion is curved.
         there[j] += sign * 0.6 * margin.min(0.3) * (q.len() as f64).sqrt();
-        map.margin(t, &there) > 0.0
+        map.domain(t, &there).is_ok()
     };
     margin * REGULAR > 1.0 && (0..q.len()).all(|j| step(j, 1.0) && step(j, -1.0))
 }
@@ -177,9 +173,4 @@ fn random_vector(d: usize, random: &mut Random) -> Vec<f64> {
     let mut out = vec![0.0; d];
     random.fill(&mut out);
     out
-}
-
-fn relative(found: &[f64], exact: &[f64], unit: f64) -> f64 {
-    let gap: Vec<f64> = found.iter().zip(exact).map(|(a, b)| a - b).collect();
-    norm(&gap) / (norm(exact) + unit)
 }

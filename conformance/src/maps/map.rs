@@ -1,4 +1,4 @@
-//! The laws of a map: everything that [`Map`] offers is a derivative of φ.
+//! The laws of a map: all operators of a [`Map`] are derivatives of φ.
 
 use super::kinematics::{Mapped, kinematics};
 use super::pieces::pieces;
@@ -6,10 +6,11 @@ use crate::forces::State;
 use crate::layout::Layout;
 use crate::report::Report;
 use crate::sample::{CLEARANCE, Random};
-use nalgebra::{DVector, SMatrix, SVector};
+use crate::vectors::{larger, relative};
+use nalgebra::{DVector, SVector};
 use pullback_manifold::map::{Kinematics, Map, Parametrization, derived};
 
-/// Time at which maps are evaluated: not zero, so that a forgotten t shows.
+/// Time at which maps are evaluated: not zero, so that a missing t has an effect.
 pub(crate) const TIME: f64 = 0.37;
 
 /// Largest relative difference between a closed form and the exact derivative.
@@ -27,10 +28,9 @@ where
     let mut report = Report::new(short_name::<M>());
     let mut random = Random::default();
     let vector = |q: &[f64]| SVector::<f64, D>::from_column_slice(q);
-    for (at, q) in within(&mut report, &mut random, D, |q| {
-        map.margin(TIME, &vector(q))
-    }) {
-        laws(&mut report, "", map, at, TIME, &vector(&q), &mut random);
+    let margin = |q: &[f64]| map.domain(TIME, &vector(q)).unwrap_or(0.0);
+    for (at, q) in within(&mut report, &mut random, D, margin) {
+        laws(&mut report, "", map, at, &vector(&q), &mut random);
     }
     report
 }
@@ -39,7 +39,7 @@ where
 pub fn parametrization(map: &dyn Parametrization) -> Report {
     let mut report = Report::new(shortened(map.kind()));
     let mut random = Random::default();
-    let margin = |q: &[f64]| map.duplicate().margin(TIME, q);
+    let margin = |q: &[f64]| map.duplicate().domain(TIME, q).unwrap_or(0.0);
     for (at, q) in within(&mut report, &mut random, map.dims().0, margin) {
         laws_behind_slices(&mut report, map, at, &q, &mut random);
     }
@@ -57,15 +57,11 @@ pub(crate) fn laws_behind_slices(
     let d = map.dims().0;
     let mut one_piece = map.duplicate();
     one_piece.freeze_piece(Some((TIME, q)));
-    let margin = one_piece.margin(TIME, q);
+    let margin = one_piece.domain(TIME, q).unwrap_or(0.0);
     if margin.is_nan() || margin <= CLEARANCE {
         return;
     }
-    let mut vector = || {
-        let mut v = DVector::zeros(d);
-        random.fill(v.as_mut_slice());
-        v
-    };
+    let mut vector = || random.entries(&vec![1.0; d]);
     let state = State {
         t: TIME,
         x: DVector::from_column_slice(q),
@@ -75,7 +71,7 @@ pub(crate) fn laws_behind_slices(
     slopes(report, "", &*one_piece, at, &state, random);
 }
 
-/// The laws at one state that need no closed form to compare with; whether all values are finite.
+/// The laws at one state other than those of closed forms; returns whether all values are finite.
 pub(crate) fn slopes(
     report: &mut Report,
     prefix: &str,
@@ -97,7 +93,7 @@ pub(crate) fn slopes(
     finite
 }
 
-/// The positions within a domain, given its margin; notes that there is none.
+/// The positions within a domain, given its margin; a failure if there are none.
 pub(crate) fn within(
     report: &mut Report,
     random: &mut Random,
@@ -119,7 +115,7 @@ pub(crate) fn short_name<M>() -> String {
 }
 
 /// A type's full name without the paths of its crates: `OnCurve<Helix>`.
-pub fn shortened(full: &str) -> String {
+pub(crate) fn shortened(full: &str) -> String {
     let mut out = String::new();
     let mut word = String::new();
     for c in full.chars() {
@@ -136,9 +132,8 @@ pub fn shortened(full: &str) -> String {
     out + &word
 }
 
-/// What a type is called by people: the words of its name without what is generic, `on curve` of
-/// `pullback::joint::OnCurve<Helix>`.
-pub fn plain(full: &str) -> String {
+/// The words of a type's name without its parameters: `on curve` of `pullback::joint::OnCurve<Helix>`.
+pub(crate) fn plain(full: &str) -> String {
     let short = shortened(full);
     let name = short.split('<').next().unwrap_or(&short);
     let mut out = String::new();
@@ -151,19 +146,18 @@ pub fn plain(full: &str) -> String {
     out
 }
 
-/// All laws of a map at one time and point.
-#[allow(clippy::too_many_arguments, reason = "what is checked, where and how")]
+/// All laws of a map at one point.
 pub(crate) fn laws<M, const D: usize, const N: usize>(
     report: &mut Report,
     prefix: &str,
     map: &M,
     at: &str,
-    t: f64,
     q: &SVector<f64, D>,
     random: &mut Random,
 ) where
     M: Map<D, N> + Clone + 'static,
 {
+    let t = TIME;
     let law = |name: &str| format!("{prefix}{name}");
     let (v, a) = (random.vector::<D>(), random.vector::<D>());
     let f = random.vector::<N>();
@@ -189,60 +183,28 @@ pub(crate) fn laws<M, const D: usize, const N: usize>(
     let size = tangent.x.norm() + tangent.B.norm() * (1.0 + q.norm());
     let gap = (map.phi(t, q) - tangent.x).norm();
     report.defect(&law("x = phi"), at, gap, CLOSED_FORM * size);
-    // A vector or operator may vanish by symmetry (Ḃ at rest, say): its size is then that of B.
+    // A vector or operator may vanish by symmetry, as Ḃ at rest: its size is then that of B.
     let unit = exact.B.norm() + exact.x.norm();
-    agree(
-        report,
-        &law("tangent = derived"),
-        at,
-        &[
-            relative(&tangent.x, &exact_tangent.x, unit),
-            relative(&tangent.B, &exact_tangent.B, unit),
-        ],
-    );
-    agree(
-        report,
-        &law("kinematics = derived"),
-        at,
-        &differences(&k, &exact, unit),
-    );
-    agree(
-        report,
-        &law("geometric_stiffness = derived"),
-        at,
-        &[relative(&K, &exact_K, unit * f.norm())],
-    );
+    let gaps = [
+        relative(tangent.x.as_slice(), exact_tangent.x.as_slice(), unit),
+        relative(tangent.B.as_slice(), exact_tangent.B.as_slice(), unit),
+    ];
+    agree(report, &law("tangent = derived"), at, &gaps);
+    let (found, exact) = (slices(&k), slices(&exact));
+    let gaps = [0, 1, 2, 3, 4, 5].map(|i| relative(found[i], exact[i], unit));
+    agree(report, &law("kinematics = derived"), at, &gaps);
+    let gap = relative(K.as_slice(), exact_K.as_slice(), unit * f.norm());
+    agree(report, &law("geometric_stiffness = derived"), at, &[gap]);
+}
+
+/// x, ẋ, ẍ, B, Ḃ, B̈.
+fn slices<const D: usize, const N: usize>(k: &Kinematics<D, N>) -> [&[f64]; 6] {
+    let [x, x_dot, x_ddot] = [&k.x, &k.x_dot, &k.x_ddot].map(|x| x.as_slice());
+    let [B, B_dot, B_ddot] = [&k.B, &k.B_dot, &k.B_ddot].map(|B| B.as_slice());
+    [x, x_dot, x_ddot, B, B_dot, B_ddot]
 }
 
 pub(crate) fn agree(report: &mut Report, law: &str, at: &str, differences: &[f64]) {
-    // f64::max drops NaN: a sum keeps it.
-    let worst = if differences.iter().any(|d| d.is_nan()) {
-        f64::NAN
-    } else {
-        differences.iter().copied().fold(0.0, f64::max)
-    };
+    let worst = differences.iter().copied().fold(0.0, larger);
     report.defect(law, at, worst, CLOSED_FORM);
-}
-
-fn relative<const R: usize, const C: usize>(
-    found: &SMatrix<f64, R, C>,
-    exact: &SMatrix<f64, R, C>,
-    unit: f64,
-) -> f64 {
-    (found - exact).norm() / (exact.norm() + unit)
-}
-
-fn differences<const D: usize, const N: usize>(
-    k: &Kinematics<D, N>,
-    exact: &Kinematics<D, N>,
-    unit: f64,
-) -> [f64; 6] {
-    [
-        relative(&k.x, &exact.x, unit),
-        relative(&k.x_dot, &exact.x_dot, unit),
-        relative(&k.x_ddot, &exact.x_ddot, unit),
-        relative(&k.B, &exact.B, unit),
-        relative(&k.B_dot, &exact.B_dot, unit),
-        relative(&k.B_ddot, &exact.B_ddot, unit),
-    ]
 }

@@ -10,6 +10,6 @@ mod pieces;
 pub use chart::chart;
 pub use implicit::{implicit, rewriting};
 pub use kinematics::{Mapped, kinematics};
-pub(crate) use map::{TIME, laws_behind_slices, short_name, within};
-pub use map::{map, parametrization, plain, shortened};
+pub(crate) use map::{TIME, laws_behind_slices, plain, short_name, within};
+pub use map::{map, parametrization};
 pub use pieces::pieces;

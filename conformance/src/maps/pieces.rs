@@ -1,38 +1,32 @@
-//! Where the formulas of a map meet that is pieced together from several.
+//! Continuity of a map that consists of several pieces.
 
 use super::kinematics::Mapped;
-use crate::block::Block;
 use crate::forces::State;
 use crate::report::Report;
 use crate::sample::Random;
-use nalgebra::DVector;
+use crate::vectors::minus;
 use pullback_manifold::map::Parametrization;
 
-/// Pieces are looked for along every coordinate, by steps of this many units, this often.
+/// Step, in units, and number of steps of the search for other pieces along every coordinate.
 const STRIDE: f64 = 0.25;
 const STEPS: i32 = 12;
-/// What meets agrees to this part of its size: see the closed forms of [`map`](super::map()).
+/// Largest relative difference of continuous values: see the closed forms of [`map`](super::map()).
 const SAME: f64 = 1e-10;
-/// What has to be the same on both sides; B̈ of a map with two continuous derivatives is not.
+/// Continuous values; B̈ of a map with two continuous derivatives is not.
 const MEETING: [&str; 5] = ["x", "x_dot", "x_ddot", "B", "B_dot"];
 
-/// Notes that pieces meet: from a state on along every coordinate, x, ẋ, ẍ, B and Ḃ are the same by the
-/// formula that holds there and by the one that takes over
-/// ([`Parametrization::freeze_piece`](pullback_manifold::map::Parametrization::freeze_piece)). Nothing is noted where there are no pieces, and of maps
-/// that solve equations: their pieces are those of what they solve, and far away they are on another branch.
+/// Checks that x, ẋ, ẍ, B and Ḃ are continuous where the next piece of a map begins, along every coordinate from a state
+/// ([`Parametrization::freeze_piece`](pullback_manifold::map::Parametrization::freeze_piece)). Maps that solve equations
+/// are not checked: their pieces are those of the equations, and distant states are on another branch.
 pub fn pieces(report: &mut Report, of: Mapped<'_>, at: &str, s: &State, random: &mut Random) {
     if of.map.duplicate().implicit().is_some() {
         return;
     }
     let units = of.columns.units();
-    let mut noise = || {
-        let mut v = DVector::zeros(units.len());
-        random.fill(v.as_mut_slice());
-        v.component_mul(&DVector::from_column_slice(&units))
-    };
+    let mut noise = || random.entries(&units);
     let seam = Seam {
         of,
-        // Rates of the size of one: all derivatives count alike.
+        // With rates of about 1 all derivatives have similar magnitudes.
         s: &State {
             v: noise(),
             a: noise(),
@@ -52,6 +46,7 @@ pub fn pieces(report: &mut Report, of: Mapped<'_>, at: &str, s: &State, random: 
     }
 }
 
+/// The search for the end of the piece that holds at a state.
 struct Seam<'a> {
     of: Mapped<'a>,
     s: &'a State,
@@ -68,7 +63,7 @@ impl Seam<'_> {
         Mapped { map, ..self.of }
     }
 
-    /// How far two maps are apart group by group, each of x … B̈, and the sizes of all of them.
+    /// The differences of two maps group by group, for each of x … B̈, and the sums of their magnitudes.
     fn apart(
         &self,
         maps: [&dyn Parametrization; 2],
@@ -85,19 +80,18 @@ impl Seam<'_> {
         for (k, (a, b)) in a.iter().zip(&b).enumerate() {
             let size = norms(k, a);
             sizes.iter_mut().zip(size).for_each(|(all, s)| *all += s);
-            let gap: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
-            gaps.push(norms(k, &gap));
+            gaps.push(norms(k, &minus(a, b)));
         }
         (gaps, sizes)
     }
 
-    /// How far along a coordinate another formula takes over from the first of two maps, where the
-    /// second one has that which holds.
+    /// The change of a coordinate at which the two maps begin to differ: the first is the frozen piece, the second the
+    /// map itself.
     fn find(&self, maps: [&dyn Parametrization; 2], j: usize, step: f64) -> Option<f64> {
-        // Nothing is known beyond the domain.
+        // `None` outside of the domain.
         let differ = |e: f64| -> Option<bool> {
             let s = self.state((j, e));
-            if maps[1].duplicate().margin(s.t, s.x.as_slice()) <= 0.0 {
+            if maps[1].duplicate().domain(s.t, s.x.as_slice()).is_err() {
                 return None;
             }
             let (gaps, sizes) = self.apart(maps, (j, e));
@@ -138,14 +132,12 @@ impl Seam<'_> {
         let law = "pieces meet: x, x_dot, x_ddot, B, B_dot";
         let allowed = allowed.repeat(MEETING.len());
         report.defects(law, at, &gaps, &allowed);
-        // What is off first; its derivatives are so too.
+        // The first wrong value; its derivatives are wrong, too.
         let first = gaps.iter().zip(&allowed).position(|(gap, a)| gap > a);
-        report.blame(|| self.blocks([here, &*next], &s, first.unwrap_or(0) / sizes.len()));
-    }
-
-    /// What is off in one of x … Ḃ: what comes is compared with what was.
-    fn blocks(&self, maps: [&dyn Parametrization; 2], s: &State, k: usize) -> Vec<Block> {
-        let [before, after] = maps.map(|map| self.with(map).kinematics(s));
-        self.of.compared(MEETING[k], &after[k], &before[k])
+        let k = first.unwrap_or(0) / sizes.len();
+        report.blame(|| {
+            let [before, after] = [here, &*next].map(|map| self.with(map).kinematics(&s));
+            self.of.compared(MEETING[k], &after[k], &before[k])
+        });
     }
 }

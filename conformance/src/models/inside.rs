@@ -1,16 +1,15 @@
-//! States in the middle of domains.
+//! States inside the domains of all maps.
 
 use super::view::{maps, parent_state};
 use pullback_elements::model::{Context, NodeForm};
 use pullback_manifold::system::Point;
 
-/// A joint with less room than this is at the edge of its domain, and how far from there it is taken,
-/// in units of its coordinates.
+/// Margin below which a joint is at the boundary of its domain, and the step away from there in units.
 const NARROW: f64 = 1e-3;
 const STEP: f64 = 0.1;
 
-/// Takes coordinates of joints that are at the edges of their domains, a slide at the end of its
-/// chain, a little inside: nothing can be said about derivatives where a step leads outside.
+/// Moves joints from the boundaries of their domains, such as a slide at the end of its chain, a little inside:
+/// differences require states on all sides.
 pub(super) fn step_inside(context: &mut Context, t: f64, q: &mut [f64], units: &[f64]) {
     for k in 0..context.mapped_nodes().len() {
         let Some(margin) = room(context, k, t, q).filter(|&room| room < NARROW) else {
@@ -47,5 +46,6 @@ fn room(context: &mut Context, k: usize, t: f64, q: &[f64]) -> Option<f64> {
     let (v, a) = (&[][..], &[][..]);
     context.configure(Point { t, q, v, a }).ok()?;
     let (_, mut map, parents) = maps(context).nth(k)?;
-    Some(map.margin(t, parent_state(context, parents, t).x.as_slice()))
+    map.domain(t, parent_state(context, parents, t).x.as_slice())
+        .ok()
 }

@@ -1,20 +1,14 @@
 //! The laws of a model's joints: maps from the coordinates of parents to those of a frame.
 
-#![allow(non_snake_case)]
-
 use super::segments::{self, Child};
 use super::view::{self, maps, parent_state};
-use crate::elements::{Carrier, EXACT, FrameAt, carry, vector};
+use crate::elements::{Carrier, EXACT, FIRST, FrameAt, carry, vector};
 use crate::{Mapped, Random, Report, State, kinematics, pieces};
 use nalgebra::{DVector, Vector3};
 use pullback_elements::model::Context;
-use pullback_manifold::map::Parametrization;
 use pullback_manifold::so3::{log_quaternion, quaternion};
 
-/// First relative motion of the parents in the limit of small ones, in units.
-const FIRST: f64 = 0.1;
-
-/// Notes the laws of all joints, in the configuration last set, which is that of a state.
+/// The laws of all joints at a state.
 pub(super) fn laws(
     report: &mut Report,
     context: &mut Context,
@@ -22,14 +16,7 @@ pub(super) fn laws(
     (at, state): &(String, State),
     random: &mut Random,
 ) {
-    let [q, v, a] = [&state.x, &state.v, &state.a].map(|x| x.as_slice());
-    let point = pullback_manifold::system::Point {
-        t: state.t,
-        q,
-        v,
-        a,
-    };
-    if let Err(error) = context.configure(point) {
+    if let Err(error) = context.configure(state.point()) {
         return report.impossible("domain", at, error.to_string());
     }
     for (n, map, parents) in maps(context) {
@@ -44,7 +31,7 @@ pub(super) fn laws(
             rows: &rows,
             columns: &joint.layout,
         };
-        // Velocities of the model are of its own rate; those of a map have the rate of time.
+        // Velocities have the rate of the model, not that of the map.
         let mut columns = joint.layout.clone();
         columns.rate = rate(&joint.layout.units(), &s);
         let rated = Mapped {
@@ -79,8 +66,7 @@ pub(super) fn laws(
     }
 }
 
-/// How fast coordinates change, in units. Parents in a loop may be at a turning point, where only
-/// their accelerations tell.
+/// The rate of change of coordinates in units; at a turning point of a loop that of their accelerations.
 fn rate(units: &[f64], s: &State) -> f64 {
     let speeds = s.v.iter().zip(units).map(|(v, u)| (v / u).abs());
     let turns = s.a.iter().zip(units).map(|(a, u)| (a / u).abs().sqrt());
@@ -88,7 +74,7 @@ fn rate(units: &[f64], s: &State) -> f64 {
     if fastest.is_normal() { fastest } else { 1.0 }
 }
 
-/// A joint whose parents are carried by a rigid motion.
+/// A joint whose parents have a superposed rigid motion.
 struct Carried<'a> {
     of: Mapped<'a>,
     position: Vector3<f64>,
@@ -98,17 +84,12 @@ struct Carried<'a> {
 }
 
 impl Carried<'_> {
-    fn child(&self, map: &dyn Parametrization, s: &State) -> DVector<f64> {
-        let (mut map, (d, n)) = (map.duplicate(), map.dims());
-        let (mut x, mut B) = (DVector::from_element(n, f64::NAN), vec![0.0; n * d]);
-        if map.margin(s.t, s.x.as_slice()) > 0.0 {
-            map.tangent(s.t, s.x.as_slice(), x.as_mut_slice(), &mut B);
-        }
-        x
+    /// The coordinates of the frame at a state of the parents.
+    fn child(&self, s: &State) -> DVector<f64> {
+        DVector::from_vec(self.of.tangent(s.t, s.x.as_slice()).0)
     }
 
-    /// How far the frame is from where the motion of its parents takes it: in lengths, and in
-    /// radians, whatever the chart.
+    /// The distance of the frame from the rigid motion of its parents, in lengths and in radians, in any chart.
     fn defect(&self, by: Carrier, turn: &Vector3<f64>, s: &State) -> Vec<f64> {
         let still = State::statics(s.t, s.x.clone());
         let mut moved = carry(by, 0.0, self.frames, &still).state;
@@ -118,13 +99,13 @@ impl Carried<'_> {
             let turned = log_quaternion(&quaternion(turn).product(&quaternion(&psi)));
             moved.x.fixed_rows_mut::<3>(k).copy_from(&turned);
         }
-        let here = State::statics(s.t, self.child(self.of.map, &still));
+        let here = State::statics(s.t, self.child(&still));
         let own = [FrameAt {
             first: 0,
             position: self.position,
         }];
         let right = carry(by, 0.0, &own, &here).state.x;
-        let found = self.child(self.of.map, &moved);
+        let found = self.child(&moved);
         let [a, b] = [&found, &right].map(|x| quaternion(&x.fixed_rows::<3>(3).into_owned()));
         let turns = a.conjugate().product(&b).v.norm() * 2.0;
         let gap = (found.fixed_rows::<3>(0) - right.fixed_rows::<3>(0)).norm();
@@ -135,17 +116,12 @@ impl Carried<'_> {
         let about = self.frames[0].position;
         let turn = vector(random, 0.9);
         let by = Carrier::still(about, turn, vector(random, self.length));
-        let sizes: Vec<f64> = {
-            let reach = self
-                .of
-                .rows
-                .magnitudes(self.child(self.of.map, s).as_slice(), 0);
-            let all = self.of.columns.magnitudes(s.x.as_slice(), 0);
-            let most = |x: &[f64]| x.iter().fold(0.0, |a: f64, b| a.max(*b));
-            vec![(most(&reach) + most(&all)) / self.length, 1.0]
-        };
+        let most = |x: Vec<f64>| x.into_iter().fold(0.0, f64::max);
+        let reach = most(self.of.rows.magnitudes(self.child(s).as_slice(), 0));
+        let all = most(self.of.columns.magnitudes(s.x.as_slice(), 0));
+        let sizes = [(reach + all) / self.length, 1.0];
         let law = "frames move rigidly with their parents";
-        let allowed: Vec<f64> = sizes.iter().map(|s| EXACT * s).collect();
+        let allowed = sizes.map(|s| EXACT * s);
         let defects = self.defect(by, &turn, s);
         let exact = defects.iter().zip(&allowed).all(|(d, a)| d <= a);
         if exact || self.frames.len() == 1 {
@@ -153,16 +129,10 @@ impl Carried<'_> {
             return;
         }
         let law = format!("{law} in the limit of small strains");
-        for last in [false, true] {
-            self.limit(report, &law, (by, &turn), s, &sizes, random);
-            // Terms of two orders may cancel by chance: not in two directions.
-            if last || !report.retry() {
-                break;
-            }
-        }
+        report.twice(|report| self.limit(report, &law, (by, &turn), s, &sizes, random));
     }
 
-    /// Interpolated rotation vectors are off by the second order in the relative motion of parents.
+    /// The error of interpolated rotation vectors is of second order in the relative motion of the parents.
     fn limit(
         &self,
         report: &mut Report,
@@ -172,16 +142,14 @@ impl Carried<'_> {
         sizes: &[f64],
         random: &mut Random,
     ) {
-        let mut noise = DVector::zeros(s.x.len());
-        random.fill(noise.as_mut_slice());
-        let units = self.of.columns.units();
+        let noise = random.entries(&self.of.columns.units());
         let about = self.frames[0].position;
         let rigid = Carrier::still(about, vector(random, 1.3), Vector3::zeros());
         let near = |e: f64| {
             let mut x = s.x.clone();
             for f in self.frames {
                 for k in f.first..f.first + 6 {
-                    x[k] = noise[k] * units[k] * e;
+                    x[k] = noise[k] * e;
                 }
             }
             carry(rigid, 0.0, self.frames, &State::statics(s.t, x)).state

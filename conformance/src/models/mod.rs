@@ -1,7 +1,5 @@
 //! The laws of a whole model: of each component where the model uses it, and of the assembled system.
 
-#![allow(non_snake_case)]
-
 mod inside;
 mod joint;
 mod segments;
@@ -9,25 +7,25 @@ mod states;
 mod transport;
 mod view;
 
-use crate::elements::{Placed, Request, element_at, evaluate, in_charts, invariance};
-use crate::{Forces, Layout, Random, Report, State, system_at};
+use crate::elements::{Component, Request, element_at, evaluate, in_charts, invariance};
+use crate::forces::system_at;
+use crate::{Forces, Layout, Random, Report, State};
 use nalgebra::DVector;
 use pullback_elements::element::Element;
 use pullback_elements::model::Context;
 use pullback_manifold::system::{Evaluation, Point, System, Weights};
 use states::{Size, beside, moving};
-use view::Component;
 
-/// Where a model is checked.
+/// The states at which a model is checked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// Seed of everything random: the same seed gives the same report.
+    /// Seed of the random generator: the same seed gives the same report.
     pub seed: u64,
-    /// Time, or load parameter. Not one of the model's kinks, where nothing is smooth.
+    /// Time, or load parameter; not a kink of a function of time, where there are no derivatives.
     pub t: f64,
-    /// Coordinates of the state from which others are drawn; the reference configuration if empty.
+    /// Coordinates of the first state, around which others are drawn; the reference configuration if empty.
     pub q: Vec<f64>,
-    /// How many random states besides that one; large models may take few.
+    /// Number of random states besides the first; a few suffice for large models.
     pub states: usize,
 }
 
@@ -42,37 +40,33 @@ impl Default for Options {
     }
 }
 
-/// Checks a model: every element and load, every joint, and the assembled system; at `options.q`
-/// and at random states around it, at rest and in motion. One row for each component and law, from
-/// the state where it came closest to failing.
+/// Checks a model: every element and load, every joint, and the assembled system; at `options.q` and at random states
+/// around it, at rest and in motion. The report has one row for each component and law, that of the state with the
+/// largest [`Measure::strain`](crate::Measure::strain).
 ///
-/// - elements and loads: the laws of [`element`](super::element); that forces and energies turn with
-///   a rigid motion superposed (what is internal), and are the same in the other chart. Both hold
-///   to round-off, or in the limit of small relative motions of the nodes where an element
-///   interpolates total rotation vectors: the law's name says which was found;
-/// - joints: B, ẋ, ẍ, Ḃ, B̈ and K_σ are derivatives of φ, frames move rigidly with their parents; where
-///   formulas or lines of a chain take over from one another, motion and forces stay;
-/// - the system: K, C, M block row by block row, their symmetry, the combined tangent; a change of
-///   the charts of nodes and back leaves positions, velocities, forces and energies as they were;
-///   d(T + U)/dt is the power supplied less the power lost.
+/// - elements and loads: the laws of [`element`](super::element); internal forces and energies are invariant under a
+///   superposed rigid motion, and all under a change of chart. Both hold to round-off, or in the limit of small
+///   relative motions of the nodes if an element interpolates total rotation vectors: the name of the law says which;
+/// - joints: B, ẋ, ẍ, Ḃ, B̈ and K_σ are derivatives of φ, frames move rigidly with their parents; motion and forces are
+///   continuous between the pieces of a map and the segments of a chain;
+/// - the system: K, C, M block row by block row, their symmetry, the combined tangent; a change of the charts of nodes
+///   and back preserves positions, velocities, forces and energies; d(T + U)/dt is the power supplied less the power
+///   dissipated.
 ///
-/// Sizes are those of each component: lengths of elements, their stiffness, their own frequencies.
-/// Maps that change the meaning of their coordinates ([`Parametrization::reparametrizes`]) do so once, at the end: what
-/// coordinates the model has then is for its next change of charts to say.
+/// Errors are relative to the lengths, stiffnesses and frequencies of each component. Maps that reparametrize
+/// ([`Parametrization::reparametrizes`]) do so once, at the end, and the model keeps these coordinates.
 ///
-/// Maps that are pieced together from several formulas keep to the one that holds at each state, beyond
-/// its ends too ([`Parametrization::freeze_piece`]): a curve through points is smooth in its third derivative only
-/// between them.
+/// Maps that consist of several pieces keep the one that holds at each state, also beyond its ends
+/// ([`Parametrization::freeze_piece`]): the third derivative of a curve through points is smooth only between them.
 ///
-/// Joints that start at the edge of their domain, such as a slide at the end of its chain, are looked
-/// at a little inside.
+/// Joints at the boundary of their domain, such as a slide at the end of its chain, are checked a little inside.
 ///
-/// A model that cannot be evaluated at `options.q` gives a report of one failure that says why.
+/// The report on a model that cannot be evaluated at `options.q` is one failure with the reason.
 ///
 /// [`Parametrization::freeze_piece`]: pullback_manifold::map::Parametrization::freeze_piece
 /// [`Parametrization::reparametrizes`]: pullback_manifold::map::Parametrization::reparametrizes
 pub fn model(context: &mut Context, options: &Options) -> Report {
-    // Random states satisfy nothing that multipliers hold.
+    // Random states violate the equations of multipliers.
     context.watch_equations(false);
     let report = all(context, options);
     context.watch_equations(true);
@@ -95,11 +89,11 @@ fn all(context: &mut Context, options: &Options) -> Report {
         plan.push((format!("random {}", k + 1), size));
     }
     let mut seen: Vec<(String, Vec<State>)> = Vec::new();
-    let (at_start, memories) = ((options.t, q.as_slice()), context.save_maps());
+    let (at_start, first) = ((options.t, q.as_slice()), context.state().clone());
     let mut last = None;
     for (k, (at, size)) in plan.iter().enumerate() {
         context.freeze_pieces(None);
-        let rest = match beside(context, at_start, &memories, *size, &units, &mut random) {
+        let rest = match beside(context, at_start, &first, *size, &units, &mut random) {
             Ok(rest) => rest,
             Err(error) => {
                 report.impossible("domain", at, error.to_string());
@@ -113,7 +107,7 @@ fn all(context: &mut Context, options: &Options) -> Report {
         let motion = moving(&rest, &layout.units(), layout.rate, &mut random);
         let states = [
             (format!("{at}, at rest"), rest),
-            (format!("{at}, moving"), motion.clone()),
+            (format!("{at}, moving"), motion),
         ];
         report.extend(system_at("model", &layout, context, &states));
         transport::laws(&mut report, context, &layout, &states[1], &mut random);
@@ -121,12 +115,9 @@ fn all(context: &mut Context, options: &Options) -> Report {
         if k + 1 == plan.len() && view::reparametrizes(context) {
             last = Some(states[1].clone());
         }
-        let each = 0..context.elements().len();
-        seen.push((
-            at.clone(),
-            each.map(|k| view::element_state(context, k, options.t))
-                .collect(),
-        ));
+        let elements = 0..context.elements().len();
+        let own = elements.map(|k| view::element_state(context, k, options.t));
+        seen.push((at.clone(), own.collect()));
     }
     for k in 0..context.elements().len() {
         let positions = seen.iter().map(|(at, states)| (at.as_str(), &states[k]));
@@ -153,10 +144,7 @@ fn component<'a>(
     in_charts(own.thing, |element| {
         let own = Component {
             thing: element,
-            name: own.name,
-            layout: own.layout,
-            frames: own.frames,
-            rotations: own.rotations,
+            ..own
         };
         of_element(own, rate, positions, random)
     })
@@ -173,58 +161,49 @@ fn of_element<'a>(
     let mut states = Vec::new();
     for (at, rest) in positions {
         if states.is_empty() {
-            let zero = DVector::zeros(rest.x.len());
+            let zero = || DVector::zeros(rest.x.len());
+            let (v, a) = (zero(), zero());
             let still = State {
-                v: zero.clone(),
-                a: zero,
+                v,
+                a,
                 ..rest.clone()
             };
             let all = evaluate(element, &still, Request::All);
-            own.layout.rate = all
-                .and_then(|f| element_rate(&own.layout, &f))
-                .unwrap_or(rate);
+            let own_rate = all.and_then(|f| element_rate(&own.layout, &f));
+            own.layout.rate = own_rate.unwrap_or(rate);
         }
         states.push((format!("{at}, at rest"), rest.clone()));
         let motion = moving(rest, &own.layout.units(), own.layout.rate, random);
         states.push((format!("{at}, moving"), motion));
     }
     let mut report = element_at(&own.name, &own.layout, &states, element);
-    let placed = Placed {
-        element,
-        layout: &own.layout,
-        frames: &own.frames,
-    };
-    invariance::laws(&mut report, &placed, &states, random);
+    invariance::laws(&mut report, &own, &states, random);
     report.worst()
 }
 
 /// A typical frequency: the geometric mean of √(K/M) over the diagonal, where there are both.
 fn mean_rate(pairs: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
-    let logs: Vec<f64> = pairs
-        .filter(|&(K, M)| K != 0.0 && M > 0.0)
-        .map(|(K, M)| 0.5 * (K.abs() / M).ln())
-        .filter(|log| log.is_finite())
-        .collect();
+    let both = pairs.filter(|&(K, M)| K != 0.0 && M > 0.0);
+    let logs = both.map(|(K, M)| 0.5 * (K.abs() / M).ln());
+    let logs: Vec<f64> = logs.filter(|log| log.is_finite()).collect();
     let mean = logs.iter().sum::<f64>() / logs.len() as f64;
     mean.exp().is_normal().then(|| mean.exp())
 }
 
 fn element_rate(layout: &Layout, f: &Forces) -> Option<f64> {
     let M = f.M.as_ref()?;
-    // The largest stiffness and the largest mass: single ones may be small by accident.
+    // The largest stiffness and the largest mass: others may be small by chance.
     let units = layout.units();
     let most = |A: &nalgebra::DMatrix<f64>| {
-        let scaled = units
-            .iter()
-            .enumerate()
-            .map(|(i, u)| A[(i, i)].abs() * u * u);
+        let diagonal = A.diagonal();
+        let scaled = diagonal.iter().zip(&units).map(|(a, u)| a.abs() * u * u);
         scaled.fold(0.0, f64::max)
     };
     mean_rate(std::iter::once((most(&f.K), most(M))))
 }
 
-/// Stiffnesses below this part of the largest, as energies, may be rounding: of a coordinate about which
-/// nothing resists.
+/// Smallest stiffness, as an energy, over the largest: below it is the rounding error of a coordinate without
+/// stiffness.
 const NONE: f64 = 1e-12;
 
 /// The model's rate at a state.

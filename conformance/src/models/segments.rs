@@ -1,15 +1,16 @@
-//! Where a map along a chain of elements changes from one segment to the next.
-
-#![allow(non_snake_case)]
+//! Continuity of a map along a chain of elements from one segment to the next.
 
 use super::view::parent_state;
+use crate::block::Compared;
 use crate::elements::{Carrier, EXACT, FrameAt, carry};
-use crate::{Compared, Layout, Mapped, Random, Report, State};
+use crate::vectors::{dot, larger};
+use crate::{Layout, Mapped, Random, Report, State};
 use nalgebra::{DVector, Vector3};
 use pullback_elements::model::{Context, Node};
 use pullback_manifold::map::Parametrization;
+use std::collections::BTreeMap;
 
-/// What is attached to a map.
+/// The node of a map.
 pub(super) struct Child<'a> {
     pub rows: &'a Layout,
     /// Whether it is a frame, and its position in the reference configuration.
@@ -17,9 +18,8 @@ pub(super) struct Child<'a> {
     pub position: Vector3<f64>,
 }
 
-/// Notes that the map gives the same motion, and hands the same forces back, on both segments where they
-/// meet: with the coordinate along the chain at rest there, as a chain may have a corner. All others have
-/// the motion of the state.
+/// Checks that motion and forces are the same on both segments where they meet. The coordinate along the chain is at
+/// rest there, since a chain may have a corner; all others have the motion of the state.
 pub(super) fn laws(
     report: &mut Report,
     of: &Child<'_>,
@@ -33,19 +33,16 @@ pub(super) fn laws(
         return report.impossible(law, at, "the map stays where it is");
     }
     let outside = |side: &Side| {
-        side.map
-            .duplicate()
-            .margin(side.state.t, side.state.x.as_slice())
-            <= 0.0
+        let (t, x) = (side.state.t, side.state.x.as_slice());
+        side.map.duplicate().domain(t, x).is_err()
     };
-    // The frame may have turned out of its chart there.
+    // The frame may be outside of its chart there.
     if sides.iter().any(outside) {
         return;
     }
     let [(before, B_before), (mut after, B_after)] = sides.each_ref().map(motion);
-    // f on the side after is Jᵀ f on the side before where the two are in different charts.
-    let mut f = DVector::zeros(before.x.len());
-    random.fill(f.as_mut_slice());
+    // f after the change is Jᵀ f before it if the two are in different charts.
+    let f = random.entries(&vec![1.0; before.x.len()]);
     let mut back = f.clone();
     if of.framed && (&before.x - &after.x).rows(3, 3).norm() > 1.0 {
         let own = [FrameAt {
@@ -73,44 +70,43 @@ pub(super) fn laws(
     let worst = report.defects(law, at, &gaps, &allowed);
     report.blame(|| {
         let (name, right, found) = pairs[worst / of.rows.groups().len()];
-        Compared {
+        let compared = Compared {
             matrix: name,
             rows: of.rows,
             columns: &Layout::single(),
             forces: false,
             values: vec![(0, found.as_slice().to_vec(), right.as_slice().to_vec())],
-        }
-        .worst()
+        };
+        compared.worst()
     });
-
-    // The force on the coordinate along the chain changes at a corner.
-    let handed = |side: &Side, B: &[f64], f: &DVector<f64>| {
-        let columns = B.chunks_exact(f.len());
-        let parts = columns.map(|b| b.iter().zip(f.iter()).map(|(b, f)| b * f).sum::<f64>());
-        let all = side.coordinates.iter().copied().zip(parts);
-        all.filter(|(c, _)| *c != side.along).collect::<Vec<_>>()
-    };
-    let [forces, others] = [
-        handed(&sides[0], &B_before, &back),
-        handed(&sides[1], &B_after, &f),
-    ];
-    let on = |all: &[(usize, f64)], c: usize| -> f64 {
-        let own = all.iter().filter(|(other, _)| *other == c);
-        own.map(|(_, f)| f).sum()
-    };
-    let mut everywhere: Vec<usize> = forces.iter().chain(&others).map(|(c, _)| *c).collect();
-    everywhere.sort_unstable();
-    everywhere.dedup();
-    let [found, right] = [&others, &forces].map(|all| {
-        let all = everywhere.iter().map(|&c| on(all, c));
-        DVector::from_iterator(everywhere.len(), all)
-    });
-    let size = back.norm().max(f.norm()) * (1.0 + right.amax());
-    let law = "change of segment: forces stay";
-    report.defect(law, at, (&found - &right).amax(), EXACT * size);
+    forces_stay(report, at, sides, [(&B_before, &back), (&B_after, &f)]);
 }
 
-/// The motion of what is attached to a map, and B.
+/// Checks the forces on the coordinates of the parents, given B and the force on both sides. The force on the
+/// coordinate along the chain changes at a corner.
+fn forces_stay(
+    report: &mut Report,
+    at: &str,
+    sides: &[Side; 2],
+    both: [(&Vec<f64>, &DVector<f64>); 2],
+) {
+    let mut forces: BTreeMap<usize, [f64; 2]> = BTreeMap::new();
+    for (k, (side, (B, f))) in sides.iter().zip(both).enumerate() {
+        for (&c, b) in side.coordinates.iter().zip(B.chunks_exact(f.len())) {
+            if c != side.along {
+                forces.entry(c).or_default()[k] += dot(b, f.as_slice());
+            }
+        }
+    }
+    let gaps = forces.values().map(|[right, found]| (found - right).abs());
+    let sizes = forces.values().map(|[right, _]| right.abs());
+    let size = both.map(|(_, f)| f.norm()).into_iter().fold(0.0, f64::max);
+    let allowed = EXACT * size * (1.0 + sizes.fold(0.0, f64::max));
+    let law = "change of segment: forces stay";
+    report.defect(law, at, gaps.fold(0.0, larger), allowed);
+}
+
+/// The motion of the node of a map, and B.
 fn motion(side: &Side) -> (State, Vec<f64>) {
     let (d, n) = side.map.dims();
     let of = Mapped {
@@ -124,21 +120,21 @@ fn motion(side: &Side) -> (State, Vec<f64>) {
     (State { t, x, v, a }, B)
 }
 
-/// A map on one side of a change of segment, and the motion of the parents that it has there.
+/// A map before or after a change of segment, and the motion of its parents there.
 pub(super) struct Side {
     map: Box<dyn Parametrization>,
     state: State,
-    /// Which of the model's coordinates those of the parents are.
+    /// Numbers of the parents' coordinates in the model.
     coordinates: Vec<usize>,
-    /// The coordinate along the chain: it rests where the segment changes.
+    /// The coordinate along the chain, which is at rest at the change.
     along: usize,
 }
 
 /// Size of the step that ends at a change of segment.
 const NUDGE: f64 = 1e-3;
 
-/// The positions of the next changes of segment of a node's map, along each of the coordinates that it
-/// reads, as the configuration last set has all others: the map before and after.
+/// The map of a node before and after the next changes of segment, along each coordinate of its parents from the
+/// present configuration.
 pub(super) fn changes(context: &Context, n: u32, t: f64) -> Vec<[Side; 2]> {
     let node = &context.nodes()[n as usize];
     let Some(map) = context.map_of(node) else {
@@ -162,7 +158,7 @@ pub(super) fn changes(context: &Context, n: u32, t: f64) -> Vec<[Side; 2]> {
             let mut next = map.duplicate();
             next.enter(segment);
             next.change_charts(t, before.state.x.as_slice());
-            // It reads other parents now, and may want other charts for them.
+            // It depends on other parents now, whose charts may have to change.
             let mut after = side(context, node, next, t, border);
             after.map.change_charts(t, after.state.x.as_slice());
             all.push([before, after]);

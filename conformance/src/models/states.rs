@@ -1,30 +1,28 @@
-//! Where a model is checked: its start, and smooth random deformations of it.
-
-#![allow(non_snake_case)]
+//! The states at which a model is checked: its start, and smooth random deformations of it.
 
 use super::view::{Rotation, is_frame, unknowns};
 use crate::{Random, State};
 use nalgebra::{DVector, Vector3};
-use pullback_elements::model::Context;
+use pullback_elements::model::{Context, ModelState};
 use pullback_manifold::chart::Complement;
 use pullback_manifold::map::Map;
 use pullback_manifold::so3::{log_quaternion, quaternion};
-use pullback_manifold::system::{Charts, Evaluation, Point, Quantity, System, SystemError};
+use pullback_manifold::system::{Charts, Evaluation, Quantity, System, SystemError};
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
-/// A field of displacements and rotations over the model, and how rough it is.
+/// Magnitudes of a field of displacements and rotations over the model.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Size {
     /// Displacements in lengths of the model.
     pub displacement: f64,
     /// Rotation angles in radians.
     pub rotation: f64,
-    /// What each node has of its own, in its units.
+    /// Independent part of each node, in its units.
     pub noise: f64,
 }
 
-/// Waves of a smooth field over the model.
+/// Wave number of a smooth field, over the length of the model.
 const WAVES: f64 = 3.0;
 
 impl Size {
@@ -81,16 +79,16 @@ impl Field {
     }
 }
 
-/// A state at rest beside `q`: inside all domains, in charts that fit. A size that leads outside, or to a
-/// singular position of a loop, where derivatives have few digits, is halved as often as it takes. Loops are
-/// solved from where `memories` has them, which is at `q`.
+/// A state at rest near `q`, inside all domains and with suitable charts. A size that leads outside, or to a singular
+/// position of a loop, where derivatives have few digits, is halved repeatedly. Loops are solved from their saved
+/// states at `q`.
 ///
 /// # Errors
 /// [`SystemError`] where `q` itself is outside of a domain.
 pub(super) fn beside(
     context: &mut Context,
     (t, q): (f64, &[f64]),
-    memories: &[Vec<f64>],
+    first: &ModelState,
     size: Size,
     units: &[f64],
     random: &mut Random,
@@ -98,16 +96,15 @@ pub(super) fn beside(
     let seed = random.clone();
     let mut factor = 1.0;
     loop {
-        let same_model = context.restore_maps(memories);
-        debug_assert!(same_model, "memories of another model");
+        let same_model = context.set_state(first.clone());
+        debug_assert!(same_model, "a state of another model");
         let regular = context.singularity_warnings().is_empty();
         *random = seed.clone();
         let x = moved(context, q, size.times(factor), units, random);
         let mut state = State::statics(t, DVector::from_vec(x));
         let settled = settle(context, &mut state).and_then(|()| {
-            let (q, v, a) = (state.x.as_slice(), &[][..], &[][..]);
             let mut r = vec![0.0; q.len()];
-            context.evaluate(Point { t, q, v, a }, Evaluation::residual(&mut r))
+            context.evaluate(state.point(), Evaluation::residual(&mut r))
         });
         match settled {
             Ok(()) if factor == 0.0 || !regular || context.singularity_warnings().is_empty() => {
@@ -136,8 +133,7 @@ fn moved(context: &Context, q: &[f64], size: Size, units: &[f64], random: &mut R
             // Displacements of joints.
             (Quantity::Length, false) => own * (size.noise + size.displacement) * units[node],
             (Quantity::Angle, true) => own * size.noise,
-            (Quantity::Angle, false) => own * size.rotation,
-            (Quantity::Other, _) => own * size.rotation,
+            (Quantity::Angle, false) | (Quantity::Other, _) => own * size.rotation,
         };
     }
     for rotation_of in context.free_rotations() {
@@ -147,7 +143,7 @@ fn moved(context: &Context, q: &[f64], size: Size, units: &[f64], random: &mut R
         let position = context.nodes()[unknowns[u].0].position();
         let turn = rotation.at(&position);
         let now = Vector3::from_fn(|i, _| rotation_of[i].map_or(0.0, |u| x[u]));
-        // A rotation that is held in part can only go on about the axes that are free.
+        // A rotation that is held in part is free about some axes only.
         let turned = match rotation_of.iter().all(Option::is_some) {
             true => log_quaternion(&quaternion(&turn).product(&quaternion(&now))),
             false => now + turn,
@@ -163,27 +159,19 @@ fn moved(context: &Context, q: &[f64], size: Size, units: &[f64], random: &mut R
 
 /// Random velocities and accelerations of the sizes of units and rate.
 pub(super) fn moving(s: &State, units: &[f64], rate: f64, random: &mut Random) -> State {
-    let mut noise = |order: i32| {
-        let mut v = DVector::zeros(s.x.len());
-        random.fill(v.as_mut_slice());
-        v.component_mul(&DVector::from_column_slice(units)) * rate.powi(order)
-    };
-    State {
-        t: s.t,
-        x: s.x.clone(),
-        v: noise(1),
-        a: noise(2),
-    }
+    let v = random.entries(units) * rate;
+    let a = random.entries(units) * rate.powi(2);
+    State { v, a, ..s.clone() }
 }
 
-/// Writes rotations of a state in their other charts, with everything that follows from that, as at
-/// the end of a step; how many. Those near 0 or 2π, where the other chart ends, stay.
+/// Changes the charts of rotations of a state, as at the end of a step, and returns their number. Rotations near 0 or
+/// 2π, where the other chart ends, keep their charts.
 pub(super) fn switch(
     context: &mut Context,
     rotations: &[Rotation],
     s: &mut State,
 ) -> Result<usize, SystemError> {
-    // From the nearer of 0 and 2π.
+    // The distance from the nearer of 0 and 2π.
     let away = |unknowns: &Rotation| {
         let parts = unknowns.iter().flatten().map(|&u| s.x[u] * s.x[u]);
         let psi = parts.sum::<f64>().sqrt();
@@ -193,15 +181,13 @@ pub(super) fn switch(
     let least = (LARGER * most).clamp(TURNED[0], TURNED[1]);
     let clear = least..TAU - least;
     let before = s.x.clone();
-    let count = rotations
-        .iter()
-        .filter(|r| complement(r, s, &clear))
-        .count();
+    let changed = rotations.iter().filter(|r| complement(r, s, &clear));
+    let count = changed.count();
     context.follow_charts(s.t, before.as_slice(), s.x.as_slice())?;
     Ok(count)
 }
 
-/// Charts as a run that starts at a state has them.
+/// Sets the charts of a run that starts at a state.
 fn settle(context: &mut Context, s: &mut State) -> Result<(), SystemError> {
     for unknowns in context.free_rotations() {
         complement(&unknowns, s, &(PI..TAU));
@@ -209,8 +195,7 @@ fn settle(context: &mut Context, s: &mut State) -> Result<(), SystemError> {
     context.settle_charts(s.t, s.x.as_slice())
 }
 
-/// Writes a rotation of a state, in motion or at rest, in its other chart, where its angle is among
-/// those given; whether it is.
+/// Changes the chart of a rotation of a state, if its angle is in a range; returns whether it is.
 fn complement(unknowns: &Rotation, s: &mut State, angles: &Range<f64>) -> bool {
     let take = |from: &DVector<f64>| {
         let entry = |u: usize| from.get(u).copied().unwrap_or(0.0);
@@ -231,8 +216,8 @@ fn complement(unknowns: &Rotation, s: &mut State, angles: &Range<f64>) -> bool {
     true
 }
 
-/// Rotation vectors close to 0 or 2π keep their chart: there the change of charts enlarges round-off by
-/// 2π/ψ, and the smallest ψ would decide what is allowed for all. Charts change at this distance or
-/// more, and where all rotations are smaller than the second one, at those near the largest.
+/// Least distance of a rotation vector from 0 and 2π at which its chart is changed: a change enlarges round-off by 2π/ψ,
+/// and the smallest ψ would determine the allowed errors of all. Of smaller rotations than the second distance only
+/// those near the largest change their charts.
 const TURNED: [f64; 2] = [0.2, 1.0];
 const LARGER: f64 = 0.7;

@@ -1,31 +1,21 @@
-//! The assembled system in other charts, and its books of power.
-
-#![allow(non_snake_case)]
+//! The assembled system in other charts, and its balance of power.
 
 use super::states::switch;
 use super::view::{Rotation, Snapshot, prescribed_rate, reparametrizes, silent_power, snapshot};
+use crate::block::{Compared, difference};
 use crate::elements::EXACT;
-use crate::{CONFIRMED, Compared, Layout, Random, Report, State, difference, system_sizes};
+use crate::forces::{CONFIRMED, FIRST, system_sizes};
+use crate::vectors::{dot, minus};
+use crate::{Layout, Random, Report, State};
 use nalgebra::Vector3;
 use pullback_elements::model::Context;
 use pullback_manifold::so3::B_s;
-use pullback_manifold::system::{Charts, Energetics, Energies, Events, Point, SystemError};
+use pullback_manifold::system::{Charts, Energetics, Events, SystemError};
 
-/// First step along the motion, as in the laws of forces.
-const FIRST: f64 = 0.05;
-/// Sets of nodes whose charts are changed at a state: all, and random ones.
+/// Number of sets of nodes whose charts are changed at a state: all, and random ones.
 const SETS: usize = 3;
 
-fn point(s: &State) -> Point<'_> {
-    Point {
-        t: s.t,
-        q: s.x.as_slice(),
-        v: s.v.as_slice(),
-        a: s.a.as_slice(),
-    }
-}
-
-/// Notes transport through changes of chart and the balance of power, at a state in motion.
+/// Transport through changes of chart and the balance of power, at a state in motion.
 pub(super) fn laws(
     report: &mut Report,
     context: &mut Context,
@@ -50,13 +40,6 @@ pub(super) fn laws(
     }
 }
 
-/// What does not depend on charts.
-fn spatial(context: &mut Context, s: &State) -> Result<(Snapshot, Energies), SystemError> {
-    let now = snapshot(context, s)?;
-    let energies = context.energies(point(s))?;
-    Ok((now, energies))
-}
-
 fn transport(
     report: &mut Report,
     context: &mut Context,
@@ -66,66 +49,28 @@ fn transport(
     s: &State,
     chosen: &[Rotation],
 ) -> Result<(), SystemError> {
-    let before = spatial(context, s)?;
+    let before = snapshot(context, s)?;
     let mut other = s.clone();
     if switch(context, chosen, &mut other)? == 0 {
         return Ok(());
     }
-    let after = spatial(context, &other)?;
-    // Forces go back with the transpose of B_s.
-    let mut r = after.0.r.clone();
-    let mut bend: f64 = 1.0;
-    for unknowns in chosen {
-        let take = |x: &[f64]| Vector3::from_fn(|i, _| unknowns[i].map_or(0.0, |u| x[u]));
-        let psi = take(s.x.as_slice());
-        if psi == take(other.x.as_slice()) {
-            continue;
-        }
-        let B = B_s(&psi);
-        bend = bend.max(B.amax());
-        let f = B.tr_mul(&take(&after.0.r));
-        for (u, f) in unknowns.iter().zip(f.iter()) {
-            if let Some(u) = *u {
-                r[u] = *f;
-            }
-        }
-    }
-    let gap: Vec<f64> = r.iter().zip(&before.0.r).map(|(a, b)| a - b).collect();
+    let after = snapshot(context, &other)?;
+    let (r, bend) = forces_before(chosen, [s, &other], &after.r);
+    let gap = layout.forces(&minus(&r, &before.r));
     let allowed: Vec<f64> = sizes.iter().map(|s| EXACT * s * bend * bend).collect();
     let law = "change of charts: forces stay";
-    report.defects(law, at, &layout.forces(&gap), &allowed);
-    report.blame(|| {
-        Compared {
-            matrix: "force",
-            rows: layout,
-            columns: &Layout::single(),
-            forces: true,
-            values: vec![(0, r.clone(), before.0.r.clone())],
-        }
-        .worst()
-    });
+    report.defects(law, at, &gap, &allowed);
+    report.blame(|| Compared::forces("force", layout, &r, &before.r));
 
-    let total = sizes.iter().sum();
-    stays(
-        report,
-        "change of charts",
-        at,
-        [&before, &after],
-        [context.length(), layout.rate, total, bend],
-    );
+    let scale = [context.length(), layout.rate, sizes.iter().sum(), bend];
+    stays(report, "change of charts", at, [&before, &after], scale);
 
-    // And back, by what a run does after every step.
+    // And back, as a run does after every step.
     let mut back = other.clone();
     if reparametrizes(context) {
         switch(context, chosen, &mut back)?;
     } else {
-        let (q, v, a) = (&mut back.x, &mut back.v, &mut back.a);
-        context.change_charts(
-            s.t,
-            q.as_mut_slice(),
-            v.as_mut_slice(),
-            &mut [a.as_mut_slice()],
-        );
+        change_charts(context, &mut back);
     }
     let rate = layout.rate;
     let off = |a: &[f64], b: &[f64], rate: f64| {
@@ -137,25 +82,50 @@ fn transport(
         off(back.v.as_slice(), s.v.as_slice(), rate),
         off(back.a.as_slice(), s.a.as_slice(), rate * rate),
     ];
-    let most = layout
-        .coordinates(s.x.as_slice())
-        .into_iter()
-        .fold(1.0, f64::max);
+    let coordinates = layout.coordinates(s.x.as_slice());
+    let most = coordinates.into_iter().fold(1.0, f64::max);
     let law = "change of charts and back";
     report.defects(law, at, &defects, &[EXACT * bend * bend * most; 3]);
     Ok(())
 }
 
-/// Notes that motion and energies are the same; given the model's length, its rate, a size of its
-/// energies, and the largest entry of what took one to the other.
+/// The forces in the charts before a change, by the transpose of B_s, and its largest entry.
+fn forces_before(chosen: &[Rotation], [s, other]: [&State; 2], after: &[f64]) -> (Vec<f64>, f64) {
+    let (mut r, mut bend) = (after.to_vec(), 1.0_f64);
+    for unknowns in chosen {
+        let take = |x: &[f64]| Vector3::from_fn(|i, _| unknowns[i].map_or(0.0, |u| x[u]));
+        let psi = take(s.x.as_slice());
+        if psi == take(other.x.as_slice()) {
+            continue;
+        }
+        let B = B_s(&psi);
+        bend = bend.max(B.amax());
+        let f = B.tr_mul(&take(after));
+        for (u, f) in unknowns.iter().zip(f.iter()) {
+            if let Some(u) = *u {
+                r[u] = *f;
+            }
+        }
+    }
+    (r, bend)
+}
+
+/// The change of charts at the end of a step.
+fn change_charts(context: &mut Context, s: &mut State) {
+    let [q, v, a] = [&mut s.x, &mut s.v, &mut s.a].map(|x| x.as_mut_slice());
+    context.change_charts(s.t, q, v, &mut [a]);
+}
+
+/// Checks that motion and energies are the same, given the length of the model, its rate, the magnitude of its
+/// energies, and the largest entry of the operator of the change.
 fn stays(
     report: &mut Report,
     law: &str,
     at: &str,
-    [before, after]: [&(Snapshot, Energies); 2],
+    [before, after]: [&Snapshot; 2],
     [length, rate, total, bend]: [f64; 4],
 ) {
-    let frames = before.0.frames.iter().zip(&after.0.frames);
+    let frames = before.frames.iter().zip(&after.frames);
     let (mut worst, mut most) = ([0.0_f64; 5], [0.0_f64; 5]);
     for (a, b) in frames {
         for k in 0..5 {
@@ -170,11 +140,12 @@ fn stays(
         .collect();
     report.defects(&format!("{law}: motion stays"), at, &worst, &allowed);
 
+    let [a, b] = [before.energies, after.energies];
     let pairs = [
-        (before.1.kinetic, after.1.kinetic, 1.0),
-        (before.1.stored, after.1.stored, 1.0),
-        (before.1.supplied, after.1.supplied, rate),
-        (before.1.dissipated, after.1.dissipated, rate),
+        (a.kinetic, b.kinetic, 1.0),
+        (a.stored, b.stored, 1.0),
+        (a.supplied, b.supplied, rate),
+        (a.dissipated, b.dissipated, rate),
     ];
     let defects = pairs.map(|(a, b, _)| (a - b).abs());
     let allowed = pairs.map(|(a, _, unit)| EXACT * bend * bend * (a.abs() + total * unit));
@@ -182,17 +153,16 @@ fn stays(
     report.defects(&law, at, &defects, &allowed);
 }
 
-/// v·r: the power of what is out of balance.
+/// v·r, the power of the residual.
 fn left(snapshot: &Snapshot, s: &State) -> f64 {
-    let parts = snapshot.r.iter().zip(s.v.iter());
-    parts.map(|(r, v)| r * v).sum()
+    dot(&snapshot.r, s.v.as_slice())
 }
 
-/// Notes that motion and energies stay where a map gives its coordinates another meaning. Coordinates
-/// of before mean nothing to the model afterwards.
+/// Checks that motion and energies stay the same when a map reparametrizes. The model cannot be evaluated at its former
+/// coordinates afterwards.
 ///
-/// Where a joint of a loop is driven, what the drive has to do depends on which coordinates are free,
-/// as these are not in balance: of the power supplied, what is not v·r stays.
+/// The power of a prescribed joint in a loop depends on which coordinates are free, since these are not in equilibrium:
+/// the power supplied less v·r stays the same.
 pub(super) fn rewriting(
     report: &mut Report,
     context: &mut Context,
@@ -201,21 +171,14 @@ pub(super) fn rewriting(
 ) {
     let law = "change of coordinates";
     let mut settled = s.clone();
-    let balanced =
-        |context: &mut Context, s: &State| -> Result<(Snapshot, Energies), SystemError> {
-            let (snapshot, mut energies) = spatial(context, s)?;
-            energies.supplied -= left(&snapshot, s);
-            Ok((snapshot, energies))
-        };
-    let mut both = || -> Result<[(Snapshot, Energies); 2], SystemError> {
+    let balanced = |context: &mut Context, s: &State| -> Result<Snapshot, SystemError> {
+        let mut now = snapshot(context, s)?;
+        now.energies.supplied -= left(&now, s);
+        Ok(now)
+    };
+    let mut both = || -> Result<[Snapshot; 2], SystemError> {
         let before = balanced(context, &settled)?;
-        let State { t, x, v, a } = &mut settled;
-        context.change_charts(
-            *t,
-            x.as_mut_slice(),
-            v.as_mut_slice(),
-            &mut [a.as_mut_slice()],
-        );
+        change_charts(context, &mut settled);
         Ok([before, balanced(context, &settled)?])
     };
     let pair = match both() {
@@ -229,11 +192,10 @@ pub(super) fn rewriting(
     stays(report, law, at, [&pair[0], &pair[1]], scale);
 }
 
-/// How much a change of coordinates may enlarge round-off: the condition of good ones.
+/// Largest amplification of round-off by a change of coordinates, the condition number of good ones.
 const BEND: f64 = 10.0;
 
-/// d(T + U)/dt = supplied − dissipated − q̇·r: the last is zero along a motion that obeys the
-/// equations, and any motion will do to check the books.
+/// d(T + U)/dt = supplied − dissipated − q̇·r along any motion; the last term is zero if it satisfies the equations.
 fn power(
     report: &mut Report,
     context: &mut Context,
@@ -242,8 +204,9 @@ fn power(
     at: &str,
     s: &State,
 ) -> Result<(), SystemError> {
-    let (now, energies) = spatial(context, s)?;
-    // What a potential gains by time alone, and what elements do that tell of no energy.
+    let now = snapshot(context, s)?;
+    let energies = now.energies;
+    // The change of a potential with time, and the power of elements without an energy.
     let h = 1e-4 / layout.rate;
     let gained = (context.strain_energy(s.t + h) - context.strain_energy(s.t - h)) / (2.0 * h);
     let silent = silent_power(context, s.t);
@@ -259,11 +222,11 @@ fn power(
     let mut energy = |tau: f64| {
         let there = State {
             t: s.t + tau,
-            x: &s.x + &s.v * tau + &s.a * (0.5 * tau * tau),
+            x: s.ahead(tau),
             v: &s.v + &s.a * tau,
             a: s.a.clone(),
         };
-        let energies = context.energies(point(&there)).ok()?;
+        let energies = context.energies(there.point()).ok()?;
         Some(energies.kinetic + energies.stored)
     };
     let law = "d(T + U)/dt = supplied - dissipated - v.r";

@@ -1,27 +1,19 @@
 //! The components of a model one by one, with the units of their coordinates.
 
-use crate::elements::FrameAt;
-use crate::{CoordinateGroup, Layout, State, plain};
+use crate::elements::{Component, FrameAt};
+use crate::maps::plain;
+use crate::vectors::dot;
+use crate::{CoordinateGroup, Layout, State};
 use nalgebra::{DVector, Vector3};
 use pullback_elements::element::{Element, Motion};
 use pullback_elements::model::{Context, Node, NodeForm};
 use pullback_manifold::map::{MapGraph, Parametrization, Read, ToChart, ToPose};
-use pullback_manifold::system::{Evaluation, Point, Quantity, System, SystemError};
+use pullback_manifold::system::{
+    Energetics, Energies, Evaluation, Events, Quantity, System, SystemError,
+};
 use std::ops::Range;
 
-/// One component, with its coordinates.
-pub(super) struct Component<T> {
-    /// What it is called in reports.
-    pub name: String,
-    pub thing: T,
-    pub layout: Layout,
-    /// Those of its coordinates that are frames.
-    pub frames: Vec<FrameAt>,
-    /// First coordinates of rotation vectors that are no frame's.
-    pub rotations: Vec<usize>,
-}
-
-/// A rotation vector that can be written in another chart: unknowns of its components.
+/// A rotation vector whose chart can be changed: the unknowns of its components.
 pub(super) type Rotation = [Option<usize>; 3];
 
 pub(super) fn is_frame(node: &Node) -> bool {
@@ -36,11 +28,8 @@ pub(super) fn element<'a>(
 ) -> Component<&'a dyn Element> {
     let e = &context.elements()[k];
     let element = e.element();
-    let what = if element.properties().load {
-        "load"
-    } else {
-        "element"
-    };
+    let load = element.properties().load;
+    let what = if load { "load" } else { "element" };
     let own = extent(context, e.nodes()).unwrap_or(0.0);
     let unit = |n: usize| if own > 0.0 { own } else { units[n] };
     let name = format!("{what} {} ({})", e.name(), plain(element.kind()));
@@ -60,8 +49,8 @@ pub(super) fn element_state(context: &Context, k: usize, t: f64) -> State {
     State::statics(t, x)
 }
 
-/// The maps of a model: the node that follows, its map, the nodes that this reads; between the charts of
-/// frames, without those from a chart to a pose and back.
+/// The maps of a model between the charts of frames: the mapped node, its map, the parents. Maps from a chart to a pose
+/// and back are left out.
 pub(super) fn maps(
     context: &Context,
 ) -> impl Iterator<Item = (u32, Box<dyn Parametrization>, &[u32])> {
@@ -94,16 +83,14 @@ pub(super) fn maps(
         }
         let child = graph.add(map.duplicate(), reads);
         if is_pose(&n) {
-            graph.add(
-                Box::new(ToChart::default()),
-                vec![(child, node.range().len())],
-            );
+            let read = vec![(child, node.range().len())];
+            graph.add(Box::new(ToChart::default()), read);
         }
         Some((n, Box::new(graph.with_outputs(1)) as Box<_>, parents))
     })
 }
 
-/// The map of a node with the layout of what it takes.
+/// The map of a node with the layout of its coordinates.
 pub(super) fn joint<'a>(
     context: &Context,
     (n, map, parents): (u32, &'a dyn Parametrization, &[u32]),
@@ -119,22 +106,20 @@ pub(super) fn joint<'a>(
     component(context, name, map, parents, &|n| units[n])
 }
 
-/// The kind of the map of a closed loop, whose node's name says what it is.
+/// The kind of the map of a closed loop, whose node has a name of its own.
 const LOOP: &str = "closed loop";
 
-/// The layout of what the map of a node gives.
+/// The layout of the values of a node's map.
 pub(super) fn rows(context: &Context, n: u32, units: &[f64]) -> Layout {
     component(context, String::new(), (), &[n], &|n| units[n]).layout
 }
 
-/// The motion of the parents of a map, in the configuration last set.
+/// The motion of the parents of a map in the present configuration.
 pub(super) fn parent_state(context: &Context, parents: &[u32], t: f64) -> State {
     let own = |&m: &u32| context.node_motion(&context.nodes()[m as usize]);
     let all: Vec<[Vec<f64>; 3]> = parents.iter().map(own).collect();
-    let [x, v, a] = [0, 1, 2].map(|k| {
-        let values: Vec<f64> = all.iter().flat_map(|own| own[k].iter().copied()).collect();
-        DVector::from_vec(values)
-    });
+    let part = |k: usize| all.iter().flat_map(move |own| own[k].iter().copied());
+    let [x, v, a] = [0, 1, 2].map(|k| DVector::from_vec(part(k).collect()));
     State { t, x, v, a }
 }
 
@@ -183,8 +168,7 @@ fn extent(context: &Context, nodes: &[u32]) -> Option<f64> {
         .reduce(f64::max)
 }
 
-/// A typical length at each node: the size of the smallest element that it belongs to, and of the
-/// model where that has none.
+/// A typical length at each node: that of the smallest element at the node, or else of the model.
 pub(super) fn node_units(context: &Context) -> Vec<f64> {
     let mut units = vec![f64::INFINITY; context.nodes().len()];
     for e in context.elements() {
@@ -195,17 +179,18 @@ pub(super) fn node_units(context: &Context) -> Vec<f64> {
             }
         }
     }
-    // The coordinates of a joint are of the size of what it joins.
+    // The unit of a joint's coordinates is that of the joined parts.
     for &n in context.mapped_nodes().iter().rev() {
         let node = &context.nodes()[n as usize];
-        let parents = context
-            .map_of(node)
-            .map_or(&[][..], |map| node.parents(map.segment()));
+        let map = context.map_of(node);
+        let parents = map.map_or(&[][..], |map| node.parents(map.segment()));
         let all = || parents.iter().chain([&n]).map(|&m| m as usize);
         let least = all().map(|m| units[m]).fold(f64::INFINITY, f64::min);
         all().for_each(|m| {
-            if units[m].is_infinite() {
-                units[m] = least
+            units[m] = if units[m].is_infinite() {
+                least
+            } else {
+                units[m]
             }
         });
     }
@@ -230,17 +215,15 @@ pub(super) fn layout(context: &Context, units: &[f64]) -> Layout {
     Layout::new(groups)
 }
 
-/// Rate at which prescribed coordinates change, in radians and lengths of the model, in the
-/// configuration last set.
+/// The rate of prescribed coordinates, in radians and lengths of the model, in the present configuration.
 pub(super) fn prescribed_rate(context: &Context) -> f64 {
     let [_, v, a] = context.configuration();
     let own = (context.nodes().iter()).filter(|n| context.map_of(n).is_none());
     let coordinates = own.flat_map(|node| node.range().zip(node.quantities()));
     let rate = |(c, kind): (usize, &Quantity)| {
-        let unit = if *kind == Quantity::Length {
-            context.length()
-        } else {
-            1.0
+        let unit = match kind {
+            Quantity::Length => context.length(),
+            _ => 1.0,
         };
         (v[c].abs() / unit).max((a[c].abs() / unit).sqrt())
     };
@@ -248,7 +231,7 @@ pub(super) fn prescribed_rate(context: &Context) -> f64 {
     prescribed.map(rate).fold(0.0, f64::max)
 }
 
-/// For each unknown: its node, which coordinate of the node it is, and what it measures.
+/// For each unknown its node, its number among the coordinates of the node, and its quantity.
 pub(super) fn unknowns(context: &Context) -> Vec<(usize, usize, Quantity)> {
     let nodes = context.nodes().iter().enumerate();
     let coordinates = nodes.flat_map(|(n, node)| {
@@ -259,51 +242,50 @@ pub(super) fn unknowns(context: &Context) -> Vec<(usize, usize, Quantity)> {
     free.map(|(_, unknown)| unknown).collect()
 }
 
-/// Whether a map may give coordinates another meaning.
+/// Whether a map may reparametrize.
 pub(super) fn reparametrizes(context: &Context) -> bool {
     maps(context).any(|(_, map, _)| map.reparametrizes())
 }
 
-/// What a model answers that does not depend on the charts of its nodes, and the residual.
+/// Motion and energies of a model, which do not depend on charts, and its residual.
 pub(super) struct Snapshot {
     /// Residual of the unknowns, in their charts.
     pub r: Vec<f64>,
-    /// Of every frame: position, a direction that turns with it, velocity, angular velocity,
-    /// acceleration.
+    /// For each frame its position, a direction fixed in it, velocity, angular velocity and acceleration.
     pub frames: Vec<[Vector3<f64>; 5]>,
+    pub energies: Energies,
 }
 
-/// Residual and configuration at a state in motion.
+/// Evaluates a model at a state in motion.
 pub(super) fn snapshot(context: &mut Context, s: &State) -> Result<Snapshot, SystemError> {
     let mut r = vec![0.0; s.x.len()];
-    let [q, v, a] = [&s.x, &s.v, &s.a].map(|x| x.as_slice());
-    context.evaluate(Point { t: s.t, q, v, a }, Evaluation::residual(&mut r))?;
+    context.evaluate(s.point(), Evaluation::residual(&mut r))?;
     let direction = Vector3::new(0.48, -0.6, 0.64);
     let frames = context.frames().map(|(n, _)| {
         let n = context.node_state(n);
-        [
-            n.position,
-            n.R * direction,
-            n.velocity,
-            n.omega,
-            n.acceleration,
-        ]
+        let direction = n.R * direction;
+        [n.position, direction, n.velocity, n.omega, n.acceleration]
     });
+    let frames = frames.collect();
+    let energies = context.energies(s.point())?;
     Ok(Snapshot {
-        frames: frames.collect(),
         r,
+        frames,
+        energies,
     })
 }
 
-/// The power of elements that exert forces at rest but tell of no energy: control forces, say. They
-/// count as loads, in the configuration last evaluated in motion.
+/// The power of elements that exert forces at rest and have no energy, such as control forces, in the last evaluated
+/// motion. They count as loads.
 pub(super) fn silent_power(context: &mut Context, t: f64) -> f64 {
     let mut power = 0.0;
+    let inputs = Events::inputs(context).to_vec();
     for k in 0..context.elements().len() {
         let element = context.elements()[k].element();
         let [x, v, _] = context.element_motion(k);
         let rest = Motion {
             t,
+            inputs: &inputs,
             x: &x,
             v: &[],
             a: &[],
@@ -312,26 +294,24 @@ pub(super) fn silent_power(context: &mut Context, t: f64) -> f64 {
         if element.properties().load || element.energy(&rest) != 0.0 {
             continue;
         }
-        // Outside of a domain the evaluation before has failed.
-        if let Ok(r) = context.element_forces(k) {
-            power += r.iter().zip(&v).map(|(r, v)| r * v).sum::<f64>();
-        }
+        // Outside of a domain the previous evaluation has failed.
+        power += context.element_forces(k).map_or(0.0, |r| dot(&r, &v));
     }
     power
 }
 
-/// The coordinates of a node in groups: which, what they are called, what they measure.
+/// The groups of a node's coordinates: their numbers, name and quantity.
 fn groups_of(node: &Node) -> Vec<(Range<usize>, String, Quantity)> {
     let name = node.name();
     match node.form() {
-        NodeForm::Frame | NodeForm::Pose => vec![
-            (
-                0..3,
-                format!("displacement of node {name}"),
-                Quantity::Length,
-            ),
-            (3..6, format!("rotation of node {name}"), Quantity::Angle),
-        ],
+        NodeForm::Frame | NodeForm::Pose => {
+            let [displacement, rotation] =
+                ["displacement", "rotation"].map(|what| format!("{what} of node {name}"));
+            vec![
+                (0..3, displacement, Quantity::Length),
+                (3..6, rotation, Quantity::Angle),
+            ]
+        }
         NodeForm::Rotation => vec![(0..3, name.to_owned(), Quantity::Angle)],
         _ => (node.quantities().iter().enumerate())
             .map(|(k, &kind)| (k..k + 1, node.coordinate_name(k), kind))
@@ -346,15 +326,14 @@ fn group(
     kind: Quantity,
     length: f64,
 ) -> CoordinateGroup {
-    let measured = kind == Quantity::Length;
+    let (unit, reach) = match kind {
+        Quantity::Length => (length, node.position().norm() / length),
+        _ => (1.0, 0.0),
+    };
     CoordinateGroup {
         name,
         range,
-        unit: if measured { length } else { 1.0 },
-        reach: if measured {
-            node.position().norm() / length
-        } else {
-            0.0
-        },
+        unit,
+        reach,
     }
 }

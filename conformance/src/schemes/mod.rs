@@ -2,31 +2,28 @@
 //!
 //! | law | measured on |
 //! |---|---|
-//! | order | a nonlinear, driven motion that is known ([`Known`]): errors of position, velocity and acceleration at the end over the step |
-//! | order under changes of chart | the same, coordinates replaced by others every third step |
-//! | same history in all charts | an angle that makes turns, with and without leaps by 2π |
-//! | exactness | a polynomial of the degree of the order; from order 2 on the velocity of a cubic, and its position but for the scheme's error of it |
-//! | orders with multipliers | a mass that a multiplier holds to a circle, all of it known: errors of position, velocity, acceleration and multiplier at the end; or that the scheme refuses multipliers, as it damps nothing at infinite frequencies |
-//! | stability | Schur's and Cohn's conditions on the characteristic polynomial of a step (before a projection to its energy), from Ω = 10⁻³ to 10⁶ or to the limit claimed |
-//! | limit of stability | growth beyond the limit claimed |
-//! | time reversal | a conservative motion forth and back, where the scheme is said to be symmetric |
-
-#![allow(non_snake_case)]
+//! | order | a nonlinear, driven motion with a known solution ([`Known`]): errors of position, velocity and acceleration at the end over the step |
+//! | order under changes of chart | the same, with a change of chart every third step |
+//! | same history in all charts | an angle of several turns, with and without jumps by 2π |
+//! | exactness | a polynomial of the degree of the order; from order 2 on the velocity of a cubic, and its position up to the known error of the scheme |
+//! | orders with multipliers | a mass held to a circle by a multiplier, with a known solution: errors of position, velocity, acceleration and multiplier at the end; or the refusal of multipliers by a scheme without damping at infinite frequencies |
+//! | stability | Schur's and Cohn's conditions on the characteristic polynomial of a step (before a projection to its energy), from Ω = 10⁻³ to 10⁶ or to the stated limit |
+//! | limit of stability | growth beyond the stated limit |
+//! | time reversal | a conservative motion forth and back, if the scheme is declared symmetric |
 
 mod multipliers;
 mod problems;
 
-pub use problems::Known;
-
 use crate::Report;
-use problems::{Polynomial, Turning};
+use crate::vectors::larger;
+use problems::{Known, Polynomial, Turning};
 use pullback_integrators::dynamics::{
     DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, Simulation, State, start,
 };
 use pullback_integrators::spectrum::{Numbers, amplification, characteristic, logarithmic};
 use pullback_manifold::system::System;
 
-/// Measures what a scheme claims.
+/// Checks the stated properties of a scheme.
 pub fn scheme(scheme: &Scheme) -> Report {
     let mut report = Report::new(scheme.to_string());
     order(&mut report, scheme, false);
@@ -40,6 +37,20 @@ pub fn scheme(scheme: &Scheme) -> Report {
         reversal(&mut report, scheme);
     }
     report
+}
+
+/// Adds a computed defect, or why it cannot be computed.
+fn defect(
+    report: &mut Report,
+    law: &str,
+    at: &str,
+    found: Result<f64, DynamicsError>,
+    allowed: f64,
+) {
+    match found {
+        Ok(defect) => report.defect(law, at, defect, allowed),
+        Err(error) => report.impossible(law, at, error.to_string()),
+    }
 }
 
 /// A run in equal steps.
@@ -83,7 +94,7 @@ fn order(report: &mut Report, scheme: &Scheme, switching: bool) {
         true => "order under changes of chart",
         false => "order",
     };
-    // Steps that show the order of coarse schemes, and no rounding errors of fine ones.
+    // Small enough for the order of inaccurate schemes, and large enough for errors above rounding of accurate ones.
     let runs = [60, 120, 240].map(|steps| errors(scheme, steps, switching));
     let [Ok(_), Ok(coarse), Ok(fine)] = runs else {
         let error = runs.into_iter().find_map(Result::err);
@@ -98,7 +109,6 @@ fn order(report: &mut Report, scheme: &Scheme, switching: bool) {
 }
 
 fn turns(report: &mut Report, scheme: &Scheme) {
-    let law = "same history in all charts";
     let end = |leaping: bool| -> Result<[f64; 2], DynamicsError> {
         let mut system = Turning::new(leaping);
         let mut progress = Progress::new(start(&system, 0.0, &[1.0], &[8.0])?);
@@ -106,19 +116,15 @@ fn turns(report: &mut Report, scheme: &Scheme) {
         let angle = progress.state.q[0] + system.turns();
         Ok([angle, progress.state.v[0]])
     };
-    match (end(false), end(true)) {
-        (Ok(a), Ok(b)) => {
-            let defect = (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
-            report.defect(law, "five turns", defect, 1e-10);
-        }
-        (Err(error), _) | (_, Err(error)) => {
-            report.impossible(law, "five turns", error.to_string());
-        }
-    }
+    let gap = end(false).and_then(|a| {
+        let b = end(true)?;
+        Ok((a[0] - b[0]).abs().max((a[1] - b[1]).abs()))
+    });
+    let law = "same history in all charts";
+    defect(report, law, "five turns", gap, 1e-10);
 }
 
 fn exactness(report: &mut Report, scheme: &Scheme) {
-    let law = "exactness";
     let degree = scheme.order().min(Polynomial::DEGREE);
     let at = ["a line", "a parabola", "a cubic", "a quartic"][degree.clamp(1, 4) - 1];
     let mut system = Polynomial::new(degree);
@@ -126,22 +132,15 @@ fn exactness(report: &mut Report, scheme: &Scheme) {
     let run = start(&system, 0.0, &[q], &[v]).and_then(|state| {
         let mut progress = Progress::new(state);
         run(&mut system, scheme, &mut progress, 2.0, 10)?;
-        Ok(progress.state)
+        let (state, [q, v]) = (progress.state, system.motion(2.0));
+        Ok((state.q[0] - q).abs().max((state.v[0] - v).abs()))
     });
-    match run {
-        Ok(state) => {
-            let [q, v] = system.motion(2.0);
-            let defect = (state.q[0] - q).abs().max((state.v[0] - v).abs());
-            report.defect(law, at, defect, 1e-12);
-        }
-        Err(error) => report.impossible(law, at, error.to_string()),
-    }
+    defect(report, "exactness", at, run, 1e-12);
 }
 
-/// A cubic, whose accelerations are linear in time: schemes of order 2 and more integrate its velocity
-/// exactly, and err in its place by the same part of h³ in every step.
+/// A cubic, whose accelerations are linear in time: schemes of order 2 and more integrate its velocity exactly, and the
+/// error of its position is the same multiple of h³ in every step.
 fn cubic(report: &mut Report, scheme: &Scheme) {
-    let (law, at) = ("exactness", "a cubic");
     if scheme.order() < 2 {
         return;
     }
@@ -160,22 +159,15 @@ fn cubic(report: &mut Report, scheme: &Scheme) {
         let mut progress = first.progress().clone();
         progress.state.algorithmic[0] = late;
         run(&mut system, scheme, &mut progress, to, steps as usize)?;
-        Ok(progress.state)
+        let jerk = system.acceleration(1.0) - system.acceleration(0.0);
+        let own = f64::from(steps) * scheme.cubic_error() * h.powi(3) * jerk;
+        let (state, [q, v]) = (progress.state, system.motion(to));
+        Ok((state.q[0] - own - q).abs().max((state.v[0] - v).abs()))
     });
-    match run {
-        Ok(state) => {
-            let jerk = system.acceleration(1.0) - system.acceleration(0.0);
-            let own = f64::from(steps) * scheme.cubic_error() * h.powi(3) * jerk;
-            let [q, v] = system.motion(to);
-            let defect = (state.q[0] - own - q).abs().max((state.v[0] - v).abs());
-            report.defect(law, at, defect, 1e-12);
-        }
-        Err(error) => report.impossible(law, at, error.to_string()),
-    }
+    defect(report, "exactness", "a cubic", run, 1e-12);
 }
 
-/// By how much Schur's and Cohn's conditions for roots of λ³ + p₁ λ² + p₂ λ + p₃ in the unit circle
-/// are missed, at most.
+/// The largest violation of Schur's and Cohn's conditions for roots of λ³ + p₁ λ² + p₂ λ + p₃ in the unit circle.
 fn outside([p1, p2, p3]: [f64; 3]) -> f64 {
     let missed = [
         -(1.0 + p1 + p2 + p3),
@@ -183,8 +175,7 @@ fn outside([p1, p2, p3]: [f64; 3]) -> f64 {
         p3.abs() - 1.0,
         p3 * p3 - 1.0 + (p2 - p1 * p3).abs(),
     ];
-    let worse = |m: f64, x: f64| if x > m || x.is_nan() { x } else { m };
-    missed.into_iter().fold(0.0, worse)
+    missed.into_iter().fold(0.0, larger)
 }
 
 fn stability(report: &mut Report, scheme: &Scheme) {
@@ -212,7 +203,7 @@ fn stability(report: &mut Report, scheme: &Scheme) {
     match amplification(scheme, Omega) {
         Ok(A) => {
             let radius = Numbers::of(characteristic(A), Omega).radius;
-            // What stays bounded here has a larger limit.
+            // A scheme that is bounded here has a larger limit.
             report.defect(law, &at, 1.0 + 1e-12, radius);
         }
         Err(error) => report.impossible(law, &at, error.to_string()),
@@ -220,7 +211,6 @@ fn stability(report: &mut Report, scheme: &Scheme) {
 }
 
 fn reversal(report: &mut Report, scheme: &Scheme) {
-    let (law, at) = ("time reversal", "40 steps forth and back");
     let state = [[0.7, -0.2], [0.5, 0.9]];
     let run = || -> Result<f64, DynamicsError> {
         let mut system = Known::alone();
@@ -235,8 +225,6 @@ fn reversal(report: &mut Report, scheme: &Scheme) {
             .chain(rates.map(|(v, x)| v + x));
         Ok(gaps.fold(0.0_f64, |m, gap| m.max(gap.abs())))
     };
-    match run() {
-        Ok(defect) => report.defect(law, at, defect, 1e-10),
-        Err(error) => report.impossible(law, at, error.to_string()),
-    }
+    let at = "40 steps forth and back";
+    defect(report, "time reversal", at, run(), 1e-10);
 }

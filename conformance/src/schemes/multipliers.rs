@@ -1,6 +1,4 @@
-//! Orders where a multiplier holds an equation between coordinates (index 3).
-
-#![allow(non_snake_case)]
+//! Orders of a motion with an equation between coordinates enforced by a multiplier (index 3).
 
 use super::run;
 use crate::Report;
@@ -10,15 +8,14 @@ use pullback_manifold::system::{
     CoordinateInfo, Energetics, Energies, Evaluation, Point, Quantity, System, SystemError,
 };
 
-/// A mass on a circle that a multiplier holds it to, with a spring to the centre line y = 0, damping and
-/// a driving force, in Cartesian coordinates:
+/// A mass held to a circle by a multiplier, with a spring to the line y = 0, damping and a driving force, in Cartesian
+/// coordinates:
 ///
 /// ```text
 /// m ẍ + c ẋ + k y e₂ + λ x = f(t),   h(x) = ½ (x·x − 1) = 0
 /// ```
 ///
-/// with the f(t) for which x = (cos θ, sin θ), θ(t) and λ(t) are [`Circle::motion`]. The
-/// unknowns are x, y and λ.
+/// with the f(t) for which x = (cos θ, sin θ), θ(t) and λ(t) are [`Circle::motion`]. The unknowns are x, y and λ.
 struct Circle {
     pattern: BlockPattern,
 }
@@ -59,9 +56,9 @@ impl Circle {
         Self::side(motion, lambda)
     }
 
-    /// The equations of motion, and in the last row minus the equation that is held, or its second
-    /// derivative; the weight of the latter's tangent and of λ is that of K or of M.
-    fn fill(&self, at: Point<'_>, out: Evaluation<'_>, twice: bool) {
+    /// The equations of motion, and in the last row minus the enforced equation, or `twice` its derivative; the weight of
+    /// the tangent of this row and of λ is that of K or of M.
+    fn fill(at: Point<'_>, out: Evaluation<'_>, twice: bool) {
         let of = |z: &[f64]| [z[0], z[1]];
         let (x, v, a, lambda) = (of(at.q), of(at.v), of(at.a), at.q[2]);
         let (side, f) = (Self::side([x, v, a], lambda), Self::force(at.t));
@@ -92,18 +89,14 @@ impl System for Circle {
 
     fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
         let accelerations = out.accelerations.is_some();
-        self.fill(at, out, accelerations);
+        Self::fill(at, out, accelerations);
         Ok(())
     }
 
     fn coordinate_info(&self, i: usize) -> CoordinateInfo {
-        let is_multiplier = i == 2;
         CoordinateInfo {
-            quantity: match is_multiplier {
-                true => Quantity::Other,
-                false => Quantity::Length,
-            },
-            is_multiplier,
+            quantity: [Quantity::Length, Quantity::Length, Quantity::Other][i],
+            is_multiplier: i == 2,
             ..CoordinateInfo::default()
         }
     }
@@ -127,21 +120,17 @@ impl Energetics for Circle {
     }
 }
 
-/// The largest errors of position, velocity, acceleration and multiplier at a few times behind `first` steps,
-/// each an eighth of these later: what the first steps disturb has died out by then, and where one
-/// error is zero by chance another is not.
+/// The largest errors of position, velocity, acceleration and multiplier at t = 0.8, after `first` steps, and at three
+/// later times: the disturbance of the first steps has decayed by then, and errors that are zero by chance are so at
+/// one time only.
 fn errors(scheme: &Scheme, first: usize) -> Result<[f64; 4], DynamicsError> {
     let mut system = Circle::new();
     let ([x, v, _], _) = Circle::motion(0.0);
     let state = start(&system, 0.0, &[x[0], x[1], 0.0], &[v[0], v[1], 0.0])?;
     let mut progress = Progress::new(state);
     let mut errors = [0.0_f64; 4];
-    for (to, steps) in [
-        (0.8, first),
-        (0.9, first / 8),
-        (1.0, first / 8),
-        (1.1, first / 8),
-    ] {
+    for to in [0.8, 0.9, 1.0, 1.1] {
+        let steps = if to == 0.8 { first } else { first / 8 };
         run(&mut system, scheme, &mut progress, to, steps)?;
         let found = &progress.state;
         let ([x, v, a], lambda) = Circle::motion(to);
@@ -157,9 +146,8 @@ fn errors(scheme: &Scheme, first: usize) -> Result<[f64; 4], DynamicsError> {
     Ok(errors)
 }
 
-/// Orders under a multiplier are those that the scheme is said to have
-/// ([`Scheme::orders_with_multipliers`]), neither less nor more. A scheme that damps nothing at infinite
-/// frequencies refuses multipliers, and no other does.
+/// Orders with a multiplier are the stated ones ([`Scheme::orders_with_multipliers`]), neither less nor more. Schemes
+/// without damping at infinite frequencies refuse multipliers, and no others.
 pub(crate) fn orders(report: &mut Report, scheme: &Scheme) {
     let (law, at) = ("orders with multipliers", "a mass on a circle");
     let runs = [80, 160].map(|steps| errors(scheme, steps));
@@ -182,11 +170,7 @@ pub(crate) fn orders(report: &mut Report, scheme: &Scheme) {
     for (k, (what, order)) in expected.into_iter().enumerate() {
         let slope = (coarse[k] / fine[k]).log2();
         report.rate(law, what, slope, order as f64);
-        report.defect(
-            law,
-            &format!("{what}, and no more"),
-            slope - order as f64,
-            0.3,
-        );
+        let at = format!("{what}, and no more");
+        report.defect(law, &at, slope - order as f64, 0.3);
     }
 }

@@ -1,6 +1,4 @@
-//! Motions that are known, for the conformance kit.
-
-#![allow(non_snake_case)]
+//! Systems with known motions.
 
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{
@@ -8,20 +6,19 @@ use pullback_manifold::system::{
 };
 use std::f64::consts::{PI, TAU};
 
-/// Two masses that depend on position, coupled by springs and gyroscopic forces, with damping and a pull
-/// sin x:
+/// Two masses that depend on their positions, coupled by a spring and gyroscopic forces, with damping and a force sin x:
 ///
 /// ```text
 /// (1 + ½ xᵢ²) ẍᵢ + ½ xᵢ ẋᵢ² + c ẋᵢ ∓ g ẋⱼ + 2 sin xᵢ + k (xᵢ − xⱼ) = fᵢ(t)
 /// ```
 ///
-/// with the f(t) for which the motion is [`Known::motion`]; or alone, conservative and without
-/// any force. Coordinates are q = x, or in the other chart q with x = sinh q.
-pub struct Known {
+/// with the f(t) for which the motion is [`Known::motion`]; or conservative, without damping, gyroscopic forces and f.
+/// Coordinates are q = x, or in the other chart q with x = sinh q.
+pub(crate) struct Known {
     pattern: BlockPattern,
     driven: bool,
     switching: bool,
-    /// Whether x = sinh q now.
+    /// Whether x = sinh q.
     bent: bool,
     calls: usize,
 }
@@ -42,7 +39,7 @@ impl Known {
         }
     }
 
-    /// Without damping, gyroscopic and driving forces: reversible.
+    /// The conservative system, whose motion is reversible.
     pub(crate) fn alone() -> Self {
         Self {
             driven: false,
@@ -61,7 +58,7 @@ impl Known {
         [0, 1, 2].map(|k| [one[k], two[k]])
     }
 
-    /// x, ẋ and ẍ of coordinates, velocities and accelerations in the chart of now.
+    /// x, ẋ and ẍ of coordinates, velocities and accelerations in the present chart.
     pub fn position(&self, [q, v, a]: [&[f64]; 3]) -> [[f64; 2]; 3] {
         let mut out = [[0.0; 2]; 3];
         for i in 0..2 {
@@ -97,7 +94,7 @@ impl Known {
     }
 }
 
-/// x(q) and its derivatives up to the third, in the bent chart or in the other.
+/// x(q) and its derivatives up to the third, for x = sinh q or x = q.
 fn map(bent: bool, q: f64) -> [f64; 4] {
     match bent {
         true => [q.sinh(), q.cosh(), q.sinh(), q.cosh()],
@@ -182,7 +179,7 @@ impl Charts for Known {
             return ChartChanges::default();
         }
         for i in 0..2 {
-            // To x by the old chart, from there to the new one.
+            // From the old chart to x, and from there to the new one.
             let [x, B, B_q, _] = map(self.bent, q[i]);
             for a in accelerations.iter_mut() {
                 a[i] = B * a[i] + B_q * v[i] * v[i];
@@ -203,7 +200,7 @@ impl Charts for Known {
     }
 }
 
-/// A pendulum with a little friction that makes turns; its angle leaps by −2π beyond π, or never.
+/// A pendulum with a little friction that makes turns; its angle jumps by −2π beyond π if it is `leaping`.
 pub(crate) struct Turning {
     pattern: BlockPattern,
     leaping: bool,
@@ -219,7 +216,7 @@ impl Turning {
         }
     }
 
-    /// Angle that the leaps have taken away.
+    /// The sum of the jumps of the angle.
     pub(crate) fn turns(&self) -> f64 {
         TAU * self.leaps as f64
     }

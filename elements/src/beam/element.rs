@@ -10,38 +10,27 @@ use super::section::{Damping, Section};
 use super::shape::{gauss, lagrange};
 use super::strain::{Law, Line, Strained, extrapolated, strain_energy};
 use super::viscous::Viscous;
-use crate::element::{Combined, EDGE, Element, ElementError, Motion, Response, SectionState};
+use crate::blocks::three;
+use crate::element::{Combined, EDGE, Element, Motion, Response, SectionState, Tangents};
 use nalgebra::{Matrix3, Vector3};
+use pullback_manifold::domain::DomainError;
 use pullback_manifold::so3;
 use pullback_manifold::system::Weights;
 
 /// Error of a beam element.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "each message says what its variant is")]
 pub enum BeamError {
-    /// Two nodes have the same position.
     #[error("its length is zero: nodes at {at:?} coincide")]
-    ZeroLength {
-        /// The position.
-        at: [f64; 3],
-    },
-    /// Unsupported number of nodes.
+    ZeroLength { at: [f64; 3] },
     #[error("a beam element has two, three or four nodes, not {0}")]
     Nodes(usize),
-    /// The given orientation is not a rotation, or not one along the beam.
     #[error(
         "the section's orientation is not usable: it must be a rotation whose E1 is within 60 \
          degrees of the tangent {tangent:?}, got E1 = {first:?}"
     )]
-    Orientation {
-        /// Tangent of the reference line.
-        tangent: [f64; 3],
-        /// First axis given.
-        first: [f64; 3],
-    },
+    Orientation { tangent: [f64; 3], first: [f64; 3] },
 }
-
-/// The requested tangents, each with the weights of K, C and M in it: the parts, or their sum.
-pub type Tangents<'a> = [Option<(Weights, &'a mut [f64])>; 3];
 
 /// Reissner's beam with NN nodes: d and Ψ are interpolated with the same shape functions, NN − 1
 /// Gauss points for the internal force and its tangent (no shear or membrane locking).
@@ -160,32 +149,12 @@ impl<const NN: usize, I: Rotations<NN>> Beam<NN, I> {
             psi_prime: Vector3::zeros(),
         };
         for (i, x) in x.chunks_exact(6).take(NN).enumerate() {
-            let d = Vector3::new(x[0], x[1], x[2]);
-            let psi = Vector3::new(x[3], x[4], x[5]);
+            let (d, psi) = (three(x, 0), three(x, 3));
             line.x_prime += d * p.dN[i];
             line.psi += psi * p.N[i];
             line.psi_prime += psi * p.dN[i];
         }
         line
-    }
-
-    /// Adds residual and tangents.
-    #[inline]
-    fn add(
-        &self,
-        at: &Motion<'_>,
-        r: &mut [f64],
-        tangents: &mut Tangents<'_>,
-    ) -> Result<(), ElementError> {
-        let viscous = self.damping.stiffness > 0.0 && !at.v.is_empty();
-        let kernel = |at: &Motion<'_>, r: &mut [f64], tangents: &mut Tangents<'_>| {
-            self.strain(viscous, at, r, tangents)
-        };
-        self.rotations.pull_back(viscous, at, r, tangents, kernel)?;
-        if self.massive && !at.v.is_empty() {
-            self.rotations.inertia(at, self.damping.mass, r, tangents);
-        }
-        Ok(())
     }
 
     /// Adds the forces of the strains in the interpolated coordinates.
@@ -196,14 +165,14 @@ impl<const NN: usize, I: Rotations<NN>> Beam<NN, I> {
         at: &Motion<'_>,
         r: &mut [f64],
         tangents: &mut Tangents<'_>,
-    ) -> Result<(), ElementError> {
+    ) -> Result<(), DomainError> {
         // Their tangents are added after the mirror, as they are not symmetric.
         let mut viscous: [Option<Viscous>; 3] = [None, None, None];
         for (p, viscous) in self.points().zip(&mut viscous) {
             let line = Self::line(p, at.x);
             let psi = line.psi.norm();
             if psi > EDGE {
-                return Err(ElementError::OutsideChart { psi });
+                return Err(DomainError::chart(psi));
             }
             let mut strained = Strained::new(&line, &p.X_prime, &p.law);
             if damped {
@@ -255,8 +224,8 @@ impl<const NN: usize, I: Rotations<NN>> Element for Beam<NN, I> {
         6 * NN
     }
 
-    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
-        let (r, mut tangents) = parts(out);
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
+        let (r, mut tangents) = out.parts();
         self.add(at, r, &mut tangents)
     }
 
@@ -316,11 +285,8 @@ impl<const NN: usize, I: Rotations<NN>> Element for Beam<NN, I> {
         for p in self.points() {
             let line = Self::line(p, seen.x.as_flattened());
             let s = Strained::new(&line, &p.X_prime, &p.law);
-            let d: Vector3<f64> =
-                at.x.chunks_exact(6)
-                    .zip(&p.N)
-                    .map(|(x, n)| Vector3::new(x[0], x[1], x[2]) * *n)
-                    .sum();
+            let nodes = at.x.chunks_exact(6).zip(&p.N);
+            let d: Vector3<f64> = nodes.map(|(x, n)| three(x, 0) * *n).sum();
             let section = |v: &Vector3<f64>| p.R0.tr_mul(v);
             out.push(SectionState {
                 reference: p.X,
@@ -336,22 +302,21 @@ impl<const NN: usize, I: Rotations<NN>> Element for Beam<NN, I> {
 }
 
 impl<const NN: usize, I: Rotations<NN>> Combined for Beam<NN, I> {
-    fn evaluate_combined(
+    #[inline]
+    fn add(
         &self,
         at: &Motion<'_>,
-        weights: Weights,
         r: &mut [f64],
-        S: &mut [f64],
-    ) -> Result<(), ElementError> {
-        self.add(at, r, &mut [Some((weights, S)), None, None])
+        tangents: &mut Tangents<'_>,
+    ) -> Result<(), DomainError> {
+        let viscous = self.damping.stiffness > 0.0 && !at.v.is_empty();
+        let kernel = |at: &Motion<'_>, r: &mut [f64], tangents: &mut Tangents<'_>| {
+            self.strain(viscous, at, r, tangents)
+        };
+        self.rotations.pull_back(viscous, at, r, tangents, kernel)?;
+        if self.massive && !at.v.is_empty() {
+            self.rotations.inertia(at, self.damping.mass, r, tangents);
+        }
+        Ok(())
     }
-}
-
-/// The residual and the parts K, C, M of the tangent that a response requests.
-fn parts<'a>(out: &'a mut Response<'_>) -> (&'a mut [f64], Tangents<'a>) {
-    let one = |K, C, M| Weights { K, C, M };
-    let K = out.K.as_deref_mut().map(|K| (one(1.0, 0.0, 0.0), K));
-    let C = out.C.as_deref_mut().map(|C| (one(0.0, 1.0, 0.0), C));
-    let M = out.M.as_deref_mut().map(|M| (one(0.0, 0.0, 1.0), M));
-    (&mut *out.r, [K, C, M])
 }

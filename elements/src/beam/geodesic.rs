@@ -17,13 +17,14 @@
 
 #![allow(non_snake_case)]
 
-use super::element::Tangents;
 use super::interpolation::{Rotations, Seen};
 use super::mass::MassPoint;
 use super::nodal::NodalInertia;
-use super::relative::{Node, Relative, Turn, add_block, add_nodes, block, three};
-use crate::element::{EDGE, ElementError, Motion};
+use super::relative::{Node, Relative, Turn, block, turn_between};
+use crate::blocks::{add_block, three};
+use crate::element::{EDGE, Motion, Tangents, overturned};
 use nalgebra::{Matrix3, Vector3, Vector6};
+use pullback_manifold::domain::DomainError;
 use pullback_manifold::quotients::TangentQuotients;
 use pullback_manifold::so3::{self, skew};
 use pullback_manifold::system::Weights;
@@ -51,10 +52,9 @@ impl<const NN: usize> Geodesic<NN> {
         }
     }
 
-    /// ϑ_i of node i, less than a whole turn.
+    /// ϑ_i of node i.
     fn turn_between(x: &[f64], i: usize) -> Vector3<f64> {
-        let from = so3::quaternion(&three(x, 6 * Self::R + 3)).conjugate();
-        so3::log_quaternion(&from.product(&so3::quaternion(&three(x, 6 * i + 3))))
+        turn_between(&three(x, 6 * Self::R + 3), &three(x, 6 * i + 3))
     }
 
     /// Indices of the nodes that are not the reference.
@@ -127,17 +127,14 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
         (R * E, Theta_psi)
     }
 
-    fn pull_back<F>(
+    fn pull_back(
         &self,
         viscous: bool,
         at: &Motion<'_>,
         r: &mut [f64],
         tangents: &mut Tangents<'_>,
-        kernel: F,
-    ) -> Result<(), ElementError>
-    where
-        F: Fn(&Motion<'_>, &mut [f64], &mut Tangents<'_>) -> Result<(), ElementError>,
-    {
+        kernel: impl Fn(&Motion<'_>, &mut [f64], &mut Tangents<'_>) -> Result<(), DomainError>,
+    ) -> Result<(), DomainError> {
         let n = 6 * NN;
         let reference = Turn::new(three(at.x, 6 * Self::R + 3));
         let R_t = so3::R(&reference.psi, &reference.quotients.tangent()).transpose();
@@ -147,7 +144,7 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
             let seen = self.relative(at.x, i, &R_t);
             let angle = seen.theta.norm();
             if angle.is_nan() || angle > EDGE {
-                return Err(ElementError::Overturned { psi: angle });
+                return Err(overturned(angle));
             }
             x[i] = self.local(i, &seen);
             let node = Node::new(Turn::new(three(at.x, 6 * i + 3)), seen, &reference, &R_t);
@@ -160,13 +157,14 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
         for i in 0..NN {
             let psi = three(at.x, 6 * i + 3).norm();
             if psi > EDGE {
-                return Err(ElementError::OutsideChart { psi });
+                return Err(DomainError::chart(psi));
             }
         }
         let moving = if viscous { v.as_flattened() } else { &[] };
         let previous = at.previous.map(|x| self.coordinates(x));
         let there = Motion {
             t: at.t,
+            inputs: at.inputs,
             x: x.as_flattened(),
             v: moving,
             a: &[],
@@ -208,8 +206,11 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
                 continue;
             }
             for (j, right) in others() {
-                let B_dot =
-                    viscous.then(|| right.B_dot(&reference, &at.v[6 * j..], &at.v[6 * Self::R..]));
+                let B_dot = viscous.then(|| {
+                    let rates = right.rates(&at.v[6 * j..], &at.v[6 * Self::R..]);
+                    let [own, far] = [j, Self::R].map(|k| three(at.v, 6 * k + 3));
+                    right.B_dot(&rates, &reference, &own, &far)
+                });
                 for (i, left) in others() {
                     // Columns K B + C Ḃ of the two nodes, with their weights.
                     let mut weighted = block(K_hat, n, i, j, k);
@@ -225,8 +226,8 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
                     }
                     let rows = [left.B.own.transpose(), left.B.reference.transpose()];
                     for (row, B) in [i, Self::R].into_iter().zip(&rows) {
-                        add_nodes(out, n, row, j, &(B * own));
-                        add_nodes(out, n, row, Self::R, &(B * far));
+                        add_block(out, n, 6 * row, 6 * j, &(B * own));
+                        add_block(out, n, 6 * row, 6 * Self::R, &(B * far));
                     }
                 }
             }

@@ -2,13 +2,14 @@
 
 #![allow(non_snake_case)]
 
-use super::element::{Beam, BeamError, Tangents};
+use super::element::{Beam, BeamError};
 use super::geodesic::Geodesic;
 use super::mass::MassPoint;
-use super::relative::three;
 use super::section::Section;
-use crate::element::{Element, ElementError, Motion};
+use crate::blocks::three;
+use crate::element::{Element, Motion, Tangents};
 use nalgebra::{Matrix3, Vector3};
+use pullback_manifold::domain::DomainError;
 use pullback_manifold::quotients::TangentQuotients;
 use pullback_manifold::so3;
 use std::fmt::Debug;
@@ -85,17 +86,15 @@ pub trait Rotations<const NN: usize>: Clone + Debug + Send + Sync + Sized {
     /// residual and the tangents. It reads velocities, and adds to C, only if the beam is `viscous`.
     ///
     /// # Errors
-    /// [`ElementError`] outside the domain of the interpolation, and those of the kernel.
-    fn pull_back<F>(
+    /// [`DomainError`] outside the domain of the interpolation, and those of the kernel.
+    fn pull_back(
         &self,
         viscous: bool,
         at: &Motion<'_>,
         r: &mut [f64],
         tangents: &mut Tangents<'_>,
-        kernel: F,
-    ) -> Result<(), ElementError>
-    where
-        F: Fn(&Motion<'_>, &mut [f64], &mut Tangents<'_>) -> Result<(), ElementError>;
+        kernel: impl Fn(&Motion<'_>, &mut [f64], &mut Tangents<'_>) -> Result<(), DomainError>,
+    ) -> Result<(), DomainError>;
 
     /// Adds −f_acc, the drag α p with the momenta p, and their tangents.
     fn inertia(&self, at: &Motion<'_>, alpha: f64, r: &mut [f64], tangents: &mut Tangents<'_>);
@@ -153,17 +152,14 @@ impl<const NN: usize> Rotations<NN> for Total<NN> {
     }
 
     #[inline]
-    fn pull_back<F>(
+    fn pull_back(
         &self,
         _viscous: bool,
         at: &Motion<'_>,
         r: &mut [f64],
         tangents: &mut Tangents<'_>,
-        kernel: F,
-    ) -> Result<(), ElementError>
-    where
-        F: Fn(&Motion<'_>, &mut [f64], &mut Tangents<'_>) -> Result<(), ElementError>,
-    {
+        kernel: impl Fn(&Motion<'_>, &mut [f64], &mut Tangents<'_>) -> Result<(), DomainError>,
+    ) -> Result<(), DomainError> {
         kernel(at, r, tangents)
     }
 

@@ -3,8 +3,9 @@
 #![allow(non_snake_case)]
 
 use super::Section;
-use super::element::{Beam, BeamError, Tangents};
-use crate::element::Motion;
+use super::element::{Beam, BeamError};
+use crate::blocks::three;
+use crate::element::{Motion, Tangents};
 use crate::inertia::{FrameMotion, Inertia};
 use nalgebra::{Matrix3, Matrix6, Vector3};
 use pullback_manifold::system::Weights;
@@ -27,9 +28,7 @@ impl<const NN: usize> MassPoint<NN> {
     fn motion(&self, at: &Motion<'_>) -> FrameMotion {
         let sum = |from: &[f64], first: usize| {
             let nodes = from.chunks_exact(6).zip(&self.N);
-            nodes.fold(Vector3::zeros(), |sum, (x, N)| {
-                sum + Vector3::new(x[first], x[first + 1], x[first + 2]) * *N
-            })
+            nodes.fold(Vector3::zeros(), |sum, (x, N)| sum + three(x, first) * *N)
         };
         FrameMotion {
             psi: sum(at.x, 3),

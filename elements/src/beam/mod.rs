@@ -8,13 +8,13 @@ mod mass;
 mod nodal;
 mod orientation;
 mod point;
-mod relative;
+pub(crate) mod relative;
 mod section;
 pub(crate) mod shape;
 mod strain;
 mod viscous;
 
-pub use element::{Beam, BeamError, Tangents};
+pub use element::{Beam, BeamError};
 pub use geodesic::Geodesic;
 pub use interpolation::{Interpolation, Rotations, Seen, Total};
 pub use mass::{MassPoint, carried};

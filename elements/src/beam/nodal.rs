@@ -21,11 +21,10 @@
 
 #![allow(non_snake_case)]
 
-use super::element::Tangents;
 use super::mass::MassPoint;
-use super::relative::{add_block, three};
-use crate::element::Motion;
-use crate::inertia::Inertia;
+use crate::blocks::{add_block, three};
+use crate::element::{Motion, Tangents};
+use crate::inertia::{Inertia, centrifugal};
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::quotients::Quotients;
 use pullback_manifold::so3::{self, skew};
@@ -206,11 +205,8 @@ impl<const NN: usize> NodalInertia<NN> {
                 let S_skew = skew(S);
                 let lever = own.T.tr_mul(&S_skew) * own.R.transpose() * w.M;
                 add_block(out, n, 6 * i + 3, 6 * j, &lever);
-                // D_Ω (Ω×(Ω×S)).
-                let L = Matrix3::from_diagonal_element(Omega.dot(S)) + Omega * S.transpose()
-                    - S * Omega.transpose() * 2.0;
                 let l = skew(&spins[j].l(S)) * T * w.K;
-                let l_q = L * by.Omega - S_skew * by.A - l;
+                let l_q = centrifugal(Omega, S) * by.Omega - S_skew * by.A - l;
                 add_block(out, n, 6 * i, 6 * j + 3, &(R * l_q));
             }
         }

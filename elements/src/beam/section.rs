@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case)]
 
+use crate::Asymmetry;
 use crate::inertia::{Inertia, InertiaError};
 use nalgebra::{Matrix3, Matrix6, Vector3};
 use std::f64::consts::PI;
@@ -32,53 +33,20 @@ pub struct Damping {
 
 /// Error of a section.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "each message says what its variant is")]
 pub enum SectionError {
-    /// A quantity that must be positive is not.
     #[error("{quantity} must be positive and finite, got {value}")]
-    NotPositive {
-        /// Name of the quantity.
-        quantity: &'static str,
-        /// Its value.
-        value: f64,
-    },
-    /// Poisson's ratio outside its range.
+    NotPositive { quantity: &'static str, value: f64 },
     #[error("Poisson's ratio must lie in (-1, 0.5], got {0}")]
     PoissonRatio(f64),
-    /// The inner radius of a tube is not smaller than the outer one.
     #[error("a tube needs 0 < inner radius < outer radius, got {inner} and {outer}")]
-    Tube {
-        /// Inner radius.
-        inner: f64,
-        /// Outer radius.
-        outer: f64,
-    },
-    /// An inertia that no distribution of mass can have.
+    Tube { inner: f64, outer: f64 },
     #[error("{source}")]
-    Inertia {
-        /// The error of the inertia.
-        source: InertiaError,
-    },
-    /// The 6×6 law is not symmetric.
-    #[error(
-        "the section stiffness must be symmetric, but entries ({row}, {column}) and ({column}, \
-         {row}) are {upper} and {lower}"
-    )]
-    NotSymmetric {
-        /// Row, from 1.
-        row: usize,
-        /// Column, from 1.
-        column: usize,
-        /// Entry (row, column).
-        upper: f64,
-        /// Entry (column, row).
-        lower: f64,
-    },
-    /// The 6×6 law is not positive definite.
+    Inertia { source: InertiaError },
+    #[error("the section stiffness must be symmetric, but {0}")]
+    NotSymmetric(Asymmetry),
     #[error("the section stiffness must be positive definite; the diagonal is {diagonal:?}")]
-    NotPositiveDefinite {
-        /// Its diagonal.
-        diagonal: [f64; 6],
-    },
+    NotPositiveDefinite { diagonal: [f64; 6] },
 }
 
 /// An isotropic material: Young's modulus E, Poisson's ratio ν, density ρ.
@@ -132,18 +100,9 @@ impl Section {
         if C.iter().any(|c| !c.is_finite()) || diagonal.iter().any(|&c| c <= 0.0) {
             return Err(SectionError::NotPositiveDefinite { diagonal });
         }
-        for i in 0..6 {
-            for j in 0..i {
-                let scale = (diagonal[i] * diagonal[j]).sqrt();
-                if (C[(i, j)] - C[(j, i)]).abs() > 1e-12 * scale {
-                    return Err(SectionError::NotSymmetric {
-                        row: j + 1,
-                        column: i + 1,
-                        upper: C[(j, i)],
-                        lower: C[(i, j)],
-                    });
-                }
-            }
+        let tolerance = |i: usize, j: usize| 1e-12 * (diagonal[i] * diagonal[j]).sqrt();
+        if let Some(asymmetry) = Asymmetry::of(&C, tolerance) {
+            return Err(SectionError::NotSymmetric(asymmetry));
         }
         // Definiteness does not depend on the units: test the law scaled to a unit diagonal.
         let scaled = Matrix6::from_fn(|i, j| C[(i, j)] / (diagonal[i].sqrt() * diagonal[j].sqrt()));
@@ -268,7 +227,7 @@ impl Section {
         Self::from_geometry(material, area, k, 2.0 * I, [I, I])
     }
 
-    /// SectionStiffness and mass from area, shear factor, torsion constant and second moments I₂, I₃.
+    /// Section stiffness and mass from area, shear factor, torsion constant and second moments I₂, I₃.
     fn from_geometry(
         material: Material,
         area: f64,

@@ -26,6 +26,15 @@ impl Law {
             KK: block(1, 1),
         }
     }
+
+    /// The stress resultants N and M of strains Γ and K.
+    #[inline]
+    fn resultants(&self, Gamma: &Vector3<f64>, K: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
+        (
+            self.GG * Gamma + self.GK * K,
+            self.GK.tr_mul(Gamma) + self.KK * K,
+        )
+    }
 }
 
 /// Position derivative x′, rotation vector Ψ and its derivative Ψ′ at a point.
@@ -39,12 +48,12 @@ pub(super) struct Line {
 /// Strains at a point and derived quantities: components in the global frame of the reference
 /// configuration ("material" components before R₀ᵀ).
 pub(super) struct Strained {
-    R: Matrix3<f64>,
-    T: Matrix3<f64>,
+    pub R: Matrix3<f64>,
+    pub T: Matrix3<f64>,
     C1: Matrix3<f64>,
     quotients: Quotients,
     /// Rᵀ x′.
-    g: Vector3<f64>,
+    pub g: Vector3<f64>,
     pub Gamma: Vector3<f64>,
     pub K: Vector3<f64>,
     pub N: Vector3<f64>,
@@ -80,9 +89,10 @@ impl Strained {
         let g = R.tr_mul(&line.x_prime);
         let Gamma = g - X_prime;
         let K = T * line.psi_prime;
+        let (N, M) = law.resultants(&Gamma, &K);
         Self {
-            N: law.GG * Gamma + law.GK * K,
-            M: law.GK.tr_mul(&Gamma) + law.KK * K,
+            N,
+            M,
             C1: so3::C1(&line.psi_prime, &line.psi, &quotients),
             R,
             T,
@@ -91,19 +101,6 @@ impl Strained {
             Gamma,
             K,
         }
-    }
-
-    pub(super) fn R(&self) -> Matrix3<f64> {
-        self.R
-    }
-
-    pub(super) fn T(&self) -> Matrix3<f64> {
-        self.T
-    }
-
-    /// Rᵀx′.
-    pub(super) fn g(&self) -> Vector3<f64> {
-        self.g
     }
 
     /// Bᵀ(N, M) with B = [Rᵀ 0 (Rᵀx′)~T; 0 T C₁(Ψ′,Ψ)], \[M04\] (162).
@@ -158,8 +155,8 @@ pub(super) fn strain_energy(line: &Line, X_prime: &Vector3<f64>, law: &Law) -> f
     let c = TangentQuotients::new(line.psi.norm_squared());
     let Gamma = so3::turned(&-line.psi, &line.x_prime, &c) - X_prime;
     let K = so3::spun(&line.psi, &line.psi_prime, &c);
-    let N = law.GG * Gamma + law.GK * K;
-    0.5 * (N.dot(&Gamma) + K.dot(&(law.GK.tr_mul(&Gamma) + law.KK * K)))
+    let (N, M) = law.resultants(&Gamma, &K);
+    0.5 * (N.dot(&Gamma) + K.dot(&M))
 }
 
 /// Stress resultants at the line `to`, extrapolated linearly from the line `from`.
@@ -182,8 +179,5 @@ pub(super) fn extrapolated(
         so3::turned(&back, &to.x_prime, &c) - X_prime + g.cross(&so3::spun(&from.psi, &d_psi, &c));
     let K = so3::spun(&from.psi, &to.psi_prime, &c)
         + so3::T_varied(&from.psi_prime, &d_psi, &from.psi, &quotients);
-    (
-        law.GG * Gamma + law.GK * K,
-        law.GK.tr_mul(&Gamma) + law.KK * K,
-    )
+    law.resultants(&Gamma, &K)
 }

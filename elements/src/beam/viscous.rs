@@ -1,9 +1,9 @@
-//! SectionStiffness-proportional Kelvin-Voigt damping: stresses β C (Γ̇, K̇).
+//! Stiffness-proportional Kelvin-Voigt damping: stresses β C (Γ̇, K̇).
 
 #![allow(non_snake_case)]
 
-use super::element::Tangents;
 use super::strain::{Law, Line, Strained};
+use crate::element::Tangents;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 use pullback_manifold::jet::Grad;
 use pullback_manifold::quotients::Quotients;
@@ -31,7 +31,7 @@ impl Viscous {
         beta: f64,
     ) -> Self {
         let quotients = Quotients::new(line.psi.norm());
-        let (R, T, g) = (strained.R(), strained.T(), strained.g());
+        let (R, T, g) = (strained.R, strained.T, strained.g);
         let T_dot = so3::T_dot(&rates.psi, &line.psi, &quotients);
         let Omega = T * rates.psi;
         // Rᵀ changes by −Ω~Rᵀ, g = Rᵀx′ by Γ̇.

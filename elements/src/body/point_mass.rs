@@ -3,9 +3,10 @@
 #![allow(non_snake_case)]
 
 use super::BodyError;
-use crate::element::{Element, ElementError, Motion, Properties, Response};
+use crate::element::{Element, Motion, Properties, Response};
 use crate::load::{LoadKind, NodalLoad};
 use crate::time::TimeFunction;
+use pullback_manifold::domain::DomainError;
 
 /// Mass m at the point of a frame node; dim 6.
 ///
@@ -49,13 +50,6 @@ impl PointMass {
     pub fn weight(&self, g: [f64; 3], amplitude: Box<dyn TimeFunction>) -> NodalLoad {
         NodalLoad::boxed(LoadKind::DeadForce, g.map(|g| g * self.m), amplitude)
     }
-
-    /// Kinetic energy ½ m ḋ·ḋ; zero in statics.
-    #[must_use]
-    pub fn kinetic_energy(&self, at: &Motion<'_>) -> f64 {
-        let squares = at.v.iter().take(3).map(|v| v * v);
-        0.5 * self.m * squares.sum::<f64>()
-    }
 }
 
 impl Element for PointMass {
@@ -71,10 +65,11 @@ impl Element for PointMass {
     }
 
     fn kinetic_energy(&self, at: &Motion<'_>) -> Option<f64> {
-        Some(PointMass::kinetic_energy(self, at))
+        let squares = at.v.iter().take(3).map(|v| v * v);
+        Some(0.5 * self.m * squares.sum::<f64>())
     }
 
-    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
         for (r, a) in out.r.iter_mut().zip(at.a).take(3) {
             *r -= self.m * a;
         }

@@ -3,11 +3,14 @@
 #![allow(non_snake_case)]
 
 use super::BodyError;
-use crate::element::{Element, ElementError, Motion, Properties, Response};
-use crate::inertia::Inertia;
+use crate::Asymmetry;
+use crate::blocks::{add_block, three};
+use crate::element::{Element, Motion, Properties, Response};
+use crate::inertia::{Inertia, centrifugal};
 use crate::load::EccentricForce;
 use crate::time::TimeFunction;
 use nalgebra::{Matrix3, Vector3};
+use pullback_manifold::domain::DomainError;
 use pullback_manifold::map::pose::orientation;
 use pullback_manifold::so3::skew;
 
@@ -84,36 +87,12 @@ impl RigidBody {
         let force = Vector3::from(g) * self.inertia.mass;
         EccentricForce::boxed(force.into(), self.center.into(), amplitude)
     }
-
-    /// Kinetic energy; zero in statics.
-    #[must_use]
-    pub fn kinetic_energy(&self, at: &Motion<'_>) -> f64 {
-        if at.v.is_empty() {
-            return 0.0;
-        }
-        let (v, omega) = (triple(at.v, 0), triple(at.v, 3));
-        let [s, J_omega] = {
-            let turn = orientation(at.x);
-            let own = turn.conjugate().rotate(&omega);
-            [self.inertia.S, self.inertia.J * own].map(|u| turn.rotate(&u))
-        };
-        0.5 * self.inertia.mass * v.norm_squared()
-            + v.dot(&omega.cross(&s))
-            + 0.5 * omega.dot(&J_omega)
-    }
 }
 
 fn check_inertia(J: &Matrix3<f64>) -> Result<(), BodyError> {
     let size = J.amax();
-    for (i, j) in [(0, 1), (0, 2), (1, 2)] {
-        if (J[(i, j)] - J[(j, i)]).abs() > 1e-12 * size {
-            return Err(BodyError::NotSymmetric {
-                row: i + 1,
-                column: j + 1,
-                upper: J[(i, j)],
-                lower: J[(j, i)],
-            });
-        }
+    if let Some(asymmetry) = Asymmetry::of(J, |_, _| 1e-12 * size) {
+        return Err(BodyError::NotSymmetric(asymmetry));
     }
     let mut principal: [f64; 3] = J.symmetric_eigenvalues().into();
     principal.sort_by(f64::total_cmp);
@@ -125,23 +104,6 @@ fn check_inertia(J: &Matrix3<f64>) -> Result<(), BodyError> {
         return Err(BodyError::Triangle { principal });
     }
     Ok(())
-}
-
-fn triple(x: &[f64], first: usize) -> Vector3<f64> {
-    Vector3::new(x[first], x[first + 1], x[first + 2])
-}
-
-/// Adds blocks to a 6×6 matrix, if requested, each with its first row and column.
-fn add(to: Option<&mut [f64]>, blocks: &[([usize; 2], Matrix3<f64>)]) {
-    let Some(to) = to else { return };
-    for ([row, column], block) in blocks {
-        for (j, values) in block.column_iter().enumerate() {
-            let first = (column + j) * 6 + row;
-            for (to, value) in to[first..first + 3].iter_mut().zip(&values) {
-                *to += value;
-            }
-        }
-    }
 }
 
 impl Element for RigidBody {
@@ -157,17 +119,27 @@ impl Element for RigidBody {
     }
 
     fn kinetic_energy(&self, at: &Motion<'_>) -> Option<f64> {
-        Some(RigidBody::kinetic_energy(self, at))
+        if at.v.is_empty() {
+            return Some(0.0);
+        }
+        let (v, omega) = (three(at.v, 0), three(at.v, 3));
+        let turn = orientation(at.x);
+        let own = turn.conjugate().rotate(&omega);
+        let [s, J_omega] = [self.inertia.S, self.inertia.J * own].map(|u| turn.rotate(&u));
+        let energy = 0.5 * self.inertia.mass * v.norm_squared()
+            + v.dot(&omega.cross(&s))
+            + 0.5 * omega.dot(&J_omega);
+        Some(energy)
     }
 
-    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
         if at.v.is_empty() {
             return Ok(());
         }
         let Inertia { mass, S, J } = self.inertia;
         let R = orientation(at.x).rotation();
         let (s, J) = (R * S, R * J * R.transpose());
-        let (x_ddot, omega, omega_dot) = (triple(at.a, 0), triple(at.v, 3), triple(at.a, 3));
+        let (x_ddot, omega, omega_dot) = (three(at.a, 0), three(at.v, 3), three(at.a, 3));
         let J_omega = J * omega;
         let l = omega_dot.cross(&s) + omega.cross(&omega.cross(&s));
         let h = J * omega_dot + omega.cross(&J_omega);
@@ -179,33 +151,22 @@ impl Element for RigidBody {
         }
         let spin = skew(&omega);
         let first = skew(&s);
-        add(
-            out.M.as_deref_mut(),
-            &[
-                ([0, 0], Matrix3::from_diagonal_element(mass)),
-                ([0, 3], -first),
-                ([3, 0], first),
-                ([3, 3], J),
-            ],
-        );
-        if out.K.is_none() && out.C.is_none() {
-            return Ok(());
+        if let Some(M) = out.M.as_deref_mut() {
+            add_block(M, 6, 0, 0, &Matrix3::from_diagonal_element(mass));
+            add_block(M, 6, 0, 3, &-first);
+            add_block(M, 6, 3, 0, &first);
+            add_block(M, 6, 3, 3, &J);
         }
-        // Turned with the body, both forces turn with it; the rest is due to δθ˙ alone.
-        let centrifugal = Matrix3::from_diagonal_element(omega.dot(&s)) + omega * s.transpose()
-            - s * omega.transpose() * 2.0;
-        let gyroscopic = spin * J - skew(&J_omega) - J * spin;
-        add(
-            out.C.as_deref_mut(),
-            &[([0, 3], centrifugal + first * spin), ([3, 3], gyroscopic)],
-        );
-        add(
-            out.K.as_deref_mut(),
-            &[
-                ([0, 3], -skew(&l)),
-                ([3, 3], skew(&x_ddot) * first - skew(&h)),
-            ],
-        );
+        // Both forces rotate with the body; the rest is due to δθ˙ alone.
+        if let Some(C) = out.C.as_deref_mut() {
+            let gyroscopic = spin * J - skew(&J_omega) - J * spin;
+            add_block(C, 6, 0, 3, &(centrifugal(&omega, &s) + first * spin));
+            add_block(C, 6, 3, 3, &gyroscopic);
+        }
+        if let Some(K) = out.K.as_deref_mut() {
+            add_block(K, 6, 0, 3, &-skew(&l));
+            add_block(K, 6, 3, 3, &(skew(&x_ddot) * first - skew(&h)));
+        }
         Ok(())
     }
 }

@@ -23,8 +23,9 @@ mod penalty;
 pub use multipliers::Multipliers;
 pub use penalty::{Penalty, PenaltyError, PenaltyStiffness};
 
-use crate::element::Motion;
+use crate::element::{Motion, Properties};
 use nalgebra::SVector;
+use pullback_manifold::domain::DomainError;
 use pullback_manifold::map::Map;
 use pullback_manifold::scalar::Scalar;
 
@@ -81,12 +82,8 @@ impl<H: Map<N, M>, const N: usize, const M: usize> Map<N, M> for Scaled<H, M> {
 
     /// The equations must hold approximately: a penalty has other equilibria, at which a loop is
     /// torn open and its springs are at a dead point.
-    fn margin(&self, t: f64, x: &SVector<f64, N>) -> f64 {
-        TORN - self.phi(t, x).amax()
-    }
-
-    fn edge(&self) -> &'static str {
-        OPEN
+    fn domain(&self, t: f64, x: &SVector<f64, N>) -> Result<f64, DomainError> {
+        DomainError::within(TORN - self.phi(t, x).amax(), OPEN)
     }
 
     fn is_objective(&self) -> bool {
@@ -130,30 +127,68 @@ pub trait Enforced: Send + Sync {
     fn penalty(&self) -> Option<f64>;
 }
 
-/// Name of an equation, or its number.
-fn equation(names: &[&str], i: usize) -> String {
-    match names.get(i) {
-        Some(name) => (*name).to_owned(),
-        None => format!("equation {}", i + 1),
+/// The equations of a map, with names for messages.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct NamedEquations<H, const N: usize, const M: usize> {
+    h: H,
+    names: &'static [&'static str],
+    penalty: Option<f64>,
+}
+
+impl<H: Map<N, M>, const N: usize, const M: usize> NamedEquations<H, N, M> {
+    fn new(h: H, penalty: Option<f64>) -> Self {
+        const { assert!(M <= MAX_EQUATIONS, "too many equations") };
+        Self {
+            h,
+            names: &[],
+            penalty,
+        }
+    }
+
+    fn properties(&self) -> Properties {
+        Properties {
+            objective: self.h.is_objective(),
+            ..Properties::INTERNAL
+        }
     }
 }
 
-/// [`Levels`] of a map.
-fn levels<H: Map<N, M>, const N: usize, const M: usize>(h: &H, at: &Motion<'_>) -> Levels {
-    let [x, v, a] = vectors(at);
-    let k = h.kinematics(at.t, &x, &v, &a);
-    Levels {
-        h: k.x.as_slice().to_vec(),
-        h_dot: k.x_dot.as_slice().to_vec(),
-        h_ddot: k.x_ddot.as_slice().to_vec(),
-        J: k.B.as_slice().to_vec(),
+impl<H: Map<N, M>, const N: usize, const M: usize> Enforced for NamedEquations<H, N, M> {
+    fn dims(&self) -> (usize, usize) {
+        (N, M)
     }
-}
 
-/// ḣ of a map.
-fn rates<H: Map<N, M>, const N: usize, const M: usize>(h: &H, at: &Motion<'_>, out: &mut [f64]) {
-    let [x, v, a] = vectors(at);
-    out.copy_from_slice(h.kinematics(at.t, &x, &v, &a).x_dot.as_slice());
+    fn levels(&self, at: &Motion<'_>) -> Levels {
+        let [x, v, a] = vectors(at);
+        let k = self.h.kinematics(at.t, &x, &v, &a);
+        Levels {
+            h: k.x.as_slice().to_vec(),
+            h_dot: k.x_dot.as_slice().to_vec(),
+            h_ddot: k.x_ddot.as_slice().to_vec(),
+            J: k.B.as_slice().to_vec(),
+        }
+    }
+
+    fn residual(&self, at: &Motion<'_>, h: &mut [f64]) {
+        let [x, ..] = vectors(at);
+        h.copy_from_slice(self.h.phi(at.t, &x).as_slice());
+    }
+
+    fn rates(&self, at: &Motion<'_>, h_dot: &mut [f64]) {
+        let [x, v, a] = vectors(at);
+        h_dot.copy_from_slice(self.h.kinematics(at.t, &x, &v, &a).x_dot.as_slice());
+    }
+
+    fn equation(&self, i: usize) -> String {
+        match self.names.get(i) {
+            Some(name) => (*name).to_owned(),
+            None => format!("equation {}", i + 1),
+        }
+    }
+
+    fn penalty(&self) -> Option<f64> {
+        self.penalty
+    }
 }
 
 /// The first N coordinates, velocities and accelerations of a motion; zero if missing.

@@ -2,9 +2,11 @@
 
 #![allow(non_snake_case)]
 
-use super::{Enforced, Levels, MAX_EQUATIONS, equation, levels, rates, vectors};
-use crate::element::{Element, ElementError, Motion, Properties, Response};
+use super::{Enforced, NamedEquations, vectors};
+use crate::blocks::add_block;
+use crate::element::{Element, Motion, Properties, Response};
 use nalgebra::SVector;
+use pullback_manifold::domain::DomainError;
 use pullback_manifold::map::Map;
 
 /// The equations h(t, x) = 0 with multipliers λ that are unknowns of the model:
@@ -23,21 +25,22 @@ use pullback_manifold::map::Map;
 /// A model omits redundant equations, and sets their multipliers to zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Multipliers<H, const N: usize, const M: usize> {
-    h: H,
-    names: &'static [&'static str],
+    equations: NamedEquations<H, N, M>,
 }
 
 impl<H: Map<N, M>, const N: usize, const M: usize> Multipliers<H, N, M> {
     /// Enforces the given equations; [`Scaled`](super::Scaled) gives them comparable sizes.
     pub fn new(h: H) -> Self {
-        const { assert!(M <= MAX_EQUATIONS, "too many equations") };
-        Self { h, names: &[] }
+        Self {
+            equations: NamedEquations::new(h, None),
+        }
     }
 
     /// Names the equations, for messages.
     #[must_use]
-    pub fn named(self, names: &'static [&'static str]) -> Self {
-        Self { names, ..self }
+    pub fn named(mut self, names: &'static [&'static str]) -> Self {
+        self.equations.names = names;
+        self
     }
 }
 
@@ -46,10 +49,10 @@ impl<H: Map<N, M> + 'static, const N: usize, const M: usize> Element for Multipl
         N + M
     }
 
-    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
         let [x, ..] = vectors::<N>(at);
         let lambda = SVector::<f64, M>::from_column_slice(&at.x[N..]);
-        let h = self.h.tangent(at.t, &x);
+        let h = self.equations.h.tangent(at.t, &x);
         let force = h.B.tr_mul(&lambda);
         for (r, f) in out.r.iter_mut().zip(force.iter()) {
             *r -= f;
@@ -59,23 +62,15 @@ impl<H: Map<N, M> + 'static, const N: usize, const M: usize> Element for Multipl
         }
         if let Some(K) = &mut out.K {
             let n = N + M;
-            let K_sigma = self.h.geometric_stiffness(at.t, &x, &lambda);
-            for j in 0..N {
-                for i in 0..N {
-                    K[i + j * n] += K_sigma[(i, j)];
-                }
-            }
-            for i in 0..M {
-                for j in 0..N {
-                    K[N + i + j * n] += h.B[(i, j)];
-                    K[j + (N + i) * n] += h.B[(i, j)];
-                }
-            }
+            let K_sigma = self.equations.h.geometric_stiffness(at.t, &x, &lambda);
+            add_block(K, n, 0, 0, &K_sigma);
+            add_block(K, n, N, 0, &h.B);
+            add_block(K, n, 0, N, &h.B.transpose());
         }
         if let Some(r_t) = &mut out.r_t {
             // Along t alone: h_t, and the rate of h_xᵀ λ at a fixed λ.
             let still = SVector::zeros();
-            let k = self.h.kinematics(at.t, &x, &still, &still);
+            let k = self.equations.h.kinematics(at.t, &x, &still, &still);
             let force = k.B_dot.tr_mul(&lambda);
             for (r, f) in r_t.iter_mut().zip(force.iter()) {
                 *r -= f;
@@ -88,40 +83,10 @@ impl<H: Map<N, M> + 'static, const N: usize, const M: usize> Element for Multipl
     }
 
     fn enforced(&self) -> Option<&dyn Enforced> {
-        Some(self)
+        Some(&self.equations)
     }
 
     fn properties(&self) -> Properties {
-        Properties {
-            objective: self.h.is_objective(),
-            ..Properties::INTERNAL
-        }
-    }
-}
-
-impl<H: Map<N, M>, const N: usize, const M: usize> Enforced for Multipliers<H, N, M> {
-    fn dims(&self) -> (usize, usize) {
-        (N, M)
-    }
-
-    fn levels(&self, at: &Motion<'_>) -> Levels {
-        levels(&self.h, at)
-    }
-
-    fn residual(&self, at: &Motion<'_>, h: &mut [f64]) {
-        let [x, ..] = vectors::<N>(at);
-        h.copy_from_slice(self.h.phi(at.t, &x).as_slice());
-    }
-
-    fn rates(&self, at: &Motion<'_>, h_dot: &mut [f64]) {
-        rates(&self.h, at, h_dot);
-    }
-
-    fn equation(&self, i: usize) -> String {
-        equation(self.names, i)
-    }
-
-    fn penalty(&self) -> Option<f64> {
-        None
+        self.equations.properties()
     }
 }

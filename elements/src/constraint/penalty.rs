@@ -2,9 +2,11 @@
 
 #![allow(non_snake_case)]
 
-use super::{Enforced, Levels, MAX_EQUATIONS, equation, levels, rates, vectors};
-use crate::element::{Element, ElementError, Motion, Properties, Response};
+use super::{Enforced, NamedEquations, vectors};
+use crate::blocks::add_block;
+use crate::element::{Element, Motion, Properties, Response};
 use nalgebra::SVector;
+use pullback_manifold::domain::DomainError;
 use pullback_manifold::map::Map;
 
 /// Stiffness of a penalty.
@@ -18,11 +20,10 @@ pub struct PenaltyStiffness {
 
 /// Error of a penalty.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "each message says what its variant is")]
 pub enum PenaltyError {
-    /// Invalid stiffness.
     #[error("a penalty must be positive and finite, got {0:?}")]
     Stiffness(f64),
-    /// Negative damping.
     #[error("the damping time of a penalty must be finite and zero or positive, got {0:?}")]
     Damping(f64),
 }
@@ -40,9 +41,8 @@ pub enum PenaltyError {
 /// equations ends where a loop is torn open.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Penalty<H, const N: usize, const M: usize> {
-    h: H,
+    equations: NamedEquations<H, N, M>,
     stiffness: PenaltyStiffness,
-    names: &'static [&'static str],
 }
 
 impl<H: Map<N, M>, const N: usize, const M: usize> Penalty<H, N, M> {
@@ -51,7 +51,6 @@ impl<H: Map<N, M>, const N: usize, const M: usize> Penalty<H, N, M> {
     /// # Errors
     /// [`PenaltyError`].
     pub fn new(h: H, stiffness: PenaltyStiffness) -> Result<Self, PenaltyError> {
-        const { assert!(M <= MAX_EQUATIONS, "too many equations") };
         let PenaltyStiffness { p, tau } = stiffness;
         if !(p > 0.0 && p.is_finite()) {
             return Err(PenaltyError::Stiffness(p));
@@ -60,16 +59,16 @@ impl<H: Map<N, M>, const N: usize, const M: usize> Penalty<H, N, M> {
             return Err(PenaltyError::Damping(tau));
         }
         Ok(Self {
-            h,
+            equations: NamedEquations::new(h, Some(p)),
             stiffness,
-            names: &[],
         })
     }
 
     /// Names the equations, for messages.
     #[must_use]
-    pub fn named(self, names: &'static [&'static str]) -> Self {
-        Self { names, ..self }
+    pub fn named(mut self, names: &'static [&'static str]) -> Self {
+        self.equations.names = names;
+        self
     }
 
     /// ḣ at a motion; zero at rest.
@@ -78,7 +77,7 @@ impl<H: Map<N, M>, const N: usize, const M: usize> Penalty<H, N, M> {
             return SVector::zeros();
         }
         let [x, v, a] = vectors::<N>(at);
-        self.h.kinematics(at.t, &x, &v, &a).x_dot
+        self.equations.h.kinematics(at.t, &x, &v, &a).x_dot
     }
 }
 
@@ -87,17 +86,13 @@ impl<H: Map<N, M> + 'static, const N: usize, const M: usize> Element for Penalty
         N
     }
 
-    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
         let PenaltyStiffness { p, tau } = self.stiffness;
         let [x, v, a] = vectors::<N>(at);
-        let margin = self.h.margin(at.t, &x);
-        if margin <= 0.0 {
-            let edge = self.h.edge();
-            return Err(ElementError::OutsideDomain { edge, margin });
-        }
-        let h = self.h.tangent(at.t, &x);
+        self.equations.h.domain(at.t, &x)?;
+        let h = self.equations.h.tangent(at.t, &x);
         let damped = tau > 0.0 && !at.v.is_empty();
-        let moving = damped.then(|| self.h.kinematics(at.t, &x, &v, &a));
+        let moving = damped.then(|| self.equations.h.kinematics(at.t, &x, &v, &a));
         let mut mu = h.x * p;
         if let Some(k) = &moving {
             mu += k.x_dot * (p * tau);
@@ -111,21 +106,16 @@ impl<H: Map<N, M> + 'static, const N: usize, const M: usize> Element for Penalty
             if let Some(k) = &moving {
                 rate += k.B_dot * (p * tau);
             }
-            let all = h.B.tr_mul(&rate) + self.h.geometric_stiffness(at.t, &x, &mu);
-            for (K, k) in K.iter_mut().zip(all.iter()) {
-                *K += k;
-            }
+            let all = h.B.tr_mul(&rate) + self.equations.h.geometric_stiffness(at.t, &x, &mu);
+            add_block(K, N, 0, 0, &all);
         }
         if let (Some(C), true) = (&mut out.C, damped) {
-            let all = h.B.tr_mul(&h.B) * (p * tau);
-            for (C, c) in C.iter_mut().zip(all.iter()) {
-                *C += c;
-            }
+            add_block(C, N, 0, 0, &(h.B.tr_mul(&h.B) * (p * tau)));
         }
         if let Some(r_t) = &mut out.r_t {
             // Along t alone, at rest.
             let still = SVector::zeros();
-            let k = self.h.kinematics(at.t, &x, &still, &still);
+            let k = self.equations.h.kinematics(at.t, &x, &still, &still);
             let force = h.B.tr_mul(&(k.x_dot * p)) + k.B_dot.tr_mul(&mu);
             for (r, f) in r_t.iter_mut().zip(force.iter()) {
                 *r -= f;
@@ -136,7 +126,7 @@ impl<H: Map<N, M> + 'static, const N: usize, const M: usize> Element for Penalty
 
     fn energy(&self, at: &Motion<'_>) -> f64 {
         let [x, ..] = vectors::<N>(at);
-        0.5 * self.stiffness.p * self.h.phi(at.t, &x).norm_squared()
+        0.5 * self.stiffness.p * self.equations.h.phi(at.t, &x).norm_squared()
     }
 
     fn dissipation(&self, at: &Motion<'_>) -> f64 {
@@ -144,40 +134,10 @@ impl<H: Map<N, M> + 'static, const N: usize, const M: usize> Element for Penalty
     }
 
     fn enforced(&self) -> Option<&dyn Enforced> {
-        Some(self)
+        Some(&self.equations)
     }
 
     fn properties(&self) -> Properties {
-        Properties {
-            objective: self.h.is_objective(),
-            ..Properties::INTERNAL
-        }
-    }
-}
-
-impl<H: Map<N, M>, const N: usize, const M: usize> Enforced for Penalty<H, N, M> {
-    fn dims(&self) -> (usize, usize) {
-        (N, M)
-    }
-
-    fn levels(&self, at: &Motion<'_>) -> Levels {
-        levels(&self.h, at)
-    }
-
-    fn residual(&self, at: &Motion<'_>, h: &mut [f64]) {
-        let [x, ..] = vectors::<N>(at);
-        h.copy_from_slice(self.h.phi(at.t, &x).as_slice());
-    }
-
-    fn rates(&self, at: &Motion<'_>, h_dot: &mut [f64]) {
-        rates(&self.h, at, h_dot);
-    }
-
-    fn equation(&self, i: usize) -> String {
-        equation(self.names, i)
-    }
-
-    fn penalty(&self) -> Option<f64> {
-        Some(self.stiffness.p)
+        self.equations.properties()
     }
 }

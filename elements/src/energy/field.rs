@@ -1,8 +1,10 @@
 //! Gravity of a point mass.
 
 use super::EnergyElement;
-use crate::element::{ElementError, Properties};
+use crate::element::Properties;
+use crate::element::coincident;
 use nalgebra::{SVector, Vector3};
+use pullback_manifold::domain::DomainError;
 use pullback_manifold::scalar::Scalar;
 
 /// Newton's gravity of a fixed centre on a mass at a frame node; dim 6.
@@ -31,12 +33,12 @@ impl EnergyElement<6> for Gravity {
         -r.dot(&r).sqrt().recip() * (self.mu * self.mass)
     }
 
-    fn domain(&self, x: &SVector<f64, 6>) -> Result<(), ElementError> {
+    fn domain(&self, x: &SVector<f64, 6>) -> Result<(), DomainError> {
         let length = (self.position - self.center + x.fixed_rows::<3>(0)).norm();
         if length > 0.0 {
             Ok(())
         } else {
-            Err(ElementError::ZeroLength { length })
+            Err(coincident(length))
         }
     }
 

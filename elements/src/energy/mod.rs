@@ -34,16 +34,16 @@ pub use sampled::{EnergySample, Sampled};
 pub use spring::PolynomialSpring;
 pub use sum::Sum;
 
-use crate::element::{Combined, EDGE, Element, ElementError, Motion, Properties, Response};
+use crate::element::{Combined, EDGE, Element, Motion, Properties, Response, Tangents};
 use local::Local;
 use nalgebra::{SVector, Vector3};
+use pullback_manifold::domain::DomainError;
 use pullback_manifold::jet::Grad;
 use pullback_manifold::scalar::Scalar;
-use pullback_manifold::system::Weights;
 
-/// EnergyElement of an element with N coordinates x, generic over the number type.
+/// Energies of an element with N coordinates x, generic over the number type.
 ///
-/// EnergyElement that are not implemented are zero; the constants then save their evaluation.
+/// Energies that are not implemented are zero; the constants then save their evaluation.
 /// Coordinates are those of the element's nodes in order, six for a frame node: (d, Ψ).
 ///
 /// ```
@@ -99,8 +99,8 @@ pub trait EnergyElement<const N: usize>: Send + Sync {
     /// Rejects coordinates at which the functions are not smooth; accepts all by default.
     ///
     /// # Errors
-    /// [`ElementError`] with the reason.
-    fn domain(&self, x: &SVector<f64, N>) -> Result<(), ElementError> {
+    /// [`DomainError`] with the reason.
+    fn domain(&self, x: &SVector<f64, N>) -> Result<(), DomainError> {
         let _ = x;
         Ok(())
     }
@@ -139,13 +139,13 @@ pub fn rate<S: Scalar, const N: usize, const M: usize>(
 /// For [`EnergyElement::domain`]: rejects a rotation vector at the edge of its chart, ψ = 2π.
 ///
 /// # Errors
-/// [`ElementError::OutsideChart`].
-pub fn inside_chart(Psi: &Vector3<f64>) -> Result<(), ElementError> {
+/// [`DomainError::Beyond`].
+pub fn inside_chart(Psi: &Vector3<f64>) -> Result<(), DomainError> {
     let psi = Psi.norm();
     if psi <= EDGE {
         Ok(())
     } else {
-        Err(ElementError::OutsideChart { psi })
+        Err(DomainError::chart(psi))
     }
 }
 
@@ -153,45 +153,11 @@ pub fn inside_chart(Psi: &Vector3<f64>) -> Result<(), ElementError> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ByEnergy<E, const N: usize>(pub E);
 
-/// The requested tangents, each with the weights of K, C and M in it.
-type Tangents<'a> = [Option<(Weights, &'a mut [f64])>; 3];
-
-impl<E: EnergyElement<N>, const N: usize> ByEnergy<E, N> {
-    fn add(
-        &self,
-        at: &Motion<'_>,
-        r: &mut [f64],
-        tangents: &mut Tangents<'_>,
-    ) -> Result<(), ElementError> {
-        let x = vector::<N>(at.x);
-        self.0.domain(&x)?;
-        let moving = (!at.v.is_empty()).then(|| (vector::<N>(at.v), vector::<N>(at.a)));
-        let wanted = tangents.iter().any(Option::is_some);
-        let local = Local::new(&self.0, at.t, &x, moving.as_ref(), wanted);
-        for (r, l) in r.iter_mut().zip(&local.r) {
-            *r += l;
-        }
-        for (weights, out) in tangents.iter_mut().flatten() {
-            for (out, l) in out.iter_mut().zip(local.tangent(*weights).iter()) {
-                *out += l;
-            }
-        }
-        Ok(())
-    }
-}
+impl<E: EnergyElement<N>, const N: usize> ByEnergy<E, N> {}
 
 /// The entries of a slice; zeros if it is empty (in statics).
 fn vector<const N: usize>(from: &[f64]) -> SVector<f64, N> {
     SVector::from_fn(|i, _| from.get(i).copied().unwrap_or(0.0))
-}
-
-/// The parts K, C, M of the tangent that a response requests.
-fn parts<'a>(out: &'a mut Response<'_>) -> (&'a mut [f64], Tangents<'a>) {
-    let one = |K, C, M| Weights { K, C, M };
-    let K = out.K.as_deref_mut().map(|K| (one(1.0, 0.0, 0.0), K));
-    let C = out.C.as_deref_mut().map(|C| (one(0.0, 1.0, 0.0), C));
-    let M = out.M.as_deref_mut().map(|M| (one(0.0, 0.0, 1.0), M));
-    (&mut *out.r, [K, C, M])
 }
 
 impl<E: EnergyElement<N>, const N: usize> Element for ByEnergy<E, N> {
@@ -199,8 +165,8 @@ impl<E: EnergyElement<N>, const N: usize> Element for ByEnergy<E, N> {
         N
     }
 
-    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
-        let (r, mut tangents) = parts(out);
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
+        let (r, mut tangents) = out.parts();
         self.add(at, r, &mut tangents)?;
         if let Some(r_t) = out.r_t.as_deref_mut() {
             let rates = local::load_rate(&self.0, at.t, &vector(at.x));
@@ -236,13 +202,25 @@ impl<E: EnergyElement<N>, const N: usize> Element for ByEnergy<E, N> {
 }
 
 impl<E: EnergyElement<N>, const N: usize> Combined for ByEnergy<E, N> {
-    fn evaluate_combined(
+    fn add(
         &self,
         at: &Motion<'_>,
-        weights: Weights,
         r: &mut [f64],
-        S: &mut [f64],
-    ) -> Result<(), ElementError> {
-        self.add(at, r, &mut [Some((weights, S)), None, None])
+        tangents: &mut Tangents<'_>,
+    ) -> Result<(), DomainError> {
+        let x = vector::<N>(at.x);
+        self.0.domain(&x)?;
+        let moving = (!at.v.is_empty()).then(|| (vector::<N>(at.v), vector::<N>(at.a)));
+        let wanted = tangents.iter().any(Option::is_some);
+        let local = Local::new(&self.0, at.t, &x, moving.as_ref(), wanted);
+        for (r, l) in r.iter_mut().zip(&local.r) {
+            *r += l;
+        }
+        for (weights, out) in tangents.iter_mut().flatten() {
+            for (out, l) in out.iter_mut().zip(local.tangent(*weights).iter()) {
+                *out += l;
+            }
+        }
+        Ok(())
     }
 }

@@ -1,12 +1,12 @@
-//! EnergyElement at integration points, in variables interpolated from the nodes.
+//! Energies at integration points, in variables interpolated from the nodes.
 
 #![allow(non_snake_case)]
 
+use super::EnergyElement;
 use super::local::{self, Local};
-use super::{EnergyElement, Tangents, parts};
-use crate::element::{Combined, Element, ElementError, Motion, Properties, Response};
+use crate::element::{Combined, Element, Motion, Properties, Response, Tangents};
 use nalgebra::{SMatrix, SVector};
-use pullback_manifold::system::Weights;
+use pullback_manifold::domain::DomainError;
 
 /// One integration point: energies in D variables y = y₀ + A x of an element of N coordinates x,
 /// with rates ẏ = A ẋ.
@@ -96,26 +96,6 @@ impl<E: EnergyElement<D>, const D: usize, const N: usize> Sampled<E, D, N> {
             points: points.into_iter().collect(),
         }
     }
-
-    fn add(
-        &self,
-        at: &Motion<'_>,
-        r: &mut [f64],
-        tangents: &mut Tangents<'_>,
-    ) -> Result<(), ElementError> {
-        let wanted = tangents.iter().any(Option::is_some);
-        for p in &self.points {
-            let y = p.position(at.x);
-            p.energies.domain(&y)?;
-            let moving = (!at.v.is_empty()).then(|| (p.interpolated(at.v), p.interpolated(at.a)));
-            let local = Local::new(&p.energies, at.t, &y, moving.as_ref(), wanted);
-            p.spread(&local.r, r);
-            for (weights, out) in tangents.iter_mut().flatten() {
-                p.spread_tangent(&local.tangent(*weights), out);
-            }
-        }
-        Ok(())
-    }
 }
 
 impl<E: EnergyElement<D>, const D: usize, const N: usize> Element for Sampled<E, D, N> {
@@ -123,8 +103,8 @@ impl<E: EnergyElement<D>, const D: usize, const N: usize> Element for Sampled<E,
         N
     }
 
-    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
-        let (r, mut tangents) = parts(out);
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
+        let (r, mut tangents) = out.parts();
         self.add(at, r, &mut tangents)?;
         if let Some(r_t) = out.r_t.as_deref_mut() {
             for p in &self.points {
@@ -170,13 +150,23 @@ impl<E: EnergyElement<D>, const D: usize, const N: usize> Element for Sampled<E,
 }
 
 impl<E: EnergyElement<D>, const D: usize, const N: usize> Combined for Sampled<E, D, N> {
-    fn evaluate_combined(
+    fn add(
         &self,
         at: &Motion<'_>,
-        weights: Weights,
         r: &mut [f64],
-        S: &mut [f64],
-    ) -> Result<(), ElementError> {
-        self.add(at, r, &mut [Some((weights, S)), None, None])
+        tangents: &mut Tangents<'_>,
+    ) -> Result<(), DomainError> {
+        let wanted = tangents.iter().any(Option::is_some);
+        for p in &self.points {
+            let y = p.position(at.x);
+            p.energies.domain(&y)?;
+            let moving = (!at.v.is_empty()).then(|| (p.interpolated(at.v), p.interpolated(at.a)));
+            let local = Local::new(&p.energies, at.t, &y, moving.as_ref(), wanted);
+            p.spread(&local.r, r);
+            for (weights, out) in tangents.iter_mut().flatten() {
+                p.spread_tangent(&local.tangent(*weights), out);
+            }
+        }
+        Ok(())
     }
 }

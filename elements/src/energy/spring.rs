@@ -1,8 +1,9 @@
 //! An axial spring with a polynomial force.
 
 use super::EnergyElement;
-use crate::element::ElementError;
+use crate::element::coincident;
 use nalgebra::{SVector, Vector3};
+use pullback_manifold::domain::DomainError;
 use pullback_manifold::scalar::Scalar;
 
 /// A spring and damper along the line between two frame nodes, its tension a polynomial in the
@@ -51,7 +52,7 @@ impl<const P: usize> EnergyElement<12> for PolynomialSpring<P> {
         along * along / u.dot(&u) * (0.5 * self.c)
     }
 
-    fn domain(&self, x: &SVector<f64, 12>) -> Result<(), ElementError> {
+    fn domain(&self, x: &SVector<f64, 12>) -> Result<(), DomainError> {
         let (length, size) = (
             self.between(x).norm(),
             (self.positions[1] - self.positions[0]).norm(),
@@ -60,7 +61,7 @@ impl<const P: usize> EnergyElement<12> for PolynomialSpring<P> {
         if length > 1e-12 * size {
             Ok(())
         } else {
-            Err(ElementError::ZeroLength { length })
+            Err(coincident(length))
         }
     }
 }

@@ -2,8 +2,8 @@
 
 #![allow(non_snake_case)]
 
-use crate::element::{Combined, Element, ElementError, Motion, Properties, Response, SectionState};
-use pullback_manifold::system::Weights;
+use crate::element::{Combined, Element, Motion, Properties, Response, SectionState, Tangents};
+use pullback_manifold::domain::DomainError;
 
 /// The sum of two elements with the same coordinates, such as a stiffness and an inertia with
 /// different integration points.
@@ -15,10 +15,10 @@ impl<A: Element, B: Element> Element for Sum<A, B> {
         self.0.dim()
     }
 
-    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
         if self.0.properties().reads_poses != self.1.properties().reads_poses {
-            return Err(ElementError::OutsideDomain {
-                edge: "what a sum can hold, elements that read poses or elements that do not: \
+            return Err(DomainError::Beyond {
+                limit: "what a sum can hold, elements that read poses or elements that do not: \
                        add them to the model one by one",
                 margin: 0.0,
             });
@@ -61,15 +61,14 @@ impl<A: Element, B: Element> Element for Sum<A, B> {
 }
 
 impl<A: Element, B: Element> Combined for Sum<A, B> {
-    fn evaluate_combined(
+    fn add(
         &self,
         at: &Motion<'_>,
-        weights: Weights,
         r: &mut [f64],
-        S: &mut [f64],
-    ) -> Result<(), ElementError> {
+        tangents: &mut Tangents<'_>,
+    ) -> Result<(), DomainError> {
         for part in [self.0.combined(), self.1.combined()].into_iter().flatten() {
-            part.evaluate_combined(at, weights, r, S)?;
+            part.add(at, r, tangents)?;
         }
         Ok(())
     }

@@ -5,16 +5,14 @@ use nalgebra::Vector3;
 /// Sine of the angle between two axes below which they count as parallel.
 pub(super) const PARALLEL: f64 = 1e-6;
 
-/// What is wrong with the axes of a joint.
+/// Error of the axes of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "each message says what its variant is")]
 pub enum AxisError {
-    /// An axis is zero, or not finite.
     #[error("its axis {0:?} has no direction; give a finite vector that is not zero")]
     Direction([f64; 3]),
-    /// Two axes that must differ in direction do not.
     #[error("its two axes are parallel; give two directions")]
     Parallel,
-    /// Two axes that must not point against each other do.
     #[error(
         "its two axes are opposite: one shaft would be turned by 180° against the other, and in which \
          direction is not known; reverse one axis"

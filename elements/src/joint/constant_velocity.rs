@@ -2,6 +2,7 @@
 
 use super::{AxisError, Joint, JointCoordinate, PARALLEL, Pose, direction};
 use nalgebra::{SVector, Vector3};
+use pullback_manifold::domain::DomainError;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::quaternion;
 use pullback_manifold::system::Quantity;
@@ -21,8 +22,8 @@ pub struct ConstantVelocity {
 }
 
 impl ConstantVelocity {
-    /// The coupling of two shafts along axes of any length, the second pointing away where the
-    /// first points in; an error for axes without a direction or against each other.
+    /// The coupling of two shafts along axes of any length: the first axis points towards the joint, the
+    /// second away from it. An error for axes without a direction, or in opposite directions.
     pub fn new(axes: [[f64; 3]; 2]) -> Result<Self, AxisError> {
         let [e, f] = [direction(axes[0])?, direction(axes[1])?];
         let first = e.cross(&Vector3::ith(e.iamin(), 1.0)).normalize();
@@ -55,11 +56,11 @@ impl Joint<2> for ConstantVelocity {
         [("tilt 1", Quantity::Angle), ("tilt 2", Quantity::Angle)]
     }
 
-    fn margin(&self, _t: f64, q: &SVector<f64, 2>) -> f64 {
-        std::f64::consts::TAU - self.angle(q[0], q[1]).norm()
-    }
-
-    fn edge(&self) -> &'static str {
-        "its tilts of less than a whole turn: stop before, or take two joints"
+    fn domain(&self, _t: f64, q: &SVector<f64, 2>) -> Result<f64, DomainError> {
+        let margin = std::f64::consts::TAU - self.angle(q[0], q[1]).norm();
+        DomainError::within(
+            margin,
+            "its tilts of less than a whole turn: stop before, or take two joints",
+        )
     }
 }

@@ -1,39 +1,32 @@
-//! Gears, racks: coordinates of joints in a fixed ratio.
+//! Gears and racks: coordinates of joints in a fixed ratio.
 
 use crate::model::{ModelBuilder, ModelError, NodeId};
 use pullback_manifold::map::{Linear, Map};
 
-/// What is wrong with a gear.
+/// Error of a gear.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "each message says what its variant is")]
 pub enum GearError {
-    /// The ratio is zero, or not finite.
     #[error("its ratio {0} must be finite and not zero")]
     Ratio(f64),
     /// A node is no single coordinate that could follow another one.
     #[error("{0} is no coordinate that a joint releases, or follows other nodes already")]
     Coordinate(String),
-    /// Other gears between the two coordinates have another ratio.
     #[error("other gears between them have the ratio {found}, so that it cannot be {given}")]
-    Contradiction {
-        /// What the other gears say.
-        found: f64,
-        /// What this one says.
-        given: f64,
-    },
+    Contradiction { found: f64, given: f64 },
 }
 
 impl ModelBuilder {
-    /// Couples two coordinates that joints release, x₂ = `ratio` x₁: a pair of gears with z₁ and z₂ teeth
-    /// has the ratio −z₁/z₂ (z₁/z₂ where one of them has its teeth inside), any angles that turn as one
-    /// have 1. From an angle to a displacement the ratio is the radius of a pinion: a rack, on its other
-    /// side if the radius is negative.
+    /// Couples two joint coordinates, x₂ = `ratio` x₁. A pair of gears with z₁ and z₂ teeth has the ratio
+    /// −z₁/z₂, or z₁/z₂ if one of them is an internal gear; equal angles have the ratio 1. From an angle to
+    /// a displacement the ratio is the radius of the pinion of a rack, negative for a rack on its other side.
     ///
     #[doc = include_str!("../../../docs/images/joints/gear.svg")]
     #[doc = include_str!("../../../docs/images/joints/rack.svg")]
     ///
-    /// The later one of the two is no coordinate of the model any more: it follows the earlier one through
-    /// the map x = r q, and actuators, springs and inertias on it act on that. Only the earlier one can be
-    /// prescribed. Gears form trains; one that says what others say already does no harm.
+    /// The node that was added later becomes a mapped one, x = r q of the earlier one. Actuators, springs
+    /// and inertias may act on both; only the earlier one can be prescribed. Gears may form trains, and a
+    /// redundant gear with a consistent ratio is allowed.
     ///
     /// # Errors
     /// [`ModelError::Gear`] for a ratio that is zero or not finite, a node that is no coordinate, and

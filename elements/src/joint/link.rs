@@ -1,4 +1,4 @@
-//! A joint behind its parent: pose, operator and geometric stiffness of the child, in closed form.
+//! Pose, operator and geometric stiffness of the child of a joint, in closed form.
 //!
 //! With x, R of the parent, the pose (c, Q) of the child in its parent and δQ = \[b δq\] Q,
 //!
@@ -13,10 +13,12 @@
 #![allow(non_snake_case)]
 
 use super::{Joint, Pose};
+use crate::blocks::three_or_zero;
 use nalgebra::{Matrix3, SVector, Vector3};
+use pullback_manifold::domain::{CHART_EDGE, DomainError};
 use pullback_manifold::jet::{Hess, Moving};
 use pullback_manifold::map::pose::orientation;
-use pullback_manifold::map::{OutsideDomain, write_block};
+use pullback_manifold::map::write_block;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::{Quaternion, skew};
 
@@ -43,11 +45,11 @@ impl Parent {
         Self {
             turn,
             R: turn.rotation(),
-            omega: [v, a].map(|x| vector(x, 3)),
+            omega: [v, a].map(|x| three_or_zero(x, 3)),
         }
     }
 
-    /// A vector that the parent carries, from components in its axes.
+    /// A vector and its rates in the fixed frame, from components in the axes of the parent.
     #[inline]
     fn carry(&self, u: &Rates<Vector3<f64>>) -> Rates<Vector3<f64>> {
         let [omega, omega_dot] = &self.omega;
@@ -75,25 +77,24 @@ impl<J: Joint<D>, const D: usize> Link<J, D> {
         Self { joint, start }
     }
 
-    /// The margin of the joint; not a number where the pose is none.
-    pub(super) fn margin(&self, t: f64, q: &[f64]) -> f64 {
-        let margin = self.joint.margin(t, &own(q));
-        if margin.is_nan() || margin <= 0.0 || is_unit(&self.joint.pose(t, &own(q)).rotation) {
-            margin
-        } else {
-            f64::NAN
+    /// The domain of the joint, where the rotation of its pose is one.
+    pub(super) fn domain(&self, t: f64, q: &[f64]) -> Result<f64, DomainError> {
+        let q = own(q);
+        let margin = self.joint.domain(t, &q)?;
+        let rotation = self.joint.pose(t, &q).rotation;
+        if is_unit(&rotation) {
+            return Ok(margin);
         }
-    }
-
-    pub(super) fn domain_error(&self, t: f64, q: &[f64]) -> OutsideDomain {
-        let rotation = self.joint.pose(t, &own(q)).rotation;
         let norm = rotation.dot(&rotation).sqrt();
-        match norm.is_finite() && !is_unit(&rotation) {
-            true => OutsideDomain::Undefined(format!(
+        Err(match norm.is_finite() {
+            true => DomainError::Undefined(format!(
                 "the quaternion of its pose has length {norm:.6}: make it a unit quaternion"
             )),
-            false => OutsideDomain::Beyond(self.joint.edge()),
-        }
+            false => DomainError::Beyond {
+                limit: CHART_EDGE,
+                margin: f64::NAN,
+            },
+        })
     }
 
     pub(super) fn freeze_piece(&mut self, at: Option<(f64, &[f64])>) {
@@ -126,7 +127,7 @@ impl<J: Joint<D>, const D: usize> Link<J, D> {
         let rho = parent.carry(&c);
         let starts = [self.start, Vector3::zeros(), Vector3::zeros()];
         Carried {
-            x: std::array::from_fn(|k| vector(motion[k], 0) + rho[k] - starts[k]),
+            x: std::array::from_fn(|k| three_or_zero(motion[k], 0) + rho[k] - starts[k]),
             turn: parent.turn.product(&Q),
             omega: [parent.omega[0] + relative, parent.omega[1] + relative_dot],
             rho,
@@ -179,7 +180,7 @@ impl<const D: usize> Carried<D> {
         }
     }
 
-    /// The same of the rotation.
+    /// Writes the rows of the rotation, as many orders as there is room for.
     pub(super) fn write_rotation(&self, out: &mut [[&mut [f64]; 2]]) {
         let turn = [self.turn.rodrigues(), self.omega[0], self.omega[1]];
         for (k, [x, B]) in out.iter_mut().enumerate() {
@@ -196,12 +197,6 @@ impl<const D: usize> Carried<D> {
             to[3 * part..3 * part + 3].copy_from_slice(own[part][order].as_slice());
         }
     }
-}
-
-/// Three entries of a slice; zero where it has none, as velocities in statics.
-pub(super) fn vector(x: &[f64], first: usize) -> Vector3<f64> {
-    x.get(first..first + 3)
-        .map_or_else(Vector3::zeros, Vector3::from_column_slice)
 }
 
 /// The coordinates of the joint.
@@ -224,13 +219,13 @@ fn part<S: Scalar>(of: &Quaternion<S>, number: impl Fn(&S) -> f64) -> Quaternion
     }
 }
 
-/// 2 vec(a b*): the rotation vector by which a variation `a` turns a quaternion `b`.
+/// 2 vec(a b*): the rotation vector of a variation `a` of a quaternion `b`.
 #[inline]
 fn turn(a: &Quaternion<f64>, b: &Quaternion<f64>) -> Vector3<f64> {
     (a.v * b.w - b.v * a.w - a.v.cross(&b.v)) * 2.0
 }
 
-/// The identity, which does not move.
+/// The identity, and its rates, which are zero.
 pub(super) fn unit(order: usize) -> Matrix3<f64> {
     Matrix3::from_diagonal_element(if order == 0 { 1.0 } else { 0.0 })
 }

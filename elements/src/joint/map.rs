@@ -2,21 +2,23 @@
 
 #![allow(non_snake_case)]
 
-use super::link::{Link, unit, vector};
+use super::link::{Link, unit};
 use super::{Joint, Slide};
+use crate::blocks::{three, three_or_zero};
 use nalgebra::{SVector, Vector3};
+use pullback_manifold::domain::{CHART_EDGE, DomainError};
 use pullback_manifold::map::{
-    KinematicsMut, Map, MapGraph, OutsideDomain, Parametrization, Read, ToChart, ToPose,
-    write_block, write_geometric_stiffness, write_kinematics, write_tangent,
+    KinematicsMut, Map, MapGraph, Parametrization, Read, ToChart, ToPose, write_block,
+    write_geometric_stiffness, write_kinematics, write_tangent,
 };
 use pullback_manifold::system::ChartChanges;
 use std::f64::consts::TAU;
 
 /// A joint as a map (pose of the parent, q) ↦ pose of the child: see [`ToPose`].
 ///
-/// A child that turns freely has a rotation vector among the coordinates, and is given by its chart: (pose of
-/// the parent, q, Ψ of the child) ↦ (d, Ψ) of the child. Outside of the domain is also a joint whose pose has
-/// no unit quaternion.
+/// For a child that rotates freely, its rotation vector Ψ is among the coordinates, and the map gives its
+/// chart: (pose of the parent, q, Ψ) ↦ (d, Ψ) of the child. A pose that is not a unit quaternion is outside the
+/// domain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointMap<J, const D: usize> {
     link: Link<J, D>,
@@ -33,13 +35,13 @@ where
         Self { link, turns_freely }
     }
 
-    /// The map of a joint whose child turns freely.
+    /// The map of a joint whose child rotates freely.
     pub fn turning_freely(joint: J) -> Self {
         let (link, turns_freely) = (Link::new(joint), true);
         Self { link, turns_freely }
     }
 
-    /// The same between charts, (d, Ψ of the parent, q) ↦ (d, Ψ of the child), \[M04\] (207).
+    /// The same map between charts, (d, Ψ of the parent, q) ↦ (d, Ψ of the child), \[M04\] (207).
     pub fn between_charts(self) -> MapGraph {
         let (d, turns_freely) = (self.dims().0, self.turns_freely);
         let mut graph = MapGraph::new(d);
@@ -56,7 +58,7 @@ where
         let at = self.link.carried(t, motion);
         if self.turns_freely {
             for (k, [x, B]) in out.iter_mut().enumerate() {
-                x[3..].copy_from_slice(vector(motion[k], 6 + D).as_slice());
+                x[3..].copy_from_slice(three_or_zero(motion[k], 6 + D).as_slice());
                 B.fill(0.0);
                 write_block(B, 6, [3, 6 + D], &unit(k));
             }
@@ -83,17 +85,13 @@ where
         Box::new(self.clone())
     }
 
-    fn margin(&mut self, t: f64, q: &[f64]) -> f64 {
-        let own = self.link.margin(t, q);
-        // Of the child's chart; a margin that is not a number stays.
-        match TAU - vector(q, 6 + D).norm() {
-            free if self.turns_freely && free < own => free,
-            _ => own,
+    fn domain(&mut self, t: f64, q: &[f64]) -> Result<f64, DomainError> {
+        let own = self.link.domain(t, q)?;
+        match self.turns_freely {
+            // The child's chart ends.
+            true => DomainError::within(own.min(TAU - three_or_zero(q, 6 + D).norm()), CHART_EDGE),
+            false => Ok(own),
         }
-    }
-
-    fn domain_error(&mut self, t: f64, q: &[f64]) -> OutsideDomain {
-        self.link.domain_error(t, q)
     }
 
     fn freeze_piece(&mut self, at: Option<(f64, &[f64])>) {
@@ -113,15 +111,15 @@ where
         K.fill(0.0);
         let moment = match self.turns_freely {
             true => Vector3::zeros(),
-            false => vector(f, 3),
+            false => three_or_zero(f, 3),
         };
         let n = self.dims().0;
         self.link
-            .write_stiffness((t, q), [&vector(f, 0), &moment], (K, n));
+            .write_stiffness((t, q), [&three_or_zero(f, 0), &moment], (K, n));
     }
 }
 
-/// Along a chain of beam elements: its segment is part of its state.
+/// A joint along a chain of beam elements: its segment is part of its state.
 impl Parametrization for Slide {
     fn dims(&self) -> (usize, usize) {
         (13, 6)
@@ -131,18 +129,14 @@ impl Parametrization for Slide {
         Box::new(self.clone())
     }
 
-    fn margin(&mut self, t: f64, q: &[f64]) -> f64 {
-        Map::margin(self, t, &SVector::from_column_slice(q))
-    }
-
-    fn domain_error(&mut self, _t: f64, _q: &[f64]) -> OutsideDomain {
-        OutsideDomain::Beyond(self.edge())
+    fn domain(&mut self, t: f64, q: &[f64]) -> Result<f64, DomainError> {
+        Map::domain(self, t, &SVector::from_column_slice(q))
     }
 
     fn change_charts(&mut self, _t: f64, q: &[f64]) -> ChartChanges {
-        let psi = [3, 9].map(|k| Vector3::new(q[k], q[k + 1], q[k + 2]));
+        let psi = [3, 9].map(|k| three(q, k));
         let on = self.chain.change_segments(q[12]);
-        // Handed over, it has the nodes of another element than `q`.
+        // After a change of element, `q` belongs to the nodes of the old one.
         let residual = self.turn.choose((!on).then_some(psi)) || on;
         let charts = usize::from(residual);
         ChartChanges { charts, residual }

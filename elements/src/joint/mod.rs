@@ -1,8 +1,8 @@
 //! Joints: a joint is the pose of its child in its parent.
 //!
-//! Whoever writes [`Joint::pose`] has a joint: its child takes any element; the kinematic operator, its
-//! rates and the geometric stiffness follow ([`JointMap`]). There are no multipliers: the coordinates of a
-//! joint are coordinates of the model.
+//! A joint is defined by [`Joint::pose`]; the kinematic operator, its rates and the geometric stiffness follow
+//! ([`JointMap`]). Its child is a frame for any element. There are no multipliers: the coordinates of a joint
+//! are coordinates of the model.
 //!
 //! | joint | coordinates | source |
 //! |---|---|---|
@@ -59,9 +59,10 @@ pub use universal::Universal;
 
 use axes::{PARALLEL, direction};
 use nalgebra::{SVector, Vector3};
+use pullback_manifold::domain::DomainError;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::{Quaternion, quaternion};
-use pullback_manifold::system::{CHART_EDGE, Quantity};
+use pullback_manifold::system::Quantity;
 
 /// The pose of a child frame in its parent.
 ///
@@ -102,8 +103,8 @@ impl<S: Scalar> Pose<S> {
         }
     }
 
-    /// The displacement and the rotation of a frame whose six coordinates (d, Ψ) stand in `q` from
-    /// position `first` on, for maps of several frames.
+    /// The displacement and the rotation of a frame with the six coordinates (d, Ψ) in `q` from index
+    /// `first` on, for maps of several frames.
     pub fn of<const D: usize>(q: &SVector<S, D>, first: usize) -> Self {
         let three = |k: usize| Vector3::new(q[k], q[k + 1], q[k + 2]);
         Self {
@@ -131,7 +132,7 @@ impl<S: Scalar> Pose<S> {
     }
 }
 
-/// A coordinate of a joint: what it is called, behind the joint's name, and what it measures.
+/// A coordinate of a joint: its name, appended to that of the joint, and its quantity.
 pub type JointCoordinate = (&'static str, Quantity);
 
 /// A joint: the pose of its child in its parent, a function of D coordinates of its own and of time.
@@ -142,25 +143,21 @@ pub trait Joint<const D: usize>: Send + Sync {
     /// The pose, written once over any [`Scalar`].
     fn pose<S: Scalar>(&self, t: S, q: &SVector<S, D>) -> Pose<S>;
 
-    /// Its coordinates in their order, each with a name of its own.
+    /// Its coordinates in order, with different names.
     fn coordinates(&self) -> [JointCoordinate; D];
 
-    /// Distance of q to the edge of the domain of the joint; infinite by default. The rotation vector
-    /// of the child needs none: it changes its chart.
-    fn margin(&self, t: f64, q: &SVector<f64, D>) -> f64 {
+    /// Distance of q to the edge of the domain of the joint, by [`DomainError::within`]; infinite by
+    /// default. The rotation vector of the child needs none: it changes its chart.
+    ///
+    /// # Errors
+    /// [`DomainError`] outside, with words that follow "the joint left".
+    fn domain(&self, t: f64, q: &SVector<f64, D>) -> Result<f64, DomainError> {
         let _ = (t, q);
-        f64::INFINITY
+        Ok(f64::INFINITY)
     }
 
-    /// What lies where the margin ends, and what to do about it: words that follow "the joint
-    /// left".
-    fn edge(&self) -> &'static str {
-        CHART_EDGE
-    }
-
-    /// Freezes the pose on the formula that holds at (t, q), or on none again, where it is pieced
-    /// together from several: see
-    /// [`Parametrization::freeze_piece`](pullback_manifold::map::Parametrization::freeze_piece). Nothing to do by default.
+    /// Freezes a pose with several pieces to the one at (t, q), or releases it; nothing by default. See
+    /// [`Parametrization::freeze_piece`](pullback_manifold::map::Parametrization::freeze_piece).
     fn freeze_piece(&mut self, at: Option<(f64, &SVector<f64, D>)>) {
         let _ = at;
     }

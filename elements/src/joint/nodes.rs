@@ -7,7 +7,7 @@ use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::system::Quantity;
 
-/// The nodes that a joint makes.
+/// The nodes of a joint.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct JointNodes {
     /// The child of the joint.
@@ -24,9 +24,9 @@ impl From<NodeId> for JointNodes {
 }
 
 impl ModelBuilder {
-    /// Adds a joint: a node for each of its coordinates, named `name` and what the coordinate is called,
-    /// and its child, the frame node `name`. In the reference configuration the child stands where the
-    /// joint's pose puts it from `parent`.
+    /// Adds a joint: its child, the frame node `name`, and a node for each of its coordinates, named `name`
+    /// and the name of the coordinate. The reference position of the child is that of the joint's pose
+    /// relative to `parent`.
     ///
     /// # Errors
     /// As [`ModelBuilder::mapped_node`].
@@ -44,11 +44,11 @@ impl ModelBuilder {
         Ok(JointNodes { frame, coordinates })
     }
 
-    /// As [`ModelBuilder::attach`], of a child that turns freely: only its position follows from the
+    /// As [`ModelBuilder::attach`], for a child that rotates freely: only its position follows from the
     /// joint. Its rotation vector is the node `name rotation`, the last one of the joint's coordinates.
     ///
     /// # Errors
-    /// As there.
+    /// As [`ModelBuilder::attach`].
     pub fn attach_free<J, const D: usize>(
         &mut self,
         name: &str,
@@ -68,8 +68,7 @@ impl ModelBuilder {
         Ok(JointNodes { frame, coordinates })
     }
 
-    /// Adds a frame node fixed to `parent`: it stands at `position` in the reference configuration, which
-    /// may be that of the parent.
+    /// Adds a frame node fixed to `parent`, with its reference `position`, which may be that of the parent.
     ///
     #[doc = include_str!("../../../docs/images/joints/weld.svg")]
     ///
@@ -90,7 +89,7 @@ impl ModelBuilder {
     /// `interpolation` is that of the elements.
     ///
     /// # Errors
-    /// [`ModelError::Slide`] for a chain that is none or a start outside it; as
+    /// [`ModelError::Slide`] for fewer than two different positions or a start outside the chain; as
     /// [`ModelBuilder::mapped_node`].
     pub fn slide(
         &mut self,
@@ -116,7 +115,7 @@ impl ModelBuilder {
         Ok(JointNodes { frame, coordinates })
     }
 
-    /// Adds the child of a joint whose coordinates are nodes already.
+    /// Adds the child of a joint, with existing nodes for its coordinates.
     ///
     /// # Errors
     /// As [`ModelBuilder::mapped_node`].

@@ -1,7 +1,8 @@
-//! A point on a space curve that its parent carries.
+//! A joint along a space curve that is fixed to the parent.
 
 use super::{Joint, JointCoordinate, Pose};
 use nalgebra::{SVector, Vector3};
+use pullback_manifold::domain::DomainError;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::system::Quantity;
 
@@ -17,8 +18,9 @@ pub trait Curve: Send + Sync {
         f64::INFINITY
     }
 
-    /// Where the curve is pieced together from several formulas, freezes it on the one that holds
-    /// at s, beyond its ends too, or on none again: the conformance kit compares derivatives with it. Nothing to do by default, for a curve with three continuous derivatives.
+    /// Freezes a curve with several pieces to the one at s, also beyond its ends, or releases it: the
+    /// conformance kit compares derivatives with it. Nothing by default, for a curve with three continuous
+    /// derivatives.
     fn freeze_piece(&mut self, at: Option<f64>) {
         let _ = at;
     }
@@ -48,15 +50,15 @@ impl<C: Curve> Joint<1> for OnCurve<C> {
         [("parameter", Quantity::Other)]
     }
 
-    fn margin(&self, _t: f64, q: &SVector<f64, 1>) -> f64 {
-        self.curve.margin(q[0])
+    fn domain(&self, _t: f64, q: &SVector<f64, 1>) -> Result<f64, DomainError> {
+        let margin = self.curve.margin(q[0]);
+        DomainError::within(
+            margin,
+            "its curve over an end: make it longer, or stop before",
+        )
     }
 
     fn freeze_piece(&mut self, at: Option<(f64, &SVector<f64, 1>)>) {
         self.curve.freeze_piece(at.map(|(_, q)| q[0]));
-    }
-
-    fn edge(&self) -> &'static str {
-        "its curve over an end: make it longer, or stop before"
     }
 }

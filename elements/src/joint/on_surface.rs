@@ -1,7 +1,8 @@
-//! A point on a surface that its parent carries.
+//! A joint on a surface that is fixed to the parent.
 
 use super::{Joint, JointCoordinate, Pose};
 use nalgebra::{SVector, Vector3};
+use pullback_manifold::domain::DomainError;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::system::Quantity;
 
@@ -45,11 +46,11 @@ impl<F: Surface> Joint<2> for OnSurface<F> {
         ]
     }
 
-    fn margin(&self, _t: f64, q: &SVector<f64, 2>) -> f64 {
-        self.surface.margin(q[0], q[1])
-    }
-
-    fn edge(&self) -> &'static str {
-        "its surface over an edge: make it larger, or stop before"
+    fn domain(&self, _t: f64, q: &SVector<f64, 2>) -> Result<f64, DomainError> {
+        let margin = self.surface.margin(q[0], q[1]);
+        DomainError::within(
+            margin,
+            "its surface over an edge: make it larger, or stop before",
+        )
     }
 }

@@ -16,8 +16,8 @@ pub struct Planar {
 }
 
 impl Planar {
-    /// The joint in the plane with a normal, its first displacement along the part of `first` in that
-    /// plane; an error for axes without a direction or along each other.
+    /// The joint in the plane with this normal; its first displacement is along the projection of `first`
+    /// on the plane. An error for axes without a direction, or parallel ones.
     pub fn new(normal: [f64; 3], first: [f64; 3]) -> Result<Self, AxisError> {
         let (normal, first) = (direction(normal)?, direction(first)?);
         let second = normal.cross(&first);

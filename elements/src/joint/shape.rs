@@ -1,4 +1,4 @@
-//! Curves and surfaces by data, and what is between the nodes of beams, for joints along them.
+//! Curves, surfaces and chains of beams, for joints along them.
 
 mod between;
 mod chain;

@@ -3,6 +3,7 @@
 use super::shape::{Between, Chain};
 use crate::beam::Interpolation;
 use nalgebra::{SVector, Vector3};
+use pullback_manifold::domain::DomainError;
 use pullback_manifold::map::Map;
 use pullback_manifold::scalar::Scalar;
 use std::f64::consts::TAU;
@@ -12,10 +13,9 @@ use std::f64::consts::TAU;
 /// rotation is theirs, R_s = R₁ exp(N₂(u) log(R₁ᵀ R₂)).
 ///
 /// u is the arc length of the reference configuration from where the frame starts, positive towards
-/// the end of the chain: one coordinate for all its elements, zero in the reference. Where it
-/// passes the end of an element a step ends, and the next element takes over; beyond the ends of the
-/// chain the joint is outside its domain. A closed ring is a chain that goes round as often as the frame
-/// may: its nodes may occur again.
+/// the end of the chain: one coordinate for all its elements, zero in the reference. A time step ends where
+/// the frame passes from one element to the next; beyond the ends of the chain the joint is outside its
+/// domain. For a closed ring the chain repeats its nodes as often as the frame may pass.
 ///
 #[doc = include_str!("../../../docs/images/joints/slide.svg")]
 #[derive(Clone, Debug, PartialEq)]
@@ -26,7 +26,7 @@ pub struct Slide {
 }
 
 impl Slide {
-    /// A slide along elements that interpolate rotations so.
+    /// A slide along elements with this interpolation of rotations.
     pub fn new(chain: Chain, interpolation: Interpolation) -> Self {
         let turn = Between::new(interpolation);
         Self { chain, turn }
@@ -42,12 +42,12 @@ impl Map<13, 6> for Slide {
         SVector::<S, 6>::new(d.x, d.y, d.z, psi.x, psi.y, psi.z)
     }
 
-    fn margin(&self, t: f64, q: &SVector<f64, 13>) -> f64 {
+    fn domain(&self, t: f64, q: &SVector<f64, 13>) -> Result<f64, DomainError> {
         let psi = self.phi(t, q).fixed_rows::<3>(3).norm();
-        self.chain.room(q[12]).min(TAU - psi)
-    }
-
-    fn edge(&self) -> &'static str {
-        "its chain of beams over an end: make the chain longer, or stop before"
+        let margin = self.chain.room(q[12]).min(TAU - psi);
+        DomainError::within(
+            margin,
+            "its chain of beams over an end: make the chain longer, or stop before",
+        )
     }
 }

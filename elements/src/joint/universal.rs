@@ -8,7 +8,7 @@ use pullback_manifold::system::Quantity;
 
 /// R_s = R_m R(α e₁) R(β e₂): parents (frame, angle 1, angle 2).
 ///
-/// The first axis is fixed in the parent, the second in the dependent. Nothing is singular in this
+/// The first axis is fixed in the parent, the second in the child. Nothing is singular in this
 /// description; at β = ±90° with axes at right angles a shaft across both would be locked, which a
 /// loop of such shafts shows as a singular tangent.
 ///
@@ -20,7 +20,7 @@ pub struct Universal {
 
 impl Universal {
     /// The joint with two axes of any length, in global components of the reference configuration;
-    /// an error for axes without a direction or along each other.
+    /// an error for axes without a direction, or parallel ones.
     pub fn new(axes: [[f64; 3]; 2]) -> Result<Self, AxisError> {
         let axes = [direction(axes[0])?, direction(axes[1])?];
         if axes[0].cross(&axes[1]).norm() <= PARALLEL {

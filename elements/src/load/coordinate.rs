@@ -2,11 +2,12 @@
 
 #![allow(non_snake_case)]
 
-use crate::element::{Element, ElementError, Motion, Properties, Response};
+use crate::element::{Element, Motion, Properties, Response};
 use crate::time::TimeFunction;
+use pullback_manifold::domain::DomainError;
 
 /// A force or moment conjugate to one scalar coordinate (a joint angle or a slide), given as a
-/// function of time, such as the torque of a motor; dim 1.
+/// function of time, such as the torque of an actuator; dim 1.
 ///
 /// Residual F(t), energy −F x.
 #[derive(Debug)]
@@ -31,8 +32,8 @@ impl Element for CoordinateForce {
         1
     }
 
-    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
-        let [force, rate, _] = self.force.at(at.t);
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
+        let [force, rate, _] = self.force.at(at.t, at.inputs);
         out.r[0] += force;
         if let Some(r_t) = out.r_t.as_deref_mut() {
             r_t[0] += rate;
@@ -41,7 +42,7 @@ impl Element for CoordinateForce {
     }
 
     fn energy(&self, at: &Motion<'_>) -> f64 {
-        -self.force.at(at.t)[0] * at.x[0]
+        -self.force.at(at.t, at.inputs)[0] * at.x[0]
     }
 
     fn kinks(&self) -> Vec<f64> {

@@ -4,9 +4,11 @@
 
 use crate::beam::shape::{gauss, lagrange};
 use crate::beam::{BeamError, Geodesic, Interpolation, Rotations, Total};
-use crate::element::{Element, ElementError, Motion, Properties, Response};
+use crate::blocks::{add_block, three};
+use crate::element::{Element, Motion, Properties, Response};
 use crate::time::TimeFunction;
 use nalgebra::{Matrix3, Vector3};
+use pullback_manifold::domain::DomainError;
 use pullback_manifold::so3;
 
 /// Largest number of nodes of an element.
@@ -105,9 +107,9 @@ impl Element for LineLoad {
         6 * self.nodes
     }
 
-    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
         let n = self.dim();
-        let [amplitude, rate, _] = self.amplitude.at(at.t);
+        let [amplitude, rate, _] = self.amplitude.at(at.t, at.inputs);
         if !self.follower {
             for (i, share) in self.shares.iter().enumerate() {
                 for (k, f) in self.force.iter().enumerate() {
@@ -134,12 +136,8 @@ impl Element for LineLoad {
                 }
                 if let Some(K) = out.K.as_deref_mut() {
                     for (j, Theta_psi) in Theta_psi[..self.nodes].iter().enumerate() {
-                        let D = D * Theta_psi;
-                        for c in 0..3 {
-                            for r in 0..3 {
-                                K[6 * i + r + (6 * j + 3 + c) * n] -= amplitude * w * D[(r, c)];
-                            }
-                        }
+                        let D = D * Theta_psi * -(amplitude * w);
+                        add_block(K, n, 6 * i, 6 * j + 3, &D);
                     }
                 }
             }
@@ -153,9 +151,9 @@ impl Element for LineLoad {
         }
         let nodes = at.x.chunks_exact(6).zip(&self.shares);
         let work: f64 = nodes
-            .map(|(x, share)| share * self.force.dot(&Vector3::new(x[0], x[1], x[2])))
+            .map(|(x, share)| share * self.force.dot(&three(x, 0)))
             .sum();
-        -self.amplitude.at(at.t)[0] * work
+        -self.amplitude.at(at.t, at.inputs)[0] * work
     }
 
     fn kinks(&self) -> Vec<f64> {

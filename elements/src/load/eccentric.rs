@@ -2,9 +2,11 @@
 
 #![allow(non_snake_case)]
 
-use crate::element::{Element, ElementError, Motion, Properties, Response};
+use crate::blocks::add_block;
+use crate::element::{Element, Motion, Properties, Response};
 use crate::time::TimeFunction;
 use nalgebra::Vector3;
+use pullback_manifold::domain::DomainError;
 use pullback_manifold::map::pose::orientation;
 use pullback_manifold::so3::skew;
 
@@ -42,8 +44,8 @@ impl Element for EccentricForce {
         6
     }
 
-    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
-        let [amplitude, rate, _] = self.amplitude.at(at.t);
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
+        let [amplitude, rate, _] = self.amplitude.at(at.t, at.inputs);
         let e = orientation(at.x).rotate(&self.e);
         let moment = e.cross(&self.n);
         for k in 0..3 {
@@ -58,12 +60,7 @@ impl Element for EccentricForce {
         }
         if let Some(K) = out.K.as_deref_mut() {
             // δ(e × n) = (δθ × e) × n
-            let turned = skew(&self.n) * skew(&e);
-            for c in 0..3 {
-                for r in 0..3 {
-                    K[3 + r + (3 + c) * 6] -= amplitude * turned[(r, c)];
-                }
-            }
+            add_block(K, 6, 3, 3, &(skew(&self.n) * skew(&e) * -amplitude));
         }
         Ok(())
     }
@@ -71,7 +68,7 @@ impl Element for EccentricForce {
     fn energy(&self, at: &Motion<'_>) -> f64 {
         let d = Vector3::from_column_slice(&at.x[..3]);
         let moved = d + orientation(at.x).rotate(&self.e) - self.e;
-        -self.amplitude.at(at.t)[0] * self.n.dot(&moved)
+        -self.amplitude.at(at.t, at.inputs)[0] * self.n.dot(&moved)
     }
 
     fn kinks(&self) -> Vec<f64> {

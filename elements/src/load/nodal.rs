@@ -2,9 +2,11 @@
 
 #![allow(non_snake_case)]
 
-use crate::element::{Element, ElementError, Motion, Properties, Response};
+use crate::blocks::add_block;
+use crate::element::{Element, Motion, Properties, Response};
 use crate::time::TimeFunction;
 use nalgebra::Vector3;
+use pullback_manifold::domain::DomainError;
 use pullback_manifold::map::pose::orientation;
 use pullback_manifold::so3::skew;
 
@@ -53,8 +55,8 @@ impl Element for NodalLoad {
         6
     }
 
-    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
-        let [amplitude, rate, _] = self.amplitude.at(at.t);
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
+        let [amplitude, rate, _] = self.amplitude.at(at.t, at.inputs);
         let (first, follows) = match self.which {
             LoadKind::DeadForce => (0, false),
             LoadKind::FollowerForce => (0, true),
@@ -70,12 +72,7 @@ impl Element for NodalLoad {
         }
         if let Some(K) = out.K.as_deref_mut().filter(|_| follows) {
             // δ(R f) = δθ × R f
-            let turned = skew(&f);
-            for c in 0..3 {
-                for r in 0..3 {
-                    K[first + r + (3 + c) * 6] += amplitude * turned[(r, c)];
-                }
-            }
+            add_block(K, 6, first, 3, &(skew(&f) * amplitude));
         }
         if let Some(r_t) = out.r_t.as_deref_mut() {
             for k in 0..3 {
@@ -89,7 +86,7 @@ impl Element for NodalLoad {
         match self.which {
             LoadKind::DeadForce => {
                 let d = Vector3::from_column_slice(&at.x[..3]);
-                -self.amplitude.at(at.t)[0] * self.vector.dot(&d)
+                -self.amplitude.at(at.t, at.inputs)[0] * self.vector.dot(&d)
             }
             // No potential.
             _ => 0.0,

@@ -1,9 +1,8 @@
 //! Errors of models, with names and remedies.
 
-use crate::beam::{BeamError, SectionError};
+use crate::beam::BeamError;
 use crate::constraint::PenaltyError;
 use crate::joint::GearError;
-use crate::time::TimeFunctionError;
 use pullback_manifold::implicit::ImplicitError;
 use pullback_manifold::system::SystemError;
 
@@ -60,20 +59,8 @@ pub enum ModelError {
     },
     #[error("element {element}: {source}")]
     Beam { element: String, source: BeamError },
-    #[error("line {line}: {source}")]
-    LineGeometry { line: String, source: BeamError },
     #[error("line {line}: {problem}")]
     Line { line: String, problem: String },
-    #[error("section {section}: {source}")]
-    Section {
-        section: String,
-        source: SectionError,
-    },
-    #[error("time function of {what}: {source}")]
-    TimeFunction {
-        what: String,
-        source: TimeFunctionError,
-    },
     #[error(
         "{coordinate} is prescribed twice; remove one of the supports or prescribed motions that name it"
     )]

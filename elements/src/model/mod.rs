@@ -3,7 +3,7 @@
 //! | | holds | changes |
 //! |---|---|---|
 //! | [`Model`] | nodes, elements, numbering, pattern | never |
-//! | [`State`] | charts, segments, splits, omitted equations | at converged states |
+//! | [`ModelState`] | inputs, charts, segments, splits, omitted equations | at converged states |
 //! | [`Context`] | a model, one state of it, and buffers | in every evaluation |
 //!
 //! A [`Context`] is a [`System`](pullback_manifold::system::System) for integrators. Any number of
@@ -35,15 +35,16 @@ pub use kinematics::rates::BEFORE_START;
 pub use results::energies::{EnergiesAndMomentum, Momentum};
 pub use results::mobility::Mobility;
 pub use results::query::Reaction;
-pub use state::State;
+pub use state::{ModelState, SavedState};
 
 use crate::element::Element;
-use crate::time::{Input, TimeFunction};
+use crate::time::TimeFunction;
 use assembly::residual::MAX_NODES;
 use assembly::workspace::Workspace;
 use kinematics::free_coordinates::FreeCoordinates;
 use kinematics::mapped_node::MappedNode;
 use nalgebra::Vector3;
+use pullback_manifold::map::Parametrization;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::Quantity;
 use std::ops::{Deref, Range};
@@ -58,6 +59,14 @@ enum Source {
     Own,
     /// A constraint map from other nodes' coordinates.
     Mapped(Box<MappedNode>),
+}
+
+impl Source {
+    /// A map of the `direct` coordinates of these parents.
+    fn map(map: Box<dyn Parametrization>, parents: Vec<u32>, direct: usize) -> Self {
+        let mapped = MappedNode::new(map, vec![parents], direct);
+        Self::Mapped(Box::new(mapped))
+    }
 }
 
 /// Kind of a node's coordinates.
@@ -144,7 +153,21 @@ impl Node {
     }
 
     fn is_own(&self) -> bool {
-        matches!(self.source, Source::Own)
+        self.mapped().is_none()
+    }
+
+    /// Its map and parents; `None` for coordinates of the model itself.
+    fn mapped(&self) -> Option<&MappedNode> {
+        match &self.source {
+            Source::Own => None,
+            Source::Mapped(d) => Some(d),
+        }
+    }
+
+    /// The parents of its map in all segments.
+    fn all_parents(&self) -> impl DoubleEndedIterator<Item = u32> + '_ {
+        let segments = self.mapped().map_or(&[][..], |d| &d.segments);
+        segments.iter().flatten().copied()
     }
 }
 
@@ -229,11 +252,9 @@ pub struct Model {
     enforced: Vec<usize>,
     /// Default initial coordinates, and the state there.
     initial: Vec<f64>,
-    start: State,
+    start: ModelState,
     /// Ascending by coordinate.
     prescribed: Vec<Prescribed>,
-    /// Values set from outside.
-    inputs: Vec<Input>,
     /// Frames with a fully prescribed rotation.
     prescribed_rotations: Vec<usize>,
     /// Coordinate of each unknown.

@@ -1,19 +1,21 @@
 //! What changes in a run besides coordinates and time.
 
-use super::{Model, Source};
+use super::{Context, Model};
 use crate::model::charts::element_charts::ElementCharts;
 use pullback_manifold::map::Parametrization;
 use std::sync::Arc;
 
-/// What changes in a run besides coordinates, velocities and time: charts, segments and splits of
-/// maps, charts of elements, omitted equations.
+/// What changes in a run besides coordinates, velocities and time: inputs, charts, segments and splits
+/// of maps, charts of elements, omitted equations.
 ///
 /// A clone is a snapshot: see [`Context::state`](super::Context::state) and
 /// [`Context::set_state`](super::Context::set_state).
 #[derive(Clone, Default)]
-pub struct State {
+pub struct ModelState {
     /// The same in all states of a model.
     pub(super) model: Arc<()>,
+    /// Values of the inputs ([`Input`](crate::time::Input)).
+    pub(super) inputs: Vec<f64>,
     /// Maps in their present charts, in the order of [`Model::mapped_nodes`].
     pub(super) maps: Vec<Box<dyn Parametrization>>,
     pub(super) elements: Vec<ElementState>,
@@ -31,6 +33,58 @@ pub struct State {
     pub(super) moved: Vec<String>,
 }
 
+/// A [`ModelState`] in numbers, for files: what cannot be found from coordinates and time.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SavedState {
+    /// Values of the inputs.
+    pub inputs: Vec<f64>,
+    /// Nodes that each element evaluates through the complement map, bit k for node k.
+    pub element_charts: Vec<u32>,
+    /// State of the maps between nodes, map by map: reference orientations, branches, segments, splits of
+    /// loops and the points from which these are solved. Last, the multiplier equations that are left
+    /// out, if any.
+    pub maps: Vec<Vec<f64>>,
+}
+
+impl Context {
+    /// The present state in numbers.
+    pub fn save(&self) -> SavedState {
+        let state = &self.state;
+        let choice = (!state.chosen_at.is_empty()).then(|| self.save_choice());
+        SavedState {
+            inputs: state.inputs.clone(),
+            element_charts: state.elements.iter().map(|e| e.wanted).collect(),
+            maps: (state.maps.iter().map(|map| map.save()))
+                .chain(choice)
+                .collect(),
+        }
+    }
+
+    /// Continues from [`Context::save`] of the same model; false, with an undefined state, if it belongs to
+    /// another one.
+    #[must_use]
+    pub fn restore(&mut self, saved: &SavedState) -> bool {
+        let (maps, choice) = saved
+            .maps
+            .split_at(saved.maps.len().min(self.state.maps.len()));
+        let same = maps.len() == self.state.maps.len()
+            && saved.inputs.len() == self.state.inputs.len()
+            && choice.len() == usize::from(!self.state.chosen_at.is_empty())
+            && choice.iter().all(|choice| self.restore_choice(choice));
+        let restored = same && {
+            let mut pairs = self.state.maps.iter_mut().zip(maps);
+            pairs.all(|(map, saved)| map.restore(saved))
+        };
+        if restored {
+            self.state.inputs.clone_from(&saved.inputs);
+            self.set_element_charts(&saved.element_charts);
+        }
+        self.forget();
+        restored
+    }
+}
+
 /// State of an element.
 #[derive(Clone, Copy, Default)]
 pub(super) struct ElementState {
@@ -46,23 +100,16 @@ pub(super) struct ElementState {
     pub violated: Option<(usize, f64)>,
 }
 
-impl State {
+impl ModelState {
     /// The state of a model as drawn, in the initial charts of its maps.
-    pub(super) fn new(model: &Model) -> Self {
-        let map = |&n: &u32| match &model.nodes[n as usize].source {
-            Source::Mapped(d) => Some(d.map.clone()),
-            Source::Own => None,
-        };
+    pub(super) fn new(model: &Model, inputs: Vec<f64>) -> Self {
+        let map = |&n: &u32| Some(model.nodes[n as usize].mapped()?.map.clone());
         Self {
-            model: Arc::default(),
+            inputs,
             maps: model.dependent.iter().filter_map(map).collect(),
             elements: vec![ElementState::default(); model.elements.len()],
             turns: vec![0; model.prescribed_rotations.len()],
-            element_charts: ElementCharts::default(),
-            overprescribed: Vec::new(),
-            chosen_at: Vec::new(),
-            unwatched: false,
-            moved: Vec::new(),
+            ..Self::default()
         }
     }
 }

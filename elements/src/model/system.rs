@@ -1,7 +1,6 @@
 //! The model as a [`System`], for integrators.
 
 use super::Context;
-use crate::time::Input;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{
     ChartChanges, Charts, CoordinateInfo, Energetics, Energies, Evaluation, Events, Point,
@@ -107,8 +106,8 @@ impl Events for Context {
         prescribed.chain(loads).collect()
     }
 
-    fn inputs(&self) -> Vec<f64> {
-        self.model.inputs.iter().map(Input::get).collect()
+    fn inputs(&mut self) -> &mut [f64] {
+        &mut self.state.inputs
     }
 
     fn value(&mut self, from: Point<'_>, to: Point<'_>) -> f64 {
@@ -138,7 +137,7 @@ impl Energetics for Context {
         self.find_symmetries(span, q, v)
     }
 
-    fn rigid_rates(&self, q: &[f64], motion: &RigidRates, rates: &mut [f64]) {
+    fn rigid_rates(&mut self, q: &[f64], motion: &RigidRates, rates: &mut [f64]) {
         self.write_rigid_rates(q, motion, rates);
     }
 }

@@ -3,8 +3,10 @@
 #![allow(non_snake_case)]
 
 use super::{SpringError, finite, not_negative};
-use crate::element::{Element, ElementError, Motion, Properties, Response};
+use crate::blocks::{add_block, three};
+use crate::element::{Element, Motion, Properties, Response, coincident};
 use nalgebra::{Matrix3, Vector3};
+use pullback_manifold::domain::DomainError;
 
 /// A spring and damper along the line between the points of two frame nodes; dim 12.
 ///
@@ -82,8 +84,8 @@ impl AxialSpring {
     /// Tension N at a motion, positive in tension (F).
     ///
     /// # Errors
-    /// [`ElementError::ZeroLength`] if its ends coincide.
-    pub fn tension(&self, at: &Motion<'_>) -> Result<f64, ElementError> {
+    /// [`DomainError::Undefined`] if its ends coincide.
+    pub fn tension(&self, at: &Motion<'_>) -> Result<f64, DomainError> {
         Ok(self.force(&self.stretched(at)?))
     }
 
@@ -103,11 +105,11 @@ impl AxialSpring {
         (u, l, change + self.tightness)
     }
 
-    fn stretched(&self, at: &Motion<'_>) -> Result<Stretched, ElementError> {
+    fn stretched(&self, at: &Motion<'_>) -> Result<Stretched, DomainError> {
         let (u, l, elongation) = self.between(at.x);
         // At smaller lengths the direction is only round-off.
         if l <= 1e-12 * self.U.norm() {
-            return Err(ElementError::ZeroLength { length: l });
+            return Err(coincident(l));
         }
         let e = u / l;
         let u_dot = if at.v.is_empty() {
@@ -127,20 +129,14 @@ impl AxialSpring {
 
 /// Translations of the second node less those of the first.
 fn difference(x: &[f64]) -> Vector3<f64> {
-    Vector3::new(x[6] - x[0], x[7] - x[1], x[8] - x[2])
+    three(x, 6) - three(x, 0)
 }
 
 /// Adds a matrix in u to one in (d₁, d₂): [D −D; −D D].
 fn add(to: Option<&mut [f64]>, D: &Matrix3<f64>) {
     if let Some(to) = to {
-        for c in 0..3 {
-            for r in 0..3 {
-                let d = D[(r, c)];
-                to[r + 12 * c] += d;
-                to[6 + r + 12 * c] -= d;
-                to[r + 12 * (6 + c)] -= d;
-                to[6 + r + 12 * (6 + c)] += d;
-            }
+        for (row, column, block) in [(0, 0, *D), (6, 0, -D), (0, 6, -D), (6, 6, *D)] {
+            add_block(to, 12, row, column, &block);
         }
     }
 }
@@ -150,7 +146,7 @@ impl Element for AxialSpring {
         12
     }
 
-    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
         let s = self.stretched(at)?;
         let N = self.force(&s);
         for k in 0..3 {

@@ -4,8 +4,11 @@
 
 use super::relative::Relative;
 use super::{SpringError, finite};
-use crate::element::{EDGE, Element, ElementError, Motion, Response};
-use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, Vector3};
+use crate::Asymmetry;
+use crate::blocks::add_block;
+use crate::element::{EDGE, Element, Motion, Response, overturned};
+use nalgebra::{Matrix3, Matrix6, SVector, Vector3};
+use pullback_manifold::domain::DomainError;
 
 /// A spring and damper in all six relative displacements y = (u, θ) of two frame nodes; dim 12.
 ///
@@ -92,18 +95,17 @@ fn check(quantity: &'static str, A: &Matrix6<f64>) -> Result<(), SpringError> {
     // Independent of the units: scaled to a unit diagonal if it is not zero.
     let unit = diagonal.map(|a| if a > 0.0 { 1.0 / a.sqrt() } else { 1.0 });
     let scaled = Matrix6::from_fn(|i, j| unit[i] * A[(i, j)] * unit[j]);
-    for i in 0..6 {
-        for j in 0..i {
-            if (scaled[(i, j)] - scaled[(j, i)]).abs() > 1e-12 {
-                return Err(SpringError::NotSymmetric {
-                    quantity,
-                    row: j + 1,
-                    column: i + 1,
-                    upper: A[(j, i)],
-                    lower: A[(i, j)],
-                });
-            }
-        }
+    if let Some(Asymmetry { row, column, .. }) = Asymmetry::of(&scaled, |_, _| 1e-12) {
+        let asymmetry = Asymmetry {
+            row,
+            column,
+            upper: A[(row - 1, column - 1)],
+            lower: A[(column - 1, row - 1)],
+        };
+        return Err(SpringError::NotSymmetric {
+            quantity,
+            asymmetry,
+        });
     }
     if scaled.symmetric_eigenvalues().min() < -1e-12 {
         return indefinite;
@@ -111,25 +113,16 @@ fn check(quantity: &'static str, A: &Matrix6<f64>) -> Result<(), SpringError> {
     Ok(())
 }
 
-/// Adds a 12×12 matrix to an entry, if requested.
-fn add(to: Option<&mut [f64]>, matrix: &SMatrix<f64, 12, 12>) {
-    if let Some(to) = to {
-        for (to, m) in to.iter_mut().zip(matrix.iter()) {
-            *to += m;
-        }
-    }
-}
-
 impl Element for Bushing {
     fn dim(&self) -> usize {
         12
     }
 
-    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
         let here = self.relative.at(at.x);
         let psi = here.y.fixed_rows::<3>(3).norm();
         if psi.is_nan() || psi > EDGE {
-            return Err(ElementError::Overturned { psi });
+            return Err(overturned(psi));
         }
         let B = here.B();
         let mut f = self.K * here.y;
@@ -144,19 +137,16 @@ impl Element for Bushing {
         for (r, f) in out.r.iter_mut().zip(B.tr_mul(&f).iter()) {
             *r -= f;
         }
-        if out.K.is_some() {
+        if let Some(K) = out.K.as_deref_mut() {
             // [M04] (183) with −f for r: Bᵀ(K B + D Ḃ) + K_σ(f).
             let mut stress = self.K * B;
             if let Some((v, y_dot)) = &moving {
                 stress += self.D * here.B_dot(v, y_dot);
             }
-            add(
-                out.K.as_deref_mut(),
-                &(B.tr_mul(&stress) + here.K_sigma(&f)),
-            );
+            add_block(K, 12, 0, 0, &(B.tr_mul(&stress) + here.K_sigma(&f)));
         }
-        if out.C.is_some() {
-            add(out.C.as_deref_mut(), &B.tr_mul(&(self.D * B)));
+        if let Some(C) = out.C.as_deref_mut() {
+            add_block(C, 12, 0, 0, &B.tr_mul(&(self.D * B)));
         }
         Ok(())
     }

@@ -3,7 +3,8 @@
 #![allow(non_snake_case)]
 
 use super::{SpringError, finite, not_negative};
-use crate::element::{Element, ElementError, Motion, Response};
+use crate::element::{Element, Motion, Response};
+use pullback_manifold::domain::DomainError;
 
 /// The law of a [`CoordinateSpring`]: force −k (x − x₀) − k₃ (x − x₀)³ − c ẋ.
 ///
@@ -52,7 +53,7 @@ impl Element for CoordinateSpring {
         1
     }
 
-    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
         let CoordinateLaw { k, k3, c, x0 } = self.law;
         let x = at.x[0] - x0;
         let v = at.v.first().copied().unwrap_or(0.0);

@@ -1,7 +1,5 @@
 //! The matrix of coupled stages.
 
-#![allow(non_snake_case)]
-
 use crate::linear_solver::{AutoSolver, LinearError, LinearSolver, Symmetry};
 use pullback_manifold::sparse::BlockPattern;
 
@@ -14,6 +12,8 @@ pub(super) struct CoupledStages {
     S: Vec<f64>,
     /// Position of each unknown of the system, for one stage after the other.
     positions: Vec<usize>,
+    /// A right-hand side, then the solution, node by node.
+    b: Vec<f64>,
 }
 
 impl CoupledStages {
@@ -43,13 +43,9 @@ impl CoupledStages {
             count,
             solver,
             S: vec![0.0; all.len()],
+            b: vec![0.0; positions.len()],
             positions,
         })
-    }
-
-    /// Index of unknown `c` of stage `i` of the group.
-    pub(super) fn position(&self, i: usize, c: usize) -> usize {
-        self.positions[i * self.positions.len() / self.count + c]
     }
 
     /// Copies the derivative of the residual of stage `i` by the unknowns of stage `j`, in the
@@ -75,9 +71,17 @@ impl CoupledStages {
         made.map_err(|error| self.explained(error))
     }
 
-    pub(super) fn solve(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
-        let solved = self.solver.solve(Some(&self.S), b);
-        solved.map_err(|error| self.explained(error))
+    /// Solves for the stages in `x`, one after the other.
+    pub(super) fn solve(&mut self, x: &mut [f64]) -> Result<(), LinearError> {
+        for (x, &position) in x.iter().zip(&self.positions) {
+            self.b[position] = *x;
+        }
+        let solved = self.solver.solve(Some(&self.S), &mut self.b);
+        solved.map_err(|error| self.explained(error))?;
+        for (x, &position) in x.iter_mut().zip(&self.positions) {
+            *x = self.b[position];
+        }
+        Ok(())
     }
 
     /// Renumbers an error to the system's unknowns.

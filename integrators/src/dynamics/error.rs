@@ -7,6 +7,7 @@ use pullback_manifold::system::SystemError;
 
 /// Error of an integration in time.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum DynamicsError {
     /// A parameter of a scheme outside its range.
     #[error(
@@ -14,29 +15,18 @@ pub enum DynamicsError {
         significant(*from), significant(*to)
     )]
     Parameter {
-        /// Its name.
         name: &'static str,
-        /// Its value.
         value: f64,
-        /// Smallest value allowed.
         from: f64,
-        /// Largest value allowed.
         to: f64,
     },
     /// No scheme has this name with these numbers.
     #[error("scheme `{word}`: {problem}")]
-    Word {
-        /// The requested word.
-        word: String,
-        /// The problem, with the alternatives.
-        problem: String,
-    },
+    Word { word: String, problem: String },
     /// An invalid table of a scheme.
     #[error("the table of the scheme {name} cannot be used: {problem}")]
     Table {
-        /// Name of the scheme.
         name: &'static str,
-        /// The problem.
         problem: &'static str,
     },
     /// A step beyond the stability limit of a scheme.
@@ -46,11 +36,8 @@ pub enum DynamicsError {
          for its mass); take smaller steps, or an implicit scheme"
     )]
     StepTooLarge {
-        /// Name of the scheme.
         scheme: &'static str,
-        /// The requested step.
         step: f64,
-        /// The largest stable one.
         stable: f64,
         /// Largest frequency ω of K and M at the start.
         frequency: f64,
@@ -64,9 +51,7 @@ pub enum DynamicsError {
         names(mechanism)
     )]
     Massless {
-        /// Name of the scheme.
         scheme: &'static str,
-        /// The error of the solver.
         source: LinearError,
         /// Coordinates without mass, largest component first.
         mechanism: Vec<(String, f64)>,
@@ -76,18 +61,12 @@ pub enum DynamicsError {
         "{scheme} keeps the energy, and this system does not know its own: implement \
          `Energetics`, or take another scheme"
     )]
-    NoEnergy {
-        /// Name of the scheme.
-        scheme: &'static str,
-    },
+    NoEnergy { scheme: &'static str },
     /// An invalid option.
     #[error("option {name} = {value:?} is not usable: {wanted}")]
     Option {
-        /// Its name.
         name: &'static str,
-        /// Its value.
         value: f64,
-        /// The valid values.
         wanted: &'static str,
     },
     /// A scheme without damping at infinite frequencies for a system with multipliers.
@@ -98,35 +77,20 @@ pub enum DynamicsError {
          1, such as generalised-alpha 0.8, or close the loop by a map"
     )]
     Undamped {
-        /// Name of the scheme.
         scheme: &'static str,
-        /// Its spectral radius.
         rho: f64,
         /// The first multiplier.
         multiplier: String,
     },
     /// Initial values of the wrong length, or not finite.
     #[error("initial {what}: {problem}")]
-    Initial {
-        /// Coordinates or velocities.
-        what: &'static str,
-        /// The problem.
-        problem: String,
-    },
+    Initial { what: &'static str, problem: String },
     /// The linear solver cannot analyse the pattern.
     #[error("the linear solver cannot take this model: {source}")]
-    Analysis {
-        /// The error of the solver.
-        source: LinearError,
-    },
+    Analysis { source: LinearError },
     /// The system cannot be evaluated at a converged state.
     #[error("at time {t:.6}: {source}")]
-    System {
-        /// Time.
-        t: f64,
-        /// The error.
-        source: SystemError,
-    },
+    System { t: f64, source: SystemError },
     /// No accelerations satisfy the equations of motion.
     #[error(
         "no consistent accelerations at time {t:.6}: {source}{}; give these coordinates mass \
@@ -134,9 +98,7 @@ pub enum DynamicsError {
         names(mechanism)
     )]
     Accelerations {
-        /// Time.
         t: f64,
-        /// The error of the solver.
         source: LinearError,
         /// Coordinates without mass, largest component first.
         mechanism: Vec<(String, f64)>,
@@ -148,7 +110,6 @@ pub enum DynamicsError {
          damping is negative", grown(*energy, *known)
     )]
     Unstable {
-        /// Time.
         t: f64,
         /// Kinetic and stored energy.
         energy: f64,
@@ -158,6 +119,13 @@ pub enum DynamicsError {
     /// A step failed down to the smallest step size.
     #[error("{0}")]
     Step(Box<FailedStep>),
+}
+
+impl DynamicsError {
+    /// Converts an error of an evaluation at a time.
+    pub(super) fn at(t: f64) -> impl Fn(SystemError) -> Self {
+        move |source| Self::System { t, source }
+    }
 }
 
 fn grown(energy: f64, known: f64) -> String {

@@ -1,11 +1,9 @@
 //! The largest frequency of K and M, and the stability limit of a step.
 
-#![allow(non_snake_case)]
-
 use super::{DynamicsError, Scheme, State};
-use crate::failure::mechanism;
+use crate::failure::find_mechanism;
 use crate::linear_solver::{LinearError, LinearSolver};
-use pullback_manifold::system::{Evaluation, Point, System, Weights};
+use pullback_manifold::system::{Evaluation, System, Weights};
 
 /// Largest number of Lanczos steps.
 const MOST: usize = 120;
@@ -26,18 +24,10 @@ pub(super) fn check_step(
     let Some(limit) = scheme.properties().limit else {
         return Ok(None);
     };
-    let t = state.t;
-    let at = Point {
-        t,
-        q: &state.q,
-        v: &state.v,
-        a: &state.a,
-    };
     let mut tangent = |weights, S: &mut [f64]| {
         let out = Evaluation::with_tangent(r, weights, S);
-        system
-            .evaluate(at, out)
-            .map_err(|source| DynamicsError::System { t, source })
+        let evaluated = system.evaluate(state.point(), out);
+        evaluated.map_err(DynamicsError::at(state.t))
     };
     let mut K = vec![0.0; S.len()];
     tangent(Weights::STATIC, &mut K)?;
@@ -45,7 +35,7 @@ pub(super) fn check_step(
     let massless = |system: &dyn System, source| DynamicsError::Massless {
         scheme: scheme.name,
         source,
-        mechanism: mechanism(system, S),
+        mechanism: find_mechanism(system, S),
     };
     let found = solver
         .factorise(S)
@@ -55,14 +45,14 @@ pub(super) fn check_step(
     if step * frequency <= limit {
         return Ok(Some(limit / frequency).filter(|h| h.is_finite()));
     }
-    let (K, M) = (diagonal(system, &K), diagonal(system, S));
-    let stiffest = (0..K.len()).max_by(|&i, &j| (K[i] / M[i]).total_cmp(&(K[j] / M[j])));
+    let ratios = system.pattern().diagonal().map(|k| K[k] / S[k]).enumerate();
+    let stiffest = ratios.max_by(|(_, a), (_, b)| a.total_cmp(b));
     Err(DynamicsError::StepTooLarge {
         scheme: scheme.name,
         step,
         stable: limit / frequency,
         frequency,
-        what: stiffest.map_or_else(String::new, |i| system.name(i)),
+        what: stiffest.map_or_else(String::new, |(i, _)| system.name(i)),
     })
 }
 
@@ -116,16 +106,6 @@ fn largest(
         }
     }
     Ok(found.max(top(&alphas, &betas)))
-}
-
-fn diagonal(system: &dyn System, values: &[f64]) -> Vec<f64> {
-    let pattern = system.pattern();
-    let mut out = Vec::with_capacity(pattern.dim());
-    for node in 0..pattern.blocks() {
-        let (size, first) = (pattern.size(node), pattern.find(node, node));
-        out.extend((0..size).map(|k| first.map_or(0.0, |f| values[f + k * (size + 1)])));
-    }
-    out
 }
 
 /// The largest eigenvalue of a symmetric tridiagonal matrix, by bisection with Sturm's count.

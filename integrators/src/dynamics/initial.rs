@@ -1,10 +1,8 @@
 //! Consistent initial accelerations, M q̈ = r(t, q, q̇, 0), and multipliers.
 
-#![allow(non_snake_case)]
-
 use super::{DynamicsError, State};
 use crate::abilities::{energies, events, momentum};
-use crate::failure::mechanism;
+use crate::failure::find_mechanism;
 use crate::linear_solver::{LinearError, LinearSolver};
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{Evaluation, Point, System, Weights};
@@ -46,6 +44,14 @@ pub fn start(system: &dyn System, t: f64, q: &[f64], v: &[f64]) -> Result<State,
     })
 }
 
+/// The equations of motion with their solver, a residual and a tangent.
+struct Equations<'a> {
+    system: &'a mut dyn System,
+    solver: &'a mut dyn LinearSolver,
+    r: &'a mut [f64],
+    S: &'a mut [f64],
+}
+
 /// Computes the accelerations of a state, true and algorithmic, its multipliers, and the velocities
 /// of coordinates with damping but no mass.
 ///
@@ -68,23 +74,27 @@ pub(super) fn accelerate(
     for &i in &multipliers {
         (state.q[i], state.v[i], state.a[i]) = (0.0, 0.0, 0.0);
     }
+    let mut motion = Equations {
+        system,
+        solver,
+        r,
+        S,
+    };
     let mut passes = 1;
-    let regular = solve_mass(system, solver, state, (h, 0.0), [&mut *r, &mut *S], None)?;
-    if !regular {
-        solve_rates(system, solver, state, [&mut *r, &mut *S])?;
-        solve_mass(system, solver, state, (h, 0.0), [&mut *r, &mut *S], None)?;
-    } else if is_damped(system, state)? {
+    if !motion.solve_mass(state, (h, 0.0), None)? {
+        motion.solve_rates(state)?;
+        motion.solve_mass(state, (h, 0.0), None)?;
+    } else if is_damped(motion.system, state)? {
         passes = PASSES;
     }
     for _ in 0..passes {
         if passes > 1 {
-            let buffers = [&mut *r, &mut *S];
-            solve_mass(system, solver, state, (h, h), buffers, None)?;
+            motion.solve_mass(state, (h, h), None)?;
         }
-        add(&mut state.a, 1.0, r);
+        add(&mut state.a, 1.0, motion.r);
     }
     for &i in &multipliers {
-        (state.q[i], state.a[i]) = (r[i], 0.0);
+        (state.q[i], state.a[i]) = (motion.r[i], 0.0);
     }
     state.algorithmic.clone_from(&state.a);
     Ok(())
@@ -92,8 +102,7 @@ pub(super) fn accelerate(
 
 /// Whether dampers dissipate power at a state.
 fn is_damped(system: &mut dyn System, state: &State) -> Result<bool, DynamicsError> {
-    let energies = energies(system, point(state));
-    let energies = energies.map_err(|source| DynamicsError::System { t: state.t, source })?;
+    let energies = energies(system, state.point()).map_err(DynamicsError::at(state.t))?;
     Ok(energies.is_some_and(|now| now.dissipated > 0.0))
 }
 
@@ -109,13 +118,9 @@ fn add(x: &mut [f64], sign: f64, more: &[f64]) {
         .for_each(|(x, more)| *x += sign * more);
 }
 
-fn point(state: &State) -> Point<'_> {
-    Point {
-        t: state.t,
-        q: &state.q,
-        v: &state.v,
-        a: &state.a,
-    }
+/// Largest magnitude of a vector.
+fn size(x: &[f64]) -> f64 {
+    x.iter().fold(0.0_f64, |m, x| m.max(x.abs()))
 }
 
 /// Applies the impulse at a jump of a prescribed velocity: the momentum of the free coordinates is
@@ -131,34 +136,38 @@ pub(super) fn apply_impulse(
     h: f64,
     [r, S, missing]: [&mut [f64]; 3],
 ) -> Result<usize, DynamicsError> {
-    let largest = |p: &[f64]| p.iter().fold(0.0_f64, |m, p| m.max(p.abs()));
+    let mut motion = Equations {
+        system,
+        solver,
+        r,
+        S,
+    };
     let (mut damping, mut most) = (0.0, if prescribed { 1 } else { IMPULSES });
     let mut count = 0;
     while count < most {
-        let at = Point { t, ..point(state) };
+        let at = Point { t, ..state.point() };
         let known = match prescribed {
-            true => momentum(system, at, missing),
-            false => events(system).kept_momentum(Some(at), missing),
+            true => momentum(motion.system, at, missing),
+            false => events(motion.system).kept_momentum(Some(at), missing),
         };
-        known.map_err(|source| DynamicsError::System { t, source })?;
-        let size = largest(before).max(largest(missing));
+        known.map_err(DynamicsError::at(t))?;
+        let largest = size(before).max(size(missing));
         for (missing, before) in missing.iter_mut().zip(before) {
             *missing = before - *missing;
         }
-        if largest(missing) <= ROUNDING * size {
+        if size(missing) <= ROUNDING * largest {
             return Ok(count);
         }
-        let buffers = [&mut *r, &mut *S];
-        solve_mass(system, solver, state, (h, damping), buffers, Some(missing))?;
+        motion.solve_mass(state, (h, damping), Some(missing))?;
         // For a multiplier, this is the impulse of its constraint.
-        for (i, dv) in r.iter_mut().enumerate() {
-            if system.coordinate_info(i).is_multiplier {
+        for (i, dv) in motion.r.iter_mut().enumerate() {
+            if motion.system.coordinate_info(i).is_multiplier {
                 *dv = 0.0;
             }
         }
-        add(&mut state.v, 1.0, r);
-        if prescribed && damping == 0.0 && is_damped(system, state)? {
-            add(&mut state.v, -1.0, r);
+        add(&mut state.v, 1.0, motion.r);
+        if prescribed && damping == 0.0 && is_damped(motion.system, state)? {
+            add(&mut state.v, -1.0, motion.r);
             (damping, most) = (h, PASSES);
         } else {
             count += 1;
@@ -177,52 +186,121 @@ const CORRECTIONS: usize = 30;
 /// Corrections below this part of the velocities are rounding errors.
 const FINE: f64 = 1e-14;
 
-/// Solves for velocities without mass: if rows of M are zero and their damping is regular, the
-/// residual is a first-order equation r(t, q, q̇) = 0, such as C ż = f of a dashpot or a controller.
-/// A step from other rates would lose an order.
-///
-/// Without a solution the velocities stay: coordinates with neither mass nor damping are left to
-/// the first step.
-fn solve_rates(
-    system: &mut dyn System,
-    solver: &mut dyn LinearSolver,
-    state: &mut State,
-    [r, S]: [&mut [f64]; 2],
-) -> Result<(), DynamicsError> {
-    let State { t, q, v, a, .. } = state;
-    let pattern = system.pattern().clone();
-    let mut evaluate = |v: &[f64], [K, C, M]: [f64; 3], r: &mut [f64], S: &mut [f64]| {
-        let at = Point { t: *t, q, v, a };
-        let out = Evaluation {
-            accelerations: Some(0.0),
-            ..Evaluation::with_tangent(r, Weights { K, C, M }, S)
-        };
-        let outcome = system.evaluate(at, out);
-        outcome.map_err(|source| DynamicsError::System { t: *t, source })
-    };
-    evaluate(v, [0.0, 0.0, 1.0], r, S)?;
-    let (M, massless) = (S.to_vec(), massless(&pattern, S));
-    let mut rates = v.clone();
-    for _ in 0..CORRECTIONS {
-        evaluate(&rates, [0.0, 1.0, 0.0], r, S)?;
-        let both = stand_in(&pattern, &M, S, &massless);
-        keep(r, &massless, true);
-        if (solver
-            .factorise(&both)
-            .and_then(|()| solver.solve(Some(&both), r)))
-        .is_err()
-        {
-            return Ok(());
+impl Equations<'_> {
+    /// Solves for velocities without mass: if rows of M are zero and their damping is regular, the
+    /// residual is a first-order equation r(t, q, q̇) = 0, such as C ż = f of a dashpot or a
+    /// controller. A step from other rates would lose an order.
+    ///
+    /// Without a solution the velocities stay: coordinates with neither mass nor damping are left
+    /// to the first step.
+    fn solve_rates(&mut self, state: &mut State) -> Result<(), DynamicsError> {
+        let mut rates = state.v.clone();
+        self.evaluate(state, &rates, Weights::MASS, 0.0)?;
+        let (M, massless) = (self.S.to_vec(), massless(self.system.pattern(), self.S));
+        for _ in 0..CORRECTIONS {
+            let damping = Weights {
+                K: 0.0,
+                C: 1.0,
+                M: 0.0,
+            };
+            self.evaluate(state, &rates, damping, 0.0)?;
+            let both = stand_in(self.system.pattern(), &M, self.S, &massless);
+            keep(self.r, &massless, true);
+            let factorised = self.solver.factorise(&both);
+            if (factorised.and_then(|()| self.solver.solve(Some(&both), self.r))).is_err() {
+                return Ok(());
+            }
+            keep(self.r, &massless, true);
+            add(&mut rates, 1.0, self.r);
+            if size(self.r) <= FINE * size(&rates) {
+                state.v = rates;
+                return Ok(());
+            }
         }
-        keep(r, &massless, true);
-        add(&mut rates, 1.0, r);
-        let size = |x: &[f64]| x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        if size(r) <= FINE * size(&rates) {
-            v.copy_from_slice(&rates);
-            return Ok(());
+        Ok(())
+    }
+
+    /// Residual and tangent at a state with other velocities; see [`Evaluation::accelerations`].
+    fn evaluate(
+        &mut self,
+        state: &State,
+        v: &[f64],
+        weights: Weights,
+        h: f64,
+    ) -> Result<(), DynamicsError> {
+        let out = Evaluation {
+            accelerations: Some(h),
+            ..Evaluation::with_tangent(self.r, weights, self.S)
+        };
+        let at = Point { v, ..state.point() };
+        let evaluated = self.system.evaluate(at, out);
+        evaluated.map_err(DynamicsError::at(state.t))
+    }
+
+    /// Solves M x = b with `damping` times C added to M, where b is the residual at the state
+    /// unless given; x is returned in `r`. Whether M has an inverse.
+    ///
+    /// If coordinates without mass make M singular, it is replaced by M + h C + h² K with the next
+    /// step h, which balances their forces to the accuracy of a first step. If their rows of M are
+    /// zero, only these rows are replaced, and all other accelerations are exact.
+    fn solve_mass(
+        &mut self,
+        state: &State,
+        (h, damping): (f64, f64),
+        b: Option<&[f64]>,
+    ) -> Result<bool, DynamicsError> {
+        let mut refused = None;
+        let mut M = Vec::new();
+        for (C, K) in [(damping, 0.0), (h, h * h)] {
+            let step = if b.is_some() { 0.0 } else { h };
+            self.evaluate(state, &state.v, Weights { K, C, M: 1.0 }, step)?;
+            if let Some(b) = b {
+                self.r.copy_from_slice(b);
+            }
+            if !M.is_empty() && self.solve_massive(&M).is_ok() {
+                return Ok(false);
+            }
+            let factorised = self.solver.factorise(self.S);
+            match factorised.and_then(|()| self.solver.solve(Some(self.S), self.r)) {
+                Ok(()) => return Ok(M.is_empty()),
+                Err(error) => refused = Some(error),
+            }
+            M = self.S.to_vec();
+        }
+        match refused {
+            None => Ok(true),
+            Some(source) => Err(DynamicsError::Accelerations {
+                t: state.t,
+                source,
+                mechanism: find_mechanism(self.system, self.S),
+            }),
         }
     }
-    Ok(())
+
+    /// Solves M x = b (b in `r`, then x) with the zero rows of M replaced by those of S: M₁₁ x₁ = b₁
+    /// for coordinates with mass, S₂₂ x₂ = b₂ − S₂₁ x₁ for those without.
+    ///
+    /// # Errors
+    /// [`LinearError`] if there is still no solution, or no coordinate without mass; `r` is then
+    /// unchanged.
+    fn solve_massive(&mut self, M: &[f64]) -> Result<(), LinearError> {
+        let (pattern, S) = (self.system.pattern(), &*self.S);
+        let massless = massless(pattern, M);
+        let both = stand_in(pattern, M, S, &massless);
+        self.solver.factorise(&both)?;
+        let mut x = self.r.to_vec();
+        self.solver.solve(Some(&both), &mut x)?;
+        keep(&mut x, &massless, false);
+        let mut rest = self.r.to_vec();
+        pattern.multiply_add(-1.0, S, &x, &mut rest);
+        keep(&mut rest, &massless, true);
+        self.solver.solve(Some(&both), &mut rest)?;
+        keep(&mut rest, &massless, true);
+        for ((r, x), rest) in self.r.iter_mut().zip(&x).zip(&rest) {
+            *r = x + rest;
+        }
+        Ok(())
+    }
 }
 
 /// Which rows of M are zero.
@@ -256,82 +334,4 @@ fn stand_in(pattern: &BlockPattern, M: &[f64], S: &[f64], massless: &[bool]) -> 
 fn keep(x: &mut [f64], massless: &[bool], these: bool) {
     let others = x.iter_mut().zip(massless).filter(|(_, m)| **m != these);
     others.for_each(|(x, _)| *x = 0.0);
-}
-
-/// Solves M x = b with `damping` times C added to M, where b is the residual at the state unless
-/// given; x is returned in `r`. Whether M has an inverse.
-///
-/// If coordinates without mass make M singular, it is replaced by M + h C + h² K with the next step
-/// h, which balances their forces to the accuracy of a first step. If their rows of M are zero,
-/// only these rows are replaced, and all other accelerations are exact.
-fn solve_mass(
-    system: &mut dyn System,
-    solver: &mut dyn LinearSolver,
-    state: &State,
-    (h, damping): (f64, f64),
-    [r, S]: [&mut [f64]; 2],
-    b: Option<&[f64]>,
-) -> Result<bool, DynamicsError> {
-    let t = state.t;
-    let mut refused = None;
-    let mut M = Vec::new();
-    for (C, K) in [(damping, 0.0), (h, h * h)] {
-        let at = point(state);
-        let out = Evaluation {
-            accelerations: Some(if b.is_some() { 0.0 } else { h }),
-            ..Evaluation::with_tangent(r, Weights { K, C, M: 1.0 }, S)
-        };
-        system
-            .evaluate(at, out)
-            .map_err(|source| DynamicsError::System { t, source })?;
-        if let Some(b) = b {
-            r.copy_from_slice(b);
-        }
-        if !M.is_empty() && solve_massive(system.pattern(), solver, &M, r, S).is_ok() {
-            return Ok(false);
-        }
-        match solver.factorise(S).and_then(|()| solver.solve(Some(S), r)) {
-            Ok(()) => return Ok(M.is_empty()),
-            Err(error) => refused = Some(error),
-        }
-        M = S.to_vec();
-    }
-    match refused {
-        None => Ok(true),
-        Some(source) => Err(DynamicsError::Accelerations {
-            t,
-            source,
-            mechanism: mechanism(system, S),
-        }),
-    }
-}
-
-/// Solves M x = b (b in `r`, then x) with the zero rows of M replaced by those of S: M₁₁ x₁ = b₁
-/// for coordinates with mass, S₂₂ x₂ = b₂ − S₂₁ x₁ for those without.
-///
-/// # Errors
-/// [`LinearError`] if there is still no solution, or no coordinate without mass; `r` is then
-/// unchanged.
-fn solve_massive(
-    pattern: &BlockPattern,
-    solver: &mut dyn LinearSolver,
-    M: &[f64],
-    r: &mut [f64],
-    S: &[f64],
-) -> Result<(), LinearError> {
-    let massless = massless(pattern, M);
-    let both = stand_in(pattern, M, S, &massless);
-    solver.factorise(&both)?;
-    let mut x = r.to_vec();
-    solver.solve(Some(&both), &mut x)?;
-    keep(&mut x, &massless, false);
-    let mut rest = r.to_vec();
-    pattern.multiply_add(-1.0, S, &x, &mut rest);
-    keep(&mut rest, &massless, true);
-    solver.solve(Some(&both), &mut rest)?;
-    keep(&mut rest, &massless, true);
-    for ((r, x), rest) in r.iter_mut().zip(&x).zip(&rest) {
-        *r = x + rest;
-    }
-    Ok(())
 }

@@ -58,7 +58,7 @@ impl Run {
         solver: &mut dyn LinearSolver,
         progress: &mut Progress,
     ) -> Result<(), DynamicsError> {
-        progress.inputs = events(system).inputs();
+        progress.inputs = events(system).inputs().to_vec();
         self.renew(system, solver, progress, true)?;
         self.set_target(system, progress)
     }

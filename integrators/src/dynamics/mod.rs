@@ -1,12 +1,14 @@
-//! Integration in time of any [`System`](pullback_manifold::system::System): Newmark, HHT, WBZ and
+//! Integration in time of any [`System`]: Newmark, HHT, WBZ and
 //! generalised-α, composite, Runge-Kutta and explicit schemes by one step routine.
 //!
-//! A step reads as verbs: predict, evaluate, solve, correct, accept. All variables live in one
-//! vector space per chart, so the schemes apply to q directly; after an accepted step the system
-//! may change its charts and transforms q, q̇, q̈ and the algorithmic acceleration.
+//! A step predicts, evaluates the system, solves, corrects and accepts. In one chart all variables
+//! are elements of a vector space, so the schemes apply to q directly; after an accepted step the
+//! system may change its charts and transforms q, q̇, q̈ and the algorithmic acceleration.
 
 #![allow(non_snake_case)]
 
+mod accept;
+mod attempt;
 mod coupled_stages;
 mod error;
 mod events;
@@ -28,12 +30,14 @@ mod stops;
 pub use error::DynamicsError;
 pub use initial::start;
 pub use invariants::Invariants;
-pub use options::{Adaptivity, DynamicOptions};
+pub use options::{Adaptivity, DynamicOptions, NewtonOptions, Predictor, Tangent};
 pub use progress::{EnergyBalance, Progress, StepReport, Summary};
 pub use scheme::Scheme;
 pub use simulation::{Simulation, Snapshot, integrate, integrate_with};
 pub(crate) use step::Stepper;
-pub use step::{Predictor, Tangent};
+
+use crate::abilities::change_charts;
+use pullback_manifold::system::{ChartChanges, Point, System};
 
 /// State of motion between steps.
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -51,30 +55,16 @@ pub struct State {
     pub algorithmic: Vec<f64>,
 }
 
-/// Options of Newton's method within a step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NewtonOptions {
-    /// Residual relative to applied and reaction forces (moments) at convergence; without any
-    /// forces, only rounding errors are allowed.
-    pub relative: f64,
-    /// Absolute tolerance of the same test, in units of force (moment); 0 allows only rounding errors.
-    pub absolute: f64,
-    /// Largest number of iterations per step.
-    pub max_iterations: usize,
-    /// When the tangent is factorised.
-    pub tangent: Tangent,
-    /// The start of the iteration.
-    pub predictor: Predictor,
-}
+impl State {
+    /// The state as a point at which a system is evaluated.
+    fn point(&self) -> Point<'_> {
+        let Self { t, q, v, a, .. } = self;
+        Point { t: *t, q, v, a }
+    }
 
-impl Default for NewtonOptions {
-    fn default() -> Self {
-        Self {
-            relative: 1e-9,
-            absolute: 0.0,
-            max_iterations: 15,
-            tangent: Tangent::default(),
-            predictor: Predictor::default(),
-        }
+    /// Changes charts where needed, at a time that may be just before that of the state.
+    fn change_charts(&mut self, system: &mut dyn System, t: f64) -> ChartChanges {
+        let vectors: &mut [&mut [f64]] = &mut [&mut self.a, &mut self.algorithmic];
+        change_charts(system, t, &mut self.q, &mut self.v, vectors)
     }
 }

@@ -1,6 +1,6 @@
 //! Options of a run, and their validation.
 
-use super::{DynamicsError, NewtonOptions, Progress, Scheme, State};
+use super::{DynamicsError, Progress, Scheme, State};
 use crate::statics::refused;
 use pullback_manifold::system::System;
 
@@ -61,6 +61,65 @@ pub struct Adaptivity {
     pub max_step: f64,
 }
 
+/// Options of Newton's method within a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NewtonOptions {
+    /// Residual relative to applied and reaction forces (moments) at convergence; without any
+    /// forces, only rounding errors are allowed.
+    pub relative: f64,
+    /// Absolute tolerance of the same test, in units of force (moment); 0 allows only rounding errors.
+    pub absolute: f64,
+    /// Largest number of iterations per step.
+    pub max_iterations: usize,
+    /// When the tangent is factorised.
+    pub tangent: Tangent,
+    /// The start of the iteration.
+    pub predictor: Predictor,
+}
+
+impl Default for NewtonOptions {
+    fn default() -> Self {
+        Self {
+            relative: 1e-9,
+            absolute: 0.0,
+            max_iterations: 15,
+            tangent: Tangent::default(),
+            predictor: Predictor::default(),
+        }
+    }
+}
+
+/// Start of Newton's iteration of a step; velocities and accelerations follow by the scheme.
+///
+/// Measured on the right-angle cantilever and the robot arms of \[M04\] 4.2, it matters little at
+/// their large steps: 598 iterations with the velocity and 597 without, 1073 and 1030, 1078 and
+/// 1057. At a quarter of the step the cantilever takes 1691 and 1915. There `Velocity` diverges
+/// with the exact tangent, but not with stresses of the previous iterate ([`Evaluation::previous`](pullback_manifold::system::Evaluation::previous)). A
+/// constant acceleration is worse than both, as it oscillates with the trapezoidal rule.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Predictor {
+    /// Coordinates at constant velocity, qₙ + h q̇ₙ.
+    #[default]
+    Velocity,
+    /// Constant coordinates: the iteration starts from the last configuration.
+    Keep,
+}
+
+/// Frequency of factorisations in a step.
+///
+/// Measured (benches/runs), `Once` against `Every`: the right-angle cantilever of \[M04\] 4.2 takes
+/// 2349 iterations for 598, 366 factorisations for 507, 71 failed steps for none, and twice the
+/// time; at a quarter of the step 2568 for 1691 and 603 for 1203 in 0.85 of the time. `Once` pays
+/// off at small steps only.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Tangent {
+    /// In every iteration: quadratic convergence.
+    #[default]
+    Every,
+    /// Once at the beginning of a step: more iterations, each cheaper.
+    Once,
+}
+
 /// Schemes whose spectral radius at infinity is closer to 1 than this are rejected for multipliers:
 /// a disturbance of λ would persist.
 const UNDAMPED: f64 = 1e-6;
@@ -71,39 +130,11 @@ pub(super) fn check(
     progress: &Progress,
     system: &dyn System,
 ) -> Result<(), DynamicsError> {
-    let positive = "it must be positive and finite";
-    let mut sizes = vec![("step", options.step), ("min_step", options.min_step)];
-    if let Some(Adaptivity {
-        tolerance,
-        max_step,
-    }) = options.adaptivity
-    {
-        sizes.extend([("tolerance", tolerance), ("max_step", max_step)]);
-    }
-    sizes.extend(options.interval.map(|interval| ("interval", interval)));
-    for (name, value) in sizes {
-        if !(value > 0.0 && value.is_finite()) {
-            return Err(DynamicsError::Option {
-                name,
-                value,
-                wanted: positive,
-            });
-        }
-    }
-    if let Some((name, value)) = refused(options.newton.relative, options.newton.absolute) {
-        return Err(DynamicsError::Option {
-            name,
-            value,
-            wanted: "it must be finite, and a tolerance at most 0.1",
-        });
-    }
+    check_numbers(options)?;
     if options.adaptivity.is_some() && !options.scheme.estimates_error() {
-        return Err(DynamicsError::Option {
-            name: "adaptivity",
-            value: options.scheme.order() as f64,
-            wanted: "the estimate of the local error is for schemes of order 2 and those with an \
-                     embedded method (tsitouras); take equal steps",
-        });
+        let wanted = "the estimate of the local error is for schemes of order 2 and those with an \
+                      embedded method (tsitouras); take equal steps";
+        return refuse("adaptivity", options.scheme.order() as f64, wanted);
     }
     let rho = options.scheme.spectral_radius();
     let multiplier = (0..system.pattern().dim()).find(|&i| system.coordinate_info(i).is_multiplier);
@@ -115,26 +146,54 @@ pub(super) fn check(
         });
     }
     if !(options.to >= progress.state.t && options.to.is_finite()) {
-        return Err(DynamicsError::Option {
-            name: "to",
-            value: options.to,
-            wanted: "it must be finite and not before the time of the state",
-        });
+        let wanted = "it must be finite and not before the time of the state";
+        return refuse("to", options.to, wanted);
     }
-    let n = system.pattern().dim();
-    let State {
-        q,
-        v,
-        a,
-        algorithmic,
-        ..
-    } = &progress.state;
-    let fresh = a.is_empty() && algorithmic.is_empty();
+    check_lengths(&progress.state, system.pattern().dim())
+}
+
+fn refuse(name: &'static str, value: f64, wanted: &'static str) -> Result<(), DynamicsError> {
+    Err(DynamicsError::Option {
+        name,
+        value,
+        wanted,
+    })
+}
+
+/// Rejects sizes that are not positive, and invalid tolerances of Newton's method.
+fn check_numbers(options: &DynamicOptions) -> Result<(), DynamicsError> {
+    let mut sizes = vec![("step", options.step), ("min_step", options.min_step)];
+    if let Some(Adaptivity {
+        tolerance,
+        max_step,
+    }) = options.adaptivity
+    {
+        sizes.extend([("tolerance", tolerance), ("max_step", max_step)]);
+    }
+    sizes.extend(options.interval.map(|interval| ("interval", interval)));
+    for (name, value) in sizes {
+        if !(value > 0.0 && value.is_finite()) {
+            return refuse(name, value, "it must be positive and finite");
+        }
+    }
+    match refused(options.newton.relative, options.newton.absolute) {
+        Some((name, value)) => refuse(
+            name,
+            value,
+            "it must be finite, and a tolerance at most 0.1",
+        ),
+        None => Ok(()),
+    }
+}
+
+/// Rejects vectors of the wrong length; accelerations may be missing.
+fn check_lengths(state: &State, n: usize) -> Result<(), DynamicsError> {
+    let fresh = state.a.is_empty() && state.algorithmic.is_empty();
     for (what, x) in [
-        ("coordinates", q),
-        ("velocities", v),
-        ("accelerations", a),
-        ("algorithmic accelerations", algorithmic),
+        ("coordinates", &state.q),
+        ("velocities", &state.v),
+        ("accelerations", &state.a),
+        ("algorithmic accelerations", &state.algorithmic),
     ] {
         let empty = fresh && what.ends_with("accelerations");
         if x.len() != n && !empty {

@@ -20,11 +20,10 @@
 //! work, and not at all while a motion is prescribed: T is then not quadratic in the velocities,
 //! and has a least value at p = 0 that no velocities can reach.
 
-#![allow(non_snake_case)]
-
 use super::invariants::Invariants;
 use super::{DynamicsError, Scheme, State};
-use crate::abilities::{change_charts, momentum, rigid_rates, symmetries};
+use crate::abilities::{momentum, rigid_rates, symmetries};
+use nalgebra::Vector3;
 use pullback_manifold::system::{
     Energies, Evaluation, Point, RigidRates, Symmetry, System, Weights,
 };
@@ -144,33 +143,9 @@ impl InvariantProjection {
                 .map(|d| 0.5 * (d.j * d.j - d.c * d.c))
                 .sum();
             let needed = kept.energy_gap(now.total() + rigid);
-            let mut gammas = [0.0; 6];
-            let rest = dot(&self.p, &self.w) - self.rigid_in_rest();
-            self.turns(system, &state.q, &mut gammas);
-            let [s, eta] = match bounded || driven || needed == 0.0 {
-                false => self.shares(needed, rest, &gammas, h),
-                true => [1.0, 0.0],
-            };
+            let fixed = bounded || driven || needed == 0.0;
+            stale = self.correct(system, state, (!fixed).then_some(needed), t, h);
             bounded |= self.bounded;
-            for (v, w) in state.v.iter_mut().zip(&self.w) {
-                *v += (s - 1.0) * w;
-            }
-            stale = eta != 0.0;
-            for (d, gamma) in self.basis[..self.rank].iter().zip(gammas) {
-                axpy(d.j - d.c, &d.e, &mut state.v);
-                axpy(eta * gamma, &d.e, &mut state.q);
-            }
-            if stale {
-                // Charts that are recentred at the end of a step are recentred again.
-                let State {
-                    q,
-                    v,
-                    a,
-                    algorithmic,
-                    ..
-                } = state;
-                change_charts(system, t, q, v, &mut [a, algorithmic]);
-            }
             now = energies(system, scheme, state, t)?;
             if bounded && !stale {
                 break;
@@ -181,6 +156,34 @@ impl InvariantProjection {
         }
         kept.set_power(&now);
         Ok(now)
+    }
+
+    /// Restores the momenta, and the energy that is needed, if any; whether coordinates change.
+    fn correct(
+        &mut self,
+        system: &mut dyn System,
+        state: &mut State,
+        needed: Option<f64>,
+        t: f64,
+        h: f64,
+    ) -> bool {
+        let mut gammas = [0.0; 6];
+        let rest = dot(&self.p, &self.w) - self.rigid_in_rest();
+        self.turns(system, &state.q, &mut gammas);
+        let shares = needed.map(|needed| self.shares(needed, rest, &gammas, h));
+        let [s, eta] = shares.unwrap_or([1.0, 0.0]);
+        for (v, w) in state.v.iter_mut().zip(&self.w) {
+            *v += (s - 1.0) * w;
+        }
+        for (d, gamma) in self.basis[..self.rank].iter().zip(gammas) {
+            axpy(d.j - d.c, &d.e, &mut state.v);
+            axpy(eta * gamma, &d.e, &mut state.q);
+        }
+        if eta != 0.0 {
+            // Charts that are recentred at the end of a step are recentred again.
+            state.change_charts(system, t);
+        }
+        eta != 0.0
     }
 
     /// The factor s of the rest and that of the rotations γ that add the needed energy; sets
@@ -229,16 +232,16 @@ impl InvariantProjection {
         (now, t): (&Energies, f64),
         [r, S]: [&mut [f64]; 2],
     ) -> Result<bool, DynamicsError> {
-        let failed = |source| DynamicsError::System { t, source };
+        let at = Point { t, ..state.point() };
         let out = Evaluation::with_tangent(r, Weights::MASS, S);
         self.evaluations += 1;
-        system.evaluate(point(state, t), out).map_err(failed)?;
-        let known = momentum(system, point(state, t), &mut self.p);
+        system.evaluate(at, out).map_err(DynamicsError::at(t))?;
+        let known = momentum(system, at, &mut self.p);
         self.field.fill(0.0);
         system
             .pattern()
             .multiply_add(1.0, S, &state.v, &mut self.field);
-        if !known.map_err(failed)? {
+        if !known.map_err(DynamicsError::at(t))? {
             self.p.copy_from_slice(&self.field);
             return Ok(false);
         }
@@ -341,31 +344,11 @@ impl InvariantProjection {
 
 /// The Lie bracket [η, ξ]: the rate at which ξ changes along η.
 fn bracket(eta: &RigidRates, xi: &RigidRates) -> RigidRates {
-    let cross = |a: &[f64], b: &[f64]| {
-        [
-            a[1] * b[2] - a[2] * b[1],
-            a[2] * b[0] - a[0] * b[2],
-            a[0] * b[1] - a[1] * b[0],
-        ]
-    };
-    let (one, two) = (cross(&eta[3..], &xi[..3]), cross(&xi[3..], &eta[..3]));
-    let turned = cross(&eta[3..], &xi[3..]);
-    std::array::from_fn(|i| {
-        if i < 3 {
-            one[i] - two[i]
-        } else {
-            turned[i - 3]
-        }
-    })
-}
-
-fn point(state: &State, t: f64) -> Point<'_> {
-    Point {
-        t,
-        q: &state.q,
-        v: &state.v,
-        a: &state.a,
-    }
+    let parts = |x: &RigidRates| [0, 3].map(|i| Vector3::new(x[i], x[i + 1], x[i + 2]));
+    let ([v, omega], [v_xi, omega_xi]) = (parts(eta), parts(xi));
+    let linear = omega.cross(&v_xi) - omega_xi.cross(&v);
+    let angular = omega.cross(&omega_xi);
+    std::array::from_fn(|i| if i < 3 { linear[i] } else { angular[i - 3] })
 }
 
 pub(super) fn energies(
@@ -374,8 +357,8 @@ pub(super) fn energies(
     state: &State,
     t: f64,
 ) -> Result<Energies, DynamicsError> {
-    let known = crate::abilities::energies(system, point(state, t));
-    let known = known.map_err(|source| DynamicsError::System { t, source })?;
+    let at = Point { t, ..state.point() };
+    let known = crate::abilities::energies(system, at).map_err(DynamicsError::at(t))?;
     known.ok_or(DynamicsError::NoEnergy {
         scheme: scheme.name,
     })

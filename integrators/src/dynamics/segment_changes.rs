@@ -3,11 +3,11 @@
 use super::events::{Crossing, UserEvent};
 use super::run::Run;
 use super::step::rebase;
-use super::{DynamicsError, Progress, State};
-use crate::abilities::{change_charts, events};
+use super::{DynamicsError, Progress};
+use crate::abilities::events;
 use crate::failure::Failure;
 use crate::linear_solver::LinearSolver;
-use pullback_manifold::system::{Point, System};
+use pullback_manifold::system::System;
 
 /// Tolerance of the time of an event, as a part of a step.
 const MET: f64 = 1e-12;
@@ -31,11 +31,6 @@ pub(super) struct SegmentChanges {
     since: f64,
     /// The time at which changes were made at the beginning of a step, to make them once.
     begun: Option<f64>,
-}
-
-fn point(state: &State) -> Point<'_> {
-    let State { t, q, v, a, .. } = state;
-    Point { t: *t, q, v, a }
 }
 
 impl Run {
@@ -64,7 +59,7 @@ impl Run {
             let value = self.event_value(system, watched, &progress.events)?;
             let event = crossing.overshoot(end, value);
             self.occurrences.least = (event >= -met).then(|| value.min(0.0) - MET);
-            let (start, next) = (point(&progress.state), point(&self.stepper.next));
+            let (start, next) = (progress.state.point(), self.stepper.next.point());
             let target = |by: f64| end - by + 0.5 * met;
             let mut segment = events(system).value(start, next);
             if target(segment) <= from + short && self.segment_changes.begun == Some(from) {
@@ -101,7 +96,7 @@ impl Run {
         let is_short = h < NEAR * progress.next_step;
         progress.short = if is_short { progress.short + 1 } else { 0 };
         // The buffers of the step hold the previous state.
-        let (from, to) = (point(&self.stepper.next), point(&progress.state));
+        let (from, to) = (self.stepper.next.point(), progress.state.point());
         events(system).apply(from, to, self.segment_changes.since);
     }
 
@@ -112,7 +107,7 @@ impl Run {
         t: f64,
     ) -> Result<bool, DynamicsError> {
         let known = events(system).kept_momentum(None, &mut self.momentum);
-        known.map_err(|source| DynamicsError::System { t, source })
+        known.map_err(DynamicsError::at(t))
     }
 
     /// Makes the changes of segment at the beginning of a step.
@@ -122,15 +117,8 @@ impl Run {
         solver: &mut dyn LinearSolver,
         progress: &mut Progress,
     ) -> Result<(), DynamicsError> {
-        let State {
-            t,
-            q,
-            v,
-            a,
-            algorithmic,
-        } = &mut progress.state;
-        let t = *t;
-        let changes = change_charts(system, t, q, v, &mut [a, algorithmic]);
+        let t = progress.state.t;
+        let changes = progress.state.change_charts(system, t);
         progress.summary.chart_changes += changes.charts;
         if !self.segments_changed(system, t)? {
             return Ok(());

@@ -3,6 +3,7 @@
 use super::events::UserEvent;
 use super::run::Run;
 use super::{DynamicOptions, DynamicsError, Progress, State, StepReport};
+use crate::abilities::events;
 use crate::linear_solver::{AutoSolver, LinearSolver};
 use pullback_manifold::system::System;
 use std::ops::{ControlFlow, Deref, DerefMut};
@@ -132,6 +133,14 @@ where
     /// The system, for questions that evaluate it.
     pub fn system_mut(&mut self) -> &mut S::Target {
         &mut self.system
+    }
+
+    /// Sets an input of the system, from the next step on.
+    ///
+    /// # Panics
+    /// If the system has no such input.
+    pub fn set_input(&mut self, input: impl Into<usize>, value: f64) {
+        events(&mut *self.system).inputs()[input.into()] = value;
     }
 
     /// A copy of everything that the next step depends on.

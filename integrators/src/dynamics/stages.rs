@@ -1,11 +1,8 @@
 //! Prediction and correction of the stages of a scheme.
 
-#![allow(non_snake_case)]
-
-use super::coupled_stages::CoupledStages;
 use super::scheme::{STAGES, Stage, inverse};
-use super::step::{Predictor, Stepper};
-use super::{Scheme, State};
+use super::step::Stepper;
+use super::{Predictor, Scheme, State};
 use std::ops::Range;
 
 #[derive(Clone)]
@@ -70,24 +67,9 @@ impl Stepper {
         let (done, rest) = self.stages.split_at_mut(group.start);
         let origin = done.last().map_or(state, |stage| &stage.state);
         let velocity = self.options.predictor == Predictor::Velocity;
-        // Most schemes have one stage: the general rule below in one pass.
-        if let ([row], [], Some(inverse), [stage]) = (rows, &*done, &group.inverse, &mut *rest) {
+        if let ([row], Some(inverse), [stage]) = (rows, &group.inverse, &mut *rest) {
             let shift = if velocity { h } else { 0.0 };
-            let (given, out) = (state, &mut stage.state);
-            let old = given.v.iter().zip(&given.a).zip(&given.algorithmic);
-            let rates = out.v.iter_mut().zip(&mut out.a).zip(&mut out.algorithmic);
-            let positions = out.q.iter_mut().zip(&given.q);
-            for (((q, q_old), ((v, a), y)), ((v_old, a_old), y_old)) in
-                positions.zip(rates).zip(old)
-            {
-                let target = shift * v_old;
-                let known = row.c * h * v_old + h * h * row.q[0] * y_old;
-                *y = inverse[0][0] * (target - known) / (h * h);
-                *q = q_old + target;
-                *v = v_old + h * (row.v[0] * y_old + row.v[1] * *y);
-                *a = filter[0] * *y + filter[1] * y_old + filter[2] * a_old;
-            }
-            return;
+            return predict_one(step, row, inverse[0][0], shift, &mut stage.state);
         }
         for c in 0..state.q.len() {
             let y_old = state.algorithmic[c];
@@ -163,13 +145,28 @@ impl Stepper {
                 for (i, j) in group.range().enumerate() {
                     let own = f64::from(u8::from(j == k));
                     let by = Gains::new(scheme, group, [row.q[1 + j], row.v[1 + j], own], h);
-                    let d = self.dq[position(&self.coupled, group, i, c)];
-                    by.add(d, [q, v, y, a]);
+                    by.add(self.dq[i * self.r.len() + c], [q, v, y, a]);
                 }
                 largest = largest.max(((*q - before) * scale).abs());
             }
         }
         largest
+    }
+}
+
+/// Predicts the only stage of a scheme, as most schemes have: the general rule in one pass.
+fn predict_one(step: Attempt<'_>, row: &Stage, inverse: f64, shift: f64, out: &mut State) {
+    let (given, h, filter) = (step.state, step.h, step.scheme.filter());
+    let old = given.v.iter().zip(&given.a).zip(&given.algorithmic);
+    let rates = out.v.iter_mut().zip(&mut out.a).zip(&mut out.algorithmic);
+    let positions = out.q.iter_mut().zip(&given.q);
+    for (((q, q_old), ((v, a), y)), ((v_old, a_old), y_old)) in positions.zip(rates).zip(old) {
+        let target = shift * v_old;
+        let known = row.c * h * v_old + h * h * row.q[0] * y_old;
+        *y = inverse * (target - known) / (h * h);
+        *q = q_old + target;
+        *v = v_old + h * (row.v[0] * y_old + row.v[1] * *y);
+        *a = filter[0] * *y + filter[1] * y_old + filter[2] * a_old;
     }
 }
 
@@ -202,18 +199,5 @@ impl Gains {
         *v += self.v * d;
         *y += self.y * d;
         *a += self.a * d;
-    }
-}
-
-/// Index of unknown `c` of stage `i` of a group in `dq`.
-pub(super) fn position(
-    stages: &Option<CoupledStages>,
-    group: &StageGroup,
-    i: usize,
-    c: usize,
-) -> usize {
-    match stages {
-        Some(stages) if group.len() > 1 => stages.position(i, c),
-        _ => c,
     }
 }

@@ -1,54 +1,23 @@
 //! One step of any scheme: predict, evaluate, solve and correct its stages.
 
-#![allow(non_snake_case)]
-
 use super::coupled_stages::CoupledStages;
-use super::stages::{Attempt, StageGroup, StageState, position};
-use super::{DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, State};
+use super::stages::{Attempt, StageGroup, StageState};
+use super::{
+    DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, State, Summary, Tangent,
+};
 use crate::convergence::ConvergencePredictor;
-use crate::failure::Failure;
+use crate::failure::{Cost, FailedStep, Failure, FailureContext, StepParameter};
 use crate::linear_solver::LinearSolver;
-use crate::rounding::{allowed, inverse_scales, is_rounding, rounding_of_gaps};
-use crate::statics::Iteration;
+use crate::rounding::{ResidualTest, inverse_scales, is_rounding, largest, rounding_of_gaps};
+use crate::statics::{Iteration, solutions};
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{Evaluation, Point, Quantity, System, SystemError, Weights};
-
-/// Start of Newton's iteration of a step; velocities and accelerations follow by the scheme.
-///
-/// Measured on the right-angle cantilever and the robot arms of \[M04\] 4.2, it matters little at
-/// their large steps: 598 iterations with the velocity and 597 without, 1073 and 1030, 1078 and
-/// 1057. At a quarter of the step the cantilever takes 1691 and 1915. There `Velocity` diverges
-/// with the exact tangent, but not with stresses of the previous iterate ([`Evaluation::previous`](pullback_manifold::system::Evaluation::previous)). A
-/// constant acceleration is worse than both, as it oscillates with the trapezoidal rule.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Predictor {
-    /// Coordinates at constant velocity, qₙ + h q̇ₙ.
-    #[default]
-    Velocity,
-    /// Constant coordinates: the iteration starts from the last configuration.
-    Keep,
-}
-
-/// Frequency of factorisations in a step.
-///
-/// Measured (benches/runs), `Once` against `Every`: the right-angle cantilever of \[M04\] 4.2 takes
-/// 2349 iterations for 598, 366 factorisations for 507, 71 failed steps for none, and twice the
-/// time; at a quarter of the step 2568 for 1691 and 603 for 1203 in 0.85 of the time. `Once` pays
-/// off at small steps only.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Tangent {
-    /// In every iteration: quadratic convergence.
-    #[default]
-    Every,
-    /// Once at the beginning of a step: more iterations, each cheaper.
-    Once,
-}
 
 /// Buffers of the step routine.
 pub(crate) struct Stepper {
     pub r: Vec<f64>,
     pub S: Vec<f64>,
-    /// Residuals, then corrections, of the stages of a group.
+    /// Residuals, then corrections, of the stages of a group, one after the other.
     pub(super) dq: Vec<f64>,
     /// The stages; the last one is the new state.
     pub(super) stages: Vec<StageState>,
@@ -67,7 +36,7 @@ pub(crate) struct Stepper {
     /// Whether all residuals of [`Quantity::Other`] are gaps of multipliers.
     gaps: bool,
     /// Scratch of the test for rounding errors.
-    room: [Vec<f64>; 2],
+    work: [Vec<f64>; 2],
     pub(super) options: NewtonOptions,
 }
 
@@ -114,7 +83,7 @@ impl Stepper {
             quantities: (0..n).map(|i| system.coordinate_info(i).quantity).collect(),
             inverse_scale: inverse_scales(system),
             gaps,
-            room: [zeros(), zeros()],
+            work: [zeros(), zeros()],
             options: newton,
         })
     }
@@ -149,6 +118,31 @@ impl Stepper {
         Ok(())
     }
 
+    /// Report of a failed step, after those of a summary.
+    pub(crate) fn fail(
+        &self,
+        system: &mut dyn System,
+        failure: Failure,
+        span: [f64; 2],
+        summary: &Summary,
+    ) -> DynamicsError {
+        let context = FailureContext {
+            failure,
+            r: &self.r,
+            S: &self.S,
+            history: &self.history,
+            parameter: StepParameter::Time,
+            span,
+            steps: summary.steps,
+            rejected: summary.failed + summary.inaccurate,
+            cost: Cost {
+                evaluations: summary.evaluations,
+                factorisations: summary.factorisations,
+            },
+        };
+        DynamicsError::Step(FailedStep::new(system, context))
+    }
+
     /// Newton's method for the stages of a group.
     fn balance(
         &mut self,
@@ -158,10 +152,7 @@ impl Stepper {
         group: &StageGroup,
     ) -> Result<(), Failure> {
         let earlier = self.history.len();
-        let NewtonOptions {
-            relative, absolute, ..
-        } = self.options;
-        let (mut unbalanced, mut least) = ([0.0; 3], [absolute; 3]);
+        let mut test = ResidualTest::new(self.options.relative, self.options.absolute);
         let mut renewed = true;
         loop {
             let history = &self.history[earlier..];
@@ -175,23 +166,11 @@ impl Stepper {
                 true => self.evaluate(system, step, group, first, wanted)?,
                 false => self.linear_residual(system.pattern()),
             };
-            for (first, most) in unbalanced.iter_mut().zip(residual) {
-                if *first == 0.0 {
-                    *first = most;
-                }
-            }
             if first && self.gaps {
-                if group.len() > 1 {
-                    self.by_coordinates(system, step, group.start)?;
-                }
-                let q = &self.stages[group.start].state.q;
-                let [sizes, floor] = &mut self.room;
-                let rounding = rounding_of_gaps(system, &self.S, q, [sizes, floor]);
-                least[Quantity::Other.index()] = absolute.max(rounding);
+                test.gaps = self.rounding_of_gaps(system, step, group)?;
             }
-            let allowed = allowed(system.scales().measures(), unbalanced, relative, least);
-            let ratio = (residual.iter().zip(allowed)).fold(0.0, |m, (r, a)| f64::max(m, r / a));
-            let stays = predictor.is_stagnation(residual, allowed, false);
+            let ratio = test.ratio(residual, system.scales().measures());
+            let stays = predictor.is_stagnation(residual, test.allowed, false);
             // One correction is made even if the prediction is in balance: a force that is always
             // small beside those that set the tolerance, as of a motor beside the bearings of a
             // fast rotor, would otherwise have no effect.
@@ -200,11 +179,7 @@ impl Stepper {
                 (ratio <= 1.0 && !predicted) || (stays && self.is_rounding(system, step, group)?);
             if converged || self.history.len() - earlier >= self.options.max_iterations {
                 self.record(residual, ratio, 0.0, 0.0);
-                return if converged {
-                    Ok(())
-                } else {
-                    Err(Failure::TooManyIterations)
-                };
+                return converged.then_some(()).ok_or(Failure::TooManyIterations);
             }
             renewed = wanted;
             if every && !wanted && !predictor.serves(ratio) {
@@ -225,7 +200,7 @@ impl Stepper {
 
     /// Linear solutions of the last step.
     pub(super) fn iterations(&self) -> usize {
-        self.history.iter().filter(|i| i.damping > 0.0).count()
+        solutions(&self.history)
     }
 
     /// Writes the residuals of the stages of a group to `dq`; returns their largest entries per
@@ -273,32 +248,18 @@ impl Stepper {
             } else {
                 self.stage(system, k, from, None)?;
             }
-            self.largest(&mut residual);
-            if group.len() == 1 {
-                self.dq[..self.r.len()].copy_from_slice(&self.r);
-                continue;
-            }
-            for (c, r) in self.r.iter().enumerate() {
-                self.dq[position(&self.coupled, group, k - group.start, c)] = *r;
-            }
+            residual = largest(&self.quantities, &self.r, residual);
+            let own = (k - group.start) * self.r.len();
+            self.dq[own..own + self.r.len()].copy_from_slice(&self.r);
         }
         Ok(residual)
-    }
-
-    /// The largest residuals per quantity, including those of `self.r`.
-    fn largest(&self, residual: &mut [f64; 3]) {
-        for (r, quantity) in self.r.iter().zip(&self.quantities) {
-            residual[quantity.index()] = residual[quantity.index()].max(r.abs());
-        }
     }
 
     /// Residual of a linear group after the correction d, r − S d, without an evaluation.
     fn linear_residual(&mut self, pattern: &BlockPattern) -> [f64; 3] {
         pattern.multiply_add(-1.0, &self.S, &self.dq, &mut self.r);
         self.dq[..self.r.len()].copy_from_slice(&self.r);
-        let mut residual = [0.0; 3];
-        self.largest(&mut residual);
-        residual
+        largest(&self.quantities, &self.r, [0.0; 3])
     }
 
     /// Residual of a stage and a tangent; the first iteration of a step comes `from` another time.
@@ -310,12 +271,7 @@ impl Stepper {
         weights: Option<Weights>,
     ) -> Result<(), Failure> {
         let StageState { state, before } = &self.stages[k];
-        let at = Point {
-            t: state.t,
-            q: &state.q,
-            v: &state.v,
-            a: &state.a,
-        };
+        let at = state.point();
         let out = Evaluation {
             r: &mut self.r,
             // The tangent may use the stresses of the previous iterate: large corrections of a slender
@@ -354,6 +310,21 @@ impl Stepper {
         self.stage(system, k, None, Some(weights))
     }
 
+    /// The largest rounding error in the gaps of multipliers at the first stage of a group.
+    fn rounding_of_gaps(
+        &mut self,
+        system: &mut dyn System,
+        step: Attempt<'_>,
+        group: &StageGroup,
+    ) -> Result<f64, Failure> {
+        if group.len() > 1 {
+            self.by_coordinates(system, step, group.start)?;
+        }
+        let q = &self.stages[group.start].state.q;
+        let [sizes, floor] = &mut self.work;
+        Ok(rounding_of_gaps(system, &self.S, q, [sizes, floor]))
+    }
+
     /// Whether the residuals of a group are rounding errors.
     fn is_rounding(
         &mut self,
@@ -365,11 +336,10 @@ impl Stepper {
             if group.len() > 1 {
                 self.by_coordinates(system, step, k)?;
             }
-            for (c, r) in self.r.iter_mut().enumerate() {
-                *r = self.dq[position(&self.coupled, group, i, c)];
-            }
+            let own = i * self.r.len()..(i + 1) * self.r.len();
+            self.r.copy_from_slice(&self.dq[own]);
             let q = &self.stages[k].state.q;
-            let [sizes, floor] = &mut self.room;
+            let [sizes, floor] = &mut self.work;
             if !is_rounding(system, &self.S, q, &self.r, [sizes, floor]) {
                 return Ok(false);
             }
@@ -399,7 +369,7 @@ impl Stepper {
                 }
             }
         };
-        solved.map_err(Failure::Linear)
+        solved.map_err(Failure::linear)
     }
 
     fn record(&mut self, residual: [f64; 3], ratio: f64, correction: f64, damping: f64) {

@@ -2,7 +2,7 @@
 
 use pullback_manifold::sparse::BlockPattern;
 
-use super::{BlockLu, FaerCholesky, FaerLu, LinearError, LinearSolver, Symmetry};
+use super::{BlockLu, FaerCholesky, FaerLu, LinearError, LinearSolver, Symmetry, ready};
 
 /// [`BlockLu`] if it suits the matrix, faer if not or if it fails.
 ///
@@ -19,9 +19,6 @@ pub struct AutoSolver {
     active: Option<Chosen>,
     /// Number of factorisations in a row in which the block solver failed and the fallback did not.
     failures: usize,
-    lu_analysed: bool,
-    /// Whether the Cholesky solver knows the pattern.
-    signs_analysed: bool,
 }
 
 /// One of the solvers behind [`AutoSolver`].
@@ -71,39 +68,35 @@ impl AutoSolver {
         result: Result<(), LinearError>,
         values: &[f64],
     ) -> Result<Chosen, LinearError> {
-        let error = match result {
+        match result {
             Ok(()) => {
                 self.failures = 0;
                 self.active = Some(Chosen::Block);
-                return Ok(Chosen::Block);
+                Ok(Chosen::Block)
             }
-            Err(error) => error,
-        };
-        let LinearError::VanishingPivot { unknown, .. } = error else {
-            return match error {
-                LinearError::Growth { .. } => self.fall_back(values).map(|()| Chosen::Lu),
-                other => Err(other),
-            };
-        };
-        match self.fall_back(values) {
-            Ok(()) => {
-                self.failures += 1;
-                Ok(Chosen::Lu)
+            Err(LinearError::Growth { .. }) => self.fall_back(values).map(|()| Chosen::Lu),
+            Err(error @ LinearError::VanishingPivot { unknown, .. }) => {
+                match self.fall_back(values) {
+                    Ok(()) => {
+                        self.failures += 1;
+                        Ok(Chosen::Lu)
+                    }
+                    // Both agree. The block solver names the last unknown without resistance
+                    // (usually at a missing support), if it is part of the mechanism.
+                    Err(LinearError::Singular { .. }) if self.lu.mobility(unknown) > 1e-3 => {
+                        Err(error)
+                    }
+                    Err(other) => Err(other),
+                }
             }
-            // Both agree. The block solver names the last unknown without resistance (usually at a
-            // missing support), if it is part of the mechanism.
-            Err(LinearError::Singular { .. }) if self.lu.mobility(unknown) > 1e-3 => Err(error),
             Err(other) => Err(other),
         }
     }
 
     fn fall_back(&mut self, values: &[f64]) -> Result<(), LinearError> {
-        let Some(pattern) = &self.pattern else {
-            return Err(LinearError::NotReady { call: "factorise" });
-        };
-        if !self.lu_analysed {
+        let pattern = ready(&mut self.pattern, "factorise")?;
+        if !self.lu.is_analysed() {
             self.lu.analyse(pattern, self.symmetry)?;
-            self.lu_analysed = true;
         }
         self.lu.factorise(values)?;
         self.active = Some(Chosen::Lu);
@@ -113,11 +106,11 @@ impl AutoSolver {
 
 impl LinearSolver for AutoSolver {
     fn analyse(&mut self, pattern: &BlockPattern, symmetry: Symmetry) -> Result<(), LinearError> {
-        self.pattern = Some(pattern.clone());
-        self.symmetry = symmetry;
-        self.active = None;
-        self.failures = 0;
-        self.lu_analysed = false;
+        *self = Self {
+            pattern: Some(pattern.clone()),
+            symmetry,
+            ..Self::default()
+        };
         self.chosen = match self.block.analyse(pattern, symmetry) {
             Ok(()) if self.block.suits() => Chosen::Block,
             Ok(()) | Err(LinearError::Fill { .. }) => {
@@ -132,7 +125,6 @@ impl LinearSolver for AutoSolver {
         if self.chosen == Chosen::Cholesky {
             self.cholesky.analyse(pattern, symmetry)?;
         }
-        self.signs_analysed = self.chosen == Chosen::Cholesky;
         Ok(())
     }
 
@@ -184,11 +176,9 @@ impl LinearSolver for AutoSolver {
             Chosen::Cholesky => self.cholesky.negative_pivots(values),
             Chosen::Lu if self.symmetry == Symmetry::General => None,
             Chosen::Lu => {
-                if !self.signs_analysed {
-                    self.cholesky
-                        .analyse(self.pattern.as_ref()?, self.symmetry)
-                        .ok()?;
-                    self.signs_analysed = true;
+                if !self.cholesky.is_analysed() {
+                    let pattern = self.pattern.as_ref()?;
+                    self.cholesky.analyse(pattern, self.symmetry).ok()?;
                 }
                 self.cholesky.signs(values)
             }

@@ -20,7 +20,7 @@ use pullback_manifold::sparse::BlockPattern;
 
 use super::factors::{FactorError, Factors};
 use super::symbolic::Symbolic;
-use super::{LinearError, LinearSolver, RESIDUAL_GOAL, Symmetry, check_length};
+use super::{LinearError, LinearSolver, RESIDUAL_GOAL, Symmetry, check_length, ready};
 
 /// Number of block updates beyond which [`BlockLu`] refuses to analyse: several seconds of 6 × 6 ones.
 const MAX_UPDATES: usize = 20_000_000;
@@ -74,9 +74,7 @@ impl BlockLu {
     /// Factorises, and substitutes a right-hand side through the lower factor at the same time.
     fn factorise_with(&mut self, values: &[f64], b: Option<&[f64]>) -> Result<(), LinearError> {
         self.factorised = false;
-        let Some(ready) = &mut self.ready else {
-            return Err(LinearError::NotReady { call: "factorise" });
-        };
+        let ready = ready(&mut self.ready, "factorise")?;
         check_length("matrix", ready.pattern.len(), values.len())?;
         if let Some(b) = b {
             check_length("right-hand side", ready.pattern.dim(), b.len())?;
@@ -138,9 +136,7 @@ impl LinearSolver for BlockLu {
 
     fn factorise_and_solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError> {
         self.factorise_with(values, Some(b))?;
-        let Some(ready) = &mut self.ready else {
-            return Err(LinearError::NotReady { call: "solve" });
-        };
+        let ready = ready(&mut self.ready, "solve")?;
         let largest = ready.substitute_back();
         check(ready, self.floor, largest, values, b)?;
         ready.scatter(b);

@@ -106,8 +106,9 @@ impl Columns {
         }
     }
 
-    /// A fixed right-hand side without structure: magnitudes between 1/2 and 1, mixed signs.
-    pub fn probe(&mut self) {
+    /// Solves with `inverse` for a fixed right-hand side without structure (magnitudes between 1/2
+    /// and 1, mixed signs); the condition number that the solution, now in `x`, indicates.
+    pub fn probe(&mut self, inverse: impl FnOnce(&mut [f64])) -> f64 {
         let mut state = 0x9e37_79b9_7f4a_7c15_u64;
         for x in &mut self.x {
             state ^= state << 13;
@@ -120,10 +121,7 @@ impl Columns {
                 -magnitude
             };
         }
-    }
-
-    /// Condition number indicated by the solution of the probe, now in `x`.
-    pub fn witnessed_condition(&self) -> f64 {
+        inverse(&mut self.x);
         self.norm * max_abs(&self.x)
     }
 

@@ -97,110 +97,137 @@ impl Factors {
             self.largest_rhs = 0.0;
         }
         self.smallest = f64::INFINITY;
-        let (mut links, mut targets, mut loads, mut fills) = (0, 0, 0, 0);
         for k in 0..self.symbolic.panels.len() {
-            let symbolic = &self.symbolic;
-            let panel = &symbolic.panels[k];
-            for load in &symbolic.loads[loads..panel.loads] {
-                let fits = copy_block(
-                    symbolic,
-                    load,
-                    values,
-                    scaled,
-                    &mut self.scales,
-                    &mut self.squares,
-                    &mut self.factors[load.start..],
-                );
-                if !fits {
-                    return Err(FactorError::Scale);
-                }
+            if !self.load(k, values, scaled) {
+                return Err(FactorError::Scale);
             }
-            for &(start, count) in &symbolic.fills[fills..panel.fills] {
-                self.factors[start..start + count].fill(0.0);
-            }
-            let n = panel.size;
-            let (left, right) = self.factors.split_at_mut(panel.end);
-            let (d, below) = left[panel.start..].split_at_mut(n * n);
-            let swaps = &mut self.swaps[panel.first..panel.first + n];
-            let pivots = kernels::lu(n, d, swaps, floor);
-            self.swapped[k] = pivots.swapped;
-            self.smallest = self.smallest.min(pivots.smallest);
-            if !(pivots.smallest > limit && pivots.largest < GROWTH_LIMIT) && floor == 0.0 {
-                return Err(FactorError::Error(name_pivot(panel.unknown, n, d, limit)));
-            }
-            let my_links = &symbolic.links[links..panel.links];
-            let sums = &mut self.sums[..n];
-            kernels::upper_sums(n, d, sums);
-            let mut rest = &mut *below;
-            for link in my_links {
-                let (pair, others) = rest.split_at_mut(2 * link.size * n);
-                let (l, ut) = pair.split_at_mut(link.size * n);
-                finish_link(
-                    symbolic.symmetry,
-                    link.size,
-                    n,
-                    d,
-                    l,
-                    ut,
-                    swaps,
-                    pivots.swapped,
-                );
-                kernels::add_sums(link.size, n, ut, sums);
-                rest = others;
-            }
-            self.products[k] += kernels::lower_product(n, d, sums);
-            for link in my_links {
-                let l = &below[link.start - panel.start - n * n..];
-                self.products[link.panel] += kernels::product(link.size, n, l, sums);
-            }
-            let offset = panel.start + n * n;
-            let mut target = targets;
-            for (a, row) in my_links.iter().enumerate() {
-                for (b, column) in my_links.iter().enumerate() {
-                    let start = symbolic.targets[target] as usize - panel.end;
-                    target += 1;
-                    let (l, ut) = (row.start - offset, column.start - offset);
-                    let ut = ut + column.size * n;
-                    if a >= b {
-                        let c = &mut right[start..start + row.size * column.size];
-                        kernels::update(row.size, column.size, n, c, &below[l..], &below[ut..]);
-                    } else if symbolic.symmetry == Symmetry::General {
-                        let c = &mut right[start..start + row.size * column.size];
-                        kernels::update(column.size, row.size, n, c, &below[ut..], &below[l..]);
-                    }
-                }
-            }
+            self.factorise_diagonal(k, floor, limit)?;
+            self.finish_panel(k);
+            self.update_later(k);
             if let Some(b) = b {
-                let own = panel.first..panel.first + n;
-                let b = &b[panel.unknown..panel.unknown + n];
-                for (i, b) in own.zip(b) {
-                    let b = b * self.scales[i];
-                    self.y[i] += b;
-                    self.largest_rhs = self.largest_rhs.max(b.abs());
-                }
-                let y = &mut self.y;
-                forward(
-                    symbolic,
-                    k,
-                    my_links,
-                    &self.factors,
-                    &self.swaps,
-                    pivots.swapped,
-                    y,
-                );
+                self.substitute_forward(k, b);
             }
-            (links, targets, loads, fills) = (panel.links, panel.targets, panel.loads, panel.fills);
         }
-        let largest = self
-            .symbolic
-            .panels
-            .iter()
-            .zip(&self.squares)
-            .fold(0.0_f64, |m, (panel, square)| {
-                m.max(square * panel.blocks as f64)
-            });
+        let squares = self.symbolic.panels.iter().zip(&self.squares);
+        let largest = squares.fold(0.0_f64, |m, (panel, square)| {
+            m.max(square * panel.blocks as f64)
+        });
         self.norm = largest.sqrt();
         Ok(())
+    }
+
+    /// Copies the blocks of the matrix that panel `k` is the first to need, with their scales;
+    /// false if they are out of scale.
+    #[inline(always)]
+    fn load(&mut self, k: usize, values: &[f64], scaled: bool) -> bool {
+        let symbolic = &self.symbolic;
+        for load in &symbolic.loads[symbolic.span(k, |panel| panel.loads)] {
+            let factors = &mut self.factors[load.start..];
+            let (scales, squares) = (&mut self.scales, &mut self.squares);
+            if !copy_block(symbolic, load, values, scaled, scales, squares, factors) {
+                return false;
+            }
+        }
+        for &(start, count) in &symbolic.fills[symbolic.span(k, |panel| panel.fills)] {
+            self.factors[start..start + count].fill(0.0);
+        }
+        true
+    }
+
+    /// Factorises the diagonal block of panel `k`.
+    #[inline(always)]
+    fn factorise_diagonal(&mut self, k: usize, floor: f64, limit: f64) -> Result<(), FactorError> {
+        let panel = &self.symbolic.panels[k];
+        let n = panel.size;
+        let d = &mut self.factors[panel.start..panel.start + n * n];
+        let swaps = &mut self.swaps[panel.first..panel.first + n];
+        let pivots = kernels::lu(n, d, swaps, floor);
+        self.swapped[k] = pivots.swapped;
+        self.smallest = self.smallest.min(pivots.smallest);
+        if !(pivots.smallest > limit && pivots.largest < GROWTH_LIMIT) && floor == 0.0 {
+            return Err(FactorError::Error(name_pivot(panel.unknown, n, d, limit)));
+        }
+        Ok(())
+    }
+
+    /// Transforms the other blocks of panel `k` to those of `L` and `Uᵀ`, and bounds the row sums
+    /// of |L||U|.
+    #[inline(always)]
+    fn finish_panel(&mut self, k: usize) {
+        let symbolic = &self.symbolic;
+        let panel = &symbolic.panels[k];
+        let links = &symbolic.links[symbolic.links_of(k)];
+        let n = panel.size;
+        let (d, below) = self.factors[panel.start..panel.end].split_at_mut(n * n);
+        let swaps = &self.swaps[panel.first..panel.first + n];
+        let sums = &mut self.sums[..n];
+        kernels::upper_sums(n, d, sums);
+        let mut rest = &mut *below;
+        for link in links {
+            let (pair, others) = rest.split_at_mut(2 * link.size * n);
+            let (l, ut) = pair.split_at_mut(link.size * n);
+            let swapped = self.swapped[k];
+            finish_link(symbolic.symmetry, link.size, n, d, l, ut, swaps, swapped);
+            kernels::add_sums(link.size, n, ut, sums);
+            rest = others;
+        }
+        self.products[k] += kernels::lower_product(n, d, sums);
+        for link in links {
+            let l = &below[link.start - panel.start - n * n..];
+            self.products[link.panel] += kernels::product(link.size, n, l, sums);
+        }
+    }
+
+    /// Subtracts the products of the blocks of panel `k` from those of later panels.
+    #[inline(always)]
+    fn update_later(&mut self, k: usize) {
+        let symbolic = &self.symbolic;
+        let panel = &symbolic.panels[k];
+        let links = &symbolic.links[symbolic.links_of(k)];
+        let n = panel.size;
+        let (left, right) = self.factors.split_at_mut(panel.end);
+        let below = &left[panel.start + n * n..];
+        let offset = panel.start + n * n;
+        let targets = &symbolic.targets[symbolic.span(k, |panel| panel.targets)];
+        let mut targets = targets.iter().map(|&target| target as usize - panel.end);
+        for (a, row) in links.iter().enumerate() {
+            for ((b, column), start) in links.iter().enumerate().zip(&mut targets) {
+                let (l, ut) = (row.start - offset, column.start - offset);
+                let ut = ut + column.size * n;
+                if a >= b {
+                    let c = &mut right[start..start + row.size * column.size];
+                    kernels::update(row.size, column.size, n, c, &below[l..], &below[ut..]);
+                } else if symbolic.symmetry == Symmetry::General {
+                    let c = &mut right[start..start + row.size * column.size];
+                    kernels::update(column.size, row.size, n, c, &below[ut..], &below[l..]);
+                }
+            }
+        }
+    }
+
+    /// Scales the right-hand side of panel `k` into `y` and substitutes it through the lower factor.
+    #[inline(always)]
+    fn substitute_forward(&mut self, k: usize, b: &[f64]) {
+        let symbolic = &self.symbolic;
+        let panel = &symbolic.panels[k];
+        let own = panel.first..panel.first + panel.size;
+        let b = &b[panel.unknown..panel.unknown + panel.size];
+        for (i, b) in own.zip(b) {
+            let b = b * self.scales[i];
+            self.y[i] += b;
+            self.largest_rhs = self.largest_rhs.max(b.abs());
+        }
+        let links = &symbolic.links[symbolic.links_of(k)];
+        let (swaps, swapped) = (&self.swaps, self.swapped[k]);
+        forward(
+            symbolic,
+            k,
+            links,
+            &self.factors,
+            swaps,
+            swapped,
+            &mut self.y,
+        );
     }
 }
 
@@ -225,7 +252,7 @@ fn copy_block(
                 *s = scaling::inverse_root(lower[c * (n + 1)]);
             }
         }
-        let square = kernels::scale(n, n, lower, s, s, factors);
+        let square = kernels::scale::<false>(n, n, lower, s, s, factors);
         squares[load.row] += square;
         return square <= scaling::MEAN_SQUARE_LIMIT * (n * n) as f64;
     }
@@ -234,10 +261,10 @@ fn copy_block(
         &scales[column.first..column.first + n],
     );
     let mut count = m * n;
-    let mut square = kernels::scale(m, n, lower, rows, columns, factors);
+    let mut square = kernels::scale::<false>(m, n, lower, rows, columns, factors);
     if symbolic.symmetry == Symmetry::General {
         let upper = &values[load.upper..load.upper + m * n];
-        square += kernels::scale_transposed(m, n, upper, rows, columns, &mut factors[count..]);
+        square += kernels::scale::<true>(m, n, upper, rows, columns, &mut factors[count..]);
         count *= 2;
     }
     squares[load.row] += square;

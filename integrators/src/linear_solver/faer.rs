@@ -9,6 +9,7 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::mat::MatMut;
+use faer::sparse::linalg::LuError;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
     factorize_symbolic_cholesky,
@@ -21,18 +22,15 @@ use faer::{Conj, Par, Side};
 use pullback_manifold::sparse::BlockPattern;
 
 use super::columns::Columns;
-use super::{LinearError, LinearSolver, Symmetry, max_abs, rounding_level};
-
-/// Storage made by `analyse`.
-struct Ready<S> {
-    columns: Columns,
-    symbolic: S,
-    memory: MemBuffer,
-}
+use super::{LinearError, LinearSolver, Symmetry, max_abs, ready, rounding_level};
 
 fn structure(columns: &Columns) -> SymbolicSparseColMatRef<'_, usize> {
     let n = columns.scales.len();
     SymbolicSparseColMatRef::new_checked(n, n, &columns.starts, None, &columns.rows)
+}
+
+fn matrix(columns: &Columns) -> SparseColMatRef<'_, usize, f64> {
+    SparseColMatRef::new(structure(columns), &columns.values)
 }
 
 fn library(reason: impl std::fmt::Debug) -> LinearError {
@@ -46,11 +44,54 @@ fn column(x: &mut [f64]) -> MatMut<'_, f64> {
     MatMut::from_column_major_slice_mut(x, n, 1)
 }
 
+/// An LU factorisation with its storage.
+struct Lu {
+    symbolic: SymbolicLu<usize>,
+    numeric: NumericLu<usize, f64>,
+    memory: MemBuffer,
+}
+
+impl Lu {
+    fn new(columns: &Columns) -> Result<Self, LinearError> {
+        let symbolic = factorize_symbolic_lu(structure(columns), LuSymbolicParams::default())
+            .map_err(library)?;
+        let scratch = symbolic
+            .factorize_numeric_lu_scratch::<f64>(Par::Seq, Default::default())
+            .or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
+        Ok(Self {
+            symbolic,
+            numeric: NumericLu::default(),
+            memory: MemBuffer::try_new(scratch).map_err(library)?,
+        })
+    }
+
+    /// Factorises; false if a pivot is structurally zero.
+    fn factorise(&mut self, columns: &Columns) -> Result<bool, LinearError> {
+        let (a, stack) = (matrix(columns), MemStack::new(&mut self.memory));
+        let numeric = &mut self.numeric;
+        match (self.symbolic).factorize_numeric_lu(numeric, a, Par::Seq, stack, Default::default())
+        {
+            Ok(_) => Ok(true),
+            Err(LuError::SymbolicSingular { .. }) => Ok(false),
+            Err(LuError::Generic(error)) => Err(library(error)),
+        }
+    }
+
+    fn solve(&mut self, x: &mut [f64]) {
+        let stack = MemStack::new(&mut self.memory);
+        LuRef::new_unchecked(&self.symbolic, &self.numeric).solve_in_place_with_conj(
+            Conj::No,
+            column(x),
+            Par::Seq,
+            stack,
+        );
+    }
+}
+
 /// Sparse LU with row interchanges (faer), for matrices of any kind.
 #[derive(Default)]
 pub struct FaerLu {
-    ready: Option<Ready<SymbolicLu<usize>>>,
-    numeric: NumericLu<usize, f64>,
+    ready: Option<(Columns, Lu)>,
 }
 
 impl FaerLu {
@@ -59,118 +100,56 @@ impl FaerLu {
         Self::default()
     }
 
+    /// Whether a pattern has been analysed.
+    pub(super) fn is_analysed(&self) -> bool {
+        self.ready.is_some()
+    }
+
     /// Size of one component of the mechanism that the last, failed factorisation found, relative
     /// to the largest.
     pub(super) fn mobility(&self, unknown: usize) -> f64 {
-        self.ready.as_ref().map_or(0.0, |ready| {
-            ready.columns.x[unknown].abs() / max_abs(&ready.columns.x)
-        })
+        let relative = |x: &[f64]| x[unknown].abs() / max_abs(x);
+        (self.ready.as_ref()).map_or(0.0, |(columns, _)| relative(&columns.x))
     }
 
     /// Factorises `A` with a small shift of the scaled diagonal, without any check.
     pub(super) fn factorise_shifted(&mut self, values: &[f64]) -> Result<(), LinearError> {
-        let Some(Ready {
-            columns,
-            symbolic,
-            memory,
-        }) = &mut self.ready
-        else {
-            return Err(LinearError::NotReady { call: "factorise" });
-        };
+        let (columns, lu) = ready(&mut self.ready, "factorise")?;
         columns.load(values)?;
         columns.shift_diagonal();
-        columns.finished = lu(columns, memory, symbolic, &mut self.numeric)?;
+        columns.finished = lu.factorise(columns)?;
         Ok(())
     }
 
     /// Solution without a residual check, for inverse iteration.
     pub(super) fn solve_unchecked(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
-        match &mut self.ready {
-            Some(Ready {
-                columns,
-                symbolic,
-                memory,
-            }) if columns.finished => {
-                for (b, s) in b.iter_mut().zip(&columns.scales) {
-                    *b *= s;
-                }
-                let stack = MemStack::new(memory);
-                lu_solve(symbolic, &self.numeric, b, stack);
-                for (b, s) in b.iter_mut().zip(&columns.scales) {
-                    *b *= s;
-                }
-                Ok(())
-            }
-            _ => Err(LinearError::NotReady { call: "solve" }),
+        let (columns, lu) = ready(&mut self.ready, "solve")?;
+        if !columns.finished {
+            return Err(LinearError::NotReady { call: "solve" });
         }
+        let scale = |b: &mut [f64]| b.iter_mut().zip(&columns.scales).for_each(|(b, s)| *b *= s);
+        scale(b);
+        lu.solve(b);
+        scale(b);
+        Ok(())
     }
-}
-
-/// One numeric LU; false if it found a structurally zero pivot.
-fn lu(
-    columns: &Columns,
-    memory: &mut MemBuffer,
-    symbolic: &SymbolicLu<usize>,
-    numeric: &mut NumericLu<usize, f64>,
-) -> Result<bool, LinearError> {
-    use faer::sparse::linalg::LuError;
-    let a = SparseColMatRef::new(structure(columns), &columns.values);
-    let stack = MemStack::new(memory);
-    match symbolic.factorize_numeric_lu(numeric, a, Par::Seq, stack, Default::default()) {
-        Ok(_) => Ok(true),
-        Err(LuError::SymbolicSingular { .. }) => Ok(false),
-        Err(LuError::Generic(error)) => Err(library(error)),
-    }
-}
-
-fn lu_solve(
-    symbolic: &SymbolicLu<usize>,
-    numeric: &NumericLu<usize, f64>,
-    x: &mut [f64],
-    stack: &mut MemStack,
-) {
-    LuRef::new_unchecked(symbolic, numeric).solve_in_place_with_conj(
-        Conj::No,
-        column(x),
-        Par::Seq,
-        stack,
-    );
 }
 
 impl LinearSolver for FaerLu {
     fn analyse(&mut self, pattern: &BlockPattern, _: Symmetry) -> Result<(), LinearError> {
         self.ready = None;
         let columns = Columns::new(pattern);
-        let symbolic = factorize_symbolic_lu(structure(&columns), LuSymbolicParams::default())
-            .map_err(library)?;
-        let scratch = symbolic
-            .factorize_numeric_lu_scratch::<f64>(Par::Seq, Default::default())
-            .or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
-        let memory = MemBuffer::try_new(scratch).map_err(library)?;
-        self.ready = Some(Ready {
-            columns,
-            symbolic,
-            memory,
-        });
+        let lu = Lu::new(&columns)?;
+        self.ready = Some((columns, lu));
         Ok(())
     }
 
     fn factorise(&mut self, values: &[f64]) -> Result<(), LinearError> {
-        let Some(Ready {
-            columns,
-            symbolic,
-            memory,
-        }) = &mut self.ready
-        else {
-            return Err(LinearError::NotReady { call: "factorise" });
-        };
+        let (columns, lu) = ready(&mut self.ready, "factorise")?;
         columns.load(values)?;
         let mut condition = f64::INFINITY;
-        if lu(columns, memory, symbolic, &mut self.numeric)? {
-            columns.probe();
-            let stack = MemStack::new(memory);
-            lu_solve(symbolic, &self.numeric, &mut columns.x, stack);
-            condition = columns.witnessed_condition();
+        if lu.factorise(columns)? {
+            condition = columns.probe(|x| lu.solve(x));
             if condition <= columns.condition_limit() {
                 columns.finished = true;
                 return Ok(());
@@ -179,34 +158,113 @@ impl LinearSolver for FaerLu {
         if !condition.is_finite() {
             condition = f64::INFINITY;
             columns.shift_diagonal();
-            if lu(columns, memory, symbolic, &mut self.numeric)? {
-                columns.probe();
-                let stack = MemStack::new(memory);
-                lu_solve(symbolic, &self.numeric, &mut columns.x, stack);
+            if lu.factorise(columns)? {
+                columns.probe(|x| lu.solve(x));
             }
         }
         Err(columns.singular(condition))
     }
 
     fn solve(&mut self, _: Option<&[f64]>, b: &mut [f64]) -> Result<(), LinearError> {
-        let Some(Ready {
-            columns,
+        let (columns, lu) = ready(&mut self.ready, "solve")?;
+        columns.solve(b, |x| lu.solve(x))
+    }
+}
+
+/// A Cholesky factorisation with its storage.
+struct Cholesky {
+    symbolic: SymbolicCholesky<usize>,
+    factor: Vec<f64>,
+    memory: MemBuffer,
+}
+
+impl Cholesky {
+    fn new(columns: &Columns) -> Result<Self, LinearError> {
+        let symbolic = factorize_symbolic_cholesky(
+            structure(columns),
+            Side::Lower,
+            SymmetricOrdering::Amd,
+            CholeskySymbolicParams::default(),
+        )
+        .map_err(library)?;
+        let scratch = symbolic
+            .factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default())
+            .or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
+        Ok(Self {
+            factor: vec![0.0; symbolic.len_val()],
             symbolic,
-            memory,
-        }) = &mut self.ready
-        else {
-            return Err(LinearError::NotReady { call: "solve" });
+            memory: MemBuffer::try_new(scratch).map_err(library)?,
+        })
+    }
+
+    /// Factorises; false if the matrix is not positive definite.
+    fn factorise(&mut self, columns: &Columns) -> bool {
+        let result = self.symbolic.factorize_numeric_llt(
+            &mut self.factor,
+            matrix(columns),
+            Side::Lower,
+            LltRegularization::default(),
+            Par::Seq,
+            MemStack::new(&mut self.memory),
+            Default::default(),
+        );
+        result.is_ok()
+    }
+
+    /// Factorises as LDLᵀ; false for a zero pivot.
+    fn factorise_indefinite(&mut self, columns: &Columns) -> bool {
+        let symbolic = &self.symbolic;
+        let scratch = symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Default::default());
+        let Ok(mut memory) = MemBuffer::try_new(scratch) else {
+            return false;
         };
-        let numeric = &self.numeric;
-        columns.solve(b, |x| lu_solve(symbolic, numeric, x, MemStack::new(memory)))
+        let result = symbolic.factorize_numeric_ldlt(
+            &mut self.factor,
+            matrix(columns),
+            Side::Lower,
+            LdltRegularization::default(),
+            Par::Seq,
+            MemStack::new(&mut memory),
+            Default::default(),
+        );
+        result.is_ok()
+    }
+
+    fn solve(&mut self, x: &mut [f64]) {
+        let stack = MemStack::new(&mut self.memory);
+        LltRef::new(&self.symbolic, &self.factor).solve_in_place_with_conj(
+            Conj::No,
+            column(x),
+            Par::Seq,
+            stack,
+        );
+    }
+
+    /// The diagonal of the factors.
+    fn pivots(&self) -> Vec<f64> {
+        match self.symbolic.raw() {
+            SymbolicCholeskyRaw::Simplicial(l) => {
+                let starts = &l.col_ptr()[..l.nrows()];
+                starts.iter().map(|&start| self.factor[start]).collect()
+            }
+            SymbolicCholeskyRaw::Supernodal(l) => {
+                let spans = l.supernode_begin().iter().zip(l.supernode_end());
+                let pivots = spans.zip(l.col_ptr_for_val().windows(2));
+                let pivots = pivots.flat_map(|((&begin, &end), bounds)| {
+                    // A dense trapezium, column by column.
+                    let (first, rows) = (bounds[0], (bounds[1] - bounds[0]) / (end - begin));
+                    (0..end - begin).map(move |k| self.factor[first + k * (rows + 1)])
+                });
+                pivots.collect()
+            }
+        }
     }
 }
 
 /// Sparse Cholesky (faer) for symmetric matrices; indefinite ones go to [`FaerLu`].
 #[derive(Default)]
 pub struct FaerCholesky {
-    ready: Option<Ready<SymbolicCholesky<usize>>>,
-    factor: Vec<f64>,
+    ready: Option<(Columns, Cholesky)>,
     lu: FaerLu,
     /// Number of factorisations in a row that were not positive definite.
     misses: usize,
@@ -225,71 +283,46 @@ impl FaerCholesky {
     pub fn is_positive_definite(&self) -> bool {
         self.misses == 0
     }
-}
 
-fn cholesky_solve(
-    symbolic: &SymbolicCholesky<usize>,
-    factor: &[f64],
-    x: &mut [f64],
-    stack: &mut MemStack,
-) {
-    LltRef::new(symbolic, factor).solve_in_place_with_conj(Conj::No, column(x), Par::Seq, stack);
+    /// Whether a pattern has been analysed.
+    pub(super) fn is_analysed(&self) -> bool {
+        self.ready.is_some()
+    }
+
+    /// Negative pivots of an LDLᵀ factorisation, unless one is too small to have a sign; replaces
+    /// the present factors.
+    ///
+    /// Unknowns without a diagonal, Lagrange multipliers, get a small negative one: their equations
+    /// become stiff springs, which does not change the signs.
+    pub(super) fn signs(&mut self, values: &[f64]) -> Option<usize> {
+        let (columns, cholesky) = self.ready.as_mut()?;
+        columns.load(values).ok()?;
+        columns.soften();
+        if !cholesky.factorise_indefinite(columns) {
+            return None;
+        }
+        let (pivots, limit) = (cholesky.pivots(), rounding_level(columns.pattern.blocks()));
+        let regular = pivots.iter().all(|pivot| pivot.abs() > limit);
+        regular.then(|| pivots.iter().filter(|pivot| **pivot < 0.0).count())
+    }
 }
 
 impl LinearSolver for FaerCholesky {
     fn analyse(&mut self, pattern: &BlockPattern, _: Symmetry) -> Result<(), LinearError> {
-        self.ready = None;
-        self.misses = 0;
-        self.lu = FaerLu::new();
+        *self = Self::default();
         let columns = Columns::new(pattern);
-        let symbolic = factorize_symbolic_cholesky(
-            structure(&columns),
-            Side::Lower,
-            SymmetricOrdering::Amd,
-            CholeskySymbolicParams::default(),
-        )
-        .map_err(library)?;
-        let scratch = symbolic
-            .factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default())
-            .or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
-        let memory = MemBuffer::try_new(scratch).map_err(library)?;
-        self.factor = vec![0.0; symbolic.len_val()];
-        self.ready = Some(Ready {
-            columns,
-            symbolic,
-            memory,
-        });
+        let cholesky = Cholesky::new(&columns)?;
+        self.ready = Some((columns, cholesky));
         Ok(())
     }
 
     fn factorise(&mut self, values: &[f64]) -> Result<(), LinearError> {
-        let Some(Ready {
-            columns,
-            symbolic,
-            memory,
-        }) = &mut self.ready
-        else {
-            return Err(LinearError::NotReady { call: "factorise" });
-        };
+        let (columns, cholesky) = ready(&mut self.ready, "factorise")?;
         if self.misses < MISSES {
             columns.load(values)?;
-            let a = SparseColMatRef::new(structure(columns), &columns.values);
-            let stack = MemStack::new(memory);
-            let result = symbolic.factorize_numeric_llt(
-                &mut self.factor,
-                a,
-                Side::Lower,
-                LltRegularization::default(),
-                Par::Seq,
-                stack,
-                Default::default(),
-            );
-            if result.is_ok() {
+            if cholesky.factorise(columns) {
                 self.misses = 0;
-                columns.probe();
-                let stack = MemStack::new(memory);
-                cholesky_solve(symbolic, &self.factor, &mut columns.x, stack);
-                let condition = columns.witnessed_condition();
+                let condition = columns.probe(|x| cholesky.solve(x));
                 if condition <= columns.condition_limit() {
                     columns.finished = true;
                     return Ok(());
@@ -300,85 +333,27 @@ impl LinearSolver for FaerCholesky {
             }
             self.misses += 1;
         }
-        if self.lu.ready.is_none() {
+        if !self.lu.is_analysed() {
             self.lu.analyse(&columns.pattern, Symmetry::Symmetric)?;
         }
         self.lu.factorise(values)
     }
 
     fn solve(&mut self, values: Option<&[f64]>, b: &mut [f64]) -> Result<(), LinearError> {
-        match &mut self.ready {
-            None => Err(LinearError::NotReady { call: "solve" }),
-            Some(_) if self.misses > 0 => self.lu.solve(values, b),
-            Some(Ready {
-                columns,
-                symbolic,
-                memory,
-            }) => {
-                let factor = &self.factor;
-                columns.solve(b, |x| {
-                    cholesky_solve(symbolic, factor, x, MemStack::new(memory))
-                })
-            }
+        let (columns, cholesky) = ready(&mut self.ready, "solve")?;
+        match self.misses {
+            0 => columns.solve(b, |x| cholesky.solve(x)),
+            _ => self.lu.solve(values, b),
         }
     }
 
     /// Zero if the last matrix was positive definite; else from the signs of an LDLᵀ factorisation,
     /// unless a pivot is too small to have a sign.
     fn negative_pivots(&mut self, values: &[f64]) -> Option<usize> {
-        let ready = self.ready.as_mut()?;
-        if self.misses == 0 {
-            return ready.columns.finished.then_some(0);
+        let (columns, _) = self.ready.as_ref()?;
+        match self.misses {
+            0 => columns.finished.then_some(0),
+            _ => self.signs(values),
         }
-        self.signs(values)
-    }
-}
-
-impl FaerCholesky {
-    /// Negative pivots of an LDLᵀ factorisation, unless one is too small to have a sign; replaces
-    /// the present factors.
-    ///
-    /// Unknowns without a diagonal, Lagrange multipliers, get a small negative one: their equations
-    /// become stiff springs, which does not change the signs.
-    pub(super) fn signs(&mut self, values: &[f64]) -> Option<usize> {
-        let Ready {
-            columns, symbolic, ..
-        } = self.ready.as_mut()?;
-        columns.load(values).ok()?;
-        columns.soften();
-        let scratch = symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Default::default());
-        let mut memory = MemBuffer::try_new(scratch).ok()?;
-        symbolic
-            .factorize_numeric_ldlt(
-                &mut self.factor,
-                SparseColMatRef::new(structure(columns), &columns.values),
-                Side::Lower,
-                LdltRegularization::default(),
-                Par::Seq,
-                MemStack::new(&mut memory),
-                Default::default(),
-            )
-            .ok()?;
-        let mut count = 0;
-        let mut regular = true;
-        let mut see = |pivot: f64| {
-            count += usize::from(pivot < 0.0);
-            regular &= pivot.abs() > rounding_level(columns.pattern.blocks());
-        };
-        match symbolic.raw() {
-            SymbolicCholeskyRaw::Simplicial(l) => {
-                let starts = &l.col_ptr()[..l.nrows()];
-                starts.iter().for_each(|&start| see(self.factor[start]));
-            }
-            SymbolicCholeskyRaw::Supernodal(l) => {
-                let spans = l.supernode_begin().iter().zip(l.supernode_end());
-                for ((&begin, &end), bounds) in spans.zip(l.col_ptr_for_val().windows(2)) {
-                    // A dense trapezium, column by column.
-                    let rows = (bounds[1] - bounds[0]) / (end - begin);
-                    (0..end - begin).for_each(|k| see(self.factor[bounds[0] + k * (rows + 1)]));
-                }
-            }
-        }
-        regular.then_some(count)
     }
 }

@@ -84,21 +84,16 @@ pub trait LinearSolver: Send {
 
 /// Error of a linear solver.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum LinearError {
     /// `factorise` before `analyse`, or `solve` before a successful `factorise`.
     #[error("the linear solver is not ready to {call}")]
-    NotReady {
-        /// The method that was called.
-        call: &'static str,
-    },
+    NotReady { call: &'static str },
     /// A vector of the wrong length.
     #[error("{what} has {found} entries where the pattern has {expected}")]
     Length {
-        /// Which vector.
         what: &'static str,
-        /// The length of the pattern.
         expected: usize,
-        /// The length found.
         found: usize,
     },
     /// A value that is infinite or not a number.
@@ -111,10 +106,7 @@ pub enum LinearError {
     },
     /// An unknown that occurs in no equation.
     #[error("row and column {unknown} of the matrix are zero: nothing holds this unknown")]
-    ZeroRow {
-        /// The unknown.
-        unknown: usize,
-    },
+    ZeroRow { unknown: usize },
     /// A pivot that has cancelled to rounding errors.
     #[error(
         "pivot of unknown {unknown} is {pivot:.1e} of its original diagonal scale \
@@ -138,7 +130,6 @@ pub enum LinearError {
         unknown: usize,
         /// Lower bound of the condition number of the scaled matrix.
         condition: f64,
-        /// The largest accepted one.
         limit: f64,
     },
     /// Elements grew during elimination until all digits were lost.
@@ -154,21 +145,14 @@ pub enum LinearError {
     Residual {
         /// Relative residual, see the module's front page.
         residual: f64,
-        /// The largest accepted one.
         limit: f64,
     },
     /// Too much fill for the block solver.
     #[error("elimination fills in more than {limit} block updates")]
-    Fill {
-        /// The limit that was exceeded.
-        limit: usize,
-    },
+    Fill { limit: usize },
     /// The sparse library failed.
     #[error("sparse factorisation failed: {reason}")]
-    Library {
-        /// Its error.
-        reason: String,
-    },
+    Library { reason: String },
 }
 
 impl LinearError {
@@ -188,6 +172,11 @@ impl LinearError {
         }
         self
     }
+}
+
+/// What `analyse` has made, for a call that needs it.
+fn ready<'a, T>(analysed: &'a mut Option<T>, call: &'static str) -> Result<&'a mut T, LinearError> {
+    analysed.as_mut().ok_or(LinearError::NotReady { call })
 }
 
 /// Refinement starts above this relative residual.

@@ -29,7 +29,7 @@ pub(super) struct Elimination {
 /// the supported part at its end, which falls with the cube of its length and holds fewer and
 /// fewer digits. It also walks through memory in one direction.
 ///
-/// Nodes wait for those of lower [`ranks`] that they are coupled to.
+/// A node is eliminated after those of lower [`ranks`] that it is coupled to.
 pub(super) fn minimum_degree(
     pattern: &BlockPattern,
     max_updates: usize,
@@ -70,7 +70,7 @@ pub(super) fn minimum_degree(
             continue;
         }
         if d > 0 && d + size(k) == weight {
-            break; // even the least connected node sees all others: one clique is left
+            break; // even the least connected node is coupled to all others: one clique is left
         }
         alive[k as usize] = false;
         for (i, _) in pattern.column(k as usize) {

@@ -73,12 +73,23 @@ fn begin(pattern: &BlockPattern, values: &[f64], scales: &mut [f64], largest: &m
 fn for_each(pattern: &BlockPattern, values: &[f64], mut with: impl FnMut(usize, usize, f64)) {
     for j in 0..pattern.blocks() {
         for (i, range) in pattern.column(j) {
-            let height = pattern.size(i).max(1);
-            for (column, c) in values[range].chunks_exact(height).zip(pattern.unknowns(j)) {
-                for (value, r) in column.iter().zip(pattern.unknowns(i)) {
-                    with(r, c, *value);
-                }
-            }
+            for_each_of_block(pattern, [i, j], &values[range], &mut with);
+        }
+    }
+}
+
+/// Calls with row, column and value of each entry of a block.
+#[inline(always)]
+fn for_each_of_block(
+    pattern: &BlockPattern,
+    [i, j]: [usize; 2],
+    block: &[f64],
+    mut with: impl FnMut(usize, usize, f64),
+) {
+    let height = pattern.size(i).max(1);
+    for (column, c) in block.chunks_exact(height).zip(pattern.unknowns(j)) {
+        for (value, r) in column.iter().zip(pattern.unknowns(i)) {
+            with(r, c, *value);
         }
     }
 }
@@ -100,23 +111,20 @@ pub fn equilibrate(
     begin(pattern, values, scales, largest);
     for sweep in 0..SWEEPS {
         largest.fill(0.0);
-        for j in 0..pattern.blocks() {
-            for (i, range) in pattern.column(j) {
-                let height = pattern.size(i).max(1);
-                for (column, c) in values[range].chunks_exact(height).zip(pattern.unknowns(j)) {
-                    for (value, r) in column.iter().zip(pattern.unknowns(i)) {
-                        let scaled = (value * scales[r] * scales[c]).abs();
-                        if !value.is_finite() {
-                            return Err(LinearError::NonFinite {
-                                what: "matrix",
-                                unknown: r,
-                            });
-                        }
-                        largest[r] = largest[r].max(scaled);
-                        largest[c] = largest[c].max(scaled);
-                    }
-                }
+        let mut bad = None;
+        for_each(pattern, values, |r, c, value| {
+            if !value.is_finite() {
+                bad = bad.or(Some(r));
             }
+            let scaled = (value * scales[r] * scales[c]).abs();
+            largest[r] = largest[r].max(scaled);
+            largest[c] = largest[c].max(scaled);
+        });
+        if let Some(unknown) = bad {
+            return Err(LinearError::NonFinite {
+                what: "matrix",
+                unknown,
+            });
         }
         let mut done = true;
         for (unknown, (s, &m)) in scales.iter_mut().zip(&*largest).enumerate() {
@@ -148,28 +156,15 @@ pub(crate) fn scales(
     scales: &mut [f64],
     work: &mut [f64],
 ) -> Result<(), LinearError> {
-    for j in 0..pattern.blocks() {
-        let Some(start) = pattern.find(j, j) else {
-            continue;
-        };
-        let n = pattern.size(j);
-        for (c, s) in scales[pattern.unknowns(j)].iter_mut().enumerate() {
-            *s = inverse_root(values[start + c * (n + 1)]);
-        }
+    for (s, k) in scales.iter_mut().zip(pattern.diagonal()) {
+        *s = inverse_root(values[k]);
     }
     for j in 0..pattern.blocks() {
         for (i, range) in pattern.column(j) {
-            let height = pattern.size(i).max(1);
             let mut sum = 0.0;
-            for (column, c) in values[range.clone()]
-                .chunks_exact(height)
-                .zip(pattern.unknowns(j))
-            {
-                for (value, r) in column.iter().zip(pattern.unknowns(i)) {
-                    let scaled = value * scales[r] * scales[c];
-                    sum += scaled * scaled;
-                }
-            }
+            for_each_of_block(pattern, [i, j], &values[range.clone()], |r, c, value| {
+                sum += (value * scales[r] * scales[c]).powi(2);
+            });
             // NaN fails, too.
             if !(sum <= MEAN_SQUARE_LIMIT * range.len() as f64) {
                 return equilibrate(pattern, values, scales, work);
@@ -185,13 +180,9 @@ pub(crate) fn norm(pattern: &BlockPattern, values: &[f64], scales: &[f64]) -> f6
     for j in 0..pattern.blocks() {
         let (mut sum, mut blocks) = (0.0, 0.0);
         for (i, range) in pattern.column(j) {
-            let height = pattern.size(i).max(1);
-            for (column, c) in values[range].chunks_exact(height).zip(pattern.unknowns(j)) {
-                for (value, r) in column.iter().zip(pattern.unknowns(i)) {
-                    let scaled = value * scales[r] * scales[c];
-                    sum += scaled * scaled;
-                }
-            }
+            for_each_of_block(pattern, [i, j], &values[range], |r, c, value| {
+                sum += (value * scales[r] * scales[c]).powi(2);
+            });
             blocks += 1.0;
         }
         largest = largest.max(sum * blocks);

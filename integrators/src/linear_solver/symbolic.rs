@@ -3,6 +3,7 @@
 use pullback_manifold::sparse::BlockPattern;
 
 use super::{LinearError, Symmetry, ordering};
+use std::ops::Range;
 
 /// A block column of `L` and block row of `U` with their diagonal block, stored one after the
 /// other: `D`, then for each link `L` and `Uᵀ`.
@@ -190,43 +191,12 @@ impl Symbolic {
             needed.extend(range.clone().map(|l| (k, l)));
             for a in range.clone() {
                 for b in range.clone() {
-                    let (i, j) = (self.links[a].panel, self.links[b].panel);
-                    if i == j {
-                        self.targets.push(self.panels[i].start as u32);
-                        continue;
-                    }
-                    let (column, row) = (i.min(j), i.max(j));
-                    let candidates = self.links_of(column);
-                    let Ok(found) = self.links[candidates.clone()]
-                        .binary_search_by_key(&row, |link| link.panel)
-                    else {
-                        continue; // cannot be: neighbours of an eliminated node are joined
-                    };
-                    let link = &self.links[candidates.start + found];
-                    let upper = link.size * self.panels[column].size;
-                    let start = link.start + if i < j { upper } else { 0 };
-                    self.targets.push(start as u32);
-                    needed.push((column, candidates.start + found));
+                    needed.extend(self.add_target(self.links[a].panel, self.links[b].panel));
                 }
             }
             for &(column, l) in &needed {
-                if std::mem::replace(&mut link_done[l], true) {
-                    continue;
-                }
-                let link = &self.links[l];
-                let values = link.size * self.panels[column].size;
-                let (i, j) = (nodes[link.panel].0, nodes[column].0);
-                match (pattern.find(i, j), pattern.find(j, i)) {
-                    (Some(lower), Some(upper)) => {
-                        self.loads.push(Load {
-                            row: link.panel,
-                            column,
-                            lower,
-                            upper,
-                            start: link.start,
-                        });
-                    }
-                    _ => self.fills.push((link.start, 2 * values)),
+                if !std::mem::replace(&mut link_done[l], true) {
+                    self.add_link_load(pattern, nodes, column, l);
                 }
             }
             let panel = &mut self.panels[k];
@@ -235,6 +205,50 @@ impl Symbolic {
             panel.fills = self.fills.len();
         }
         Ok(())
+    }
+
+    /// Adds the target of an update of block (i, j); its panel and link, unless it is diagonal.
+    fn add_target(&mut self, i: usize, j: usize) -> Option<(usize, usize)> {
+        if i == j {
+            self.targets.push(self.panels[i].start as u32);
+            return None;
+        }
+        let (column, row) = (i.min(j), i.max(j));
+        let candidates = self.links_of(column);
+        let links = &self.links[candidates.clone()];
+        // Always found: neighbours of an eliminated node are joined.
+        let found = links.binary_search_by_key(&row, |link| link.panel).ok()?;
+        let link = &links[found];
+        let upper = link.size * self.panels[column].size;
+        let start = link.start + if i < j { upper } else { 0 };
+        self.targets.push(start as u32);
+        Some((column, candidates.start + found))
+    }
+
+    /// Adds the blocks of link `l` of panel `column` to the loads, or to the fills if they are zero
+    /// in the matrix.
+    fn add_link_load(
+        &mut self,
+        pattern: &BlockPattern,
+        nodes: &[(usize, &Vec<u32>)],
+        column: usize,
+        l: usize,
+    ) {
+        let link = &self.links[l];
+        let (i, j) = (nodes[link.panel].0, nodes[column].0);
+        match (pattern.find(i, j), pattern.find(j, i)) {
+            (Some(lower), Some(upper)) => self.loads.push(Load {
+                row: link.panel,
+                column,
+                lower,
+                upper,
+                start: link.start,
+            }),
+            _ => {
+                let values = 2 * link.size * self.panels[column].size;
+                self.fills.push((link.start, values));
+            }
+        }
     }
 
     /// Estimated time of a factorisation.
@@ -247,9 +261,15 @@ impl Symbolic {
     }
 
     /// Indices of a panel's links.
-    pub fn links_of(&self, k: usize) -> std::ops::Range<usize> {
-        let start = if k == 0 { 0 } else { self.panels[k - 1].links };
-        start..self.panels[k].links
+    pub fn links_of(&self, k: usize) -> Range<usize> {
+        self.span(k, |panel| panel.links)
+    }
+
+    /// Indices of a panel in the list in which its entries end at `end`.
+    #[inline(always)]
+    pub fn span(&self, k: usize, end: impl Fn(&ColumnPanel) -> usize) -> Range<usize> {
+        let start = if k == 0 { 0 } else { end(&self.panels[k - 1]) };
+        start..end(&self.panels[k])
     }
 }
 

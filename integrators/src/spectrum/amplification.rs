@@ -1,9 +1,8 @@
 //! The amplification matrix of a scheme, by its steps.
 
-#![allow(non_snake_case)]
-
-use crate::dynamics::{DynamicOptions, DynamicsError, NewtonOptions, Scheme, State, Stepper};
-use crate::failure::{Cost, FailedStep, FailureContext, StepParameter};
+use crate::dynamics::{
+    DynamicOptions, DynamicsError, NewtonOptions, Scheme, State, Stepper, Summary,
+};
 use crate::linear_solver::{AutoSolver, LinearSolver, Symmetry};
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError};
@@ -73,18 +72,11 @@ pub fn amplification(scheme: &Scheme, Omega: f64) -> Result<[[f64; 3]; 3], Dynam
             a: vec![-system.k * entry(0)],
             algorithmic: vec![entry(2)],
         };
-        if let Err(failure) = stepper.step(&mut system, &mut solver, scheme, &state, 1.0) {
-            let context = FailureContext {
-                failure,
-                r: &stepper.r,
-                S: &stepper.S,
-                history: &stepper.history,
-            };
-            let cost = Cost::default();
-            let time = StepParameter::Time;
-            let step = FailedStep::new(&mut system, context, time, [0.0, 1.0], 0, 0, cost);
-            return Err(DynamicsError::Step(Box::new(step)));
-        }
+        stepper
+            .step(&mut system, &mut solver, scheme, &state, 1.0)
+            .map_err(|failure| {
+                stepper.fail(&mut system, failure, [0.0, 1.0], &Summary::default())
+            })?;
         let State {
             q, v, algorithmic, ..
         } = &stepper.next;

@@ -17,7 +17,6 @@ pub use amplification::amplification;
 pub use polynomial::{characteristic, closed_first_step, closed_form, expansion, roots};
 
 use crate::dynamics::{DynamicsError, Scheme};
-use num_complex::Complex;
 
 /// Accuracy of a scheme at one Ω.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,14 +83,6 @@ pub fn point(scheme: &Scheme, Omega: f64) -> Result<Point, DynamicsError> {
             from_origin: first([0.0, Omega / (1.0 + Omega), 0.0]),
         },
     })
-}
-
-/// The eigenvalues at Ω, by the step routine.
-///
-/// # Errors
-/// As [`point`].
-pub fn eigenvalues(scheme: &Scheme, Omega: f64) -> Result<[Complex<f64>; 3], DynamicsError> {
-    Ok(roots(characteristic(amplification(scheme, Omega)?)))
 }
 
 /// `count` values of Ω from `from` to `to`, equally spaced in their logarithm.

@@ -1,7 +1,5 @@
 //! Characteristic polynomials: of a matrix, in closed form, and their roots.
 
-#![allow(non_snake_case)]
-
 use super::FirstStep;
 use crate::dynamics::Scheme;
 use crate::dynamics::scheme::Coefficients;
@@ -25,13 +23,13 @@ pub fn characteristic(A: [[f64; 3]; 3]) -> [f64; 3] {
 /// methods λ (λ − R(iΩ)) (λ − R(−iΩ)) with their stability function R. `None` for other schemes.
 pub fn closed_form(scheme: &Scheme, Omega: f64) -> Option<[f64; 3]> {
     let W = Omega * Omega;
-    if let Some(coefficients) = scheme.coefficients() {
-        let Coefficients {
-            alpha_m: m,
-            alpha_f: f,
-            beta: b,
-            gamma: g,
-        } = coefficients;
+    if let Some(Coefficients {
+        alpha_m: m,
+        alpha_f: f,
+        beta: b,
+        gamma: g,
+    }) = scheme.coefficients()
+    {
         let p0 = 1.0 - m + b * (1.0 - f) * W;
         let p = [
             3.0 * m - 2.0 + W * (3.0 * f * b - f * g - 0.5 * f - 2.0 * b + g + 0.5),
@@ -49,13 +47,13 @@ pub fn closed_form(scheme: &Scheme, Omega: f64) -> Option<[f64; 3]> {
 /// −ω² q₀, for Runge-Kutta methods by R(iΩ), which multiplies q − i q̇/ω. `None` for other schemes.
 pub fn closed_first_step(scheme: &Scheme, Omega: f64) -> Option<FirstStep> {
     let W = Omega * Omega;
-    if let Some(coefficients) = scheme.coefficients() {
-        let Coefficients {
-            alpha_m: m,
-            alpha_f: f,
-            beta: b,
-            gamma: g,
-        } = coefficients;
+    if let Some(Coefficients {
+        alpha_m: m,
+        alpha_f: f,
+        beta: b,
+        gamma: g,
+    }) = scheme.coefficients()
+    {
         // (1 − α_m) y₁ + α_m y₀ = −W ((1 − α_f) q₁ + α_f q₀), y = h² a, with y₀ = −W q₀,
         // multiplied out so that nothing large cancels.
         let (m1, f1) = (1.0 - m, 1.0 - f);
@@ -82,13 +80,13 @@ pub fn expansion(scheme: &Scheme) -> Option<[f64; 2]> {
     if scheme.order() < 2 {
         return None;
     }
-    if let Some(coefficients) = scheme.coefficients() {
-        let Coefficients {
-            alpha_m: m,
-            alpha_f: f,
-            beta: b,
-            ..
-        } = coefficients;
+    if let Some(Coefficients {
+        alpha_m: m,
+        alpha_f: f,
+        beta: b,
+        ..
+    }) = scheme.coefficients()
+    {
         return Some([
             (12.0 * b - 1.0 - 12.0 * f * f + 12.0 * f * m) / 24.0,
             (f - m) * (b - f + f * m) / 2.0,

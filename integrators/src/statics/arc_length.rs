@@ -4,13 +4,9 @@
 //! (λ/λ_scale)², which is independent of mesh and units. Each step solves on the hyperplane normal
 //! to the tangent at its start, so that limit points in λ are passed.
 
-#![allow(non_snake_case)]
-
-use super::Iteration;
 use super::newton::{Condition, Newton};
+use super::{Iteration, Problem};
 use crate::failure::Failure;
-use crate::linear_solver::LinearSolver;
-use pullback_manifold::system::System;
 
 /// Position on the path with its unit tangent.
 #[derive(Clone)]
@@ -59,71 +55,70 @@ impl Norm {
 pub(super) const SHARPEST_BEND: f64 = 0.6;
 /// Corrections of coordinates over their scales that cannot be another part of the path.
 const LEAST: f64 = 1e-12;
-/// Unit tangent at a position, in the direction of its present one.
-pub(super) fn tangent(
-    newton: &mut Newton,
-    solver: &mut dyn LinearSolver,
-    system: &mut dyn System,
-    at: &mut Position,
-    norm: &Norm,
-) -> Result<(), Failure> {
-    newton
-        .evaluate(system, None, &at.q, at.lambda)
-        .map_err(Failure::System)?;
-    newton.factorise(solver)?;
-    newton.solve_rate(solver)?;
-    let rate = (newton.q_lambda.as_slice(), 1.0);
-    let length = norm.dot(rate, rate).sqrt();
-    let sense = norm.dot(rate, (&at.dq, at.d_lambda)).signum() / length;
-    if !sense.is_finite() {
-        return Err(Failure::Diverged);
-    }
-    for (dq, rate) in at.dq.iter_mut().zip(rate.0) {
-        *dq = sense * rate;
-    }
-    at.d_lambda = sense;
-    Ok(())
-}
 
-/// Predicts along the tangent and corrects on the hyperplane normal to it.
-#[allow(clippy::too_many_arguments, reason = "a private step of one algorithm")]
-pub(super) fn advance(
-    newton: &mut Newton,
-    solver: &mut dyn LinearSolver,
-    system: &mut dyn System,
-    at: &Position,
-    ds: f64,
-    norm: &Norm,
-    next: &mut Position,
-) -> Result<(), Failure> {
-    for (q, (q0, dq)) in next.q.iter_mut().zip(at.q.iter().zip(&at.dq)) {
-        *q = q0 + ds * dq;
+impl Newton {
+    /// Unit tangent at a position, in the direction of its present one.
+    pub(super) fn tangent(
+        &mut self,
+        problem: &mut Problem<'_>,
+        at: &mut Position,
+        norm: &Norm,
+    ) -> Result<(), Failure> {
+        self.evaluate(problem, None, &at.q, at.lambda)
+            .map_err(Failure::System)?;
+        self.factorise(problem)?;
+        self.solve_rate(problem)?;
+        let rate = (self.q_lambda.as_slice(), 1.0);
+        let length = norm.dot(rate, rate).sqrt();
+        let sense = norm.dot(rate, (&at.dq, at.d_lambda)).signum() / length;
+        if !sense.is_finite() {
+            return Err(Failure::Diverged);
+        }
+        for (dq, rate) in at.dq.iter_mut().zip(rate.0) {
+            *dq = sense * rate;
+        }
+        at.d_lambda = sense;
+        Ok(())
     }
-    next.lambda = at.lambda + ds * at.d_lambda;
-    newton.history.clear();
-    let loads = newton.largest(system, &newton.r_lambda);
-    newton.history.push(Iteration {
-        residual: loads.map(|r| r * (ds * at.d_lambda).abs()),
-        ratio: f64::INFINITY,
-        correction: ds.abs() * newton.size(&at.dq),
-        damping: 1.0,
-    });
-    let c: Vec<f64> = (at.dq.iter().zip(&norm.weights))
-        .map(|(dq, w)| dq * w)
-        .collect();
-    let condition = Condition {
-        c: &c,
-        c_lambda: at.d_lambda * norm.load,
-        q0: &at.q,
-        lambda0: at.lambda,
-        ds,
-    };
-    newton.correct(
-        system,
-        solver,
-        &mut next.q,
-        &mut next.lambda,
-        Some(&condition),
-        Some((at.lambda, &at.q)),
-    )
+
+    /// Predicts along the tangent and corrects on the hyperplane normal to it.
+    pub(super) fn advance(
+        &mut self,
+        problem: &mut Problem<'_>,
+        at: &Position,
+        ds: f64,
+        norm: &Norm,
+        next: &mut Position,
+    ) -> Result<(), Failure> {
+        for (q, (q0, dq)) in next.q.iter_mut().zip(at.q.iter().zip(&at.dq)) {
+            *q = q0 + ds * dq;
+        }
+        next.lambda = at.lambda + ds * at.d_lambda;
+        let loads = self.largest(&self.r_lambda);
+        self.history.clear();
+        self.history.push(Iteration {
+            residual: loads.map(|r| r * (ds * at.d_lambda).abs()),
+            ratio: f64::INFINITY,
+            correction: ds.abs() * self.size(&at.dq),
+            damping: 1.0,
+        });
+        let c: Vec<f64> = (at.dq.iter().zip(&norm.weights))
+            .map(|(dq, w)| dq * w)
+            .collect();
+        let condition = Condition {
+            c: &c,
+            c_lambda: at.d_lambda * norm.load,
+            q0: &at.q,
+            lambda0: at.lambda,
+            ds,
+        };
+        let (q, lambda) = (&mut next.q, &mut next.lambda);
+        self.correct(
+            problem,
+            q,
+            lambda,
+            Some(&condition),
+            Some((at.lambda, &at.q)),
+        )
+    }
 }

@@ -5,6 +5,7 @@ use crate::linear_solver::LinearError;
 
 /// Error of a static analysis.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum StaticsError {
     /// An invalid option.
     #[error(
@@ -12,18 +13,10 @@ pub enum StaticsError {
          most {}",
         super::StaticNewtonOptions::LOOSEST
     )]
-    Option {
-        /// Its name.
-        name: &'static str,
-        /// Its value.
-        value: f64,
-    },
+    Option { name: &'static str, value: f64 },
     /// The linear solver cannot analyse the pattern.
     #[error("the linear solver cannot take this model: {source}")]
-    Analysis {
-        /// The error of the solver.
-        source: LinearError,
-    },
+    Analysis { source: LinearError },
     /// A step failed down to the smallest step size.
     #[error("{0}")]
     Step(Box<FailedStep>),

@@ -5,15 +5,10 @@
 //! path between its ends and is rejected, like one that did not converge. Reported states are at
 //! the event, converged, and on the same path.
 
-#![allow(non_snake_case)]
-
-use super::Iteration;
-use super::arc_length::{Norm, Position, SHARPEST_BEND, advance, tangent};
+use super::arc_length::{Norm, Position, SHARPEST_BEND};
 use super::newton::Newton;
-use super::path::{ArcLengthOptions, Event};
-use super::stability::unstable;
+use super::{ArcLengthOptions, Event, Iteration, Problem};
 use crate::failure::Failure;
-use crate::linear_solver::LinearSolver;
 use pullback_manifold::system::System;
 
 /// An event found within a step.
@@ -40,6 +35,15 @@ fn event_value(event: Event, position: &Position) -> f64 {
     }
 }
 
+/// An event in words.
+fn describe(system: &dyn System, event: Event) -> String {
+    match event {
+        Event::TurningPoint => "a turning point".to_owned(),
+        Event::Load(load) => format!("load parameter {load}"),
+        Event::Coordinate { unknown, value } => format!("{} = {value}", system.name(unknown)),
+    }
+}
+
 /// Change of an event function, relative to its change over the step, that counts as zero.
 ///
 /// At a turning point K is singular and λ has no slope: 1e-7 there leaves λ exact to round-off
@@ -53,7 +57,7 @@ fn resolution(event: Event) -> f64 {
 
 /// Largest value of an event function at which the event counts as found.
 ///
-/// λ is off by the square of its slope at a turning point.
+/// At a turning point the error of λ is the square of its slope.
 fn largest_miss(event: Event, newton: &Newton, options: &ArcLengthOptions) -> f64 {
     match event {
         Event::TurningPoint => 1e-5 * options.load_scale,
@@ -67,8 +71,7 @@ fn largest_miss(event: Event, newton: &Newton, options: &ArcLengthOptions) -> f6
 /// The events of a step (start, end, distance), in order.
 pub(super) fn locate(
     newton: &mut Newton,
-    solver: &mut dyn LinearSolver,
-    system: &mut dyn System,
+    problem: &mut Problem<'_>,
     step: (&Position, &Position, f64),
     norm: &Norm,
     options: &ArcLengthOptions,
@@ -80,7 +83,7 @@ pub(super) fn locate(
         // An event that cannot be evaluated (NaN) is ignored; one at the start was reported with
         // the step before.
         if fa * fb < 0.0 || (fb == 0.0 && fa != 0.0) {
-            let mut one = find(newton, solver, system, step, norm, event)?;
+            let mut one = find(newton, problem, step, norm, event)?;
             let missed =
                 event_value(event, &one.position).abs() > largest_miss(event, newton, options);
             let position = &mut one.position;
@@ -88,13 +91,14 @@ pub(super) fn locate(
                 position.dq.copy_from_slice(&at.dq);
                 position.d_lambda = at.d_lambda;
                 // If the tangent is singular, its direction is unknown.
-                if tangent(newton, solver, system, position, norm).is_ok() {
-                    one.unstable = unstable(newton, solver, system);
+                if newton.tangent(problem, position, norm).is_ok() {
+                    one.unstable = newton.unstable(problem);
                 }
             }
             let bend = norm.dot((&at.dq, at.d_lambda), (&position.dq, position.d_lambda));
             if missed || bend < SHARPEST_BEND {
-                return Err(Failure::Unlocated(event));
+                let position = describe(problem.system, event);
+                return Err(Failure::Unlocated { position });
             }
             one.index = index;
             found.push(one);
@@ -108,8 +112,7 @@ pub(super) fn locate(
 /// be resolved.
 fn find(
     newton: &mut Newton,
-    solver: &mut dyn LinearSolver,
-    system: &mut dyn System,
+    problem: &mut Problem<'_>,
     (at, next, ds): (&Position, &Position, f64),
     norm: &Norm,
     event: Event,
@@ -136,7 +139,7 @@ fn find(
         };
         trial.dq.copy_from_slice(&at.dq);
         trial.d_lambda = at.d_lambda;
-        if let Err(failure) = advance(newton, solver, system, at, s, norm, &mut trial) {
+        if let Err(failure) = newton.advance(problem, at, s, norm, &mut trial) {
             if least.is_finite() {
                 break;
             }
@@ -145,9 +148,7 @@ fn find(
         best.iterations += newton.iterations();
         let history = newton.history.clone();
         // At the turning point itself the tangent is singular.
-        if event == Event::TurningPoint
-            && tangent(newton, solver, system, &mut trial, norm).is_err()
-        {
+        if event == Event::TurningPoint && newton.tangent(problem, &mut trial, norm).is_err() {
             break;
         }
         let f = event_value(event, &trial);

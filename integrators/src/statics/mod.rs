@@ -1,76 +1,33 @@
 //! Equilibrium: load stepping and path following for any
 //! [`System`](pullback_manifold::system::System) at rest.
 //!
-//! A step reads as verbs: change charts, evaluate, predict, correct, accept. The step size is
-//! halved after a failure and grows after an easy step.
+//! A step changes charts, evaluates the system, predicts, corrects and accepts. Its size is halved
+//! after a failure and grows after a step of few iterations.
 
 #![allow(non_snake_case)]
 
 mod arc_length;
 mod error;
 mod fixed_load;
-mod load_steps;
+mod load_run;
 mod locate;
 mod newton;
-mod path;
+mod options;
 mod path_run;
 mod stability;
 mod start;
+mod steps;
 
 pub use crate::failure::{Cause, Cost, FailedStep, StepParameter};
 pub use error::StaticsError;
-pub use load_steps::{
-    LoadSteps, StaticOptions, StaticSummary, equilibrium, solve_statics, solve_statics_with,
+pub(crate) use options::refused;
+pub use options::{ArcLengthOptions, Event, StaticNewtonOptions, StaticOptions};
+pub use steps::{
+    LoadSteps, PathSteps, Steps, equilibrium, solve_statics, solve_statics_with, trace_path,
+    trace_path_with,
 };
-pub use path::{ArcLengthOptions, Event, PathSteps, PathSummary, trace_path, trace_path_with};
 
-/// Options of Newton's method.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StaticNewtonOptions {
-    /// Residual relative to applied and reaction forces (moments) at convergence; positive,
-    /// [`StaticNewtonOptions::LOOSEST`] at most.
-    pub relative: f64,
-    /// Absolute tolerance of the same test, in units of force (moment); 0 allows only rounding errors.
-    pub absolute: f64,
-    /// Largest number of linear solutions per step.
-    pub max_iterations: usize,
-    /// Number of full corrections at the beginning of a step; later ones are damped if they do not
-    /// approach the solution.
-    pub full_corrections: usize,
-    /// A step that needs a smaller damping factor fails.
-    pub smallest_damping: f64,
-}
-
-impl Default for StaticNewtonOptions {
-    fn default() -> Self {
-        Self {
-            relative: 1e-9,
-            absolute: 0.0,
-            max_iterations: 20,
-            full_corrections: 6,
-            smallest_damping: 1.0 / 16.0,
-        }
-    }
-}
-
-impl StaticNewtonOptions {
-    /// Largest [`StaticNewtonOptions::relative`].
-    pub const LOOSEST: f64 = 0.1;
-
-    /// An invalid tolerance, with its name.
-    fn refused(&self) -> Option<(&'static str, f64)> {
-        refused(self.relative, self.absolute)
-    }
-}
-
-/// The first invalid tolerance of Newton's method, with its name.
-pub(crate) fn refused(relative: f64, absolute: f64) -> Option<(&'static str, f64)> {
-    if !(relative > 0.0 && relative <= StaticNewtonOptions::LOOSEST) {
-        return Some(("newton.relative", relative));
-    }
-    let usable = absolute >= 0.0 && absolute.is_finite();
-    (!usable).then_some(("newton.absolute", absolute))
-}
+use steps::Problem;
 
 /// One Newton iteration of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,6 +40,11 @@ pub struct Iteration {
     pub correction: f64,
     /// Part of the correction that was applied.
     pub damping: f64,
+}
+
+/// Number of linear solutions in a history.
+pub(crate) fn solutions(history: &[Iteration]) -> usize {
+    history.iter().filter(|i| i.damping > 0.0).count()
 }
 
 /// Report of a converged step, for observers.
@@ -110,6 +72,43 @@ pub struct Step<'a> {
     /// this state, less one for each equation with a multiplier. `None` if the tangent is not
     /// symmetric or is singular, as at a turning point, or if the solver does not provide it.
     pub unstable: Option<usize>,
+}
+
+/// Counters and results of an analysis.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StaticSummary {
+    /// Load parameter reached.
+    pub t: f64,
+    /// Converged steps.
+    pub steps: usize,
+    /// Failed attempts.
+    pub rejected: usize,
+    /// Linear solutions in converged steps.
+    pub iterations: usize,
+    /// Evaluations of the system.
+    pub evaluations: usize,
+    /// Factorisations.
+    pub factorisations: usize,
+    /// Changes of chart.
+    pub chart_changes: usize,
+    /// Whether the end of the load was reached (an observer may stop earlier).
+    pub finished: bool,
+}
+
+impl StaticSummary {
+    /// Takes over the cost so far.
+    fn count(&mut self, cost: Cost) {
+        (self.evaluations, self.factorisations) = (cost.evaluations, cost.factorisations);
+    }
+}
+
+/// Results of path following.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PathSummary {
+    /// Counters as in load stepping; `finished` says that an ending event was reached.
+    pub summary: StaticSummary,
+    /// Events in order: index and load parameter.
+    pub events: Vec<(usize, f64)>,
 }
 
 /// An equilibrium that a step has reached.

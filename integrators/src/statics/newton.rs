@@ -14,13 +14,11 @@
 //! simplified correction K⁻¹r at the new point is smaller (Deuflhard 2004, Newton Methods for Nonlinear
 //! Problems, section 3.3). A trial outside the domain of a chart is always damped.
 
-#![allow(non_snake_case)]
-
-use super::{Iteration, StaticNewtonOptions, StaticSummary};
+use super::{Iteration, Problem, StaticNewtonOptions, StaticSummary, StaticsError, solutions};
 use crate::convergence::ConvergencePredictor;
 use crate::failure::{Cost, FailedStep, Failure, FailureContext, StepParameter};
-use crate::linear_solver::LinearSolver;
-use crate::rounding::{allowed, inverse_scales, is_rounding, rounding_of_gaps};
+use crate::linear_solver::Symmetry;
+use crate::rounding::{ResidualTest, inverse_scales, is_rounding, largest, rounding_of_gaps};
 use pullback_manifold::system::{Evaluation, Point, Quantity, System, SystemError, Weights};
 
 /// A condition c·(q − q₀) + c_λ (λ − λ₀) = ds that replaces a fixed load.
@@ -33,6 +31,7 @@ pub(super) struct Condition<'a> {
 }
 
 impl Condition<'_> {
+    /// What is missing from the condition.
     fn defect(&self, q: &[f64], lambda: f64) -> f64 {
         let along: f64 = (self.c.iter().zip(q).zip(self.q0))
             .map(|((c, q), q0)| c * (q - q0))
@@ -42,7 +41,6 @@ impl Condition<'_> {
 }
 
 /// Buffers and history of an iteration.
-#[derive(Default)]
 pub(super) struct Newton {
     pub r: Vec<f64>,
     pub S: Vec<f64>,
@@ -55,26 +53,34 @@ pub(super) struct Newton {
     simplified: Vec<f64>,
     /// 1 / typical size of each coordinate; zero for multipliers.
     pub inverse_scale: Vec<f64>,
+    /// Quantity of each coordinate.
+    quantities: Vec<Quantity>,
     pub history: Vec<Iteration>,
-    pub evaluations: usize,
-    pub factorisations: usize,
-    /// First nonzero residual per quantity of a step; for a prediction, the change of the loads.
-    unbalanced: [f64; 3],
-    /// Whether there are gaps of multipliers, and the largest rounding error in them.
+    pub cost: Cost,
+    test: ResidualTest,
+    /// Whether there are gaps of multipliers.
     has_gaps: bool,
-    gaps: f64,
-    /// Tolerance of the residual per quantity.
-    allowed: [f64; 3],
     /// Number of predictions in the history, made before any residual was known.
     predicted: usize,
     options: StaticNewtonOptions,
 }
 
 impl Newton {
-    pub(super) fn new(system: &dyn System, options: &StaticNewtonOptions) -> Self {
+    /// Buffers for a problem, whose pattern the linear solver analyses.
+    pub(super) fn new(
+        Problem { system, solver }: &mut Problem<'_>,
+        options: &StaticNewtonOptions,
+    ) -> Result<Self, StaticsError> {
+        let symmetry = match system.is_symmetric() {
+            true => Symmetry::Symmetric,
+            false => Symmetry::General,
+        };
+        solver
+            .analyse(system.pattern(), symmetry)
+            .map_err(|source| StaticsError::Analysis { source })?;
         let n = system.pattern().dim();
         let zeros = || vec![0.0; n];
-        Self {
+        Ok(Self {
             r: zeros(),
             S: vec![0.0; system.pattern().len()],
             r_lambda: zeros(),
@@ -82,17 +88,15 @@ impl Newton {
             q_lambda: zeros(),
             trial: zeros(),
             simplified: zeros(),
-            inverse_scale: inverse_scales(system),
+            inverse_scale: inverse_scales(*system),
+            quantities: (0..n).map(|i| system.coordinate_info(i).quantity).collect(),
             history: Vec::with_capacity(options.max_iterations.min(100) + 1),
-            evaluations: 0,
-            factorisations: 0,
-            unbalanced: [0.0; 3],
-            gaps: 0.0,
+            cost: Cost::default(),
+            test: ResidualTest::new(options.relative, options.absolute),
             has_gaps: (0..n).any(|i| system.coordinate_info(i).is_multiplier),
-            allowed: [0.0; 3],
             predicted: 0,
             options: *options,
-        }
+        })
     }
 
     /// Largest entry of a coordinate vector relative to the coordinates' scales.
@@ -106,12 +110,12 @@ impl Newton {
     /// Residual, tangent and ∂r/∂λ; the tangent may extrapolate from a previous iterate.
     pub(super) fn evaluate(
         &mut self,
-        system: &mut dyn System,
+        problem: &mut Problem<'_>,
         previous: Option<(f64, &[f64])>,
         q: &[f64],
         lambda: f64,
     ) -> Result<(), SystemError> {
-        self.evaluations += 1;
+        self.cost.evaluations += 1;
         let rest = |t, q| Point {
             t,
             q,
@@ -125,13 +129,13 @@ impl Newton {
             previous: previous.map(|(t, from)| rest(t, from)),
             accelerations: None,
         };
-        system.evaluate(rest(lambda, q), out)
+        problem.system.evaluate(rest(lambda, q), out)
     }
 
     /// Report of a failed step to `to`.
     pub(super) fn fail(
         &self,
-        system: &mut dyn System,
+        problem: &mut Problem<'_>,
         failure: Failure,
         summary: &StaticSummary,
         to: f64,
@@ -141,76 +145,45 @@ impl Newton {
             r: &self.r,
             S: &self.S,
             history: &self.history,
+            parameter: StepParameter::Load,
+            span: [summary.t, to],
+            steps: summary.steps,
+            rejected: summary.rejected,
+            cost: self.cost,
         };
-        let (parameter, span) = (StepParameter::Load, [summary.t, to]);
-        let (steps, rejected) = (summary.steps, summary.rejected);
-        let cost = Cost {
-            evaluations: self.evaluations,
-            factorisations: self.factorisations,
-        };
-        let step = FailedStep::new(system, context, parameter, span, steps, rejected, cost);
-        Box::new(step)
+        FailedStep::new(problem.system, context)
     }
 
-    pub(super) fn factorise(&mut self, solver: &mut dyn LinearSolver) -> Result<(), Failure> {
-        self.factorisations += 1;
-        solver.factorise(&self.S).map_err(Failure::Linear)
+    pub(super) fn factorise(&mut self, problem: &mut Problem<'_>) -> Result<(), Failure> {
+        self.cost.factorisations += 1;
+        problem.solver.factorise(&self.S).map_err(Failure::linear)
     }
 
     /// dq/dλ = K⁻¹ r_λ with the present factorisation.
-    pub(super) fn solve_rate(&mut self, solver: &mut dyn LinearSolver) -> Result<(), Failure> {
+    pub(super) fn solve_rate(&mut self, problem: &mut Problem<'_>) -> Result<(), Failure> {
         self.q_lambda.copy_from_slice(&self.r_lambda);
-        solver
-            .solve(Some(&self.S), &mut self.q_lambda)
-            .map_err(Failure::Linear)
+        let solved = problem.solver.solve(Some(&self.S), &mut self.q_lambda);
+        solved.map_err(Failure::linear)
     }
 
     /// Linear solutions made since the history was cleared.
     pub(super) fn iterations(&self) -> usize {
-        self.history.iter().filter(|i| i.damping > 0.0).count()
+        solutions(&self.history)
     }
 
     /// Largest entry per quantity of a residual vector.
-    pub(super) fn largest(&self, system: &dyn System, r: &[f64]) -> [f64; 3] {
-        let mut largest = [0.0_f64; 3];
-        for (i, r) in r.iter().enumerate() {
-            let k = system.coordinate_info(i).quantity.index();
-            largest[k] = largest[k].max(r.abs());
-        }
-        largest
+    pub(super) fn largest(&self, r: &[f64]) -> [f64; 3] {
+        largest(&self.quantities, r, [0.0; 3])
     }
 
     /// Whether the last correction left only rounding errors. A prediction, by the tangent at
     /// another load, says nothing about convergence.
     fn is_rounding(&mut self, system: &dyn System, q: &[f64], residual: [f64; 3]) -> bool {
         let corrections = &self.history[self.predicted..];
-        ConvergencePredictor::new(corrections, true).is_stagnation(residual, self.allowed, true)
-            && {
-                let room = [&mut self.trial[..], &mut self.simplified[..]];
-                is_rounding(system, &self.S, q, &self.r, room)
-            }
-    }
-
-    /// Residual per quantity, and the largest of them relative to the tolerance.
-    fn test(&mut self, system: &dyn System) -> ([f64; 3], f64) {
-        let largest = self.largest(system, &self.r);
-        let measures = system.scales().measures();
-        let mut ratio = 0.0_f64;
-        for (first, &most) in self.unbalanced.iter_mut().zip(&largest) {
-            if *first == 0.0 {
-                *first = most;
-            }
-        }
-        let StaticNewtonOptions {
-            relative, absolute, ..
-        } = self.options;
-        let mut least = [absolute; 3];
-        least[Quantity::Other.index()] = absolute.max(self.gaps);
-        self.allowed = allowed(measures, self.unbalanced, relative, least);
-        for (most, allowed) in largest.iter().zip(self.allowed) {
-            ratio = ratio.max(most / allowed);
-        }
-        (largest, ratio)
+        let predictor = ConvergencePredictor::new(corrections, true);
+        let work = [&mut self.trial[..], &mut self.simplified[..]];
+        predictor.is_stagnation(residual, self.test.allowed, true)
+            && is_rounding(system, &self.S, q, &self.r, work)
     }
 
     /// Iterates (q, λ) from their present values; if `history` is not empty, a first linear
@@ -218,83 +191,92 @@ impl Newton {
     /// solution are up to date.
     pub(super) fn correct(
         &mut self,
-        system: &mut dyn System,
-        solver: &mut dyn LinearSolver,
+        problem: &mut Problem<'_>,
         q: &mut [f64],
         lambda: &mut f64,
         condition: Option<&Condition<'_>>,
         previous: Option<(f64, &[f64])>,
     ) -> Result<(), Failure> {
-        let options = self.options;
         self.predicted = 0;
-        self.unbalanced = [0.0; 3];
+        self.test.first = [0.0; 3];
         if let (Some(prediction), true) = (self.history.last(), previous.is_some()) {
             self.predicted = self.history.len();
-            self.unbalanced = prediction.residual;
+            self.test.first = prediction.residual;
         }
-        self.evaluate(system, previous, q, *lambda)
+        self.evaluate(problem, previous, q, *lambda)
             .map_err(Failure::System)?;
         if self.has_gaps {
-            let room = [&mut self.trial[..], &mut self.simplified[..]];
-            self.gaps = rounding_of_gaps(system, &self.S, q, room);
+            let work = [&mut self.trial[..], &mut self.simplified[..]];
+            self.test.gaps = rounding_of_gaps(problem.system, &self.S, q, work);
         }
         loop {
-            let (residual, ratio) = self.test(system);
+            let residual = self.largest(&self.r);
+            let ratio = (self.test).ratio(residual, problem.system.scales().measures());
             let on_condition =
                 condition.is_none_or(|c| c.defect(q, *lambda).abs() <= 1e-9 * c.ds.abs() + 1e-14);
             // One correction is made even if the prediction is in balance: a small load beside a
             // large one that sets the tolerance would otherwise only see the tangent of the step
             // before.
             let corrected = self.history.len() > self.predicted || ratio == 0.0;
-            let balanced = corrected && (ratio <= 1.0 || self.is_rounding(system, q, residual));
-            let stop = on_condition && balanced;
-            if stop || self.history.len() >= options.max_iterations {
-                self.history.push(Iteration {
-                    residual,
-                    ratio,
-                    correction: 0.0,
-                    damping: 0.0,
-                });
-                return if stop {
-                    Ok(())
-                } else {
-                    Err(Failure::TooManyIterations)
-                };
+            let balanced =
+                corrected && (ratio <= 1.0 || self.is_rounding(problem.system, q, residual));
+            let converged = on_condition && balanced;
+            let (mut correction, mut damping) = (0.0, 0.0);
+            let ended = converged || self.history.len() >= self.options.max_iterations;
+            if !ended {
+                let d_lambda = self.solve(problem, q, *lambda, condition)?;
+                damping = self.damped_step(problem, q, lambda, d_lambda, ratio)?;
+                correction = self.size(&self.dq);
             }
-            self.factorisations += 1;
-            self.dq.copy_from_slice(&self.r);
-            solver
-                .factorise_and_solve(&self.S, &mut self.dq)
-                .map_err(Failure::Linear)?;
-            let mut d_lambda = 0.0;
-            if let Some(c) = condition {
-                self.solve_rate(solver)?;
-                let dot = |v: &[f64]| -> f64 { c.c.iter().zip(v).map(|(c, v)| c * v).sum() };
-                let slope = dot(&self.q_lambda) + c.c_lambda;
-                d_lambda = (c.defect(q, *lambda) - dot(&self.dq)) / slope;
-                if !d_lambda.is_finite() {
-                    return Err(Failure::Diverged);
-                }
-                for (dq, rate) in self.dq.iter_mut().zip(&self.q_lambda) {
-                    *dq += d_lambda * rate;
-                }
-            }
-            let damping = self.damped_step(system, solver, q, lambda, d_lambda, ratio)?;
             self.history.push(Iteration {
                 residual,
                 ratio,
-                correction: self.size(&self.dq),
+                correction,
                 damping,
             });
+            match (ended, converged) {
+                (true, true) => return Ok(()),
+                (true, false) => return Err(Failure::TooManyIterations),
+                (false, _) => {}
+            }
         }
+    }
+
+    /// Writes the correction at (q, λ) to `dq`; returns that of λ.
+    fn solve(
+        &mut self,
+        problem: &mut Problem<'_>,
+        q: &[f64],
+        lambda: f64,
+        condition: Option<&Condition<'_>>,
+    ) -> Result<f64, Failure> {
+        self.cost.factorisations += 1;
+        self.dq.copy_from_slice(&self.r);
+        let solver = &mut *problem.solver;
+        solver
+            .factorise_and_solve(&self.S, &mut self.dq)
+            .map_err(Failure::linear)?;
+        let Some(c) = condition else {
+            return Ok(0.0);
+        };
+        self.solve_rate(problem)?;
+        let dot = |v: &[f64]| -> f64 { c.c.iter().zip(v).map(|(c, v)| c * v).sum() };
+        let slope = dot(&self.q_lambda) + c.c_lambda;
+        let d_lambda = (c.defect(q, lambda) - dot(&self.dq)) / slope;
+        if !d_lambda.is_finite() {
+            return Err(Failure::Diverged);
+        }
+        for (dq, rate) in self.dq.iter_mut().zip(&self.q_lambda) {
+            *dq += d_lambda * rate;
+        }
+        Ok(d_lambda)
     }
 
     /// Steps along `dq` as far as the natural monotonicity test allows; updates q, λ and the
     /// evaluation.
     fn damped_step(
         &mut self,
-        system: &mut dyn System,
-        solver: &mut dyn LinearSolver,
+        problem: &mut Problem<'_>,
         q: &mut [f64],
         lambda: &mut f64,
         d_lambda: f64,
@@ -313,36 +295,35 @@ impl Newton {
                 *x += damping * d;
             }
             let trial = std::mem::take(&mut self.trial);
-            let outcome = self.evaluate(
-                system,
-                Some((*lambda, &*q)),
-                &trial,
-                *lambda + damping * d_lambda,
-            );
+            let t = *lambda + damping * d_lambda;
+            let outcome = self.evaluate(problem, Some((*lambda, &*q)), &trial, t);
             self.trial = trial;
-            let accepted = match outcome {
-                Err(error) => {
-                    last = Some(error);
-                    false
-                }
-                Ok(()) => {
-                    last = None;
-                    free || self.test(system).1 <= ratio || {
-                        self.simplified.copy_from_slice(&self.r);
-                        solver
-                            .solve(None, &mut self.simplified)
-                            .map_err(Failure::Linear)?;
-                        self.size(&self.simplified) <= (1.0 - 0.25 * damping) * full
-                    }
-                }
-            };
-            if accepted {
+            last = outcome.err();
+            if last.is_none() && (free || self.approaches(problem, damping, full, ratio)?) {
                 q.copy_from_slice(&self.trial);
-                *lambda += damping * d_lambda;
+                *lambda = t;
                 return Ok(damping);
             }
             damping *= 0.5;
         }
         Err(last.map_or(Failure::Diverged, Failure::System))
+    }
+
+    /// The natural monotonicity test at the trial.
+    fn approaches(
+        &mut self,
+        problem: &mut Problem<'_>,
+        damping: f64,
+        full: f64,
+        ratio: f64,
+    ) -> Result<bool, Failure> {
+        let measures = problem.system.scales().measures();
+        if self.test.ratio(self.largest(&self.r), measures) <= ratio {
+            return Ok(true);
+        }
+        self.simplified.copy_from_slice(&self.r);
+        let solved = problem.solver.solve(None, &mut self.simplified);
+        solved.map_err(Failure::linear)?;
+        Ok(self.size(&self.simplified) <= (1.0 - 0.25 * damping) * full)
     }
 }

@@ -7,32 +7,24 @@
 //! points: Nocedal & Wright 2006, Numerical Optimization, theorem 16.3), so the number of equations
 //! is subtracted.
 
+use super::Problem;
 use super::newton::Newton;
-use crate::linear_solver::LinearSolver;
-use pullback_manifold::system::System;
 
-/// Number of unstable directions at the state evaluated and factorised last.
-///
-/// `None` if the tangent is not symmetric, or the solver does not provide it.
-pub(super) fn unstable(
-    newton: &Newton,
-    solver: &mut dyn LinearSolver,
-    system: &dyn System,
-) -> Option<usize> {
-    if !system.is_symmetric() {
-        return None;
-    }
-    let negative = solver.negative_pivots(&newton.S)?;
-    let pattern = system.pattern();
-    let mut equations = 0;
-    for block in 0..pattern.blocks() {
-        let n = pattern.size(block);
-        let start = pattern.find(block, block)?;
-        for (k, unknown) in pattern.unknowns(block).enumerate() {
-            // A multiplier with a redundant equation has a diagonal entry and no others.
-            let enforced = newton.S[start + k * (n + 1)] == 0.0;
-            equations += usize::from(enforced && system.coordinate_info(unknown).is_multiplier);
+impl Newton {
+    /// Number of unstable directions at the state evaluated and factorised last.
+    ///
+    /// `None` if the tangent is not symmetric, or the solver does not provide it.
+    pub(super) fn unstable(&self, problem: &mut Problem<'_>) -> Option<usize> {
+        let system = &*problem.system;
+        if !system.is_symmetric() {
+            return None;
         }
+        let negative = problem.solver.negative_pivots(&self.S)?;
+        let diagonal = system.pattern().diagonal().enumerate();
+        // A multiplier with a redundant equation has a diagonal entry and no others.
+        let enforced =
+            |&(i, k): &(usize, usize)| self.S[k] == 0.0 && system.coordinate_info(i).is_multiplier;
+        let equations = diagonal.filter(enforced).count();
+        negative.checked_sub(equations)
     }
-    negative.checked_sub(equations)
 }

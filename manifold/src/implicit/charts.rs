@@ -1,6 +1,6 @@
 //! The choice of the coordinates q, and its changes at converged states.
 
-use super::core::{Core, ImplicitChart, RANK};
+use super::core::{ImplicitChart, ImplicitMap, RANK, is_singular};
 use super::dense::{norm, product_tr};
 use super::{Choice, Unknown};
 use crate::so3;
@@ -21,7 +21,7 @@ const WEIGHT: f64 = 1e-3;
 /// Gain in the condition number that triggers a change of coordinates (hysteresis).
 const GAIN: f64 = 2.0;
 
-impl Core {
+impl ImplicitMap {
     /// Length of row i of h_x, of coordinates over their sizes.
     pub(super) fn row(&self, i: usize) -> f64 {
         let entry = |k: usize| self.work.J[i + (self.p + k) * self.M] * self.size(k);
@@ -70,7 +70,7 @@ impl Core {
         self.best_by(choice, |_| 1.0)
     }
 
-    /// As [`Core::best`], with a weight for each unknown.
+    /// As [`ImplicitMap::best`], with a weight for each unknown.
     fn best_by(&mut self, choice: Choice, weight: impl Fn(&Unknown) -> f64) -> f64 {
         let (X, M, D) = (self.X, self.M, self.D);
         self.rank_equations();
@@ -83,60 +83,73 @@ impl Core {
         }
         chart.L.clear();
         chart.L.resize(X * D, 0.0);
-        if choice == Choice::Tangent {
-            // Orthonormal directions across the gradients, of coordinates over their sizes.
-            w.scaled.clear();
-            w.scaled.resize(X * X, 0.0);
-            for k in 0..X {
-                w.scaled[k + k * X] = 1.0;
-            }
-            for k in 0..X - D {
-                let n = w.equations.direction(k);
-                for j in 0..X {
-                    for i in 0..X {
-                        w.scaled[i + j * X] -= n[i] * n[j];
-                    }
+        match choice {
+            Choice::Tangent => self.take_tangent(),
+            Choice::Split | Choice::Fixed => self.take_split(weight),
+        }
+        self.try_chart()
+    }
+
+    /// The trial chart takes orthonormal directions across the gradients, of coordinates over their
+    /// sizes.
+    fn take_tangent(&mut self) {
+        let (X, D) = (self.X, self.D);
+        let w = &mut self.work;
+        w.scaled.clear();
+        w.scaled.resize(X * X, 0.0);
+        for k in 0..X {
+            w.scaled[k + k * X] = 1.0;
+        }
+        for k in 0..X - D {
+            let n = w.equations.direction(k);
+            for j in 0..X {
+                for i in 0..X {
+                    w.scaled[i + j * X] -= n[i] * n[j];
                 }
-            }
-            w.columns.run(X, &w.scaled);
-            for j in 0..D {
-                let direction = w.columns.direction(j);
-                for k in 0..X {
-                    chart.L[k + j * X] = direction[k] / self.about.unknowns[k].size;
-                }
-            }
-            chart.independent = None;
-        } else {
-            // Coordinates that the equations in use determine best are dependent; the rest is q.
-            let rows = X - D;
-            let mut columns = std::mem::take(&mut w.rows);
-            columns.clear();
-            columns.resize(rows * X, 0.0);
-            let used = (0..M).filter(|&i| chart.used[i]);
-            for (row, i) in used.enumerate() {
-                for k in 0..X {
-                    columns[row + k * rows] = w.scaled[k + i * X] * weight(&self.about.unknowns[k]);
-                }
-            }
-            w.columns.run(rows, &columns);
-            w.rows = columns;
-            let chosen = chart.independent.get_or_insert_default();
-            chosen.clear();
-            if rows == 0 {
-                chosen.extend(0..X);
-            } else {
-                chosen.extend_from_slice(&w.columns.order[rows..]);
-            }
-            chosen.sort_unstable();
-            for (j, &k) in chosen.iter().enumerate() {
-                chart.L[k + j * X] = 1.0;
             }
         }
-        let condition = self.factorise(true);
-        if condition * RANK < 1.0 {
-            condition
+        w.columns.run(X, &w.scaled);
+        for j in 0..D {
+            let direction = w.columns.direction(j);
+            for k in 0..X {
+                w.trial.L[k + j * X] = direction[k] / self.about.unknowns[k].size;
+            }
+        }
+        w.trial.independent = None;
+    }
+
+    /// The trial chart takes a split: coordinates that the equations in use determine best are
+    /// dependent, the rest is q.
+    fn take_split(&mut self, weight: impl Fn(&Unknown) -> f64) {
+        let (X, rows) = (self.X, self.X - self.D);
+        let w = &mut self.work;
+        w.rows.clear();
+        w.rows.resize(rows * X, 0.0);
+        let used = (0..self.M).filter(|&i| w.trial.used[i]);
+        for (row, i) in used.enumerate() {
+            for k in 0..X {
+                w.rows[row + k * rows] = w.scaled[k + i * X] * weight(&self.about.unknowns[k]);
+            }
+        }
+        w.columns.run(rows, &w.rows);
+        let chosen = w.trial.independent.get_or_insert_default();
+        chosen.clear();
+        if rows == 0 {
+            chosen.extend(0..X);
         } else {
-            f64::INFINITY
+            chosen.extend_from_slice(&w.columns.order[rows..]);
+        }
+        chosen.sort_unstable();
+        for (j, &k) in chosen.iter().enumerate() {
+            w.trial.L[k + j * X] = 1.0;
+        }
+    }
+
+    /// A⁻¹ in the trial chart; the condition number, infinite if A is singular to working precision.
+    fn try_chart(&mut self) -> f64 {
+        match self.factorise(true) {
+            condition if is_singular(condition) => f64::INFINITY,
+            condition => condition,
         }
     }
 
@@ -157,7 +170,7 @@ impl Core {
         }
     }
 
-    /// As [`Core::choose`], preferring some unknowns among those that are about as good: all
+    /// As [`ImplicitMap::choose`], preferring some unknowns among those that are about as good: all
     /// preferences first, then the strong ones alone.
     pub(super) fn choose_first(&mut self) -> f64 {
         let best = self.choose();
@@ -224,10 +237,14 @@ impl Core {
                 return false;
             }
         }
-        self.reparametrize(t, None, q, v, a)
+        self.change_chart(t, None, q, v, a)
     }
 
-    pub(super) fn switch(
+    /// Changes the chart at (q, p) in any case: to the unknowns `independent` as q, or to the
+    /// tangent space there. False, without a change, if they do not determine x.
+    ///
+    /// The parameters follow q in `q`, in its velocity `v` and in the accelerations `a`.
+    pub fn switch(
         &mut self,
         t: f64,
         independent: Option<&[usize]>,
@@ -239,13 +256,13 @@ impl Core {
         if !independent.is_none_or(fits) || !self.remember(t, q) {
             return false;
         }
-        self.reparametrize(t, Some(independent), q, v, a)
+        self.change_chart(t, Some(independent), q, v, a)
     }
 
     /// Transforms (q, p), velocities and accelerations to the best chart, or to the one `wanted`.
     /// q′ = L′ᵀ(x − x_ref) is linear in x; x, ẋ and ẍ stay the same, but rotation vectors beyond π
     /// change to their complements.
-    fn reparametrize(
+    fn change_chart(
         &mut self,
         t: f64,
         wanted: Option<Option<&[usize]>>,
@@ -256,7 +273,7 @@ impl Core {
         let (p, X, D) = (self.p, self.X, self.D);
         let turned = wanted.is_none();
         if turned {
-            self.turn(0);
+            self.complement_rotations(0);
         }
         self.linearise(t);
         let condition = match wanted {
@@ -270,18 +287,18 @@ impl Core {
         if condition.is_infinite() {
             return false;
         }
-        self.rates(t, v);
+        self.find_rates(t, v);
         for a in a {
-            self.accelerations(a);
+            self.find_accelerations(a);
             if turned {
-                self.turn(2);
+                self.complement_rotations(2);
             }
             let w = &self.work;
             product_tr([D, X, 1], &w.trial.L, &w.y_ddot[p..], &mut a[..D]);
         }
         if turned {
-            self.turn(1);
-            self.turn(0);
+            self.complement_rotations(1);
+            self.complement_rotations(0);
         }
         let w = &mut self.work;
         product_tr([D, X, 1], &w.trial.L, &w.y_dot[p..], &mut v[..D]);
@@ -304,17 +321,12 @@ impl Core {
             trial.L[k + j * self.X] = 1.0;
         }
         self.work.trial = trial;
-        let condition = self.factorise(true);
-        if condition * RANK < 1.0 {
-            condition
-        } else {
-            f64::INFINITY
-        }
+        self.try_chart()
     }
 
     /// Changes rotation vectors beyond π to their complements: those of x, or the rates or
     /// accelerations of these rotations.
-    fn turn(&mut self, order: usize) {
+    fn complement_rotations(&mut self, order: usize) {
         let p = self.p;
         let w = &mut self.work;
         for &k in &self.about.rotations {
@@ -338,7 +350,7 @@ impl Core {
     }
 
     /// State besides (q, p), as numbers: anchor, chart and sizes.
-    pub(super) fn save(&self) -> Vec<f64> {
+    pub(super) fn state(&self) -> Vec<f64> {
         let mut out = vec![self.anchor.t];
         out.extend(&self.anchor.q);
         out.extend(&self.anchor.x);
@@ -349,10 +361,10 @@ impl Core {
         out
     }
 
-    /// Restores the state from [`Core::save`]; false, without a change, for anything else.
-    pub(super) fn restore(&mut self, saved: &[f64]) -> bool {
+    /// Restores the state from [`ImplicitMap::state`]; false, without a change, for anything else.
+    pub(super) fn set_state(&mut self, saved: &[f64]) -> bool {
         let (p, X, M, D) = (self.p, self.X, self.M, self.D);
-        let before = self.save();
+        let before = self.state();
         if saved.len() != before.len() || !saved.iter().all(|x| x.is_finite()) {
             return false;
         }

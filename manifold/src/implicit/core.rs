@@ -1,7 +1,7 @@
 //! Newton's method on h(t, p, x) = 0.
 
 use super::dense::{Inverse, Pivoted, norm, product};
-use super::{Description, DomainError};
+use super::{Description, SolveError};
 use crate::map::Parametrization;
 
 /// Equations whose gradients add less than this to the span of the others depend on them; a
@@ -29,25 +29,28 @@ pub(super) struct ImplicitChart {
     pub used: Vec<bool>,
 }
 
-/// State of the map, and the last solution.
-pub(super) struct Core {
-    pub h: Box<dyn Parametrization>,
-    pub about: Description,
-    pub p: usize,
-    pub X: usize,
-    pub M: usize,
-    pub D: usize,
+/// The map (q, p) ↦ x of equations h(t, p, x) = 0, solved for x in D = X − rank(h_x) of its own
+/// coordinates and the parameters p.
+///
+/// q = 0 is the initial configuration. Redundant equations are found, dropped and named.
+pub struct ImplicitMap {
+    pub(super) h: Box<dyn Parametrization>,
+    pub(super) about: Description,
+    pub(super) p: usize,
+    pub(super) X: usize,
+    pub(super) M: usize,
+    pub(super) D: usize,
     /// Configuration at q = 0.
-    pub reference: Vec<f64>,
-    pub chart: ImplicitChart,
+    pub(super) reference: Vec<f64>,
+    pub(super) chart: ImplicitChart,
     /// The last converged (q, p), x, its derivatives Y by them and P by the equations, from which
     /// Newton's method starts.
-    pub anchor: Anchor,
+    pub(super) anchor: Anchor,
     /// Largest length of each row of h_x so far.
-    pub sizes: Vec<f64>,
-    pub work: Work,
+    pub(super) sizes: Vec<f64>,
+    pub(super) work: Work,
     /// Copy of the anchor while the path from it is followed in parts.
-    pub parked: Anchor,
+    pub(super) parked: Anchor,
 }
 
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -93,8 +96,9 @@ pub(super) struct Work {
     pub Z_dot: Vec<f64>,
     pub JZ: Vec<f64>,
     pub lambda: Vec<f64>,
-    pub bend: Vec<f64>,
-    pub bent: Vec<f64>,
+    pub K_sigma: Vec<f64>,
+    /// K_σ Z, or ḧ_y Z.
+    pub KZ: Vec<f64>,
     pub scaled: Vec<f64>,
     pub rows: Vec<f64>,
     pub equations: Pivoted,
@@ -104,7 +108,7 @@ pub(super) struct Work {
     pub stop: Vec<f64>,
 }
 
-impl Clone for Core {
+impl Clone for ImplicitMap {
     fn clone(&self) -> Self {
         let mut copy = Self {
             h: self.h.duplicate(),
@@ -122,7 +126,7 @@ impl Clone for Core {
     }
 }
 
-impl Core {
+impl ImplicitMap {
     /// Allocates all buffers.
     pub(super) fn reserve(&mut self) {
         let (p, X, M, D) = (self.p, self.X, self.M, self.D);
@@ -150,8 +154,8 @@ impl Core {
             Z_dot: z(N * Q),
             JZ: z(M * Q),
             lambda: z(M),
-            bend: z(N * N),
-            bent: z(N.max(M) * Q),
+            K_sigma: z(N * N),
+            KZ: z(N.max(M) * Q),
             stop: z(Q),
             ..Work::default()
         };
@@ -236,18 +240,15 @@ impl Core {
     }
 
     /// Solves for x at (q, p), with A⁻¹, into the workspace; returns at once if it is there already.
-    pub(super) fn solve(&mut self, t: f64, q: &[f64]) -> Result<(), DomainError> {
+    pub(super) fn solve(&mut self, t: f64, q: &[f64]) -> Result<(), SolveError> {
         if self.work.valid && self.work.t == t && self.work.q == q {
             return Ok(());
         }
         if self.anchor.t == t && self.anchor.q == q {
             self.work.y[self.p..].copy_from_slice(&self.anchor.x);
             self.work.y[..self.p].copy_from_slice(&q[self.D..]);
-            return if self.refresh(t, q) {
-                Ok(())
-            } else {
-                Err(self.singular())
-            };
+            let regular = self.refresh(t, q);
+            return regular.then_some(()).ok_or_else(|| self.singular());
         }
         self.follow(t, q)?;
         let w = &mut self.work;
@@ -256,7 +257,7 @@ impl Core {
         Ok(())
     }
 
-    pub(super) fn search(&mut self, t: f64, q: &[f64], follow: bool) -> Result<(), DomainError> {
+    pub(super) fn search(&mut self, t: f64, q: &[f64], follow: bool) -> Result<(), SolveError> {
         let (p, X, M, D) = (self.p, self.X, self.M, self.D);
         let w = &mut self.work;
         w.y[..p].copy_from_slice(&q[D..]);
@@ -273,7 +274,7 @@ impl Core {
         for _ in 0..ITERATIONS {
             self.linearise(t);
             let condition = self.factorise(false);
-            if condition.is_nan() || condition * RANK >= 1.0 {
+            if is_singular(condition) {
                 return Err(self.singular());
             }
             let w = &mut self.work;
@@ -310,15 +311,15 @@ impl Core {
             before = size;
         }
         let i = self.worst();
-        Err(DomainError::TooFar {
+        Err(SolveError::TooFar {
             equation: self.about.equations[i].name.clone(),
             residual: self.work.h[i],
         })
     }
 
-    /// Largest residual at x(q, p) relative to the sizes of the equations; not a number if there is
-    /// no x.
-    pub(super) fn violation(&mut self, t: f64, q: &[f64]) -> f64 {
+    /// Largest residual at φ(t, q) of the equations, each relative to its size; not a number if they
+    /// have no solution.
+    pub fn violation(&mut self, t: f64, q: &[f64]) -> f64 {
         if self.solve(t, q).is_err() {
             return f64::NAN;
         }
@@ -340,11 +341,11 @@ impl Core {
         worst
     }
 
-    fn check_unused(&self) -> Result<(), DomainError> {
+    fn check_unused(&self) -> Result<(), SolveError> {
         for i in (0..self.M).filter(|&i| !self.chart.used[i]) {
             let h = self.work.h[i];
             if h.is_nan() || h.abs() > CONSISTENT * self.sizes[i] {
-                return Err(DomainError::Inconsistent {
+                return Err(SolveError::Inconsistent {
                     equation: self.about.equations[i].name.clone(),
                     residual: h,
                 });
@@ -358,21 +359,31 @@ impl Core {
     pub(super) fn refresh(&mut self, t: f64, q: &[f64]) -> bool {
         self.linearise(t);
         self.measure();
-        let condition = self.factorise(false);
-        if condition.is_nan() || condition * RANK >= 1.0 {
+        if is_singular(self.factorise(false)) {
             return false;
         }
         self.operators();
         let w = &mut self.work;
         (w.t, w.valid) = (t, true);
         w.q.copy_from_slice(q);
-        self.anchor.t = t;
-        self.anchor.q.copy_from_slice(q);
-        self.anchor.x.copy_from_slice(&w.y[self.p..]);
-        self.anchor.Y.copy_from_slice(&w.Y);
-        self.anchor.P.copy_from_slice(&w.P);
+        self.set_anchor(t, q);
         true
     }
+
+    /// Makes the solution in the workspace, with its operators, the start of Newton's method.
+    pub(super) fn set_anchor(&mut self, t: f64, q: &[f64]) {
+        let (anchor, w) = (&mut self.anchor, &self.work);
+        anchor.t = t;
+        anchor.q.copy_from_slice(q);
+        anchor.x.copy_from_slice(&w.y[self.p..]);
+        anchor.Y.copy_from_slice(&w.Y);
+        anchor.P.copy_from_slice(&w.P);
+    }
+}
+
+/// Whether A with this condition number is singular to working precision.
+pub(super) fn is_singular(condition: f64) -> bool {
+    condition.is_nan() || condition * RANK >= 1.0
 }
 
 fn norm_of(x: impl Iterator<Item = f64>) -> f64 {

@@ -74,28 +74,9 @@ impl Pivoted {
     /// Factorises `A`, of `rows` rows. A column with a small remainder is orthogonalised twice,
     /// which is enough.
     pub(super) fn run(&mut self, rows: usize, A: &[f64]) {
-        let columns = A.len().checked_div(rows).unwrap_or(0);
-        let steps = rows.min(columns);
-        self.rows = rows;
-        self.rest.clear();
-        self.rest.extend_from_slice(A);
-        self.order.clear();
-        self.order.extend(0..columns);
-        self.left.clear();
-        self.left.resize(columns, 0.0);
-        self.basis.clear();
-        self.basis.resize(rows * steps, 0.0);
-        self.squares.clear();
-        self.ranges.clear();
-        for c in 0..columns {
-            let column = &A[c * rows..(c + 1) * rows];
-            self.squares.push(dot(column, column));
-            let mut some = (0..rows).filter(|&i| column[i] != 0.0);
-            let first = some.next().unwrap_or(0);
-            let last = some.next_back().unwrap_or(first);
-            self.ranges.push(first..last + 1);
-        }
-        for k in 0..steps {
+        self.load(rows, A);
+        let columns = self.order.len();
+        for k in 0..rows.min(columns) {
             // The first of equal ones, so that rounding does not decide ties.
             let mut best = k;
             for j in k + 1..columns {
@@ -132,6 +113,30 @@ impl Pivoted {
                 }
                 self.squares[j] = now;
             }
+        }
+    }
+
+    /// Takes over the columns of `A`.
+    fn load(&mut self, rows: usize, A: &[f64]) {
+        let columns = A.len().checked_div(rows).unwrap_or(0);
+        self.rows = rows;
+        self.rest.clear();
+        self.rest.extend_from_slice(A);
+        self.order.clear();
+        self.order.extend(0..columns);
+        self.left.clear();
+        self.left.resize(columns, 0.0);
+        self.basis.clear();
+        self.basis.resize(rows * rows.min(columns), 0.0);
+        self.squares.clear();
+        self.ranges.clear();
+        for c in 0..columns {
+            let column = &A[c * rows..(c + 1) * rows];
+            self.squares.push(dot(column, column));
+            let mut some = (0..rows).filter(|&i| column[i] != 0.0);
+            let first = some.next().unwrap_or(0);
+            let last = some.next_back().unwrap_or(first);
+            self.ranges.push(first..last + 1);
         }
     }
 

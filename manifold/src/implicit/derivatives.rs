@@ -1,12 +1,12 @@
 //! Derivatives of the solution: [M04] (172)–(173) along a motion.
 
-use super::core::{Core, Work};
+use super::core::{ImplicitMap, Work};
 use super::dense::{product, product_tr};
 use crate::map::{KinematicsMut, Parametrization};
 use nalgebra::{DMatrix, DVector};
 
-impl Core {
-    pub(super) fn kinematics(
+impl ImplicitMap {
+    pub(super) fn write_kinematics(
         &mut self,
         t: f64,
         q: &[f64],
@@ -22,8 +22,8 @@ impl Core {
         }
         let (p, X, M, D) = (self.p, self.X, self.M, self.D);
         let (N, Q) = (p + X, D + p);
-        self.rates(t, v);
-        self.accelerations(a);
+        self.find_rates(t, v);
+        self.find_accelerations(a);
         let w = &mut self.work;
         out.x.copy_from_slice(&w.y[p..]);
         out.B.copy_from_slice(&w.Y);
@@ -41,16 +41,16 @@ impl Core {
             w.Z_dot[j * N + p..(j + 1) * N].copy_from_slice(&out.B_dot[j * X..(j + 1) * X]);
         }
         product([M, N, Q], &w.J_dot, &w.Z_dot, &mut w.JZ);
-        product([M, N, Q], &w.J_ddot, &w.Z, &mut w.bent[..M * Q]);
-        for (b, j) in w.bent.iter_mut().zip(&w.JZ) {
+        product([M, N, Q], &w.J_ddot, &w.Z, &mut w.KZ[..M * Q]);
+        for (b, j) in w.KZ.iter_mut().zip(&w.JZ) {
             *b += 2.0 * j;
         }
-        product([X, M, Q], &w.P, &w.bent[..M * Q], out.B_ddot);
+        product([X, M, Q], &w.P, &w.KZ[..M * Q], out.B_ddot);
         out.B_ddot.iter_mut().for_each(|b| *b = -*b);
     }
 
     /// ẏ at the solution in the workspace, and what ḧ is without accelerations of q and p.
-    pub(super) fn rates(&mut self, t: f64, v: &[f64]) {
+    pub(super) fn find_rates(&mut self, t: f64, v: &[f64]) {
         let (p, X, M, N) = (self.p, self.X, self.M, self.p + self.X);
         self.embed();
         let w = &mut self.work;
@@ -71,8 +71,8 @@ impl Core {
         }
     }
 
-    /// ÿ after [`Core::rates`].
-    pub(super) fn accelerations(&mut self, a: &[f64]) {
+    /// ÿ after [`ImplicitMap::find_rates`].
+    pub(super) fn find_accelerations(&mut self, a: &[f64]) {
         let (p, X, M, N) = (self.p, self.X, self.M, self.p + self.X);
         let w = &mut self.work;
         product([N, a.len(), 1], &w.Z, a, &mut w.y_ddot);
@@ -96,7 +96,13 @@ impl Core {
         }
     }
 
-    pub(super) fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
+    pub(super) fn write_geometric_stiffness(
+        &mut self,
+        t: f64,
+        q: &[f64],
+        f: &[f64],
+        K: &mut [f64],
+    ) {
         if self.solve(t, q).is_err() {
             K.fill(f64::NAN);
             return;
@@ -106,16 +112,20 @@ impl Core {
         self.embed();
         let w = &mut self.work;
         product_tr([M, X, 1], &w.P, f, &mut w.lambda);
-        self.h.geometric_stiffness(t, &w.y, &w.lambda, &mut w.bend);
-        product([N, N, Q], &w.bend, &w.Z, &mut w.bent[..N * Q]);
-        product_tr([Q, N, Q], &w.Z, &w.bent[..N * Q], K);
+        self.h
+            .geometric_stiffness(t, &w.y, &w.lambda, &mut w.K_sigma);
+        product([N, N, Q], &w.K_sigma, &w.Z, &mut w.KZ[..N * Q]);
+        product_tr([Q, N, Q], &w.Z, &w.KZ[..N * Q], K);
         K.iter_mut().for_each(|k| *k = -*k);
     }
 
-    /// Solves f + h_xᵀ μ = 0 along the dependent coordinates for μ. With redundant equations, the
-    /// solution of least norm, each entry times the size of its equation: the load sharing of equal
-    /// springs.
-    pub(super) fn multipliers(&mut self, f: &[f64], mu: &mut [f64]) {
+    /// Lagrange multipliers of the equations under the covector `f` (X), one per equation: μ of
+    /// f + h_xᵀ μ = 0 along the dependent coordinates. Not numbers where the equations have no
+    /// solution.
+    pub fn multipliers(&mut self, t: f64, q: &[f64], f: &[f64], mu: &mut [f64]) {
+        if self.solve(t, q).is_err() {
+            return mu.fill(f64::NAN);
+        }
         product_tr([self.M, self.X, 1], &self.work.P, f, mu);
         mu.iter_mut().for_each(|m| *m = -*m);
         if self.chart.used.iter().any(|used| !used) {
@@ -123,6 +133,8 @@ impl Core {
         }
     }
 
+    /// With redundant equations, the solution of least norm, each entry times the size of its
+    /// equation: the load sharing of equal springs.
     fn share(&mut self, mu: &mut [f64]) {
         self.rank_equations();
         let (p, M, rank) = (self.p, self.M, self.X - self.D);

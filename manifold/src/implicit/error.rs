@@ -2,24 +2,19 @@
 
 /// Why a constraint cannot be solved at its starting point.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum ImplicitError {
     /// The equations or their derivatives are not finite there.
     #[error("{equation} or its derivative is not finite at the given point")]
-    NotFinite {
-        /// The first such equation.
-        equation: String,
-    },
+    NotFinite { equation: String },
     /// Newton's method found no configuration near the guess.
     #[error(
         "no configuration near the given one satisfies the equations: {equation} is {residual:.3e} \
          after {iterations} iterations; start closer, or the parts do not fit together"
     )]
     NotAssembled {
-        /// The equation with the largest residual.
         equation: String,
-        /// Its residual.
         residual: f64,
-        /// Iterations made.
         iterations: usize,
     },
     /// Newton's method found no configuration, and some parameters are prescribed.
@@ -28,19 +23,14 @@ pub enum ImplicitError {
          {equation} is {residual:.3e}; prescribe no more than is free, from where the parts are drawn"
     )]
     Overprescribed {
-        /// Names of the prescribed parameters.
         prescribed: String,
-        /// The equation with the largest residual.
         equation: String,
-        /// Its residual.
         residual: f64,
     },
     /// An equation depends on others and contradicts them.
     #[error("{equation} contradicts {others}, on which it depends: it is {residual:.3e}, not zero")]
     Inconsistent {
-        /// The equation.
         equation: String,
-        /// Those on which it depends.
         others: String,
         /// Its residual where the others vanish.
         residual: f64,
@@ -50,22 +40,14 @@ pub enum ImplicitError {
         "{equation} is {residual:.3e} and does not change with any coordinate at the point that was \
          given or reached: start from elsewhere, unless the parts do not fit together"
     )]
-    Flat {
-        /// The equation.
-        equation: String,
-        /// Its residual.
-        residual: f64,
-    },
+    Flat { equation: String, residual: f64 },
     /// No coordinate changes an equation at the solution, but some do beside it.
     #[error(
         "{equation} does not change with any coordinate where it is zero, though it does beside: it \
          touches zero there, as a square does; write it so that it goes through zero, or start from \
          another configuration"
     )]
-    Touching {
-        /// The equation.
-        equation: String,
-    },
+    Touching { equation: String },
     /// There are more independent equations than the number of coordinates q allows.
     #[error(
         "the equations have rank {rank} and leave {left} of {coordinates} coordinates free, not \
@@ -74,13 +56,10 @@ pub enum ImplicitError {
     TooManyEquations {
         /// The equation that is closest to dependent.
         equation: String,
-        /// Rank of h_x.
         rank: usize,
-        /// Coordinates left free.
         left: usize,
         /// Coordinates x.
         coordinates: usize,
-        /// Coordinates q expected.
         expected: usize,
     },
     /// A singular configuration, or more redundant equations than expected.
@@ -91,42 +70,31 @@ pub enum ImplicitError {
         counted(*.left)
     )]
     Singular {
-        /// Which equations depend on which.
         equations: String,
         /// Names of the coordinates that the others do not determine.
         coordinates: String,
-        /// Coordinates left free.
         left: usize,
-        /// Coordinates q expected.
         expected: usize,
     },
 }
 
 /// Error of the evaluation of a solved constraint at some q.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum DomainError {
+pub(super) enum SolveError {
     /// Newton's method does not contract: q is too far from the last converged state.
     #[error(
         "its equations find no solution near the last one; {equation} is {residual:.3e}: take smaller \
          steps"
     )]
-    TooFar {
-        /// The equation with the largest residual.
-        equation: String,
-        /// Its residual.
-        residual: f64,
-    },
+    TooFar { equation: String, residual: f64 },
     /// The dependent coordinates are no longer determined.
     #[error(
         "its equations become singular (condition {condition:.1e}): {equations}; undetermined are \
          {coordinates}"
     )]
     Singular {
-        /// Condition number of A.
         condition: f64,
-        /// Which equations depend on which.
         equations: String,
-        /// Names of the coordinates concerned.
         coordinates: String,
     },
     /// There is a singular configuration between here and the last converged state.
@@ -137,21 +105,15 @@ pub enum DomainError {
     Crossed,
     /// A prescribed motion demands what the equations do not allow.
     #[error("{prescribed} cannot get there: it is prescribed beyond what the linkage reaches")]
-    OutOfReach {
-        /// Names of the parameters.
-        prescribed: String,
-    },
+    OutOfReach { prescribed: String },
     /// Prescribed motions contradict each other.
     #[error(
         "the prescribed motions of {prescribed} contradict each other: {equation} is {residual:.3e}; as the \
          parts are linked fewer of them are free: prescribe no more than is free"
     )]
     Overprescribed {
-        /// Names of the parameters.
         prescribed: String,
-        /// The equation.
         equation: String,
-        /// Its residual.
         residual: f64,
     },
     /// An equation that was redundant no longer follows from the others.
@@ -160,12 +122,7 @@ pub enum DomainError {
          parts, or their prescribed motions, do not fit together exactly enough: give positions \
          and axes with all their digits, and prescribe no more than is free"
     )]
-    Inconsistent {
-        /// The equation.
-        equation: String,
-        /// Its residual.
-        residual: f64,
-    },
+    Inconsistent { equation: String, residual: f64 },
 }
 
 fn counted(coordinates: usize) -> String {

@@ -1,18 +1,15 @@
 //! The map of an implicit constraint, of any sizes.
 
-use super::core::{CONSISTENT, Core, RANK};
+use super::core::{CONSISTENT, ImplicitMap, RANK};
 use super::{
-    Choice, Description, DomainError, Equation, Equations, Implicit, ImplicitError, Unknown,
+    Choice, Description, Equation, Equations, Implicit, ImplicitError, SolveError, Unknown,
 };
-use crate::map::{KinematicsMut, Map, OutsideDomain, Parametrization};
+use crate::domain::DomainError;
+use crate::map::{KinematicsMut, Map, Parametrization};
 use crate::system::ChartChanges;
 
-/// The map (q, p) ↦ x of equations h(t, p, x) = 0, solved for x in D = X − rank(h_x) of its own
-/// coordinates and the parameters p.
-///
-/// q = 0 is the initial configuration. Redundant equations are found, dropped and named.
-#[derive(Clone)]
-pub struct ImplicitMap(Core);
+/// Limit of an implicit map in messages.
+const ALLOWED: &str = "the positions that its equations allow";
 
 impl ImplicitMap {
     /// Assembles a constraint at time `t` as near as Newton's method gets to `guess`, with
@@ -46,7 +43,7 @@ impl ImplicitMap {
             ..Description::default()
         };
         let h = Equations(constraint).boxed();
-        Core::assemble(h, about, t, &[], &guess).map(Self)
+        ImplicitMap::assemble(h, about, t, &[], &guess)
     }
 
     /// Assembles equations at time `t` and parameters `p`: `h` takes (p, x) to the residuals.
@@ -65,7 +62,7 @@ impl ImplicitMap {
         p: &[f64],
     ) -> Result<Self, ImplicitError> {
         let zero = vec![0.0; about.unknowns.len()];
-        Core::assemble(h, about, t, p, &zero).map(Self)
+        ImplicitMap::assemble(h, about, t, p, &zero)
     }
 
     /// The same map with these unknowns as q, until others are better ([`Choice::Split`]) or for
@@ -73,22 +70,20 @@ impl ImplicitMap {
     /// configuration: to be called before anything moves.
     #[must_use]
     pub fn with_independent(mut self, independent: &[usize]) -> Option<Self> {
-        let core = &mut self.0;
-        let (t, mut q) = (core.anchor.t, core.anchor.q.clone());
+        let (t, mut q) = (self.anchor.t, self.anchor.q.clone());
         let mut v = vec![0.0; q.len()];
-        let done = core.switch(t, Some(independent), &mut q, &mut v, &mut []);
+        let done = self.switch(t, Some(independent), &mut q, &mut v, &mut []);
         done.then_some(self)
     }
 
     /// The configuration at q = 0.
     pub fn reference(&self) -> Vec<f64> {
-        self.0.reference.clone()
+        self.reference.clone()
     }
 
     /// q̇ of a velocity ẋ that the constraint allows.
     pub fn rates(&self, x_dot: &[f64]) -> Vec<f64> {
-        let core = &self.0;
-        let columns = core.chart.L.chunks_exact(core.X);
+        let columns = self.chart.L.chunks_exact(self.X);
         columns
             .map(|L| L.iter().zip(x_dot).map(|(l, x)| l * x).sum())
             .collect()
@@ -96,155 +91,99 @@ impl ImplicitMap {
 
     /// The unknowns that cannot start at [`Unknown::start`], and their actual initial values.
     pub fn displaced(&self) -> Vec<(usize, f64)> {
-        let core = &self.0;
         let off = |k: &usize| {
-            let u = &core.about.unknowns[*k];
-            let start = u.start.unwrap_or(core.reference[*k]);
-            (core.reference[*k] - start).abs() > CONSISTENT * u.size
+            let u = &self.about.unknowns[*k];
+            let start = u.start.unwrap_or(self.reference[*k]);
+            (self.reference[*k] - start).abs() > CONSISTENT * u.size
         };
-        let all = (0..core.X).filter(off);
-        all.map(|k| (k, core.reference[k])).collect()
+        let all = (0..self.X).filter(off);
+        all.map(|k| (k, self.reference[k])).collect()
     }
 
     /// Number D of free coordinates q.
     pub fn freedoms(&self) -> usize {
-        self.0.D
+        self.D
     }
 
     /// The unknowns selected as q; `None` in the tangent space.
     pub fn independent(&self) -> Option<Vec<usize>> {
-        self.0.chart.independent.clone()
-    }
-
-    /// Names of the redundant equations.
-    pub fn redundant(&self) -> Vec<String> {
-        self.0.redundant()
+        self.chart.independent.clone()
     }
 
     /// Condition number of A at (q, p); infinite if the equations cannot be solved.
     pub fn condition(&mut self, t: f64, q: &[f64]) -> f64 {
-        let core = &mut self.0;
-        match core.solve(t, q) {
-            Ok(()) => core.work.condition,
+        match self.solve(t, q) {
+            Ok(()) => self.work.condition,
             Err(_) => f64::INFINITY,
         }
     }
 
     /// A warning about a nearby singular configuration, if any, to follow "joint at node a: ".
     pub fn singularity_warning(&mut self) -> Option<String> {
-        let core = &mut self.0;
-        let from = core.anchor.clone();
-        core.close_to_singular(&from).map(advised)
-    }
-
-    /// Describes the independent coordinates and the redundant equations at present.
-    pub fn describe(&self) -> String {
-        self.0.describe()
-    }
-
-    /// Largest residual at φ(t, q) of the equations, each relative to its size.
-    pub fn violation(&mut self, t: f64, q: &[f64]) -> f64 {
-        self.0.violation(t, q)
-    }
-
-    /// Lagrange multipliers of the equations under the covector `f` (X), one per equation; not numbers
-    /// where the equations have no solution.
-    pub fn multipliers(&mut self, t: f64, q: &[f64], f: &[f64], lambda: &mut [f64]) {
-        let core = &mut self.0;
-        match core.solve(t, q) {
-            Ok(()) => core.multipliers(f, lambda),
-            Err(_) => lambda.fill(f64::NAN),
-        }
-    }
-
-    /// Changes the chart at (q, p) in any case: to the unknowns `independent` as q, or to the
-    /// tangent space there. False, without a change, if they do not determine x.
-    ///
-    /// The parameters follow q in `q`, in its velocity `v` and in the accelerations `a`.
-    pub fn switch(
-        &mut self,
-        t: f64,
-        independent: Option<&[usize]>,
-        q: &mut [f64],
-        v: &mut [f64],
-        a: &mut [Vec<f64>],
-    ) -> bool {
-        self.0.switch(t, independent, q, v, a)
+        let from = self.anchor.clone();
+        self.close_to_singular(&from).map(advised)
     }
 }
 
 impl Parametrization for ImplicitMap {
     fn kind(&self) -> &'static str {
-        self.0.h.kind()
+        self.h.kind()
     }
 
     fn dims(&self) -> (usize, usize) {
-        let core = &self.0;
-        (core.D + core.p, core.X)
+        (self.D + self.p, self.X)
     }
 
     fn duplicate(&self) -> Box<dyn Parametrization> {
         Box::new(self.clone())
     }
 
-    fn margin(&mut self, t: f64, q: &[f64]) -> f64 {
-        let core = &mut self.0;
-        match core.solve(t, q) {
-            Ok(()) => 1.0 / core.work.condition - RANK,
-            Err(_) => -1.0,
+    fn domain(&mut self, t: f64, q: &[f64]) -> Result<f64, DomainError> {
+        match self.solve(t, q) {
+            Ok(()) => DomainError::within(1.0 / self.work.condition - RANK, ALLOWED),
+            Err(error) => Err(DomainError::Undefined(advised(error))),
         }
     }
 
     fn change_charts(&mut self, t: f64, q: &[f64]) -> ChartChanges {
-        let core = &mut self.0;
-        core.remember(t, q);
-        if core.D == 0 {
+        self.remember(t, q);
+        if self.D == 0 {
             // There are no other coordinates to choose.
-            core.settle(t, &mut q.to_vec(), &mut vec![0.0; q.len()], &mut []);
+            self.settle(t, &mut q.to_vec(), &mut vec![0.0; q.len()], &mut []);
         }
         ChartChanges::default()
     }
 
     fn reparametrize(&mut self, t: f64, q: &mut [f64], v: &mut [f64], a: &mut [Vec<f64>]) -> bool {
-        self.0.settle(t, q, v, a)
+        self.settle(t, q, v, a)
     }
 
     fn reparametrizes(&self) -> bool {
-        let core = &self.0;
-        core.D > 0 && core.about.choice != Choice::Fixed
-    }
-
-    fn domain_error(&mut self, t: f64, q: &[f64]) -> OutsideDomain {
-        match self.0.solve(t, q) {
-            Ok(()) => OutsideDomain::Beyond("the positions that its equations allow"),
-            Err(error) => OutsideDomain::Undefined(advised(error)),
-        }
+        self.D > 0 && self.about.choice != Choice::Fixed
     }
 
     fn save(&self) -> Vec<f64> {
-        self.0.save()
+        self.state()
     }
 
     fn restore(&mut self, saved: &[f64]) -> bool {
-        self.0.restore(saved)
+        self.set_state(saved)
     }
 
     fn freeze_piece(&mut self, at: Option<(f64, &[f64])>) {
-        let core = &mut self.0;
         let Some((t, q)) = at else {
-            return core.h.freeze_piece(None);
+            return self.h.freeze_piece(None);
         };
         // If there is no solution, all conformance checks report it.
-        if core.solve(t, q).is_ok() {
-            core.h.freeze_piece(Some((t, &core.work.y)));
+        if self.solve(t, q).is_ok() {
+            self.h.freeze_piece(Some((t, &self.work.y)));
         }
     }
 
     fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
-        let core = &mut self.0;
-        if core.solve(t, q).is_ok() {
-            x.copy_from_slice(core.x());
-            B.copy_from_slice(&core.work.Y);
+        if self.solve(t, q).is_ok() {
+            x.copy_from_slice(self.x());
+            B.copy_from_slice(&self.work.Y);
         } else {
             x.fill(f64::NAN);
             B.fill(f64::NAN);
@@ -252,11 +191,11 @@ impl Parametrization for ImplicitMap {
     }
 
     fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
-        self.0.kinematics(t, q, v, a, out);
+        self.write_kinematics(t, q, v, a, out);
     }
 
     fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
-        self.0.geometric_stiffness(t, q, f, K);
+        self.write_geometric_stiffness(t, q, f, K);
     }
 
     fn implicit(&mut self) -> Option<&mut ImplicitMap> {
@@ -265,9 +204,9 @@ impl Parametrization for ImplicitMap {
 }
 
 /// The message with a remedy.
-fn advised(error: DomainError) -> String {
+fn advised(error: SolveError) -> String {
     match error {
-        DomainError::Singular { .. } | DomainError::Crossed => format!(
+        SolveError::Singular { .. } | SolveError::Crossed => format!(
             "{error}; a map ends at a singular position: `closure = \"multipliers\"` goes through"
         ),
         other => other.to_string(),

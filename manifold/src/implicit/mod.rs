@@ -44,8 +44,10 @@ mod names;
 mod start;
 mod walk;
 
-pub use error::{DomainError, ImplicitError};
-pub use map::ImplicitMap;
+pub use self::core::ImplicitMap;
+pub use error::ImplicitError;
+
+use error::SolveError;
 
 use crate::map::Map;
 use crate::scalar::Scalar;

@@ -1,9 +1,9 @@
 //! Messages: which equations depend on which, and which coordinates they leave undetermined.
 
-use super::core::{Anchor, Core, RANK};
+use super::core::{Anchor, ImplicitMap, RANK};
 use super::dense::Pivoted;
 use super::start::ASIDE;
-use super::{Choice, DomainError};
+use super::{Choice, SolveError};
 
 /// Coefficients and components below this are not named.
 const SMALL: f64 = 1e-4;
@@ -19,16 +19,17 @@ fn list(names: &[String]) -> String {
     }
 }
 
-impl Core {
+impl ImplicitMap {
     /// Names of the redundant equations.
-    pub(super) fn redundant(&self) -> Vec<String> {
+    pub fn redundant(&self) -> Vec<String> {
         let unused = (0..self.M).filter(|&i| !self.chart.used[i]);
         unused
             .map(|i| self.about.equations[i].name.clone())
             .collect()
     }
 
-    pub(super) fn describe(&self) -> String {
+    /// Describes the independent coordinates and the redundant equations at present.
+    pub fn describe(&self) -> String {
         let chart = match &self.chart.independent {
             Some(k) if k.is_empty() => "nothing is free".to_owned(),
             Some(k) => {
@@ -57,7 +58,7 @@ impl Core {
     }
 
     /// The singular configuration near a state, if any: no chart has a fair condition number there.
-    pub(super) fn close_to_singular(&mut self, at: &Anchor) -> Option<DomainError> {
+    pub(super) fn close_to_singular(&mut self, at: &Anchor) -> Option<SolveError> {
         let rank = self.X - self.D;
         if rank == 0 {
             return None;
@@ -71,17 +72,17 @@ impl Core {
             return None;
         }
         let (equations, coordinates) = self.dependences_beyond(rank - 1, rank);
-        Some(DomainError::Singular {
+        Some(SolveError::Singular {
             condition,
             equations,
             coordinates,
         })
     }
 
-    pub(super) fn singular(&mut self) -> DomainError {
+    pub(super) fn singular(&mut self) -> SolveError {
         let condition = self.work.condition;
         let (equations, coordinates) = self.dependences(self.X - self.D);
-        DomainError::Singular {
+        SolveError::Singular {
             condition,
             equations,
             coordinates,
@@ -90,7 +91,7 @@ impl Core {
 
     /// Why an equation that was redundant does not follow any more, at the present h_y: the
     /// parameters, if it changes with them while the others hold.
-    pub(super) fn contradicted(&mut self, equation: String, residual: f64) -> DomainError {
+    pub(super) fn contradicted(&mut self, equation: String, residual: f64) -> SolveError {
         self.operators();
         let (p, X, M, D) = (self.p, self.X, self.M, self.D);
         let found = self.about.equations.iter().position(|e| e.name == equation);
@@ -100,12 +101,12 @@ impl Core {
             (w.J[i + j * M] + along.sum::<f64>()).abs() / self.sizes[i]
         };
         match found.filter(|&i| (0..p).any(|j| slope(i, j) > SMALL)) {
-            Some(i) => DomainError::Overprescribed {
+            Some(i) => SolveError::Overprescribed {
                 prescribed: self.prescribed(|j| slope(i, j) > SMALL),
                 equation,
                 residual,
             },
-            None => DomainError::Inconsistent { equation, residual },
+            None => SolveError::Inconsistent { equation, residual },
         }
     }
 
@@ -150,7 +151,7 @@ impl Core {
         self.dependences_beyond(rank, expected)
     }
 
-    /// As [`Core::dependences`] for equations beyond a given rank: the weakest of the independent
+    /// As [`ImplicitMap::dependences`] for equations beyond a given rank: the weakest of the independent
     /// ones near a singular configuration.
     pub(super) fn dependences_beyond(&mut self, rank: usize, expected: usize) -> (String, String) {
         let X = self.X;

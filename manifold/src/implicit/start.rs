@@ -1,6 +1,8 @@
 //! The first configuration: h(t, p, x) = 0 from a guess, before coordinates q exist.
 
-use super::core::{Anchor, CONSISTENT, CONVERGED, Core, ImplicitChart, RANK, ROUNDING, Work};
+use super::core::{
+    Anchor, CONSISTENT, CONVERGED, ImplicitChart, ImplicitMap, RANK, ROUNDING, Work,
+};
 use super::{Description, ImplicitError};
 use crate::map::Parametrization;
 
@@ -20,7 +22,7 @@ fn aside(k: usize) -> f64 {
     1.0 + (1.7 * (k + 1) as f64).sin()
 }
 
-impl Core {
+impl ImplicitMap {
     pub(super) fn assemble(
         h: Box<dyn Parametrization>,
         about: Description,
@@ -70,16 +72,15 @@ impl Core {
             return Err(core.singular_start(X - rank));
         }
         core.chart = core.work.trial.clone();
+        let q = [vec![0.0; core.D], p.to_vec()].concat();
         core.anchor = Anchor {
             t,
-            q: vec![0.0; core.D],
+            q: q.clone(),
             x: vec![0.0; X],
             Y: vec![0.0; X * (core.D + core.p)],
             P: vec![0.0; X * M],
         };
-        core.anchor.q.extend_from_slice(p);
         core.parked = core.anchor.clone();
-        let q = core.anchor.q.clone();
         core.refresh(t, &q);
         Ok(core)
     }

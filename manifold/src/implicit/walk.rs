@@ -1,7 +1,7 @@
 //! Path from the last converged state to another one, on one branch of solutions.
 
-use super::DomainError;
-use super::core::Core;
+use super::SolveError;
+use super::core::ImplicitMap;
 use std::f64::consts::PI;
 
 /// Condition number per unknown over the steepest slope below which x is at the limit of a
@@ -10,11 +10,11 @@ const STEEP: f64 = 5.0;
 /// Largest number of parts of a step.
 const PARTS: usize = 64;
 
-impl Core {
+impl ImplicitMap {
     /// Solves for x at (q, p) and its operators, into the workspace. Newton's method alone may end
     /// on another branch: if the equations change by too much to exclude that, the path is followed
     /// in smaller parts.
-    pub(super) fn follow(&mut self, t: f64, q: &[f64]) -> Result<(), DomainError> {
+    pub(super) fn follow(&mut self, t: f64, q: &[f64]) -> Result<(), SolveError> {
         let Err(first) = self.part(t, q, true) else {
             return Ok(());
         };
@@ -37,7 +37,7 @@ impl Core {
         };
         std::mem::swap(&mut self.anchor, &mut self.parked);
         outcome.map_err(|error| match error {
-            DomainError::Inconsistent { equation, residual } => {
+            SolveError::Inconsistent { equation, residual } => {
                 self.contradicted(equation, residual)
             }
             other => self.explained(other),
@@ -46,7 +46,7 @@ impl Core {
 
     /// Why the path ends at the parked position: at the limit of a prescribed motion, where the slopes
     /// of x grow like the condition number, or at a singular configuration, where they do not.
-    fn explained(&mut self, error: DomainError) -> DomainError {
+    fn explained(&mut self, error: SolveError) -> SolveError {
         let reached = self.parked.clone();
         let singular = self.close_to_singular(&reached);
         if self.p > 0 && (self.D == 0 || singular.is_some()) {
@@ -56,12 +56,12 @@ impl Core {
                 over.fold(most, |most, (y, u)| f64::max(most, (y / u.size).abs()))
             });
             match singular {
-                Some(DomainError::Singular { condition, .. })
+                Some(SolveError::Singular { condition, .. })
                     if steepest * STEEP * self.X as f64 > condition => {}
                 Some(singular) => return singular,
                 None => {}
             }
-            return DomainError::OutOfReach {
+            return SolveError::OutOfReach {
                 prescribed: self.prescribed(|_| true),
             };
         }
@@ -69,7 +69,7 @@ impl Core {
     }
 
     /// Follows equal parts of a straight line from the parked anchor.
-    fn walk(&mut self, t: f64, q: &[f64], parts: usize) -> Result<(), DomainError> {
+    fn walk(&mut self, t: f64, q: &[f64], parts: usize) -> Result<(), SolveError> {
         self.anchor.clone_from(&self.parked);
         let mut next = std::mem::take(&mut self.work.stop);
         let mut outcome = Ok(());
@@ -87,25 +87,21 @@ impl Core {
             if outcome.is_err() {
                 break;
             }
-            self.anchor.t = then;
-            self.anchor.q.copy_from_slice(&next);
-            self.anchor.x.copy_from_slice(&self.work.y[self.p..]);
-            self.anchor.Y.copy_from_slice(&self.work.Y);
-            self.anchor.P.copy_from_slice(&self.work.P);
+            self.set_anchor(then, &next);
         }
         self.work.stop = next;
         outcome
     }
 
     /// One part of the path by Newton's method, predicted by the slopes at its beginning.
-    fn part(&mut self, t: f64, q: &[f64], follow: bool) -> Result<(), DomainError> {
+    fn part(&mut self, t: f64, q: &[f64], follow: bool) -> Result<(), SolveError> {
         self.search(t, q, follow)?;
         self.operators();
         if !follow {
             return Ok(());
         }
         if self.changed() >= 1.0 {
-            return Err(DomainError::Crossed);
+            return Err(SolveError::Crossed);
         }
         Ok(())
     }

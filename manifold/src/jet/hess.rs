@@ -1,7 +1,6 @@
 //! Value, gradient and Hessian.
 
 use crate::scalar::{MAX_ORDER, Scalar};
-use std::ops::{Add, Mul, Neg, Sub};
 
 /// A value with gradient and symmetric Hessian in `D` variables.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,38 +64,27 @@ impl<const D: usize> Scalar for Hess<D> {
     }
 }
 
-impl<const D: usize> Add for Hess<D> {
-    type Output = Self;
+impl<const D: usize> Hess<D> {
     #[inline]
-    fn add(self, b: Self) -> Self {
+    fn plus(self, b: Self) -> Self {
         Self::filled(
             self.v + b.v,
             |i| self.g[i] + b.g[i],
             |i, j| self.h[i][j] + b.h[i][j],
         )
     }
-}
 
-impl<const D: usize> Sub for Hess<D> {
-    type Output = Self;
     #[inline]
-    fn sub(self, b: Self) -> Self {
+    fn minus(self, b: Self) -> Self {
         Self::filled(
             self.v - b.v,
             |i| self.g[i] - b.g[i],
             |i, j| self.h[i][j] - b.h[i][j],
         )
     }
-}
 
-impl<const D: usize> Mul for Hess<D> {
-    type Output = Self;
     #[inline]
-    #[allow(
-        clippy::suspicious_arithmetic_impl,
-        reason = "the product rule is a sum"
-    )]
-    fn mul(self, b: Self) -> Self {
+    fn times(self, b: Self) -> Self {
         let (p, q) = (&self.g, &b.g);
         Self::filled(
             self.v * b.v,
@@ -104,32 +92,17 @@ impl<const D: usize> Mul for Hess<D> {
             |i, j| (self.h[i][j] * b.v + self.v * b.h[i][j]) + (p[i] * q[j] + q[i] * p[j]),
         )
     }
-}
 
-impl<const D: usize> Neg for Hess<D> {
-    type Output = Self;
     #[inline]
-    fn neg(self) -> Self {
-        self * -1.0
-    }
-}
-
-impl<const D: usize> Mul<f64> for Hess<D> {
-    type Output = Self;
-    #[inline]
-    fn mul(self, b: f64) -> Self {
+    fn scaled(self, b: f64) -> Self {
         Self::filled(self.v * b, |i| self.g[i] * b, |i, j| self.h[i][j] * b)
     }
-}
 
-impl<const D: usize> Add<f64> for Hess<D> {
-    type Output = Self;
     #[inline]
-    fn add(mut self, b: f64) -> Self {
+    fn shifted(mut self, b: f64) -> Self {
         self.v += b;
         self
     }
 }
 
-derived_operators!([const D: usize] Hess<D>);
-quotient_by_reciprocal!([const D: usize] Hess<D>);
+operators!([const D: usize] Hess<D>);

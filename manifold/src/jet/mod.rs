@@ -21,39 +21,29 @@
 
 use crate::scalar::MAX_ORDER;
 
-/// Operators derived from those of two jets and of a jet and a number.
-macro_rules! derived_operators {
+/// The operators of a jet, from its methods `plus`, `minus`, `times`, and `scaled` and `shifted` by
+/// a number. The quotient is a product with the reciprocal unless there is another rule.
+macro_rules! operators {
     ([$($generics:tt)*] $type:ty) => {
-        impl<$($generics)*> std::ops::Div<f64> for $type {
+        operators!([$($generics)*] $type, |a: Self, b: Self| a.times(b.recip()));
+    };
+    ([$($generics:tt)*] $type:ty, $quotient:expr) => {
+        operators!(@two [$($generics)*] $type: Add::add(Self) = |a: Self, b| a.plus(b));
+        operators!(@two [$($generics)*] $type: Sub::sub(Self) = |a: Self, b| a.minus(b));
+        operators!(@two [$($generics)*] $type: Mul::mul(Self) = |a: Self, b| a.times(b));
+        operators!(@two [$($generics)*] $type: Div::div(Self) = $quotient);
+        operators!(@two [$($generics)*] $type: Add::add(f64) = |a: Self, b| a.shifted(b));
+        operators!(@two [$($generics)*] $type: Sub::sub(f64) = |a: Self, b: f64| a.shifted(-b));
+        operators!(@two [$($generics)*] $type: Mul::mul(f64) = |a: Self, b| a.scaled(b));
+        operators!(@two [$($generics)*] $type: Div::div(f64) = |a: Self, b: f64| a.scaled(1.0 / b));
+        operators!(@assign [$($generics)*] $type: AddAssign::add_assign = plus);
+        operators!(@assign [$($generics)*] $type: SubAssign::sub_assign = minus);
+        operators!(@assign [$($generics)*] $type: MulAssign::mul_assign = times);
+        impl<$($generics)*> std::ops::Neg for $type {
             type Output = Self;
             #[inline]
-            fn div(self, b: f64) -> Self {
-                self * (1.0 / b)
-            }
-        }
-        impl<$($generics)*> Sub<f64> for $type {
-            type Output = Self;
-            #[inline]
-            fn sub(self, b: f64) -> Self {
-                self + (-b)
-            }
-        }
-        impl<$($generics)*> std::ops::AddAssign for $type {
-            #[inline]
-            fn add_assign(&mut self, b: Self) {
-                *self = *self + b;
-            }
-        }
-        impl<$($generics)*> std::ops::SubAssign for $type {
-            #[inline]
-            fn sub_assign(&mut self, b: Self) {
-                *self = *self - b;
-            }
-        }
-        impl<$($generics)*> std::ops::MulAssign for $type {
-            #[inline]
-            fn mul_assign(&mut self, b: Self) {
-                *self = *self * b;
+            fn neg(self) -> Self {
+                self.scaled(-1.0)
             }
         }
         impl<$($generics)*> num_traits::Zero for $type {
@@ -72,17 +62,20 @@ macro_rules! derived_operators {
             }
         }
     };
-}
-
-/// Division as a product with the reciprocal.
-macro_rules! quotient_by_reciprocal {
-    ([$($generics:tt)*] $type:ty) => {
-        impl<$($generics)*> std::ops::Div for $type {
+    (@two [$($generics:tt)*] $type:ty: $op:ident::$call:ident($other:ty) = $rule:expr) => {
+        impl<$($generics)*> std::ops::$op<$other> for $type {
             type Output = Self;
             #[inline]
-            #[allow(clippy::suspicious_arithmetic_impl, reason = "1/b has its own chain rule")]
-            fn div(self, b: Self) -> Self {
-                self * b.recip()
+            fn $call(self, b: $other) -> Self {
+                ($rule)(self, b)
+            }
+        }
+    };
+    (@assign [$($generics:tt)*] $type:ty: $op:ident::$call:ident = $rule:ident) => {
+        impl<$($generics)*> std::ops::$op for $type {
+            #[inline]
+            fn $call(&mut self, b: Self) {
+                *self = self.$rule(b);
             }
         }
     };
@@ -106,4 +99,13 @@ pub use trace::Trace;
 #[inline]
 fn derivative(f: [f64; MAX_ORDER + 1]) -> [f64; MAX_ORDER + 1] {
     [f[1], f[2], f[3], f[4], 0.0]
+}
+
+/// Total order of a jet that adds some orders of its own to those of the numbers inside.
+const fn nested_order(inner: usize, own: usize) -> usize {
+    assert!(
+        inner + own <= MAX_ORDER,
+        "jets nest to total order four: differentiate once inside a map or an energy, not twice"
+    );
+    inner + own
 }

@@ -1,7 +1,6 @@
 //! Value, velocity and acceleration with their gradients: the kinematics of a map in one run.
 
 use crate::scalar::{MAX_ORDER, Scalar};
-use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A value x that moves: x, ẋ, ẍ along one motion, and the gradients of all three in `D` variables.
 ///
@@ -22,8 +21,8 @@ pub struct Moving<const D: usize> {
     pub x: [f64; 3],
     /// Bit b: depends on variable 2b or 2b + 1.
     pairs: u32,
-    /// Whether the gradient moves: may `g[1]` and `g[2]` be different from zero?
-    turns: bool,
+    /// Whether it is not affine, so that `g[1]` and `g[2]` may differ from zero.
+    nonlinear: bool,
     /// Gradients of x, ẋ, ẍ.
     pub g: [[f64; D]; 3],
 }
@@ -44,7 +43,7 @@ impl<const D: usize> Moving<D> {
         Self {
             x,
             pairs: 0,
-            turns: false,
+            nonlinear: false,
             g: [[0.0; D]; 3],
         }
     }
@@ -100,7 +99,7 @@ impl<const D: usize> Scalar for Moving<D> {
         Self {
             x: [f[0], s[0] * x1, s[0] * x2 + s[1] * x1],
             pairs: self.pairs,
-            turns: true,
+            nonlinear: true,
             g: gradients(self.pairs, |i| {
                 [
                     s[0] * g0[i],
@@ -112,15 +111,38 @@ impl<const D: usize> Scalar for Moving<D> {
     }
 }
 
-impl<const D: usize> Mul for Moving<D> {
-    type Output = Self;
+impl<const D: usize> Moving<D> {
+    /// Entry by entry combination; rows are whole, since a sum costs less than asking for pairs.
+    #[inline(always)]
+    fn combined(mut self, b: &Self, f: impl Fn(&mut f64, f64)) -> Self {
+        for k in 0..3 {
+            f(&mut self.x[k], b.x[k]);
+            for i in 0..D {
+                f(&mut self.g[k][i], b.g[k][i]);
+            }
+        }
+        self.pairs |= b.pairs;
+        self.nonlinear |= b.nonlinear;
+        self
+    }
+
     #[inline]
-    fn mul(self, b: Self) -> Self {
+    fn plus(self, b: Self) -> Self {
+        self.combined(&b, |x, y| *x += y)
+    }
+
+    #[inline]
+    fn minus(self, b: Self) -> Self {
+        self.combined(&b, |x, y| *x -= y)
+    }
+
+    #[inline]
+    fn times(self, b: Self) -> Self {
         let ([a0, a1, a2], [b0, b1, b2]) = (self.x, b.x);
         let (twice_a1, twice_b1) = (2.0 * a1, 2.0 * b1);
         let ([p0, p1, p2], [q0, q1, q2]) = (&self.g, &b.g);
         let pairs = self.pairs | b.pairs;
-        let g = if self.turns || b.turns {
+        let g = if self.nonlinear || b.nonlinear {
             gradients(pairs, |i| {
                 [
                     p0[i] * b0 + a0 * q0[i],
@@ -145,16 +167,13 @@ impl<const D: usize> Mul for Moving<D> {
                 a0 * b2 + twice_a1 * b1 + a2 * b0,
             ],
             pairs,
-            turns: true,
+            nonlinear: true,
             g,
         }
     }
-}
 
-impl<const D: usize> Div for Moving<D> {
-    type Output = Self;
     #[inline]
-    fn div(self, b: Self) -> Self {
+    fn quotient(self, b: Self) -> Self {
         // c = a/b from the product rule of c b = a, order by order.
         let ([a0, a1, a2], [b0, b1, b2]) = (self.x, b.x);
         let (r, twice_b1) = (1.0 / b0, 2.0 * b1);
@@ -167,7 +186,7 @@ impl<const D: usize> Div for Moving<D> {
         Self {
             x: [c0, c1, c2],
             pairs,
-            turns: true,
+            nonlinear: true,
             g: gradients(pairs, |i| {
                 let d0 = (p0[i] - c0 * q0[i]) * r;
                 let d1 = ((p1[i] - c0 * q1[i] - c1 * q0[i]) - d0 * b1) * r;
@@ -176,44 +195,9 @@ impl<const D: usize> Div for Moving<D> {
             }),
         }
     }
-}
 
-impl<const D: usize> Moving<D> {
-    /// Entry by entry combination; rows are whole, since a sum costs less than asking for pairs.
-    #[inline(always)]
-    fn combined(mut self, b: &Self, f: impl Fn(&mut f64, f64)) -> Self {
-        for k in 0..3 {
-            f(&mut self.x[k], b.x[k]);
-            for i in 0..D {
-                f(&mut self.g[k][i], b.g[k][i]);
-            }
-        }
-        self.pairs |= b.pairs;
-        self.turns |= b.turns;
-        self
-    }
-}
-
-impl<const D: usize> Add for Moving<D> {
-    type Output = Self;
     #[inline]
-    fn add(self, b: Self) -> Self {
-        self.combined(&b, |x, y| *x += y)
-    }
-}
-
-impl<const D: usize> Sub for Moving<D> {
-    type Output = Self;
-    #[inline]
-    fn sub(self, b: Self) -> Self {
-        self.combined(&b, |x, y| *x -= y)
-    }
-}
-
-impl<const D: usize> Mul<f64> for Moving<D> {
-    type Output = Self;
-    #[inline]
-    fn mul(mut self, b: f64) -> Self {
+    fn scaled(mut self, b: f64) -> Self {
         for k in 0..3 {
             self.x[k] *= b;
             for i in 0..D {
@@ -222,23 +206,12 @@ impl<const D: usize> Mul<f64> for Moving<D> {
         }
         self
     }
-}
 
-impl<const D: usize> Neg for Moving<D> {
-    type Output = Self;
     #[inline]
-    fn neg(self) -> Self {
-        self * -1.0
-    }
-}
-
-impl<const D: usize> Add<f64> for Moving<D> {
-    type Output = Self;
-    #[inline]
-    fn add(mut self, b: f64) -> Self {
+    fn shifted(mut self, b: f64) -> Self {
         self.x[0] += b;
         self
     }
 }
 
-derived_operators!([const D: usize] Moving<D>);
+operators!([const D: usize] Moving<D>, |a: Self, b| a.quotient(b));

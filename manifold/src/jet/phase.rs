@@ -1,8 +1,7 @@
 //! Value, gradient and Hessian of an energy in coordinates and velocities.
 
-use super::derivative;
+use super::{derivative, nested_order};
 use crate::scalar::{MAX_ORDER, Scalar};
-use std::ops::{Add, Mul, Neg, Sub};
 
 /// A value with its derivatives in `X` coordinates x and `V` velocities v, over the numbers `S`.
 ///
@@ -24,9 +23,9 @@ pub struct Phase<S, const X: usize, const V: usize, const HX: usize, const HV: u
     /// Value.
     pub value: S,
     /// Which threes of x and of v the value depends on, one bit each.
-    seen: [u32; 2],
-    /// Whether it is not affine: may `xx`, `vx`, `vv` be different from zero?
-    bent: bool,
+    depends: [u32; 2],
+    /// Whether it is not affine, so that `xx`, `vx`, `vv` may differ from zero.
+    nonlinear: bool,
     /// Gradient in x.
     pub x: [S; X],
     /// Gradient in v.
@@ -96,16 +95,8 @@ fn pairs<const N: usize, const M: usize>(marks: [u32; 2], mut f: impl FnMut(usiz
 
 /// Runs over the marked pairs (i, j) with the three of j not above that of i.
 #[inline(always)]
-fn lower<const N: usize>(marks: u32, mut f: impl FnMut(usize, usize)) {
-    for a in 0..groups(N) {
-        if has(marks, a) {
-            for b in 0..=a {
-                if has(marks, b) {
-                    block::<N, N>(a, b, &mut f);
-                }
-            }
-        }
-    }
+fn lower<const N: usize>(marks: u32, f: impl FnMut(usize, usize)) {
+    lower_across::<N>(marks, marks, f);
 }
 
 /// Runs over the pairs as [`lower`], i in the first marks and j in the second.
@@ -137,8 +128,8 @@ impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize
         }
         Self {
             value,
-            seen: [0; 2],
-            bent: false,
+            depends: [0; 2],
+            nonlinear: false,
             x: [S::zero(); X],
             v: [S::zero(); V],
             xx: [[0.0; HX]; HX],
@@ -152,7 +143,7 @@ impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize
     pub fn coordinate(value: S, i: usize) -> Self {
         let mut out = Self::given(value);
         out.x[i] = S::one();
-        out.seen[0] = 1 << (i / GROUP);
+        out.depends[0] = 1 << (i / GROUP);
         out
     }
 
@@ -161,24 +152,24 @@ impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize
     pub fn velocity(value: S, i: usize) -> Self {
         let mut out = Self::given(value);
         out.v[i] = S::one();
-        out.seen[1] = 1 << (i / GROUP);
+        out.depends[1] = 1 << (i / GROUP);
         out
     }
 
     /// Whether the value depends on no variable.
     #[inline]
     fn is_given(&self) -> bool {
-        self.seen == [0; 2]
+        self.depends == [0; 2]
     }
 
     /// Adds the second derivatives of another value times a factor.
     #[inline(always)]
-    fn bend_by(&mut self, b: &Self, factor: S) {
-        if !b.bent {
+    fn add_second_derivatives(&mut self, b: &Self, factor: S) {
+        if !b.nonlinear {
             return;
         }
         let real = factor.re();
-        let [x, v] = b.seen;
+        let [x, v] = b.depends;
         lower::<HX>(x, |i, j| self.xx[i][j] += b.xx[i][j] * real);
         pairs::<HV, HX>([v, x], |i, j| self.vx[i][j] += b.vx[i][j] * factor);
         lower::<HV>(v, |i, j| self.vv[i][j] += b.vv[i][j] * factor);
@@ -186,12 +177,12 @@ impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize
 
     /// All entries times a number without variables.
     #[inline(always)]
-    fn scaled(&self, b: S) -> Self {
+    fn times_given(&self, b: S) -> Self {
         let mut out = Self::given(self.value * b);
-        (out.seen, out.bent) = (self.seen, self.bent);
-        each::<X>(self.seen[0], |i| out.x[i] = self.x[i] * b);
-        each::<V>(self.seen[1], |i| out.v[i] = self.v[i] * b);
-        out.bend_by(self, b);
+        (out.depends, out.nonlinear) = (self.depends, self.nonlinear);
+        each::<X>(self.depends[0], |i| out.x[i] = self.x[i] * b);
+        each::<V>(self.depends[1], |i| out.v[i] = self.v[i] * b);
+        out.add_second_derivatives(self, b);
         out
     }
 }
@@ -199,14 +190,7 @@ impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize
 impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize> Scalar
     for Phase<S, X, V, HX, HV>
 {
-    const ORDER: usize = {
-        let own = if HX + HV > 0 { 2 } else { 1 };
-        assert!(
-            S::ORDER + own <= MAX_ORDER,
-            "jets nest to total order four: differentiate once inside a map or an energy, not twice"
-        );
-        S::ORDER + own
-    };
+    const ORDER: usize = nested_order(S::ORDER, if HX + HV > 0 { 2 } else { 1 });
 
     #[inline]
     fn constant(value: f64) -> Self {
@@ -223,60 +207,27 @@ impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize
         const { assert!(Self::ORDER <= MAX_ORDER) };
         let f1 = derivative(f);
         let slope = self.value.compose(f1);
-        // Without a Hessian f″ is not read; with one it is differentiated as often as S asks.
+        // Without a Hessian f″ is not read; with one it has all derivatives that S carries.
         let bend = if HX + HV > 0 {
             self.value.compose(derivative(f1))
         } else {
             S::zero()
         };
         let (x, v) = (&self.x, &self.v);
-        let [x_seen, v_seen] = self.seen;
+        let [x_depends, v_depends] = self.depends;
         let mut out = Self::given(self.value.compose(f));
-        (out.seen, out.bent) = (self.seen, true);
-        each::<X>(x_seen, |i| out.x[i] = slope * x[i]);
-        each::<V>(v_seen, |i| out.v[i] = slope * v[i]);
+        (out.depends, out.nonlinear) = (self.depends, true);
+        each::<X>(x_depends, |i| out.x[i] = slope * x[i]);
+        each::<V>(v_depends, |i| out.v[i] = slope * v[i]);
         let bend_re = bend.re();
-        lower::<HX>(x_seen, |i, j| {
+        lower::<HX>(x_depends, |i, j| {
             out.xx[i][j] = bend_re * x[i].re() * x[j].re();
         });
-        pairs::<HV, HX>([v_seen, x_seen], |i, j| {
+        pairs::<HV, HX>([v_depends, x_depends], |i, j| {
             out.vx[i][j] = bend * (v[i] * x[j]);
         });
-        lower::<HV>(v_seen, |i, j| out.vv[i][j] = bend * (v[i] * v[j]));
-        out.bend_by(&self, slope);
-        out
-    }
-}
-
-impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize> Mul
-    for Phase<S, X, V, HX, HV>
-{
-    type Output = Self;
-    #[inline]
-    fn mul(self, b: Self) -> Self {
-        if b.is_given() {
-            return self.scaled(b.value);
-        }
-        if self.is_given() {
-            return b.scaled(self.value);
-        }
-        let (p, q) = (self.value, b.value);
-        let ([ax, av], [bx, bv]) = (self.seen, b.seen);
-        let mut out = Self::given(p * q);
-        (out.seen, out.bent) = ([ax | bx, av | bv], true);
-        each::<X>(ax | bx, |i| out.x[i] = self.x[i] * q + p * b.x[i]);
-        each::<V>(av | bv, |i| out.v[i] = self.v[i] * q + p * b.v[i]);
-        // The gradient of each with the other.
-        for (f, g) in [(&self, &b), (&b, &self)] {
-            let ([fx, fv], [gx, gv]) = (f.seen, g.seen);
-            lower_across::<HX>(fx, gx, |i, j| {
-                out.xx[i][j] += f.x[i].re() * g.x[j].re();
-            });
-            pairs::<HV, HX>([fv, gx], |i, j| out.vx[i][j] += f.v[i] * g.x[j]);
-            lower_across::<HV>(fv, gv, |i, j| out.vv[i][j] += f.v[i] * g.v[j]);
-        }
-        out.bend_by(&self, q);
-        out.bend_by(&b, p);
+        lower::<HV>(v_depends, |i, j| out.vv[i][j] = bend * (v[i] * v[j]));
+        out.add_second_derivatives(&self, slope);
         out
     }
 }
@@ -288,76 +239,70 @@ impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize
     #[inline(always)]
     fn changed(mut self, b: &Self, f: impl Fn(&mut S, S), real: impl Fn(&mut f64, f64)) -> Self {
         f(&mut self.value, b.value);
-        let [x, v] = b.seen;
+        let [x, v] = b.depends;
         each::<X>(x, |i| f(&mut self.x[i], b.x[i]));
         each::<V>(v, |i| f(&mut self.v[i], b.v[i]));
-        if b.bent {
+        if b.nonlinear {
             lower::<HX>(x, |i, j| real(&mut self.xx[i][j], b.xx[i][j]));
             pairs::<HV, HX>([v, x], |i, j| f(&mut self.vx[i][j], b.vx[i][j]));
             lower::<HV>(v, |i, j| f(&mut self.vv[i][j], b.vv[i][j]));
-            self.bent = true;
+            self.nonlinear = true;
         }
-        self.seen = [self.seen[0] | b.seen[0], self.seen[1] | b.seen[1]];
+        self.depends = [
+            self.depends[0] | b.depends[0],
+            self.depends[1] | b.depends[1],
+        ];
         self
     }
-}
 
-impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize> Add
-    for Phase<S, X, V, HX, HV>
-{
-    type Output = Self;
     #[inline]
-    fn add(self, b: Self) -> Self {
+    fn plus(self, b: Self) -> Self {
         self.changed(&b, |x, y| *x += y, |x, y| *x += y)
     }
-}
 
-impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize> Sub
-    for Phase<S, X, V, HX, HV>
-{
-    type Output = Self;
     #[inline]
-    fn sub(self, b: Self) -> Self {
+    fn minus(self, b: Self) -> Self {
         self.changed(&b, |x, y| *x -= y, |x, y| *x -= y)
     }
-}
 
-impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize> Mul<f64>
-    for Phase<S, X, V, HX, HV>
-{
-    type Output = Self;
     #[inline]
-    fn mul(self, b: f64) -> Self {
-        self.scaled(S::constant(b))
+    fn times(self, b: Self) -> Self {
+        if b.is_given() {
+            return self.times_given(b.value);
+        }
+        if self.is_given() {
+            return b.times_given(self.value);
+        }
+        let (p, q) = (self.value, b.value);
+        let ([ax, av], [bx, bv]) = (self.depends, b.depends);
+        let mut out = Self::given(p * q);
+        (out.depends, out.nonlinear) = ([ax | bx, av | bv], true);
+        each::<X>(ax | bx, |i| out.x[i] = self.x[i] * q + p * b.x[i]);
+        each::<V>(av | bv, |i| out.v[i] = self.v[i] * q + p * b.v[i]);
+        // The gradient of each with the other.
+        for (f, g) in [(&self, &b), (&b, &self)] {
+            let ([fx, fv], [gx, gv]) = (f.depends, g.depends);
+            lower_across::<HX>(fx, gx, |i, j| {
+                out.xx[i][j] += f.x[i].re() * g.x[j].re();
+            });
+            pairs::<HV, HX>([fv, gx], |i, j| out.vx[i][j] += f.v[i] * g.x[j]);
+            lower_across::<HV>(fv, gv, |i, j| out.vv[i][j] += f.v[i] * g.v[j]);
+        }
+        out.add_second_derivatives(&self, q);
+        out.add_second_derivatives(&b, p);
+        out
     }
-}
 
-impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize> Neg
-    for Phase<S, X, V, HX, HV>
-{
-    type Output = Self;
     #[inline]
-    fn neg(self) -> Self {
-        self * -1.0
+    fn scaled(self, b: f64) -> Self {
+        self.times_given(S::constant(b))
     }
-}
 
-impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize> Add<f64>
-    for Phase<S, X, V, HX, HV>
-{
-    type Output = Self;
     #[inline]
-    fn add(mut self, b: f64) -> Self {
+    fn shifted(mut self, b: f64) -> Self {
         self.value = self.value + b;
         self
     }
 }
 
-derived_operators!(
-    [S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize]
-    Phase<S, X, V, HX, HV>
-);
-quotient_by_reciprocal!(
-    [S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize]
-    Phase<S, X, V, HX, HV>
-);
+operators!([S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize] Phase<S, X, V, HX, HV>);

@@ -1,8 +1,7 @@
 //! Value and two time derivatives.
 
-use super::derivative;
+use super::{derivative, nested_order};
 use crate::scalar::{MAX_ORDER, Scalar};
-use std::ops::{Add, Mul, Neg, Sub};
 
 /// A value with its first and second derivative along one parameter: two orders more than `S`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,13 +15,7 @@ pub struct Taylor<S> {
 }
 
 impl<S: Scalar> Scalar for Taylor<S> {
-    const ORDER: usize = {
-        assert!(
-            S::ORDER + 1 < MAX_ORDER,
-            "jets nest to total order four: differentiate once inside a map or an energy, not twice"
-        );
-        S::ORDER + 2
-    };
+    const ORDER: usize = nested_order(S::ORDER, 2);
 
     #[inline]
     fn constant(value: f64) -> Self {
@@ -52,74 +45,48 @@ impl<S: Scalar> Scalar for Taylor<S> {
     }
 }
 
-impl<S: Scalar> Add for Taylor<S> {
-    type Output = Self;
+impl<S: Scalar> Taylor<S> {
     #[inline]
-    fn add(self, b: Self) -> Self {
+    fn plus(self, b: Self) -> Self {
         Self {
             v: self.v + b.v,
             d: self.d + b.d,
             dd: self.dd + b.dd,
         }
     }
-}
 
-impl<S: Scalar> Sub for Taylor<S> {
-    type Output = Self;
     #[inline]
-    fn sub(self, b: Self) -> Self {
+    fn minus(self, b: Self) -> Self {
         Self {
             v: self.v - b.v,
             d: self.d - b.d,
             dd: self.dd - b.dd,
         }
     }
-}
 
-impl<S: Scalar> Mul for Taylor<S> {
-    type Output = Self;
     #[inline]
-    fn mul(self, b: Self) -> Self {
+    fn times(self, b: Self) -> Self {
         Self {
             v: self.v * b.v,
             d: self.d * b.v + self.v * b.d,
             dd: self.dd * b.v + self.d * b.d * 2.0 + self.v * b.dd,
         }
     }
-}
 
-impl<S: Scalar> Neg for Taylor<S> {
-    type Output = Self;
     #[inline]
-    fn neg(self) -> Self {
-        Self {
-            v: -self.v,
-            d: -self.d,
-            dd: -self.dd,
-        }
-    }
-}
-
-impl<S: Scalar> Mul<f64> for Taylor<S> {
-    type Output = Self;
-    #[inline]
-    fn mul(self, b: f64) -> Self {
+    fn scaled(self, b: f64) -> Self {
         Self {
             v: self.v * b,
             d: self.d * b,
             dd: self.dd * b,
         }
     }
-}
 
-impl<S: Scalar> Add<f64> for Taylor<S> {
-    type Output = Self;
     #[inline]
-    fn add(mut self, b: f64) -> Self {
+    fn shifted(mut self, b: f64) -> Self {
         self.v = self.v + b;
         self
     }
 }
 
-derived_operators!([S: Scalar] Taylor<S>);
-quotient_by_reciprocal!([S: Scalar] Taylor<S>);
+operators!([S: Scalar] Taylor<S>);

@@ -1,9 +1,8 @@
 //! The structure of a map, found by one evaluation.
 
 use crate::scalar::{MAX_ORDER, Scalar};
-use std::ops::{Add, Mul, Neg, Sub};
 
-/// A value that knows which variables it depends on, and in which of them it is not affine.
+/// A value with the variables on which it depends, and those in which it is not affine.
 ///
 /// Displacements enter most maps by a sum only. Second derivatives with them vanish at every point
 /// and need not be computed: the cost of K_σ is quadratic in the variables. Values are formed by
@@ -12,9 +11,9 @@ use std::ops::{Add, Mul, Neg, Sub};
 pub struct Trace {
     v: f64,
     /// Variables it depends on, one bit each.
-    seen: u64,
+    depends: u64,
     /// Those in which it is not affine with constant coefficients.
-    bent: u64,
+    nonlinear: u64,
 }
 
 impl Trace {
@@ -23,8 +22,8 @@ impl Trace {
     pub fn variable(v: f64, i: usize) -> Self {
         Self {
             v,
-            seen: Self::mark(i),
-            bent: 0,
+            depends: Self::mark(i),
+            nonlinear: 0,
         }
     }
 
@@ -37,7 +36,7 @@ impl Trace {
     /// Whether second derivatives with variable number `i` may be different from zero.
     #[inline]
     pub fn bends(&self, i: usize) -> bool {
-        self.bent & Self::mark(i) != 0
+        self.nonlinear & Self::mark(i) != 0
     }
 }
 
@@ -48,8 +47,8 @@ impl Scalar for Trace {
     fn constant(v: f64) -> Self {
         Self {
             v,
-            seen: 0,
-            bent: 0,
+            depends: 0,
+            nonlinear: 0,
         }
     }
 
@@ -62,77 +61,56 @@ impl Scalar for Trace {
     fn compose(self, f: [f64; MAX_ORDER + 1]) -> Self {
         Self {
             v: f[0],
-            seen: self.seen,
-            bent: self.seen,
+            depends: self.depends,
+            nonlinear: self.depends,
         }
     }
 }
 
-impl Add for Trace {
-    type Output = Self;
+impl Trace {
     #[inline]
-    fn add(self, b: Self) -> Self {
+    fn plus(self, b: Self) -> Self {
         Self {
             v: self.v + b.v,
-            seen: self.seen | b.seen,
-            bent: self.bent | b.bent,
+            depends: self.depends | b.depends,
+            nonlinear: self.nonlinear | b.nonlinear,
         }
     }
-}
 
-impl Sub for Trace {
-    type Output = Self;
     #[inline]
-    fn sub(self, b: Self) -> Self {
+    fn minus(self, b: Self) -> Self {
         Self {
             v: self.v - b.v,
             ..self + b
         }
     }
-}
 
-impl Mul for Trace {
-    type Output = Self;
     #[inline]
-    fn mul(self, b: Self) -> Self {
-        let seen = self.seen | b.seen;
+    fn times(self, b: Self) -> Self {
+        let depends = self.depends | b.depends;
         // With a constant factor nothing bends that did not before.
-        let both = if self.seen != 0 && b.seen != 0 {
-            seen
+        let both = if self.depends != 0 && b.depends != 0 {
+            depends
         } else {
             0
         };
         Self {
             v: self.v * b.v,
-            seen,
-            bent: self.bent | b.bent | both,
+            depends,
+            nonlinear: self.nonlinear | b.nonlinear | both,
         }
     }
-}
 
-impl Neg for Trace {
-    type Output = Self;
     #[inline]
-    fn neg(self) -> Self {
-        Self { v: -self.v, ..self }
-    }
-}
-
-impl Mul<f64> for Trace {
-    type Output = Self;
-    #[inline]
-    fn mul(self, b: f64) -> Self {
+    fn scaled(self, b: f64) -> Self {
         Self {
             v: self.v * b,
             ..self
         }
     }
-}
 
-impl Add<f64> for Trace {
-    type Output = Self;
     #[inline]
-    fn add(self, b: f64) -> Self {
+    fn shifted(self, b: f64) -> Self {
         Self {
             v: self.v + b,
             ..self
@@ -140,5 +118,4 @@ impl Add<f64> for Trace {
     }
 }
 
-derived_operators!([] Trace);
-quotient_by_reciprocal!([] Trace);
+operators!([] Trace);

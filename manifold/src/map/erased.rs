@@ -3,9 +3,10 @@
 #![allow(non_snake_case)]
 
 use super::Map;
+use crate::domain::DomainError;
 use crate::implicit::ImplicitMap;
 use crate::so3::VelocityKind;
-use crate::system::{CHART_EDGE, ChartChanges};
+use crate::system::ChartChanges;
 use nalgebra::{SMatrix, SVector};
 
 /// Output of [`Parametrization::kinematics`]; matrices column by column, n×d.
@@ -43,16 +44,6 @@ pub fn write_block<const M: usize, const N: usize>(
     }
 }
 
-/// Why a point is outside the domain of a map.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum OutsideDomain {
-    /// It is beyond this limit: words that follow "the joint left", with a remedy unless it is
-    /// [`CHART_EDGE`].
-    Beyond(&'static str),
-    /// There is no value, for this reason: words that follow "joint at node a: ".
-    Undefined(String),
-}
-
 /// An object-safe [`Map`] of any dimensions: slices outside, fixed sizes and no heap inside.
 ///
 /// Implemented for every map by [`Map::boxed`], and by maps with a state of their own
@@ -71,10 +62,13 @@ pub trait Parametrization: Send + Sync {
     /// A copy, in the same charts.
     fn duplicate(&self) -> Box<dyn Parametrization>;
 
-    /// See [`Map::margin`]; infinite by default.
-    fn margin(&mut self, t: f64, q: &[f64]) -> f64 {
+    /// See [`Map::domain`]; infinite by default.
+    ///
+    /// # Errors
+    /// [`DomainError`] outside.
+    fn domain(&mut self, t: f64, q: &[f64]) -> Result<f64, DomainError> {
         let _ = (t, q);
-        f64::INFINITY
+        Ok(f64::INFINITY)
     }
 
     /// Changes the charts of the values (branch of a logarithm, segment of a curve) if another one is
@@ -115,12 +109,6 @@ pub trait Parametrization: Send + Sync {
     /// θ̇ and θ̈ before it evaluates the map ([`so3::Spin`](crate::so3::Spin)). None by default.
     fn velocity_kind(&self) -> Option<VelocityKind> {
         None
-    }
-
-    /// Why q is outside the domain, where the margin has ended; the edge of a chart by default.
-    fn domain_error(&mut self, t: f64, q: &[f64]) -> OutsideDomain {
-        let _ = (t, q);
-        OutsideDomain::Beyond(CHART_EDGE)
     }
 
     /// Amount by which a step of size h between two states (q, q̇) overshot the first change of
@@ -201,12 +189,8 @@ where
         Box::new(Self(self.0.clone()))
     }
 
-    fn margin(&mut self, t: f64, q: &[f64]) -> f64 {
-        self.0.margin(t, &SVector::from_column_slice(q))
-    }
-
-    fn domain_error(&mut self, _t: f64, _q: &[f64]) -> OutsideDomain {
-        OutsideDomain::Beyond(self.0.edge())
+    fn domain(&mut self, t: f64, q: &[f64]) -> Result<f64, DomainError> {
+        self.0.domain(t, &SVector::from_column_slice(q))
     }
 
     fn is_objective(&self) -> bool {

@@ -13,6 +13,7 @@
 )]
 
 use super::{KinematicsMut, Parametrization};
+use crate::domain::DomainError;
 use crate::system::ChartChanges;
 
 /// Maps that read common inputs, and each other; its values are those of its last maps, the outputs.
@@ -153,22 +154,18 @@ impl Parametrization for MapGraph {
         Box::new(self.clone())
     }
 
-    /// The least of those of its maps, up to the first without one.
-    fn margin(&mut self, t: f64, y: &[f64]) -> f64 {
+    /// The least margin of its maps.
+    fn domain(&mut self, t: f64, y: &[f64]) -> Result<f64, DomainError> {
         let mut least = f64::INFINITY;
         for k in 0..self.links.len() {
             let (before, rest) = self.links.split_at_mut(k);
             let link = &mut rest[0];
             link.gather(before, [y, &[], &[]], 1);
-            let margin = link.map.margin(t, &link.q[0]);
-            if margin.is_nan() || margin <= 0.0 {
-                return margin;
-            }
-            least = least.min(margin);
+            least = least.min(link.map.domain(t, &link.q[0])?);
             link.map
                 .tangent(t, &link.q[0], &mut link.x[0], &mut link.own[0]);
         }
-        least
+        Ok(least)
     }
 
     /// Chooses the charts of each map, from the inputs outwards.

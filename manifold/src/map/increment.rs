@@ -5,6 +5,7 @@
 use super::{
     KinematicsMut, Map, Parametrization, write_geometric_stiffness, write_kinematics, write_tangent,
 };
+use crate::domain::{CHART_EDGE, DomainError};
 use crate::quotients::Quotients;
 use crate::scalar::Scalar;
 use crate::so3::{self, Quaternion, VelocityKind};
@@ -96,9 +97,9 @@ impl<const D: usize> Map<D, D> for Increment<D> {
     }
 
     /// θ stays below half a turn, and Ψ inside its chart.
-    fn margin(&self, _t: f64, q: &SVector<f64, D>) -> f64 {
+    fn domain(&self, _t: f64, q: &SVector<f64, D>) -> Result<f64, DomainError> {
         let Psi = so3::log_quaternion(&self.turned(q)).norm();
-        (PI - theta(q).norm()).min(TAU - Psi)
+        DomainError::within((PI - theta(q).norm()).min(TAU - Psi), CHART_EDGE)
     }
 
     /// Its coordinates belong to no frame.
@@ -116,8 +117,8 @@ impl<const D: usize> Parametrization for Increment<D> {
         Box::new(*self)
     }
 
-    fn margin(&mut self, t: f64, q: &[f64]) -> f64 {
-        Map::margin(self, t, &SVector::from_column_slice(q))
+    fn domain(&mut self, t: f64, q: &[f64]) -> Result<f64, DomainError> {
+        Map::domain(self, t, &SVector::from_column_slice(q))
     }
 
     fn is_objective(&self) -> bool {

@@ -18,6 +18,7 @@
 #![allow(non_snake_case)]
 
 use super::{KinematicsMut, Parametrization, write_block};
+use crate::domain::{CHART_EDGE, DomainError};
 use crate::quotients::{InverseQuotients, Quotients};
 use crate::so3::{self, Quaternion};
 use crate::system::ChartChanges;
@@ -93,8 +94,8 @@ impl Parametrization for ToPose {
         Box::new(*self)
     }
 
-    fn margin(&mut self, _t: f64, q: &[f64]) -> f64 {
-        EDGE - three(q, 3).norm()
+    fn domain(&mut self, _t: f64, q: &[f64]) -> Result<f64, DomainError> {
+        DomainError::within(EDGE - three(q, 3).norm(), CHART_EDGE)
     }
 
     fn tangent(&mut self, _t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
@@ -153,8 +154,9 @@ impl Parametrization for ToChart {
         Box::new(*self)
     }
 
-    fn margin(&mut self, _t: f64, q: &[f64]) -> f64 {
-        TAU - so3::log_quaternion(&self.turn(q)).norm()
+    fn domain(&mut self, _t: f64, q: &[f64]) -> Result<f64, DomainError> {
+        let margin = TAU - so3::log_quaternion(&self.turn(q)).norm();
+        DomainError::within(margin, CHART_EDGE)
     }
 
     fn change_charts(&mut self, _t: f64, q: &[f64]) -> ChartChanges {

@@ -99,7 +99,7 @@ impl InverseQuotients {
     }
 }
 
-/// (g, a₃) of T⁻¹ as functions of z = ψ², differentiable as often as `S` asks, also at zero.
+/// (g, a₃) of T⁻¹ as functions of z = ψ², with all derivatives that `S` carries, also at zero.
 #[must_use]
 pub fn inverse_quotients<S: Scalar>(z: S) -> (S, S) {
     let psi = z.re().sqrt();

@@ -38,10 +38,10 @@ pub trait Events {
         Vec::new()
     }
 
-    /// Values set from outside during a run. If one changes between two steps, accelerations jump,
-    /// as at a kink. None by default.
-    fn inputs(&self) -> Vec<f64> {
-        Vec::new()
+    /// Values that a program sets during a run, as part of the state. If one changes between two steps,
+    /// accelerations jump, as at a kink. None by default.
+    fn inputs(&mut self) -> &mut [f64] {
+        &mut []
     }
 
     /// Amount by which the step overshot the first change of segment, in units of time; negative before
@@ -103,7 +103,7 @@ pub trait Energetics {
 
     /// Rates of all coordinates at q in a rigid motion from [`Energetics::symmetries`], or in a sum
     /// of these.
-    fn rigid_rates(&self, q: &[f64], motion: &RigidRates, rates: &mut [f64]) {
+    fn rigid_rates(&mut self, q: &[f64], motion: &RigidRates, rates: &mut [f64]) {
         let _ = (q, motion);
         rates.fill(0.0);
     }

@@ -155,20 +155,17 @@ pub struct Dynamic {
     /// Step size.
     pub step: f64,
     /// Smallest step: the analysis fails when a smaller one would be needed; a millionth of `step` by default.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub min_step: Option<f64>,
     /// Integration scheme.
     #[serde(default)]
     pub scheme: Scheme,
     /// Step sizes by an estimate of the local error.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub adaptive: Option<Adaptive>,
     /// A row of the history every this many steps.
     #[serde(default = "one")]
     #[schemars(range(min = 1))]
     pub record_every: usize,
     /// Instead of `record_every`: a row at every multiple of this time, where steps end exactly.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub record_interval: Option<f64>,
     /// A checkpoint to resume from every this many steps; 0 writes one at the end only.
     #[serde(default)]
@@ -189,7 +186,6 @@ pub struct Adaptive {
     /// Local error of a step allowed, relative to the size of the model (and to one radian).
     pub tolerance: f64,
     /// Largest step; a hundred times `step` by default.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_step: Option<f64>,
 }
 

@@ -15,11 +15,9 @@ pub struct Body {
     pub mass: f64,
     /// Moments of inertia about the centre of mass, in global axes of the reference
     /// configuration: three principal ones, or a symmetric 3×3 tensor row by row.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inertia: Option<Tensor>,
     /// Position of the centre of mass as seen from the node, in global components of the reference
     /// configuration; the node itself by default.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub center: Option<[f64; 3]>,
 }
 
@@ -46,16 +44,12 @@ pub struct Spring {
     /// The two nodes.
     pub nodes: [String; 2],
     /// Stiffness along the line.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stiffness: Option<f64>,
     /// Damping along the line: force per velocity.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub damping: Option<f64>,
     /// Free length; that of the reference configuration by default.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rest_length: Option<f64>,
     /// Six stiffnesses and dampings instead.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bushing: Option<Bushing>,
 }
 
@@ -67,7 +61,6 @@ pub struct Bushing {
     /// Six stiffnesses, or a symmetric 6×6 matrix row by row.
     pub stiffness: Six,
     /// Six dampings, or a symmetric 6×6 matrix row by row; none by default.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub damping: Option<Six>,
 }
 

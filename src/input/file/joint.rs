@@ -18,12 +18,10 @@ pub struct Joint {
     #[serde(rename = "type")]
     pub kind: String,
     /// Node it is attached to; for a slide give `lines` instead.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub parent: Option<String>,
     /// Node that is identified with the node of the joint. A node that is still free is then attached to
     /// the joint. One that is attached to something else already, or is supported, closes a
     /// loop: the coordinates of the joints along it then depend on those that it leaves free.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub child: Option<String>,
     /// Closure between the node of the joint and the `child`: by a `map` (the default),
     /// by Lagrange `multipliers`, or by a `penalty`.
@@ -35,29 +33,22 @@ pub struct Joint {
     pub closure: Option<Closure>,
     /// Stiffness of a `penalty`: force over the gap; moment over the turn is this times the square
     /// of the size of the model (the diagonal of the box around its nodes).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub penalty: Option<f64>,
     /// Time of dampers in parallel with a `penalty`: damping over stiffness. 0 by default.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub penalty_damping: Option<f64>,
     /// Consecutive lines of two-node elements along which a slide moves.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub lines: Vec<String>,
     /// Spring and damper on the released coordinate, where there is one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spring: Option<JointSpring>,
     /// Moment of an actuator on the angle (force along the displacement) as a function of time.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub actuator: Option<Time>,
     /// The angle or displacement itself as a function of time.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub prescribed: Option<Time>,
     /// Angle or displacement at the start (dynamics); nodes attached to the joint move along, free nodes
     /// do not. In a loop it is kept if the loop closes with it, and is an initial guess otherwise.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub value: Option<f64>,
     /// Rate of the angle or displacement at the start (dynamics); the rates of a loop's other joints follow.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rate: Option<f64>,
     /// Springs, actuators and prescribed motions of a joint with several coordinates, by coordinate.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
@@ -109,23 +100,36 @@ pub struct Gear {
 
 /// Spring, actuator, prescribed motion and initial values of a released coordinate.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[serde(deny_unknown_fields)]
 pub struct Acts {
     /// Spring and damper.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub spring: Option<JointSpring>,
     /// Moment of an actuator on an angle (force along a displacement) as a function of time.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub actuator: Option<Time>,
     /// The coordinate itself as a function of time.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub prescribed: Option<Time>,
     /// Its value at the start (dynamics).
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<f64>,
     /// Its rate at the start (dynamics).
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub rate: Option<f64>,
+}
+
+impl Acts {
+    /// Its keys.
+    pub(crate) const KEYS: [&str; 5] = ["spring", "actuator", "prescribed", "value", "rate"];
+
+    /// The keys that are given.
+    pub(crate) fn given(&self) -> impl Iterator<Item = &'static str> {
+        let given = [
+            self.spring.is_some(),
+            self.actuator.is_some(),
+            self.prescribed.is_some(),
+            self.value.is_some(),
+            self.rate.is_some(),
+        ];
+        let keys = Self::KEYS.into_iter().zip(given);
+        keys.filter_map(|(key, given)| given.then_some(key))
+    }
 }
 
 impl Joint {

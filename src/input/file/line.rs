@@ -27,11 +27,9 @@ pub struct Line {
     #[serde(default, skip_serializing_if = "Interpolation::is_total")]
     pub interpolation: Interpolation,
     /// Circular arc instead of a straight line.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub arc: Option<Arc>,
     /// Direction of the section axis E2 at the start (its part normal to the line counts). By
     /// default E3 is as close as possible to e3, or to e2 for a line along e3.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub second_axis: Option<[f64; 3]>,
     /// Pretwist: rotation of the section about a straight line from start to end, in degrees.
     #[serde(default)]

@@ -48,10 +48,8 @@ pub struct Support {
     pub node: String,
     /// Coordinates held at zero: a list of "x", "y", "z", "rx", "ry", "rz", or "all", or "position"
     /// (x, y, z), or "rotation" (rx, ry, rz).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fix: Option<Fix>,
     /// Coordinates prescribed as functions of the load parameter, or of time.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub prescribed: Option<PrescribedMotion>,
 }
 
@@ -98,22 +96,16 @@ impl Fix {
 #[serde(deny_unknown_fields)]
 pub struct PrescribedMotion {
     /// Displacement along e1.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub x: Option<Time>,
     /// Displacement along e2.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub y: Option<Time>,
     /// Displacement along e3.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub z: Option<Time>,
     /// Rotation vector component about e1, in radians.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rx: Option<Time>,
     /// Rotation vector component about e2, in radians.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ry: Option<Time>,
     /// Rotation vector component about e3, in radians.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rz: Option<Time>,
 }
 
@@ -134,22 +126,16 @@ impl PrescribedMotion {
 #[serde(deny_unknown_fields)]
 pub struct Load {
     /// Name of the loaded node.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub node: Option<String>,
     /// Name of the loaded line.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub line: Option<String>,
     /// Force on the node.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub force: Option<[f64; 3]>,
     /// Moment on the node.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub moment: Option<[f64; 3]>,
     /// Force per reference length of the line.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub force_per_length: Option<[f64; 3]>,
     /// Acceleration of gravity: a force per length of Aρ times it on lines, and the weight of bodies.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gravity: Option<[f64; 3]>,
     /// Whether the load rotates with the node or the cross-sections (follower load); otherwise its direction
     /// is fixed in space.
@@ -158,6 +144,5 @@ pub struct Load {
     /// Factor as a function of the load parameter or time; by default it grows in proportion to
     /// the load parameter in statics (`{ proportional = 1 }`), and is constant in dynamics
     /// (`{ constant = 1 }`).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time: Option<Time>,
 }

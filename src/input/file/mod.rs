@@ -39,7 +39,6 @@ use std::collections::BTreeMap;
 #[schemars(title = "pullback model file")]
 pub struct ModelFile {
     /// Title for plots and results.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub title: Option<String>,
     /// Cross-sections by name.
     #[serde(default)]

@@ -14,16 +14,12 @@ pub struct Probe {
     pub quantity: ProbeQuantity,
     /// Node, for displacement, position, rotation, chart_rotation, velocity, angular_velocity,
     /// acceleration, reaction_force, reaction_moment, joint_force and joint_moment.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub node: Option<String>,
     /// Joint, for joint_coordinate, joint_rate and joint_acceleration, joint_force and joint_moment.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joint: Option<String>,
     /// Element such as "line:3", for N, M, Gamma and K (the mean over its integration points).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub element: Option<String>,
     /// "x", "y", "z" (global), "1", "2", "3" (section axes, for N, M, Gamma, K), or "norm".
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub component: Option<String>,
 }
 

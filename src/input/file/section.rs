@@ -11,28 +11,20 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 pub struct Section {
     /// Diagonal law.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stiffness: Option<Stiffness>,
     /// Full symmetric 6×6 law, row by row: normal force, two shear forces, torque, two bending moments.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub matrix: Option<[[f64; 6]; 6]>,
     /// Solid rectangle.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rectangle: Option<Rectangle>,
     /// Solid circle.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub circle: Option<Circle>,
     /// Circular tube.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tube: Option<Tube>,
     /// Material of a rectangle, circle or tube.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub material: Option<Material>,
     /// Mass per length; overrides what material and shape give. Needed for gravity and dynamics.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mass: Option<Mass>,
     /// Viscous damping of a dynamic analysis; none by default.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub damping: Option<Damping>,
 }
 
@@ -111,6 +103,5 @@ pub struct Mass {
     #[serde(default)]
     pub J: [f64; 3],
     /// Position of the mass centre in the cross-section, along E2 and E3; on the axis by default.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub center: Option<[f64; 2]>,
 }

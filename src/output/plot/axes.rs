@@ -1,84 +1,120 @@
 //! Axes, tick labels and legends of all figures.
 
+use super::scale::Division;
 use super::{FINE, GRID, INK, PALETTE, PlotError, TEXT, font, width};
-use plotters::chart::{ChartBuilder, ChartContext};
 use plotters::coord::Shift;
-use plotters::coord::cartesian::Cartesian2d;
-use plotters::coord::types::RangedCoordf64;
 use plotters::element::{Circle, PathElement, Polygon, Rectangle};
 use plotters::prelude::{DrawingArea, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{Color, RGBColor};
+use plotters::style::{Color, FontTransform, RGBColor, ShapeStyle};
 
 pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-pub(super) type PlotArea<'a, 'b> =
-    ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
 /// Margins for tick labels and descriptions at the left and at the bottom, and around a plot.
 pub(super) const LEFT: i32 = 80;
 pub(super) const BOTTOM: i32 = 44;
 pub(super) const MARGIN: i32 = 14;
 
-/// A number as a tick label.
-pub(super) fn tick(value: f64, range: f64) -> String {
-    if value.abs() < 1e-9 * range {
-        return "0".to_owned();
-    }
-    let size = value.abs().max(range);
-    let text = if (1e-3..1e5).contains(&size) {
-        // Four digits of the range suffice for ticks.
-        let digits = (3.0 - range.log10().floor()).clamp(0.0, 9.0) as usize;
-        let fixed = format!("{value:.digits$}");
-        match fixed.contains('.') {
-            true => fixed.trim_end_matches('0').trim_end_matches('.').to_owned(),
-            false => fixed,
-        }
-    } else {
-        let short = format!("{value:.3e}");
-        let (number, exponent) = short.split_once('e').unwrap_or((&short, "0"));
-        let number = number.trim_end_matches('0').trim_end_matches('.');
-        format!("{number}e{exponent}")
-    };
-    text.replace('-', "−")
+/// Axes of a plot: a map from positions to the fine pixels of an area.
+pub(super) struct Axes {
+    /// Ranges of positions.
+    range: [[f64; 2]; 2],
+    /// Pixels of their ends.
+    pixels: [[i32; 2]; 2],
 }
 
-/// Draws axes with ticks, light grid lines and descriptions.
-pub(super) fn axes<'a, 'b>(
-    area: &'a Area<'b>,
-    x: [f64; 2],
-    y: [f64; 2],
-    description: [&str; 2],
-) -> Result<PlotArea<'a, 'b>, PlotError> {
-    let mut chart = ChartBuilder::on(area)
-        .margin(MARGIN * FINE)
-        .x_label_area_size(BOTTOM * FINE)
-        .y_label_area_size(LEFT * FINE)
-        .build_cartesian_2d(x[0]..x[1], y[0]..y[1])?;
-    let (pixels_x, pixels_y) = chart.plotting_area().dim_in_pixel();
-    let count = |pixels: u32, room: i32| (pixels as i32 / (room * FINE)).clamp(2, 7) as usize;
-    let line = INK.stroke_width(FINE as u32);
-    chart
-        .configure_mesh()
-        .disable_mesh()
-        .x_labels(count(pixels_x, 75))
-        .y_labels(count(pixels_y, 48))
-        .x_label_formatter(&|v| tick(*v, x[1] - x[0]))
-        .y_label_formatter(&|v| tick(*v, y[1] - y[0]))
-        .x_desc(description[0])
-        .y_desc(description[1])
-        .axis_style(line)
-        .bold_line_style(GRID.stroke_width(FINE as u32))
-        .label_style(font(TEXT))
-        .axis_desc_style(font(TEXT))
-        .set_all_tick_mark_size(5 * FINE)
-        .draw()?;
-    // Closes the frame: the library draws two sides of it.
-    let [(x0, y0), (x1, y1)] = [(x[0], y[0]), (x[1], y[1])];
-    chart.draw_series(std::iter::once(PathElement::new(
-        vec![(x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)],
-        line,
-    )))?;
-    Ok(chart)
+impl Axes {
+    /// Axes for an area of a size (in units), with room for tick labels and descriptions.
+    pub fn new(range: [[f64; 2]; 2], [w, h]: [i32; 2]) -> Self {
+        let across = [LEFT + MARGIN, w - MARGIN];
+        let up = [h - BOTTOM - MARGIN, MARGIN];
+        let pixels = [across, up].map(|ends| ends.map(|end| end * FINE));
+        Self { range, pixels }
+    }
+
+    /// The pixel at a position.
+    pub fn at(&self, (x, y): (f64, f64)) -> (i32, i32) {
+        let along = |k: usize, v: f64| {
+            let ([a, b], [from, to]) = (self.range[k], self.pixels[k]);
+            from + ((v - a) / (b - a) * f64::from(to - from)).round() as i32
+        };
+        (along(0, x), along(1, y))
+    }
+
+    /// A line through positions.
+    pub fn line(
+        &self,
+        points: impl IntoIterator<Item = (f64, f64)>,
+        style: ShapeStyle,
+    ) -> PathElement<(i32, i32)> {
+        PathElement::new(
+            points.into_iter().map(|p| self.at(p)).collect::<Vec<_>>(),
+            style,
+        )
+    }
+
+    /// A dot at a position, with a radius in fine pixels.
+    pub fn dot(&self, point: (f64, f64), radius: i32, color: RGBColor) -> Circle<(i32, i32), i32> {
+        Circle::new(self.at(point), radius, color.filled())
+    }
+
+    /// Draws a frame with ticks, light grid lines and descriptions.
+    pub fn draw(
+        &self,
+        area: &Area<'_>,
+        division: [Division; 2],
+        [across, up]: [&str; 2],
+    ) -> Result<(), PlotError> {
+        let [[left, right], [bottom, top]] = self.pixels;
+        let line = |from, to, color: RGBColor| {
+            let style = color.stroke_width(FINE as u32);
+            area.draw(&PathElement::new(vec![from, to], style))
+        };
+        // Numbers of labels for which there is room.
+        let most = |length: i32, room: i32| (length / (room * FINE)).clamp(2, 7) as usize;
+        let ticks = [
+            division[0].ticks(self.range[0], most(right - left, 68)),
+            division[1].ticks(self.range[1], most(bottom - top, 41)),
+        ];
+        let mark = |label: &Option<String>| FINE * if label.is_some() { 5 } else { 3 };
+        let below = font(TEXT).pos(Pos::new(HPos::Center, VPos::Top));
+        let beside = font(TEXT).pos(Pos::new(HPos::Right, VPos::Center));
+        let origin = (self.range[0][0], self.range[1][0]);
+        for (position, label) in &ticks[0] {
+            let (x, _) = self.at((*position, origin.1));
+            let end = bottom + mark(label);
+            if let Some(label) = label {
+                line((x, bottom), (x, top), GRID)?;
+                area.draw_text(label, &below, (x, end + 2 * FINE))?;
+            }
+            line((x, bottom), (x, end), INK)?;
+        }
+        for (position, label) in &ticks[1] {
+            let (_, y) = self.at((origin.0, *position));
+            let end = left - mark(label);
+            if let Some(label) = label {
+                line((left, y), (right, y), GRID)?;
+                area.draw_text(label, &beside, (end - 2 * FINE, y))?;
+            }
+            line((end, y), (left, y), INK)?;
+        }
+        let frame = [
+            (left, bottom),
+            (right, bottom),
+            (right, top),
+            (left, top),
+            (left, bottom),
+        ];
+        let ink = INK.stroke_width(FINE as u32);
+        area.draw(&PathElement::new(frame.to_vec(), ink))?;
+        let under = bottom + 30 * FINE;
+        area.draw_text(across, &below, ((left + right) / 2, under))?;
+        let upward = font(TEXT)
+            .transform(FontTransform::Rotate270)
+            .pos(Pos::new(HPos::Center, VPos::Top));
+        area.draw_text(up, &upward, (14 * FINE, (top + bottom) / 2))?;
+        Ok(())
+    }
 }
 
 /// The symbol of a legend entry.

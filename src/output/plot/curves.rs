@@ -1,8 +1,7 @@
 //! Curves in panels.
 
-use super::axes::{self, Area, Mark, legend_height, legend_rows};
-use super::{FINE, PALETTE, PlotError, figure, part};
-use plotters::element::{Circle, PathElement};
+use super::axes::{self, Area, Axes, Mark, legend_height, legend_rows};
+use super::{Division, FINE, PALETTE, PlotError, figure, part};
 use plotters::style::{Color, RGBColor};
 
 /// A curve with a name.
@@ -29,7 +28,7 @@ impl Curve {
         }
     }
 
-    /// Points alone.
+    /// Points without a line.
     pub fn points(label: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
         Self {
             scattered: true,
@@ -53,7 +52,7 @@ impl Curve {
 
 /// Curves over the same axes.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Panel {
+pub(crate) struct Panel {
     /// Description of the horizontal axis.
     pub x: String,
     /// Description of the vertical axis.
@@ -67,10 +66,7 @@ const ALONE: [i32; 2] = [640, 420];
 const BESIDE: [i32; 2] = [520, 360];
 
 /// A figure of panels, two in a row, as SVG text.
-///
-/// # Errors
-/// [`PlotError`] of the drawing library.
-pub fn panels(title: Option<&str>, panels: &[Panel]) -> Result<String, PlotError> {
+pub(crate) fn panels(title: Option<&str>, panels: &[Panel]) -> Result<String, PlotError> {
     let [w, h] = if panels.len() > 1 { BESIDE } else { ALONE };
     let columns = panels.len().clamp(1, 2) as i32;
     let rows = (panels.len() as i32 + 1) / 2;
@@ -86,7 +82,7 @@ pub fn panels(title: Option<&str>, panels: &[Panel]) -> Result<String, PlotError
             let [x, y] = [k % 2 * w, head + k / 2 * (h + words)];
             let corner = [x + axes::LEFT + axes::MARGIN, y + 4];
             axes::legend(root, corner, room, entries)?;
-            draw(&part(root, [x, y + words], [w, h]), panel)?;
+            draw(&part(root, [x, y + words], [w, h]), [w, h], panel)?;
         }
         Ok(())
     })
@@ -132,31 +128,28 @@ fn thinned(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     out
 }
 
-fn draw(area: &Area<'_>, panel: &Panel) -> Result<(), PlotError> {
+fn draw(area: &Area<'_>, size: [i32; 2], panel: &Panel) -> Result<(), PlotError> {
     let all = || panel.curves.iter().flat_map(|c| &c.points);
     let x = axes::range(all().map(|p| p.0));
     let y = axes::range(all().map(|p| p.1));
-    let mut chart = axes::axes(area, x, y, [&panel.x, &panel.y])?;
+    let axes = Axes::new([x, y], size);
+    axes.draw(area, [Division::Linear; 2], [&panel.x, &panel.y])?;
     for (position, curve) in panel.curves.iter().enumerate() {
         let color = curve.drawn_in(position);
         let finite = |p: &&(f64, f64)| p.0.is_finite() && p.1.is_finite();
         let points: Vec<(f64, f64)> = curve.points.iter().filter(finite).copied().collect();
-        let points = if curve.scattered {
-            points
-        } else {
-            thinned(points)
+        let points = match curve.scattered {
+            true => points,
+            false => thinned(points),
         };
         // Converged steps are marked if there are few.
         if curve.scattered || points.len() <= 40 {
-            let radius = 3 * FINE;
-            let dots = points
-                .iter()
-                .map(|&p| Circle::new(p, radius, color.filled()));
-            chart.draw_series(dots)?;
+            for &point in &points {
+                area.draw(&axes.dot(point, 3 * FINE, color))?;
+            }
         }
         if !curve.scattered {
-            let style = color.stroke_width(2 * FINE as u32);
-            chart.draw_series(std::iter::once(PathElement::new(points, style)))?;
+            area.draw(&axes.line(points, color.stroke_width(2 * FINE as u32)))?;
         }
     }
     Ok(())

@@ -1,19 +1,19 @@
 //! Graphs side by side on linear or logarithmic axes, with a common legend, and triangles that show orders
 //! of convergence.
 
-use super::axes::{self, Area, BOTTOM, LEFT, MARGIN, Mark, legend_height, legend_rows};
+use super::axes::{self, Area, Axes, LEFT, MARGIN, Mark, legend_height, legend_rows};
 use super::scale::Division;
-use super::{Curve, FINE, GRID, INK, PALE, PALETTE, PlotError, TEXT, figure, font, part};
+use super::{Curve, FINE, INK, PALE, PALETTE, PlotError, TEXT, figure, font, part};
 use plotters::element::PathElement;
+use plotters::style::Color;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{Color, FontTransform, ShapeStyle};
 
 /// Curves over the same axes, marked at their points, or at some of them if there are more curves than colours.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Graph {
     /// Descriptions of the horizontal and the vertical axis.
     pub description: [String; 2],
-    /// Divisions of the axes.
+    /// Scales of the axes.
     pub division: [Division; 2],
     /// The curves. Those of one colour have one entry in the legend and one kind of mark.
     pub curves: Vec<Curve>,
@@ -21,14 +21,14 @@ pub struct Graph {
     pub marked: bool,
     /// Slopes shown by triangles under the curves; for logarithmic axes.
     pub slopes: Vec<f64>,
-    /// A level drawn as a broken line.
+    /// Height of a horizontal dashed line, if there is one.
     pub level: Option<f64>,
 }
 
 /// Width and height of a graph.
 const SIZE: [i32; 2] = [520, 360];
 
-/// A figure of graphs, two in a row, as SVG text; `level` is the name of levels in the legend.
+/// A figure of graphs, two in a row, as SVG text; `level` names the dashed lines in the legend.
 ///
 /// # Errors
 /// [`PlotError`] of the drawing library.
@@ -107,25 +107,6 @@ fn curve_mark(color: usize, marked: bool) -> Mark {
     }
 }
 
-/// Map from positions to the fine pixels of an area.
-struct PlotFrame {
-    /// Ranges of positions.
-    x: [f64; 2],
-    y: [f64; 2],
-    /// Pixels of their ends.
-    across: [i32; 2],
-    down: [i32; 2],
-}
-
-impl PlotFrame {
-    fn at(&self, x: f64, y: f64) -> (i32, i32) {
-        let along = |v: f64, [a, b]: [f64; 2], [from, to]: [i32; 2]| {
-            from + ((v - a) / (b - a) * f64::from(to - from)).round() as i32
-        };
-        (along(x, self.x, self.across), along(y, self.y, self.down))
-    }
-}
-
 /// A triangle of a slope: the positions of its three corners, the right angle in the middle.
 type Triangle = (f64, [(f64, f64); 3]);
 
@@ -142,22 +123,18 @@ fn draw(area: &Area<'_>, graph: &Graph) -> Result<(), PlotError> {
     for (_, corners) in &triangles {
         y[0] = y[0].min(corners[1].1 - 0.09 * (y[1] - y[0]));
     }
-    let frame = PlotFrame {
-        x,
-        y,
-        across: [(LEFT + MARGIN) * FINE, (SIZE[0] - MARGIN) * FINE],
-        down: [(SIZE[1] - BOTTOM - MARGIN) * FINE, MARGIN * FINE],
-    };
-    grid(area, graph, &frame)?;
+    let axes = Axes::new([x, y], SIZE);
+    let [across, up] = &graph.description;
+    axes.draw(area, graph.division, [across, up])?;
     if let Some(level) = level {
-        let [(from, y), (to, _)] = [x[0], x[1]].map(|x| frame.at(x, level));
+        let [(from, y), (to, _)] = x.map(|x| axes.at((x, level)));
         broken(area, [from, to], y)?;
     }
     let crowded = graph.is_crowded();
     for (position, (curve, points)) in graph.curves.iter().zip(&curves).enumerate() {
         let color = curve.color.unwrap_or(position);
         let rgb = PALETTE[color % PALETTE.len()];
-        let points: Vec<(i32, i32)> = points.iter().map(|p| frame.at(p.0, p.1)).collect();
+        let points: Vec<(i32, i32)> = points.iter().map(|&p| axes.at(p)).collect();
         // Marks of neighbouring curves are shifted.
         let apart = match graph.marked || curve.scattered {
             true => 1,
@@ -176,65 +153,12 @@ fn draw(area: &Area<'_>, graph: &Graph) -> Result<(), PlotError> {
         area.draw(&PathElement::new(points, rgb.stroke_width(width as u32)))?;
     }
     for (slope, corners) in triangles {
-        triangle(area, slope, corners.map(|(x, y)| frame.at(x, y)))?;
+        triangle(area, slope, corners.map(|corner| axes.at(corner)))?;
     }
     Ok(())
 }
 
-/// PlotFrame, ticks, grid lines and descriptions.
-fn grid(area: &Area<'_>, graph: &Graph, frame: &PlotFrame) -> Result<(), PlotError> {
-    let ([left, right], [bottom, top]) = (frame.across, frame.down);
-    let line = |from, to, style: ShapeStyle| area.draw(&PathElement::new(vec![from, to], style));
-    let (light, ink) = (
-        GRID.stroke_width(FINE as u32),
-        INK.stroke_width(FINE as u32),
-    );
-    let (long, short) = (5 * FINE, 3 * FINE);
-    let ticks = [
-        graph.division[0].ticks(frame.x, 6),
-        graph.division[1].ticks(frame.y, 7),
-    ];
-    let below = font(TEXT).pos(Pos::new(HPos::Center, VPos::Top));
-    let beside = font(TEXT).pos(Pos::new(HPos::Right, VPos::Center));
-    for (x, label) in &ticks[0].labelled {
-        let x = frame.at(*x, frame.y[0]).0;
-        line((x, bottom), (x, top), light)?;
-        line((x, bottom), (x, bottom + long), ink)?;
-        area.draw_text(label, &below, (x, bottom + long + 2 * FINE))?;
-    }
-    for (y, label) in &ticks[1].labelled {
-        let y = frame.at(frame.x[0], *y).1;
-        line((left, y), (right, y), light)?;
-        line((left - long, y), (left, y), ink)?;
-        area.draw_text(label, &beside, (left - long - 2 * FINE, y))?;
-    }
-    for x in &ticks[0].small {
-        let x = frame.at(*x, frame.y[0]).0;
-        line((x, bottom), (x, bottom + short), ink)?;
-    }
-    for y in &ticks[1].small {
-        let y = frame.at(frame.x[0], *y).1;
-        line((left - short, y), (left, y), ink)?;
-    }
-    let corners = [
-        (left, bottom),
-        (right, bottom),
-        (right, top),
-        (left, top),
-        (left, bottom),
-    ];
-    area.draw(&PathElement::new(corners.to_vec(), ink))?;
-    let [across, up] = &graph.description;
-    let under = bottom + 30 * FINE;
-    area.draw_text(across, &below, ((left + right) / 2, under))?;
-    let upward = font(TEXT)
-        .transform(FontTransform::Rotate270)
-        .pos(Pos::new(HPos::Center, VPos::Top));
-    area.draw_text(up, &upward, (14 * FINE, (top + bottom) / 2))?;
-    Ok(())
-}
-
-/// A level: a broken line across the graph.
+/// A dashed line across the graph.
 fn broken(area: &Area<'_>, [from, to]: [i32; 2], y: i32) -> Result<(), PlotError> {
     let style = PALE.stroke_width((3 * FINE / 2) as u32);
     let mut x = from;

@@ -6,10 +6,11 @@ mod graph;
 mod scale;
 mod shape;
 
-pub use curves::{Curve, Panel, panels};
+pub use curves::Curve;
+pub(crate) use curves::{Panel, panels};
 pub use graph::{Graph, graphs};
 pub use scale::Division;
-pub use shape::{Shapes, deformed};
+pub(crate) use shape::{Shapes, deformed};
 
 use axes::Area;
 use plotters::drawing::DrawingAreaErrorKind;

@@ -1,16 +1,18 @@
 //! The shape of a structure: reference and deformed, with equal scales on all axes.
 
-use super::axes::{self, Area, Mark, PlotArea, legend_height, legend_rows};
-use super::{FINE, INK, PALE, PALETTE, PlotError, TEXT, figure, font, part};
+use super::axes::{self, Area, Axes, Mark, legend_height, legend_rows};
+use super::scale::tick;
+use super::{Division, FINE, INK, PALE, PALETTE, PlotError, TEXT, figure, font, part};
 use crate::input::Geometry;
 use nalgebra::Vector3;
-use plotters::chart::ChartBuilder;
-use plotters::element::{Circle, PathElement, Rectangle};
+use plotters::element::{PathElement, Rectangle};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, RGBColor};
 use pullback_elements::model::Context;
 use serde::{Deserialize, Serialize};
 
+/// Colour of intermediate shapes.
+const PALE_BLUE: RGBColor = RGBColor(158, 202, 225);
 /// Points per element of higher order.
 const PIECES: usize = 8;
 /// Most intermediate shapes drawn.
@@ -22,7 +24,7 @@ const FLAT: f64 = 1e-3;
 
 /// Lines of a structure in one configuration.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Shapes {
+pub(crate) struct Shapes {
     /// Points along each line.
     lines: Vec<Vec<Vector3<f64>>>,
     /// Positions of the nodes.
@@ -144,12 +146,43 @@ fn extent([low, high]: [f64; 2]) -> f64 {
     high - low
 }
 
-/// A figure of the reference, intermediate and last shapes, as SVG text: one view of a
-/// plane structure, three views and an isometric one of any other.
-///
-/// # Errors
-/// [`PlotError`] of the drawing library.
-pub fn deformed(
+/// A view with the corner and the size of its plot in the figure, in units.
+type Plot = (View, [i32; 2], [i32; 2]);
+
+/// Width and height of the margins of a plot, with tick labels and descriptions.
+const EDGE: [i32; 2] = [
+    axes::LEFT + 2 * axes::MARGIN,
+    axes::BOTTOM + 2 * axes::MARGIN,
+];
+
+/// The plots of a structure with these extents: one of a plane structure; of any other the front (x, z) and the
+/// side (y, z), with the plan (x, y) and an isometric view below.
+fn plots(extents: [f64; 3]) -> Vec<Plot> {
+    let largest = extents.iter().fold(0.0_f64, |a, &b| a.max(b));
+    // The axis across the plane: the flattest.
+    let flatter = |best, k| if extents[k] <= extents[best] { k } else { best };
+    let across = (0..3).fold(0, flatter);
+    if extents[across] <= FLAT * largest {
+        let (a, b) = ([1, 0, 0][across], [2, 2, 1][across]);
+        let width = f64::from(640 - EDGE[0]);
+        let height = width * extents[b] / extents[a].max(1e-300);
+        let height = height.clamp(140.0, 560.0) as i32;
+        return vec![(View::Plane(a, b), [0, 0], [640, height + EDGE[1]])];
+    }
+    let [ex, ey, ez] = extents.map(|e| e.max(0.35 * largest));
+    let unit = 680.0 / (ex + ey);
+    let [w1, w2] = [ex, ey].map(|e| (e * unit) as i32 + EDGE[0]);
+    let [h1, h2] = [ez, ey].map(|e| (e * unit) as i32 + EDGE[1]);
+    vec![
+        (View::Plane(0, 2), [0, 0], [w1, h1]),
+        (View::Plane(1, 2), [w1, 0], [w2, h1]),
+        (View::Plane(0, 1), [0, h1], [w1, h2]),
+        (View::Isometric, [w1, h1], [w2, h2]),
+    ]
+}
+
+/// A figure of the reference, intermediate and last shapes, as SVG text.
+pub(crate) fn deformed(
     title: Option<&str>,
     reference: &Shapes,
     shapes: &[(f64, Shapes)],
@@ -161,78 +194,35 @@ pub fn deformed(
         .filter(|p| p.iter().all(|x| x.is_finite()))
         .copied()
         .collect();
-    let extents = [0, 1, 2].map(|k| extent(View::Plane(k, k).range(&points)[0]));
-    let largest = extents.iter().fold(0.0_f64, |a, &b| a.max(b));
-    // The axis across the plane: the flattest.
-    let across = (0..3).fold(
-        0,
-        |best, k| if extents[k] <= extents[best] { k } else { best },
-    );
-    let flat = extents[across] <= FLAT * largest;
+    let plots = plots([0, 1, 2].map(|k| extent(View::Plane(k, k).range(&points)[0])));
+    let [width, height] = [0, 1].map(|k| {
+        let ends = plots.iter().map(|(_, corner, size)| corner[k] + size[k]);
+        ends.max().unwrap_or(0)
+    });
     let entries = entries(reference, shapes);
     let head = if title.is_some() { 34 } else { 0 };
-    let fit = |room: f64, a: f64, b: f64, [low, high]: [f64; 2]| {
-        (room * b / a.max(1e-300)).clamp(low, high) as i32
-    };
-    let edge = [
-        axes::LEFT + 2 * axes::MARGIN,
-        axes::BOTTOM + 2 * axes::MARGIN,
-    ];
-    // Views with the position and size of their plots, in units.
-    let mut views = Vec::new();
-    let size = if flat {
-        let (a, b) = ([1, 0, 0][across], [2, 2, 1][across]);
-        let w = 640;
-        let h = fit(
-            f64::from(w - edge[0]),
-            extents[a],
-            extents[b],
-            [140.0, 560.0],
-        ) + edge[1];
-        let words = legend_height(legend_rows(&entries, w - edge[0]));
-        views.push((View::Plane(a, b), [0, head + words], [w, h]));
-        [w, head + words + h]
-    } else {
-        // Front (x, z) and side (y, z) above, plan (x, y) and the isometric view below.
-        let [ex, ey, ez] = extents.map(|e| e.max(0.35 * largest));
-        let unit = 680.0 / (ex + ey);
-        let [w1, w2] = [ex, ey].map(|e| (e * unit) as i32 + edge[0]);
-        let [h1, h2] = [ez, ey].map(|e| (e * unit) as i32 + edge[1]);
-        let words = legend_height(legend_rows(&entries, w1 + w2 - edge[0]));
-        let top = head + words;
-        views.push((View::Plane(0, 2), [0, top], [w1, h1]));
-        views.push((View::Plane(1, 2), [w1, top], [w2, h1]));
-        views.push((View::Plane(0, 1), [0, top + h1], [w1, h2]));
-        views.push((View::Isometric, [w1, top + h1], [w2, h2]));
-        [w1 + w2, top + h1 + h2]
-    };
+    let top = head + legend_height(legend_rows(&entries, width - EDGE[0]));
     // The plane views share one scale; the isometric one has its own.
-    let scale = |view: View, [w, h]: [i32; 2]| {
+    let scale = |&(view, _, [w, h]): &Plot| {
         let [x, y] = view.range(&points).map(extent);
-        (x / f64::from(w - edge[0])).max(y / f64::from(h - edge[1]))
+        (x / f64::from(w - EDGE[0])).max(y / f64::from(h - EDGE[1]))
     };
-    let common = |v: &(View, [i32; 2], [i32; 2])| match v.0 {
-        View::Plane(..) => scale(v.0, v.2),
-        View::Isometric => 0.0,
-    };
-    let common = views.iter().map(common).fold(0.0, f64::max);
-    figure(title, size, |root| {
+    let plane = |plot: &&Plot| matches!(plot.0, View::Plane(..));
+    let common = plots.iter().filter(plane).map(scale).fold(0.0, f64::max);
+    figure(title, [width, top + height], |root| {
         let corner = [axes::LEFT + axes::MARGIN, head + 2];
-        axes::legend(root, corner, size[0] - edge[0], &entries)?;
-        for (view, [x, y], [w, h]) in views {
-            let area = part(root, [x, y], [w, h]);
-            let own = match view {
-                View::Plane(..) => common,
-                View::Isometric => scale(view, [w, h]),
+        axes::legend(root, corner, width - EDGE[0], &entries)?;
+        for plot in &plots {
+            let &(view, [x, y], [w, h]) = plot;
+            let scale = if plane(&plot) { common } else { scale(plot) };
+            let scale = match scale > 0.0 && scale.is_finite() {
+                true => 1.1 * scale,
+                false => 1.0,
             };
-            let own = if own > 0.0 && own.is_finite() {
-                1.1 * own
-            } else {
-                1.0
-            };
-            let plot = [w - edge[0], h - edge[1]];
-            let [x, y] = [0, 1].map(|k| centred(view.range(&points)[k], own, plot[k]));
-            draw(&area, view, [x, y], own, reference, shapes)?;
+            let (range, room) = (view.range(&points), [w - EDGE[0], h - EDGE[1]]);
+            let range = [0, 1].map(|k| centred(range[k], scale, room[k]));
+            let area = part(root, [x, top + y], [w, h]);
+            draw(&area, view, &Axes::new(range, [w, h]), reference, shapes)?;
         }
         Ok(())
     })
@@ -247,10 +237,10 @@ fn between(count: usize) -> impl Iterator<Item = usize> {
 fn entries(reference: &Shapes, shapes: &[(f64, Shapes)]) -> Vec<(String, Mark)> {
     let mut out = vec![("reference".to_owned(), Mark::Line(PALE, 3))];
     if between(shapes.len()).next().is_some() {
-        out.push(("intermediate states".to_owned(), Mark::Line(pale_blue(), 2)));
+        out.push(("intermediate states".to_owned(), Mark::Line(PALE_BLUE, 2)));
     }
     if let Some((t, _)) = shapes.last() {
-        let t = axes::tick(*t, 0.1);
+        let t = tick(*t, 0.1);
         out.push((format!("deformed, t = {t}"), Mark::Line(PALETTE[0], 5)));
     }
     if !reference.bodies.is_empty() {
@@ -262,10 +252,6 @@ fn entries(reference: &Shapes, shapes: &[(f64, Shapes)]) -> Vec<(String, Mark)> 
     out
 }
 
-fn pale_blue() -> RGBColor {
-    RGBColor(158, 202, 225)
-}
-
 /// The range of a plot of a size and scale around the middle of another range.
 fn centred([low, high]: [f64; 2], scale: f64, size: i32) -> [f64; 2] {
     let (middle, half) = (0.5 * (low + high), 0.5 * scale * f64::from(size));
@@ -273,70 +259,48 @@ fn centred([low, high]: [f64; 2], scale: f64, size: i32) -> [f64; 2] {
     [middle - half, middle + half]
 }
 
-/// One view, with the same scale (units of the model per unit of the figure) along both axes.
+/// One view.
 fn draw(
     area: &Area<'_>,
     view: View,
-    [x, y]: [[f64; 2]; 2],
-    scale: f64,
+    axes: &Axes,
     reference: &Shapes,
     shapes: &[(f64, Shapes)],
 ) -> Result<(), PlotError> {
-    let mut chart = match view {
-        View::Plane(a, b) => axes::axes(area, x, y, [AXES[a], AXES[b]])?,
-        View::Isometric => {
-            let chart = ChartBuilder::on(area)
-                .margin(axes::MARGIN * FINE)
-                .x_label_area_size(axes::BOTTOM * FINE)
-                .y_label_area_size(axes::LEFT * FINE)
-                .build_cartesian_2d(x[0]..x[1], y[0]..y[1])?;
-            triad(area, view)?;
-            chart
+    match view {
+        View::Plane(a, b) => axes.draw(area, [Division::Linear; 2], [AXES[a], AXES[b]])?,
+        View::Isometric => triad(area, view)?,
+    }
+    let outline = |shapes: &Shapes, color: RGBColor, stroke: i32| {
+        let style = color.stroke_width((stroke * FINE / 2) as u32);
+        for line in &shapes.lines {
+            area.draw(&axes.line(line.iter().map(|p| view.project(p)), style))?;
         }
+        let thin = color.stroke_width((stroke * FINE / 4).max(1) as u32);
+        for link in &shapes.links {
+            area.draw(&axes.line(link.iter().map(|p| view.project(p)), thin))?;
+        }
+        Ok::<_, PlotError>(())
     };
-    outline(&mut chart, view, reference, PALE, 3)?;
+    outline(reference, PALE, 3)?;
     for k in between(shapes.len()) {
-        outline(&mut chart, view, &shapes[k].1, pale_blue(), 2)?;
+        outline(&shapes[k].1, PALE_BLUE, 2)?;
     }
     if let Some((_, last)) = shapes.last() {
-        outline(&mut chart, view, last, PALETTE[0], 5)?;
-        if last.nodes.len() <= MARKED {
-            let positions = last.nodes.iter().map(|p| view.project(p));
-            let dots = positions.map(|p| Circle::new(p, 5 * FINE / 2, PALETTE[0].filled()));
-            chart.draw_series(dots)?;
+        outline(last, PALETTE[0], 5)?;
+        for node in last.nodes.iter().filter(|_| last.nodes.len() <= MARKED) {
+            area.draw(&axes.dot(view.project(node), 5 * FINE / 2, PALETTE[0]))?;
         }
-        let positions = last.bodies.iter().map(|p| view.project(p));
-        let dots = positions.map(|p| Circle::new(p, 4 * FINE, PALETTE[1].filled()));
-        chart.draw_series(dots)?;
+        for body in &last.bodies {
+            area.draw(&axes.dot(view.project(body), 4 * FINE, PALETTE[1]))?;
+        }
     }
-    let half = 4.0 * scale;
-    let squares = reference.supports.iter().map(|p| {
-        let (x, y) = view.project(p);
-        Rectangle::new([(x - half, y - half), (x + half, y + half)], INK.filled())
-    });
-    chart.draw_series(squares)?;
-    Ok(())
-}
-
-fn outline(
-    chart: &mut PlotArea<'_, '_>,
-    view: View,
-    shapes: &Shapes,
-    color: RGBColor,
-    stroke: i32,
-) -> Result<(), PlotError> {
-    let style = color.stroke_width((stroke * FINE / 2) as u32);
-    let lines = shapes.lines.iter().map(|line| {
-        let positions = line.iter().map(|p| view.project(p));
-        PathElement::new(positions.collect::<Vec<_>>(), style)
-    });
-    chart.draw_series(lines)?;
-    let thin = color.stroke_width((stroke * FINE / 4).max(1) as u32);
-    let links = shapes.links.iter().map(|link| {
-        let positions = link.iter().map(|p| view.project(p));
-        PathElement::new(positions.collect::<Vec<_>>(), thin)
-    });
-    chart.draw_series(links)?;
+    for support in &reference.supports {
+        let (x, y) = axes.at(view.project(support));
+        let half = 4 * FINE;
+        let corners = [(x - half, y - half), (x + half, y + half)];
+        area.draw(&Rectangle::new(corners, INK.filled()))?;
+    }
     Ok(())
 }
 

@@ -34,7 +34,7 @@ impl Conserved {
 /// Momentum relative to its scale in the motion, below which it is zero.
 const NOTHING: f64 = 1e-12;
 
-/// Components of momenta that are zero throughout these runs: no scheme can fail to conserve them.
+/// Components of momenta that are zero throughout these runs, which every scheme conserves.
 pub(super) fn zeros<'a>(runs: impl Iterator<Item = &'a [Sample]> + Clone) -> Components {
     let samples = || runs.clone().flatten();
     let largest = |value: &dyn Fn(&Sample) -> f64| samples().map(value).fold(0.0, f64::max);

@@ -43,17 +43,14 @@ impl EqualCost {
             let own = rows
                 .iter()
                 .filter(|row| row.scheme == *scheme && row.is_regular());
-            let mut points: Vec<(f64, Values)> = own
-                .filter_map(|row| Some((cost(row)?.ln(), known(row.error?))))
-                .collect();
+            let points = own.filter_map(|row| Some((cost(row)?.ln(), known(row.error?))));
+            let mut points: Vec<(f64, Values)> = points.collect();
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
             if points.len() >= 2 {
                 curves.push((scheme, points));
             }
         }
-        let ends = curves
-            .iter()
-            .filter_map(|(_, p)| Some((p.first()?.0, p.last()?.0)));
+        let ends = (curves.iter()).filter_map(|(_, p)| Some((p.first()?.0, p.last()?.0)));
         let common = ends.reduce(|a, b| (a.0.max(b.0), a.1.min(b.1)))?;
         let cost = 0.5 * (common.0 + common.1);
         let schemes = curves.iter().map(|(name, points)| {

@@ -2,7 +2,7 @@
 
 use super::CompareError;
 use super::reference::{Reference, exactly_conserved};
-use super::sample::{FrameSample, QUANTITIES, Sample, Values, sizes};
+use super::sample::{QUANTITIES, Sample, Values, sizes};
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::so3;
 use std::fmt;
@@ -46,14 +46,12 @@ impl Exact {
 
     /// The trajectory as a reference at the times of a comparison.
     pub(super) fn reference(&self, times: &[f64], nodes: usize) -> Reference {
-        let samples: Vec<Sample> = times
-            .iter()
-            .map(|&t| {
-                let mut sample = Sample::unknown(t, nodes);
-                self.fill(&mut sample);
-                sample
-            })
-            .collect();
+        let samples = times.iter().map(|&t| {
+            let mut sample = Sample::unknown(t, nodes);
+            self.fill(&mut sample);
+            sample
+        });
+        let samples: Vec<Sample> = samples.collect();
         let size = sizes(&samples);
         let error = Values(size.0.map(|size| ROUND_OFF * size));
         Reference {
@@ -70,8 +68,8 @@ impl Exact {
     }
 }
 
-/// ErrorQuantity in a column of a file of exact values.
-#[derive(Clone, Copy)]
+/// The value in a column of a file of exact values.
+#[derive(Clone, Copy, PartialEq)]
 enum Column {
     Time,
     Energy,
@@ -96,70 +94,74 @@ const FIELDS: [&str; 6] = [
 /// # Errors
 /// [`CompareError::Exact`] with the position in the file.
 pub fn read(path: &Path, nodes: &[String], times: &[f64]) -> Result<Exact, CompareError> {
-    let refuse = |problem: String| CompareError::Exact {
+    let text = std::fs::read_to_string(path).map_err(|error| error.to_string());
+    let samples = text.and_then(|text| samples(&text, nodes, times));
+    let samples = samples.map_err(|problem| CompareError::Exact {
         path: path.to_owned(),
         problem,
-    };
-    let text = std::fs::read_to_string(path).map_err(|error| refuse(error.to_string()))?;
-    let mut lines = text.lines().enumerate();
-    let (_, head) = lines
-        .next()
-        .ok_or_else(|| refuse("it is empty".to_owned()))?;
-    // Skips a byte order mark.
-    let head = head.trim_start_matches('\u{feff}');
-    let names: Vec<&str> = head.split(',').map(str::trim).collect();
-    let mut known = names.iter().enumerate();
-    if let Some((_, name)) = known.find(|(k, name)| names[..*k].contains(name)) {
-        return Err(refuse(format!("column `{name}` is there twice")));
-    }
-    let columns = names
-        .iter()
-        .map(|name| column(name, nodes).map_err(&refuse));
-    let columns: Vec<Column> = columns.collect::<Result<_, _>>()?;
-    let Some(of_time) = columns.iter().position(|c| matches!(c, Column::Time)) else {
-        return Err(refuse("it has no column `t`".to_owned()));
-    };
-    if columns.len() == 1 {
-        return Err(refuse("nothing is known in it but times".to_owned()));
-    }
-    let mut rows: Vec<Vec<f64>> = Vec::new();
-    for (k, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
-        let cells = line.split(',').map(|cell| {
-            let number = cell.trim().parse::<f64>().ok();
-            let number = number.filter(|x| x.is_finite());
-            number.ok_or_else(|| refuse(format!("line {}: `{}` is no number", k + 1, cell.trim())))
-        });
-        let cells = cells.collect::<Result<Vec<_>, _>>()?;
-        if cells.len() != columns.len() {
-            let (found, wanted) = (cells.len(), columns.len());
-            return Err(refuse(format!(
-                "line {}: {found} cells, not {wanted}",
-                k + 1
-            )));
-        }
-        rows.push(cells);
-    }
-    let near = 1e-9 * times.last().copied().unwrap_or(1.0);
-    let mut samples = Vec::with_capacity(times.len());
-    for (k, &t) in times.iter().enumerate() {
-        let Some(row) = rows.iter().find(|row| (row[of_time] - t).abs() <= near) else {
-            let (n, to) = (times.len() - 1, times.last().copied().unwrap_or(0.0));
-            return Err(refuse(format!(
-                "there is no row for t = {t}; the comparison looks at the times k * {to}/{n}, k = 0 to \
-                 {n} (this is k = {k})"
-            )));
-        };
-        let mut same = rows.iter().filter(|row| (row[of_time] - t).abs() <= near);
-        if same.any(|other| other[..] != row[..] && other[of_time] == row[of_time]) {
-            return Err(refuse(format!("rows for t = {t} contradict each other")));
-        }
-        samples.push(sample(t, row, &columns, nodes.len()));
-    }
+    })?;
     let name = format!("exact, {}", path.display());
     Ok(Exact::new(name, move |out| {
         let known = samples.iter().find(|known| known.t == out.t);
         known.into_iter().for_each(|known| *out = known.clone());
     }))
+}
+
+/// The samples of a file at the times of a comparison.
+fn samples(text: &str, nodes: &[String], times: &[f64]) -> Result<Vec<Sample>, String> {
+    let mut lines = text.lines().zip(1..);
+    let (head, _) = lines.next().ok_or("it is empty")?;
+    let columns = columns(head, nodes)?;
+    let Some(of_time) = columns.iter().position(|c| *c == Column::Time) else {
+        return Err("it has no column `t`".to_owned());
+    };
+    if columns.len() == 1 {
+        return Err("nothing is known in it but times".to_owned());
+    }
+    let rows = lines.filter(|(line, _)| !line.trim().is_empty());
+    let rows = rows.map(|(line, number)| row(line, number, columns.len()));
+    let rows = rows.collect::<Result<Vec<_>, _>>()?;
+    let near = 1e-9 * times.last().copied().unwrap_or(1.0);
+    let mut samples = Vec::with_capacity(times.len());
+    for (k, &t) in times.iter().enumerate() {
+        let mut at = rows.iter().filter(|row| (row[of_time] - t).abs() <= near);
+        let Some(row) = at.next() else {
+            let (n, to) = (times.len() - 1, times.last().copied().unwrap_or(0.0));
+            return Err(format!(
+                "there is no row for t = {t}; the comparison looks at the times k * {to}/{n}, k = 0 to \
+                 {n} (this is k = {k})"
+            ));
+        };
+        if at.any(|other| other[..] != row[..] && other[of_time] == row[of_time]) {
+            return Err(format!("rows for t = {t} contradict each other"));
+        }
+        samples.push(sample(t, row, &columns, nodes.len()));
+    }
+    Ok(samples)
+}
+
+fn columns(head: &str, nodes: &[String]) -> Result<Vec<Column>, String> {
+    // Skips a byte order mark.
+    let head = head.trim_start_matches('\u{feff}');
+    let names: Vec<&str> = head.split(',').map(str::trim).collect();
+    let mut known = names.iter().enumerate();
+    if let Some((_, name)) = known.find(|(k, name)| names[..*k].contains(name)) {
+        return Err(format!("column `{name}` is there twice"));
+    }
+    names.iter().map(|name| column(name, nodes)).collect()
+}
+
+/// The numbers of a row.
+fn row(line: &str, number: usize, columns: usize) -> Result<Vec<f64>, String> {
+    let cells = line.split(',').map(|cell| {
+        let x = cell.trim().parse().ok().filter(|x: &f64| x.is_finite());
+        x.ok_or_else(|| format!("line {number}: `{}` is no number", cell.trim()))
+    });
+    let cells = cells.collect::<Result<Vec<_>, _>>()?;
+    match cells.len() {
+        found if found == columns => Ok(cells),
+        found => Err(format!("line {number}: {found} cells, not {columns}")),
+    }
 }
 
 fn column(name: &str, nodes: &[String]) -> Result<Column, String> {
@@ -198,21 +200,16 @@ fn sample(t: f64, row: &[f64], columns: &[Column], nodes: usize) -> Sample {
                 out.gross_energy = value.abs();
             }
             Column::Node(node, field, k) => {
-                let FrameSample {
-                    position,
-                    velocity,
-                    omega,
-                    acceleration,
-                    omega_dot,
-                    ..
-                } = &mut out.nodes[node];
-                let turn = &mut turns[node];
-                let of = [position, turn, velocity, omega, acceleration, omega_dot];
-                for (known, vector) in of.into_iter().enumerate() {
-                    if known == field {
-                        vector[k] = *value;
-                    }
-                }
+                let (n, turn) = (&mut out.nodes[node], &mut turns[node]);
+                let fields = [
+                    &mut n.position,
+                    turn,
+                    &mut n.velocity,
+                    &mut n.omega,
+                    &mut n.acceleration,
+                    &mut n.omega_dot,
+                ];
+                fields[field][k] = *value;
             }
         }
     }

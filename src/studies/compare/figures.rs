@@ -30,16 +30,15 @@ pub fn figures(comparison: &Comparison) -> Result<Vec<Figure>, PlotError> {
     let mut out = Vec::new();
     let left_out = left_out(comparison);
     let mut add = |name, caption: &str, drawn: Vec<Graph>| -> Result<(), PlotError> {
-        if drawn
-            .iter()
-            .any(|g| g.curves.iter().any(|c| !c.points.is_empty()))
-        {
+        let mut curves = drawn.iter().flat_map(|g| &g.curves);
+        if curves.any(|c| !c.points.is_empty()) {
+            let omitted = match name {
+                "drift.svg" => stopping(comparison),
+                _ => left_out.clone(),
+            };
             out.push(Figure {
                 name,
-                caption: match name {
-                    "drift.svg" => format!("{caption}{}", stopping(comparison)),
-                    _ => format!("{caption}{left_out}"),
-                },
+                caption: format!("{caption}{omitted}"),
                 svg: graphs(comparison.title.as_deref(), LEVEL, &drawn)?,
                 graphs: drawn,
             });
@@ -85,13 +84,13 @@ fn curves(
     let curve = schemes.filter_map(|(k, scheme)| {
         let points: Vec<_> = comparison.of(&scheme.scheme).filter_map(point).collect();
         // Empty curves have no entry in the legend.
-        (!points.is_empty())
-            .then(|| Curve::new(label(comparison, &scheme.scheme), points).colored(k))
+        let label = label(comparison, &scheme.scheme);
+        (!points.is_empty()).then(|| Curve::new(label, points).colored(k))
     });
     curve.collect()
 }
 
-/// Name of a scheme in the legend, which says if runs are not drawn.
+/// Name of a scheme in the legend, with the number of runs drawn if it is not that of all.
 fn label(comparison: &Comparison, scheme: &str) -> String {
     let all = comparison.of(scheme).count();
     let drawn = comparison.of(scheme).filter(|row| row.is_regular()).count();
@@ -101,7 +100,7 @@ fn label(comparison: &Comparison, scheme: &str) -> String {
     }
 }
 
-/// Name of a scheme in the legend of a figure over time, which says if its run failed and its curve ends early.
+/// Name of a scheme in the legend of a figure over time, with a note if its run failed and its curve ends early.
 fn lasting(comparison: &Comparison, scheme: &str) -> String {
     let mut stopped = stopped(comparison);
     match stopped.any(|row| row.scheme == scheme) {
@@ -124,10 +123,8 @@ fn stopped(comparison: &Comparison) -> impl Iterator<Item = &ComparisonRow> {
 /// The largest and the smallest step size.
 fn ends(comparison: &Comparison) -> [f64; 2] {
     let steps = || comparison.rows.iter().map(|row| row.step);
-    [
-        steps().fold(0.0, f64::max),
-        steps().fold(f64::INFINITY, f64::min),
-    ]
+    let largest = steps().fold(0.0, f64::max);
+    [largest, steps().fold(f64::INFINITY, f64::min)]
 }
 
 /// Caption of the curves over time that end early.
@@ -138,12 +135,14 @@ fn stopping(comparison: &Comparison) -> String {
         format!("{scheme} with h = {h} after t = {}", rounded(t))
     };
     let names: Vec<String> = stopped(comparison).map(name).collect();
+    listed("Curves that stop, as their runs failed", &names)
+}
+
+/// A sentence that lists names, if there are any.
+fn listed(what: &str, names: &[String]) -> String {
     match names.is_empty() {
         true => String::new(),
-        false => format!(
-            " Curves that stop, as their runs failed: {}.",
-            names.join(", ")
-        ),
+        false => format!(" {what}: {}.", names.join(", ")),
     }
 }
 
@@ -165,29 +164,17 @@ fn left_out(comparison: &Comparison) -> String {
             names.push(format!("{word} with h = {} ({why})", rounded(row.step)));
         }
     }
-    match names.is_empty() {
-        true => String::new(),
-        false => format!(" Left out: {}.", names.join(", ")),
-    }
+    listed("Left out", &names)
 }
 
 /// The quantities with more than round-off.
 fn shown(comparison: &Comparison) -> Vec<ErrorQuantity> {
     let visible = |q: &ErrorQuantity| {
-        let level = comparison
-            .reference
-            .as_ref()
-            .map_or(0.0, |r| r.error.of(*q));
+        let level = comparison.reference_error(*q);
         let errors = comparison.rows.iter().filter_map(|row| row.error);
         errors.map(|e| e.of(*q)).any(|e| e > level && e.is_finite())
     };
     ErrorQuantity::ALL.into_iter().filter(visible).collect()
-}
-
-fn error(row: &ComparisonRow, quantity: ErrorQuantity) -> Option<f64> {
-    row.error
-        .filter(|_| row.is_regular())
-        .map(|e| e.of(quantity))
 }
 
 /// Largest factor below all errors at which the error of the reference is drawn.
@@ -199,7 +186,7 @@ fn level(comparison: &Comparison, quantity: ErrorQuantity) -> Option<f64> {
     let errors = comparison
         .rows
         .iter()
-        .filter_map(|row| error(row, quantity));
+        .filter_map(|row| row.regular_error(quantity));
     let least = errors.filter(|e| *e > 0.0).fold(f64::INFINITY, f64::min);
     (level > FAR * least).then_some(level)
 }
@@ -212,23 +199,30 @@ fn slopes(comparison: &Comparison, quantity: ErrorQuantity) -> Vec<f64> {
     slopes.into_iter().rev().map(|p| p as f64).collect()
 }
 
-fn convergence(comparison: &Comparison) -> Vec<Graph> {
-    let graph = |quantity: ErrorQuantity| Graph {
-        description: [
-            "step size h".to_owned(),
-            format!("error of {}", quantity.name()),
-        ],
+/// A value of a run, where known.
+type Value<'a> = dyn Fn(&ComparisonRow) -> Option<f64> + 'a;
+
+/// Errors in a quantity over the step size or the cost of a run.
+fn errors(comparison: &Comparison, quantity: ErrorQuantity, x: &str, of: &Value<'_>) -> Graph {
+    Graph {
+        description: [x.to_owned(), format!("error of {}", quantity.name())],
         division: [Division::Logarithmic; 2],
-        curves: curves(comparison, &|row| Some((row.step, error(row, quantity)?))),
+        curves: curves(comparison, &|row| {
+            Some((of(row)?, row.regular_error(quantity)?))
+        }),
         marked: true,
-        slopes: slopes(comparison, quantity),
+        slopes: Vec::new(),
         level: level(comparison, quantity),
+    }
+}
+
+fn convergence(comparison: &Comparison) -> Vec<Graph> {
+    let graph = |quantity| Graph {
+        slopes: slopes(comparison, quantity),
+        ..errors(comparison, quantity, "step size h", &|row| Some(row.step))
     };
     shown(comparison).into_iter().map(graph).collect()
 }
-
-/// Cost of a run, where known.
-type Cost<'a> = dyn Fn(&ComparisonRow) -> Option<f64> + 'a;
 
 fn work(comparison: &Comparison) -> Vec<Graph> {
     let alone = comparison
@@ -245,18 +239,13 @@ fn work(comparison: &Comparison) -> Vec<Graph> {
         false => Some(row.seconds),
     };
     let assemblies = |row: &ComparisonRow| Some(row.assemblies as f64);
-    let costs: [(&str, &Cost); 2] = [("assemblies of the model", &assemblies), (&time, &seconds)];
-    let quantities = shown(comparison).into_iter().take(2);
-    let pairs = quantities.flat_map(|q| costs.map(|cost| (q, cost)));
-    let graph = |(quantity, (cost, of)): (ErrorQuantity, (&str, &Cost))| Graph {
-        description: [cost.to_owned(), format!("error of {}", quantity.name())],
-        division: [Division::Logarithmic; 2],
-        curves: curves(comparison, &|row| Some((of(row)?, error(row, quantity)?))),
-        marked: true,
-        slopes: Vec::new(),
-        level: level(comparison, quantity),
-    };
-    pairs.map(graph).collect()
+    let graphs = shown(comparison).into_iter().take(2).flat_map(|quantity| {
+        [
+            errors(comparison, quantity, "assemblies of the model", &assemblies),
+            errors(comparison, quantity, &time, &seconds),
+        ]
+    });
+    graphs.collect()
 }
 
 /// Whether two step sizes are equal up to rounding.

@@ -43,11 +43,9 @@ impl Grid {
                 return Err(CompareError::Many { value, most });
             }
         }
-        for pair in steps.windows(2) {
+        if let Some(pair) = steps.windows(2).find(|pair| pair[1] >= pair[0]) {
             let [before, after] = [pair[0], pair[1]];
-            if after >= before {
-                return Err(CompareError::Order { before, after });
-            }
+            return Err(CompareError::Order { before, after });
         }
         if steps.len() < 2 {
             let found = steps.len();
@@ -58,15 +56,13 @@ impl Grid {
         if counts[0] < 2 {
             return Err(CompareError::OneStep { value: steps[0] });
         }
-        for (k, pair) in counts.windows(2).enumerate() {
-            if pair[0] >= pair[1] {
-                let ([before, after], count) = ([steps[k], steps[k + 1]], pair[0]);
-                return Err(CompareError::Close {
-                    before,
-                    after,
-                    count,
-                });
-            }
+        if let Some(k) = counts.windows(2).position(|n| n[0] >= n[1]) {
+            let ([before, after], count) = ([steps[k], steps[k + 1]], counts[k]);
+            return Err(CompareError::Close {
+                before,
+                after,
+                count,
+            });
         }
         let rounded = |times: usize| -> Vec<usize> {
             counts.iter().map(|n| n.next_multiple_of(times)).collect()

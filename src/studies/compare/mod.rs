@@ -3,7 +3,7 @@
 //! Every scheme runs at every step size on a model of its own. Errors are root mean squares over
 //! common times and all frame nodes, against a [`Reference`] with an estimate of its own error; orders
 //! are slopes of log error over log step in the asymptotic range, with a confidence interval
-//! ([`fit`]). Runs go side by side on threads; nothing but times depends on how many.
+//! ([`fit`]). Runs are distributed over threads, whose number affects only the times.
 //!
 //! ```
 //! use pullback::studies::compare::{Options, ErrorQuantity, Hooks, compare};
@@ -94,8 +94,8 @@ pub struct Options {
     /// Every scheme also runs at the largest step for this multiple of the duration, to show
     /// the drift of energies and momenta.
     pub long: Option<f64>,
-    /// Whether every scheme also runs at every step size with charts that are kept longer, to show
-    /// the cost of chart changes.
+    /// Whether every scheme also runs at every step size with charts that change at [`LATE_CHARTS`], to show
+    /// the cost of changes of chart.
     pub charts: bool,
     /// Tolerance of the residual relative to forces, if it is smaller than that of the model file.
     pub residual: Option<f64>,
@@ -134,7 +134,7 @@ pub struct ComparisonRow {
     pub error: Option<Values>,
     /// Drift of conserved quantities, and the balance of energy.
     pub drift: Drift,
-    /// Wall time in seconds, energy balances at common times included, beside other runs.
+    /// Wall time in seconds, with energy balances at common times and other runs at the same time.
     pub seconds: f64,
     /// Wall time in seconds of the integration alone on the machine, with the search before its first step.
     pub seconds_alone: Option<f64>,
@@ -147,6 +147,11 @@ impl ComparisonRow {
     /// Whether the run is complete with equal steps, so that its error belongs to its step size.
     pub fn is_regular(&self) -> bool {
         self.failure.is_none() && self.counts.rejected == 0
+    }
+
+    /// The error in a quantity that belongs to the step size of the run.
+    fn regular_error(&self, quantity: ErrorQuantity) -> Option<f64> {
+        Some(self.error.filter(|_| self.is_regular())?.of(quantity))
     }
 
     /// Linear solutions per step.
@@ -243,7 +248,7 @@ pub struct Comparison {
     pub rows: Vec<ComparisonRow>,
     /// The long runs, one per scheme, if requested; they have no errors.
     pub long: Vec<ComparisonRow>,
-    /// The runs with charts kept until [`LATE_CHARTS`] instead of half a turn, if requested, in the order of `rows`.
+    /// The runs with charts that change at [`LATE_CHARTS`] instead of half a turn, if requested, in the order of `rows`.
     pub charts: Vec<ComparisonRow>,
 }
 
@@ -252,6 +257,19 @@ impl Comparison {
     pub fn is_known(&self) -> bool {
         let knows = |r: &Reference| ErrorQuantity::ALL.into_iter().any(|q| r.knows(q));
         self.reference.as_ref().is_some_and(knows)
+    }
+
+    /// The error of the reference in a quantity; zero without a reference.
+    fn reference_error(&self, quantity: ErrorQuantity) -> f64 {
+        self.reference
+            .as_ref()
+            .map_or(0.0, |r| r.error.of(quantity))
+    }
+
+    /// The conserved quantities of the motion, without momenta that are zero.
+    fn conserved(&self) -> Conserved {
+        let conserved = self.reference.as_ref().map(|r| r.conserved);
+        conserved.unwrap_or_default().without(self.zero_momenta)
     }
 
     /// The rows of a scheme.

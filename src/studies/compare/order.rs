@@ -49,8 +49,8 @@ pub fn fit(errors: &[(f64, Option<f64>)], error: f64) -> Option<Order> {
         xy += (p.0 - x) * (p.1 - y);
     }
     let order = xy / xx;
-    let scatter = points.iter().map(|p| (p.1 - y - order * (p.0 - x)).powi(2));
-    let scatter: f64 = scatter.sum();
+    let residuals = points.iter().map(|p| p.1 - y - order * (p.0 - x));
+    let scatter: f64 = residuals.map(|r| r.powi(2)).sum();
     let confidence = student(points.len() - 2).map(|t| t * (scatter / (n - 2.0) / xx).sqrt());
     Some(Order {
         order,
@@ -88,12 +88,9 @@ pub(super) fn orders(
 ) -> Vec<SchemeOrders> {
     let observed = |name: &str, quantity: ErrorQuantity| {
         let own = rows.iter().filter(|row| row.scheme == name);
-        let error = |row: &ComparisonRow| {
-            row.error
-                .filter(|_| row.is_regular())
-                .map(|e| e.of(quantity))
-        };
-        let errors: Vec<_> = own.map(|row| (row.step, error(row))).collect();
+        let errors: Vec<_> = own
+            .map(|row| (row.step, row.regular_error(quantity)))
+            .collect();
         fit(&errors, reference?.error.of(quantity))
     };
     let of = |method: &Candidate| {

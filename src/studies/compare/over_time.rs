@@ -4,18 +4,15 @@ use super::tables::number;
 use super::{Comparison, ComparisonRow};
 use std::fmt::Write;
 
-/// One line per run and common time reached; unknown values are empty. Runs with charts that are
-/// kept longer are left out.
+/// One line per run and common time reached; unknown values are empty. Runs with late changes of chart are left out.
 pub(super) fn csv(comparison: &Comparison) -> String {
     let mut out =
         "run,scheme,step,t,energy,energy_balance_defect,momentum_1,momentum_2,momentum_3,\
                    angular_momentum_1,angular_momentum_2,angular_momentum_3,violation\n"
             .to_owned();
-    let short = comparison.rows.iter().map(|row| ("compared", row));
-    let long = comparison.long.iter().map(|row| ("long", row));
-    short
-        .chain(long)
-        .for_each(|(run, row)| rows(&mut out, run, row));
+    for (run, all) in [("compared", &comparison.rows), ("long", &comparison.long)] {
+        all.iter().for_each(|row| rows(&mut out, run, row));
+    }
     out
 }
 
@@ -24,15 +21,9 @@ fn rows(out: &mut String, run: &str, row: &ComparisonRow) {
         let momenta = sample.momenta.iter().flat_map(|p| p.iter().copied());
         let numbers = [Some(sample.energy), sample.defect].into_iter();
         let numbers = numbers.chain(momenta.map(Some)).chain([sample.violation]);
-        let cells = numbers.map(number);
+        let cells: Vec<String> = numbers.map(number).collect();
+        let (scheme, step, t, cells) = (&row.scheme, row.step, sample.t, cells.join(","));
         // Writing to a string cannot fail.
-        let _ = writeln!(
-            out,
-            "{run},{},{},{},{}",
-            row.scheme,
-            row.step,
-            sample.t,
-            cells.collect::<Vec<_>>().join(",")
-        );
+        let _ = writeln!(out, "{run},{scheme},{step},{t},{cells}");
     }
 }

@@ -2,14 +2,14 @@
 
 use super::grid::Grid;
 use super::order::orders;
-use super::run::{self, Hooks, Maker, RunFailure, RunResult, Task, dynamic, side_by_side};
+use super::run::{self, Hooks, INTERRUPTED, Maker, Task, dynamic, side_by_side};
 use super::{
-    Candidate, CompareError, Comparison, ComparisonRow, Conserved, Drift, EqualCost, Options,
-    Reference,
+    Candidate, CompareError, Comparison, ComparisonRow, Drift, EqualCost, Options, Reference,
+    drift, reference, sample,
 };
-use super::{drift, reference, sample};
+use crate::input::Job;
 use crate::method::Method;
-use crate::solve::{Counts, begin};
+use crate::solve::begin;
 use pullback_elements::model::Formulation;
 use pullback_integrators::dynamics::{DynamicOptions, Progress, Scheme, start};
 use std::num::NonZeroUsize;
@@ -22,10 +22,8 @@ pub(super) struct Prepared {
     long: Option<Grid>,
     reference: Method,
     unknowns: usize,
-    nodes: usize,
-    enforced: bool,
-    multipliers: bool,
-    title: Option<String>,
+    /// The model in total rotation vectors.
+    job: Job,
     /// Schemes that cannot start, and why.
     refused: Vec<(String, String)>,
 }
@@ -36,17 +34,21 @@ pub(super) struct Prepared {
 /// # Errors
 /// [`CompareError`].
 pub fn looked_at(make: &Maker<'_>, steps: &[f64]) -> Result<(Vec<String>, Vec<f64>), CompareError> {
-    let job = make(Formulation::Total)?;
-    let plan = dynamic(&job.plan).ok_or(CompareError::Static)?;
-    let grid = Grid::new(plan.options.to, steps)?;
+    let (job, grid) = begun(make, steps)?;
     let nodes = job.context.frames().map(|(_, name)| name.to_owned());
     Ok((nodes.collect(), grid.all_times()))
 }
 
-pub(super) fn prepare(make: &Maker<'_>, options: &Options) -> Result<Prepared, CompareError> {
+/// The model in total rotation vectors, and the grid of the compared runs.
+fn begun(make: &Maker<'_>, steps: &[f64]) -> Result<(Job, Grid), CompareError> {
     let job = make(Formulation::Total)?;
     let plan = dynamic(&job.plan).ok_or(CompareError::Static)?;
-    let grid = Grid::new(plan.options.to, &options.steps)?;
+    let grid = Grid::new(plan.options.to, steps)?;
+    Ok((job, grid))
+}
+
+pub(super) fn prepare(make: &Maker<'_>, options: &Options) -> Result<Prepared, CompareError> {
+    let (job, grid) = begun(make, &options.steps)?;
     if let Some(value) = options.residual.filter(|r| !(*r > 0.0 && r.is_finite())) {
         return Err(CompareError::Residual { value });
     }
@@ -56,8 +58,7 @@ pub(super) fn prepare(make: &Maker<'_>, options: &Options) -> Result<Prepared, C
     if let Some(value) = options.long.filter(|f| !(*f >= 1.0 && f.is_finite())) {
         return Err(CompareError::Longer { value });
     }
-    let long = options.long.map(|factor| grid.longer(factor));
-    let long = long.transpose()?;
+    let long = options.long.map(|factor| grid.longer(factor)).transpose()?;
     if options.schemes.is_empty() {
         return Err(CompareError::NoScheme);
     }
@@ -89,10 +90,7 @@ pub(super) fn prepare(make: &Maker<'_>, options: &Options) -> Result<Prepared, C
         long,
         reference,
         unknowns: start.q.len(),
-        nodes: job.context.frames().count(),
-        enforced: job.context.is_enforced(),
-        multipliers: job.context.has_multipliers(),
-        title: job.title,
+        job,
         refused,
     })
 }
@@ -136,159 +134,141 @@ pub(super) fn run(
     hooks: &Hooks<'_>,
     prepared: Prepared,
 ) -> Comparison {
-    let Prepared {
-        grid,
-        long,
-        reference,
-        multipliers,
-        ..
-    } = &prepared;
+    let (grid, context) = (&prepared.grid, &prepared.job.context);
+    let multipliers = context.has_multipliers();
     for (name, why) in &prepared.refused {
         (hooks.refused)(name, why);
     }
-    let relative = options.residual.unwrap_or(f64::INFINITY);
-    let reference_tasks = match options.exact {
-        Some(_) => Vec::new(),
-        None => reference::tasks(reference, grid).to_vec(),
-    };
-    let tasks = |counts: &[usize], late_charts: bool| -> Vec<Task> {
-        let schemes = options.schemes.iter();
-        let task = schemes.flat_map(|&candidate| {
-            counts.iter().map(move |&steps| Task {
-                name: candidate.to_string(),
-                candidate,
-                steps,
-                relative,
-                late_charts,
-            })
-        });
-        task.collect()
-    };
-    let own_tasks = tasks(&grid.counts, false);
-    let late_tasks = match options.charts {
-        true => tasks(&grid.counts, true),
-        false => Vec::new(),
-    };
-    let long_tasks = long
-        .as_ref()
-        .map_or_else(Vec::new, |g| tasks(&g.counts, false));
-    let long = long.as_ref().unwrap_or(grid);
-    let parts: [(&[Task], &Grid); 4] = [
-        (&reference_tasks, grid),
-        (&own_tasks, grid),
-        (&late_tasks, grid),
-        (&long_tasks, long),
-    ];
-    let all = parts
-        .iter()
-        .flat_map(|(tasks, grid)| tasks.iter().map(move |task| (task, *grid)));
-    let all: Vec<(&Task, &Grid)> = all.collect();
+    let tasks = prepared.tasks(options);
+    let all: Vec<&Task<'_>> = tasks.iter().flatten().collect();
     let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
     let threads = options.threads.map_or(cores, NonZeroUsize::get);
-    let threads = threads.min(all.len() - long_tasks.len());
-    let mut results = run_all(make, &all, threads, hooks).into_iter();
-    let [ran, own, late, lasting] =
-        parts.map(|(tasks, _)| results.by_ref().take(tasks.len()).collect::<Vec<_>>());
-    let judged = match &options.exact {
-        Some(exact) => Some(exact.reference(&grid.all_times(), prepared.nodes)),
-        None if ran.iter().any(|r| r.failure.is_some()) => None,
-        None => reference::judge(reference, *multipliers, grid, &ran),
-    };
-    let failure = ran.iter().find_map(|r| r.failure.as_ref());
-    let every = || own.iter().chain(&late).chain(&lasting).chain(&ran);
-    let interrupted = |r: &RunResult| matches!(r.failure, Some(RunFailure::Interrupted));
-    let mut complete = !every().any(interrupted);
-    let zero_momenta = drift::zeros(every().map(|ran| &ran.samples[..]));
-    let conserved = judged.as_ref().map(|r| r.conserved).unwrap_or_default();
+    let threads = threads.min(all.len() - tasks[3].len());
+    let mut ran = run_all(make, &all, threads, hooks).into_iter();
+    let rows: [Vec<ComparisonRow>; 4] = tasks
+        .each_ref()
+        .map(|tasks| ran.by_ref().take(tasks.len()).collect());
+    let interrupted = |row: &ComparisonRow| row.failure.as_deref() == Some(INTERRUPTED);
+    let complete = !rows.iter().flatten().any(interrupted);
+    let zero_momenta = drift::zeros(rows.iter().flatten().map(|row| &row.samples[..]));
+    let [reference_rows, mut rows, mut charts, mut lasting] = rows;
+    let failure = reference_rows.iter().find_map(|row| row.failure.as_ref());
+    let reference_failure = failure.map(|why| format!("{}: {why}", prepared.reference));
+    let reference = prepared.judge(options, &reference_rows);
+    let conserved = reference.as_ref().map(|r| r.conserved).unwrap_or_default();
     let conserved = conserved.without(zero_momenta);
-    let rows = |ran: Vec<RunResult>, tasks: &[Task]| -> Vec<ComparisonRow> {
-        let steps = options.steps.iter().cycle();
-        (ran.into_iter().zip(tasks).zip(steps))
-            .map(|((ran, task), &step)| row(ran, task, step, grid, judged.as_ref(), conserved))
-            .collect()
-    };
-    let charts = rows(late, &late_tasks);
-    let mut rows = rows(own, &own_tasks);
-    for (row, task) in rows.iter_mut().zip(&own_tasks) {
-        if options.timed && complete && row.failure.is_none() {
-            let time = run::clock(make, task, grid, hooks);
-            row.seconds_alone = time.map(|t| t.as_secs_f64());
-            complete = (hooks.flow)().is_continue();
-        }
+    for row in rows.iter_mut().chain(&mut charts).chain(&mut lasting) {
+        row.drift = Drift::of(&row.samples, conserved, row.counts.energy);
     }
-    let lasting = (lasting.into_iter().zip(&long_tasks))
-        .map(|(ran, task)| row(ran, task, options.steps[0], long, None, conserved));
-    let lasting = lasting.collect();
+    for row in rows.iter_mut().chain(&mut charts) {
+        let known = reference.as_ref().filter(|_| row.failure.is_none());
+        row.error = known.map(|r| sample::distances(&row.samples, &r.samples));
+    }
     let names: Vec<String> = options.schemes.iter().map(Candidate::to_string).collect();
-    Comparison {
+    let mut comparison = Comparison {
         program: concat!("pullback ", env!("CARGO_PKG_VERSION")),
         model: model.to_owned(),
-        title: prepared.title.clone(),
+        title: prepared.job.title.clone(),
         command: None,
         complete,
         to: grid.to,
         times: grid.times,
         unknowns: prepared.unknowns,
-        enforced: prepared.enforced,
-        multipliers: *multipliers,
+        enforced: context.is_enforced(),
+        multipliers,
         threads,
-        orders: orders(&options.schemes, *multipliers, &rows, judged.as_ref()),
-        reference_failure: failure.map(|f| format!("{reference}: {f}")),
-        equal_cost: EqualCost::find(&names, &rows, judged.as_ref(), false),
-        equal_time: EqualCost::find(&names, &rows, judged.as_ref(), true),
-        reference: judged,
+        orders: orders(&options.schemes, multipliers, &rows, reference.as_ref()),
+        reference_failure,
+        equal_cost: EqualCost::find(&names, &rows, reference.as_ref(), false),
+        equal_time: None,
+        reference,
         zero_momenta,
         rows,
         long: lasting,
         charts,
+    };
+    if options.timed {
+        time(&mut comparison, make, &tasks[1], hooks);
     }
+    let (rows, reference) = (&comparison.rows, comparison.reference.as_ref());
+    comparison.equal_time = EqualCost::find(&names, rows, reference, true);
+    comparison
+}
+
+/// Runs each of the compared tasks alone on the machine.
+fn time(comparison: &mut Comparison, make: &Maker<'_>, tasks: &[Task<'_>], hooks: &Hooks<'_>) {
+    for (row, task) in comparison.rows.iter_mut().zip(tasks) {
+        if comparison.complete && row.failure.is_none() {
+            row.seconds_alone = run::clock(make, task, hooks);
+            comparison.complete = (hooks.flow)().is_continue();
+        }
+    }
+}
+
+impl Prepared {
+    /// The exact solution as a reference, or that of its runs if all are complete.
+    fn judge(&self, options: &Options, runs: &[ComparisonRow]) -> Option<Reference> {
+        let (grid, context) = (&self.grid, &self.job.context);
+        match &options.exact {
+            Some(exact) => Some(exact.reference(&grid.all_times(), context.frames().count())),
+            None if runs.iter().any(|row| row.failure.is_some()) => None,
+            None => reference::judge(&self.reference, context.has_multipliers(), runs),
+        }
+    }
+
+    /// The runs of the reference, those compared, those with late changes of chart, and the long ones.
+    fn tasks(&self, options: &Options) -> [Vec<Task<'_>>; 4] {
+        let reference = match options.exact {
+            Some(_) => Vec::new(),
+            None => reference::tasks(&self.reference, &self.grid).to_vec(),
+        };
+        let charts = options
+            .charts
+            .then(|| scheme_tasks(options, &self.grid, true));
+        let long = (self.long.as_ref()).map(|long| scheme_tasks(options, long, false));
+        [
+            reference,
+            scheme_tasks(options, &self.grid, false),
+            charts.unwrap_or_default(),
+            long.unwrap_or_default(),
+        ]
+    }
+}
+
+/// Every scheme at every step size of a grid.
+fn scheme_tasks<'a>(options: &Options, grid: &'a Grid, late_charts: bool) -> Vec<Task<'a>> {
+    let mut tasks = Vec::new();
+    for &candidate in &options.schemes {
+        for (&steps, &requested) in grid.counts.iter().zip(&options.steps) {
+            tasks.push(Task {
+                name: candidate.to_string(),
+                candidate,
+                grid,
+                requested,
+                steps,
+                relative: options.residual.unwrap_or(f64::INFINITY),
+                late_charts,
+            });
+        }
+    }
+    tasks
 }
 
 /// Runs all tasks, those with the most steps first.
 fn run_all(
     make: &Maker<'_>,
-    tasks: &[(&Task, &Grid)],
+    tasks: &[&Task<'_>],
     threads: usize,
     hooks: &Hooks<'_>,
-) -> Vec<RunResult> {
-    let mut turn: Vec<usize> = (0..tasks.len()).collect();
-    turn.sort_by_key(|&k| std::cmp::Reverse(tasks[k].0.steps));
+) -> Vec<ComparisonRow> {
+    let mut order: Vec<usize> = (0..tasks.len()).collect();
+    order.sort_by_key(|&k| std::cmp::Reverse(tasks[k].steps));
     let ended = Mutex::new(0);
-    let ran = side_by_side(tasks.len(), threads, &|k| {
-        let (task, grid) = tasks[turn[k]];
-        let ran = run::drive(make, task, grid, hooks);
+    side_by_side(&order, threads, &|k| {
+        let row = run::drive(make, tasks[k], hooks);
         let mut ended = ended.lock().unwrap_or_else(PoisonError::into_inner);
         *ended += 1;
-        (hooks.ended)(*ended, tasks.len(), &task.name);
-        ran
-    });
-    let mut ran: Vec<(usize, RunResult)> = turn.into_iter().zip(ran).collect();
-    ran.sort_by_key(|(k, _)| *k);
-    ran.into_iter().map(|(_, ran)| ran).collect()
-}
-
-fn row(
-    ran: RunResult,
-    task: &Task,
-    requested: f64,
-    grid: &Grid,
-    reference: Option<&Reference>,
-    conserved: Conserved,
-) -> ComparisonRow {
-    let reference = reference.filter(|_| ran.failure.is_none());
-    let counts = Counts::of_motion(&ran.summary);
-    ComparisonRow {
-        scheme: task.name.clone(),
-        requested_step: requested,
-        step: grid.step(task.steps),
-        failure: ran.failure.as_ref().map(ToString::to_string),
-        drift: Drift::of(&ran.samples, conserved, counts.energy),
-        counts,
-        assemblies: ran.assemblies,
-        searching: ran.searching,
-        error: reference.map(|r| sample::distances(&ran.samples, &r.samples)),
-        seconds: ran.time.as_secs_f64(),
-        seconds_alone: None,
-        samples: ran.samples,
-    }
+        (hooks.ended)(*ended, tasks.len(), &tasks[k].name);
+        row
+    })
 }

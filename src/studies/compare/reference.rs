@@ -1,12 +1,11 @@
 //! The reference solution and its error.
 
-use super::Candidate;
-use super::ErrorQuantity;
 use super::drift::{Conserved, drift};
 use super::grid::Grid;
 use super::order::NEAR;
-use super::run::{RunResult, Task};
+use super::run::Task;
 use super::sample::{QUANTITIES, Sample, Values, choose, distances, extrapolate, sizes};
+use super::{Candidate, ComparisonRow, ErrorQuantity};
 use crate::method::Method;
 use serde::Serialize;
 
@@ -59,10 +58,12 @@ impl Reference {
 }
 
 /// The three runs of a reference.
-pub(super) fn tasks(method: &Method, grid: &Grid) -> [Task; 3] {
+pub(super) fn tasks<'a>(method: &Method, grid: &'a Grid) -> [Task<'a>; 3] {
     REFINED.map(|factor| Task {
         name: format!("reference, {method}"),
         candidate: Candidate::Method(*method),
+        grid,
+        requested: grid.step(factor * grid.finest()),
         steps: factor * grid.finest(),
         relative: TIGHT,
         late_charts: false,
@@ -73,19 +74,13 @@ pub(super) fn tasks(method: &Method, grid: &Grid) -> [Task; 3] {
 pub(super) fn judge(
     method: &Method,
     multipliers: bool,
-    grid: &Grid,
-    runs: &[RunResult],
+    runs: &[ComparisonRow],
 ) -> Option<Reference> {
     let [a, b, c] = runs else { return None };
     let theory = Candidate::Method(*method).orders(multipliers)?;
-    let (first, second) = (
-        distances(&a.samples, &b.samples),
-        distances(&b.samples, &c.samples),
-    );
-    let (ab, bc) = (
-        extrapolate(&a.samples, &b.samples, theory),
-        extrapolate(&b.samples, &c.samples, theory),
-    );
+    let pairs = [[&a.samples, &b.samples], [&b.samples, &c.samples]];
+    let [first, second] = pairs.map(|[a, b]| distances(a, b));
+    let [ab, bc] = pairs.map(|[a, b]| extrapolate(a, b, theory));
     let between = distances(&ab, &bc);
     let size = sizes(&c.samples);
     let (mut order, mut error) = ([f64::NAN; QUANTITIES], [0.0; QUANTITIES]);
@@ -110,13 +105,13 @@ pub(super) fn judge(
     let error = Values(error);
     Some(Reference {
         scheme: method.to_string(),
-        steps: REFINED.map(|factor| grid.step(factor * grid.finest())),
+        steps: [a.step, b.step, c.step],
         order: Values(order),
         extrapolated: Values(extrapolated),
         error,
         conserved: conserved(&bc, &c.samples, [&ab, &bc]),
-        evaluations: runs.iter().map(|r| r.summary.evaluations).sum(),
-        chart_changes: c.summary.chart_changes,
+        evaluations: runs.iter().map(|run| run.counts.evaluations).sum(),
+        chart_changes: c.counts.chart_changes,
         samples: choose(&bc, &c.samples, extrapolated),
     })
 }

@@ -1,21 +1,21 @@
 //! One run of a comparison, and runs in parallel.
 
-use super::Candidate;
 use super::grid::Grid;
 use super::sample::Sample;
+use super::{Candidate, CompareError, ComparisonRow, Drift};
 use crate::input::{DynamicPlan, InputError, Job, Plan};
 use crate::method::Method;
-use crate::solve::point;
-use pullback_elements::model::Formulation;
+use crate::solve::{Counts, point};
+use crate::studies::general::General;
+use pullback_elements::model::{Context, Formulation};
 use pullback_integrators::dynamics::{
-    DynamicOptions, DynamicsError, NewtonOptions, Progress, Summary, integrate, start,
+    DynamicOptions, NewtonOptions, Progress, Summary, integrate, start,
 };
-use pullback_manifold::system::SystemError;
+use pullback_manifold::system::Point;
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Builds the model of a comparison in a formulation of rotations, anew for each run.
 pub type Maker<'a> = dyn Fn(Formulation) -> Result<Job, InputError> + Sync + 'a;
@@ -42,68 +42,85 @@ impl Hooks<'_> {
 
 /// Input of one run.
 #[derive(Clone, Debug)]
-pub(super) struct Task {
+pub(super) struct Task<'a> {
     pub name: String,
     pub candidate: Candidate,
+    pub grid: &'a Grid,
+    /// Requested step size.
+    pub requested: f64,
+    /// Number of steps.
     pub steps: usize,
     /// Tolerance of the residual relative to forces, if it is smaller than that of the model file.
     pub relative: f64,
-    /// Whether charts of rotations are kept until [`LATE_CHARTS`].
+    /// Whether charts of rotations change at [`LATE_CHARTS`].
     pub late_charts: bool,
 }
 
-/// The length of a rotation vector, in radians, at which charts that are kept change: three quarters of a
-/// turn, as far from half a turn as from the end of the chart.
+/// The length of a rotation vector, in radians, at which late changes of chart occur: three quarters of a turn, in the
+/// middle between half a turn and the boundary of the chart.
 pub const LATE_CHARTS: f64 = 1.5 * PI;
 
-/// Results of one run.
-#[derive(Clone, Debug, Default)]
-pub(super) struct RunResult {
-    /// Samples at the common times reached.
-    pub samples: Vec<Sample>,
-    pub summary: Summary,
-    /// Assemblies of the model, without those before the first step.
-    pub assemblies: usize,
-    /// Assemblies before the first step, to find what the scheme requires.
-    pub searching: usize,
-    /// Reason of its failure.
-    pub failure: Option<RunFailure>,
-    /// Wall time of the integration.
-    pub time: Duration,
-}
+impl Task<'_> {
+    fn step(&self) -> f64 {
+        self.grid.step(self.steps)
+    }
 
-/// RunFailure of a run.
-#[derive(Debug, thiserror::Error, Clone)]
-pub(super) enum RunFailure {
-    #[error("interrupted")]
-    Interrupted,
-    #[error("{0}")]
-    Failed(String),
-}
+    fn options(&self, method: &Method, plan: &DynamicPlan) -> DynamicOptions {
+        let newton = plan.options.newton;
+        DynamicOptions {
+            scheme: method.scheme(),
+            step: self.step(),
+            min_step: 1e-6 * self.step(),
+            adaptivity: None,
+            interval: None,
+            newton: NewtonOptions {
+                relative: newton.relative.min(self.relative),
+                ..newton
+            },
+            ..plan.options
+        }
+    }
 
-impl From<DynamicsError> for RunFailure {
-    fn from(error: DynamicsError) -> Self {
-        Self::Failed(error.to_string())
+    /// A general solver with the tolerance of this run.
+    fn solver(&self, general: &General) -> General {
+        general.at(self.step(), self.grid.step(self.grid.counts[0]))
+    }
+
+    /// The row of a run that has not begun.
+    fn row(&self) -> ComparisonRow {
+        ComparisonRow {
+            scheme: self.name.clone(),
+            requested_step: self.requested,
+            step: self.step(),
+            failure: None,
+            counts: Counts::of_motion(&Summary::default()),
+            assemblies: 0,
+            searching: 0,
+            error: None,
+            drift: Drift::default(),
+            seconds: 0.0,
+            seconds_alone: None,
+            samples: Vec::with_capacity(self.grid.times + 1),
+        }
     }
 }
 
-impl From<SystemError> for RunFailure {
-    fn from(error: SystemError) -> Self {
-        Self::Failed(format!("a converged state cannot be evaluated: {error}"))
+/// Why a run did not reach its end.
+struct Failure(String);
+
+impl<E: std::error::Error> From<E> for Failure {
+    fn from(error: E) -> Self {
+        Self(error.to_string())
     }
 }
 
-#[cfg(feature = "diffsol")]
-impl From<crate::studies::general::GeneralError> for RunFailure {
-    fn from(error: crate::studies::general::GeneralError) -> Self {
-        Self::Failed(error.to_string())
-    }
-}
+/// Reason of a run that was interrupted.
+pub(super) const INTERRUPTED: &str = "interrupted";
 
-impl From<InputError> for RunFailure {
-    fn from(error: InputError) -> Self {
-        Self::Failed(error.to_string())
-    }
+/// The sample of a converged state.
+fn sample(model: &mut Context, at: Point<'_>, defect: Option<f64>) -> Result<Sample, Failure> {
+    let refused = |error| Failure(format!("a converged state cannot be evaluated: {error}"));
+    Sample::of(model, at, defect).map_err(refused)
 }
 
 /// The dynamic plan of a job.
@@ -114,52 +131,29 @@ pub(super) fn dynamic(plan: &Plan) -> Option<&DynamicPlan> {
     }
 }
 
-fn options(task: &Task, method: &Method, grid: &Grid, plan: &DynamicPlan) -> DynamicOptions {
-    let step = grid.step(task.steps);
-    let newton = plan.options.newton;
-    DynamicOptions {
-        scheme: method.scheme(),
-        step,
-        min_step: 1e-6 * step,
-        adaptivity: None,
-        interval: None,
-        newton: NewtonOptions {
-            relative: newton.relative.min(task.relative),
-            ..newton
-        },
-        ..plan.options
-    }
-}
-
-/// Integrates from common time to common time, and samples the model at each.
-pub(super) fn drive(make: &Maker<'_>, task: &Task, grid: &Grid, hooks: &Hooks<'_>) -> RunResult {
-    let mut ran = RunResult {
-        samples: Vec::with_capacity(grid.times + 1),
-        ..RunResult::default()
-    };
-    ran.failure = advance(make, task, grid, hooks, &mut ran).err();
-    ran
+/// Integrates from common time to common time, and samples the model at each. The row has neither errors nor drift.
+pub(super) fn drive(make: &Maker<'_>, task: &Task<'_>, hooks: &Hooks<'_>) -> ComparisonRow {
+    let mut row = task.row();
+    row.failure = advance(make, task, hooks, &mut row).err().map(|f| f.0);
+    row
 }
 
 fn advance(
     make: &Maker<'_>,
-    task: &Task,
-    grid: &Grid,
+    task: &Task<'_>,
     hooks: &Hooks<'_>,
-    ran: &mut RunResult,
-) -> Result<(), RunFailure> {
+    row: &mut ComparisonRow,
+) -> Result<(), Failure> {
+    let grid = task.grid;
     let mut job = make(task.candidate.formulation())?;
     if task.late_charts {
         job.context.keep_charts_until(LATE_CHARTS);
     }
-    let Some(plan) = dynamic(&job.plan) else {
-        return Err(RunFailure::Failed("the analysis is not dynamic".to_owned()));
-    };
+    let plan = dynamic(&job.plan).ok_or(CompareError::Static)?;
     let options = match &task.candidate {
-        Candidate::Method(method) => options(task, method, grid, plan),
+        Candidate::Method(method) => task.options(method, plan),
         Candidate::General(general) => {
-            let general = general.at(grid.step(task.steps), grid.step(grid.counts[0]));
-            return in_general(&mut job, &general, grid, hooks, ran);
+            return in_general(&mut job, &task.solver(general), grid, hooks, row);
         }
     };
     let model = &mut job.context;
@@ -170,100 +164,95 @@ fn advance(
     for k in 0..=grid.times {
         let to = if k == 0 { 0.0 } else { grid.time(k) };
         let part = DynamicOptions { to, ..options };
-        // Every part begins with a search for invariants or the largest frequency, which an undivided run makes
-        // once: an empty part measures its cost.
-        let here = DynamicOptions {
-            to: progress.state.t,
-            ..options
-        };
         if k == 0 {
-            integrate(model, &mut progress, &here, &mut |_, _| (hooks.flow)())?;
+            search(model, &mut progress, &options, hooks)?;
             // The same search once more, by a new run.
             let mut anew = Progress {
                 invariants: None,
                 ..progress.clone()
             };
-            let so_far = model.assemblies();
-            integrate(model, &mut anew, &here, &mut |_, _| (hooks.flow)())?;
-            ran.searching = model.assemblies() - so_far;
-            searches += 2 * ran.searching;
+            row.searching = search(model, &mut anew, &options, hooks)?;
+            searches += 2 * row.searching;
         }
-        let so_far = model.assemblies();
-        integrate(model, &mut progress, &here, &mut |_, _| (hooks.flow)())?;
         // The empty part, and the part itself.
-        searches += 2 * (model.assemblies() - so_far);
+        searches += 2 * search(model, &mut progress, &options, hooks)?;
         let mut stopped = false;
         let integrated = integrate(model, &mut progress, &part, &mut |_, _| {
             let flow = (hooks.flow)();
             stopped = flow.is_break();
             flow
         });
-        ran.summary = progress.summary;
-        ran.assemblies = match options.scheme.stages() {
+        row.counts = Counts::of_motion(&progress.summary);
+        row.assemblies = match options.scheme.stages() {
             [_] => (model.assemblies() - before).saturating_sub(searches),
             // Several tangents of a state count once; rates are not spins here.
             _ => progress.summary.evaluations,
         };
-        ran.time = clock.elapsed();
+        row.seconds = clock.elapsed().as_secs_f64();
         integrated?;
         if stopped {
-            return Err(RunFailure::Interrupted);
+            return Err(Failure(INTERRUPTED.to_owned()));
         }
         let defect = progress.summary.energy.map(|e| e.defect());
-        ran.samples
-            .push(Sample::of(model, point(&progress), defect)?);
+        row.samples.push(sample(model, point(&progress), defect)?);
     }
     Ok(())
+}
+
+/// The number of assemblies of an empty part. Every part begins with a search for invariants or the largest frequency,
+/// which an undivided run makes once.
+fn search(
+    model: &mut Context,
+    progress: &mut Progress,
+    options: &DynamicOptions,
+    hooks: &Hooks<'_>,
+) -> Result<usize, Failure> {
+    let before = model.assemblies();
+    let to = progress.state.t;
+    let here = DynamicOptions { to, ..*options };
+    integrate(model, progress, &here, &mut |_, _| (hooks.flow)())?;
+    Ok(model.assemblies() - before)
 }
 
 /// A run with a general solver, sampled at the common times.
 #[cfg(feature = "diffsol")]
 fn in_general(
     job: &mut Job,
-    general: &crate::studies::general::General,
+    general: &General,
     grid: &Grid,
     hooks: &Hooks<'_>,
-    ran: &mut RunResult,
-) -> Result<(), RunFailure> {
-    use crate::studies::general::Observer;
-    use pullback_elements::model::Context;
-    use pullback_integrators::dynamics::State;
-    use pullback_manifold::system::Point;
+    row: &mut ComparisonRow,
+) -> Result<(), Failure> {
+    use crate::studies::general;
     let model = &mut job.context;
     let mut progress = Progress::new(start(model, 0.0, &job.start.q, &job.start.v)?);
     let clock = Instant::now();
     let before = model.assemblies();
-    let times = grid.all_times();
     let mut failed = None;
-    let samples = &mut ran.samples;
-    let mut observer = Observer {
-        seen: &mut |model: &mut Context, state: &State| {
-            let at = Point {
-                t: state.t,
-                q: &state.q,
-                v: &state.v,
-                a: &state.a,
-            };
-            match Sample::of(model, at, None) {
-                Ok(sample) => samples.push(sample),
-                Err(error) => {
-                    failed = Some(RunFailure::from(error));
-                    return ControlFlow::Break(());
-                }
-            }
+    let samples = &mut row.samples;
+    let mut seen = |model: &mut Context, at: Point<'_>| match sample(model, at, None) {
+        Ok(sample) => {
+            samples.push(sample);
             ControlFlow::Continue(())
-        },
+        }
+        Err(failure) => {
+            failed = Some(failure);
+            ControlFlow::Break(())
+        }
+    };
+    let mut observer = general::Observer {
+        seen: &mut seen,
         go: hooks.flow,
     };
-    let ended =
-        crate::studies::general::integrate(model, &mut progress, general, &times, &mut observer);
-    ran.summary = progress.summary;
-    ran.assemblies = model.assemblies() - before;
-    ran.time = clock.elapsed();
+    let times = grid.all_times();
+    let ended = general::integrate(model, &mut progress, general, &times, &mut observer);
+    row.counts = Counts::of_motion(&progress.summary);
+    row.assemblies = model.assemblies() - before;
+    row.seconds = clock.elapsed().as_secs_f64();
     ended?;
     match failed {
         Some(failure) => Err(failure),
-        None if !progress.summary.finished => Err(RunFailure::Interrupted),
+        None if !progress.summary.finished => Err(Failure(INTERRUPTED.to_owned())),
         None => Ok(()),
     }
 }
@@ -272,80 +261,68 @@ fn in_general(
 #[cfg(not(feature = "diffsol"))]
 fn in_general(
     _: &mut Job,
-    general: &crate::studies::general::General,
+    general: &General,
     _: &Grid,
     _: &Hooks<'_>,
-    _: &mut RunResult,
-) -> Result<(), RunFailure> {
+    _: &mut ComparisonRow,
+) -> Result<(), Failure> {
     let why = format!("{general}: this program is built without the feature `diffsol`");
-    Err(RunFailure::Failed(why))
+    Err(Failure(why))
 }
 
-/// Most repetitions of a timed run, and the total time after which there are no more.
+/// Most repetitions of a timed run, and the total time in seconds after which there are no more.
 const REPETITIONS: usize = 5;
-const ENOUGH: Duration = Duration::from_millis(500);
+const ENOUGH: f64 = 0.5;
 
-/// Wall time of the integration alone, the minimum of some repetitions;
-/// `None` if it fails or is stopped.
-pub(super) fn clock(
-    make: &Maker<'_>,
-    task: &Task,
-    grid: &Grid,
-    hooks: &Hooks<'_>,
-) -> Option<Duration> {
-    let mut least: Option<Duration> = None;
-    let mut spent = Duration::ZERO;
+/// Wall time of the integration alone in seconds, the minimum of some repetitions; `None` if it fails or is stopped.
+pub(super) fn clock(make: &Maker<'_>, task: &Task<'_>, hooks: &Hooks<'_>) -> Option<f64> {
+    let (mut least, mut spent) = (f64::INFINITY, 0.0);
     for _ in 0..REPETITIONS {
         let mut job = make(task.candidate.formulation()).ok()?;
         let time = match &task.candidate {
             Candidate::Method(method) => {
                 let options = DynamicOptions {
                     energies: false,
-                    ..options(task, method, grid, dynamic(&job.plan)?)
+                    ..task.options(method, dynamic(&job.plan)?)
                 };
                 let model = &mut job.context;
                 let from = start(model, 0.0, &job.start.q, &job.start.v).ok()?;
                 let mut progress = Progress::new(from);
                 let begin = Instant::now();
                 integrate(model, &mut progress, &options, &mut |_, _| (hooks.flow)()).ok()?;
-                let time = begin.elapsed();
+                let time = begin.elapsed().as_secs_f64();
                 progress.summary.finished.then_some(time)?
             }
             Candidate::General(general) => {
-                let general = general.at(grid.step(task.steps), grid.step(grid.counts[0]));
-                let mut ran = RunResult::default();
-                in_general(&mut job, &general, grid, hooks, &mut ran).ok()?;
-                ran.time
+                let mut row = task.row();
+                in_general(&mut job, &task.solver(general), task.grid, hooks, &mut row).ok()?;
+                row.seconds
             }
         };
         if (hooks.flow)().is_break() {
             return None;
         }
-        least = Some(least.map_or(time, |least| least.min(time)));
-        spent += time;
+        (least, spent) = (time.min(least), spent + time);
         if spent > ENOUGH {
             break;
         }
     }
-    least
+    Some(least)
 }
 
-/// Does `count` pieces of work on this number of threads; results are in the order of the pieces.
+/// Calls `work` with each of the numbers 0 to n − 1, begun in an `order`, on several threads; the results by number.
 pub(in crate::studies) fn side_by_side<T: Send>(
-    count: usize,
+    order: &[usize],
     threads: usize,
     work: &(dyn Fn(usize) -> T + Sync),
 ) -> Vec<T> {
-    let next = AtomicUsize::new(0);
-    let done = Mutex::new(Vec::with_capacity(count));
+    let queue = Mutex::new(order.iter());
+    let done = Mutex::new(Vec::with_capacity(order.len()));
+    let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
     std::thread::scope(|scope| {
-        for _ in 0..threads.clamp(1, count.max(1)) {
+        for _ in 0..threads.clamp(1, order.len().max(1)) {
             scope.spawn(|| {
-                loop {
-                    let k = next.fetch_add(1, Ordering::Relaxed);
-                    if k >= count {
-                        break;
-                    }
+                while let Some(&k) = next() {
                     let out = work(k);
                     let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
                     done.push((k, out));

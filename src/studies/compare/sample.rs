@@ -56,12 +56,8 @@ impl ErrorQuantity {
     }
 
     /// Its key in CSV and JSON.
-    pub fn key(self) -> &'static str {
-        match self {
-            Self::AngularVelocity => "angular_velocity",
-            Self::AngularAcceleration => "angular_acceleration",
-            other => other.name(),
-        }
+    pub fn key(self) -> String {
+        self.name().replace(' ', "_")
     }
 }
 
@@ -75,7 +71,7 @@ impl<T: Copy> Values<T> {
         self.0[quantity as usize]
     }
 
-    /// From one value each for positions and rotations, for velocities, and for accelerations. The energy takes that of
+    /// From one value each for positions and rotations, for velocities, and for accelerations. The energy has that of
     /// the positions: errors of velocities due to equations between coordinates are normal to these equations, where
     /// momenta have no component.
     pub fn of_levels([position, velocity, acceleration]: [T; 3]) -> Self {
@@ -95,7 +91,7 @@ impl<T: Copy + Serialize> Serialize for Values<T> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(Some(self.0.len()))?;
         for quantity in ErrorQuantity::ALL {
-            map.serialize_entry(quantity.key(), &self.of(quantity))?;
+            map.serialize_entry(&quantity.key(), &self.of(quantity))?;
         }
         map.end()
     }
@@ -116,6 +112,25 @@ pub struct FrameSample {
     pub acceleration: Vector3<f64>,
     /// Rate of the angular velocity.
     pub omega_dot: Vector3<f64>,
+}
+
+impl FrameSample {
+    /// A frame in its reference position and orientation, at rest.
+    pub fn at_rest() -> Self {
+        Self::uniform(Vector3::zeros(), Matrix3::identity())
+    }
+
+    /// All vectors the same.
+    fn uniform(vector: Vector3<f64>, R: Matrix3<f64>) -> Self {
+        Self {
+            position: vector,
+            R,
+            velocity: vector,
+            omega: vector,
+            acceleration: vector,
+            omega_dot: vector,
+        }
+    }
 }
 
 impl From<NodeState> for FrameSample {
@@ -154,17 +169,9 @@ impl Sample {
     /// A sample with nothing known but the time.
     pub fn unknown(t: f64, nodes: usize) -> Self {
         let vector = Vector3::repeat(f64::NAN);
-        let node = FrameSample {
-            position: vector,
-            R: Matrix3::repeat(f64::NAN),
-            velocity: vector,
-            omega: vector,
-            acceleration: vector,
-            omega_dot: vector,
-        };
         Self {
             t,
-            nodes: vec![node; nodes],
+            nodes: vec![FrameSample::uniform(vector, Matrix3::repeat(f64::NAN)); nodes],
             energy: f64::NAN,
             gross_energy: f64::NAN,
             defect: None,
@@ -180,9 +187,7 @@ impl Sample {
         defect: Option<f64>,
     ) -> Result<Self, SystemError> {
         let balance = context.energies_and_momentum(at)?;
-        let nodes = context
-            .frames()
-            .map(|(id, _)| context.node_state(id).into());
+        let nodes = (context.frames()).map(|(id, _)| context.node_state(id).into());
         let (kinetic, stored) = (balance.energies.kinetic, balance.energies.stored);
         Ok(Self {
             t: at.t,
@@ -271,13 +276,10 @@ pub(super) fn extrapolate(a: &[Sample], b: &[Sample], order: Values<usize>) -> V
         }
     };
     let samples = a.iter().zip(b).map(|(a, b)| Sample {
-        t: b.t,
         nodes: a.nodes.iter().zip(&b.nodes).map(node).collect(),
         energy: b.energy + (b.energy - a.energy) / parts[ErrorQuantity::Energy as usize],
-        gross_energy: b.gross_energy,
-        defect: b.defect,
         momenta: [0, 1].map(|k| towards(2, &a.momenta[k], &b.momenta[k])),
-        violation: b.violation,
+        ..*b
     });
     samples.collect()
 }
@@ -297,11 +299,12 @@ pub(super) fn choose(first: &[Sample], second: &[Sample], pick: [bool; QUANTITIE
     };
     let samples = first.iter().zip(second).map(|(a, b)| Sample {
         nodes: a.nodes.iter().zip(&b.nodes).map(node).collect(),
-        energy: match pick[ErrorQuantity::Energy as usize] {
-            true => a.energy,
-            false => b.energy,
+        energy: if pick[ErrorQuantity::Energy as usize] {
+            a.energy
+        } else {
+            b.energy
         },
-        ..b.clone()
+        ..*b
     });
     samples.collect()
 }

@@ -1,13 +1,14 @@
 //! `compare.csv`, and the tables of the page.
 
 use super::ABOVE_REFERENCE;
+use super::run::INTERRUPTED;
 use super::{Comparison, ComparisonRow, ErrorQuantity, NEAR, Order, SchemeOrders, Slope, Values};
 use std::fmt::Write;
 
-/// A cell of `compare.csv`.
+/// The text of a cell of `compare.csv`.
 type Cell = fn(&Comparison, &ComparisonRow) -> String;
 
-/// Columns of `compare.csv` before the errors, behind the kind of the run.
+/// Columns of `compare.csv` between the kind of the run and the errors.
 const BEFORE: [(&str, Cell); 4] = [
     ("scheme", |_, row| row.scheme.clone()),
     ("requested_step", |_, row| row.requested_step.to_string()),
@@ -52,37 +53,26 @@ pub(super) fn number(x: Option<f64>) -> String {
     x.map_or_else(String::new, |x| format!("{x:e}"))
 }
 
-/// The content of `compare.csv`: a row per run, first those compared, then those with charts kept longer and the
-/// long ones; unknown values are empty.
+/// The content of `compare.csv`: a row per run, first those compared, then those with late changes of chart
+/// and the long ones; unknown values are empty.
 pub(super) fn csv(comparison: &Comparison) -> String {
-    let names = |part: &[(&'static str, Cell)]| part.iter().map(|c| c.0.to_owned()).collect();
-    let errors = ErrorQuantity::ALL
-        .map(|q| format!("error_{}", q.key()))
-        .to_vec();
-    let head: [Vec<String>; 4] = [
-        vec!["run".to_owned()],
-        names(&BEFORE),
-        errors,
-        names(&AFTER),
+    let line = |run: &str, cell: &dyn Fn(&(&str, Cell)) -> String, errors: [String; 7]| {
+        let (before, after) = (BEFORE.iter().map(cell), AFTER.iter().map(cell));
+        let cells: Vec<String> = before.chain(errors).chain(after).collect();
+        format!("{run},{}\n", cells.join(","))
+    };
+    let errors = ErrorQuantity::ALL.map(|q| format!("error_{}", q.key()));
+    let mut out = line("run", &|column| column.0.to_owned(), errors);
+    let runs = [
+        ("compared", &comparison.rows),
+        ("charts", &comparison.charts),
+        ("long", &comparison.long),
     ];
-    let mut out = head.concat().join(",")
-        + "
-";
-    let compared = comparison.rows.iter().map(|row| ("compared", row));
-    let long = comparison.long.iter().map(|row| ("long", row));
-    let late = comparison.charts.iter().map(|row| ("charts", row));
-    for (run, row) in compared.chain(late).chain(long) {
-        let cells = |part: &[(&str, Cell)]| part.iter().map(|c| c.1(comparison, row)).collect();
-        let errors = ErrorQuantity::ALL.map(|q| number(row.error.map(|e| e.of(q))));
-        let parts: [Vec<String>; 4] = [
-            vec![run.to_owned()],
-            cells(&BEFORE),
-            errors.to_vec(),
-            cells(&AFTER),
-        ];
-        out += &(parts.concat().join(",")
-            + "
-");
+    for (run, rows) in runs {
+        for row in rows {
+            let errors = ErrorQuantity::ALL.map(|q| number(row.error.map(|e| e.of(q))));
+            out += &line(run, &|column| column.1(comparison, row), errors);
+        }
     }
     out
 }
@@ -98,10 +88,8 @@ fn quoted(text: &str) -> String {
 
 /// Failed runs, grouped by scheme and reason.
 pub(super) fn failures<'c>(comparison: &'c Comparison) -> Vec<(Vec<&'c ComparisonRow>, &'c str)> {
-    let failed = comparison.rows.iter();
-    let failed: Vec<_> = failed
-        .filter_map(|row| Some((row, row.failure.as_deref()?)))
-        .collect();
+    let failed = |row: &'c ComparisonRow| Some((row, row.failure.as_deref()?));
+    let failed: Vec<_> = comparison.rows.iter().filter_map(failed).collect();
     let alike = failed.chunk_by(|a, b| a.0.scheme == b.0.scheme && a.1 == b.1);
     let group = |group: &[(&'c ComparisonRow, &'c str)]| {
         (group.iter().map(|(row, _)| *row).collect(), group[0].1)
@@ -113,7 +101,7 @@ pub(super) fn failures<'c>(comparison: &'c Comparison) -> Vec<(Vec<&'c Compariso
 pub(super) fn status(row: &ComparisonRow) -> &'static str {
     match row.failure.as_deref() {
         None => "complete",
-        Some("interrupted") => "interrupted",
+        Some(INTERRUPTED) => INTERRUPTED,
         Some(_) => "failed",
     }
 }
@@ -144,6 +132,23 @@ pub fn summary(comparison: &Comparison) -> String {
             let _ = write!(out, "  {text:>18}");
         }
     }
+    notes(&mut out, comparison);
+    for (failed, reason) in failures(comparison) {
+        let scheme = &failed[0].scheme;
+        let reason = reason.lines().next().unwrap_or_default();
+        let _ = match failed.len() > 1 && failed.len() == comparison.of(scheme).count() {
+            true => write!(out, "\n{scheme}: {reason}"),
+            false => {
+                let steps: Vec<String> = failed.iter().map(|row| row.step.to_string()).collect();
+                write!(out, "\n{scheme} with h = {}: {reason}", steps.join(", "))
+            }
+        };
+    }
+    out
+}
+
+/// Explains the marks in the table of orders.
+fn notes(out: &mut String, comparison: &Comparison) {
     let any = |found: &dyn Fn(&SchemeOrders, ErrorQuantity) -> bool| {
         let mut all = comparison.orders.iter();
         all.any(|o| ErrorQuantity::ALL.into_iter().any(|q| found(o, q)))
@@ -176,18 +181,6 @@ pub fn summary(comparison: &Comparison) -> String {
              reference"
         );
     }
-    for (failed, reason) in failures(comparison) {
-        let scheme = &failed[0].scheme;
-        let reason = reason.lines().next().unwrap_or_default();
-        let _ = match failed.len() > 1 && failed.len() == comparison.of(scheme).count() {
-            true => write!(out, "\n{scheme}: {reason}"),
-            false => {
-                let steps: Vec<String> = failed.iter().map(|row| row.step.to_string()).collect();
-                write!(out, "\n{scheme} with h = {}: {reason}", steps.join(", "))
-            }
-        };
-    }
-    out
 }
 
 /// Quantities without a reference and the reason, in a line, if there are any.
@@ -198,17 +191,13 @@ pub fn unknown(comparison: &Comparison) -> Option<String> {
     if missing.is_empty() {
         return None;
     }
+    let names: Vec<&str> = missing.iter().map(|q| q.name()).collect();
     let of = match missing.len() {
         n if n == ErrorQuantity::ALL.len() => "any quantity".to_owned(),
-        _ => {
-            let names: Vec<&str> = missing.iter().map(|q| q.name()).collect();
-            names.join(", ")
-        }
+        _ => names.join(", "),
     };
-    let orders = missing
-        .iter()
-        .map(|q| format!("{:.2}", reference.order.of(*q)));
-    let orders: Vec<String> = orders.collect();
+    let order = |q: &ErrorQuantity| format!("{:.2}", reference.order.of(*q));
+    let orders: Vec<String> = missing.iter().map(order).collect();
     let other = match reference.scheme.as_str() {
         "radau" => "bathe",
         _ => "radau",

@@ -1,12 +1,12 @@
 //! Robot arms of two links, turned and lifted at their base.
 
-use super::case::{CaseError, CaseReport, meshed};
+use super::case::{CaseReport, Problem, meshed};
 use super::motion::{History, Run, observed_order};
 use crate::input::{ModelFile, PrescribedMotion, SpinUp, Time};
 use crate::output::plot::Curve;
 
 /// Case 6 of [M04]: a spherical joint between the links. Its plot redraws Fig. 39.
-pub(super) fn spherical(report: &mut CaseReport) -> Result<(), CaseError> {
+pub(super) fn spherical(report: &mut CaseReport) -> Result<(), Problem> {
     arm(
         report,
         "arm_spherical",
@@ -20,7 +20,7 @@ pub(super) fn spherical(report: &mut CaseReport) -> Result<(), CaseError> {
 }
 
 /// Case 7 of [M04]: a revolute joint between the links. Its plot redraws Fig. 40.
-pub(super) fn revolute(report: &mut CaseReport) -> Result<(), CaseError> {
+pub(super) fn revolute(report: &mut CaseReport) -> Result<(), Problem> {
     arm(
         report,
         "arm_revolute",
@@ -42,23 +42,20 @@ type At = (f64, [f64; 3]);
 /// Root of the mean square of the distance between the tips of two runs with the same steps.
 fn apart(one: &History, other: &History) -> f64 {
     let (one, other) = (&one.nodes[0], &other.nodes[0]);
-    let squares = one
-        .iter()
-        .zip(other)
-        .map(|(a, b)| (a.d - b.d).norm_squared());
+    let squares = (one.iter().zip(other)).map(|(a, b)| (a.d - b.d).norm_squared());
     (squares.sum::<f64>() / one.len() as f64).sqrt()
 }
 
 /// The prescribed motion without the jerk at its start.
 fn smooth(file: &ModelFile) -> ModelFile {
     let mut file = file.clone();
-    let run_up = |rate| {
+    let spin_up = |rate| {
         let duration = 0.5;
         Some(Time::SpinUp(SpinUp { rate, duration }))
     };
     file.supports[0].prescribed = Some(PrescribedMotion {
-        z: run_up(6.0),
-        rz: run_up(3.0),
+        z: spin_up(6.0),
+        rz: spin_up(3.0),
         ..PrescribedMotion::default()
     });
     file
@@ -66,25 +63,24 @@ fn smooth(file: &ModelFile) -> ModelFile {
 
 /// The thesis's two meshes with its step, and their limit.
 ///
-/// The base starts and stops with a jerk: its velocity jumps, and waves of all lengths run through the
-/// links. How much energy the stop takes out depends on the phase of each, and the trapezoidal rule
-/// with h = 0.01 has the phase of a vibration right at the stop (ω³h²t/12 < 0.3 at t = 0.5) only where
-/// ω < 40. That leaves an error of 0.003 of the length there. With a revolute joint the second link
-/// then folds upon the first, and between t = 1 and 1.5 it unfolds: a disturbance of the prescribed motion by a
-/// part in 10⁶ is 40 times larger afterwards, on every mesh and with every step (one of a part in 10⁵
-/// ten times as large: the motion is sensitive, not chaotic). With a spherical joint disturbances grow
+/// The base starts and stops with a jerk: its velocity jumps, and waves of all lengths run through the links. The energy
+/// that the stop removes depends on the phase of each wave, and the trapezoidal rule with h = 0.01 has the right phase
+/// of a vibration at the stop (ω³h²t/12 < 0.3 at t = 0.5) only for ω < 40; others leave an error of 0.003 of the length.
+/// With a revolute joint the second link then folds upon the first, and between t = 1 and 1.5 it unfolds: a disturbance
+/// of the prescribed motion by a part in 10⁶ is 40 times larger afterwards, on every mesh and with every step (one of a
+/// part in 10⁵ ten times as large: the motion is sensitive, not chaotic). With a spherical joint disturbances grow
 /// tenfold until the end.
 ///
-/// So with h = 0.01 the meshes of the spherical arm stay together, as in the thesis's plot, and those of
-/// the revolute arm do only until the second link has unfolded; later they are as much as 0.27 of the
-/// length apart. That is both step and mesh, the step more: docs/gallery.md has the distances. With
-/// steps that resolve the waves the meshes are measured by their order, and the finest by an independent solution.
+/// With h = 0.01 the meshes of the spherical arm agree, as in the thesis's plot, and those of the revolute arm do until
+/// the second link has unfolded; later their distance is up to 0.27 of the length. It is due to the step more than to
+/// the mesh: docs/gallery.md has the distances. With steps that resolve the waves the meshes are measured by their
+/// order, and the finest by an independent solution.
 fn arm(
     report: &mut CaseReport,
     model: &str,
     alike: f64,
     independent: &[At],
-) -> Result<(), CaseError> {
+) -> Result<(), Problem> {
     let file = report.model(model)?;
     let mut curves = Vec::new();
     let mut tips = Vec::new();
@@ -130,11 +126,7 @@ fn arm(
 /// The independent solution is tests/studies/arms.rs: finite volumes, masses lumped at the nodes,
 /// quaternions, the classical Runge-Kutta method, 80 and 160 elements, extrapolated to none. The last
 /// doubling moved the tip by at most 0.027, so that a third of it is the largest correction.
-fn converged(
-    report: &mut CaseReport,
-    file: &ModelFile,
-    independent: &[At],
-) -> Result<(), CaseError> {
+fn converged(report: &mut CaseReport, file: &ModelFile, independent: &[At]) -> Result<(), Problem> {
     let run = |file: ModelFile| report.motion(&file, &["tip"], Run::step(5e-4));
     let fine = run(meshed(file, 8, 2))?;
     let [coarse, medium] = [8, 40].map(|elements| run(meshed(file, elements / 2, 1)));
@@ -152,15 +144,14 @@ fn converged(
 }
 
 /// Orders of convergence.
-fn orders(report: &mut CaseReport, file: &ModelFile) -> Result<(), CaseError> {
+fn orders(report: &mut CaseReport, file: &ModelFile) -> Result<(), Problem> {
     // The jerk of the base excites waves: only steps that resolve them show the order.
     let coarse = meshed(file, 2, 1);
     let tip = |t: f64| move |run: History| run.at(0, t).d;
     let runs = [1.25e-5, 6.25e-6, 3.125e-6].map(|h| Run::step(h).to(0.45));
     let ends = report.motions(&coarse, &["tip"], runs)?.map(tip(0.45));
-    let source = "theory: the trapezoidal rule";
     let what = "order in the step, 4 elements, driven with a jerk";
-    report.compare(what, observed_order(&ends), 2.0, 0.1, source);
+    report.compare_order(what, observed_order(&ends), 0.1);
     let smooth = smooth(file);
     let steps = [2e-3, 1e-3, 5e-4].map(|h| Run::step(h).to(1.0));
     let steps = report.motions(&meshed(&smooth, 4, 1), &["tip"], steps)?;
@@ -170,7 +161,7 @@ fn orders(report: &mut CaseReport, file: &ModelFile) -> Result<(), CaseError> {
     });
     let (steps, meshes) = (steps.map(tip(1.0)), [a?, b?, c?].map(tip(1.0)));
     let what = "order in the step, driven smoothly";
-    report.compare(what, observed_order(&steps), 2.0, 0.1, source);
+    report.compare_order(what, observed_order(&steps), 0.1);
     let what = "order in the mesh, driven smoothly";
     let source = "theory: linear interpolation";
     report.compare(what, observed_order(&meshes), 2.0, 0.1, source);

@@ -1,34 +1,24 @@
 //! The 45° bend: the thesis's case, convergence to the exact curve, effects of a superposed
 //! rotation and of another load path.
 
-use super::case::{CaseError, CaseReport, meshed, order};
+use super::case::{CaseReport, Problem, meshed, order};
 use crate::input::{DofName, Fix, Interpolation, ModelFile, PrescribedMotion, Time};
 use nalgebra::Vector3;
 use pullback_integrators::statics::StaticOptions;
 use std::f64::consts::PI;
 
 /// The thesis's mesh and result.
-pub(super) fn thesis(report: &mut CaseReport) -> Result<(), CaseError> {
+pub(super) fn thesis(report: &mut CaseReport) -> Result<(), Problem> {
     let file = report.model("bend45")?;
     let d = report.tip(&file)?.state.d;
-    let (records, _) = report
-        .build(&file, "tip")?
-        .solve(&StaticOptions::equal_steps(24))?;
+    let mut bend = report.build(&file, "tip")?;
+    let records = bend.solve(&StaticOptions::equal_steps(24))?;
     let most = records.iter().map(|r| r.iterations).max().unwrap_or(0);
-    report.compare(
-        "most iterations of a step, 24 equal steps",
-        most as f64,
-        5.0,
-        1.0,
-        "published: Mäkinen 2004 4.2, 4 to 5 each",
-    );
-    report.compare_vector(
-        "tip displacement, 8 elements,",
-        d,
-        [-23.696, -13.668, 53.497],
-        1e-3,
-        "published: Mäkinen 2004 4.2",
-    );
+    let source = "published: Mäkinen 2004 4.2, 4 to 5 each";
+    let what = "most iterations of a step, 24 equal steps";
+    report.compare(what, most as f64, 5.0, 1.0, source);
+    let (what, published) = ("tip displacement, 8 elements,", [-23.696, -13.668, 53.497]);
+    report.compare_vector(what, d, published, 1e-3, "published: Mäkinen 2004 4.2");
     Ok(())
 }
 
@@ -43,22 +33,23 @@ fn variant(file: &ModelFile, elements: usize, order: usize) -> ModelFile {
     file
 }
 
+/// The same bend with geodesic interpolation.
+fn geodesic(file: &ModelFile) -> ModelFile {
+    let mut file = file.clone();
+    file.lines[0].interpolation = Interpolation::Geodesic;
+    file
+}
+
 /// Meshes of two- and three-node elements against the exact curve.
-pub(super) fn convergence(report: &mut CaseReport) -> Result<(), CaseError> {
+pub(super) fn convergence(report: &mut CaseReport) -> Result<(), Problem> {
     // Independent Cosserat shooting; its arc turns towards −e2.
     const EXACT: [f64; 3] = [-23.5602395450204, -13.6045213473098, 53.474858791802];
     const SOURCE: &str = "exact curve: independent shooting, S01 variant A";
     let file = report.model("bend45")?;
     let exact = Vector3::from(EXACT);
-    for (k, expected, tolerance, source) in [
-        (1, 2.0, 0.1, "theory: linear elements converge with h²"),
-        (
-            2,
-            4.0,
-            0.3,
-            "theory: quadratic elements converge with h⁴ at nodes",
-        ),
-    ] {
+    let linear = "theory: linear elements converge with h²";
+    let quadratic = "theory: quadratic elements converge with h⁴ at nodes";
+    for (k, expected, tolerance, source) in [(1, 2.0, 0.1, linear), (2, 4.0, 0.3, quadratic)] {
         let mut errors = Vec::new();
         for elements in [8, 16, 32, 64] {
             let d = report.tip(&variant(&file, elements, k))?.state.d;
@@ -76,26 +67,27 @@ pub(super) fn convergence(report: &mut CaseReport) -> Result<(), CaseError> {
     let d = report.tip(&variant(&file, 32, 3))?.state.d;
     report.compare_vector("tip, 32 4-node elements,", d, EXACT, 1e-7, SOURCE);
     // Geodesic elements converge to the same curve.
+    let geodesic = geodesic(&file);
     for (nodes, expected) in [(2, 2.0), (3, 4.0)] {
         let mut errors = Vec::new();
         for elements in [16, 32] {
-            let mut file = variant(&file, elements, nodes - 1);
-            file.lines[0].interpolation = Interpolation::Geodesic;
-            errors.push((report.tip(&file)?.state.d - exact).norm());
+            let d = report
+                .tip(&variant(&geodesic, elements, nodes - 1))?
+                .state
+                .d;
+            errors.push((d - exact).norm());
         }
         let what = format!("order, geodesic {nodes}-node, 16 to 32 elements");
         let source = "theory: as with total rotation vectors";
         report.compare(what, order(errors[0], errors[1]), expected, 0.3, source);
     }
-    let mut fine = variant(&file, 32, 3);
-    fine.lines[0].interpolation = Interpolation::Geodesic;
-    let d = report.tip(&fine)?.state.d;
+    let d = report.tip(&variant(&geodesic, 32, 3))?.state.d;
     report.compare_vector("tip, 32 geodesic 4-node elements,", d, EXACT, 1e-7, SOURCE);
     Ok(())
 }
 
 /// S21: path independence, and invariance under superposed rotations.
-pub(super) fn objectivity(report: &mut CaseReport) -> Result<(), CaseError> {
+pub(super) fn objectivity(report: &mut CaseReport) -> Result<(), Problem> {
     const CLOSED: &str = "exact: S21, conservative loads";
     const TURN: f64 = 1.6;
     let file = report.model("bend45")?;
@@ -103,18 +95,13 @@ pub(super) fn objectivity(report: &mut CaseReport) -> Result<(), CaseError> {
     // Load and unload.
     let mut cycle = file.clone();
     cycle.loads[0].time = Some(Time::Table(vec![[0.0, 0.0], [1.0, 1.0], [2.0, 0.0]]));
-    let two = StaticOptions {
-        to: 2.0,
-        ..StaticOptions::default()
-    };
-    let end = report.build(&cycle, "tip")?.end(&two)?;
-    report.compare(
-        "tip after loading and unloading",
-        end.state.d.norm(),
-        0.0,
-        1e-9,
-        CLOSED,
-    );
+    let end = report
+        .build(&cycle, "tip")?
+        .end(&until(2.0))?
+        .state
+        .d
+        .norm();
+    report.compare("tip after loading and unloading", end, 0.0, 1e-9, CLOSED);
 
     // Two loads in either order.
     let first = Time::Table(vec![[0.0, 0.0], [1.0, 1.0]]);
@@ -128,58 +115,50 @@ pub(super) fn objectivity(report: &mut CaseReport) -> Result<(), CaseError> {
         for (load, time) in both.loads.iter_mut().zip(times) {
             load.time = Some(time.clone());
         }
-        tips.push(report.build(&both, "tip")?.end(&two)?.state.d);
+        tips.push(report.build(&both, "tip")?.end(&until(2.0))?.state.d);
     }
     let gap = (tips[0] - tips[1]).norm();
     report.compare("tip for two orders of two loads", gap, 0.0, 1e-9, CLOSED);
 
     // The same bend with a follower force, its clamp turned: the strain energy must not change.
-    let mut geodesic = file.clone();
-    geodesic.lines[0].interpolation = Interpolation::Geodesic;
+    let geodesic = geodesic(&file);
     for (file, name) in [(&file, ""), (&geodesic, "geodesic ")] {
         let free = energy(report, file, 8, TURN, 0.0)?;
         let scale = energy(report, file, 8, 0.0, 300.0)?;
-        report.compare(
-            format!("strain energy of the unloaded {name}bend, turned by {TURN} rad, relative"),
-            free / scale,
-            0.0,
-            1e-12,
-            "exact: S21",
-        );
+        let what =
+            format!("strain energy of the unloaded {name}bend, turned by {TURN} rad, relative");
+        report.compare(what, free / scale, 0.0, 1e-12, "exact: S21");
     }
     let straight = energy(report, &geodesic, 8, 0.0, 300.0)?;
     for turn in [1e-3, 0.5, TURN, 3.1, 2.5 * PI] {
-        report.compare(
-            format!(
-                "relative change of strain energy when the loaded geodesic bend is turned by \
-                 {turn:.4} rad, 8 elements"
-            ),
-            energy(report, &geodesic, 8, turn, 300.0)? / straight - 1.0,
-            0.0,
-            1e-10,
-            "exact: S21; to what Newton's method leaves",
+        let what = format!(
+            "relative change of strain energy when the loaded geodesic bend is turned by \
+             {turn:.4} rad, 8 elements"
         );
+        let change = energy(report, &geodesic, 8, turn, 300.0)? / straight - 1.0;
+        let source = "exact: S21; to what Newton's method leaves";
+        report.compare(what, change, 0.0, 1e-10, source);
     }
     let mut errors = Vec::new();
     for elements in [8, 16, 32] {
         let straight = energy(report, &file, elements, 0.0, 300.0)?;
         errors.push(energy(report, &file, elements, TURN, 300.0)? / straight - 1.0);
     }
-    report.compare(
-        "relative change of strain energy when the loaded bend is turned, 32 elements",
-        errors[2],
-        0.0,
-        1e-3,
-        "exact: S21; total rotation vectors meet it only up to the mesh error",
-    );
-    report.compare(
-        "order in which that change vanishes with the mesh",
-        order(errors[1], errors[2]),
-        2.0,
-        0.2,
-        "theory: interpolation error of linear elements",
-    );
+    let what = "relative change of strain energy when the loaded bend is turned, 32 elements";
+    let source = "exact: S21; total rotation vectors meet it only up to the mesh error";
+    report.compare(what, errors[2], 0.0, 1e-3, source);
+    let what = "order in which that change vanishes with the mesh";
+    let source = "theory: interpolation error of linear elements";
+    report.compare(what, order(errors[1], errors[2]), 2.0, 0.2, source);
     Ok(())
+}
+
+/// Load stepping from 0 to a load parameter.
+fn until(to: f64) -> StaticOptions {
+    StaticOptions {
+        to,
+        ..StaticOptions::default()
+    }
 }
 
 /// Strain energy of the bend under a follower force, with its clamp turned afterwards by an angle.
@@ -189,7 +168,7 @@ fn energy(
     elements: usize,
     turn: f64,
     force: f64,
-) -> Result<f64, CaseError> {
+) -> Result<f64, Problem> {
     let mut file = file.clone();
     file.lines[0].elements = elements;
     file.loads[0].force = Some([0.0, 0.0, force]);
@@ -207,10 +186,7 @@ fn energy(
         file.loads[0].time = Some(Time::Table(vec![[0.0, 0.0], [1.0, 1.0]]));
     }
     let mut watched = report.build(&file, "tip")?;
-    let options = StaticOptions {
-        to: if turn != 0.0 { 2.0 } else { 1.0 },
-        ..StaticOptions::default()
-    };
+    let options = until(if turn != 0.0 { 2.0 } else { 1.0 });
     watched.end(&options)?;
     Ok(watched.model.strain_energy(options.to))
 }

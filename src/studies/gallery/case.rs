@@ -1,13 +1,13 @@
 //! A case and its rows.
 
 use super::models::model;
-use crate::input::{self, ModelFile};
+use super::motion::History;
+use crate::input::{self, Analysis, InputError, ModelFile};
 use crate::output::plot::{Curve, Panel, panels};
 use pullback_elements::model::{Context, Dof, NodeId, NodeState};
 use pullback_integrators::dynamics::DynamicsError;
 use pullback_integrators::statics::{
-    ArcLengthOptions, Event, StaticOptions, StaticSummary, StaticsError, Step, solve_statics,
-    trace_path,
+    ArcLengthOptions, Event, StaticOptions, StaticsError, Step, solve_statics, trace_path,
 };
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -17,46 +17,47 @@ use std::path::{Path, PathBuf};
 pub struct Case {
     /// Name on the command line.
     pub name: &'static str,
-    /// Computes it and compares.
-    pub run: fn(&mut CaseReport) -> Result<(), CaseError>,
+    /// Computes the case and adds its rows.
+    pub run: fn(&mut CaseReport) -> Result<(), Problem>,
 }
 
 impl Case {
     pub(super) const fn new(
         name: &'static str,
-        run: fn(&mut CaseReport) -> Result<(), CaseError>,
+        run: fn(&mut CaseReport) -> Result<(), Problem>,
     ) -> Self {
         Self { name, run }
     }
 }
 
-/// Why a case has no rows.
+/// Errors of the gallery.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "each message says what its variant is")]
 pub enum CaseError {
     #[error("there is no case {name}; known cases: {known}")]
     Unknown { name: String, known: String },
-    #[error("gallery case {case}: its model file is not usable: {source}")]
-    Model {
-        case: String,
-        source: Box<input::InputError>,
-    },
-    #[error("gallery case {case}: {source}")]
-    Solve { case: String, source: StaticsError },
-    #[error("gallery case {case}: {source}")]
-    Motion { case: String, source: DynamicsError },
     #[error("gallery case {case}: {problem}")]
-    Setup { case: String, problem: String },
-    #[error("gallery case {case}: there is no node {node}")]
-    Node { case: String, node: String },
-    #[error("gallery case {case}: no step at load parameter {t}")]
-    NoStep { case: String, t: f64 },
-    #[error("gallery case {case}: cannot write {}: {reason}", path.display())]
-    Plot {
-        case: String,
-        path: PathBuf,
-        reason: String,
-    },
+    Case { case: String, problem: Problem },
+}
+
+/// Why a case cannot be computed.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "each message says what its variant is")]
+pub enum Problem {
+    #[error("its model file is not usable: {0}")]
+    Model(#[from] Box<InputError>),
+    #[error(transparent)]
+    Solve(#[from] StaticsError),
+    #[error(transparent)]
+    Motion(#[from] DynamicsError),
+    #[error("{0}")]
+    Setup(&'static str),
+    #[error("there is no node {0}")]
+    Node(String),
+    #[error("no step at load parameter {0}")]
+    NoStep(f64),
+    #[error("cannot write {}: {reason}", path.display())]
+    Plot { path: PathBuf, reason: String },
 }
 
 /// One compared quantity.
@@ -159,13 +160,31 @@ impl CaseReport {
         }
     }
 
+    /// Adds a row for the largest gap of a loop.
+    pub(super) fn compare_gap(&mut self, what: &str, gap: f64, tolerance: f64) {
+        let source = "exact: the loop is closed at all times";
+        self.compare(what, gap, 0.0, tolerance, source);
+    }
+
+    /// Adds a row for the energy of a conservative motion.
+    pub(super) fn compare_energy(&mut self, run: &History, tolerance: f64) {
+        let what = "largest relative change of energy";
+        let source = "exact: energy is constant";
+        self.compare(what, run.energy_error(), 0.0, tolerance, source);
+    }
+
+    /// Adds a row for an order of the trapezoidal rule.
+    pub(super) fn compare_order(&mut self, what: impl Into<String>, order: f64, tolerance: f64) {
+        self.compare(what, order, 2.0, tolerance, "theory: the trapezoidal rule");
+    }
+
     /// Draws curves over one x axis into `case.svg`, if plots are requested.
     pub(super) fn figure(
         &self,
         title: &str,
         [x, y]: [&str; 2],
         curves: Vec<Curve>,
-    ) -> Result<(), CaseError> {
+    ) -> Result<(), Problem> {
         let Some(out) = &self.out else {
             return Ok(());
         };
@@ -175,8 +194,7 @@ impl CaseReport {
             y: y.to_owned(),
             curves,
         };
-        let fail = |reason: String| CaseError::Plot {
-            case: self.case.to_owned(),
+        let fail = |reason: String| Problem::Plot {
             path: path.clone(),
             reason,
         };
@@ -186,46 +204,33 @@ impl CaseReport {
     }
 
     /// A model file of the gallery.
-    pub(super) fn model(&self, name: &str) -> Result<ModelFile, CaseError> {
-        let text = model(Path::new(name)).ok_or_else(|| self.setup("it has no model file"))?;
-        input::parse(self.case, text).map_err(|source| self.model_error(source))
-    }
-
-    pub(super) fn model_error(&self, source: input::InputError) -> CaseError {
-        CaseError::Model {
-            case: self.case.to_owned(),
-            source: Box::new(source),
-        }
+    pub(super) fn model(&self, name: &str) -> Result<ModelFile, Problem> {
+        let text = model(Path::new(name)).ok_or(Problem::Setup("it has no model file"))?;
+        Ok(input::parse(self.case, text).map_err(Box::new)?)
     }
 
     /// Builds a model file and finds the watched node.
-    pub(super) fn build(&self, file: &ModelFile, node: &str) -> Result<Watched, CaseError> {
-        let model = input::build(self.case, file).map_err(|source| self.model_error(source))?;
-        Ok(Watched {
-            node: self.find(&model, node)?,
-            model,
-            case: self.case,
-        })
+    pub(super) fn build(&self, file: &ModelFile, node: &str) -> Result<Watched, Problem> {
+        let model = input::build(self.case, file).map_err(Box::new)?;
+        let node = find(&model, node)?;
+        Ok(Watched { model, node })
     }
 
     /// The end of load stepping from 0 to 1, watched at the tip.
-    pub(super) fn tip(&self, file: &ModelFile) -> Result<Record, CaseError> {
+    pub(super) fn tip(&self, file: &ModelFile) -> Result<Record, Problem> {
         self.build(file, "tip")?.end(&StaticOptions::default())
     }
+}
 
-    pub(super) fn find(&self, model: &Context, node: &str) -> Result<NodeId, CaseError> {
-        model.find(node).ok_or_else(|| CaseError::Node {
-            case: self.case.to_owned(),
-            node: node.to_owned(),
-        })
-    }
+pub(super) fn find(model: &Context, node: &str) -> Result<NodeId, Problem> {
+    let found = model.find(node);
+    found.ok_or_else(|| Problem::Node(node.to_owned()))
 }
 
 /// A model and the node whose motion is compared.
 pub(super) struct Watched {
     pub model: Context,
     pub node: NodeId,
-    case: &'static str,
 }
 
 /// The watched node at a step or located event.
@@ -238,96 +243,73 @@ pub(super) struct Record {
 }
 
 impl Watched {
-    /// Load steps; the records of all steps.
-    pub(super) fn solve(
-        &mut self,
-        options: &StaticOptions,
-    ) -> Result<(Vec<Record>, StaticSummary), CaseError> {
-        let mut q = Vec::new();
-        self.solve_from(&mut q, options)
+    /// Load steps from the reference state; the records of all steps.
+    pub(super) fn solve(&mut self, options: &StaticOptions) -> Result<Vec<Record>, Problem> {
+        self.solve_from(&mut Vec::new(), options)
     }
 
     /// Load steps from a state.
-    pub(super) fn solve_from(
+    fn solve_from(
         &mut self,
         q: &mut Vec<f64>,
         options: &StaticOptions,
-    ) -> Result<(Vec<Record>, StaticSummary), CaseError> {
-        let mut records = Vec::new();
-        let node = self.node;
-        let summary = solve_statics(&mut self.model, q, options, &mut |model, step| {
+    ) -> Result<Vec<Record>, Problem> {
+        let (mut records, node) = (Vec::new(), self.node);
+        solve_statics(&mut self.model, q, options, &mut |model, step| {
             records.push(record(model, node, step));
             ControlFlow::Continue(())
-        })
-        .map_err(|source| self.solve_error(source))?;
-        Ok((records, summary))
+        })?;
+        Ok(records)
     }
 
-    /// The last of [`Watched::solve`].
-    pub(super) fn end(&mut self, options: &StaticOptions) -> Result<Record, CaseError> {
-        let (records, summary) = self.solve(options)?;
-        self.last(&records, summary.t)
+    /// The last record of [`Watched::solve`].
+    pub(super) fn end(&mut self, options: &StaticOptions) -> Result<Record, Problem> {
+        last(&self.solve(options)?, options.to)
     }
 
     /// The equilibria at growing load parameters, from the reference state.
-    pub(super) fn at_loads(&mut self, loads: &[f64]) -> Result<Vec<Record>, CaseError> {
+    pub(super) fn at_loads(&mut self, loads: &[f64]) -> Result<Vec<Record>, Problem> {
         let mut q = Vec::new();
         let mut from = 0.0;
-        loads
-            .iter()
-            .map(|&to| {
-                let options = StaticOptions {
-                    from,
-                    to,
-                    first_step: to - from,
-                    max_step: to - from,
-                    ..StaticOptions::default()
-                };
-                from = to;
-                let (records, _) = self.solve_from(&mut q, &options)?;
-                self.last(&records, to)
-            })
-            .collect()
+        let records = loads.iter().map(|&to| {
+            let options = StaticOptions {
+                from,
+                to,
+                first_step: to - from,
+                max_step: to - from,
+                ..StaticOptions::default()
+            };
+            from = to;
+            last(&self.solve_from(&mut q, &options)?, to)
+        });
+        records.collect()
     }
 
     /// Follows a path; the records of all steps and events.
-    pub(super) fn trace(&mut self, options: &ArcLengthOptions) -> Result<Vec<Record>, CaseError> {
-        let mut records = Vec::new();
-        let node = self.node;
-        let mut q = Vec::new();
-        trace_path(&mut self.model, &mut q, options, &mut |model, step| {
-            records.push(record(model, node, step));
-            ControlFlow::Continue(())
-        })
-        .map_err(|source| self.solve_error(source))?;
+    pub(super) fn trace(&mut self, options: &ArcLengthOptions) -> Result<Vec<Record>, Problem> {
+        let (mut records, node) = (Vec::new(), self.node);
+        trace_path(
+            &mut self.model,
+            &mut Vec::new(),
+            options,
+            &mut |model, step| {
+                records.push(record(model, node, step));
+                ControlFlow::Continue(())
+            },
+        )?;
         Ok(records)
     }
 
     /// The event that a coordinate of the watched node crosses a value.
-    pub(super) fn passes(&self, dof: Dof, value: f64) -> Result<Event, CaseError> {
-        let unknown = self
-            .model
-            .unknown(self.node, dof)
-            .ok_or_else(|| CaseError::Node {
-                case: self.case.to_owned(),
-                node: format!("with a free {dof:?}"),
-            })?;
+    pub(super) fn passes(&self, dof: Dof, value: f64) -> Result<Event, Problem> {
+        let unknown = self.model.unknown(self.node, dof);
+        let unknown = unknown.ok_or_else(|| Problem::Node(format!("with a free {dof:?}")))?;
         Ok(Event::Coordinate { unknown, value })
     }
+}
 
-    fn last(&self, records: &[Record], t: f64) -> Result<Record, CaseError> {
-        records.last().copied().ok_or_else(|| CaseError::NoStep {
-            case: self.case.to_owned(),
-            t,
-        })
-    }
-
-    fn solve_error(&self, source: StaticsError) -> CaseError {
-        CaseError::Solve {
-            case: self.case.to_owned(),
-            source,
-        }
-    }
+fn last(records: &[Record], t: f64) -> Result<Record, Problem> {
+    records.last().copied().ok_or(Problem::NoStep(t))
 }
 
 fn record(context: &Context, node: NodeId, step: &Step<'_>) -> Record {
@@ -344,6 +326,15 @@ pub(super) fn meshed(file: &ModelFile, elements: usize, order: usize) -> ModelFi
     let mut file = file.clone();
     for line in &mut file.lines {
         (line.elements, line.order) = (elements, order);
+    }
+    file
+}
+
+/// A dynamic analysis by another scheme.
+pub(super) fn with_scheme(file: &ModelFile, scheme: &str) -> ModelFile {
+    let mut file = file.clone();
+    if let Analysis::Dynamic(analysis) = &mut file.analysis {
+        analysis.scheme = scheme.into();
     }
     file
 }

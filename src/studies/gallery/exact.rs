@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use crate::studies::compare::{Exact, FrameSample};
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::FRAC_PI_2;
 
 /// The exact motion of a model of the gallery, with its frame nodes by name, if it is known: of
@@ -19,7 +19,7 @@ pub fn exact(model: &str, nodes: &[String]) -> Option<Exact> {
                 sample.nodes[pivot] = hinge;
                 sample.nodes[rod] = bob;
                 if let Some(ground) = ground {
-                    sample.nodes[ground] = at_rest();
+                    sample.nodes[ground] = FrameSample::at_rest();
                 }
                 // It starts at rest at height zero.
                 sample.energy = 0.0;
@@ -39,17 +39,6 @@ pub fn exact(model: &str, nodes: &[String]) -> Option<Exact> {
     }
 }
 
-fn at_rest() -> FrameSample {
-    FrameSample {
-        position: Vector3::zeros(),
-        R: Matrix3::identity(),
-        velocity: Vector3::zeros(),
-        omega: Vector3::zeros(),
-        acceleration: Vector3::zeros(),
-        omega_dot: Vector3::zeros(),
-    }
-}
-
 const GRAVITY: f64 = 9.81;
 
 /// The hinge and the bob of the pendulum of length 1, from rest at the horizontal: with θ from the lowest
@@ -66,7 +55,7 @@ fn pendulum(t: f64) -> [FrameSample; 2] {
         R: *Rotation3::new(spin(theta - FRAC_PI_2)).matrix(),
         omega,
         omega_dot,
-        ..at_rest()
+        ..FrameSample::at_rest()
     };
     let velocity = omega.cross(&position);
     let bob = FrameSample {
@@ -158,7 +147,7 @@ fn free_body(t: f64) -> FrameSample {
         R: *R.matrix(),
         omega: R * Omega,
         omega_dot: R * Omega_dot,
-        ..at_rest()
+        ..FrameSample::at_rest()
     }
 }
 

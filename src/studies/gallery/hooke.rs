@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::case::{CaseError, CaseReport};
+use super::case::{CaseReport, Problem};
 use super::motion::{History, Run, continued, richardson, runge_kutta};
 use crate::input::{
     Analysis, DofName, Fix, ModelFile, PrescribedMotion, Scheme, SpinUp, Support, Time,
@@ -31,10 +31,8 @@ fn rigid_shafts(cosine: f64, until: f64) -> f64 {
         let (s, c) = alpha.sin_cos();
         let bottom = cosine * c * c + s * s / cosine;
         let slope = 2.0 * s * c * (1.0 / cosine - cosine);
-        [
-            20.0 * (1.0 + bottom.powi(-2)),
-            -40.0 * slope * bottom.powi(-3),
-        ]
+        let I = 20.0 * (1.0 + bottom.powi(-2));
+        [I, -40.0 * slope * bottom.powi(-3)]
     };
     let rates = |t: f64, [alpha, p]: [f64; 2]| {
         let moment = (40.0 * (1.0 - (2.0 * t - 1.0).abs())).max(0.0);
@@ -46,16 +44,15 @@ fn rigid_shafts(cosine: f64, until: f64) -> f64 {
 }
 
 /// Case 4 of [M04]. Its plot redraws Fig. 35.
-pub(super) fn hooke(report: &mut CaseReport) -> Result<(), CaseError> {
+pub(super) fn hooke(report: &mut CaseReport) -> Result<(), Problem> {
     let file = report.model("hooke")?;
     let cosine = 0.5_f64.sqrt();
     let run = report.motion(&file, &["A", "B"], Run::FILE)?;
     let [a, b] = [0, 1].map(|k| angles(&run.nodes[k]));
     let difference: Vec<f64> = a.iter().zip(&b).map(|(a, b)| b - a).collect();
     let exact: Vec<f64> = a.iter().map(|&a| ahead(a, cosine)).collect();
-    let after = |t: &f64| *t > 1.0;
     let worst = (run.t.iter().zip(difference.iter().zip(&exact)))
-        .filter(|(t, _)| after(t))
+        .filter(|(t, _)| **t > 1.0)
         .fold(0.0_f64, |m, (_, (d, e))| m.max((d - e).abs()));
     let source = "exact: tan β = tan α / cos 45°";
     report.compare("largest error after the moment", worst, 0.0, 1e-3, source);
@@ -82,7 +79,7 @@ pub(super) fn hooke(report: &mut CaseReport) -> Result<(), CaseError> {
 /// Steps of the universal joint: half a degree once the input has the speed 1, after a spin-up by ten
 /// degrees. All angles of R08 are then those of steps.
 const STEP: f64 = PI / 360.0;
-const RUN_UP: usize = 40;
+const SPIN_UP: usize = 40;
 
 /// The input shaft spins up to a constant speed and makes a whole turn; the shafts are stiff and light.
 fn light(file: &ModelFile, degrees: f64) -> ModelFile {
@@ -98,23 +95,21 @@ fn light(file: &ModelFile, degrees: f64) -> ModelFile {
         }
     }
     file.loads.clear();
+    let held = DofName::ALL.into_iter().filter(|dof| *dof != DofName::RX);
+    let spin_up = SpinUp {
+        rate: 1.0,
+        duration: SPIN_UP as f64 * STEP,
+    };
     file.supports[0] = Support {
         node: "A".to_owned(),
-        fix: Some(Fix::List(
-            (DofName::ALL.into_iter())
-                .filter(|dof| *dof != DofName::RX)
-                .collect(),
-        )),
+        fix: Some(Fix::List(held.collect())),
         prescribed: Some(PrescribedMotion {
-            rx: Some(Time::SpinUp(SpinUp {
-                rate: 1.0,
-                duration: RUN_UP as f64 * STEP,
-            })),
+            rx: Some(Time::SpinUp(spin_up)),
             ..PrescribedMotion::default()
         }),
     };
     if let Analysis::Dynamic(d) = &mut file.analysis {
-        d.to = (RUN_UP / 2 + 720) as f64 * STEP;
+        d.to = (SPIN_UP / 2 + 720) as f64 * STEP;
         d.scheme = Scheme::from("ga:0.5");
     }
     file
@@ -130,34 +125,26 @@ fn turned(run: &History) -> Vec<[f64; 3]> {
 }
 
 /// R08: the kinematics alone.
-pub(super) fn universal(report: &mut CaseReport) -> Result<(), CaseError> {
+pub(super) fn universal(report: &mut CaseReport) -> Result<(), Problem> {
     let file = report.model("hooke")?;
     let source = "exact: R08, angles from where the input yoke lies in the plane";
-    for (degrees, points) in [
-        (
-            30.0,
-            &[
-                (0, 0.0, 1.15470053838),
-                (30, 33.690067526, 1.06587742004),
-                (45, 49.1066053509, 0.989743318611),
-                (90, 90.0, 0.866025403784),
-            ][..],
-        ),
-        (45.0, &[(60, 67.7923457014, 0.808122035642)][..]),
-    ] {
+    let at_30 = [
+        (0, 0.0, 1.15470053838),
+        (30, 33.690067526, 1.06587742004),
+        (45, 49.1066053509, 0.989743318611),
+        (90, 90.0, 0.866025403784),
+    ];
+    let at_45 = [(60, 67.7923457014, 0.808122035642)];
+    for (degrees, points) in [(30.0, &at_30[..]), (45.0, &at_45)] {
         let file = light(&file, degrees);
-        let [coarse, fine] =
-            [STEP, 0.5 * STEP].map(|h| report.motion(&file, &["A", "B"], Run::step(h)));
-        let [coarse, fine] = [turned(&coarse?), turned(&fine?)];
-        let fine = fine.iter().step_by(2);
-        let rows: Vec<[f64; 3]> = coarse
-            .iter()
-            .zip(fine)
-            .map(|(c, f)| richardson(*c, *f))
-            .collect();
+        let runs = [STEP, 0.5 * STEP].map(Run::step);
+        let [coarse, fine] = report.motions(&file, &["A", "B"], runs)?;
+        let (coarse, fine) = (turned(&coarse), turned(&fine));
+        let both = coarse.into_iter().zip(fine.into_iter().step_by(2));
+        let rows: Vec<[f64; 3]> = both.map(|(c, f)| richardson(c, f)).collect();
         let (s, c) = degrees.to_radians().sin_cos();
         // The scheme halves in every step the disturbance of the speeds at the end of the spin-up.
-        let settled = 2 * RUN_UP;
+        let settled = 2 * SPIN_UP;
         let mut off = [0.0_f64; 2];
         for (n, [a, b, ratio]) in rows.iter().enumerate() {
             off[0] = off[0].max((b - a - ahead(*a, c)).abs());
@@ -174,7 +161,7 @@ pub(super) fn universal(report: &mut CaseReport) -> Result<(), CaseError> {
         report.compare(what, off[1], 0.0, 1e-7, formula);
         for &(alpha, beta, speed) in points {
             // The relation repeats itself after half a turn.
-            let [_, b, ratio] = rows[RUN_UP / 2 + 2 * (180 + alpha)];
+            let [_, b, ratio] = rows[SPIN_UP / 2 + 2 * (180 + alpha)];
             let at = format!("{shafts}, input {alpha}°");
             let what = format!("output (degrees) of {at}");
             report.compare(what, b.to_degrees() - 180.0, beta, 1e-5, source);

@@ -1,12 +1,12 @@
 //! Snap-through: paths followed through their limit points.
 
-use super::case::{CaseError, CaseReport, Record, meshed};
+use super::case::{CaseReport, Problem, Record, meshed};
 use crate::output::plot::Curve;
 use pullback_elements::model::Dof;
 use pullback_integrators::statics::{ArcLengthOptions, Event};
 
 /// S11: Lee's frame.
-pub(super) fn lee_frame(report: &mut CaseReport) -> Result<(), CaseError> {
+pub(super) fn lee_frame(report: &mut CaseReport) -> Result<(), Problem> {
     const EXACT: &str = "exact curve: independent shooting, S11";
     const FORCE: f64 = 20000.0;
     let file = report.model("lee_frame")?;
@@ -29,10 +29,10 @@ pub(super) fn lee_frame(report: &mut CaseReport) -> Result<(), CaseError> {
     })?;
     let first = |event: usize| records.iter().find(|r| r.event == Some(event));
     let turns: Vec<_> = records.iter().filter(|r| r.event == Some(0)).collect();
-    let nan = f64::NAN;
-    let (p, v, u) = turns.first().map_or((nan, nan, nan), |r| {
-        (r.t * FORCE, -r.state.d.y, r.state.d.x)
-    });
+    // Load, deflection and displacement along e1.
+    let seen =
+        |r: Option<&&Record>| r.map_or([f64::NAN; 3], |r| [r.t * FORCE, -r.state.d.y, r.state.d.x]);
+    let [p, v, u] = seen(turns.first());
     for (quantity, computed, exact) in [
         ("limit load", p, 18546.558),
         ("deflection at the limit load", v, 48.751),
@@ -45,7 +45,7 @@ pub(super) fn lee_frame(report: &mut CaseReport) -> Result<(), CaseError> {
     let source = "published: Simo & Vu-Quoc 1986, 10 quadratic elements, 0.2 %";
     report.compare("limit load", p, 18532.0, 37.0, source);
     for (k, (v, load, u)) in points.into_iter().enumerate() {
-        let (p, x) = first(k + 1).map_or((nan, nan), |r| (r.t * FORCE, r.state.d.x));
+        let [p, _, x] = seen(first(k + 1).as_ref());
         let quantity = format!("load at deflection {v}");
         report.compare(quantity, p, load, 1e-5 * load, EXACT);
         let quantity = format!("displacement along e1 at deflection {v}");
@@ -59,26 +59,21 @@ pub(super) fn lee_frame(report: &mut CaseReport) -> Result<(), CaseError> {
             .chain(records.iter().map(|r| (pick(r), r.t * FORCE)))
             .collect()
     };
+    let along_e2 = points.iter().map(|&(v, p, _)| (v, p));
+    let exact = along_e2.chain(points.iter().map(|&(_, p, u)| (u, p)));
     report.figure(
         "Lee's frame",
         ["displacement of the loaded point", "load"],
         vec![
             Curve::new("along e1", path(|r| r.state.d.x)),
             Curve::new("along −e2", path(|r| -r.state.d.y)),
-            Curve::points(
-                "exact curve",
-                points
-                    .iter()
-                    .map(|&(v, p, _)| (v, p))
-                    .chain(points.iter().map(|&(_, p, u)| (u, p)))
-                    .collect(),
-            ),
+            Curve::points("exact curve", exact.collect()),
         ],
     )
 }
 
 /// S12: the deep circular arch.
-pub(super) fn deep_arch(report: &mut CaseReport) -> Result<(), CaseError> {
+pub(super) fn deep_arch(report: &mut CaseReport) -> Result<(), Problem> {
     const EXACT: &str = "exact curve: independent shooting, S12";
     const LOAD: f64 = 1000.0;
     // States after the limit point: load, deflection of the crown and its
@@ -91,7 +86,7 @@ pub(super) fn deep_arch(report: &mut CaseReport) -> Result<(), CaseError> {
         (0.0, 118.486579799, -60.880951149),
     ];
     let file = report.model("deep_arch")?;
-    let path = |elements: usize, order: usize, events| -> Result<Vec<Record>, CaseError> {
+    let path = |elements: usize, order: usize, events| -> Result<Vec<Record>, Problem> {
         let file = meshed(&file, elements, order);
         report.build(&file, "crown")?.trace(&ArcLengthOptions {
             first_step: 0.01,
@@ -105,26 +100,19 @@ pub(super) fn deep_arch(report: &mut CaseReport) -> Result<(), CaseError> {
         let found = records.iter().rfind(|r| r.event == Some(event));
         found.map_or([f64::NAN; 3], |r| [LOAD * r.t, -r.state.d.y, r.state.d.x])
     };
-    let whole = path(
-        30,
-        3,
-        vec![
-            (Event::TurningPoint, false),
-            (Event::Load(BEYOND[0].0 / LOAD), false),
-            (Event::Load(BEYOND[1].0 / LOAD), true),
-        ],
-    )?;
+    let [first, second] = BEYOND.map(|(load, ..)| Event::Load(load / LOAD));
+    let events = vec![(Event::TurningPoint, false), (first, false), (second, true)];
+    let whole = path(30, 3, events)?;
     let fine = point(&whole, 0);
     let to_limit = || vec![(Event::TurningPoint, true)];
     let linear = point(&path(20, 1, to_limit())?, 0);
     let curved = point(&path(10, 2, to_limit())?, 0);
-    let names = [
-        "limit load",
-        "crown deflection there",
-        "crown displacement along e1",
-    ];
-    for ((what, found), exact) in (names.iter().zip(fine)).zip([897.2891, 113.7308, -61.1417]) {
-        report.compare(*what, found, exact, 1e-3, EXACT);
+    for (what, found, exact) in [
+        ("limit load", fine[0], 897.2891),
+        ("crown deflection there", fine[1], 113.7308),
+        ("crown displacement along e1", fine[2], -61.1417),
+    ] {
+        report.compare(what, found, exact, 1e-3, EXACT);
     }
     for (k, (load, deflection, along)) in BEYOND.into_iter().enumerate() {
         let [_, v, u] = point(&whole, k + 1);

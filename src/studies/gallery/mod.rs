@@ -1,4 +1,4 @@
-//! The gallery: built-in cases with published or exact results, and the program's errors.
+//! The gallery: built-in cases whose results are compared with published or exact ones.
 
 mod arms;
 mod bend45;
@@ -20,7 +20,7 @@ mod struck;
 mod swings;
 mod tops;
 
-pub use case::{Case, CaseError, CaseReport, Comparison};
+pub use case::{Case, CaseError, CaseReport, Comparison, Problem};
 pub use exact::exact;
 pub use models::{MODELS, model};
 
@@ -92,13 +92,19 @@ pub fn run(
     let cases: Vec<&Case> = CASES.iter().filter(chosen).collect();
     let progress = Mutex::new(progress);
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let ran = side_by_side(cases.len(), threads, &|k| {
+    let order: Vec<usize> = (0..cases.len()).collect();
+    let ran = side_by_side(&order, threads, &|k| {
         let case = cases[k];
         (progress.lock().unwrap_or_else(PoisonError::into_inner))(case.name);
         let mut report = CaseReport::new(case.name, out);
         let start = Instant::now();
-        (case.run)(&mut report)?;
-        Ok(report.finish(start.elapsed().as_secs_f64()))
+        match (case.run)(&mut report) {
+            Ok(()) => Ok(report.finish(start.elapsed().as_secs_f64())),
+            Err(problem) => Err(CaseError::Case {
+                case: case.name.to_owned(),
+                problem,
+            }),
+        }
     });
     let mut rows = Vec::new();
     for case in ran {

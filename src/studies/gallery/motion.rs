@@ -1,14 +1,15 @@
 //! Runs in time: the states of watched nodes at all steps.
 
-use super::case::{CaseError, CaseReport};
+use super::case::{CaseReport, Problem, find};
 use crate::input::{self, ModelFile, Plan};
 use crate::probe::continue_rotation;
 use crate::solve::{begin, point};
 use nalgebra::Vector3;
 use pullback_elements::model::{Context, EnergiesAndMomentum, NodeId, NodeState};
 use pullback_integrators::dynamics::{
-    DynamicOptions, DynamicsError, Progress, Summary, integrate, start,
+    DynamicOptions, DynamicsError, Progress, StepReport, Summary, integrate, start,
 };
+use pullback_manifold::system::SystemError;
 use std::ops::ControlFlow;
 
 /// A motion at its steps, the start included.
@@ -36,12 +37,6 @@ impl History {
         positions.map(|p| (p[x], p[y])).collect()
     }
 
-    /// A quantity of the whole model over time.
-    fn balance(&self, of: impl Fn(&EnergiesAndMomentum) -> f64) -> Vec<(f64, f64)> {
-        let values = self.balances.iter().map(of);
-        self.t.iter().copied().zip(values).collect()
-    }
-
     /// State of a watched node at the step nearest to a time.
     pub fn at(&self, node: usize, t: f64) -> &NodeState {
         let nearest = |k: &usize| (self.t[*k] - t).abs();
@@ -64,7 +59,10 @@ impl History {
 
     /// Kinetic and strain energy and the potential of the loads.
     pub fn total_energy(&self) -> Vec<(f64, f64)> {
-        self.balance(|a| a.energies.kinetic + a.energies.stored + a.load_potential)
+        let total =
+            |a: &EnergiesAndMomentum| a.energies.kinetic + a.energies.stored + a.load_potential;
+        let values = self.balances.iter().map(total);
+        self.t.iter().copied().zip(values).collect()
     }
 }
 
@@ -113,11 +111,39 @@ impl Run {
 
 /// A motion at its start.
 pub(super) struct Begun {
-    pub model: Context,
-    pub progress: Progress,
-    pub options: DynamicOptions,
+    model: Context,
+    progress: Progress,
+    options: DynamicOptions,
     /// The watched nodes.
     pub nodes: Vec<NodeId>,
+}
+
+impl Begun {
+    /// Integrates to the end; `seen` is called at every step.
+    pub fn integrate(
+        &mut self,
+        seen: &mut dyn FnMut(&mut Context, &Progress) -> Result<(), SystemError>,
+    ) -> Result<(), Problem> {
+        let mut failed = None;
+        let mut step = |model: &mut Context, step: &StepReport<'_>| {
+            failed = seen(model, step.progress).err();
+            match failed {
+                None => ControlFlow::Continue(()),
+                Some(_) => ControlFlow::Break(()),
+            }
+        };
+        integrate(
+            &mut self.model,
+            &mut self.progress,
+            &self.options,
+            &mut step,
+        )?;
+        failed.map_or(Ok(()), |source| Err(unusable(source)))
+    }
+}
+
+fn unusable(source: SystemError) -> Problem {
+    DynamicsError::System { t: 0.0, source }.into()
 }
 
 impl CaseReport {
@@ -127,20 +153,15 @@ impl CaseReport {
         file: &ModelFile,
         nodes: &[&str],
         run: Run,
-    ) -> Result<History, CaseError> {
-        let Begun {
-            mut model,
-            mut progress,
-            options,
-            nodes: ids,
-        } = self.begin(file, nodes, run)?;
+    ) -> Result<History, Problem> {
+        let mut begun = self.begin(file, nodes, run)?;
+        let ids = begun.nodes.clone();
         let mut history = History {
             t: Vec::new(),
             nodes: vec![Vec::new(); ids.len()],
             balances: Vec::new(),
             summary: Summary::default(),
         };
-        let mut failed = None;
         let mut record = |model: &mut Context, progress: &Progress| {
             let balance = model.energies_and_momentum(point(progress))?;
             history.t.push(progress.state.t);
@@ -150,25 +171,9 @@ impl CaseReport {
             }
             Ok(())
         };
-        let unusable = |source| DynamicsError::System { t: 0.0, source };
-        record(&mut model, &progress).map_err(|e| self.motion_error(unusable(e)))?;
-        integrate(
-            &mut model,
-            &mut progress,
-            &options,
-            &mut |model, step| match record(model, step.progress) {
-                Ok(()) => ControlFlow::Continue(()),
-                Err(error) => {
-                    failed = Some(error);
-                    ControlFlow::Break(())
-                }
-            },
-        )
-        .map_err(|source| self.motion_error(source))?;
-        if let Some(error) = failed {
-            return Err(self.motion_error(unusable(error)));
-        }
-        history.summary = progress.summary;
+        record(&mut begun.model, &begun.progress).map_err(unusable)?;
+        begun.integrate(&mut record)?;
+        history.summary = begun.progress.summary;
         Ok(history)
     }
 
@@ -178,10 +183,10 @@ impl CaseReport {
         file: &ModelFile,
         nodes: &[&str],
         runs: [Run; N],
-    ) -> Result<[History; N], CaseError> {
+    ) -> Result<[History; N], Problem> {
         let runs = runs.into_iter().map(|run| self.motion(file, nodes, run));
         let runs: Vec<History> = runs.collect::<Result<_, _>>()?;
-        (runs.try_into()).map_err(|_| self.setup("it has another number of runs"))
+        (runs.try_into()).map_err(|_| Problem::Setup("it has another number of runs"))
     }
 
     /// Builds a model file, finds the named nodes, and starts its motion.
@@ -190,39 +195,23 @@ impl CaseReport {
         file: &ModelFile,
         nodes: &[&str],
         run: Run,
-    ) -> Result<Begun, CaseError> {
-        let job = input::job(self.case, file).map_err(|source| self.model_error(source))?;
+    ) -> Result<Begun, Problem> {
+        let job = input::job(self.case, file).map_err(Box::new)?;
         let Plan::Dynamic(plan) = job.plan else {
-            return Err(self.setup("its analysis is not dynamic"));
+            return Err(Problem::Setup("its analysis is not dynamic"));
         };
         let mut model = job.context;
-        let nodes = nodes.iter().map(|&node| self.find(&model, node));
+        let nodes = nodes.iter().map(|&node| find(&model, node));
         let nodes = nodes.collect::<Result<_, _>>()?;
         let options = run.options(&plan.options);
-        let fail = |source| self.motion_error(source);
-        let initial = start(&model, 0.0, &job.start.q, &job.start.v).map_err(fail)?;
-        let mut progress = Progress::new(initial);
-        begin(&mut model, &options, &mut progress).map_err(fail)?;
+        let mut progress = Progress::new(start(&model, 0.0, &job.start.q, &job.start.v)?);
+        begin(&mut model, &options, &mut progress)?;
         Ok(Begun {
             model,
             progress,
             options,
             nodes,
         })
-    }
-
-    pub(super) fn motion_error(&self, source: DynamicsError) -> CaseError {
-        CaseError::Motion {
-            case: self.case.to_owned(),
-            source,
-        }
-    }
-
-    pub(super) fn setup(&self, problem: &str) -> CaseError {
-        CaseError::Setup {
-            case: self.case.to_owned(),
-            problem: problem.to_owned(),
-        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Plane cantilevers with exact solutions.
 
-use super::case::{CaseError, CaseReport, Record, meshed, order};
+use super::case::{CaseReport, Problem, Record, meshed, order};
 use crate::input::ModelFile;
 use crate::output::plot::Curve;
 use std::f64::consts::{PI, TAU};
@@ -11,7 +11,7 @@ fn angle(record: &Record) -> f64 {
 }
 
 /// S03: one and two full circles.
-pub(super) fn rollup(report: &mut CaseReport) -> Result<(), CaseError> {
+pub(super) fn rollup(report: &mut CaseReport) -> Result<(), Problem> {
     const SOURCE: &str = "exact: Euler";
     const EI: f64 = 2.0;
     let file = report.model("rollup")?;
@@ -33,16 +33,15 @@ pub(super) fn rollup(report: &mut CaseReport) -> Result<(), CaseError> {
     // One element bends by any angle below π with the exact rotation.
     let mut one = file.clone();
     one.lines[0].elements = 1;
-    let record = report
-        .build(&one, "tip")?
-        .at_loads(&[2.0 / (4.0 * PI), 3.0 / (4.0 * PI)])?[1];
+    let loads = [2.0 / (4.0 * PI), 3.0 / (4.0 * PI)];
+    let record = report.build(&one, "tip")?.at_loads(&loads)?[1];
     let what = "rotation of a single element";
     report.compare(what, angle(&record), 3.0, 1e-10, SOURCE);
     Ok(())
 }
 
 /// S04: Mattiasson's elastica.
-pub(super) fn elastica(report: &mut CaseReport) -> Result<(), CaseError> {
+pub(super) fn elastica(report: &mut CaseReport) -> Result<(), Problem> {
     // P L²/EI: w/L, u/L, rotation.
     const EXACT: [(f64, [f64; 3]); 11] = [
         (0.2, [0.06636448214, 0.002646548341, 0.09963616304]),
@@ -71,20 +70,20 @@ pub(super) fn elastica(report: &mut CaseReport) -> Result<(), CaseError> {
 }
 
 /// S05: Géradin's cantilever.
-pub(super) fn cantilever(report: &mut CaseReport) -> Result<(), CaseError> {
+pub(super) fn cantilever(report: &mut CaseReport) -> Result<(), Problem> {
     let file = report.model("cantilever")?;
     let r = report.tip(&file)?;
     let rotation = (-r.state.R[(2, 0)].atan2(r.state.R[(0, 0)])).abs();
-    let computed = [-r.state.d.x, r.state.d.z, rotation];
-    let exact = [0.596471272235, 2.15969389449, 0.672006063844];
-    let published = [0.596, 2.159, 0.672];
-    let names = ["shortening", "deflection", "rotation"];
-    for (k, name) in names.iter().enumerate() {
+    for (name, computed, exact, published) in [
+        ("shortening", -r.state.d.x, 0.596471272235, 0.596),
+        ("deflection", r.state.d.z, 2.15969389449, 2.159),
+        ("rotation", rotation, 0.672006063844, 0.672),
+    ] {
         let source = "exact curve: independent shooting, S05";
-        report.compare(*name, computed[k], exact[k], 1e-9, source);
+        report.compare(name, computed, exact, 1e-9, source);
         let source = "published: Géradin & Cardona 2001 (3 digits)";
         let what = format!("{name}, published digits");
-        report.compare(what, computed[k], published[k], 1e-3, source);
+        report.compare(what, computed, published, 1e-3, source);
     }
     Ok(())
 }
@@ -96,14 +95,14 @@ fn stub(
     elements: usize,
     order: usize,
     force: f64,
-) -> Result<Record, CaseError> {
+) -> Result<Record, Problem> {
     let mut file = meshed(file, elements, order);
     file.loads[0].force = Some([0.0, force, 0.0]);
     report.tip(&file)
 }
 
 /// S09: a stubby cantilever in which shear counts.
-pub(super) fn shear_flexible(report: &mut CaseReport) -> Result<(), CaseError> {
+pub(super) fn shear_flexible(report: &mut CaseReport) -> Result<(), Problem> {
     const EXACT: &str = "exact curve: independent shooting, S09";
     const PUBLISHED: &str = "published: Nachbagauer et al. 2011, converged mesh";
     let file = report.model("shear_flexible")?;
@@ -127,24 +126,17 @@ pub(super) fn shear_flexible(report: &mut CaseReport) -> Result<(), CaseError> {
         let r = stub(report, &file, elements, 1, 6.25e7)?;
         errors.push(0.710568597854 - r.state.d.y);
     }
+    let source = "theory: h², no shear locking at slenderness 4";
     for (k, e) in errors.windows(2).enumerate() {
-        report.compare(
-            format!(
-                "order of the deflection, {} to {} 2-node elements",
-                2 << k,
-                4 << k
-            ),
-            order(e[0], e[1]),
-            2.0,
-            0.1,
-            "theory: h², no shear locking at slenderness 4",
-        );
+        let [from, to] = [2 << k, 4 << k];
+        let what = format!("order of the deflection, {from} to {to} 2-node elements");
+        report.compare(what, order(e[0], e[1]), 2.0, 0.1, source);
     }
     Ok(())
 }
 
 /// S18: a transverse follower force.
-pub(super) fn follower(report: &mut CaseReport) -> Result<(), CaseError> {
+pub(super) fn follower(report: &mut CaseReport) -> Result<(), Problem> {
     // F: ux, uy, rotation modulo a turn.
     const EXACT: [(f64, [f64; 3]); 8] = [
         (1e4, [-41.69280982, 71.10951873, 1.34023618]),

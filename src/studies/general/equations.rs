@@ -59,14 +59,12 @@ impl<'a, Y: System> Equations<'a, Y> {
         let a = &self.zero[..];
         let out = Evaluation::with_tangent(&mut self.r, Weights::MASS, &mut self.M);
         self.evaluations += 1;
-        self.system
-            .evaluate(Point { t, q, v, a }, out)
-            .map_err(|error| error.to_string())?;
+        let done = self.system.evaluate(Point { t, q, v, a }, out);
+        done.map_err(|error| error.to_string())?;
         self.factorisations += 1;
         self.a.copy_from_slice(&self.r);
-        self.solver
-            .factorise_and_solve(&self.M, &mut self.a)
-            .map_err(|error| format!("the mass matrix: {error}"))
+        let solved = self.solver.factorise_and_solve(&self.M, &mut self.a);
+        solved.map_err(|error| format!("the mass matrix: {error}"))
     }
 
     /// ẏ; NaN where it cannot be evaluated.
@@ -83,25 +81,17 @@ impl<'a, Y: System> Equations<'a, Y> {
         }
         self.accelerate(t, y)?;
         let (q, v) = y.split_at(self.n);
-        let parts = [
-            (Weights::STATIC, true),
-            (
-                Weights {
-                    K: 0.0,
-                    C: 1.0,
-                    M: 0.0,
-                },
-                false,
-            ),
-        ];
-        for (weights, stiffness) in parts {
-            let S = if stiffness { &mut self.K } else { &mut self.C };
+        let damping = Weights {
+            K: 0.0,
+            C: 1.0,
+            M: 0.0,
+        };
+        for (weights, S) in [(Weights::STATIC, &mut self.K), (damping, &mut self.C)] {
             let out = Evaluation::with_tangent(&mut self.r, weights, S);
             let a = &self.a[..];
             self.evaluations += 1;
-            self.system
-                .evaluate(Point { t, q, v, a }, out)
-                .map_err(|error| error.to_string())?;
+            let done = self.system.evaluate(Point { t, q, v, a }, out);
+            done.map_err(|error| error.to_string())?;
         }
         self.at = Some((t, y.to_vec()));
         Ok(())

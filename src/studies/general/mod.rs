@@ -6,10 +6,9 @@
 //! y = (q, q̇),   ẏ = (q̇, q̈),   M q̈ = r(t, q, q̇, 0),   ∂q̈ = −M⁻¹ (K ∂q + C ∂q̇)
 //! ```
 //!
-//! and the solver, of the library diffsol, chooses its steps by a tolerance. It does not know
-//! charts: it is restarted at chart changes, as at kinks of functions of time. It does not support a mass matrix
-//! that depends on q, so every evaluation factorises M, and its own
-//! linear algebra uses full matrices. The cargo feature `diffsol` enables it.
+//! and the solver, of the library diffsol, chooses its steps by a tolerance. It is restarted at changes of chart, which
+//! it does not support, and at kinks of functions of time. Nor does it support a mass matrix that depends on q: every
+//! evaluation factorises M, and its own linear algebra uses full matrices. The cargo feature `diffsol` enables it.
 
 #[cfg(feature = "diffsol")]
 mod equations;
@@ -128,34 +127,28 @@ impl FromStr for General {
     /// `diffsol-bdf` or `diffsol-esdirk`, with a tolerance after a colon unless it is 1e-4. An error
     /// in programs built without the feature `diffsol`.
     fn from_str(text: &str) -> Result<Self, DynamicsError> {
-        let refuse = |problem: String| DynamicsError::Word {
+        let refuse = |problem: &str| DynamicsError::Word {
             word: text.to_owned(),
-            problem,
+            problem: problem.to_owned(),
         };
-        let (word, number) = match text.split_once(':') {
-            Some((word, number)) => (word, Some(number)),
-            None => (text, None),
-        };
+        let word = text.split(':').next().unwrap_or(text);
+        let number = text.split_once(':').map(|(_, number)| number);
         let Some((_, rule)) = RULES.iter().find(|(known, _)| *known == word) else {
             return Err(refuse(
                 "no general solver is called so; there are diffsol-bdf and diffsol-esdirk, or \
-                 diffsol-bdf:TOLERANCE"
-                    .to_owned(),
+                 diffsol-bdf:TOLERANCE",
             ));
         };
         if !cfg!(feature = "diffsol") {
             return Err(refuse(
                 "this program is built without general solvers; build it with them: \
-                 cargo build --release --features diffsol"
-                    .to_owned(),
+                 cargo build --release --features diffsol",
             ));
         }
-        let tolerance = match number {
-            None => TOLERANCE,
-            Some(number) => {
-                (number.trim().parse()).map_err(|_| refuse(format!("`{number}` is no number")))?
-            }
-        };
+        let tolerance = number.map_or(Ok(TOLERANCE), |number| {
+            let read = number.trim().parse();
+            read.map_err(|_| refuse(&format!("`{number}` is no number")))
+        })?;
         Ok(Self {
             given: number.is_some(),
             ..Self::new(*rule, tolerance)?

@@ -1,20 +1,21 @@
-//! Runs a solver of diffsol along a motion, from chart to chart and kink to kink.
+//! Runs a solver of diffsol along a motion, restarted at changes of chart and at kinks.
 
 use super::equations::Equations;
 use super::{General, GeneralError, Rule};
+use crate::solve::point;
 use diffsol::{
-    NalgebraLU, NalgebraMat, NalgebraVec, OdeBuilder, OdeEquations, OdeSolverMethod,
+    DiffsolError, NalgebraLU, NalgebraMat, NalgebraVec, OdeBuilder, OdeEquations, OdeSolverMethod,
     OdeSolverStopReason, Vector,
 };
 use pullback_integrators::dynamics::{self, DynamicOptions, Progress, State};
-use pullback_manifold::system::{ChartChanges, System};
+use pullback_manifold::system::{ChartChanges, Point, System};
 use std::cell::RefCell;
 use std::ops::ControlFlow;
 
-/// Callbacks: `seen` at each of the output times, `go` after every step; each may stop the run.
+/// Callbacks at each of the output times and after every step; each may stop the run.
 pub struct Observer<'a, Y: ?Sized> {
     /// Called with the system and its state at an output time.
-    pub seen: &'a mut dyn FnMut(&mut Y, &State) -> ControlFlow<()>,
+    pub seen: &'a mut dyn FnMut(&mut Y, Point<'_>) -> ControlFlow<()>,
     /// Called after every step.
     pub go: &'a dyn Fn() -> ControlFlow<()>,
 }
@@ -48,18 +49,17 @@ pub fn integrate<Y: System>(
     kinks.retain(|&kink| kink > begun && kink < end);
     kinks.sort_by(f64::total_cmp);
     kinks.dedup();
-    let scale = tolerances(system, &progress.state, end - begun);
-    let mut seen = 0;
+    let mut run = Run {
+        how,
+        scale: tolerances(system, &progress.state, end - begun),
+        times: times.iter(),
+        observer,
+    };
     while progress.state.t < end {
         let t = progress.state.t;
         let kink = kinks.iter().copied().find(|kink| *kink > t);
-        let span = Span {
-            to: kink.map_or(end, f64::next_down),
-            times,
-            scale: &scale,
-        };
-        let flow = stretch(system, progress, how, &span, &mut seen, observer)?;
-        if flow.is_break() {
+        let to = kink.map_or(end, f64::next_down);
+        if run.stretch(system, progress, to)?.is_break() {
             return Ok(());
         }
         if let Some(kink) = kink.filter(|kink| progress.state.t >= kink.next_down()) {
@@ -85,12 +85,8 @@ fn settle<Y: System>(
         ..DynamicOptions::new(progress.state.t, step)
     };
     let mut onward = |_: &mut Y, _: &dynamics::StepReport<'_>| ControlFlow::Continue(());
-    Ok(dynamics::integrate(
-        system,
-        progress,
-        &options,
-        &mut onward,
-    )?)
+    let settled = dynamics::integrate(system, progress, &options, &mut onward);
+    Ok(settled?)
 }
 
 /// Scale of each entry of y: that of its coordinate, and for velocities the same over the duration, or the
@@ -107,96 +103,91 @@ fn tolerances<Y: System>(system: &Y, state: &State, time: f64) -> Vec<f64> {
     positions.chain((0..n).map(|i| rates[kind(i)])).collect()
 }
 
-/// End of the section without kinks, and the output times.
-struct Span<'a> {
-    to: f64,
-    times: &'a [f64],
-    scale: &'a [f64],
+/// A run from chart to chart and kink to kink.
+struct Run<'a, 'b, Y: ?Sized> {
+    how: &'a General,
+    /// Scales of the entries of y.
+    scale: Vec<f64>,
+    /// The output times ahead.
+    times: std::slice::Iter<'a, f64>,
+    observer: &'a mut Observer<'b, Y>,
 }
 
-/// Runs one solver from the state to the end of the span, or to the next change of charts.
-fn stretch<Y: System>(
-    system: &mut Y,
-    progress: &mut Progress,
-    how: &General,
-    span: &Span<'_>,
-    seen: &mut usize,
-    observer: &mut Observer<'_, Y>,
-) -> Result<ControlFlow<()>, GeneralError> {
-    let State { t, q, v, .. } = &progress.state;
-    let begin: Vec<f64> = q.iter().chain(v).copied().collect();
-    let t = *t;
-    let dim = begin.len();
-    let equations = RefCell::new(Equations::new(system)?);
-    let refused = |reason: String, t: f64| GeneralError::Solver {
-        solver: how.to_string(),
-        t,
-        reason,
-    };
-    let problem = OdeBuilder::<NalgebraMat<f64>>::new()
-        .t0(t)
-        .rtol(how.tolerance)
-        .atol(span.scale.iter().map(|scale| how.tolerance * scale))
-        .rhs_implicit(
-            |y: &[f64], _: &[f64], t: f64, out: &mut [f64]| equations.borrow_mut().rate(t, y, out),
-            |y: &[f64], _: &[f64], t: f64, dy: &[f64], out: &mut [f64]| {
-                equations.borrow_mut().derivative(t, y, dy, out);
-            },
-        )
-        .init(
-            |_: &[f64], _: f64, y: &mut [f64]| y.copy_from_slice(&begin),
-            dim,
-        )
-        .build()
-        .map_err(|error| refused(error.to_string(), t))?;
-    let along = Along {
-        equations: &equations,
-        span,
-    };
-    let ended = match how.rule {
-        Rule::Bdf => {
-            let solver = problem.bdf::<NalgebraLU<f64>>();
-            let solver = solver.map_err(|error| refused(error.to_string(), t))?;
-            along.drive(solver, progress, seen, observer)
-        }
-        Rule::Esdirk => {
-            let solver = problem.esdirk34::<NalgebraLU<f64>>();
-            let solver = solver.map_err(|error| refused(error.to_string(), t))?;
-            along.drive(solver, progress, seen, observer)
-        }
-    };
-    let equations = equations.borrow();
-    progress.summary.evaluations += equations.evaluations;
-    progress.summary.factorisations += equations.factorisations;
-    ended.map_err(|(t, reason)| {
-        let known = equations.failure.clone();
-        refused(
-            known.map_or(reason.clone(), |why| format!("{reason}; last, {why}")),
-            t,
-        )
-    })
+/// Time and reason of a failure.
+type Failure = (f64, String);
+
+fn failed(t: f64) -> impl Fn(DiffsolError) -> Failure {
+    move |error| (t, error.to_string())
 }
 
-struct Along<'a, 'b, Y: ?Sized> {
-    equations: &'a RefCell<Equations<'b, Y>>,
-    span: &'a Span<'a>,
-}
-
-impl<Y: System> Along<'_, '_, Y> {
-    fn drive<'p, E, S>(
-        &self,
-        mut solver: S,
+impl<Y: System> Run<'_, '_, Y> {
+    /// Runs one solver from the state to a time, or to the next change of charts.
+    fn stretch(
+        &mut self,
+        system: &mut Y,
         progress: &mut Progress,
-        seen: &mut usize,
-        observer: &mut Observer<'_, Y>,
-    ) -> Result<ControlFlow<()>, (f64, String)>
+        to: f64,
+    ) -> Result<ControlFlow<()>, GeneralError> {
+        let State { t, q, v, .. } = &progress.state;
+        let begin: Vec<f64> = q.iter().chain(v).copied().collect();
+        let (t, dim) = (*t, begin.len());
+        let equations = RefCell::new(Equations::new(system)?);
+        let tolerance = self.how.tolerance;
+        let problem = OdeBuilder::<NalgebraMat<f64>>::new()
+            .t0(t)
+            .rtol(tolerance)
+            .atol(self.scale.iter().map(|scale| tolerance * scale))
+            .rhs_implicit(
+                |y: &[f64], _: &[f64], t: f64, out: &mut [f64]| {
+                    equations.borrow_mut().rate(t, y, out)
+                },
+                |y: &[f64], _: &[f64], t: f64, dy: &[f64], out: &mut [f64]| {
+                    equations.borrow_mut().derivative(t, y, dy, out);
+                },
+            )
+            .init(
+                |_: &[f64], _: f64, y: &mut [f64]| y.copy_from_slice(&begin),
+                dim,
+            )
+            .build();
+        let ended = problem
+            .map_err(failed(t))
+            .and_then(|problem| match self.how.rule {
+                Rule::Bdf => {
+                    let solver = problem.bdf::<NalgebraLU<f64>>().map_err(failed(t))?;
+                    self.drive(solver, &equations, progress, to)
+                }
+                Rule::Esdirk => {
+                    let solver = problem.esdirk34::<NalgebraLU<f64>>().map_err(failed(t))?;
+                    self.drive(solver, &equations, progress, to)
+                }
+            });
+        let equations = equations.borrow();
+        progress.summary.evaluations += equations.evaluations;
+        progress.summary.factorisations += equations.factorisations;
+        ended.map_err(|(t, reason)| GeneralError::Solver {
+            solver: self.how.to_string(),
+            t,
+            reason: match &equations.failure {
+                Some(why) => format!("{reason}; last, {why}"),
+                None => reason,
+            },
+        })
+    }
+
+    fn drive<'p, E, S>(
+        &mut self,
+        mut solver: S,
+        equations: &RefCell<Equations<'_, Y>>,
+        progress: &mut Progress,
+        to: f64,
+    ) -> Result<ControlFlow<()>, Failure>
     where
         E: OdeEquations<T = f64, V = NalgebraVec<f64>, M = NalgebraMat<f64>> + 'p,
         S: OdeSolverMethod<'p, E>,
     {
         let start = progress.state.t;
-        let failed = |t: f64| move |error: diffsol::DiffsolError| (t, error.to_string());
-        solver.set_stop_time(self.span.to).map_err(failed(start))?;
+        solver.set_stop_time(to).map_err(failed(start))?;
         let mut flow = ControlFlow::Continue(());
         loop {
             let before = solver.state().t;
@@ -206,19 +197,17 @@ impl<Y: System> Along<'_, '_, Y> {
                 return Err((before, "its step makes no headway".to_owned()));
             }
             // Output times in this step, in its charts.
-            while let Some(&time) = self.span.times.get(*seen).filter(|time| **time <= t) {
+            while let Some(&time) = self.times.as_slice().first().filter(|time| **time <= t) {
                 let y = solver.interpolate(time).map_err(failed(time))?;
-                self.look(&mut progress.state, time, &y.clone_as_vec())?;
-                *seen += 1;
-                flow = (observer.seen)(self.equations.borrow_mut().system, &progress.state);
+                let equations = &mut equations.borrow_mut();
+                look(equations, &mut progress.state, time, &y.clone_as_vec())?;
+                self.times.next();
+                flow = (self.observer.seen)(equations.system, point(progress));
                 if flow.is_break() {
                     break;
                 }
             }
-            let (y, dy) = (
-                solver.state().y.clone_as_vec(),
-                solver.state().dy.clone_as_vec(),
-            );
+            let [y, dy] = [solver.state().y, solver.state().dy].map(|y| y.clone_as_vec());
             let state = &mut progress.state;
             put(state, t, &y, &dy);
             state.algorithmic.copy_from_slice(&state.a);
@@ -229,14 +218,14 @@ impl<Y: System> Along<'_, '_, Y> {
                 algorithmic,
                 ..
             } = state;
-            let system = &mut self.equations.borrow_mut().system;
+            let system = &mut equations.borrow_mut().system;
             let changes = match system.charts() {
                 Some(charts) => charts.change_charts(t, q, v, &mut [a, algorithmic]),
                 None => ChartChanges::default(),
             };
             progress.summary.chart_changes += changes.charts;
             if flow.is_continue() {
-                flow = (observer.go)();
+                flow = (self.observer.go)();
             }
             let ended = flow.is_break() || matches!(reason, OdeSolverStopReason::TstopReached);
             if ended || changes.charts > 0 || changes.residual {
@@ -251,21 +240,24 @@ impl<Y: System> Along<'_, '_, Y> {
         summary.factorisations += spent.number_of_linear_solver_setups;
         Ok(flow)
     }
+}
 
-    /// A state with its accelerations, not counted as cost.
-    fn look(&self, state: &mut State, t: f64, y: &[f64]) -> Result<(), (f64, String)> {
-        let mut equations = self.equations.borrow_mut();
-        let before = (equations.evaluations, equations.factorisations);
-        let mut rate = vec![0.0; y.len()];
-        equations.rate(t, y, &mut rate);
-        (equations.evaluations, equations.factorisations) = before;
-        if rate.iter().any(|x| x.is_nan()) {
-            let reason = equations.failure.clone().unwrap_or_default();
-            return Err((t, reason));
-        }
-        put(state, t, y, &rate);
-        Ok(())
+/// Sets a state with its accelerations; the evaluation is not counted.
+fn look<Y: System>(
+    equations: &mut Equations<'_, Y>,
+    state: &mut State,
+    t: f64,
+    y: &[f64],
+) -> Result<(), Failure> {
+    let before = (equations.evaluations, equations.factorisations);
+    let mut rate = vec![0.0; y.len()];
+    equations.rate(t, y, &mut rate);
+    (equations.evaluations, equations.factorisations) = before;
+    if rate.iter().any(|x| x.is_nan()) {
+        return Err((t, equations.failure.clone().unwrap_or_default()));
     }
+    put(state, t, y, &rate);
+    Ok(())
 }
 
 /// Sets a state from y = (q, q̇) and its rate.

@@ -1,4 +1,4 @@
-//! Spectra of schemes: the library's side of `pullback spectrum`.
+//! Spectra of schemes, for `pullback spectrum`.
 //!
 //! [`run`] measures them from the steps of the integrator and adds the closed forms of theory
 //! ([`pullback_integrators::spectrum`]); [`table`], [`csv`] and [`figures`] format them, and
@@ -19,7 +19,7 @@ use pullback_integrators::spectrum::{
     self as integrator, Numbers, amplification, characteristic, closed_first_step, closed_form,
     expansion, logarithmic,
 };
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use std::f64::consts::TAU;
 use std::fmt::Write;
 use std::path::Path;
@@ -110,44 +110,65 @@ pub struct Spectrum {
     pub points: Vec<Point>,
 }
 
-/// The numbers of a scheme at one Ω; see [`Numbers`]. Beyond the limit of a scheme there is
-/// no vibration, and neither damping nor elongation.
-#[derive(Clone, Copy, Debug, Serialize)]
+/// The accuracy of a scheme at one Ω. Beyond the limit of a scheme there is no vibration, and neither damping nor
+/// elongation. In files names of numbers in closed form begin with `closed_`, and those at small Ω are
+/// `expanded_damping` and `expanded_elongation`; unknown numbers are null or empty.
+#[derive(Clone, Copy, Debug)]
 pub struct Point {
-    /// Ω = ω h.
-    pub Omega: f64,
-    /// Spectral radius.
-    pub radius: f64,
-    /// Algorithmic damping ratio; null where no eigenvalue is complex.
-    pub damping: Option<f64>,
-    /// Period elongation; null where no eigenvalue is complex.
-    pub elongation: Option<f64>,
-    /// Spectral radius in closed form.
-    pub closed_radius: Option<f64>,
-    /// Algorithmic damping ratio in closed form.
-    pub closed_damping: Option<f64>,
-    /// Period elongation in closed form.
-    pub closed_elongation: Option<f64>,
-    /// σ Ω³, the limit of the damping ratio at small Ω.
-    pub expanded_damping: Option<f64>,
-    /// κ Ω², the limit of the period elongation at small Ω.
-    pub expanded_elongation: Option<f64>,
-    /// q₁/q₀ of the first step from rest.
-    pub rest_position: f64,
-    /// q̇₁/(ω q₀) of the first step from rest.
-    pub rest_velocity: f64,
-    /// q₁/q₀ of the first step from rest in closed form.
-    pub closed_rest_position: Option<f64>,
-    /// q̇₁/(ω q₀) of the first step from rest in closed form.
-    pub closed_rest_velocity: Option<f64>,
-    /// ω q₁/q̇₀ of the first step from q = 0.
-    pub origin_position: f64,
-    /// q̇₁/q̇₀ of the first step from q = 0.
-    pub origin_velocity: f64,
-    /// ω q₁/q̇₀ of the first step from q = 0 in closed form.
-    pub closed_origin_position: Option<f64>,
-    /// q̇₁/q̇₀ of the first step from q = 0 in closed form.
-    pub closed_origin_velocity: Option<f64>,
+    /// By the steps of the integrator.
+    pub steps: integrator::Point,
+    /// In closed form, where there is one.
+    pub closed: Option<integrator::Point>,
+    /// κ Ω² and σ Ω³, the limits of period elongation and damping ratio at small Ω.
+    pub expansion: Option<[f64; 2]>,
+}
+
+/// A number at one Ω, where it exists.
+type Number = fn(&integrator::Point) -> Option<f64>;
+
+const EIGENVALUES: [(&str, Number); 3] = [
+    ("radius", |p| Some(p.numbers.radius)),
+    ("damping", |p| p.numbers.damping),
+    ("elongation", |p| p.numbers.elongation),
+];
+const FROM_REST: [(&str, Number); 2] = [
+    ("rest_position", |p| Some(p.first_step.from_rest[0])),
+    ("rest_velocity", |p| Some(p.first_step.from_rest[1])),
+];
+const FROM_ORIGIN: [(&str, Number); 2] = [
+    ("origin_position", |p| Some(p.first_step.from_origin[0])),
+    ("origin_velocity", |p| Some(p.first_step.from_origin[1])),
+];
+
+impl Point {
+    /// All numbers with their names, in the order of the columns of `spectrum.csv`.
+    fn columns(&self) -> Vec<(String, Option<f64>)> {
+        let both = |numbers: &[(&str, Number)]| -> Vec<(String, Option<f64>)> {
+            let mut columns = Vec::new();
+            for (prefix, side) in [("", Some(&self.steps)), ("closed_", self.closed.as_ref())] {
+                let column =
+                    |(name, of): &(&str, Number)| (format!("{prefix}{name}"), side.and_then(of));
+                columns.extend(numbers.iter().map(column));
+            }
+            columns
+        };
+        let [elongation, damping] = [0, 1].map(|k| self.expansion.map(|all| all[k]));
+        [
+            vec![("Omega".to_owned(), Some(self.steps.Omega))],
+            both(&EIGENVALUES),
+            vec![("expanded_damping".to_owned(), damping)],
+            vec![("expanded_elongation".to_owned(), elongation)],
+            both(&FROM_REST),
+            both(&FROM_ORIGIN),
+        ]
+        .concat()
+    }
+}
+
+impl Serialize for Point {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.columns())
+    }
 }
 
 /// Measures the spectrum of a scheme at these Ω.
@@ -160,50 +181,29 @@ pub fn run(scheme: &Scheme, Omegas: &[f64]) -> Result<Spectrum, DynamicsError> {
     let mut defect = closed_form(scheme, 1.0).map(|_| 0.0_f64);
     let mut points = Vec::with_capacity(Omegas.len());
     for &Omega in Omegas {
-        let measured = integrator::point(scheme, Omega)?;
-        let closed = closed_form(scheme, Omega);
-        if let (Some(closed), true) = (closed, limit.is_none_or(|limit| Omega <= limit)) {
+        let polynomial = closed_form(scheme, Omega);
+        let closed = polynomial.zip(closed_first_step(scheme, Omega));
+        let mut point = Point {
+            steps: integrator::point(scheme, Omega)?,
+            closed: closed.map(|(polynomial, first_step)| integrator::Point {
+                Omega,
+                numbers: Numbers::of(polynomial, Omega),
+                first_step,
+            }),
+            expansion: expansion
+                .map(|[kappa, sigma]| [kappa * Omega.powi(2), sigma * Omega.powi(3)]),
+        };
+        let vibrates = limit.is_none_or(|limit| Omega <= limit);
+        if !vibrates {
+            for side in std::iter::once(&mut point.steps).chain(&mut point.closed) {
+                (side.numbers.damping, side.numbers.elongation) = (None, None);
+            }
+        } else if let Some(polynomial) = polynomial {
             let steps = characteristic(amplification(scheme, Omega)?);
-            let gaps = steps.iter().zip(closed).map(|(a, b)| (a - b).abs());
+            let gaps = steps.iter().zip(polynomial).map(|(a, b)| (a - b).abs());
             defect = defect.map(|d| gaps.fold(d, f64::max));
         }
-        let vibrates = limit.is_none_or(|limit| Omega <= limit);
-        let known = |numbers: Numbers| match vibrates {
-            true => numbers,
-            false => Numbers {
-                damping: None,
-                elongation: None,
-                ..numbers
-            },
-        };
-        let closed = closed.map(|polynomial| known(Numbers::of(polynomial, Omega)));
-        let Numbers {
-            radius,
-            damping,
-            elongation,
-        } = known(measured.numbers);
-        let [rest_position, rest_velocity] = measured.first_step.from_rest;
-        let first = closed_first_step(scheme, Omega);
-        let [origin_position, origin_velocity] = measured.first_step.from_origin;
-        points.push(Point {
-            Omega,
-            radius,
-            damping,
-            elongation,
-            closed_radius: closed.map(|n| n.radius),
-            closed_damping: closed.and_then(|n| n.damping),
-            closed_elongation: closed.and_then(|n| n.elongation),
-            expanded_damping: expansion.map(|[_, sigma]| sigma * Omega.powi(3)),
-            expanded_elongation: expansion.map(|[kappa, _]| kappa * Omega.powi(2)),
-            rest_position,
-            rest_velocity,
-            closed_rest_position: first.map(|step| step.from_rest[0]),
-            closed_rest_velocity: first.map(|step| step.from_rest[1]),
-            origin_position,
-            origin_velocity,
-            closed_origin_position: first.map(|step| step.from_origin[0]),
-            closed_origin_velocity: first.map(|step| step.from_origin[1]),
-        });
+        points.push(point);
     }
     Ok(Spectrum {
         scheme: scheme.to_string(),
@@ -294,19 +294,22 @@ pub fn table(spectra: &[(Scheme, Spectrum)]) -> Result<String, DynamicsError> {
                 out,
                 "{:width$}  {:>8.4}  {:>11.6}  {:>11}  {:>11}  {:>10.4}  {:>12.4}",
                 spectrum.scheme,
-                p.Omega,
-                p.radius,
-                number(p.damping),
-                number(p.elongation),
-                p.rest_position.abs(),
-                p.rest_velocity.abs()
+                p.steps.Omega,
+                p.steps.numbers.radius,
+                number(p.steps.numbers.damping),
+                number(p.steps.numbers.elongation),
+                p.steps.first_step.from_rest[0].abs(),
+                p.steps.first_step.from_rest[1].abs()
             );
         }
     }
     out += "radius: largest |λ| of a step; damping: algorithmic damping ratio; elongation: of the \
             period, T̄/T − 1;\nlast two: the first step from rest, exact motion stays below 1\n";
-    let defects = spectra.iter().filter_map(|(_, s)| s.defect);
-    if let Some(largest) = defects.fold(None, |m: Option<f64>, d| Some(m.map_or(d, |m| m.max(d)))) {
+    if let Some(largest) = spectra
+        .iter()
+        .filter_map(|(_, s)| s.defect)
+        .reduce(f64::max)
+    {
         let _ = writeln!(
             out,
             "characteristic polynomials by steps and in closed form differ by at most {largest:.1e}"
@@ -315,42 +318,27 @@ pub fn table(spectra: &[(Scheme, Spectrum)]) -> Result<String, DynamicsError> {
     Ok(out)
 }
 
-/// A number of a point, where it is known.
-type Pick = fn(&Point) -> Option<f64>;
-
-/// Columns of `spectrum.csv` after the scheme.
-const COLUMNS: [(&str, Pick); 17] = [
-    ("Omega", |p| Some(p.Omega)),
-    ("radius", |p| Some(p.radius)),
-    ("damping", |p| p.damping),
-    ("elongation", |p| p.elongation),
-    ("closed_radius", |p| p.closed_radius),
-    ("closed_damping", |p| p.closed_damping),
-    ("closed_elongation", |p| p.closed_elongation),
-    ("expanded_damping", |p| p.expanded_damping),
-    ("expanded_elongation", |p| p.expanded_elongation),
-    ("rest_position", |p| Some(p.rest_position)),
-    ("rest_velocity", |p| Some(p.rest_velocity)),
-    ("closed_rest_position", |p| p.closed_rest_position),
-    ("closed_rest_velocity", |p| p.closed_rest_velocity),
-    ("origin_position", |p| Some(p.origin_position)),
-    ("origin_velocity", |p| Some(p.origin_velocity)),
-    ("closed_origin_position", |p| p.closed_origin_position),
-    ("closed_origin_velocity", |p| p.closed_origin_velocity),
-];
-
 /// All numbers as comma-separated values: one line per scheme and Ω; unknown ones are empty.
 pub fn csv(spectra: &[(Scheme, Spectrum)]) -> String {
-    let mut out = format!("scheme,{}\n", COLUMNS.map(|column| column.0).join(","));
-    // Zero has no sign.
-    let number = |x: Option<f64>| x.map_or_else(String::new, |x| (x + 0.0).to_string());
-    for (_, spectrum) in spectra {
-        for p in &spectrum.points {
-            let line = COLUMNS.map(|column| number(column.1(p))).join(",");
-            let _ = writeln!(out, "{},{line}", spectrum.scheme);
+    let mut out = "scheme".to_owned();
+    let all = || {
+        spectra
+            .iter()
+            .flat_map(|(_, s)| s.points.iter().map(move |p| (s, p.columns())))
+    };
+    if let Some((_, columns)) = all().next() {
+        columns
+            .iter()
+            .for_each(|(name, _)| out += &format!(",{name}"));
+    }
+    for (spectrum, columns) in all() {
+        out += &format!("\n{}", spectrum.scheme);
+        for (_, number) in columns {
+            // Zero has no sign.
+            out += &number.map_or_else(|| ",".to_owned(), |x| format!(",{}", x + 0.0));
         }
     }
-    out
+    out + "\n"
 }
 
 /// Ω up to which vibrations are resolved, about π steps in a period.

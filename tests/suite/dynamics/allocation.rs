@@ -195,6 +195,7 @@ fn twice_as_many_steps_allocate_no_more() {
         Formulation::LieGroup,
         Formulation::SpatialSpins,
         Formulation::MixedSpins,
+        Formulation::WienerMilenkovic,
     ]
     .map(|f| (plain, f));
     // One that finds multipliers for what the motion keeps, in every step.
@@ -206,6 +207,7 @@ fn twice_as_many_steps_allocate_no_more() {
         Formulation::Total,
         Formulation::Updated,
         Formulation::LieGroup,
+        Formulation::WienerMilenkovic,
     ]
     .map(|f| (keeping, f));
     for (options, formulation) in total.into_iter().chain(others).chain(keepers) {

@@ -43,9 +43,10 @@ impl Problem {
             self.q[k..k + 3].copy_from_slice(other.as_slice());
             self.v[k..k + 3].copy_from_slice(rate.as_slice());
         }
-        let mut charts = self.context.element_charts();
-        charts[..self.beams].iter_mut().for_each(|c| *c ^= 0b11);
-        self.context.set_element_charts(&charts);
+        let mut state = self.context.save();
+        let charts = &mut state.element_charts[..self.beams];
+        charts.iter_mut().for_each(|c| *c ^= 0b11);
+        assert!(self.context.restore(&state));
         self
     }
 
@@ -98,7 +99,7 @@ fn pendulum(J: Matrix3<f64>, center: [f64; 3], psi: [f64; 3], omega: [f64; 3]) -
     let probe = b.offset("probe", ball.frame, center).unwrap();
     b.element("fly", PointMass::new(0.1).unwrap(), &[probe])
         .unwrap();
-    let context = Context::new(b.build().unwrap());
+    let mut context = Context::new(b.build().unwrap());
     let k = context.unknown_at(ball.coordinates[0], 0).unwrap();
     let mut q = vec![0.0; 3];
     q[k..k + 3].copy_from_slice(&psi);
@@ -137,7 +138,7 @@ fn beam(psi: [f64; 3], omega: [f64; 3]) -> Problem {
     let J = Matrix3::from_diagonal(&Vector3::new(0.02, 0.01, 0.01));
     let section = Section::diagonal(60.0, [30.0; 2], 4.0, [4.0, 6.0]).unwrap();
     let nodes = beams::beam(&mut b, "beam", ends, 2, section.with_mass(1.0, J));
-    let context = Context::new(b.build().unwrap());
+    let mut context = Context::new(b.build().unwrap());
     let psi = Vector3::from(psi);
     let mut q = vec![0.0; context.pattern().dim()];
     let mut rotations = Vec::new();

@@ -1,7 +1,9 @@
 //! One model, several contexts: in threads, and continued from a snapshot.
 #![allow(clippy::unwrap_used)]
 
-use pullback::elements::model::{Context, Model};
+use pullback::elements::body::PointMass;
+use pullback::elements::load::{LoadKind, NodalLoad};
+use pullback::elements::model::{Context, Dof, Model, ModelBuilder};
 use pullback::input::{self, Plan};
 use pullback::integrators::dynamics::{DynamicOptions, Simulation, State, start};
 use std::sync::Arc;
@@ -74,6 +76,41 @@ fn steps_from_a_snapshot_are_the_same_to_the_last_bit() {
         let mut run = Simulation::resume(&mut other, snapshot.progress, &options).unwrap();
         assert!(steps(&mut run) == once);
     }
+}
+
+/// A unit mass under a force that is an input, in two threads: x = ½ u t².
+#[test]
+fn inputs_are_part_of_the_state() {
+    let mut builder = ModelBuilder::new();
+    let node = builder.node("mass", [0.0; 3]).unwrap();
+    builder.support(node, &Dof::ALL[1..]);
+    let mass = PointMass::new(1.0).unwrap();
+    builder.element("mass", mass, &[node]).unwrap();
+    let force = builder.input(0.5);
+    let load = NodalLoad::new(LoadKind::DeadForce, [1.0, 0.0, 0.0], force);
+    builder.element("force", load, &[node]).unwrap();
+    let model = Arc::new(builder.build().unwrap());
+    let run = |u: f64| {
+        let mut context = Context::new(Arc::clone(&model));
+        context.set_input(force, u);
+        let first = start(&context, 0.0, &[0.0], &[0.0]).unwrap();
+        let options = DynamicOptions::new(1.0, 0.1);
+        let mut run = Simulation::new(&mut context, first, &options).unwrap();
+        let snapshot = run.save();
+        run.set_input(force, -u);
+        run.finish().unwrap();
+        assert!((run.state().q[0] + 0.5 * u).abs() < 1e-13, "{u}");
+        run.restore(&snapshot).unwrap();
+        run.finish().unwrap();
+        assert_eq!(run.system().input(force), u);
+        run.state().q[0] - 0.5 * u
+    };
+    std::thread::scope(|scope| {
+        for thread in [1.0, -3.0].map(|u| scope.spawn(move || run(u))) {
+            assert!(thread.join().unwrap().abs() < 1e-13);
+        }
+    });
+    assert_eq!(Context::new(model).input(force), 0.5);
 }
 
 #[test]

@@ -121,7 +121,7 @@ fn free_beam(interpolation: Interpolation) -> (Context, Vec<f64>) {
     let ends = [[0.0; 3], [1.0, 0.0, 0.0]];
     let ends = [b.node("a", ends[0]).unwrap(), b.node("b", ends[1]).unwrap()];
     beam_with(&mut b, ends, 2, soft(), interpolation);
-    let context = Context::new(b.build().unwrap());
+    let mut context = Context::new(b.build().unwrap());
     let mut v = vec![0.0; context.pattern().dim()];
     let motion = RigidMotion {
         velocity: Vector3::new(0.5, -0.3, 0.8),

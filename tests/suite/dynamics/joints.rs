@@ -364,7 +364,7 @@ fn a_prescribed_angle_is_followed_exactly() {
     let mut turned = 0.0_f64;
     let options = tight(Scheme::chung_hulbert(0.8).unwrap(), 3.0, 0.01);
     let progress = observed(&mut context, [&[], &[]], &options, &mut |context, step| {
-        let [angle, rate, second] = drive.at(step.progress.state.t);
+        let [angle, rate, second] = drive.at(step.progress.state.t, &[]);
         let R = so3::rotation(&(e * angle));
         let x = R * X;
         let (along, across) = (e.cross(&x), e.cross(&e.cross(&x)));

@@ -55,15 +55,15 @@ fn pushed(force: impl FnOnce(&mut ModelBuilder) -> Box<dyn TimeFunction>) -> Con
 }
 
 /// Position and velocity after two seconds in steps of a tenth; `turn` is called after the first.
-fn after(context: &mut Context, word: &str, turn: &mut dyn FnMut()) -> [f64; 2] {
+fn after(context: &mut Context, word: &str, turn: &mut dyn FnMut(&mut Context)) -> [f64; 2] {
     let options = DynamicOptions {
         scheme: word.parse().unwrap(),
         ..DynamicOptions::new(2.0, 0.1)
     };
     let mut progress = Progress::new(start(context, 0.0, &[], &[]).unwrap());
-    integrate(context, &mut progress, &options, &mut |_, step| {
+    integrate(context, &mut progress, &options, &mut |context, step| {
         if step.progress.summary.steps == 10 {
-            turn();
+            turn(context);
         }
         ControlFlow::Continue(())
     })
@@ -83,9 +83,9 @@ fn an_input_that_changes_is_a_kink() {
         "projected-newmark:0.5",
     ] {
         let mut handle = None;
-        let mut model = pushed(|b| Box::new(handle.insert(b.input(1.0)).clone()));
-        let handle = handle.unwrap();
-        let [x, v] = after(&mut model, word, &mut || handle.set(-2.0));
+        let mut model = pushed(|b| Box::new(*handle.insert(b.input(1.0))));
+        let turn = &mut |context: &mut Context| context.set_input(handle.unwrap(), -2.0);
+        let [x, v] = after(&mut model, word, turn);
         let off = (x - 0.5).abs().max((v + 1.0).abs());
         assert!(off < 1e-13, "{word}: {x}, {v}");
     }
@@ -96,7 +96,7 @@ fn an_input_that_changes_is_a_kink() {
 struct Outside(Arc<AtomicBool>);
 
 impl TimeFunction for Outside {
-    fn at(&self, _: f64) -> [f64; 3] {
+    fn at(&self, _: f64, _: &[f64]) -> [f64; 3] {
         let forward = self.0.load(Ordering::Relaxed);
         [if forward { 1.0 } else { -2.0 }, 0.0, 0.0]
     }
@@ -107,7 +107,7 @@ fn em_takes_no_force_for_steady_that_does_not_say_so() {
     let [newmark, em] = ["newmark", "projected-newmark"].map(|word| {
         let forward = Arc::new(AtomicBool::new(true));
         let mut model = pushed(|_| Box::new(Outside(forward.clone())));
-        after(&mut model, word, &mut || {
+        after(&mut model, word, &mut |_| {
             forward.store(false, Ordering::Relaxed)
         })
     });

@@ -73,7 +73,7 @@ fn swung_beam_with(elements: usize, tilt: f64, interpolation: Interpolation) -> 
         .unwrap()
         .with_mass(1.0, Matrix3::from_diagonal(&J));
     beam_with(&mut b, "beam", [arm, tip], elements, section, interpolation);
-    let context = Context::new(b.build().unwrap());
+    let mut context = Context::new(b.build().unwrap());
     let q = vec![0.0; context.pattern().dim()];
     let mut v = q.clone();
     let omega = 5.0;

@@ -291,7 +291,7 @@ fn hooke(beta: f64, k: f64) -> [f64; 2] {
     // A scheme that damps the vibrations of the coupling.
     let options = tight(Scheme::chung_hulbert(0.0).unwrap(), PI, PI / 2000.0);
     observed(&mut context, [&[], &[]], &options, &mut |context, step| {
-        let [first, rate, _] = drive.at(step.progress.state.t);
+        let [first, rate, _] = drive.at(step.progress.state.t, &[]);
         let [second, speed] = context.coordinate(output.coordinates[0], 0).unwrap();
         let [exact, ratio] = hooke_relation(beta, first);
         let gap = (second - exact) / TAU;

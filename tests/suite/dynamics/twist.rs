@@ -223,9 +223,9 @@ fn a_disk_swings_by_nearly_a_turn_on_one_element() {
             go(&mut progress, &mut context);
             if stop.is_some() {
                 // Stopped in mid-swing, and another run has been made with the model since.
-                let charts = context.element_charts();
+                let state = context.save();
                 context.start(0.0, &vec![0.0; n]);
-                context.set_element_charts(&charts);
+                assert!(context.restore(&state));
                 go(&mut progress, &mut context);
             }
             errors

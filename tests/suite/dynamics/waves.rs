@@ -42,7 +42,7 @@ impl Blow {
 }
 
 impl TimeFunction for Blow {
-    fn at(&self, t: f64) -> [f64; 3] {
+    fn at(&self, t: f64, _: &[f64]) -> [f64; 3] {
         if !(0.0..self.duration).contains(&t) {
             return [0.0; 3];
         }

@@ -13,13 +13,14 @@ use pullback::integrators::dynamics::Scheme;
 use pullback::method::Method;
 use pullback::studies::compare::{Comparison, ErrorQuantity};
 
-const METHODS: [&str; 6] = [
+const METHODS: [&str; 7] = [
     "newmark",
     "ul-newmark",
     "ul-bathe",
     "lie-ga:0.8",
     "lie-hht:-0.1",
     "spin-newmark",
+    "wm-newmark",
 ];
 
 fn compared(text: &str, methods: &[&str], steps: &[f64]) -> Comparison {
@@ -139,6 +140,7 @@ fn the_heavy_top_is_where_it_should_be_in_every_formulation() {
     let top = include_str!("../../../examples/models/heavy_top.toml");
     let second = ["ul-newmark", "lie-ga:0.9", "spin-newmark"].map(|m| (m, 2));
     assert_heavy_top(top, &second);
+    assert_heavy_top(top, &[("wm-radau", 3)]);
 }
 
 #[test]
@@ -152,6 +154,7 @@ fn the_tangent_of_spins_is_that_of_their_residual() {
     let file = input::parse("rod.toml", &rod()).unwrap();
     for formulation in [
         Formulation::Updated,
+        Formulation::WienerMilenkovic,
         Formulation::LieGroup,
         Formulation::SpatialSpins,
         Formulation::MixedSpins,
@@ -172,7 +175,7 @@ fn the_tangent_of_spins_is_that_of_their_residual() {
         }
         let states = [("between steps".to_owned(), state)];
         let report = check::system("rod", &mut job.context, &states);
-        if formulation == Formulation::Updated {
+        if [Formulation::Updated, Formulation::WienerMilenkovic].contains(&formulation) {
             report.assert();
             continue;
         }

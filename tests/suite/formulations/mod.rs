@@ -1,5 +1,6 @@
 //! Formulations of rotations besides the total one.
 
+mod charts;
 mod exact;
 mod lie_group;
 mod order;

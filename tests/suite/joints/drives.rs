@@ -86,11 +86,11 @@ fn driven<J: Joint<D> + Copy + 'static, const D: usize>(what: &str, joint: J, tu
     let start = joint.pose(0.0, &SVector::zeros()).d;
     let pose = |t: f64| {
         let q = SVector::<f64, 6>::from_fn(|k, _| {
-            sine(0.3, 1.0 + 0.1 * k as f64, 0.2 * k as f64).at(t)[0]
+            sine(0.3, 1.0 + 0.1 * k as f64, 0.2 * k as f64).at(t, &[])[0]
         });
-        let own = joint.pose(t, &SVector::from_fn(|k, _| function(k).at(t)[0]));
+        let own = joint.pose(t, &SVector::from_fn(|k, _| function(k).at(t, &[])[0]));
         let child = Pose::of(&q, 0).translated(&own.d).rotated(&own.rotation);
-        let psi = Vector3::from_fn(|k, _| function(D + k).at(t)[0]);
+        let psi = Vector3::from_fn(|k, _| function(D + k).at(t, &[])[0]);
         Pose {
             d: child.d - start,
             rotation: if turns_freely {

@@ -148,7 +148,7 @@ fn a_driven_crank_takes_the_loop_along() {
             let s = &step.progress.state;
             let at = point(s);
             context.configure(at).unwrap();
-            let [x, x_dot, x_ddot] = drive.at(s.t);
+            let [x, x_dot, x_ddot] = drive.at(s.t, &[]);
             let crank = Taylor {
                 v: CRANK_START + x,
                 d: x_dot,

@@ -46,8 +46,8 @@ fn a_joint_has_fifteen_lines_at_most() {
         ),
     ] {
         // What says where a slot ends is besides.
-        let end = if example.contains("fn margin") {
-            "    fn margin"
+        let end = if example.contains("fn domain") {
+            "    fn domain"
         } else {
             "\nconst"
         };

@@ -208,7 +208,7 @@ fn nothing_is_round_off_where_no_size_is_known() {
     text += "[analysis.dynamic]\nto = 1\nstep = 0.1\n[output]\nparaview_every = 0\n";
     let [_, up] = ticks(&history("figures_no_size", &text));
     assert!(up.len() >= quantities.len(), "{up:?}");
-    for (label, _) in &up {
+    for (label, _) in up.iter().filter(|(label, _)| label != "0") {
         assert!(label.contains("e−"), "{up:?}");
     }
 }

@@ -117,11 +117,12 @@ impl Chain {
     }
 }
 
-const FORMULATIONS: [Formulation; 4] = [
+const FORMULATIONS: [Formulation; 5] = [
     Formulation::Total,
     Formulation::Updated,
     Formulation::LieGroup,
     Formulation::SpatialSpins,
+    Formulation::WienerMilenkovic,
 ];
 
 fn apart(a: &[f64], b: &[f64]) -> f64 {
@@ -154,11 +155,13 @@ fn who_moves_with_a_free_chain_sees_the_same() {
 
 #[test]
 fn total_and_geodesic_chains_move_alike_in_the_plane_in_all_formulations() {
-    // Rotations about one axis commute: both interpolations are the same there.
+    // Rotations about one axis commute: both interpolations are the same there, and so are sums of
+    // rotation vectors and spins.
+    let formulations = &FORMULATIONS[..4];
     let options = tight(Scheme::default(), TO, STEP);
     let mut shapes = Vec::new();
     for interpolation in [Interpolation::Total, Interpolation::Geodesic] {
-        for formulation in FORMULATIONS {
+        for &formulation in formulations {
             let mut chain = chain(interpolation, formulation);
             let run = chain.run(Vector3::zeros(), &options, &mut |_, _| ());
             shapes.push(chain.shape(&run.state));
@@ -233,17 +236,15 @@ fn a_run_goes_on_from_before_and_after_landings_to_the_last_bit() {
         let mut all = Vec::new();
         let mut whole = make();
         let end = whole.run(Vector3::zeros(), &options, &mut |model, step| {
-            let memory = (model.save_maps(), model.element_charts());
-            all.push((step.progress.clone(), memory, step.step_size));
+            all.push((step.progress.clone(), model.save(), step.step_size));
         });
         let landed = |k: &usize| all[*k].2 < 0.9 * STEP;
         let landings: Vec<usize> = (1..all.len() - 1).filter(landed).collect();
         assert!(landings.len() >= 3, "{}", landings.len());
         for k in landings.into_iter().flat_map(|k| [k - 1, k, k + 1]) {
-            let (progress, (maps, charts), _) = &all[k];
+            let (progress, saved, _) = &all[k];
             let mut chain = make();
-            assert!(chain.context.restore_maps(maps));
-            chain.context.set_element_charts(charts);
+            assert!(chain.context.restore(saved));
             let mut progress = progress.clone();
             let onward = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
             integrate(&mut chain.context, &mut progress, &options, onward).unwrap();

@@ -15,6 +15,7 @@ use pullback::integrators::dynamics::{
     DynamicsError, Progress, Scheme, StepReport, integrate, start,
 };
 use pullback::integrators::statics::Cause;
+use pullback::manifold::domain::DomainError;
 use pullback::manifold::system::{Evaluation, System, SystemError};
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
@@ -114,7 +115,7 @@ fn a_driven_slide_bears_weight_and_inertia_of_its_mass() {
         let at = point(s);
         let mut r = vec![0.0; s.q.len()];
         context.evaluate(at, Evaluation::residual(&mut r)).unwrap();
-        let [way, rate, second] = drive.at(s.t);
+        let [way, rate, second] = drive.at(s.t, &[]);
         let found = context.node_state(bead.frame);
         let position = incline().from + along * (1.4 + way);
         assert!((found.position - position).norm() < 1e-13);
@@ -139,11 +140,11 @@ fn beyond_the_end_of_the_chain_is_an_error_with_a_name() {
     let DynamicsError::Step(failed) = error else {
         panic!("{error}");
     };
-    let Cause::System(SystemError::OutsideChart { what, margin, .. }) = &failed.cause else {
+    let Cause::System(SystemError::Domain { what, why }) = &failed.cause else {
         panic!("{failed}");
     };
     assert_eq!(what, "joint at node bead");
-    assert!(*margin <= 0.0);
+    assert!(matches!(why, DomainError::Beyond { margin, .. } if *margin <= 0.0));
     // The run stands at the last position on the chain: half a metre at 0.6 g takes 0.4122 s.
     let at_end = (2.0 * 0.5 / (0.6 * G)).sqrt();
     assert!(

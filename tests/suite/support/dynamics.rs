@@ -133,9 +133,10 @@ impl Charts for Flipped {
             put(v, B * psi_dot);
             put(q, so3::complement(&psi));
         }
-        let mut charts = self.context.element_charts();
-        charts[..self.beams].iter_mut().for_each(|c| *c ^= 0b11);
-        self.context.set_element_charts(&charts);
+        let mut state = self.context.save();
+        let charts = &mut state.element_charts[..self.beams];
+        charts.iter_mut().for_each(|c| *c ^= 0b11);
+        assert!(self.context.restore(&state));
         ChartChanges {
             charts: self.rotations.len(),
             residual: false,

@@ -6,8 +6,8 @@ use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::{complement, log_quaternion, quaternion};
 use std::f64::consts::TAU;
 
-/// How a two-node beam interpolates its rotations, and the branches on which it does so: the beam changes
-/// charts by itself, and the coordinates of its nodes may be on others.
+/// Interpolation of rotations in a two-node beam, and the branches of its rotation vectors: those of the
+/// coordinates of its nodes may be others, as elements change their charts separately.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Between {
     interpolation: Interpolation,
@@ -16,7 +16,7 @@ pub struct Between {
 }
 
 impl Between {
-    /// On the branches of the coordinates.
+    /// With the branches of the coordinates.
     pub fn new(interpolation: Interpolation) -> Self {
         Self {
             interpolation,
@@ -40,8 +40,8 @@ impl Between {
         }
     }
 
-    /// Takes the chart in which the larger of the two angles is smaller, as the beam itself has it, or the
-    /// branches of the coordinates where these are not known; whether that is another one.
+    /// Chooses the branches with the smallest largest angle, as the beam does, or those of the coordinates
+    /// if `psi` is `None`; returns whether they change.
     pub fn choose(&mut self, psi: Option<[Vector3<f64>; 2]>) -> bool {
         let before = self.complements;
         self.complements = psi.map_or([false; 2], |psi| {

@@ -1,15 +1,15 @@
-//! Straight lines through positions, one of which a joint is on at a time.
+//! Chains of straight lines, for slides.
 
 use nalgebra::Vector3;
 use pullback_manifold::scalar::Scalar;
 
-/// Excursions beyond an end below this part of the chain are rounding errors.
+/// Excursion beyond an end, relative to the length of the chain, that counts as rounding.
 const GRAIN: f64 = 4e-15;
-/// A slide this part of the chain beyond an end of a line may be about to return.
+/// Excursion beyond the end of a line, relative to the length of the chain, that does not change the line.
 const HAIR: f64 = 1e-8;
 
-/// A chain of straight lines, followed by the arc length u (L) from where it is entered. One line is the
-/// present one; another takes over where u leaves it.
+/// A chain of straight lines with the arc length u (L) from its origin as parameter. The present line
+/// changes where u passes an end of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chain {
     /// The positions that the lines connect, and their arc lengths.
@@ -19,12 +19,12 @@ pub struct Chain {
     origin: f64,
     start: Vector3<f64>,
     line: usize,
-    /// The line that takes over next.
+    /// The next line, if it is known.
     next: Option<usize>,
 }
 
 impl Chain {
-    /// A chain through these positions, entered at the arc length `origin`; `None` when there are fewer
+    /// A chain through these positions with u = 0 at the arc length `origin`; `None` if there are fewer
     /// than two positions, neighbours coincide, or `origin` is outside the chain.
     pub fn new(positions: &[Vector3<f64>], origin: f64) -> Option<Self> {
         let mut lengths = vec![0.0];
@@ -52,12 +52,12 @@ impl Chain {
         Some(chain)
     }
 
-    /// Where it is entered.
+    /// The position at u = 0.
     pub fn start(&self) -> Vector3<f64> {
         self.start
     }
 
-    /// From where it is entered to where u is on the present line.
+    /// Displacement from u = 0 to u on the present line.
     pub fn displacement<S: Scalar>(&self, u: S) -> Vector3<S> {
         let [a, b] = self.shape(u);
         let position = |k: usize| self.positions[self.line + k].map(S::constant);
@@ -81,15 +81,15 @@ impl Chain {
         [S::one() - b, b]
     }
 
-    /// The distance to the nearer end of the chain, and a hair more, so that a joint may rest there.
+    /// Distance to the nearer end of the chain, with a tolerance that lets a joint rest there.
     pub fn room(&self, u: f64) -> f64 {
         let (s, end) = (self.origin + u, self.lengths[self.lengths.len() - 1]);
         s.min(end - s) + 1e-9 * end
     }
 
-    /// When u first leaves the present line for another one, on the cubic between two states
-    /// (u, u̇) that a step of size h lies between: how long before its end, and for which line. Where
-    /// it does not, the same by the velocity at the end.
+    /// First change of line in a step of size h, on the cubic between the states (u, u̇) at its ends: the
+    /// time from the change to the end of the step, and the next line. Without a change in the step, the
+    /// next one is extrapolated with the velocity at its end.
     pub fn leaves(&self, h: f64, [u0, v0]: [f64; 2], [u1, v1]: [f64; 2]) -> Option<(f64, usize)> {
         let k = self.line;
         let ends = [self.lengths[k], self.lengths[k + 1]].map(|s| s - self.origin);
@@ -137,13 +137,13 @@ impl Chain {
         line.map(|line| (late, line))
     }
 
-    /// Says which line takes over next; false, and nothing, where there is no such line.
+    /// Sets the next line; false if there is no such line.
     pub fn enter(&mut self, line: f64) -> bool {
         self.next = (0..self.positions.len() - 1).find(|k| line == *k as f64);
         self.next.is_some()
     }
 
-    /// Goes on to the line that takes over, or behind whose end u is found; whether that is another one.
+    /// Changes to the next line if it is set, or to that of u; returns whether the line changes.
     pub fn change_segments(&mut self, u: f64) -> bool {
         let before = self.line;
         let (s, end) = (self.origin + u, self.lengths[self.lengths.len() - 1]);

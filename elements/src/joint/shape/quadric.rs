@@ -6,8 +6,8 @@ use nalgebra::Vector3;
 use pullback_manifold::scalar::Scalar;
 use std::f64::consts::FRAC_PI_2;
 
-/// A plane, a cylinder or a sphere through the point where a joint starts, all as seen from the
-/// parent's node; e₁ points from the centre to the start, and e₁, e₂, e₃ are orthonormal.
+/// A plane, a cylinder or a sphere through the point where a joint starts, in components relative to the
+/// parent's node. e₁ points from the centre to the start, and e₁, e₂, e₃ are orthonormal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Quadric {
     /// x = start + u e₂ + v e₃, with the normal e₁.
@@ -34,7 +34,7 @@ pub enum Quadric {
     },
 }
 
-/// A unit vector across `e`: with `e` and the axis that is closest to being across it.
+/// A unit vector normal to `e`, and to the axis with the smallest component in `e`.
 fn across(e: &Vector3<f64>) -> Vector3<f64> {
     let mut other = Vector3::zeros();
     other[e.iamin()] = 1.0;
@@ -58,7 +58,7 @@ impl Quadric {
     /// The cylinder about the axis through `centre`.
     ///
     /// # Errors
-    /// [`AxisError::Direction`] also where the start lies on the axis.
+    /// [`AxisError::Direction`], also if the start lies on the axis.
     pub fn cylinder(start: [f64; 3], centre: [f64; 3], axis: [f64; 3]) -> Result<Self, AxisError> {
         let axis = direction(axis)?;
         let from = Vector3::from(start) - Vector3::from(centre);
@@ -75,7 +75,7 @@ impl Quadric {
     /// The sphere around `centre`.
     ///
     /// # Errors
-    /// [`AxisError::Direction`] where it starts in its centre.
+    /// [`AxisError::Direction`] if the start is the centre.
     pub fn sphere(start: [f64; 3], centre: [f64; 3]) -> Result<Self, AxisError> {
         let radius = Vector3::from(start) - Vector3::from(centre);
         let e = direction(radius.into())?;

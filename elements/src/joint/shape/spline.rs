@@ -6,43 +6,30 @@ use crate::joint::Curve;
 use nalgebra::Vector3;
 use pullback_manifold::scalar::Scalar;
 
-/// Why points make no curve.
+/// Error of a spline.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "each message says what its variant is")]
 pub enum SplineError {
-    /// There are too few of them.
     #[error("its curve needs {needs} points at least, got {got}")]
-    Few {
-        /// Points that are needed.
-        needs: usize,
-        /// Points that are given.
-        got: usize,
-    },
-    /// A point is where the one before it is, or not finite.
+    Few { needs: usize, got: usize },
     #[error("point {number} of its curve must be finite and apart from the one before")]
     Point {
         /// Number of the point, from 1; of a closed curve one more for the last piece, back to the first.
         number: usize,
     },
-    /// The distances of its points differ too much in size.
     #[error("its points are too unevenly spaced for a smooth curve")]
     Uneven,
-    /// It starts outside.
     #[error(
         "it must start between 0 and {length}, the length of its curve along the points, got {start}"
     )]
-    Start {
-        /// Where it starts.
-        start: f64,
-        /// Sum of the chords.
-        length: f64,
-    },
+    Start { start: f64, length: f64 },
 }
 
 /// The cubic spline through points, over the sum of the chords between them: twice continuously
 /// differentiable, without curvature at the ends of an open curve (de Boor 2001, chapter IV).
 ///
-/// The parameter counts from where the curve is told to start. A closed curve goes on from its last
-/// point to its first, any number of times round.
+/// The parameter is zero at the start. A closed curve continues from its last point to the first, any
+/// number of times.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spline {
     /// Parameters of the points.
@@ -50,12 +37,12 @@ pub struct Spline {
     /// Coefficients of 1, u, u², u³ of each piece, u = s − knot.
     pieces: Vec<[Vector3<f64>; 4]>,
     closed: bool,
-    /// How often round, and the piece, where it keeps to one.
+    /// Number of turns and piece, if the curve is frozen to one.
     kept: Option<(f64, usize)>,
 }
 
 impl Spline {
-    /// Through `points`, as seen from the parent's node, from the parameter `start` on.
+    /// The curve through `points`, relative to the parent's node, with its start at this length of chords.
     ///
     /// # Errors
     /// [`SplineError`].
@@ -102,7 +89,7 @@ impl Spline {
         [self.knots[0], self.knots[self.pieces.len()]]
     }
 
-    /// How often the curve has gone round at a parameter, and the piece that it is on.
+    /// Number of turns of a closed curve at a parameter, and the piece.
     fn piece(&self, s: f64) -> (f64, usize) {
         let [first, last] = self.ends();
         let turns = match self.closed {
@@ -118,14 +105,13 @@ impl Spline {
 /// Second derivatives at the knots: the first derivatives are continuous. `None` where numbers
 /// under- or overflow.
 ///
-/// The bends inside follow from those at the ends by a tridiagonal system, diagonally dominant. An
-/// open curve has none at its ends; a closed one has the same at both, and its slope is continuous
-/// there too.
+/// Those inside follow from those at the ends by a diagonally dominant tridiagonal system. They are zero at
+/// the ends of an open curve; at those of a closed one they are equal, and the slope is continuous.
 fn bends(points: &[Vector3<f64>], knots: &[f64], closed: bool) -> Option<Vec<Vector3<f64>>> {
     let n = points.len() - 1;
     let h = |k: usize| knots[k + 1] - knots[k];
     let slope = |k: usize| (points[k + 1] - points[k]) / h(k);
-    // Bends where those at the ends are zero, and what is added where these are one.
+    // Second derivatives for zeros at the ends, and those for ones at the ends alone.
     let (mut bends, mut more) = (vec![Vector3::zeros(); n + 1], vec![0.0; n + 1]);
     (more[0], more[n]) = (1.0, 1.0);
     let mut upper = vec![0.0; n];

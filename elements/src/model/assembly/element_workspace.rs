@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use crate::element::{Combined, ElementError, Motion, Response};
+use crate::element::{Combined, Motion, Response};
 use crate::model::assembly::couplings::Couplings;
 use crate::model::assembly::residual::MAX_NODES;
 use crate::model::constraints::omitted::Omitted;
@@ -10,6 +10,7 @@ use crate::model::kinematics::complement::Complement;
 use crate::model::kinematics::node_entries::{collect, distribute};
 use crate::model::state::ElementState;
 use crate::model::{ElementEntry, NONE, Node, Span};
+use pullback_manifold::domain::DomainError;
 use pullback_manifold::pullback::{self, Slot, Tangents};
 use pullback_manifold::system::{Scales, Weights};
 
@@ -18,6 +19,8 @@ use pullback_manifold::system::{Scales, Weights};
 pub(in crate::model) struct ElementWorkspace {
     pub x: Vec<f64>,
     previous: Vec<f64>,
+    /// Present inputs of the model.
+    pub inputs: Vec<f64>,
     pub v: Vec<f64>,
     pub a: Vec<f64>,
     pub r: Vec<f64>,
@@ -45,6 +48,7 @@ impl ElementWorkspace {
         Self {
             x: zeros(n),
             previous: zeros(n),
+            inputs: Vec::new(),
             v: zeros(n),
             a: zeros(n),
             r: zeros(n),
@@ -145,6 +149,7 @@ impl ElementWorkspace {
         let end = if statics { 0 } else { n };
         Motion {
             t,
+            inputs: &self.inputs,
             x: &self.x[..n],
             v: &self.v[..end],
             a: &self.a[..end],
@@ -160,7 +165,7 @@ impl ElementWorkspace {
         weights: Option<Weights>,
         rates: bool,
         previous: bool,
-    ) -> Result<(), ElementError> {
+    ) -> Result<(), DomainError> {
         let n = e.element.dim();
         let tangent = weights.is_some() || rates;
         let moving = tangent && !statics;
@@ -172,6 +177,7 @@ impl ElementWorkspace {
         let end = if statics { 0 } else { n };
         let at = Motion {
             t,
+            inputs: &self.inputs,
             x: &self.x[..n],
             v: &self.v[..end],
             a: &self.a[..end],
@@ -210,7 +216,7 @@ impl ElementWorkspace {
         e: &ElementEntry,
         t: f64,
         statics: bool,
-    ) -> Result<(), ElementError> {
+    ) -> Result<(), DomainError> {
         let n = e.element.dim();
         self.r[..n].fill(0.0);
         let moving = !statics && !e.dead;
@@ -220,6 +226,7 @@ impl ElementWorkspace {
         let end = if statics { 0 } else { n };
         let at = Motion {
             t,
+            inputs: &self.inputs,
             x: &self.x[..n],
             v: &self.v[..end],
             a: &self.a[..end],

@@ -2,14 +2,13 @@
 
 #![allow(non_snake_case)]
 
-use crate::element::ElementError;
+use crate::element::overturned;
 use crate::model::assembly::scatter::ScatterTarget;
-use crate::model::charts::element_charts::TOO_FAR;
 use crate::model::kinematics::free_coordinates::check_length;
 use crate::model::state::ElementState;
 use crate::model::{Context, ElementEntry};
-use crate::time::Input;
-use pullback_manifold::system::{CHART_EDGE, Evaluation, Point, System, SystemError, Weights};
+use pullback_manifold::domain::DomainError;
+use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
 use std::f64::consts::TAU;
 
 /// Largest number of nodes of an element.
@@ -42,10 +41,9 @@ impl Context {
     ) -> Result<(), SystemError> {
         let w = &mut self.work;
         w.t = t;
-        let inputs = self.model.inputs.iter().map(Input::get);
-        if inputs.clone().ne(w.inputs.iter().copied()) {
-            w.inputs.clear();
-            w.inputs.extend(inputs);
+        let inputs = &self.state.inputs;
+        if w.local.inputs != *inputs {
+            w.local.inputs.clone_from(inputs);
             w.dead_loads.forget();
             w.forget_motions();
         }
@@ -54,7 +52,7 @@ impl Context {
             // In statics the velocity of a prescribed coordinate is its derivative by the load
             // parameter; that of free coordinates stays zero.
             let c = p.coordinate;
-            [w.x[c], w.v[c], w.a[c]] = p.function.at(t);
+            [w.x[c], w.v[c], w.a[c]] = p.function.at(t, inputs);
             w.moving |= w.v[c] != 0.0;
         }
         for (&node, &turns) in (self.model.prescribed_rotations.iter()).zip(&self.state.turns) {
@@ -120,7 +118,7 @@ impl Context {
         for (k, (e, state)) in (model.elements.iter().zip(&self.state.elements)).enumerate() {
             let switched = state.switched;
             if state.overturned {
-                return Err(named(ElementError::Overturned { psi: TAU }, &e.name));
+                return Err(named(overturned(TAU), &e.name));
             }
             if !rates && reads_only_time(e, state) {
                 continue;
@@ -262,27 +260,7 @@ fn reads_only_time(e: &ElementEntry, state: &ElementState) -> bool {
     e.dead && state.switched == 0
 }
 
-pub(in crate::model) fn named(error: ElementError, name: &str) -> SystemError {
-    match error {
-        ElementError::OutsideChart { psi } => SystemError::OutsideChart {
-            edge: CHART_EDGE,
-            what: format!("element {name}"),
-            margin: TAU - psi,
-        },
-        ElementError::Overturned { psi } => SystemError::OutsideChart {
-            edge: TOO_FAR,
-            what: format!("element {name}"),
-            margin: TAU - psi,
-        },
-        ElementError::OutsideDomain { edge, margin } => SystemError::OutsideChart {
-            edge,
-            what: format!("element {name}"),
-            margin,
-        },
-        ElementError::ZeroLength { .. } => SystemError::OutsideChart {
-            edge: CHART_EDGE,
-            what: format!("element {name}, whose ends coincide,"),
-            margin: 0.0,
-        },
-    }
+pub(in crate::model) fn named(why: DomainError, name: &str) -> SystemError {
+    let what = format!("element {name}");
+    SystemError::Domain { what, why }
 }

@@ -17,8 +17,6 @@ pub(in crate::model) struct Workspace {
     pub a: Vec<f64>,
     /// Time of this state.
     pub t: f64,
-    /// Values set from outside, at the last evaluation.
-    pub inputs: Vec<f64>,
     /// Number of assemblies so far.
     pub assemblies: usize,
     /// Residual at all nodes: reactions at prescribed coordinates, with opposite sign.
@@ -115,7 +113,6 @@ impl Workspace {
             v: zeros(total),
             a: zeros(total),
             t: 0.0,
-            inputs: Vec::new(),
             assemblies: 0,
             r: zeros(total),
             r_t: zeros(total),

@@ -2,7 +2,7 @@
 
 use crate::element::Element;
 use crate::model::assembly::residual::MAX_NODES;
-use crate::model::kinematics::formulation::Formulation;
+use crate::model::kinematics::formulation::RotationMaps;
 use crate::model::kinematics::mapped_node::MappedNode;
 use crate::model::kinematics::pose::{add_pose, new_pose};
 use crate::model::loops::Closing;
@@ -87,8 +87,9 @@ pub struct ModelBuilder {
     pub(in crate::model) preferred: HashSet<NodeId>,
     /// Coordinates that follow another one by gears, and their ratios to it.
     gears: HashMap<NodeId, (NodeId, f64)>,
-    pub(in crate::model) formulation: Formulation,
-    pub(in crate::model) inputs: Vec<Input>,
+    /// Maps behind rotations that are free, if rotation vectors are not the unknowns.
+    pub(in crate::model) rotations: Option<RotationMaps>,
+    pub(in crate::model) inputs: Vec<f64>,
 }
 
 impl ModelBuilder {
@@ -106,13 +107,8 @@ impl ModelBuilder {
         name: impl Into<String>,
         position: [f64; 3],
     ) -> Result<NodeId, ModelError> {
-        self.add_node(
-            name.into(),
-            position,
-            NodeForm::Frame,
-            &FRAME_QUANTITIES,
-            Source::Own,
-        )
+        let (form, quantities) = (NodeForm::Frame, &FRAME_QUANTITIES);
+        self.add_node(name.into(), position, form, quantities, Source::Own)
     }
 
     /// Adds scalar coordinates, such as those of a joint.
@@ -124,13 +120,17 @@ impl ModelBuilder {
         name: impl Into<String>,
         quantities: &[Quantity],
     ) -> Result<NodeId, ModelError> {
-        self.add_node(
-            name.into(),
-            [0.0; 3],
-            NodeForm::Coordinates,
-            quantities,
-            Source::Own,
-        )
+        self.add_coordinates_of(name, NodeForm::Coordinates, quantities)
+    }
+
+    /// Adds coordinates of the model that belong to no frame.
+    pub(in crate::model) fn add_coordinates_of(
+        &mut self,
+        name: impl Into<String>,
+        form: NodeForm,
+        quantities: &[Quantity],
+    ) -> Result<NodeId, ModelError> {
+        self.add_node(name.into(), [0.0; 3], form, quantities, Source::Own)
     }
 
     /// Adds a rotation vector, such as the three coordinates of a spherical joint. Its chart
@@ -139,14 +139,7 @@ impl ModelBuilder {
     /// # Errors
     /// [`ModelError::DuplicateNode`].
     pub fn rotation(&mut self, name: impl Into<String>) -> Result<NodeId, ModelError> {
-        let quantities = [Quantity::Angle; 3];
-        self.add_node(
-            name.into(),
-            [0.0; 3],
-            NodeForm::Rotation,
-            &quantities,
-            Source::Own,
-        )
+        self.add_coordinates_of(name, NodeForm::Rotation, &[Quantity::Angle; 3])
     }
 
     /// Adds a frame node whose six coordinates are a map of those of `parents`.
@@ -181,8 +174,8 @@ impl ModelBuilder {
         self.add_node(name, position, NodeForm::Frame, &FRAME_QUANTITIES, source)
     }
 
-    /// Adds a frame node whose pose is a map of the coordinates of `parents`; a frame among them is the
-    /// node of its pose.
+    /// Adds a frame node whose pose is a map of the coordinates of `parents`; a frame among them is given by
+    /// the node of its pose.
     ///
     /// # Errors
     /// As [`ModelBuilder::mapped_node`].
@@ -195,8 +188,7 @@ impl ModelBuilder {
     ) -> Result<NodeId, ModelError> {
         let source = self.mapped(&name, FRAME, map, &[parents])?;
         let [frame, pose] = [0, 1].map(|k| self.nodes.len() as u32 + k);
-        let view = MappedNode::new(Box::new(ToChart::default()), vec![vec![pose]], FRAME);
-        let view = Source::Mapped(Box::new(view));
+        let view = Source::map(Box::new(ToChart::default()), vec![pose], FRAME);
         let id = self.add_node(name, position, NodeForm::Frame, &FRAME_QUANTITIES, view)?;
         let node = new_pose(&mut self.nodes, frame, source);
         self.nodes.push(node);
@@ -351,8 +343,7 @@ impl ModelBuilder {
         map: Box<dyn Parametrization>,
     ) {
         self.gears.insert(follower, (leader, ratio));
-        let mapped = MappedNode::new(map, vec![vec![leader.0]], 1);
-        self.nodes[follower.0 as usize].source = Source::Mapped(Box::new(mapped));
+        self.nodes[follower.0 as usize].source = Source::map(map, vec![leader.0], 1);
     }
 
     pub(in crate::model) fn check_own(
@@ -450,11 +441,11 @@ impl ModelBuilder {
         }
     }
 
-    /// Adds a value for loads and prescribed coordinates that is set from outside during a run.
+    /// Adds an input with its initial value, for loads and prescribed coordinates. Maps read it as a
+    /// prescribed coordinate.
     pub fn input(&mut self, value: f64) -> Input {
-        let input = Input::new(value);
-        self.inputs.push(input.clone());
-        input
+        self.inputs.push(value);
+        Input(self.inputs.len() - 1)
     }
 
     /// Prescribes a coordinate of a frame node as a function of time (of the load parameter in

@@ -4,7 +4,7 @@ use crate::constraint::{Multipliers, Penalty, PenaltyStiffness, Scaled};
 use crate::element::Element;
 use crate::model::build::builder::{ModelBuilder, NodeId};
 use crate::model::loops::{Closing, Coincide, EQUATIONS, Report};
-use crate::model::{ModelError, NodeForm, Source};
+use crate::model::{ModelError, NodeForm};
 use pullback_manifold::system::Quantity;
 
 /// Method of closing a loop.
@@ -68,14 +68,7 @@ impl ModelBuilder {
         count: usize,
     ) -> Result<NodeId, ModelError> {
         let quantities = vec![Quantity::Other; count];
-        let position = [0.0; 3];
-        self.add_node(
-            name.into(),
-            position,
-            NodeForm::Multipliers,
-            &quantities,
-            Source::Own,
-        )
+        self.add_coordinates_of(name, NodeForm::Multipliers, &quantities)
     }
 
     /// Adds the elements of all closures by multipliers or penalties, in a model of this size;
@@ -101,14 +94,12 @@ impl ModelBuilder {
                 Closure::Penalty(PenaltyStiffness { p, tau }) => {
                     let p_l2 = p * length * length;
                     let made = Penalty::<_, 12, 6>::new(h, PenaltyStiffness { p: p_l2, tau });
+                    let made = made.map_err(|source| ModelError::Penalty {
+                        joint: name.clone(),
+                        source,
+                    })?;
                     words = format!("joint {name}: closed by a penalty of {p}");
-                    Box::new(
-                        made.map_err(|source| ModelError::Penalty {
-                            joint: name.clone(),
-                            source,
-                        })?
-                        .named(&EQUATIONS),
-                    )
+                    Box::new(made.named(&EQUATIONS))
                 }
                 Closure::Map | Closure::Multipliers => {
                     nodes.push(self.multipliers(format!("multipliers of {name}"), 6)?);

@@ -1,7 +1,7 @@
 //! Check that every node of a model is connected to something.
 
 use crate::model::loops::Closing;
-use crate::model::{ElementEntry, ModelError, Node, Prescribed, Source};
+use crate::model::{ElementEntry, ModelError, Node, Prescribed};
 use std::collections::HashSet;
 
 /// Every own node must have an element that is not a load, directly or through a joint; a mapped
@@ -22,22 +22,15 @@ pub(in crate::model) fn check_connections(
     }
     // From the end of a chain to its beginning.
     for n in dependent.iter().rev().map(|&n| n as usize) {
-        if let Source::Mapped(d) = &nodes[n].source
-            && connected[n]
-        {
-            for &m in d.segments.iter().flatten() {
+        if connected[n] {
+            for m in nodes[n].all_parents() {
                 connected[m as usize] = true;
             }
         }
     }
     let held: HashSet<usize> = prescribed.iter().map(|p| p.coordinate).collect();
     let ends = closings.iter().flat_map(|c| [c.frame.0, c.child.0]);
-    let parents = dependent
-        .iter()
-        .flat_map(|&n| match &nodes[n as usize].source {
-            Source::Mapped(d) => d.segments.iter().flatten().copied().collect(),
-            Source::Own => Vec::new(),
-        });
+    let parents = nodes.iter().flat_map(Node::all_parents);
     for n in ends.chain(parents).map(|n| n as usize) {
         connected[n] |= nodes[n].range().all(|c| held.contains(&c));
     }

@@ -15,14 +15,14 @@ impl Alternatives {
     /// # Errors
     /// [`ModelError::Chain`] if there is not enough memory for all dependencies.
     pub(in crate::model) fn new(nodes: &[Node], order: &[u32]) -> Result<Self, ModelError> {
-        let own = |(n, node): (usize, &Node)| match node.source {
-            Source::Own => vec![vec![n as u32]],
-            Source::Mapped(_) => Vec::new(),
+        let own = |(n, node): (usize, &Node)| match node.is_own() {
+            true => vec![vec![n as u32]],
+            false => Vec::new(),
         };
         let mut all = Self(nodes.iter().enumerate().map(own).collect());
         let mut coordinates = 0.0;
         for &n in order {
-            if let Source::Mapped(d) = &nodes[n as usize].source {
+            if let Some(d) = nodes[n as usize].mapped() {
                 let mut sets: Vec<Vec<u32>> = d.segments.iter().flat_map(|s| all.of(s)).collect();
                 sets.sort_unstable();
                 sets.dedup();
@@ -85,10 +85,10 @@ pub(in crate::model) fn order(nodes: &[Node]) -> Vec<u32> {
             if std::mem::replace(&mut done[n as usize], true) {
                 continue;
             }
-            if let Source::Mapped(d) = &nodes[n as usize].source {
+            let node = &nodes[n as usize];
+            if !node.is_own() {
                 waiting.push((n, true));
-                let parents = d.segments.iter().flatten().rev();
-                waiting.extend(parents.map(|&m| (m, false)));
+                waiting.extend(node.all_parents().rev().map(|m| (m, false)));
             }
         }
     }
@@ -100,7 +100,7 @@ pub(in crate::model) fn behind(nodes: &[Node], maps: &Maps, group: &[u32]) -> Ve
     let (mut waiting, mut met) = (group.to_vec(), HashSet::new());
     while let Some(n) = waiting.pop() {
         if met.insert(n)
-            && let Source::Mapped(d) = &nodes[n as usize].source
+            && let Some(d) = nodes[n as usize].mapped()
         {
             waiting.extend(d.parents(maps));
         }

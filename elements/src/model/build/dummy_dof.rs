@@ -5,9 +5,10 @@
 
 #![allow(non_snake_case)]
 
-use crate::element::{Element, ElementError, Motion, Response};
+use crate::element::{Element, Motion, Response};
 use crate::model::loops::Report;
 use crate::model::{ModelBuilder, ModelError, NodeForm};
+use pullback_manifold::domain::DomainError;
 use pullback_manifold::system::Quantity;
 
 /// A unit mass on a unit spring; dim 1.
@@ -19,7 +20,7 @@ impl Element for DummyDof {
         1
     }
 
-    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
         out.r[0] -= at.x[0] + at.a.first().copied().unwrap_or(0.0);
         for one in [&mut out.K, &mut out.M].into_iter().flatten() {
             one[0] += 1.0;
@@ -59,8 +60,8 @@ impl ModelBuilder {
             let joints = self.nodes[frame as usize].name.clone();
             return Err(ModelError::LockedLoop { joints });
         }
-        let node = self.coordinates("nothing is free", &[Quantity::Other])?;
-        self.nodes[node.0 as usize].form = NodeForm::Dummy;
+        let node =
+            self.add_coordinates_of("nothing is free", NodeForm::Dummy, &[Quantity::Other])?;
         self.element("nothing is free", DummyDof, &[node])?;
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! The order in which nodes are numbered, and eliminated from the last to the first.
 
-use crate::model::{ElementEntry, Node, Prescribed, Source};
+use crate::model::{ElementEntry, Node, Prescribed};
 
 /// All nodes by their distance from the supports, counted in elements.
 ///
@@ -17,7 +17,7 @@ pub(in crate::model) fn outward(
     let indices = |nodes: &[u32]| nodes.iter().map(|&n| n as usize).collect::<Vec<_>>();
     groups.extend(elements.iter().map(|e| indices(&e.nodes)));
     for (n, node) in nodes.iter().enumerate() {
-        if let Source::Mapped(d) = &node.source {
+        if let Some(d) = node.mapped() {
             for parents in &d.segments {
                 groups.push(indices(parents));
                 groups.last_mut().into_iter().for_each(|g| g.push(n));

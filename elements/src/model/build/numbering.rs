@@ -10,10 +10,10 @@ use crate::model::constraints::start;
 use crate::model::kinematics::formulation;
 use crate::model::kinematics::pose::mark_unread;
 use crate::model::loops;
-use crate::model::state::State;
+use crate::model::state::ModelState;
 use crate::model::{
     Context, ElementEntry, FreeCoordinates, Model, ModelError, NONE, Node, NodeForm, Prescribed,
-    Source, Span, among,
+    Span, among,
 };
 use crate::time::TimeFunction;
 use pullback_manifold::sparse::BlockPattern;
@@ -35,18 +35,7 @@ impl ModelBuilder {
         if self.nodes.is_empty() {
             return Err(ModelError::Empty);
         }
-        let mut preferred = std::mem::take(&mut self.preferred);
-        preferred.extend(self.starts.keys().map(|&(n, _)| n));
-        let used = self.elements.iter().flat_map(|e| e.nodes.iter());
-        preferred.extend(used.map(|&n| NodeId(n)));
-        let preferences = loops::StartPreferences {
-            starts: &self.starts,
-            preferred,
-        };
-        let held = loops::Held(&self.prescribed);
-        let nodes = &mut self.nodes;
-        let mut reports = loops::close(nodes, &self.closings, &held, &preferences, length)?;
-        let positions = loops::positions(&self.nodes, &enforced, &held, &preferences, length);
+        let (mut reports, positions) = self.close_loops(&enforced, length)?;
         self.add_dummy_dof(&reports)?;
         reports.extend(forces);
         let Self {
@@ -55,22 +44,19 @@ impl ModelBuilder {
             mut prescribed,
             closings,
             starts,
-            formulation,
+            rotations,
             inputs,
             ..
         } = self;
-        formulation::apply(formulation, &mut nodes, &mut prescribed);
+        formulation::apply(rotations, &mut nodes, &mut prescribed);
         let mut total = 0;
         for node in &mut nodes {
             node.first = total;
             total += node.dim;
         }
-        let parents = |n: &Node| match &n.source {
-            Source::Mapped(d) => d.segments.concat(),
-            Source::Own => Vec::new(),
-        };
         let of_elements = elements.iter().flat_map(|e| e.nodes.iter().copied());
-        let read: Vec<u32> = of_elements.chain(nodes.iter().flat_map(parents)).collect();
+        let of_maps = nodes.iter().flat_map(Node::all_parents);
+        let read: Vec<u32> = of_elements.chain(of_maps).collect();
         mark_unread(&mut nodes, &read);
         let dependent = dependency_graph::order(&nodes);
         let alternatives = Alternatives::new(&nodes, &dependent)?;
@@ -86,14 +72,6 @@ impl ModelBuilder {
             mut scatter_map,
         } = Numbering::new(&nodes, &elements, &prescribed);
         let quantities: Vec<Quantity> = nodes.iter().flat_map(|n| n.quantities.clone()).collect();
-        // The pattern has room for all nodes that an element may depend on; a joint without
-        // elements carries no force. Elements on one body all have the same set.
-        let mut sets = HashSet::new();
-        for e in &elements {
-            sets.extend(alternatives.of(&e.nodes));
-        }
-        let block = |n: &u32| Some(scatter_map.blocks[*n as usize]).filter(|&b| b != NONE);
-        let blocks_of = |set: Vec<u32>| -> Vec<u32> { set.iter().filter_map(block).collect() };
         let of_form = |n: &Node| std::iter::repeat_n(n.form == NodeForm::Multipliers, n.dim);
         let multipliers: Vec<bool> = nodes.iter().flat_map(of_form).collect();
         let unit = |i: usize| match (multipliers[coordinates[i]], quantities[coordinates[i]]) {
@@ -101,7 +79,8 @@ impl ModelBuilder {
             (_, Quantity::Length) => length,
             _ => 1.0,
         };
-        let pattern = BlockPattern::new(&sizes, sets.into_iter().map(blocks_of)).with_units(unit);
+        let pattern = pattern(&elements, &alternatives, &scatter_map.blocks, &sizes);
+        let pattern = pattern.with_units(unit);
         for e in &mut elements {
             let held = |&n: &u32| scatter_map.rows[nodes[n as usize].range()].contains(&NONE);
             e.held = e.nodes.iter().any(held);
@@ -127,10 +106,7 @@ impl ModelBuilder {
         let spans = nodes.iter().map(span).collect();
         let is_enforced = |k: &usize| elements[*k].element.enforced().is_some();
         let enforced = (0..elements.len()).filter(is_enforced).collect();
-        let spin_frames = match formulation.velocity_kind() {
-            Some(_) => formulation::turning(&nodes).collect(),
-            None => Vec::new(),
-        };
+        let spin_frames = formulation::turning(&nodes).collect();
         let mut model = Model {
             nodes,
             spans,
@@ -140,9 +116,8 @@ impl ModelBuilder {
             elements,
             enforced,
             initial: Vec::new(),
-            start: State::default(),
+            start: ModelState::default(),
             prescribed,
-            inputs,
             prescribed_rotations,
             free: FreeCoordinates::new(&coordinates),
             coordinates,
@@ -154,9 +129,51 @@ impl ModelBuilder {
             pattern,
             work,
         };
-        model.start = State::new(&model);
+        model.start = ModelState::new(&model, inputs);
         assembled(model, starts, &positions)
     }
+
+    /// Closes loops by maps; returns the reports, and the start of loops that are closed by forces.
+    fn close_loops(
+        &mut self,
+        enforced: &[loops::Closing],
+        length: f64,
+    ) -> Result<(Vec<loops::Report>, loops::Positions), ModelError> {
+        let mut preferred = std::mem::take(&mut self.preferred);
+        preferred.extend(self.starts.keys().map(|&(n, _)| n));
+        let used = self.elements.iter().flat_map(|e| e.nodes.iter());
+        preferred.extend(used.map(|&n| NodeId(n)));
+        let preferences = loops::StartPreferences {
+            starts: &self.starts,
+            preferred,
+        };
+        let held = loops::Held {
+            functions: &self.prescribed,
+            inputs: &self.inputs,
+        };
+        let nodes = &mut self.nodes;
+        let reports = loops::close(nodes, &self.closings, &held, &preferences, length)?;
+        let positions = loops::positions(nodes, enforced, &held, &preferences, length);
+        Ok((reports, positions))
+    }
+}
+
+/// The pattern, with room for all nodes that an element may depend on; a joint without elements carries
+/// no force.
+fn pattern(
+    elements: &[ElementEntry],
+    alternatives: &Alternatives,
+    blocks: &[u32],
+    sizes: &[usize],
+) -> BlockPattern {
+    // Elements on one body all have the same set.
+    let sets: HashSet<Vec<u32>> = elements
+        .iter()
+        .flat_map(|e| alternatives.of(&e.nodes))
+        .collect();
+    let block = |n: &u32| Some(blocks[*n as usize]).filter(|&b| b != NONE);
+    let blocks_of = |set: Vec<u32>| -> Vec<u32> { set.iter().filter_map(block).collect() };
+    BlockPattern::new(sizes, sets.into_iter().map(blocks_of))
 }
 
 /// The model with its loops assembled from initial values.
@@ -254,7 +271,7 @@ fn levers(nodes: &[Node], elements: &[ElementEntry], extent: f64) -> [f64; 2] {
         look(&frames(&e.nodes));
     }
     for (n, node) in nodes.iter().enumerate() {
-        if let (Source::Mapped(d), true) = (&node.source, node.is_frame()) {
+        if let Some(d) = node.mapped().filter(|_| node.is_frame()) {
             for parents in &d.segments {
                 let mut group = frames(parents);
                 group.push(n);
@@ -283,7 +300,7 @@ fn check_reparametrized(
     prescribed: &[Prescribed],
 ) -> Result<(), ModelError> {
     for (n, node) in nodes.iter().enumerate() {
-        let Source::Mapped(d) = &node.source else {
+        let Some(d) = node.mapped() else {
             continue;
         };
         // Parents after the first are parameters, which are not reparametrized.
@@ -294,10 +311,7 @@ fn check_reparametrized(
             if parent.form == NodeForm::Increment {
                 continue;
             }
-            let reads = |k: usize| match &nodes[k].source {
-                Source::Mapped(d) => d.segments.iter().flatten().any(|&x| x == m),
-                Source::Own => false,
-            };
+            let reads = |k: usize| nodes[k].all_parents().any(|x| x == m);
             let element = elements.iter().find(|e| e.nodes.contains(&m));
             let other = (0..nodes.len()).find(|&k| k != n && reads(k));
             let held = prescribed
@@ -329,7 +343,7 @@ fn resolve_prescribed(
     prescribed: Vec<(NodeId, usize, Arc<dyn TimeFunction>)>,
 ) -> Result<Vec<Prescribed>, ModelError> {
     let mut out: Vec<Prescribed> = Vec::with_capacity(prescribed.len());
-    let mut taken = std::collections::HashSet::new();
+    let mut taken = HashSet::new();
     for (id, dof, function) in prescribed {
         let Some(node) = nodes.get(id.0 as usize) else {
             return Err(ModelError::ForeignNode {
@@ -344,7 +358,7 @@ fn resolve_prescribed(
             });
         }
         let coordinate = node.coordinate_name(dof);
-        if matches!(node.source, Source::Mapped(_)) {
+        if !node.is_own() {
             return Err(refuse_mapped(nodes, id.0, coordinate));
         }
         if !taken.insert(node.first + dof) {
@@ -364,15 +378,15 @@ fn refuse_mapped(nodes: &[Node], dependent: u32, coordinate: String) -> ModelErr
     let (mut waiting, mut own) = (vec![dependent], Vec::new());
     while let Some(n) = waiting.pop() {
         let node = &nodes[n as usize];
-        match &node.source {
-            Source::Mapped(d) if d.map.reparametrizes() => {
+        match node.mapped() {
+            Some(d) if d.map.reparametrizes() => {
                 let solved = node.name.clone();
                 return ModelError::PrescribedSolved { coordinate, solved };
             }
             // In the order of the parents.
-            Source::Mapped(d) => waiting.extend(d.initial_parents().iter().rev()),
-            Source::Own if own.contains(&node.name.as_str()) => {}
-            Source::Own => own.push(&node.name),
+            Some(d) => waiting.extend(d.initial_parents().iter().rev()),
+            None if own.contains(&node.name.as_str()) => {}
+            None => own.push(&node.name),
         }
     }
     let parents = own.join(", ");

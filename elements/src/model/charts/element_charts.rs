@@ -6,6 +6,7 @@
 //! move continuously, and a change of chart at its end keeps the rotation and may change the sign
 //! of the quaternion.
 
+use crate::model::charts::nodes::at_rest;
 use crate::model::state::ElementState;
 use crate::model::{Context, ElementEntry, NodeForm};
 use nalgebra::Vector3;
@@ -16,10 +17,6 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 /// Gain in angle (rad) that makes an element change its chart (hysteresis): an element on the
 /// border does not oscillate.
 const HYSTERESIS: f64 = 1e-6;
-
-/// Limit of the relative rotation of nodes, in messages.
-pub(in crate::model) const TOO_FAR: &str = "the range of relative rotation of its nodes, less than one turn: \
-                                  take more elements, or a revolute joint for what turns freely";
 
 /// Difference of rotation vectors (rad), beyond round-off, below which a state is an accepted one:
 /// by continuity the elements' charts are valid there.
@@ -77,19 +74,11 @@ impl Context {
         psi.norm() > PI + self.state.element_charts.late
     }
 
-    /// Nodes that each element evaluates through the complement map (bit k for node k): state of a
-    /// model besides the coordinates.
-    pub fn element_charts(&self) -> Vec<u32> {
-        self.state.elements.iter().map(|e| e.wanted).collect()
-    }
-
-    /// Restores the state from [`Context::element_charts`] of the same model; surplus entries are
-    /// ignored.
-    pub fn set_element_charts(&mut self, charts: &[u32]) {
+    /// Sets the charts of the elements for the next state; surplus entries are ignored.
+    pub(in crate::model) fn set_element_charts(&mut self, charts: &[u32]) {
         for (e, &switched) in self.state.elements.iter_mut().zip(charts) {
             (e.switched, e.wanted) = (switched, switched);
         }
-        self.work.dead_loads.forget();
         self.state.element_charts.given = true;
     }
 
@@ -97,15 +86,9 @@ impl Context {
     /// or those of this state when it was accepted, or else those in which neighbours agree: nodes
     /// are then less than half a turn apart.
     pub(in crate::model) fn start_element_charts(&mut self, t: f64, q: &[f64]) {
-        let at = Point {
-            t,
-            q,
-            v: &[],
-            a: &[],
-        };
         self.fold_prescribed_rotations(t);
         // A joint outside its domain is reported by the next evaluation.
-        if self.expand(at).is_err() {
+        if self.expand(at_rest(t, q)).is_err() {
             return;
         }
         self.gather_rotations(|s| &mut s.after);

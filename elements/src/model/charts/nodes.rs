@@ -3,9 +3,9 @@
 use crate::model::kinematics::complement::fold;
 use crate::model::kinematics::mapped_node::MappedNode;
 use crate::model::kinematics::node_entries::collect;
-use crate::model::{Context, Model, Node, NodeForm, Source, among};
+use crate::model::{Context, Model, Node, NodeForm, among};
 use nalgebra::Vector3;
-use pullback_manifold::chart::{Chart, Complement, RotationVector};
+use pullback_manifold::chart::Complement;
 use pullback_manifold::map::Map;
 use pullback_manifold::system::{ChartChanges, Point};
 use std::f64::consts::TAU;
@@ -26,10 +26,7 @@ impl Model {
     pub(in crate::model) fn free_rotation(&self, node: usize) -> Option<[Option<usize>; 3]> {
         let node = &self.nodes[node];
         let first = node.rotation().filter(|_| node.is_own())?;
-        let unknowns = std::array::from_fn(|i| {
-            let u = self.unknowns[first + i];
-            (u != crate::model::NONE).then_some(u as usize)
-        });
+        let unknowns = std::array::from_fn(|i| self.unknown_of(first + i));
         if unknowns.iter().all(Option::is_none) {
             return None;
         }
@@ -37,34 +34,33 @@ impl Model {
         let still = held.iter().all(|p| p.function.constant() == Some(0.0));
         still.then_some(unknowns)
     }
+
+    /// Writes new coordinates of a node and their rates to those of the unknowns; a held one stays.
+    fn write_back(
+        &self,
+        node: u32,
+        (x, x_dot, x_ddot): (&[f64], &[f64], &[Vec<f64>]),
+        q: &mut [f64],
+        v: &mut [f64],
+        accelerations: &mut [&mut [f64]],
+    ) {
+        for (i, c) in self.spans[node as usize].range().enumerate() {
+            let Some(u) = self.unknown_of(c) else {
+                continue;
+            };
+            q[u] = x[i];
+            if !v.is_empty() {
+                v[u] = x_dot[i];
+            }
+            for (a, x_ddot) in accelerations.iter_mut().zip(x_ddot) {
+                a[u] = x_ddot[i];
+            }
+        }
+    }
 }
 
 impl Context {
-    /// State of the maps between nodes, map by map: the independent coordinates of a closed loop and the
-    /// point from which it is solved. Last, the multiplier equations that are left out, if any.
-    pub fn save_maps(&self) -> Vec<Vec<f64>> {
-        let choice = (!self.state.chosen_at.is_empty()).then(|| self.save_choice());
-        let maps = self.state.maps.iter().map(|map| map.save());
-        maps.chain(choice).collect()
-    }
-
-    /// Restores the state from [`Context::save_maps`] of the same model; false if it belongs to another
-    /// model.
-    #[must_use]
-    pub fn restore_maps(&mut self, saved: &[Vec<f64>]) -> bool {
-        let (maps, choice) = saved.split_at(saved.len().min(self.model.dependent.len()));
-        let same = maps.len() == self.model.dependent.len()
-            && choice.len() == usize::from(!self.state.chosen_at.is_empty())
-            && choice.iter().all(|choice| self.restore_choice(choice));
-        let restored = same && {
-            let mut pairs = self.state.maps.iter_mut().zip(maps);
-            pairs.all(|(map, saved)| map.restore(saved))
-        };
-        self.forget();
-        restored
-    }
-
-    /// Changes the charts of nodes where needed ([`RotationVector`]: ψ > π), then those of the
+    /// Changes the charts of nodes where ψ > π, then those of the
     /// elements.
     pub(in crate::model) fn update_charts(
         &mut self,
@@ -84,12 +80,9 @@ impl Context {
             };
             let take = |from: &[f64]| Vector3::from_fn(|i, _| unknowns[i].map_or(0.0, |u| from[u]));
             let psi = take(q);
-            let Some(transition) = RotationVector
-                .transition(&psi)
-                .filter(|_| self.is_beyond(&psi))
-            else {
+            if !self.is_beyond(&psi) {
                 continue;
-            };
+            }
             changed += 1;
             let put = |to: &mut [f64], from: &Vector3<f64>| {
                 for (u, x) in unknowns.iter().zip(from.iter()) {
@@ -106,11 +99,11 @@ impl Context {
             let (mut x, mut first) = (psi, velocity);
             for a in accelerations.iter_mut() {
                 let mut second = take(a);
-                [x, first] = settled(&transition, &psi, &velocity, &mut second);
+                [x, first] = settled(&psi, &velocity, &mut second);
                 put(a, &second);
             }
             if accelerations.is_empty() {
-                [x, first] = settled(&transition, &psi, &velocity, &mut Vector3::zeros());
+                [x, first] = settled(&psi, &velocity, &mut Vector3::zeros());
             }
             put(q, &x);
             if !v.is_empty() {
@@ -160,16 +153,17 @@ impl Context {
             let mut all = std::mem::take(&mut self.work.reparametrizations);
             let later = all[next..].iter_mut().enumerate();
             let reparametrized = later.into_iter().find_map(|(k, c)| {
-                let Source::Mapped(d) = &self.model.nodes[c.node as usize].source else {
-                    return None;
-                };
+                let d = self.model.nodes[c.node as usize].mapped()?;
                 let a = &mut c.a[..accelerations.len()];
                 let map = &mut self.state.maps[d.index];
-                map.reparametrize(t, &mut c.q, &mut c.v, a).then_some(k)
+                let changed = map.reparametrize(t, &mut c.q, &mut c.v, a);
+                changed.then(|| (k, d.parents(&self.state.maps)[0]))
             });
-            if let Some(k) = reparametrized {
+            if let Some((k, parent)) = reparametrized {
                 self.work.forget_motions();
-                self.write_back(&all[next + k], q, v, accelerations);
+                let new = &all[next + k];
+                let new = (&new.q[..], &new.v[..], &new.a[..]);
+                self.model.write_back(parent, new, q, v, accelerations);
                 changed += 1;
                 next += k + 1;
             }
@@ -197,7 +191,7 @@ impl Context {
                 continue;
             }
             self.collect_increments(n, t, q, v, accelerations);
-            let Source::Mapped(d) = &self.model.nodes[n].source else {
+            let Some(d) = self.model.nodes[n].mapped() else {
                 continue;
             };
             let (own, buffers) = (&mut self.work.local, &mut self.work.accelerations);
@@ -208,48 +202,11 @@ impl Context {
             }
             changed += 1;
             self.work.motions[d.motion + 3 * d.direct + 1] = f64::NAN;
-            let range = self.model.spans[d.parents(&self.state.maps)[0] as usize].range();
-            for (i, c) in range.enumerate() {
-                // A held displacement does not change.
-                let u = self.model.unknowns[c];
-                if u == crate::model::NONE {
-                    continue;
-                }
-                let u = u as usize;
-                q[u] = x[i];
-                if !v.is_empty() {
-                    v[u] = x_dot[i];
-                }
-                for (a, x_ddot) in accelerations.iter_mut().zip(&*x_ddot) {
-                    a[u] = x_ddot[i];
-                }
-            }
+            let parent = d.parents(&self.state.maps)[0];
+            let new = (&*x, &*x_dot, &*x_ddot);
+            self.model.write_back(parent, new, q, v, accelerations);
         }
         changed
-    }
-
-    /// Writes the new coordinates of a map to the state.
-    fn write_back(
-        &self,
-        new: &Reparametrization,
-        q: &mut [f64],
-        v: &mut [f64],
-        accelerations: &mut [&mut [f64]],
-    ) {
-        let Source::Mapped(d) = &self.model.nodes[new.node as usize].source else {
-            return;
-        };
-        let range = self.model.spans[d.parents(&self.state.maps)[0] as usize].range();
-        for (i, c) in range.enumerate() {
-            let u = self.model.unknowns[c] as usize;
-            q[u] = new.q[i];
-            if !v.is_empty() {
-                v[u] = new.v[i];
-            }
-            for (a, new) in accelerations.iter_mut().zip(&new.a) {
-                a[u] = new[i];
-            }
-        }
     }
 
     /// Writes coordinates, velocities and all accelerations of the parents of all maps that may
@@ -306,7 +263,7 @@ impl Context {
             let first = self.model.nodes[node].first + 3;
             let mut psi = Vector3::zeros();
             for p in among(&self.model.prescribed, first..first + 3) {
-                psi[p.coordinate - first] = p.function.at(t)[0];
+                psi[p.coordinate - first] = p.function.at(t, &self.state.inputs)[0];
             }
             // Nearest whole number of turns, with the same switch at ψ > π as for free nodes.
             let wanted = (psi.norm() / TAU - 1e-12).round() as i32;
@@ -319,29 +276,28 @@ impl Context {
     }
 }
 
-/// A point with these rates, if there are any, so that what follows from it is evaluated once.
-pub(in crate::model) fn moving<'a>(
-    t: f64,
-    q: &'a [f64],
-    v: &'a [f64],
-    accelerations: &'a [&mut [f64]],
-) -> Point<'a> {
-    let (v, a) = match accelerations.first() {
-        Some(a) if !v.is_empty() => (v, &**a),
-        _ => (&[][..], &[][..]),
-    };
+/// A point without velocities and accelerations.
+pub(in crate::model) fn at_rest(t: f64, q: &[f64]) -> Point<'_> {
+    let (v, a) = (&[][..], &[][..]);
     Point { t, q, v, a }
+}
+
+/// A point with these rates, or at rest without them.
+fn moving<'a>(t: f64, q: &'a [f64], v: &'a [f64], accelerations: &'a [&mut [f64]]) -> Point<'a> {
+    match accelerations.first() {
+        Some(a) if !v.is_empty() => Point { t, q, v, a },
+        _ => at_rest(t, q),
+    }
 }
 
 /// A rotation vector and its rate, and a second rate in place, after a change of chart; a step may
 /// have rotated it by more than one turn, so whole turns are subtracted.
 fn settled(
-    transition: &Complement,
     psi: &Vector3<f64>,
     rate: &Vector3<f64>,
     second: &mut Vector3<f64>,
 ) -> [Vector3<f64>; 2] {
-    let mut k = transition.kinematics(0.0, psi, rate, second);
+    let mut k = Complement.kinematics(0.0, psi, rate, second);
     let turns = (k.x.norm() / TAU - 1e-12).round() as i32;
     fold(
         turns,
@@ -355,20 +311,13 @@ fn settled(
 
 /// Whether the rotation of a frame is by increments.
 fn by_increments(nodes: &[Node], node: &Node) -> bool {
-    match &node.source {
-        Source::Mapped(d) => {
-            let first = d.initial_parents().first();
-            first.is_some_and(|&m| nodes[m as usize].form == NodeForm::Increment)
-        }
-        Source::Own => false,
-    }
+    let first = node.mapped().and_then(|d| d.initial_parents().first());
+    first.is_some_and(|&m| nodes[m as usize].form == NodeForm::Increment)
 }
 
 /// The map of a node if it may reparametrize its coordinates, increments excepted.
 fn reparametrizing(nodes: &[Node], n: u32) -> Option<&MappedNode> {
     let node = &nodes[n as usize];
-    match &node.source {
-        Source::Mapped(d) if d.map.reparametrizes() && !by_increments(nodes, node) => Some(d),
-        _ => None,
-    }
+    let mapped = node.mapped().filter(|d| d.map.reparametrizes());
+    mapped.filter(|_| !by_increments(nodes, node))
 }

@@ -5,7 +5,7 @@
 use crate::model::assembly::workspace::Workspace;
 use crate::model::kinematics::mapped_node::{MappedNode, pull_back_forces};
 use crate::model::kinematics::node_entries::collect;
-use crate::model::{Context, Node, Source};
+use crate::model::{Context, Node};
 use pullback_manifold::system::{Point, SystemError};
 
 /// Buffers for maps with several segments.
@@ -33,8 +33,8 @@ impl Context {
     pub(in crate::model) fn enter_segments(&mut self, from: Point<'_>, to: Point<'_>, since: f64) {
         self.collect_overshoots(from, to);
         for (n, by, segment) in &self.work.segment_changes.overshoots {
-            if let (true, Source::Mapped(d)) = (*by >= since, &self.model.nodes[*n as usize].source)
-            {
+            let mapped = self.model.nodes[*n as usize].mapped();
+            if let Some(d) = mapped.filter(|_| *by >= since) {
                 self.state.maps[d.index].enter(*segment);
             }
         }
@@ -142,7 +142,7 @@ impl Context {
         }
         for (k, &n) in self.model.dependent.iter().enumerate().rev() {
             let node = &self.model.nodes[n as usize];
-            let Source::Mapped(d) = &node.source else {
+            let Some(d) = node.mapped() else {
                 continue;
             };
             let parents = match before {
@@ -159,10 +159,7 @@ impl Context {
 }
 
 fn segmented_map(node: &Node) -> Option<&MappedNode> {
-    match &node.source {
-        Source::Mapped(d) if d.segments.len() > 1 => Some(d),
-        _ => None,
-    }
+    node.mapped().filter(|d| d.segments.len() > 1)
 }
 
 fn is_segmented(node: &Node) -> bool {

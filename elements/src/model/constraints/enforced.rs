@@ -5,8 +5,9 @@
 use crate::constraint::{Levels, MAX_EQUATIONS};
 use crate::model::assembly::element_workspace::ElementWorkspace;
 use crate::model::kinematics::node_entries::collect;
-use crate::model::{Context, ElementEntry, Model, NodeForm, Source};
+use crate::model::{Context, ElementEntry, Model, NodeForm};
 use nalgebra::{DMatrix, DVector};
+use pullback_manifold::domain::DomainError;
 use pullback_manifold::system::{Point, Quantity, SystemError};
 use std::sync::Arc;
 
@@ -80,7 +81,7 @@ impl Context {
         let worse = |a: Option<f64>, b: f64| Some(a.map_or(b, |a| if a > b { a } else { b }));
         let mut worst = None;
         for &n in &self.model.dependent {
-            if let Source::Mapped(d) = &self.model.nodes[n as usize].source {
+            if let Some(d) = self.model.nodes[n as usize].mapped() {
                 let mut q = vec![0.0; d.direct];
                 let parents = d.parents(&self.state.maps);
                 collect(parents, &self.model.spans, &self.work.x, &mut q);
@@ -201,12 +202,13 @@ impl Context {
                     .overprescribed
                     .iter()
                     .find(|(of, _)| *of == (k, i));
-                let (edge, what) = match prescribed {
+                let (limit, what) = match prescribed {
                     None => (FOLLOWED, what),
                     Some((_, names)) => (OVERPRESCRIBED, format!("{what} (prescribed: {names})")),
                 };
                 let margin = -h.abs();
-                return Err(SystemError::OutsideChart { edge, what, margin });
+                let why = DomainError::Beyond { limit, margin };
+                return Err(SystemError::Domain { what, why });
             }
         }
         Ok(())

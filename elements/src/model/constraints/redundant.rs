@@ -2,11 +2,12 @@
 
 #![allow(non_snake_case)]
 
+use crate::model::charts::nodes::at_rest;
 use crate::model::constraints::enforced::Equations;
 use crate::model::constraints::start::start;
 use crate::model::{Context, Model, ModelError, NodeId};
 use nalgebra::{DMatrix, DVector};
-use pullback_manifold::system::{Point, System};
+use pullback_manifold::system::System;
 
 /// Remainder of a gradient, relative to the largest gradient, that counts as rounding.
 const RANK: f64 = 1e-8;
@@ -135,13 +136,7 @@ impl Context {
         }
         self.leave_out(&all, best);
         // Forces at this state are evaluated with these multipliers.
-        let still = Point {
-            t,
-            q,
-            v: &[],
-            a: &[],
-        };
-        self.expand(still).is_ok()
+        self.expand(at_rest(t, q)).is_ok()
     }
 
     /// State of the choice: the unknowns there, and the omitted equations.

@@ -3,13 +3,14 @@
 #![allow(non_snake_case)]
 
 use crate::model::assembly::workspace::Workspace;
-use crate::model::build::builder::{ModelBuilder, NodeId};
+use crate::model::build::builder::{FRAME, ModelBuilder, NodeId};
 use crate::model::kinematics::mapped_node::MappedNode;
 use crate::model::{Context, Model, NONE, Node, NodeForm, Source, among};
 use crate::time::TimeFunction;
 use nalgebra::{Matrix3, Vector3};
+use pullback_manifold::chart::{Charted, RotationChart, WienerMilenkovic};
 use pullback_manifold::map::{Increment, Parametrization};
-use pullback_manifold::so3::{Quaternion, Spin, VelocityKind};
+use pullback_manifold::so3::{self, Spin, VelocityKind};
 use pullback_manifold::system::{Evaluation, Point, SystemError, Weights};
 use std::collections::HashMap;
 use std::ops::Range;
@@ -43,18 +44,42 @@ pub enum Formulation {
     /// ωₙ + h Rₙ[(1−γ) Ω̇ₙ + γ Ω̇ₙ₊₁]. Components in two frames are added without transport, which
     /// costs every scheme an order; for demonstration.
     MixedSpins,
+    /// Total Lagrangian by the parameters of Wiener and Milenković, 4 tan(ψ/4) e, and their time
+    /// derivatives ([`WienerMilenkovic`]).
+    WienerMilenkovic,
 }
 
+/// The maps behind frames and behind rotations alone.
+pub(in crate::model) type RotationMaps = [Box<dyn Parametrization>; 2];
+
 impl Formulation {
-    /// The angular velocities that replace rates, if any.
-    pub(in crate::model) fn velocity_kind(self) -> Option<VelocityKind> {
+    /// Its maps, unless rotation vectors are the unknowns.
+    fn maps(self) -> Option<RotationMaps> {
+        let by_velocities = |kind| -> Option<RotationMaps> {
+            Some([
+                Box::new(Increment::<6>::with_velocities(kind)),
+                Box::new(Increment::<3>::with_velocities(kind)),
+            ])
+        };
         match self {
-            Self::Total | Self::Updated => None,
-            Self::LieGroup => Some(VelocityKind::Material),
-            Self::SpatialSpins => Some(VelocityKind::Spatial),
-            Self::MixedSpins => Some(VelocityKind::Mixed),
+            Self::Total => None,
+            Self::Updated => Some([
+                Box::new(Increment::<6>::default()),
+                Box::new(Increment::<3>::default()),
+            ]),
+            Self::LieGroup => by_velocities(VelocityKind::Material),
+            Self::SpatialSpins => by_velocities(VelocityKind::Spatial),
+            Self::MixedSpins => by_velocities(VelocityKind::Mixed),
+            Self::WienerMilenkovic => Some(charted(WienerMilenkovic)),
         }
     }
+}
+
+fn charted(chart: impl RotationChart) -> RotationMaps {
+    [
+        Box::new(Charted::<_, 6>::new(chart)),
+        Box::new(Charted::<_, 3>::new(chart)),
+    ]
 }
 
 impl ModelBuilder {
@@ -64,20 +89,25 @@ impl ModelBuilder {
     /// formulation in all of them (rotation vectors from the reference orientation, ψ < π): the
     /// first converged state centres the charts, and transforms them.
     pub fn formulate(&mut self, formulation: Formulation) {
-        self.formulation = formulation;
+        self.rotations = formulation.maps();
+    }
+
+    /// Selects the chart of rotations, in the total formulation: rotation vectors by default. As with
+    /// [`ModelBuilder::formulate`], initial values are those of rotation vectors.
+    pub fn chart_rotations(&mut self, chart: impl RotationChart) {
+        self.rotations = Some(charted(chart));
     }
 }
 
-/// Adds the increments behind the frames.
+/// Adds the unknowns behind the frames.
 pub(in crate::model) fn apply(
-    formulation: Formulation,
+    rotations: Option<RotationMaps>,
     nodes: &mut Vec<Node>,
     prescribed: &mut [(NodeId, usize, Arc<dyn TimeFunction>)],
 ) {
-    if formulation == Formulation::Total {
+    let Some([of_frames, alone]) = rotations else {
         return;
-    }
-    let kind = formulation.velocity_kind();
+    };
     let turns =
         |node: &Node| matches!(node.form, NodeForm::Frame | NodeForm::Rotation) && node.is_own();
     let mut turning: Vec<bool> = nodes.iter().map(turns).collect();
@@ -92,10 +122,9 @@ pub(in crate::model) fn apply(
     for n in (0..nodes.len()).filter(|&n| turning[n]) {
         let node = &nodes[n];
         let own = nodes.len() as u32;
-        let map: Box<dyn Parametrization> = if node.is_frame() {
-            Box::new(kind.map_or_else(Increment::<6>::default, Increment::with_velocities))
-        } else {
-            Box::new(kind.map_or_else(Increment::<3>::default, Increment::with_velocities))
+        let map = match node.is_frame() {
+            true => of_frames.clone(),
+            false => alone.clone(),
         };
         let mapped = MappedNode::new(map, vec![vec![own]], node.dim);
         let (name, quantities) = (node.name.clone(), node.quantities.clone());
@@ -133,27 +162,41 @@ impl Model {
         behind(&self.nodes, node).map_or(node, |own| &self.nodes[own])
     }
 
-    /// Number of rotations that are unknowns by increments ([`Formulation`]).
+    /// Number of rotations whose unknowns are not the rotation vector ([`Formulation`]).
     pub fn increments(&self) -> usize {
         turning(&self.nodes).count()
     }
 }
 
-impl Context {
-    /// Rₙ of a frame by increments, the identity for all others.
-    pub(in crate::model) fn turn_of(&self, node: &Node) -> Matrix3<f64> {
-        match (&node.source, behind(&self.model.nodes, node)) {
-            (Source::Mapped(d), Some(_)) => match self.state.maps[d.index].save()[..] {
-                [w, x, y, z, ..] => {
-                    let v = Vector3::new(x, y, z);
-                    Quaternion { w, v }.rotation()
-                }
-                _ => Matrix3::identity(),
-            },
-            _ => Matrix3::identity(),
+/// Rates of the three unknowns θ of a rotation with the angular velocity ω, where Ψ̇ = B θ̇ for the map
+/// behind it, if there is one.
+pub(in crate::model) fn rotation_rate(
+    map: Option<&mut Box<dyn Parametrization>>,
+    theta: &Vector3<f64>,
+    omega: &Vector3<f64>,
+) -> Vector3<f64> {
+    let Some(map) = map else {
+        return so3::tangent_inverse(theta).tr_mul(omega);
+    };
+    let n = map.dims().0;
+    let (mut q, mut x, mut operator) = ([0.0; FRAME], [0.0; FRAME], [0.0; FRAME * FRAME]);
+    q[n - 3..n].copy_from_slice(theta.as_slice());
+    map.tangent(0.0, &q[..n], &mut x[..n], &mut operator[..n * n]);
+    let psi = Vector3::from_column_slice(&x[n - 3..n]);
+    let Omega = so3::rotation(&psi).tr_mul(omega);
+    match map.velocity_kind() {
+        None => {
+            let B = Matrix3::from_fn(|i, j| operator[(n - 3 + j) * n + n - 3 + i]);
+            let psi_dot = so3::tangent_inverse(&psi).tr_mul(omega);
+            // B is regular within a chart.
+            B.lu().solve(&psi_dot).unwrap_or(psi_dot)
         }
+        Some(VelocityKind::Material) => Omega,
+        Some(VelocityKind::Spatial | VelocityKind::Mixed) => so3::rotation(theta) * Omega,
     }
+}
 
+impl Context {
     /// Number of assemblies of residual or tangent so far: one per evaluation, three for a tangent
     /// if rates are angular velocities.
     pub fn assemblies(&self) -> usize {
@@ -222,7 +265,8 @@ impl Context {
             let u = self.model.unknowns[c] as usize;
             if self.model.unknowns[c] == NONE {
                 let p = among(&self.model.prescribed, c..c + 1).first();
-                let [x, x_dot, x_ddot] = p.map_or([0.0; 3], |p| p.function.at(t));
+                let [x, x_dot, x_ddot] =
+                    p.map_or([0.0; 3], |p| p.function.at(t, &self.state.inputs));
                 (local.q[i], local.qv[i]) = (x, x_dot);
                 kept[..count].iter_mut().for_each(|a| a[i] = x_ddot);
                 continue;

@@ -9,11 +9,11 @@ use crate::model::assembly::scatter_map::ScatterMap;
 use crate::model::assembly::workspace::Workspace;
 use crate::model::kinematics::node_entries::collect;
 use crate::model::{Context, Node, NodeForm, Source, Span};
-use pullback_manifold::map::{KinematicsMut, OutsideDomain, Parametrization};
+use pullback_manifold::map::{KinematicsMut, Parametrization};
 use pullback_manifold::pullback::{self, Slot};
 use pullback_manifold::system::{ChartChanges, Point, SystemError, Weights};
 
-/// The maps of a [`State`](crate::model::State), by [`MappedNode::index`].
+/// The maps of a [`ModelState`](crate::model::ModelState), by [`MappedNode::index`].
 pub(in crate::model) type Maps = [Box<dyn Parametrization>];
 
 /// A map and its parents.
@@ -128,14 +128,10 @@ impl Context {
         }
         known[0] = f64::NAN;
         let [q, v, a] = [0, 1, 2].map(|i| &motion[1 + i * k..1 + (i + 1) * k]);
-        let margin = map.margin(t, q);
-        if margin.is_nan() || margin <= 0.0 {
-            let what = format!("joint at node {}", node.name);
-            return Err(match map.domain_error(t, q) {
-                OutsideDomain::Undefined(why) => SystemError::Unsolved { what, why },
-                OutsideDomain::Beyond(edge) => SystemError::OutsideChart { edge, what, margin },
-            });
-        }
+        map.domain(t, q).map_err(|why| SystemError::Domain {
+            what: format!("joint at node {}", node.name),
+            why,
+        })?;
         let own = node.range();
         let range = d.local..d.local + node.dim * d.direct;
         let out = KinematicsMut {

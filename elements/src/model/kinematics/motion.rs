@@ -2,14 +2,17 @@
 
 #![allow(non_snake_case)]
 
+use crate::blocks::three;
 use crate::model::build::builder::NodeId;
+use crate::model::charts::nodes::at_rest;
+use crate::model::kinematics::formulation::rotation_rate;
 use crate::model::kinematics::node_entries::collect;
 use crate::model::loops::upwards;
-use crate::model::{Context, Model, NONE, NodeForm, Source, among};
+use crate::model::{Context, Model, NONE, Node, NodeForm, among};
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::quotients::Quotients;
-use pullback_manifold::so3::{self, VelocityKind};
-use pullback_manifold::system::{Point, SystemError};
+use pullback_manifold::so3;
+use pullback_manifold::system::SystemError;
 use std::f64::consts::PI;
 
 /// State of one frame node.
@@ -50,8 +53,7 @@ impl Model {
     /// before a run, from the reference orientation.
     pub fn unknown_at(&self, node: NodeId, k: usize) -> Option<usize> {
         let n = self.carrier(&self.nodes[node.0 as usize]);
-        let u = (k < n.dim).then(|| self.unknowns[n.first + k])?;
-        (u != NONE).then_some(u as usize)
+        self.unknown_of((k < n.dim).then_some(n.first + k)?)
     }
 
     /// Sets coordinate `k` of a node in a vector of unknowns; false if it is not free.
@@ -71,27 +73,29 @@ impl Model {
     /// Initial value of a prescribed coordinate.
     fn prescribed_value(&self, c: usize) -> f64 {
         let p = among(&self.prescribed, c..c + 1).first();
-        p.map_or(0.0, |p| p.function.at(0.0)[0])
+        p.map_or(0.0, |p| p.function.at(0.0, &self.start.inputs)[0])
     }
 
     /// Nodes of joint coordinates and rotations, with their names.
     pub fn released(&self) -> impl Iterator<Item = (NodeId, &str, usize)> + '_ {
-        self.nodes
-            .iter()
-            .enumerate()
-            .filter(|(_, n)| matches!(n.form, NodeForm::Coordinates | NodeForm::Rotation))
-            .map(|(k, n)| (NodeId(k as u32), n.name.as_str(), n.dim))
+        let released = |n: &Node| matches!(n.form, NodeForm::Coordinates | NodeForm::Rotation);
+        let nodes = self.nodes_that(released);
+        nodes.map(|(id, n)| (id, n.name.as_str(), n.dim))
     }
 
     /// Frame nodes that are attached to joints, with their names.
     pub fn mapped_frames(&self) -> impl Iterator<Item = (NodeId, &str)> + '_ {
-        self.nodes
-            .iter()
-            .enumerate()
-            .filter(|(_, n)| {
-                n.form == NodeForm::Frame && matches!(self.carrier(n).source, Source::Mapped(_))
-            })
-            .map(|(k, n)| (NodeId(k as u32), n.name.as_str()))
+        let mapped = |n: &Node| n.form == NodeForm::Frame && !self.carrier(n).is_own();
+        self.nodes_that(mapped).map(|(id, n)| (id, n.name.as_str()))
+    }
+
+    /// The nodes that satisfy a condition.
+    pub(in crate::model) fn nodes_that(
+        &self,
+        condition: impl Fn(&Node) -> bool,
+    ) -> impl Iterator<Item = (NodeId, &Node)> {
+        let all = (0..).map(NodeId).zip(&self.nodes);
+        all.filter(move |(_, n)| condition(n))
     }
 }
 
@@ -100,7 +104,6 @@ impl Context {
     pub fn node_state(&self, node: NodeId) -> NodeState {
         let n = &self.model.nodes[node.0 as usize];
         let [x, v, a] = self.chart_motion(n);
-        let three = |x: &[f64; 6], k: usize| Vector3::new(x[k], x[k + 1], x[k + 2]);
         let (d, psi) = (three(&x, 0), three(&x, 3));
         let [psi_dot, psi_ddot] = [&v, &a].map(|x| three(x, 3));
         let R = so3::rotation(&psi);
@@ -159,7 +162,7 @@ impl Context {
         for report in &self.model.reports {
             let Some(x) = report.map else { continue };
             let n = &self.model.nodes[x as usize];
-            let Source::Mapped(d) = &n.source else {
+            let Some(d) = n.mapped() else {
                 continue;
             };
             let mut q = vec![0.0; d.direct];
@@ -172,8 +175,7 @@ impl Context {
             let closures = report.closures.iter().zip(&report.roots);
             for ((&(frame, child), roots), mu) in closures.zip(mu.chunks_exact(6)) {
                 let R = self.node_state(NodeId(child)).R;
-                let force = R * Vector3::new(mu[0], mu[1], mu[2]);
-                let moment = R * Vector3::new(mu[3], mu[4], mu[5]);
+                let [force, moment] = [0, 3].map(|k| R * three(mu, k));
                 for (end, sign) in [(frame, -1.0), (child, 1.0)] {
                     let path = upwards(&self.model.nodes, end);
                     let partner = self.model.nodes[node.0 as usize].partner;
@@ -216,8 +218,8 @@ impl Context {
         q: &mut [f64],
         given: &[usize],
     ) -> Result<Vec<usize>, SystemError> {
-        let (t, v, a) = (0.0, &[][..], &[][..]);
-        self.expand(Point { t, q, v, a })?;
+        let t = 0.0;
+        self.expand(at_rest(t, q))?;
         let closing = self
             .model
             .enforced
@@ -232,7 +234,7 @@ impl Context {
             // The frames above have been rotated already.
             self.expand_node(t, n)?;
             let rotation = self.free_rotation_of(NodeId(n));
-            let Source::Mapped(d) = &self.model.nodes[n as usize].source else {
+            let Some(d) = self.model.nodes[n as usize].mapped() else {
                 continue;
             };
             let mut parents = d
@@ -270,7 +272,7 @@ impl Context {
     /// coordinates `q` to `v`: displacements move with v + ω × (x − about), rotation vectors with Ψ̇
     /// = T⁻ᵀ ω. Joint coordinates stay at rest: see [`Context::fit_rates`].
     pub fn set_velocity(
-        &self,
+        &mut self,
         q: &[f64],
         v: &mut [f64],
         nodes: Option<&[NodeId]>,
@@ -285,15 +287,15 @@ impl Context {
         };
         for id in chosen {
             let n = &self.model.nodes[id.0 as usize];
-            let own = self.carrier(n);
+            let own = self.model.carrier(n);
             if !own.is_own() {
                 continue;
             }
             let value = |c: usize| match self.model.unknowns[c] {
-                NONE => self.prescribed_value(c),
+                NONE => self.model.prescribed_value(c),
                 u => q[u as usize],
             };
-            let three = |c: usize| Vector3::new(value(c), value(c + 1), value(c + 2));
+            let vector = |c: usize| Vector3::new(value(c), value(c + 1), value(c + 2));
             let mut put = |c: usize, x: &Vector3<f64>| {
                 for (k, x) in x.iter().enumerate() {
                     if self.model.unknowns[c + k] != NONE {
@@ -302,24 +304,14 @@ impl Context {
                 }
             };
             if n.form == NodeForm::Frame {
-                let position = n.position + three(own.first);
+                let position = n.position + vector(own.first);
                 let arm = position - motion.about;
                 put(own.first, &(motion.velocity + motion.omega.cross(&arm)));
             }
             if n.rotation().is_some() {
-                // ω = Tᵀ Ψ̇; by increments ω = Rₙ Tᵀ θ̇, R Ω or Rₙ w.
                 let first = own.first + n.dim - 3;
-                let theta = three(first);
-                let omega = self.turn_of(n).tr_mul(&motion.omega);
-                let kind = match &n.source {
-                    Source::Mapped(d) => self.state.maps[d.index].velocity_kind(),
-                    Source::Own => None,
-                };
-                let rate = match kind {
-                    None => so3::tangent_inverse(&theta).tr_mul(&omega),
-                    Some(VelocityKind::Material) => so3::rotation(&theta).tr_mul(&omega),
-                    Some(VelocityKind::Spatial | VelocityKind::Mixed) => omega,
-                };
+                let map = n.mapped().map(|d| &mut self.state.maps[d.index]);
+                let rate = rotation_rate(map, &vector(first), &motion.omega);
                 put(first, &rate);
             }
         }
@@ -328,7 +320,7 @@ impl Context {
     /// The node whose coordinates are the rotation of a frame: the frame itself, or the rotation of
     /// a joint such as a spherical one.
     pub fn free_rotation_of(&self, node: NodeId) -> NodeId {
-        let Source::Mapped(d) = &self.model.nodes[node.0 as usize].source else {
+        let Some(d) = self.model.nodes[node.0 as usize].mapped() else {
             return node;
         };
         let released = |&&n: &&u32| self.model.nodes[n as usize].form == NodeForm::Rotation;
@@ -340,21 +332,17 @@ impl Context {
 
     /// Scalar unknowns that belong to no frame, rotation vector or loop: the joint coordinates.
     pub fn single_unknowns(&self) -> Vec<usize> {
-        let chosen = |&n: &u32| match &self.model.nodes[n as usize].source {
-            Source::Mapped(d) if d.map.reparametrizes() => {
-                d.parents(&self.state.maps).first().copied()
-            }
-            _ => None,
+        let chosen = |&n: &u32| {
+            let mapped = self.model.nodes[n as usize].mapped();
+            let loops = mapped.filter(|d| d.map.reparametrizes())?;
+            loops.parents(&self.state.maps).first().copied()
         };
         let of_loops: Vec<u32> = self.model.dependent.iter().filter_map(chosen).collect();
-        let nodes = (0..).zip(&self.model.nodes);
-        let single = nodes.filter(|(k, n)| {
-            n.form == NodeForm::Coordinates && n.dim == 1 && n.is_own() && !of_loops.contains(k)
-        });
-        let unknowns = single.map(|(_, n)| self.model.unknowns[n.first]);
-        unknowns
-            .filter(|&u| u != NONE)
-            .map(|u| u as usize)
+        let scalar = |n: &Node| n.form == NodeForm::Coordinates && n.dim == 1 && n.is_own();
+        let nodes = self.nodes_that(scalar);
+        nodes
+            .filter(|(id, _)| !of_loops.contains(&id.0))
+            .filter_map(|(_, n)| self.unknown_of(n.first))
             .collect()
     }
 }

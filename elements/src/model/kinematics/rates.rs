@@ -2,10 +2,12 @@
 
 #![allow(non_snake_case)]
 
+use crate::model::assembly::workspace::Workspace;
 use crate::model::build::builder::NodeId;
 use crate::model::build::dependency_graph::behind;
+use crate::model::kinematics::mapped_node::MappedNode;
 use crate::model::kinematics::motion::RigidMotion;
-use crate::model::{Context, Model, NONE, NodeForm, Source};
+use crate::model::{Context, Model, NodeForm};
 use nalgebra::{DMatrix, DVector, Vector6};
 use pullback_manifold::so3;
 use pullback_manifold::system::{Point, SystemError};
@@ -20,29 +22,19 @@ pub const BEFORE_START: f64 = 0.0_f64.next_down();
 
 impl Model {
     /// The map of a frame among `nodes`.
-    fn chosen(
-        &self,
-        n: u32,
-        nodes: Option<&[NodeId]>,
-    ) -> Option<&crate::model::kinematics::mapped_node::MappedNode> {
+    fn chosen(&self, n: u32, nodes: Option<&[NodeId]>) -> Option<&MappedNode> {
         let node = &self.nodes[n as usize];
         let frame = match node.form {
             NodeForm::Pose => node.partner,
             _ => n,
         };
         let chosen = nodes.is_none_or(|nodes| nodes.contains(&NodeId(frame)));
-        match &node.source {
-            Source::Mapped(d) if chosen && node.is_frame() => Some(d),
-            _ => None,
-        }
+        node.mapped().filter(|_| chosen && node.is_frame())
     }
 
     /// The coordinates of the loop of a coordinate.
     fn loop_of(&self, n: u32) -> Option<u32> {
-        let Source::Mapped(d) = &self.nodes[n as usize].source else {
-            return None;
-        };
-        let &[x] = d.initial_parents() else {
+        let &[x] = self.nodes[n as usize].mapped()?.initial_parents() else {
             return None;
         };
         self.reports.iter().any(|r| r.map == Some(x)).then_some(x)
@@ -98,7 +90,7 @@ impl Context {
                     parents.any(|&m| self.loop_of(m) == Some(x))
                 })
                 .collect();
-            let Source::Mapped(d) = &model.nodes[x as usize].source else {
+            let Some(d) = model.nodes[x as usize].mapped() else {
                 continue;
             };
             // A locked loop has no coordinates of its own.
@@ -125,38 +117,25 @@ impl Context {
         parents: &[u32],
         motion: &RigidMotion,
     ) -> Result<f64, SystemError> {
-        let a = vec![0.0; v.len()];
+        let model = Arc::clone(&self.model);
         let unknowns: Vec<usize> = (parents.iter())
-            .flat_map(|&m| self.model.nodes[m as usize].range())
-            .filter(|&c| self.model.unknowns[c] != NONE)
-            .map(|c| self.model.unknowns[c] as usize)
+            .flat_map(|&m| model.nodes[m as usize].range())
+            .filter_map(|c| model.unknown_of(c))
             .collect();
         if unknowns.is_empty() {
             return Ok(0.0);
         }
         let unit = self.model.length.recip();
         let unit = Vector6::new(unit, unit, unit, 1.0, 1.0, 1.0);
-        let mut rates = |v: &[f64]| -> Result<DVector<f64>, SystemError> {
-            self.expand(Point {
-                t: BEFORE_START,
-                q,
-                v,
-                a: &a,
-            })?;
+        let rates = |work: &Workspace| {
             let mut all = Vec::with_capacity(6 * frames.len());
             for &n in frames {
-                let own = &self.work.v[self.model.nodes[n as usize].range()];
+                let own = &work.v[model.nodes[n as usize].range()];
                 all.extend(Vector6::from_column_slice(own).component_mul(&unit).iter());
             }
-            Ok(DVector::from_vec(all))
+            DVector::from_vec(all)
         };
-        let now = rates(v)?;
-        let mut columns = DMatrix::zeros(now.len(), unknowns.len());
-        for (k, &u) in unknowns.iter().enumerate() {
-            v[u] += 1.0;
-            columns.set_column(k, &(rates(v)? - &now));
-            v[u] -= 1.0;
-        }
+        let (now, columns) = self.rates_by_unknowns(q, v, &unknowns, rates)?;
         let mut wanted = DVector::zeros(now.len());
         for (k, &n) in frames.iter().enumerate() {
             let state = self.node_state(NodeId(n));
@@ -170,13 +149,7 @@ impl Context {
                 .fixed_rows_mut::<6>(6 * k)
                 .copy_from(&both.component_mul(&unit));
         }
-        let mut missing = &wanted - &now;
-        if let Ok(more) = columns.clone().svd(true, true).solve(&missing, 1e-9) {
-            for (&u, more) in unknowns.iter().zip(more.iter()) {
-                v[u] += more;
-            }
-            missing -= columns * more;
-        }
+        let missing = add_fitted(v, &unknowns, columns, &wanted - &now);
         let size = wanted.amax().max(now.amax());
         Ok(if size > 0.0 {
             missing.amax() / size
@@ -190,10 +163,7 @@ impl Context {
         let group: Vec<u32> = nodes.iter().map(|n| n.0).collect();
         let own = behind(&self.model.nodes, &self.state.maps, &group);
         let all = (own.iter()).flat_map(|&m| self.model.nodes[m as usize].range());
-        let unknowns = all.map(|c| self.model.unknowns[c]);
-        let mut free: Vec<usize> = (unknowns.filter(|&u| u != NONE))
-            .map(|u| u as usize)
-            .collect();
+        let mut free: Vec<usize> = all.filter_map(|c| self.unknown_of(c)).collect();
         free.sort_unstable();
         free
     }
@@ -210,39 +180,63 @@ impl Context {
         v: &mut [f64],
         rates: &[(NodeId, usize, f64)],
     ) -> Result<f64, SystemError> {
-        let a = vec![0.0; v.len()];
         let of: Vec<NodeId> = rates.iter().map(|r| r.0).collect();
         let unknowns = self.unknowns_behind(&of);
-        let mut now = |v: &[f64]| -> Result<DVector<f64>, SystemError> {
-            let t = BEFORE_START;
-            self.expand(Point { t, q, v, a: &a })?;
-            let rate = |&(n, k, _): &(NodeId, usize, f64)| {
-                self.work.v[self.model.nodes[n.0 as usize].first + k]
-            };
-            Ok(DVector::from_iterator(rates.len(), rates.iter().map(rate)))
+        let model = Arc::clone(&self.model);
+        let of_nodes = |work: &Workspace| {
+            let rate =
+                |&(n, k, _): &(NodeId, usize, f64)| work.v[model.nodes[n.0 as usize].first + k];
+            DVector::from_iterator(rates.len(), rates.iter().map(rate))
         };
         let wanted = DVector::from_iterator(rates.len(), rates.iter().map(|r| r.2));
-        let missing = wanted - now(v)?;
+        let (now, columns) = self.rates_by_unknowns(q, v, &unknowns, of_nodes)?;
+        let missing = wanted - now;
         // Prescribed or locked coordinates keep their rates.
         if unknowns.is_empty() {
             return Ok(missing.amax());
         }
-        let mut columns = DMatrix::zeros(rates.len(), unknowns.len());
-        let start = now(v)?;
+        Ok(add_fitted(v, &unknowns, columns, missing).amax())
+    }
+
+    /// Rates at `q` and [`BEFORE_START`] with velocities `v`, and their derivatives by those of some unknowns.
+    fn rates_by_unknowns(
+        &mut self,
+        q: &[f64],
+        v: &mut [f64],
+        unknowns: &[usize],
+        rates: impl Fn(&Workspace) -> DVector<f64>,
+    ) -> Result<(DVector<f64>, DMatrix<f64>), SystemError> {
+        let (t, a) = (BEFORE_START, vec![0.0; v.len()]);
+        let mut at = |v: &[f64]| {
+            self.expand(Point { t, q, v, a: &a })
+                .map(|()| rates(&self.work))
+        };
+        let now = at(v)?;
+        let mut columns = DMatrix::zeros(now.len(), unknowns.len());
         for (k, &u) in unknowns.iter().enumerate() {
             v[u] += 1.0;
-            columns.set_column(k, &(now(v)? - &start));
+            columns.set_column(k, &(at(v)? - &now));
             v[u] -= 1.0;
         }
-        let left = match columns.clone().svd(true, true).solve(&missing, 1e-9) {
-            Ok(more) => {
-                for (&u, more) in unknowns.iter().zip(more.iter()) {
-                    v[u] += more;
-                }
-                missing - columns * more
+        Ok((now, columns))
+    }
+}
+
+/// Adds the smallest change of velocities that gives the missing rates by least squares; returns what
+/// is still missing.
+fn add_fitted(
+    v: &mut [f64],
+    unknowns: &[usize],
+    columns: DMatrix<f64>,
+    missing: DVector<f64>,
+) -> DVector<f64> {
+    match columns.clone().svd(true, true).solve(&missing, 1e-9) {
+        Ok(more) => {
+            for (&u, more) in unknowns.iter().zip(more.iter()) {
+                v[u] += more;
             }
-            Err(_) => missing,
-        };
-        Ok(left.amax())
+            missing - columns * more
+        }
+        Err(_) => missing,
     }
 }

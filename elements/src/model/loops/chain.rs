@@ -2,7 +2,7 @@
 
 use super::set::{self, Inputs};
 use super::{Closing, Held};
-use crate::model::{ModelError, Node, NodeForm, Source};
+use crate::model::{ModelError, Node, NodeForm};
 use pullback_manifold::map::{Parametrization, Read};
 use pullback_manifold::system::Quantity;
 
@@ -22,7 +22,7 @@ pub(super) struct Chain {
 pub(in crate::model) fn upwards(nodes: &[Node], n: u32) -> Vec<u32> {
     let mut out = vec![n];
     let mut at = n;
-    while let Source::Mapped(d) = &nodes[at as usize].source {
+    while let Some(d) = nodes[at as usize].mapped() {
         let frame = |m: &&u32| nodes[**m as usize].is_frame();
         let mut parents = d.initial_parents().iter().filter(frame);
         match (parents.next(), parents.next(), d.segments.len()) {
@@ -68,9 +68,9 @@ impl Chain {
         for (end, chain) in ends.iter_mut().zip([&a, &b]) {
             let last = chain[chain.len() - 1];
             let node = &nodes[last as usize];
-            let steady = match &node.source {
-                Source::Own => (0..6).all(|k| held.function(last as usize, k).is_some()),
-                Source::Mapped(_) => reads_no_frame(nodes, last),
+            let steady = match node.is_own() {
+                true => (0..6).all(|k| held.function(last as usize, k).is_some()),
+                false => reads_no_frame(nodes, last),
             };
             if !steady {
                 return Err(loose(nodes, frame, last));
@@ -109,13 +109,9 @@ fn loose(nodes: &[Node], frame: u32, end: u32) -> ModelError {
 
 /// Whether a frame follows from scalar coordinates alone.
 fn reads_no_frame(nodes: &[Node], n: u32) -> bool {
-    match &nodes[n as usize].source {
-        Source::Own => false,
-        Source::Mapped(d) => {
-            let no_frame = |m: &u32| !nodes[*m as usize].is_frame();
-            d.segments.len() == 1 && d.initial_parents().iter().all(no_frame)
-        }
-    }
+    let no_frame = |m: &u32| !nodes[*m as usize].is_frame();
+    let mapped = nodes[n as usize].mapped();
+    mapped.is_some_and(|d| d.segments.len() == 1 && d.initial_parents().iter().all(no_frame))
 }
 
 /// The own scalar coordinate nodes along both chains below the root.
@@ -126,10 +122,11 @@ pub(super) fn coordinates(nodes: &[Node], chain: &Chain) -> Vec<u32> {
         if chain.root == Some(n) {
             continue;
         }
-        match &nodes[n as usize].source {
-            Source::Mapped(d) => waiting.extend(d.initial_parents()),
-            Source::Own if nodes[n as usize].form != NodeForm::Frame => out.push(n),
-            Source::Own => {}
+        let node = &nodes[n as usize];
+        match node.mapped() {
+            Some(d) => waiting.extend(d.initial_parents()),
+            None if node.form != NodeForm::Frame => out.push(n),
+            None => {}
         }
     }
     out.sort_unstable();
@@ -150,7 +147,10 @@ pub(super) fn root_matters(
         return false;
     }
     let own = coordinates(nodes, chain);
-    let nothing = Held(&[]);
+    let nothing = Held {
+        functions: &[],
+        inputs: &[],
+    };
     let inputs = Inputs::new(nodes, &own, &[root], &nothing);
     let mut tree = set::tree(nodes, std::slice::from_ref(chain), &inputs);
     let at = |first: usize| inputs.nodes.iter().find(|(_, f)| *f == first);

@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case)]
 
+use crate::blocks::{three, three_or_zero};
 use crate::joint::Pose;
 use nalgebra::{Matrix3, SVector, Vector3};
 use pullback_manifold::map::pose::orientation;
@@ -29,7 +30,7 @@ impl Map<12, 6> for Coincide {
     }
 }
 
-/// The same of the poses of the two frames, in closed form.
+/// The same equations of the poses of the two frames, in closed form.
 ///
 /// With R of frame b, g the gap, (w, v) the quaternion, u = Rᵀ(δθ_a − δθ_b) and L = w − v~,
 ///
@@ -65,14 +66,10 @@ fn turned(A: [Matrix3<f64>; 3], at: &Apart) -> [Matrix3<f64>; 3] {
 
 impl CoincidePoses {
     fn at(&self, [q, v, a]: [&[f64]; 3]) -> Apart {
-        let three = |x: &[f64], k: usize| {
-            x.get(k..k + 3)
-                .map_or_else(Vector3::zeros, Vector3::from_column_slice)
-        };
-        let between = |x: &[f64], k: usize| three(x, k) - three(x, 6 + k);
+        let between = |x: &[f64], k: usize| three_or_zero(x, k) - three_or_zero(x, 6 + k);
         let [of_a, of_b] = [&q[..6], &q[6..]].map(orientation);
         let R = of_b.rotation();
-        let [Omega, Omega_dot] = [v, a].map(|x| R.tr_mul(&three(x, 9)));
+        let [Omega, Omega_dot] = [v, a].map(|x| R.tr_mul(&three_or_zero(x, 9)));
         let g = R.tr_mul(&(between(q, 0) + self.0.apart));
         let shift = R.tr_mul(&between(v, 0));
         let g_dot = shift + g.cross(&Omega);
@@ -134,7 +131,7 @@ impl Parametrization for CoincidePoses {
     fn geometric_stiffness(&mut self, _t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
         let at = self.at([q, &[], &[]]);
         let (w, v) = (at.w[0], at.v[0]);
-        let [f, mu] = [0, 3].map(|k| Vector3::new(f[k], f[k + 1], f[k + 2]));
+        let [f, mu] = [0, 3].map(|k| three(f, k));
         let force = skew(&(at.R * f));
         let arm = skew(&(at.R * at.g[0]));
         let moment = skew(&(at.R * (mu * w + v.cross(&mu))));

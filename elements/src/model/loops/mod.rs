@@ -23,7 +23,6 @@ use super::{ModelError, Node, Source};
 use crate::joint::{JointMap, Offset};
 use crate::model::build::builder::{FRAME, ModelBuilder, NodeId};
 use crate::model::build::closures::Closure;
-use crate::model::kinematics::mapped_node::MappedNode;
 use crate::model::kinematics::pose::add_pose;
 use crate::time::TimeFunction;
 pub(in crate::model) use chain::upwards;
@@ -57,7 +56,7 @@ pub(in crate::model) struct Closing {
 }
 
 /// A part of the report on loops: text, or a map with a description.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(in crate::model) struct Report {
     pub words: String,
     pub map: Option<u32>,
@@ -74,10 +73,7 @@ impl Report {
     pub(in crate::model) fn say(words: String) -> Self {
         Self {
             words,
-            map: None,
-            closures: Vec::new(),
-            roots: Vec::new(),
-            element: None,
+            ..Self::default()
         }
     }
 }
@@ -106,7 +102,7 @@ impl ModelBuilder {
     }
 
     /// Prefers this joint coordinate as an independent one of its loop, if it is about as good as
-    /// others. Coordinates with a spring, a motor or an initial value are preferred by default;
+    /// others. Coordinates with a spring, an actuator or an initial value are preferred by default;
     /// next come those near the root of the loop.
     pub fn prefer(&mut self, node: NodeId) {
         self.preferred.insert(node);
@@ -122,19 +118,28 @@ pub(in crate::model) struct StartPreferences<'a> {
 }
 
 /// Prescribed coordinates of the builder's nodes.
-pub(in crate::model) struct Held<'a>(pub &'a [(NodeId, usize, Arc<dyn TimeFunction>)]);
+pub(in crate::model) struct Held<'a> {
+    pub functions: &'a [(NodeId, usize, Arc<dyn TimeFunction>)],
+    pub inputs: &'a [f64],
+}
 
 impl Held<'_> {
     fn function(&self, node: usize, k: usize) -> Option<&dyn TimeFunction> {
         let found = self
-            .0
+            .functions
             .iter()
             .find(|(n, i, _)| n.0 as usize == node && *i == k);
         found.map(|(.., f)| &**f)
     }
 
+    /// Value at the start, if coordinate `k` is prescribed.
+    fn initial(&self, node: usize, k: usize) -> Option<f64> {
+        let function = self.function(node, k)?;
+        Some(function.at(0.0, self.inputs)[0])
+    }
+
     fn any(&self, node: usize) -> bool {
-        self.0.iter().any(|(n, ..)| n.0 as usize == node)
+        self.functions.iter().any(|(n, ..)| n.0 as usize == node)
     }
 
     /// Whether a node is fixed as drawn.
@@ -145,11 +150,8 @@ impl Held<'_> {
 
 /// Whether node n follows from node `from`, through any number of maps.
 fn follows(nodes: &[Node], n: u32, from: u32) -> bool {
-    n == from
-        || match &nodes[n as usize].source {
-            Source::Own => false,
-            Source::Mapped(d) => (d.segments.iter().flatten()).any(|&m| follows(nodes, m, from)),
-        }
+    let mut parents = nodes[n as usize].all_parents();
+    n == from || parents.any(|m| follows(nodes, m, from))
 }
 
 /// Closes all loops; adds nodes of the loops' coordinates after the others.
@@ -169,8 +171,9 @@ pub(in crate::model) fn close(
             true => &nodes[a.partner as usize],
             false => a,
         };
-        if let Source::Mapped(d) = &joint.source
-            && (d.segments.iter().flatten()).any(|&m| [child.0, b.partner].contains(&m))
+        if joint
+            .all_parents()
+            .any(|m| [child.0, b.partner].contains(&m))
         {
             return Err(ModelError::OwnParent {
                 joint: a.name.clone(),
@@ -195,14 +198,14 @@ pub(in crate::model) fn close(
         }
         let words = format!("joint {}: {} is attached to it", a.name, b.name);
         reports.push(Report::say(words));
-        let same = Box::new(JointMap::new(Offset {
+        let same = JointMap::new(Offset {
             c: Vector3::zeros(),
-        }));
-        let mapped = MappedNode::new(same, vec![vec![add_pose(nodes, frame.0)]], FRAME);
+        });
+        let parent = add_pose(nodes, frame.0);
         let pose = add_pose(nodes, child.0);
-        nodes[pose as usize].source = Source::Mapped(Box::new(mapped));
-        let view = MappedNode::new(Box::new(ToChart::default()), vec![vec![pose]], FRAME);
-        nodes[child.0 as usize].source = Source::Mapped(Box::new(view));
+        nodes[pose as usize].source = Source::map(Box::new(same), vec![parent], FRAME);
+        nodes[child.0 as usize].source =
+            Source::map(Box::new(ToChart::default()), vec![pose], FRAME);
     }
     for set in connected(nodes, &loops, held, length)? {
         reports.push(close_set(nodes, &set, held, preferences, length)?);
@@ -210,7 +213,10 @@ pub(in crate::model) fn close(
     Ok(reports)
 }
 
-/// Initial coordinates of loops if closed by maps: node, index and value of each. Loops that no map
+/// Initial coordinates: node, index and value of each.
+pub(in crate::model) type Positions = Vec<(u32, usize, f64)>;
+
+/// Initial coordinates of loops if closed by maps. Loops that no map
 /// can close, over beams or bodies that fly, are omitted; if there are none of these, the result
 /// includes the values of coordinates outside of loops.
 pub(in crate::model) fn positions(
@@ -219,7 +225,7 @@ pub(in crate::model) fn positions(
     held: &Held<'_>,
     preferences: &StartPreferences<'_>,
     length: f64,
-) -> Vec<(u32, usize, f64)> {
+) -> Positions {
     let by_joints = |c: &&Closing| Chain::find(nodes, **c, held).is_ok();
     let all = closings.len();
     let closings: Vec<Closing> = closings.iter().filter(by_joints).copied().collect();
@@ -262,21 +268,21 @@ fn value(
     }
     let node = &nodes[n as usize];
     let mut x = vec![0.0; node.dim];
-    match &node.source {
-        Source::Own => {
+    match node.mapped() {
+        None => {
             for (k, x) in x.iter_mut().enumerate() {
                 let given = || starts.get(&(NodeId(n), k)).copied().unwrap_or(0.0);
-                *x = (held.function(n as usize, k)).map_or_else(given, |f| f.at(0.0)[0]);
+                *x = held.initial(n as usize, k).unwrap_or_else(given);
             }
         }
-        Source::Mapped(d) => {
+        Some(d) => {
             let mut q = Vec::new();
             for &m in d.initial_parents() {
                 q.extend(value(nodes, m, held, starts, known)?);
             }
             let mut B = vec![0.0; node.dim * q.len()];
             let mut map = d.map.clone();
-            if map.margin(0.0, &q) <= 0.0 {
+            if map.domain(0.0, &q).is_err() {
                 return None;
             }
             map.tangent(0.0, &q, &mut x, &mut B);

@@ -6,7 +6,6 @@ use super::part::Part;
 use super::{APART, EQUATIONS, Held, Report, StartPreferences};
 use crate::model::assembly::residual::MAX_NODES;
 use crate::model::build::builder::NodeId;
-use crate::model::kinematics::mapped_node::MappedNode;
 use crate::model::{ModelError, NONE, Node, NodeForm, Source};
 use nalgebra::Vector3;
 use pullback_manifold::implicit::{Description, Equation, ImplicitMap, Unknown};
@@ -94,14 +93,14 @@ fn add(
     }
     let node = &nodes[n as usize];
     if node.form == NodeForm::Pose {
-        // The pose of a frame that stands still, as far as the loop can tell.
+        // The pose of a frame that does not move in the equations of the loop.
         let chart = node.partner;
         let ends = chain.root == Some(chart) || nodes[chart as usize].is_own();
         if ends && inputs.read(chart) == Read::Nothing {
             return Read::Nothing;
         }
     }
-    let Source::Mapped(d) = &nodes[n as usize].source else {
+    let Some(d) = node.mapped() else {
         return inputs.read(n);
     };
     let key = (n, chain.root.unwrap_or(NONE));
@@ -198,9 +197,9 @@ fn preference(nodes: &[Node], chains: &[Chain], n: u32, preferences: &StartPrefe
             let path = chain::upwards(nodes, end);
             let below = path.iter().position(|f| Some(*f) == chain.root);
             let below = &path[..below.unwrap_or(path.len())];
-            let reads = |f: &u32| match &nodes[*f as usize].source {
-                Source::Mapped(d) => d.initial_parents().contains(&n),
-                Source::Own => false,
+            let reads = |f: &u32| {
+                let mapped = nodes[*f as usize].mapped();
+                mapped.is_some_and(|d| d.initial_parents().contains(&n))
             };
             below.iter().rev().position(reads)
         })
@@ -288,7 +287,7 @@ pub(super) fn close_set(
     let quantities: Vec<Quantity> = unknown.iter().flat_map(of).collect();
     let mut p = Vec::with_capacity(inputs.parameters);
     for &(n, _) in given {
-        let value = |k| held.function(n as usize, k).map_or(0.0, |f| f.at(0.0)[0]);
+        let value = |k| held.initial(n as usize, k).unwrap_or(0.0);
         p.extend((0..nodes[n as usize].dim).map(value));
     }
     let mut equations = Box::new(tree(nodes, chains, &inputs));
@@ -299,10 +298,8 @@ pub(super) fn close_set(
         joints: joints.clone(),
         source,
     })?;
-    let (moved, apart) = (
-        displaced(nodes, unknown, &map, inputs.parameters),
-        drawn_apart(nodes, chains, length),
-    );
+    let moved = displaced(nodes, unknown, &map, inputs.parameters);
+    let apart = drawn_apart(nodes, chains, length);
     let (count, D) = (quantities.len(), map.freedoms());
     let first = map.independent().and_then(|k| k.first().copied());
     let quantity = first.map_or(Quantity::Angle, |k| quantities[k]);
@@ -324,8 +321,7 @@ pub(super) fn close_set(
             limit: MAX_NODES,
         });
     }
-    let all = MappedNode::new(Box::new(map), vec![parents], D + p.len());
-    let source = Source::Mapped(Box::new(all));
+    let source = Source::map(Box::new(map), parents, D + p.len());
     let name = format!("coordinates of {joints}");
     nodes.push(Node::new(name, NodeForm::Coordinates, &quantities, source));
     let x = nodes.len() as u32 - 1;
@@ -336,8 +332,7 @@ pub(super) fn close_set(
             first: first - inputs.parameters,
             len: node.dim,
         };
-        let mapped = MappedNode::new(Box::new(part), vec![vec![x]], count);
-        node.source = Source::Mapped(Box::new(mapped));
+        node.source = Source::map(Box::new(part), vec![x], count);
     }
     let closing = match chains.len() {
         1 => format!("joint {joints} closes a loop"),

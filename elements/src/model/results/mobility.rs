@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use crate::constraint::Enforced;
-use crate::model::{Context, Model, NONE, Node, NodeForm, Source};
+use crate::model::{Context, Model, NONE, Node, NodeForm};
 use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
 use std::fmt;
 
@@ -63,10 +63,7 @@ impl Model {
     /// The loops closed by maps, with the name of the first joint of each.
     fn closed(&self) -> impl Iterator<Item = (&str, Closed)> {
         self.reports.iter().filter_map(|report| {
-            let node = &self.nodes[report.map? as usize];
-            let Source::Mapped(d) = &node.source else {
-                return None;
-            };
+            let d = self.nodes[report.map? as usize].mapped()?;
             let (all, x) = d.map.dims();
             let own = d
                 .initial_parents()
@@ -144,12 +141,7 @@ impl Context {
         let n = q.len();
         let (a, mut r) = (vec![0.0; n], vec![0.0; n]);
         let mut M = vec![0.0; self.model.pattern.len()];
-        let only_M = Weights {
-            K: 0.0,
-            C: 0.0,
-            M: 1.0,
-        };
-        let out = Evaluation::with_tangent(&mut r, only_M, &mut M);
+        let out = Evaluation::with_tangent(&mut r, Weights::MASS, &mut M);
         self.evaluate(Point { t, q, v, a: &a }, out)?;
         let mut mass = vec![0.0; n];
         let sizes: Vec<f64> = M.iter().map(|m| m.abs()).collect();

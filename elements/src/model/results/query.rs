@@ -2,9 +2,9 @@
 
 #![allow(non_snake_case)]
 
-use crate::element::{Motion, SectionState};
-use crate::model::build::builder::{ElementId, NodeId};
-use crate::model::{Context, Model, ModelError, NONE, NodeForm, Source};
+use crate::element::{Motion, Properties, SectionState};
+use crate::model::build::builder::{Dof, ElementId, NodeId};
+use crate::model::{Context, Model, ModelError, NONE, NodeForm};
 use nalgebra::Vector3;
 use pullback_manifold::so3;
 use pullback_manifold::system::{Point, SystemError};
@@ -27,19 +27,14 @@ pub struct Reaction {
 impl Model {
     /// All frame nodes with their names, in the order of definition.
     pub fn frames(&self) -> impl Iterator<Item = (NodeId, &str)> + '_ {
-        self.nodes
-            .iter()
-            .enumerate()
-            .filter(|(_, n)| n.form == NodeForm::Frame)
-            .map(|(k, n)| (NodeId(k as u32), n.name.as_str()))
+        let frames = self.nodes_that(|n| n.form == NodeForm::Frame);
+        frames.map(|(id, n)| (id, n.name.as_str()))
     }
 
     /// Node with a name.
     pub fn find(&self, name: &str) -> Option<NodeId> {
-        self.nodes
-            .iter()
-            .position(|n| n.name == name)
-            .map(|k| NodeId(k as u32))
+        let k = self.nodes.iter().position(|n| n.name == name)?;
+        Some(NodeId(k as u32))
     }
 
     /// Name and nodes of an element.
@@ -73,7 +68,7 @@ impl Model {
     }
 
     /// Unknown of a coordinate of a frame node, if it is free.
-    pub fn unknown(&self, node: NodeId, dof: crate::model::Dof) -> Option<usize> {
+    pub fn unknown(&self, node: NodeId, dof: Dof) -> Option<usize> {
         self.unknown_at(node, dof.index())
     }
 
@@ -135,10 +130,7 @@ impl Model {
             join(&mut e.nodes.iter().map(|&n| n as usize));
         }
         for (n, node) in self.nodes.iter().enumerate() {
-            if let Source::Mapped(d) = &node.source {
-                let parents = d.segments.iter().flatten();
-                join(&mut std::iter::once(n).chain(parents.map(|&m| m as usize)));
-            }
+            join(&mut std::iter::once(n).chain(node.all_parents().map(|m| m as usize)));
         }
         (0..self.nodes.len()).map(|n| root(&mut part, n)).collect()
     }
@@ -184,7 +176,7 @@ impl Model {
     }
 
     /// Whether a coordinate of a frame node is prescribed.
-    pub fn is_prescribed(&self, node: NodeId, dof: crate::model::Dof) -> bool {
+    pub fn is_prescribed(&self, node: NodeId, dof: Dof) -> bool {
         let n = self.carrier(&self.nodes[node.0 as usize]);
         n.is_own() && self.unknowns[n.first + dof.index()] == NONE
     }
@@ -194,13 +186,9 @@ impl Context {
     /// Describes the present state of the map of a node, such as its independent coordinates and
     /// redundant equations.
     pub fn describe(&self, node: NodeId) -> Option<String> {
-        match &self.model.nodes[node.0 as usize].source {
-            Source::Own => None,
-            Source::Mapped(d) => {
-                let mut map = self.state.maps[d.index].clone();
-                map.implicit().map(|map| map.describe())
-            }
-        }
+        let d = self.model.nodes[node.0 as usize].mapped()?;
+        let mut map = self.state.maps[d.index].clone();
+        map.implicit().map(|map| map.describe())
     }
 
     /// Describes how the loops of [`ModelBuilder::close`](crate::model::ModelBuilder::close) are closed:
@@ -232,13 +220,7 @@ impl Context {
     /// Reactions of all supported frame nodes at the last evaluation of the residual.
     pub fn reactions(&self) -> Vec<Reaction> {
         let mut out: Vec<Reaction> = Vec::new();
-        let frames = self
-            .model
-            .nodes
-            .iter()
-            .enumerate()
-            .filter(|(_, n)| n.form == NodeForm::Frame);
-        for (id, n) in frames {
+        for (id, n) in self.nodes_that(|n| n.form == NodeForm::Frame) {
             let own = self.carrier(n);
             let prescribed =
                 std::array::from_fn(|k| self.model.unknowns[own.first + k] == NONE && own.is_own());
@@ -247,7 +229,7 @@ impl Context {
             }
             let psi = Vector3::from_column_slice(&self.work.x[n.first + 3..n.first + 6]);
             // Covector T m of a spatial moment m.
-            let [force, turn] = self.closing_force(NodeId(id as u32));
+            let [force, turn] = self.closing_force(id);
             let turn = so3::tangent(&psi) * turn;
             let mut f = [0.0; 6];
             for k in (0..6).filter(|&k| prescribed[k]) {
@@ -274,14 +256,7 @@ impl Context {
         let mut states = Vec::new();
         for (k, e) in self.model.elements.iter().enumerate() {
             let [x, ..] = self.element_motion(k);
-            let at = Motion {
-                t,
-                x: &x,
-                v: &[],
-                a: &[],
-                previous: None,
-            };
-            e.element.section_states(&at, &mut states);
+            e.element.section_states(&self.at_rest(t, &x), &mut states);
             out.extend(states.drain(..).map(|s| (ElementId(k as u32), s)));
         }
         out
@@ -289,33 +264,34 @@ impl Context {
 
     /// Strain energy of all elements that are not loads, in the configuration last set.
     pub fn strain_energy(&self, t: f64) -> f64 {
-        let loads = false;
-        self.energy(t, loads)
+        self.energy_of(t, |p| !p.load)
     }
 
     /// Potential of the loads that have one, in the configuration last set.
     pub fn load_potential(&self, t: f64) -> f64 {
-        let loads = true;
-        self.energy(t, loads)
+        self.energy_of(t, |p| p.load)
     }
 
-    fn energy(&self, t: f64, loads: bool) -> f64 {
-        self.model
-            .elements
-            .iter()
-            .enumerate()
-            .filter(|(_, e)| e.element.properties().load == loads)
+    fn energy_of(&self, t: f64, counts: impl Fn(Properties) -> bool) -> f64 {
+        let elements = self.model.elements.iter().enumerate();
+        elements
+            .filter(|(_, e)| counts(e.element.properties()))
             .map(|(k, e)| {
                 let [x, ..] = self.element_motion(k);
-                e.element.energy(&Motion {
-                    t,
-                    x: &x,
-                    v: &[],
-                    a: &[],
-                    previous: None,
-                })
+                e.element.energy(&self.at_rest(t, &x))
             })
             .sum()
+    }
+
+    fn at_rest<'a>(&'a self, t: f64, x: &'a [f64]) -> Motion<'a> {
+        Motion {
+            t,
+            inputs: &self.state.inputs,
+            x,
+            v: &[],
+            a: &[],
+            previous: None,
+        }
     }
 
     /// Largest rotation angle of any node in the configuration last set.

@@ -8,9 +8,11 @@
 
 #![allow(non_snake_case)]
 
+use crate::blocks::three;
 use crate::model::assembly::residual::named;
+use crate::model::charts::nodes::at_rest;
 use crate::model::kinematics::motion::RigidMotion;
-use crate::model::{Context, Model, NONE, Node, NodeForm, Source};
+use crate::model::{Context, Model, NONE, Node, NodeForm};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use pullback_manifold::so3;
 use pullback_manifold::system::{
@@ -26,8 +28,8 @@ const TIMES: [f64; 9] = [0.01, 0.37, 0.83, 0.11, 0.53, 0.97, 0.23, 0.71, 0.44];
 
 fn motion_of(xi: &RigidRates) -> RigidMotion {
     RigidMotion {
-        velocity: Vector3::new(xi[0], xi[1], xi[2]),
-        omega: Vector3::new(xi[3], xi[4], xi[5]),
+        velocity: three(xi, 0),
+        omega: three(xi, 3),
         about: Vector3::zeros(),
     }
 }
@@ -46,7 +48,7 @@ impl Model {
 impl Context {
     /// See [`Energetics::rigid_rates`](pullback_manifold::system::Energetics::rigid_rates): joint coordinates have constant rates.
     pub(in crate::model) fn write_rigid_rates(
-        &self,
+        &mut self,
         q: &[f64],
         xi: &RigidRates,
         rates: &mut [f64],
@@ -162,7 +164,7 @@ impl Context {
             .collect()
     }
 
-    fn fields(&self, q: &[f64]) -> Vec<Vec<f64>> {
+    fn fields(&mut self, q: &[f64]) -> Vec<Vec<f64>> {
         let field = |k| {
             let mut X = vec![0.0; q.len()];
             self.write_rigid_rates(q, &unit(k), &mut X);
@@ -194,12 +196,7 @@ impl Context {
         rows: &mut Vec<[f64; 6]>,
     ) -> Result<([f64; 6], f64), SystemError> {
         let (mut r, mut steady) = (vec![0.0; q.len()], vec![0.0; q.len()]);
-        let at = Point {
-            t,
-            q,
-            v: &[],
-            a: &[],
-        };
+        let at = at_rest(t, q);
         self.evaluate(at, Evaluation::residual(&mut r))?;
         self.steady_loads(at, &mut steady)?;
         let fields = self.coordinate_rates(t, q)?;
@@ -274,20 +271,19 @@ impl Context {
             let motion = motion_of(&unit(k));
             for (frame, rows) in frames.iter().zip(rows[first..].chunks_exact_mut(6)) {
                 let node = &self.model.nodes[*frame];
-                let three = |i: usize| {
-                    let [a, b] = [&self.work.v, &prescribed];
+                let rate = |i: usize| {
                     let c = node.first + i;
-                    Vector3::new(a[c] - b[c], a[c + 1] - b[c + 1], a[c + 2] - b[c + 2])
+                    three(&self.work.v, c) - three(&prescribed, c)
                 };
                 let x = &self.work.x[node.range()];
-                let position = node.position + Vector3::new(x[0], x[1], x[2]);
+                let position = node.position + three(x, 0);
                 let T = match node.form {
                     NodeForm::Pose => Matrix3::identity(),
-                    _ => so3::tangent(&Vector3::new(x[3], x[4], x[5])),
+                    _ => so3::tangent(&three(x, 3)),
                 };
-                let missing = (three(0) - motion.velocity - motion.omega.cross(&position))
-                    / self.model.length;
-                let turned = T.tr_mul(&three(3)) - motion.omega;
+                let missing =
+                    (rate(0) - motion.velocity - motion.omega.cross(&position)) / self.model.length;
+                let turned = T.tr_mul(&rate(3)) - motion.omega;
                 for i in 0..3 {
                     rows[i][k] = missing[i] * self.measure(k);
                     rows[3 + i][k] = turned[i] * self.measure(k);
@@ -303,7 +299,7 @@ impl Context {
         let free = |n: &Node| n.range().any(|c| self.model.unknowns[c] != NONE);
         let mut moves: Vec<bool> = nodes.iter().map(|n| n.is_own() && free(n)).collect();
         for &n in &self.model.dependent {
-            if let Source::Mapped(d) = &nodes[n as usize].source {
+            if let Some(d) = nodes[n as usize].mapped() {
                 let mut parents = d.parents(&self.state.maps).iter();
                 moves[n as usize] = parents.any(|&m| moves[m as usize]);
             }
@@ -359,7 +355,7 @@ impl Context {
         let along = |x: &[f64], by: f64, y: &[f64]| -> Vec<f64> {
             x.iter().zip(y).map(|(x, y)| x + by * y).collect()
         };
-        let field = |q: &[f64]| {
+        let mut field = |q: &[f64]| {
             let mut X = vec![0.0; n];
             self.write_rigid_rates(q, xi, &mut X);
             X
@@ -383,7 +379,7 @@ impl Context {
             };
             *T = self.evaluate_energies(at, false)?.energies.kinetic;
         }
-        let turn = Vector3::new(xi[3], xi[4], xi[5]).norm() + 1.0 / self.model.length;
+        let turn = three(xi, 3).norm() + 1.0 / self.model.length;
         Ok((T[0] - T[1]).abs() <= 2.0 * epsilon * turn * NEARLY * (T[0] + T[1]))
     }
 }

@@ -1,12 +1,13 @@
 //! Access to the nodes, maps and elements of a model, for tools such as the conformance kit.
 
-use crate::element::{Element, ElementError};
-use crate::model::charts::nodes::moving;
+use crate::element::Element;
+use crate::model::charts::nodes::at_rest;
 use crate::model::kinematics::complement::Complement;
 use crate::model::kinematics::node_entries::collect;
-use crate::model::{Context, ElementEntry, Model, NONE, Node, NodeForm, Source};
+use crate::model::{Context, ElementEntry, Model, NONE, Node, NodeForm};
 use nalgebra::Vector3;
-use pullback_manifold::system::{Charts, Point, Quantity, SystemError};
+use pullback_manifold::domain::DomainError;
+use pullback_manifold::system::{Charts, Quantity, SystemError};
 use std::ops::Range;
 
 impl Node {
@@ -56,10 +57,7 @@ impl Node {
     /// ([`Parametrization::segment`](pullback_manifold::map::Parametrization::segment)), as indices of
     /// [`Model::nodes`]; none without a map.
     pub fn parents(&self, segment: usize) -> &[u32] {
-        match &self.source {
-            Source::Own => &[],
-            Source::Mapped(d) => &d.segments[segment],
-        }
+        self.mapped().map_or(&[], |d| &d.segments[segment])
     }
 }
 
@@ -141,8 +139,8 @@ impl Context {
     /// assembly: omitted equations have no multipliers.
     ///
     /// # Errors
-    /// [`ElementError`] outside the element's domain.
-    pub fn element_forces(&mut self, k: usize) -> Result<Vec<f64>, ElementError> {
+    /// [`DomainError`] outside the element's domain.
+    pub fn element_forces(&mut self, k: usize) -> Result<Vec<f64>, DomainError> {
         let (e, state) = (&self.model.elements[k], &self.state.elements[k]);
         let w = &mut self.work;
         w.local.gather(e, &self.model.spans, &w.x);
@@ -162,7 +160,7 @@ impl Context {
     pub fn settle_charts(&mut self, t: f64, q: &[f64]) -> Result<(), SystemError> {
         self.fold_prescribed_rotations(t);
         // A slide enters the line of its state first, and then the present one.
-        let at = moving(t, q, &[], &[]);
+        let at = at_rest(t, q);
         self.update_maps(at)?;
         self.update_maps(at)?;
         self.start(t, q);
@@ -180,8 +178,8 @@ impl Context {
         before: &[f64],
         after: &[f64],
     ) -> Result<(), SystemError> {
-        self.look_before(moving(t, before, &[], &[]));
-        self.update_maps(moving(t, after, &[], &[]))?;
+        self.look_before(at_rest(t, before));
+        self.update_maps(at_rest(t, after))?;
         self.follow_element_charts(t);
         Ok(())
     }
@@ -189,10 +187,9 @@ impl Context {
     /// Freezes every map to its piece at a state at rest, or releases it
     /// ([`Parametrization::freeze_piece`](pullback_manifold::map::Parametrization::freeze_piece)).
     pub fn freeze_pieces(&mut self, at: Option<(f64, &[f64])>) {
-        let (v, a) = (&[][..], &[][..]);
-        let known = at.is_none_or(|(t, q)| self.expand(Point { t, q, v, a }).is_ok());
+        let known = at.is_none_or(|(t, q)| self.expand(at_rest(t, q)).is_ok());
         for &n in self.model.dependent.iter().filter(|_| known) {
-            if let Source::Mapped(d) = &self.model.nodes[n as usize].source {
+            if let Some(d) = self.model.nodes[n as usize].mapped() {
                 let (w, maps) = (&mut self.work, &mut self.state.maps);
                 let len = collect(d.parents(maps), &self.model.spans, &w.x, &mut w.local.q);
                 maps[d.index].freeze_piece(at.map(|(t, _)| (t, &w.local.q[..len])));

@@ -10,6 +10,7 @@ use pullback_elements::body::RigidBody;
 use pullback_elements::joint::{Chain, Curve, OnCurve, Slide};
 use pullback_elements::model::{Context, ModelBuilder, NodeId};
 use pullback_elements::time::Constant;
+use pullback_manifold::domain::DomainError;
 use pullback_manifold::map::{
     Kinematics, KinematicsMut, Map, Parametrization, derived, write_geometric_stiffness,
     write_kinematics, write_tangent,
@@ -48,8 +49,8 @@ impl Map<13, 6> for Along {
         self.0.phi(t, &q)
     }
 
-    fn margin(&self, t: f64, q: &SVector<f64, 13>) -> f64 {
-        Map::margin(&self.0, t, q)
+    fn domain(&self, t: f64, q: &SVector<f64, 13>) -> Result<f64, DomainError> {
+        Map::domain(&self.0, t, q)
     }
 
     fn kinematics(
@@ -76,8 +77,8 @@ impl Parametrization for Along {
         Box::new(self.clone())
     }
 
-    fn margin(&mut self, t: f64, q: &[f64]) -> f64 {
-        Parametrization::margin(&mut self.0, t, q)
+    fn domain(&mut self, t: f64, q: &[f64]) -> Result<f64, DomainError> {
+        Parametrization::domain(&mut self.0, t, q)
     }
 
     fn change_charts(&mut self, t: f64, q: &[f64]) -> ChartChanges {

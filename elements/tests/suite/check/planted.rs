@@ -8,9 +8,10 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use pullback_conformance::{self as check, Options};
 use pullback_conformance::{InCharts, LawRow, Report};
 use pullback_elements::body::RigidBody;
-use pullback_elements::element::{Element, ElementError, Motion, Response};
+use pullback_elements::element::{Element, Motion, Response};
 use pullback_elements::joint::Pose;
 use pullback_elements::model::{BeamLine, Context, Dof, ModelBuilder};
+use pullback_manifold::domain::DomainError;
 use pullback_manifold::map::{Kinematics, Map, derived};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;
@@ -90,7 +91,7 @@ impl Element for Top {
         6
     }
 
-    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
         let mut again = Response {
             r: &mut *out.r,
             K: out.K.as_deref_mut(),

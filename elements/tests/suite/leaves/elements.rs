@@ -6,11 +6,12 @@ use crate::support::{Coupling, at_rest, coupled, section};
 use nalgebra::{Matrix3, Vector3};
 use pullback_conformance as check;
 use pullback_elements::beam::{Beam, BeamError, Damping, Interpolation};
-use pullback_elements::element::{Element, ElementError, Motion, Response};
+use pullback_elements::element::{Element, Motion, Response};
 use pullback_elements::inertia::Inertia;
 use pullback_elements::load::{LineLoad, LoadKind, NodalLoad};
 use pullback_elements::model::frame_along;
 use pullback_elements::time::{Constant, Sine};
+use pullback_manifold::domain::DomainError;
 
 fn sine() -> Sine {
     Sine {
@@ -145,7 +146,7 @@ impl Element for Wrong {
         self.beam.dim()
     }
 
-    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
         self.beam.evaluate(at, out)?;
         if self.error == Error::Rate
             && let Some(r_t) = out.r_t.as_deref_mut()
@@ -225,9 +226,7 @@ fn beams_refuse_rotations_at_the_edge_of_the_chart() {
     }
     assert_eq!(
         at_rest(&*beam, &x).unwrap_err(),
-        ElementError::OutsideChart {
-            psi: std::f64::consts::TAU - 1e-4
-        }
+        DomainError::chart(std::f64::consts::TAU - 1e-4)
     );
     x.iter_mut().for_each(|x| *x *= 0.9);
     assert!(at_rest(&*beam, &x).is_ok());

@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, Vector3};
 use pullback_conformance as check;
 use pullback_elements::beam::{Beam, BeamError, Damping, Section};
 use pullback_elements::body::RigidBody;
-use pullback_elements::element::{Element, ElementError, Motion, Properties, Response};
+use pullback_elements::element::{Element, Motion, Properties, Response};
 use pullback_elements::energy::{
     ByEnergy, EnergyElement, EnergySample, Gravity, PolynomialSpring, Sampled,
 };
@@ -18,6 +18,7 @@ use pullback_elements::load::{LoadKind, NodalLoad};
 use pullback_elements::model::frame_along;
 use pullback_elements::spring::{AxialSpring, Bushing, CoordinateLaw, CoordinateSpring};
 use pullback_elements::time::Sine;
+use pullback_manifold::domain::DomainError;
 use pullback_manifold::scalar::Scalar;
 
 fn positions() -> [Vector3<f64>; 2] {
@@ -127,9 +128,10 @@ fn springs() {
     let energy = element.energy(&rest(&x));
     assert!((energy - (6.0 - 3.2 / 3.0 + 3.6)).abs() < 1e-13);
     x[6..9].copy_from_slice((positions()[0] - positions()[1]).as_slice());
-    assert_eq!(
-        residual(&element, &x).unwrap_err(),
-        ElementError::ZeroLength { length: 0.0 }
+    let error = residual(&element, &x).unwrap_err().to_string();
+    assert!(
+        error.starts_with("its ends coincide (length 0.000e0)"),
+        "{error}"
     );
 }
 
@@ -283,7 +285,7 @@ fn rest(x: &[f64]) -> Motion<'_> {
     }
 }
 
-fn residual(element: &dyn Element, x: &[f64]) -> Result<Vec<f64>, ElementError> {
+fn residual(element: &dyn Element, x: &[f64]) -> Result<Vec<f64>, DomainError> {
     let mut r = vec![0.0; x.len()];
     element.evaluate(&rest(x), &mut response(&mut r))?;
     Ok(r)

@@ -6,9 +6,10 @@ use crate::support::strain_beam::FrameInertia;
 use nalgebra::{Matrix3, SVector, Vector3};
 use pullback_conformance as check;
 use pullback_elements::body::RigidBody;
-use pullback_elements::element::{Element, ElementError, Motion, Response};
+use pullback_elements::element::{Element, Motion, Response};
 use pullback_elements::energy::{EnergyElement, PolynomialSpring};
 use pullback_elements::spring::AxialSpring;
+use pullback_manifold::domain::DomainError;
 use pullback_manifold::scalar::Scalar;
 
 /// Laws that fail, each once.
@@ -35,7 +36,7 @@ impl Element for Drag {
         1
     }
 
-    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
         let v = at.v.first().copied().unwrap_or(0.0);
         out.r[0] -= self.force * self.c * v.powi(3);
         if let Some(C) = out.C.as_deref_mut() {
@@ -84,7 +85,7 @@ impl Element for SwappedSign {
         12
     }
 
-    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
         self.0.evaluate(at, out)?;
         let N = self.0.tension(at)?;
         let Some(K) = out.K.as_deref_mut() else {
@@ -136,7 +137,7 @@ impl Element for WithoutGyroscope {
         6
     }
 
-    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
         check::InCharts(&self.0).evaluate(at, out)?;
         if let Some(C) = out.C.as_deref_mut() {
             C.fill(0.0);

@@ -4,6 +4,7 @@
 
 use crate::support::{matrix, moving, numbers, reference, response, vector};
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, Vector3};
+use pullback_elements::Asymmetry;
 use pullback_elements::beam::{Beam, Material, Section, SectionError, rectangle_torsion};
 use pullback_elements::element::Response;
 use std::f64::consts::PI;
@@ -281,12 +282,12 @@ fn impossible_sections_are_refused_with_their_reason() {
     C[(1, 4)] = 0.5;
     assert_eq!(
         Section::new(C).unwrap_err(),
-        SectionError::NotSymmetric {
+        SectionError::NotSymmetric(Asymmetry {
             row: 2,
             column: 5,
             upper: 0.5,
             lower: 0.0
-        }
+        })
     );
     C[(4, 1)] = 0.5;
     assert!(Section::new(C).is_ok());

@@ -3,6 +3,7 @@
 #![allow(non_snake_case)]
 
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
+use pullback_elements::Asymmetry;
 use pullback_elements::body::{BodyError, PointMass, RigidBody};
 use pullback_elements::spring::{
     AxialSpring, Bushing, CoordinateLaw, CoordinateSpring, SpringError,
@@ -58,12 +59,12 @@ fn impossible_bodies_are_refused_with_their_reason() {
     skewed[(0, 2)] = 0.5;
     assert_eq!(
         RigidBody::new(1.0, skewed, Vector3::zeros()).unwrap_err(),
-        BodyError::NotSymmetric {
+        BodyError::NotSymmetric(Asymmetry {
             row: 1,
             column: 3,
             upper: 0.5,
             lower: 0.0
-        }
+        })
     );
     // Rods, plates and points are bodies, also with the round-off of a rotation or of a table.
     let R = so3::rotation(&Vector3::new(0.4, -0.7, 1.1));

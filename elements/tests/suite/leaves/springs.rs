@@ -6,12 +6,13 @@ use crate::support::{self, response};
 use nalgebra::{DVector, Matrix3, Matrix6, SVector, Vector3, Vector6};
 use pullback_conformance as check;
 use pullback_conformance::Random;
-use pullback_elements::element::{Element, ElementError, Motion, Response};
+use pullback_elements::element::{Element, Motion, Response};
 use pullback_elements::spring::{AxialSpring, Bushing, CoordinateLaw, CoordinateSpring};
+use pullback_manifold::domain::DomainError;
 use pullback_manifold::jet::Taylor;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 type Vector12 = SVector<f64, 12>;
 
@@ -40,7 +41,7 @@ fn axial() -> AxialSpring {
         .unwrap()
 }
 
-fn residual(element: &dyn Element, x: &[f64], v: &[f64]) -> Result<DVector<f64>, ElementError> {
+fn residual(element: &dyn Element, x: &[f64], v: &[f64]) -> Result<DVector<f64>, DomainError> {
     let mut r = DVector::zeros(element.dim());
     let a = vec![0.0; v.len()];
     let mut out = response(r.as_mut_slice());
@@ -83,7 +84,7 @@ impl Element for Boastful {
         12
     }
 
-    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
         self.0.evaluate(at, out)
     }
 
@@ -242,7 +243,6 @@ fn a_spring_pulls_along_its_line() {
     let mut x = [0.0; 12];
     x[6..8].copy_from_slice(&[-3.0, -4.0]);
     let error = residual(&spring, &x, &v).unwrap_err();
-    assert_eq!(error, ElementError::ZeroLength { length: 0.0 });
     assert_eq!(
         error.to_string(),
         "its ends coincide (length 0.000e0): its force has no direction"
@@ -269,7 +269,10 @@ fn a_spring_has_a_direction_until_its_ends_nearly_coincide() {
             "{r}"
         );
         let error = at(1e-13).unwrap_err();
-        assert!(matches!(error, ElementError::ZeroLength { .. }), "{error}");
+        assert!(
+            error.to_string().starts_with("its ends coincide"),
+            "{error}"
+        );
     }
 }
 
@@ -310,10 +313,10 @@ fn a_bushing_answers_in_its_axes() {
     x[5] = -PI;
     x[11] = PI - 1e-4;
     let error = residual(&b, &x, &[]).unwrap_err();
-    let ElementError::Overturned { psi } = error else {
+    let DomainError::Beyond { margin, .. } = error else {
         panic!("{error}");
     };
-    assert!((psi - (TAU - 1e-4)).abs() < 1e-9, "{psi}");
+    assert!((margin - 1e-4).abs() < 1e-9, "{margin}");
 }
 
 #[test]

@@ -7,8 +7,8 @@ use std::f64::consts::TAU;
 
 #[test]
 fn constants_and_straight_lines_have_the_slopes_drawn() {
-    assert_eq!(Constant(-2.5).at(7.0), [-2.5, 0.0, 0.0]);
-    assert_eq!(Proportional(1.5).at(-2.0), [-3.0, 1.5, 0.0]);
+    assert_eq!(Constant(-2.5).at(7.0, &[]), [-2.5, 0.0, 0.0]);
+    assert_eq!(Proportional(1.5).at(-2.0, &[]), [-3.0, 1.5, 0.0]);
     let ramp = Table::ramp(1.0, 3.0, 8.0).unwrap();
     let table = [[-1.0, 2.0], [1.0, 6.0], [1.5, 5.0], [4.0, 5.0]];
     let table = Table::new(table.to_vec()).unwrap();
@@ -27,7 +27,7 @@ fn constants_and_straight_lines_have_the_slopes_drawn() {
         (&table, 9.0, [5.0, 0.0]),
     ];
     for (f, t, [value, slope]) in rows {
-        assert_eq!(f.at(t), [value, slope, 0.0], "{f:?} at {t}");
+        assert_eq!(f.at(t, &[]), [value, slope, 0.0], "{f:?} at {t}");
     }
     assert_eq!(ramp.kinks(), [1.0, 3.0]);
     assert_eq!(table.kinks(), [-1.0, 1.0, 1.5, 4.0]);
@@ -48,7 +48,7 @@ fn a_sine_has_its_mean_amplitude_frequency_and_phase() {
         (1.0, [4.0, 0.0, -12.0]),
         (3.0, [-0.5, -slope, 6.0]),
     ] {
-        for (found, expected) in sine.at(twelfths * TAU / 12.0).iter().zip(expected) {
+        for (found, expected) in sine.at(twelfths * TAU / 12.0, &[]).iter().zip(expected) {
             assert!((found - expected).abs() < 1e-14, "{found} for {expected}");
         }
     }
@@ -58,18 +58,18 @@ fn a_sine_has_its_mean_amplitude_frequency_and_phase() {
 #[test]
 fn a_triangle_rises_peaks_and_falls() {
     let triangle = Table::triangle(0.0, 0.5, 1.0, 40.0).unwrap();
-    assert_eq!(triangle.at(-1.0), [0.0, 0.0, 0.0]);
-    assert_eq!(triangle.at(0.25), [20.0, 80.0, 0.0]);
-    assert_eq!(triangle.at(0.5), [40.0, -80.0, 0.0]);
-    assert_eq!(triangle.at(0.75), [20.0, -80.0, 0.0]);
-    assert_eq!(triangle.at(2.0), [0.0, 0.0, 0.0]);
+    assert_eq!(triangle.at(-1.0, &[]), [0.0, 0.0, 0.0]);
+    assert_eq!(triangle.at(0.25, &[]), [20.0, 80.0, 0.0]);
+    assert_eq!(triangle.at(0.5, &[]), [40.0, -80.0, 0.0]);
+    assert_eq!(triangle.at(0.75, &[]), [20.0, -80.0, 0.0]);
+    assert_eq!(triangle.at(2.0, &[]), [0.0, 0.0, 0.0]);
     assert_eq!(triangle.kinks(), [0.0, 0.5, 1.0]);
 }
 
 #[test]
 fn a_pulse_is_on_from_its_start_until_its_end() {
     let pulse = Pulse::new(0.0, 2.5, 8.0).unwrap();
-    let on = [-0.1, 0.0, 2.5_f64.next_down(), 2.5].map(|t| pulse.at(t)[0]);
+    let on = [-0.1, 0.0, 2.5_f64.next_down(), 2.5].map(|t| pulse.at(t, &[])[0]);
     assert_eq!(on, [0.0, 8.0, 8.0, 0.0]);
     assert!(Pulse::new(1.0, 1.0, 2.0).is_err());
 }
@@ -78,17 +78,17 @@ fn a_pulse_is_on_from_its_start_until_its_end() {
 fn a_spin_up_is_smooth_and_its_derivatives_are_its_own() {
     let f = SpinUp::new(6.0, 15.0).unwrap();
     for t in [15.0_f64.next_down(), 15.0] {
-        let [x, v, a] = f.at(t);
+        let [x, v, a] = f.at(t, &[]);
         assert!((x - 45.0).abs() < 1e-12 && (v - 6.0).abs() < 1e-12 && a.abs() < 1e-12);
     }
     for t in [0.5, 3.0, 7.5, 14.0, 20.0] {
         let h = 1e-4;
         for k in 0..2 {
-            let difference = (f.at(t + h)[k] - f.at(t - h)[k]) / (2.0 * h);
-            assert!((difference - f.at(t)[k + 1]).abs() < 1e-8);
+            let difference = (f.at(t + h, &[])[k] - f.at(t - h, &[])[k]) / (2.0 * h);
+            assert!((difference - f.at(t, &[])[k + 1]).abs() < 1e-8);
         }
     }
-    assert_eq!(f.at(0.0), [0.0; 3]);
+    assert_eq!(f.at(0.0, &[]), [0.0; 3]);
     assert!(SpinUp::new(6.0, 0.0).is_err());
 }
 

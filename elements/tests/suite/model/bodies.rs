@@ -115,7 +115,7 @@ fn a_spring_without_length_is_named() {
         .unwrap_err();
     let text = error.to_string();
     assert!(
-        text.starts_with("element spring, whose ends coincide,"),
+        text.starts_with("element spring: its ends coincide"),
         "{text}"
     );
 }

@@ -10,7 +10,6 @@ use pullback_elements::model::{
     frame_along,
 };
 use pullback_elements::spring::{CoordinateLaw, CoordinateSpring};
-use pullback_elements::time::Input;
 use pullback_manifold::map::Map;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::system::{Charts, Evaluation, Point, Quantity, System};
@@ -232,23 +231,25 @@ fn names_and_freedoms_cost_what_a_model_has() {
 
 /// x = u q with an input u.
 #[derive(Clone)]
-struct Ratio(Input);
+struct Ratio;
 
-impl Map<1, 1> for Ratio {
-    fn phi<S: Scalar>(&self, _t: S, q: &SVector<S, 1>) -> SVector<S, 1> {
-        q * S::constant(self.0.get())
+impl Map<2, 1> for Ratio {
+    fn phi<S: Scalar>(&self, _t: S, q: &SVector<S, 2>) -> SVector<S, 1> {
+        SVector::<S, 1>::new(q[0] * q[1])
     }
 }
 
-/// A map that reads an input is evaluated anew when the input changes, also at the same point.
+/// A map that reads an input as a prescribed coordinate is evaluated anew when the input changes, also
+/// at the same point.
 #[test]
 fn maps_read_inputs() {
     let mut b = ModelBuilder::new();
     let ratio = b.input(2.0);
     let q = b.coordinates("q", &[Quantity::Other]).unwrap();
-    let map = Ratio(ratio.clone()).boxed();
+    let u = b.coordinates("u", &[Quantity::Other]).unwrap();
+    b.prescribe_coordinate(u, 0, Box::new(ratio));
     let x = b
-        .mapped_coordinates("x", &[Quantity::Other], map, &[q])
+        .mapped_coordinates("x", &[Quantity::Other], Ratio.boxed(), &[q, u])
         .unwrap();
     let law = CoordinateLaw {
         k: 3.0,
@@ -266,7 +267,7 @@ fn maps_read_inputs() {
         a: &[],
     };
     for u in [2.0, 2.0, -1.0] {
-        ratio.set(u);
+        context.set_input(ratio, u);
         let mut r = [0.0];
         context.evaluate(at, Evaluation::residual(&mut r)).unwrap();
         assert_eq!(r, [-3.0 * u * u * 0.5]);

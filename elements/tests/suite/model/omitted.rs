@@ -3,8 +3,9 @@
 
 use nalgebra::SVector;
 use pullback_elements::constraint::{Enforced, Multipliers};
-use pullback_elements::element::{Combined, Element, ElementError, Motion, Response};
+use pullback_elements::element::{Combined, Element, Motion, Response, Tangents};
 use pullback_elements::model::{Context, ModelBuilder};
+use pullback_manifold::domain::DomainError;
 use pullback_manifold::map::Map;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::system::{Evaluation, Point, Quantity, System, Weights};
@@ -29,7 +30,7 @@ impl Element for Fast {
         3
     }
 
-    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
         self.0.evaluate(at, out)
     }
 
@@ -43,15 +44,17 @@ impl Element for Fast {
 }
 
 impl Combined for Fast {
-    fn evaluate_combined(
+    fn add(
         &self,
         at: &Motion<'_>,
-        weights: Weights,
         r: &mut [f64],
-        S: &mut [f64],
-    ) -> Result<(), ElementError> {
+        tangents: &mut Tangents<'_>,
+    ) -> Result<(), DomainError> {
+        let [Some((weights, S)), None, None] = tangents else {
+            panic!("one combined tangent");
+        };
         assert_eq!(weights.K, 1.0);
-        let (K, r_t, C, M) = (Some(S), None, None, None);
+        let (K, r_t, C, M) = (Some(&mut **S), None, None, None);
         self.0.evaluate(at, &mut Response { r, K, C, M, r_t })
     }
 }

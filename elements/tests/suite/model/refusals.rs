@@ -5,11 +5,12 @@
 use crate::support::{Idle, Offset, Twin, line, simple, straight};
 use nalgebra::{SVector, Vector3};
 use pullback_elements::beam::BeamError;
-use pullback_elements::element::{Element, ElementError, Motion, Response};
+use pullback_elements::element::{Element, Motion, Response};
 use pullback_elements::joint::ConstantVelocity;
 use pullback_elements::load::{LoadKind, NodalLoad};
 use pullback_elements::model::{Context, Dof, ModelBuilder, ModelError};
 use pullback_elements::time::{Constant, Proportional};
+use pullback_manifold::domain::{CHART_EDGE, DomainError};
 use pullback_manifold::implicit::{Choice, Implicit, ImplicitMap};
 use pullback_manifold::map::{Linear, Map};
 use pullback_manifold::scalar::Scalar;
@@ -268,7 +269,7 @@ impl Element for Broken {
         6
     }
 
-    fn evaluate(&self, _: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
+    fn evaluate(&self, _: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
         out.r[4] = f64::NAN;
         Ok(())
     }
@@ -286,8 +287,8 @@ impl Map<6, 6> for Bounded {
         *q
     }
 
-    fn margin(&self, _t: f64, q: &nalgebra::SVector<f64, 6>) -> f64 {
-        1.0 - q[0]
+    fn domain(&self, _t: f64, q: &nalgebra::SVector<f64, 6>) -> Result<f64, DomainError> {
+        DomainError::within(1.0 - q[0], CHART_EDGE)
     }
 }
 

@@ -138,7 +138,7 @@ fn a_rotation_driven_past_a_turn() {
     b.prescribe(tip, Dof::RX, Proportional(8.0));
     b.prescribe(tip, Dof::RY, sine(3.0));
     b.prescribe(tip, Dof::RZ, Proportional(7.0));
-    let psi = |t: f64| Vector3::new(8.0 * t, sine(3.0).at(t)[0], 7.0 * t);
+    let psi = |t: f64| Vector3::new(8.0 * t, sine(3.0).at(t, &[])[0], 7.0 * t);
     let mut context = Context::new(b.build().unwrap());
     let n = context.pattern().dim();
     let mut q = DVector::zeros(n);

@@ -32,6 +32,7 @@ fn residual(element: &dyn Element, x: &[f64], v: &[f64]) -> DVector<f64> {
     };
     let at = Motion {
         t: 0.37,
+        inputs: &[],
         x,
         v,
         a: &a,
@@ -44,6 +45,7 @@ fn residual(element: &dyn Element, x: &[f64], v: &[f64]) -> DVector<f64> {
 fn moving<'a>(x: &'a [f64], v: &'a [f64]) -> Motion<'a> {
     Motion {
         t: 0.37,
+        inputs: &[],
         x,
         v,
         a: &[],
@@ -107,6 +109,7 @@ fn weights_act_at_the_centre_of_mass() {
     };
     let at = Motion {
         t: 0.0,
+        inputs: &[],
         x: &x,
         v: &[0.0; 6],
         a: &[0.0, 0.0, -9.81, 0.0, 0.0, 0.0],

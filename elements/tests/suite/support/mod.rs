@@ -10,8 +10,9 @@ pub mod strain_beam;
 use nalgebra::{DMatrix, DVector, Matrix6, SVector, Vector3};
 use pullback_conformance::InCharts;
 use pullback_elements::beam::Section;
-use pullback_elements::element::{Element, ElementError, Motion, Properties, Response};
+use pullback_elements::element::{Element, Motion, Properties, Response};
 use pullback_elements::model::{BeamLine, ModelBuilder, NodeId, StraightLine};
+use pullback_manifold::domain::DomainError;
 use pullback_manifold::map::Map;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;
@@ -109,7 +110,7 @@ impl Element for Coupling {
         12
     }
 
-    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
         let x = at.x;
         let moving = |s: &[f64], i: usize| s.get(i).copied().unwrap_or(0.0);
         let (v, a) = (|i| moving(at.v, i), |i| moving(at.a, i));
@@ -202,7 +203,7 @@ impl Element for Idle {
         self.0
     }
 
-    fn evaluate(&self, _: &Motion<'_>, _: &mut Response<'_>) -> Result<(), ElementError> {
+    fn evaluate(&self, _: &Motion<'_>, _: &mut Response<'_>) -> Result<(), DomainError> {
         Ok(())
     }
 }
@@ -211,6 +212,7 @@ impl Element for Idle {
 pub fn moving<'a>(x: &'a [f64], v: &'a [f64], a: &'a [f64]) -> Motion<'a> {
     Motion {
         t: 0.0,
+        inputs: &[],
         x,
         v,
         a,
@@ -234,7 +236,7 @@ pub fn in_charts(
     element: &dyn Element,
     at: &Motion<'_>,
     out: &mut Response<'_>,
-) -> Result<(), ElementError> {
+) -> Result<(), DomainError> {
     match element.properties().reads_poses {
         true => InCharts(element).evaluate(at, out),
         false => element.evaluate(at, out),
@@ -242,7 +244,7 @@ pub fn in_charts(
 }
 
 /// Residual and K at a motion at rest.
-pub fn at_rest(element: &dyn Element, x: &[f64]) -> Result<(Vec<f64>, DMatrix<f64>), ElementError> {
+pub fn at_rest(element: &dyn Element, x: &[f64]) -> Result<(Vec<f64>, DMatrix<f64>), DomainError> {
     let n = element.dim();
     let (mut r, mut K) = (vec![0.0; n], DMatrix::zeros(n, n));
     let mut out = Response {

@@ -40,7 +40,7 @@ impl Scheme {
         };
         Self {
             arguments: [Some(gamma), None],
-            held: Some([2, 2, 1]),
+            multiplier_orders: Some([2, 2, 1]),
             ..Self::table(
                 "Bathe",
                 "bathe",

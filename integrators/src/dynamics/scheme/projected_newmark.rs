@@ -40,13 +40,13 @@ impl Scheme {
             word: "projected-newmark",
             arguments: [argument, None],
             properties,
-            keeps: true,
+            projected: true,
             ..self
         }
     }
 
     /// Whether steps are projected onto the energy and the momenta of the motion.
     pub fn keeps_energy(&self) -> bool {
-        self.keeps
+        self.projected
     }
 }

@@ -27,7 +27,7 @@ impl Scheme {
         };
         let stages = Stage::runge_kutta([1.0 / 3.0, 1.0], rows);
         Self {
-            held: Some([3, 2, 1]),
+            multiplier_orders: Some([3, 2, 1]),
             ..Self::table("Radau IIA", "radau", &stages, properties)
         }
     }

@@ -1,105 +1,70 @@
 //! Row sums of |L||U|, block by block, for bounds on rounding errors.
 
-use super::{by_size, columns};
+use super::by_size;
 
 /// `v ← |U| e` of a factorised diagonal block.
 pub(in crate::linear_solver) fn upper_sums(n: usize, d: &[f64], v: &mut [f64]) {
     match n {
-        6 => upper_sums_fixed::<6>(d, v),
-        _ => {
-            for (r, v) in v.iter_mut().enumerate().take(n) {
-                let right = (r + 1..n).map(|c| d[c * n + r].abs()).sum::<f64>();
-                *v = 1.0 / d[r * (n + 1)].abs() + right;
-            }
-        }
+        6 => upper_sums_of(6, d, v),
+        3 => upper_sums_of(3, d, v),
+        _ => upper_sums_of(n, d, v),
     }
 }
 
-fn upper_sums_fixed<const N: usize>(d: &[f64], v: &mut [f64]) {
-    let (Some(d), Some(v)) = (columns::<N, N>(d), v.first_chunk_mut::<N>()) else {
-        return;
-    };
-    let mut sum = [0.0; N];
-    for r in 0..N {
-        sum[r] = 1.0 / d[r][r].abs();
+#[inline(always)]
+fn upper_sums_of(n: usize, d: &[f64], v: &mut [f64]) {
+    let (d, v) = (&d[..n * n], &mut v[..n]);
+    for r in 0..n {
+        v[r] = 1.0 / d[r * (n + 1)].abs();
     }
-    for c in 1..N {
+    for c in 1..n {
         for r in 0..c {
-            sum[r] += d[c][r].abs();
+            v[r] += d[c * n + r].abs();
         }
     }
-    *v = sum;
 }
 
 /// `v ← v + |U| e` of a block right of it, `Uᵀ` m × n.
 pub(in crate::linear_solver) fn add_sums(m: usize, n: usize, ut: &[f64], v: &mut [f64]) {
-    by_size!(m, n, add_sums_fixed, add_sums_any, (ut, v))
+    by_size!(m, n, add_sums_of, (ut, v))
 }
 
-fn add_sums_fixed<const M: usize, const N: usize>(ut: &[f64], v: &mut [f64]) {
-    let (Some(ut), Some(v)) = (columns::<M, N>(ut), v.first_chunk_mut::<N>()) else {
-        return;
-    };
-    let mut sum = *v;
-    for r in 0..M {
-        for c in 0..N {
-            sum[c] += ut[c][r].abs();
+#[inline(always)]
+fn add_sums_of(m: usize, n: usize, ut: &[f64], v: &mut [f64]) {
+    let (ut, v) = (&ut[..m * n], &mut v[..n]);
+    for r in 0..m {
+        for c in 0..n {
+            v[c] += ut[c * m + r].abs();
         }
-    }
-    *v = sum;
-}
-
-fn add_sums_any(m: usize, n: usize, ut: &[f64], v: &mut [f64]) {
-    for (v, column) in v.iter_mut().zip(ut.chunks_exact(m)).take(n) {
-        *v += column.iter().map(|u| u.abs()).sum::<f64>();
     }
 }
 
 /// Largest entry of `|L| v` of a factorised diagonal block, for nonnegative `v`.
 pub(in crate::linear_solver) fn lower_product(n: usize, d: &[f64], v: &[f64]) -> f64 {
     match n {
-        6 => lower_product_fixed::<6>(d, v),
-        _ => (0..n)
-            .map(|r| v[r] + (0..r).map(|c| d[c * n + r].abs() * v[c]).sum::<f64>())
-            .fold(0.0, larger),
+        6 => lower_product_of(6, d, v),
+        3 => lower_product_of(3, d, v),
+        _ => lower_product_of(n, d, v),
     }
 }
 
-fn lower_product_fixed<const N: usize>(d: &[f64], v: &[f64]) -> f64 {
-    let (Some(d), Some(v)) = (columns::<N, N>(d), v.first_chunk::<N>()) else {
-        return f64::NAN;
-    };
-    let mut sum = *v;
-    for c in 0..N {
-        for r in c + 1..N {
-            sum[r] += d[c][r].abs() * v[c];
-        }
-    }
-    sum.into_iter().fold(0.0, larger)
+#[inline(always)]
+fn lower_product_of(n: usize, d: &[f64], v: &[f64]) -> f64 {
+    let (d, v) = (&d[..n * n], &v[..n]);
+    let row = |r: usize| (0..r).fold(v[r], |sum, c| sum + d[c * n + r].abs() * v[c]);
+    (0..n).map(row).fold(0.0, larger)
 }
 
 /// Largest entry of `|L| v`, `L` m × n, for nonnegative `v`.
 pub(in crate::linear_solver) fn product(m: usize, n: usize, l: &[f64], v: &[f64]) -> f64 {
-    by_size!(m, n, product_fixed, product_any, (l, v))
+    by_size!(m, n, product_of, (l, v))
 }
 
-fn product_fixed<const M: usize, const N: usize>(l: &[f64], v: &[f64]) -> f64 {
-    let (Some(l), Some(v)) = (columns::<M, N>(l), v.first_chunk::<N>()) else {
-        return f64::NAN;
-    };
-    let mut sum = [0.0; M];
-    for c in 0..N {
-        for r in 0..M {
-            sum[r] += l[c][r].abs() * v[c];
-        }
-    }
-    sum.into_iter().fold(0.0, larger)
-}
-
-fn product_any(m: usize, n: usize, l: &[f64], v: &[f64]) -> f64 {
-    (0..m)
-        .map(|r| (0..n).map(|c| l[c * m + r].abs() * v[c]).sum::<f64>())
-        .fold(0.0, larger)
+#[inline(always)]
+fn product_of(m: usize, n: usize, l: &[f64], v: &[f64]) -> f64 {
+    let (l, v) = (&l[..m * n], &v[..n]);
+    let row = |r: usize| (0..n).fold(0.0, |sum, c| sum + l[c * m + r].abs() * v[c]);
+    (0..m).map(row).fold(0.0, larger)
 }
 
 /// The larger of two. A NaN may get lost: it propagates to a later pivot, where it is detected.

@@ -1,11 +1,9 @@
 //! Factorisation of a diagonal block.
 
-use super::columns_mut;
-
 /// Rows are not interchanged as long as the diagonal is at least this part of its column.
 ///
-/// A lone large entry would win under plain partial pivoting only to gain growth by a factor 10,
-/// and an interchange costs the symmetry and a branch nobody predicts.
+/// Plain partial pivoting would interchange rows more often, to limit growth to less than this factor
+/// of 10; an interchange loses the symmetry and costs a mispredicted branch.
 const KEEP_DIAGONAL: f64 = 0.1;
 
 /// Result of the factorisation of a diagonal block.
@@ -27,115 +25,59 @@ pub(in crate::linear_solver) fn lu(
     floor: f64,
 ) -> Pivots {
     match n {
-        6 => lu_fixed::<6>(d, swaps, floor),
-        3 => lu_fixed::<3>(d, swaps, floor),
-        2 => lu_fixed::<2>(d, swaps, floor),
-        1 => lu_fixed::<1>(d, swaps, floor),
-        _ => lu_any(n, d, swaps, floor),
+        6 => lu_of(6, d, swaps, floor),
+        3 => lu_of(3, d, swaps, floor),
+        2 => lu_of(2, d, swaps, floor),
+        1 => lu_of(1, d, swaps, floor),
+        _ => lu_of(n, d, swaps, floor),
     }
 }
 
-fn lu_fixed<const N: usize>(d: &mut [f64], swaps: &mut [u32], floor: f64) -> Pivots {
-    let mut pivots = Pivots::new();
-    let Some(block) = columns_mut::<N, N>(d) else {
-        return pivots;
-    };
-    // Unrolled, so that every step has constant extents: a diagonal block is on the critical path
-    // of a chain.
-    let mut d = *block;
-    step::<N, 0>(&mut d, swaps, floor, &mut pivots);
-    step::<N, 1>(&mut d, swaps, floor, &mut pivots);
-    step::<N, 2>(&mut d, swaps, floor, &mut pivots);
-    step::<N, 3>(&mut d, swaps, floor, &mut pivots);
-    step::<N, 4>(&mut d, swaps, floor, &mut pivots);
-    step::<N, 5>(&mut d, swaps, floor, &mut pivots);
-    *block = d;
-    pivots
-}
-
-/// Elimination of one column.
+/// The same with literal extents, for which the compiler unrolls: a diagonal block is on the critical
+/// path of a chain.
 #[inline(always)]
-fn step<const N: usize, const K: usize>(
-    d: &mut [[f64; N]; N],
-    swaps: &mut [u32],
-    floor: f64,
-    pivots: &mut Pivots,
-) {
-    if K >= N {
-        return;
-    }
-    let size = d[K][K].abs();
-    let mut keep = true;
-    for r in K + 1..N {
-        keep &= size >= KEEP_DIAGONAL * d[K][r].abs();
-    }
-    if !keep {
-        interchange(d, K, swaps, pivots);
-    }
-    let reciprocal = pivots.accept(d[K][K], floor);
-    for r in K + 1..N {
-        d[K][r] *= reciprocal;
-    }
-    d[K][K] = reciprocal;
-    for c in K + 1..N {
-        let factor = d[c][K];
-        for r in K + 1..N {
-            d[c][r] -= d[K][r] * factor;
+fn lu_of(n: usize, d: &mut [f64], swaps: &mut [u32], floor: f64) -> Pivots {
+    let mut pivots = Pivots::new();
+    let d = &mut d[..n * n];
+    for k in 0..n {
+        let size = d[k * n + k].abs();
+        let mut keep = true;
+        for r in k + 1..n {
+            keep &= size >= KEEP_DIAGONAL * d[k * n + r].abs();
+        }
+        if !keep {
+            interchange(n, k, d, swaps, &mut pivots);
+        }
+        let (left, right) = d.split_at_mut((k + 1) * n);
+        let lower = &mut left[k * n..];
+        let reciprocal = pivots.accept(lower[k], floor);
+        for r in k + 1..n {
+            lower[r] *= reciprocal;
+        }
+        lower[k] = reciprocal;
+        for column in right.chunks_exact_mut(n) {
+            let factor = column[k];
+            for r in k + 1..n {
+                column[r] -= lower[r] * factor;
+            }
         }
     }
+    pivots
 }
 
 #[cold]
 #[inline(never)]
-fn interchange<const N: usize>(
-    d: &mut [[f64; N]; N],
-    k: usize,
-    swaps: &mut [u32],
-    pivots: &mut Pivots,
-) {
+fn interchange(n: usize, k: usize, d: &mut [f64], swaps: &mut [u32], pivots: &mut Pivots) {
     let mut row = k;
-    for r in k + 1..N {
-        if d[k][r].abs() > d[k][row].abs() {
+    for r in k + 1..n {
+        if d[k * n + r].abs() > d[k * n + row].abs() {
             row = r;
         }
     }
-    pivots.swap(swaps, N, k, row);
-    for column in d.iter_mut() {
+    pivots.swap(swaps, n, k, row);
+    for column in d.chunks_exact_mut(n) {
         column.swap(k, row);
     }
-}
-
-fn lu_any(n: usize, d: &mut [f64], swaps: &mut [u32], floor: f64) -> Pivots {
-    let mut pivots = Pivots::new();
-    for k in 0..n {
-        let column = &d[k * n..(k + 1) * n];
-        let mut row = k;
-        for r in k + 1..n {
-            if column[r].abs() > column[row].abs() {
-                row = r;
-            }
-        }
-        if !(column[k].abs() >= KEEP_DIAGONAL * column[row].abs()) {
-            pivots.swap(swaps, n, k, row);
-            for column in d.chunks_exact_mut(n) {
-                column.swap(k, row);
-            }
-        }
-        let reciprocal = pivots.accept(d[k * n + k], floor);
-        let (left, right) = d.split_at_mut((k + 1) * n);
-        let lower = &mut left[k * n..];
-        lower[k] = reciprocal;
-        for l in &mut lower[k + 1..] {
-            *l *= reciprocal;
-        }
-        for column in right.chunks_exact_mut(n) {
-            let factor = column[k];
-            for (x, l) in column[k + 1..].iter_mut().zip(&lower[k + 1..]) {
-                *x -= l * factor;
-            }
-        }
-    }
-    pivots
 }
 
 impl Pivots {

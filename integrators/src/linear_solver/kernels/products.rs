@@ -93,34 +93,17 @@ pub(in crate::linear_solver) fn subtract_transposed(
     x: &[f64],
     y: &mut [f64],
 ) {
-    by_size!(
-        m,
-        n,
-        subtract_transposed_fixed,
-        subtract_transposed_any,
-        (ut, x, y)
-    )
+    by_size!(m, n, subtract_transposed_of, (ut, x, y))
 }
 
-fn subtract_transposed_fixed<const M: usize, const N: usize>(ut: &[f64], x: &[f64], y: &mut [f64]) {
-    let (Some(ut), Some(x), Some(y)) = (
-        columns::<M, N>(ut),
-        x.first_chunk::<M>(),
-        y.first_chunk_mut::<N>(),
-    ) else {
-        return;
-    };
-    for c in 0..N {
+#[inline(always)]
+fn subtract_transposed_of(m: usize, n: usize, ut: &[f64], x: &[f64], y: &mut [f64]) {
+    let (ut, x, y) = (&ut[..m * n], &x[..m], &mut y[..n]);
+    for c in 0..n {
         let mut sum = 0.0;
-        for r in 0..M {
-            sum += ut[c][r] * x[r];
+        for r in 0..m {
+            sum += ut[c * m + r] * x[r];
         }
         y[c] -= sum;
-    }
-}
-
-fn subtract_transposed_any(m: usize, n: usize, ut: &[f64], x: &[f64], y: &mut [f64]) {
-    for (y, column) in y.iter_mut().zip(ut.chunks_exact(m)).take(n) {
-        *y -= column.iter().zip(x).map(|(u, x)| u * x).sum::<f64>();
     }
 }

@@ -128,27 +128,19 @@ fn left_lower_any(m: usize, n: usize, d: &[f64], ut: &mut [f64]) {
 /// `y ← L⁻¹ y`, interchanges applied already.
 pub(in crate::linear_solver) fn solve_lower(n: usize, d: &[f64], y: &mut [f64]) {
     match n {
-        6 => solve_lower_fixed::<6>(d, y),
-        3 => solve_lower_fixed::<3>(d, y),
+        6 => solve_lower_of(6, d, y),
+        3 => solve_lower_of(3, d, y),
         1 => {}
-        _ => {
-            for k in 0..n {
-                let (left, right) = y.split_at_mut(k + 1);
-                for (y, l) in right.iter_mut().zip(&d[k * n + k + 1..(k + 1) * n]) {
-                    *y -= l * left[k];
-                }
-            }
-        }
+        _ => solve_lower_of(n, d, y),
     }
 }
 
-fn solve_lower_fixed<const N: usize>(d: &[f64], y: &mut [f64]) {
-    let (Some(d), Some(y)) = (columns::<N, N>(d), y.first_chunk_mut::<N>()) else {
-        return;
-    };
-    for k in 0..N {
-        for r in k + 1..N {
-            y[r] -= d[k][r] * y[k];
+#[inline(always)]
+fn solve_lower_of(n: usize, d: &[f64], y: &mut [f64]) {
+    let (d, y) = (&d[..n * n], &mut y[..n]);
+    for k in 0..n {
+        for r in k + 1..n {
+            y[r] -= d[k * n + r] * y[k];
         }
     }
 }
@@ -156,29 +148,20 @@ fn solve_lower_fixed<const N: usize>(d: &[f64], y: &mut [f64]) {
 /// `y ← U⁻¹ y`.
 pub(in crate::linear_solver) fn solve_upper(n: usize, d: &[f64], y: &mut [f64]) {
     match n {
-        6 => solve_upper_fixed::<6>(d, y),
-        3 => solve_upper_fixed::<3>(d, y),
+        6 => solve_upper_of(6, d, y),
+        3 => solve_upper_of(3, d, y),
         1 => y[0] *= d[0],
-        _ => {
-            for k in (0..n).rev() {
-                let (left, right) = y.split_at_mut(k);
-                right[0] *= d[k * n + k];
-                for (y, u) in left.iter_mut().zip(&d[k * n..]) {
-                    *y -= u * right[0];
-                }
-            }
-        }
+        _ => solve_upper_of(n, d, y),
     }
 }
 
-fn solve_upper_fixed<const N: usize>(d: &[f64], y: &mut [f64]) {
-    let (Some(d), Some(y)) = (columns::<N, N>(d), y.first_chunk_mut::<N>()) else {
-        return;
-    };
-    for k in (0..N).rev() {
-        y[k] *= d[k][k];
+#[inline(always)]
+fn solve_upper_of(n: usize, d: &[f64], y: &mut [f64]) {
+    let (d, y) = (&d[..n * n], &mut y[..n]);
+    for k in (0..n).rev() {
+        y[k] *= d[k * n + k];
         for r in 0..k {
-            y[r] -= d[k][r] * y[k];
+            y[r] -= d[k * n + r] * y[k];
         }
     }
 }

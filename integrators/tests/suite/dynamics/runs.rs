@@ -7,6 +7,7 @@ use pullback_integrators::dynamics::{
     Adaptivity, DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, StepReport,
     Tangent, integrate, start,
 };
+use pullback_manifold::domain::{CHART_EDGE, DomainError};
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{
     Charts, Energetics, Energies, Evaluation, Events, Point, System, SystemError,
@@ -24,10 +25,12 @@ impl System for Skittish {
 
     fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
         if (at.q[0] - self.1).abs() > 0.2 {
-            return Err(SystemError::OutsideChart {
-                edge: pullback_manifold::system::CHART_EDGE,
+            return Err(SystemError::Domain {
                 what: "the pendulum".to_owned(),
-                margin: 0.2 - (at.q[0] - self.1).abs(),
+                why: DomainError::Beyond {
+                    limit: CHART_EDGE,
+                    margin: 0.2 - (at.q[0] - self.1).abs(),
+                },
             });
         }
         self.0.evaluate(at, out)

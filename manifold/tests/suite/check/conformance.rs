@@ -5,7 +5,7 @@
 use crate::support::{Offset, Revolute, matrix, reference, relative, vector};
 use nalgebra::{SVector, Vector3};
 use pullback_conformance as check;
-use pullback_manifold::chart::{Complement, RotationVector};
+use pullback_manifold::chart::{Complement, RotationVector, WienerMilenkovic};
 use pullback_manifold::map::{Increment, Map};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;
@@ -45,6 +45,7 @@ impl Map<7, 6> for HingeAtEnd {
 #[test]
 fn charts() {
     check::chart(&RotationVector).assert();
+    check::chart(&WienerMilenkovic).assert();
 }
 
 #[test]

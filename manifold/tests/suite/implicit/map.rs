@@ -5,8 +5,9 @@
 use super::{gap, motion, tangent};
 use nalgebra::{SVector, Vector2, Vector3};
 use pullback_conformance as check;
+use pullback_manifold::domain::DomainError;
 use pullback_manifold::implicit::{Choice, Implicit, ImplicitError, ImplicitMap};
-use pullback_manifold::map::{KinematicsMut, Linear, OutsideDomain, Parametrization};
+use pullback_manifold::map::{KinematicsMut, Linear, Parametrization};
 use pullback_manifold::scalar::Scalar;
 
 /// A four-bar linkage: absolute angles of crank, coupler, rocker; ground pivots `d` apart. The
@@ -203,8 +204,8 @@ impl Parametrization for Planted {
         Box::new(self.clone())
     }
 
-    fn margin(&mut self, t: f64, q: &[f64]) -> f64 {
-        self.map.margin(t, q)
+    fn domain(&mut self, t: f64, q: &[f64]) -> Result<f64, DomainError> {
+        self.map.domain(t, q)
     }
 
     fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
@@ -398,10 +399,9 @@ fn singular_configurations_are_named() {
     }
     // Run into: margin and words, no panic.
     let mut map = ImplicitMap::of(flat, 1, 0.0, [1.0, 0.0, 1.0], Choice::Fixed).unwrap();
-    assert!(map.margin(0.0, &[0.0]) > 0.0);
+    assert!(map.domain(0.0, &[0.0]).is_ok());
     let q = [-map.reference()[map.independent().unwrap()[0]]];
-    assert!(map.margin(0.0, &q) <= 0.0);
-    let OutsideDomain::Undefined(words) = map.domain_error(0.0, &q) else {
+    let Err(DomainError::Undefined(words)) = map.domain(0.0, &q) else {
         panic!("it has values there");
     };
     assert!(words.contains("closure along"), "{words}");
@@ -430,8 +430,8 @@ impl Implicit<2, 2> for Loosens {
 fn an_equation_that_follows_no_more_is_found_by_its_ninth_digit() {
     for (off, holds) in [(1e-10, true), (1e-8, false)] {
         let mut map = ImplicitMap::of(Loosens(off), 1, 0.0, [0.0; 2], Choice::Split).unwrap();
-        assert!(map.margin(0.0, &[0.1]) > 0.0);
-        assert_eq!(map.margin(1.0, &[0.1]) > 0.0, holds, "{off}");
+        assert!(map.domain(0.0, &[0.1]).is_ok());
+        assert_eq!(map.domain(1.0, &[0.1]).is_ok(), holds, "{off}");
     }
 }
 
@@ -463,7 +463,7 @@ fn solutions_lie_on_the_branch_of_the_last_one() {
         let mut map = map.unwrap().with_independent(&[0]).unwrap();
         for k in -20..=20 {
             let q = [0.1 * f64::from(k)];
-            found += usize::from(map.margin(0.0, &q) > 0.0);
+            found += usize::from(map.domain(0.0, &q).is_ok());
             let [x, _] = tangent(&map, 0.0, &q);
             let exact = four_bar(crank + q[0]);
             let off = [0, 1].map(|k| {
@@ -504,11 +504,8 @@ fn corrections_of_rounding_errors_end_near_a_singular_place() {
     while angle > 2e-5 {
         angle *= 0.97;
         let mut q = [angle.cos() - from];
-        assert!(
-            matches!(map.domain_error(0.0, &q), OutsideDomain::Beyond(_)),
-            "at {angle}: {:?}",
-            map.domain_error(0.0, &q)
-        );
+        let inside = map.domain(0.0, &q);
+        assert!(inside.is_ok(), "at {angle}: {inside:?}");
         let y = tangent(&map, 0.0, &q)[0][1];
         assert!((y - angle.sin()).abs() < 1e-15 / angle, "at {angle}: {y}");
         assert!(!map.reparametrize(0.0, &mut q, &mut [0.0], &mut []));

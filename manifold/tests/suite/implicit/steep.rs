@@ -4,6 +4,7 @@
 
 use nalgebra::{DVector, SVector};
 use pullback_conformance::{Layout, Mapped, Random, Report, State, kinematics};
+use pullback_manifold::domain::DomainError;
 use pullback_manifold::implicit::{Choice, Implicit, ImplicitMap};
 use pullback_manifold::map::{KinematicsMut, Parametrization};
 use pullback_manifold::scalar::Scalar;
@@ -31,8 +32,8 @@ impl Parametrization for Steep {
         Box::new(self.clone())
     }
 
-    fn margin(&mut self, t: f64, q: &[f64]) -> f64 {
-        self.0.margin(t, q)
+    fn domain(&mut self, t: f64, q: &[f64]) -> Result<f64, DomainError> {
+        self.0.domain(t, q)
     }
 
     fn implicit(&mut self) -> Option<&mut ImplicitMap> {

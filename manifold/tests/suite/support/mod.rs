@@ -5,6 +5,7 @@
 pub mod double_double;
 
 use nalgebra::{SMatrix, SVector, Vector3};
+use pullback_manifold::domain::{CHART_EDGE, DomainError};
 use pullback_manifold::map::Map;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;
@@ -22,8 +23,9 @@ impl Map<6, 6> for Offset {
         SVector::<S, 6>::new(q[0] + u.x, q[1] + u.y, q[2] + u.z, q[3], q[4], q[5])
     }
 
-    fn margin(&self, _t: f64, q: &SVector<f64, 6>) -> f64 {
-        std::f64::consts::TAU - Vector3::new(q[3], q[4], q[5]).norm()
+    fn domain(&self, _t: f64, q: &SVector<f64, 6>) -> Result<f64, DomainError> {
+        let psi = Vector3::new(q[3], q[4], q[5]).norm();
+        DomainError::within(std::f64::consts::TAU - psi, CHART_EDGE)
     }
 }
 

@@ -7,8 +7,8 @@ use crate::studies::compare::{Comparison, ComparisonRow};
 /// The value drawn of a run at a common time.
 type Drawn = dyn Fn(&ComparisonRow, usize) -> f64;
 
-/// Most points of a curve: each is the largest value in its part of the run. A quantity that oscillates through
-/// zero would be a comb on a logarithmic axis, and hide the others.
+/// Most points of a curve: each is the largest value in its part of the run. Oscillations through zero would cover the
+/// other curves on a logarithmic axis.
 pub(super) const PARTS: usize = 32;
 
 pub(super) fn drift(comparison: &Comparison) -> Vec<Graph> {
@@ -40,10 +40,9 @@ pub(super) fn drift(comparison: &Comparison) -> Vec<Graph> {
 
 /// The largest value in each part of a run, at its time; unknown values have no point.
 fn envelope(row: &ComparisonRow, value: &Drawn) -> Vec<(f64, f64)> {
-    let points: Vec<(f64, f64)> = (1..row.samples.len())
-        .map(|j| (row.samples[j].t, value(row, j)))
-        .collect();
-    // Equal numbers of points: a short last part would end a curve in a dip.
+    let points = (1..row.samples.len()).map(|j| (row.samples[j].t, value(row, j)));
+    let points: Vec<(f64, f64)> = points.collect();
+    // Equal numbers of points in all parts: the maximum of a short last part would be too small.
     let parts = PARTS.min(points.len());
     let end = |k: usize| k * points.len() / parts;
     let largest = (0..parts).filter_map(|k| {
@@ -60,18 +59,15 @@ fn change(of: impl Fn(&ComparisonRow, usize) -> f64 + 'static) -> Box<Drawn> {
 
 /// The quantities to draw, with the descriptions of their axes.
 fn drawn(comparison: &Comparison) -> Vec<(String, Box<Drawn>)> {
-    let conserved = comparison.reference.as_ref().map(|r| r.conserved);
-    let conserved = (conserved.unwrap_or_default()).without(comparison.zero_momenta);
-    let mut out = vec![match conserved.energy {
-        true => (
-            "|change of energy|".to_owned(),
-            change(|row, j| row.samples[j].energy),
-        ),
-        false => (
-            "|defect of the balance of energy|".to_owned(),
-            change(|row, j| row.samples[j].defect.unwrap_or(f64::NAN)),
-        ),
-    }];
+    let conserved = comparison.conserved();
+    let (name, energy) = match conserved.energy {
+        true => ("|change of energy|", change(|row, j| row.samples[j].energy)),
+        false => {
+            let defect = |row: &ComparisonRow, j: usize| row.samples[j].defect.unwrap_or(f64::NAN);
+            ("|defect of the balance of energy|", change(defect))
+        }
+    };
+    let mut out = vec![(name.to_owned(), energy)];
     let vectors = [
         (0, "momentum", conserved.momentum),
         (1, "angular momentum", conserved.angular_momentum),
@@ -91,16 +87,12 @@ fn drawn(comparison: &Comparison) -> Vec<(String, Box<Drawn>)> {
             out.push((format!("|change of {name}|, component {}", i + 1), of(i)));
         }
     }
-    // The residual is drawn as it is, not as a change since the start.
-    let violation = |row: &ComparisonRow, j: usize| row.samples[j].violation;
-    let loops = |row: &ComparisonRow| (0..row.samples.len()).any(|j| violation(row, j).is_some());
-    if comparison.rows.iter().any(loops) {
-        let value =
-            move |row: &ComparisonRow, j: usize| violation(row, j).map_or(f64::NAN, f64::abs);
-        out.push((
-            "residual of the loops' equations".to_owned(),
-            Box::new(value),
-        ));
+    // The residual itself is drawn, not its change since the start.
+    let mut samples = comparison.rows.iter().flat_map(|row| &row.samples);
+    if samples.any(|sample| sample.violation.is_some()) {
+        let residual: Box<Drawn> =
+            Box::new(|row, j| row.samples[j].violation.map_or(f64::NAN, f64::abs));
+        out.push(("residual of the loops' equations".to_owned(), residual));
     }
     out
 }

@@ -4,7 +4,7 @@ use super::{Page, begun, run_table};
 use crate::studies::compare::tables::short;
 use crate::studies::compare::{Comparison, ComparisonRow, ErrorQuantity};
 
-/// Errors beside those of runs with charts that are kept longer.
+/// Quantities whose errors are compared with those of runs with late changes of chart.
 const SHOWN: [ErrorQuantity; 4] = [
     ErrorQuantity::Position,
     ErrorQuantity::Rotation,

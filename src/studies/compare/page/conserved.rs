@@ -15,7 +15,7 @@ pub(super) fn drift(out: &mut Page, c: &Comparison) {
          closed by their equations, |h| is what Newton's method leaves of them at a given q."
     };
     out.heading(2, "", "What the motion keeps");
-    let conserved = described(&found.without(c.zero_momenta)) + &zero(&found, c.zero_momenta);
+    let conserved = described(&c.conserved()) + &zero(&found, c.zero_momenta);
     out.paragraph("", &format!("{conserved} {constraints}"));
     let caption = "Largest change since the start at common times, of conserved quantities; |h|, the largest \
                    residual of a loop there, each equation over its size; and the largest \
@@ -30,14 +30,15 @@ pub(super) fn drift(out: &mut Page, c: &Comparison) {
         let end = row.samples.last().map_or(0.0, |s| s.t);
         let halved = c.long.iter().filter(|row| row.counts.rejected > 0);
         let halved: Vec<&str> = halved.map(|row| row.scheme.as_str()).collect();
-        let caption = match halved.is_empty() {
-            true => format!("The same over a long run, until t = {}.", short(end)),
+        let halved = match halved.is_empty() {
+            true => String::new(),
             false => format!(
-                "The same over a long run, until t = {}; some steps were halved by {}.",
-                short(end),
+                "; some steps were halved by {}",
                 escaped(&halved.join(", "))
             ),
         };
+        let end = short(end);
+        let caption = format!("The same over a long run, until t = {end}{halved}.");
         rows(out, &caption, &c.long);
     }
 }
@@ -45,12 +46,10 @@ pub(super) fn drift(out: &mut Page, c: &Comparison) {
 /// Quantities that are conserved because they are zero.
 fn zero(conserved: &Conserved, zero: Components) -> String {
     let both = |a: [bool; 3], zero: [bool; 3]| [0, 1, 2].map(|i| a[i] && zero[i]);
+    let [momentum, angular] = [conserved.momentum, conserved.angular_momentum];
     let all = [
-        components("momentum", both(conserved.momentum, zero[0])),
-        components(
-            "angular momentum",
-            both(conserved.angular_momentum, zero[1]),
-        ),
+        components("momentum", both(momentum, zero[0])),
+        components("angular momentum", both(angular, zero[1])),
     ];
     let all: Vec<String> = all.into_iter().flatten().collect();
     match all.is_empty() {

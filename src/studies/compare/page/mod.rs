@@ -99,33 +99,27 @@ pub(super) fn escaped(text: &str) -> String {
 }
 
 fn head(out: &mut Page, c: &Comparison, command: Option<&str>) {
-    out.paragraph(
-        "",
-        &format!(
-            "Schemes of time integration compared on <code>{}</code>: {} unknown{}, time from 0 to {}.",
-            escaped(&c.model),
-            c.unknowns,
-            if c.unknowns == 1 { "" } else { "s" },
-            c.to
-        ),
+    let (model, unknowns, to) = (escaped(&c.model), c.unknowns, c.to);
+    let s = if unknowns == 1 { "" } else { "s" };
+    let text = format!(
+        "Schemes of time integration compared on <code>{model}</code>: {unknowns} unknown{s}, time from 0 to {to}."
     );
+    out.paragraph("", &text);
     if let Some(command) = command {
         out.command(command);
     }
     let (system, machine) = (std::env::consts::OS, std::env::consts::ARCH);
     out.paragraph("", &format!("{}, {system} {machine}.", c.program));
     if !c.complete {
-        out.paragraph(
-            "warning",
-            "This comparison was interrupted: rows are missing or without errors.",
-        );
+        let text = "This comparison was interrupted: rows are missing or without errors.";
+        out.paragraph("warning", text);
     }
     if let Some(failure) = &c.reference_failure {
-        let failure = escaped(failure);
-        out.paragraph(
-            "warning",
-            &format!("There is no reference, hence no error: {failure}"),
+        let text = format!(
+            "There is no reference, hence no error: {}",
+            escaped(failure)
         );
+        out.paragraph("warning", &text);
     }
 }
 

@@ -46,8 +46,7 @@ pub(super) fn orders(out: &mut Page, c: &Comparison) {
 /// Note on theory with several orders.
 fn levels(c: &Comparison) -> &'static str {
     let mut orders = c.orders.iter().filter_map(|o| o.theory);
-    let same = orders.all(|o| o.0.iter().all(|p| *p == o.0[0]));
-    match same {
+    match orders.all(|o| o.0.iter().all(|p| *p == o.0[0])) {
         true => "",
         false => {
             " The equations of multipliers are of index 3: where theory has several orders they are those of \
@@ -62,10 +61,8 @@ fn formulations(out: &mut Page, c: &Comparison) {
     if c.orders.iter().all(|o| Some(o.formulation) == first) {
         return;
     }
-    out.paragraph(
-        "",
-        "Rotations of frames are unknowns in these formulations:",
-    );
+    let text = "Rotations of frames are unknowns in these formulations:";
+    out.paragraph("", text);
     let item = |scheme: &SchemeOrders| {
         let [name, formulation] = [&scheme.scheme[..], scheme.formulation].map(escaped);
         format!("<code>{name}</code>: {formulation}")
@@ -74,33 +71,23 @@ fn formulations(out: &mut Page, c: &Comparison) {
 }
 
 pub(super) fn describe(out: &mut Page, comparison: &Comparison, r: &Reference) {
-    let [a, b, c] = r.steps;
-    if c == 0.0 {
-        let name = escaped(&r.scheme);
-        out.paragraph(
-            "",
-            &format!(
-                "Errors are those against a solution that is given: <code>{name}</code>. It knows the \
-                 quantities that have errors below."
-            ),
+    let name = escaped(&r.scheme);
+    if r.steps[2] == 0.0 {
+        let text = format!(
+            "Errors are those against a solution that is given: <code>{name}</code>. It knows the \
+             quantities that have errors below."
         );
-        return;
+        return out.paragraph("", &text);
     }
-    out.paragraph(
-        "",
-        &format!(
-            "Reference: <code>{}</code> with step sizes A = {}, B = {} and C = {}. A quantity \
-             whose observed order is that in theory is extrapolated from B and C after Richardson, \
-             and the estimate of its error is twice the distance from the extrapolation of A and B. {} \
-             evaluations, {} changes of chart in C.",
-            escaped(&r.scheme),
-            exact(a),
-            exact(b),
-            exact(c),
-            r.evaluations,
-            r.chart_changes
-        ),
+    let [a, b, c] = r.steps.map(exact);
+    let text = format!(
+        "Reference: <code>{name}</code> with step sizes A = {a}, B = {b} and C = {c}. A quantity \
+         whose observed order is that in theory is extrapolated from B and C after Richardson, \
+         and the estimate of its error is twice the distance from the extrapolation of A and B. {} \
+         evaluations, {} changes of chart in C.",
+        r.evaluations, r.chart_changes
     );
+    out.paragraph("", &text);
     out.table("The reference's own error", &with_errors(&[""]), 1);
     let mut row = |name: &str, value: &dyn Fn(ErrorQuantity) -> String| {
         let values = ErrorQuantity::ALL.map(value).to_vec();

@@ -14,7 +14,7 @@ pub(super) fn errors(out: &mut Page, c: &Comparison) {
     );
     run_table(out, &caption, &with_errors(&[""]), &c.rows, |row| {
         // An error below that of the reference has that one as a bound.
-        let least = |q| c.reference.as_ref().map_or(0.0, |r| r.error.of(q));
+        let least = |q| c.reference_error(q);
         let error = |q| match row.error.map(|e| e.of(q)) {
             None => "–".to_owned(),
             Some(_) if least(q).is_infinite() => "–".to_owned(),
@@ -28,22 +28,26 @@ pub(super) fn errors(out: &mut Page, c: &Comparison) {
 
 /// Step sizes that differ from those requested.
 fn changed_steps(c: &Comparison) -> String {
-    let mut made: Vec<String> = Vec::new();
-    for row in &c.rows {
-        if (row.step - row.requested_step).abs() > 1e-9 * row.requested_step {
-            let pair = format!("{} for {}", exact(row.step), exact(row.requested_step));
-            if !made.contains(&pair) {
-                made.push(pair);
-            }
+    let changed =
+        |row: &&ComparisonRow| (row.step - row.requested_step).abs() > 1e-9 * row.requested_step;
+    let pair =
+        |row: &ComparisonRow| format!("{} for {}", exact(row.step), exact(row.requested_step));
+    let before = " Steps end at kinks of the functions of time and at common times: h is ";
+    listed(before, c.rows.iter().filter(changed).map(pair))
+}
+
+/// A sentence that ends with the different ones of some names, if there are any.
+fn listed(before: &str, names: impl Iterator<Item = String>) -> String {
+    let mut different: Vec<String> = Vec::new();
+    for name in names {
+        if !different.contains(&name) {
+            different.push(name);
         }
     }
-    if made.is_empty() {
-        return String::new();
+    match different.is_empty() {
+        true => String::new(),
+        false => format!("{before}{}.", different.join(", ")),
     }
-    format!(
-        " Steps end at kinks of the functions of time and at common times: h is {}.",
-        made.join(", ")
-    )
 }
 
 /// Status of a run, in a word.
@@ -57,23 +61,17 @@ fn note(row: &ComparisonRow) -> &'static str {
 
 /// Errors of all schemes at a common cost.
 pub(super) fn equal_cost(out: &mut Page, equal: &EqualCost) {
-    let (title, what) = match equal.seconds {
-        true => {
-            let time = short(equal.cost);
-            (
-                "Errors at equal time",
-                format!("{time} s of integration alone"),
-            )
-        }
-        false => {
-            let count = equal.cost.round();
-            (
-                "Errors at equal work",
-                format!("{count} assemblies of the model"),
-            )
-        }
+    let (of, what) = match equal.seconds {
+        true => (
+            "time",
+            format!("{} s of integration alone", short(equal.cost)),
+        ),
+        false => (
+            "work",
+            format!("{} assemblies of the model", equal.cost.round()),
+        ),
     };
-    out.heading(2, "", title);
+    out.heading(2, "", &format!("Errors at equal {of}"));
     let caption = format!(
         "At {what}: log error interpolated over log cost between neighbouring step sizes, or \
          extrapolated from the nearest two (≈); in brackets, over that of the first scheme.",
@@ -148,21 +146,13 @@ pub(super) fn cost(out: &mut Page, c: &Comparison) {
 
 /// Assemblies before the first step, which are not counted.
 fn searching(c: &Comparison) -> String {
-    let mut found: Vec<String> = Vec::new();
-    for row in c.rows.iter().filter(|row| row.searching > 0) {
-        let text = format!("{} {}", escaped(&row.scheme), row.searching);
-        if !found.contains(&text) {
-            found.push(text);
-        }
-    }
-    match found.is_empty() {
-        true => String::new(),
-        false => format!(
-            " Not counted are assemblies before the first step, once in a run, that find what a scheme \
-             has to know (invariants of the motion, the largest frequency): {}.",
-            found.join(", ")
-        ),
-    }
+    let before = " Not counted are assemblies before the first step, once in a run, that find what a scheme \
+                  has to know (invariants of the motion, the largest frequency): ";
+    let count = |row: &ComparisonRow| format!("{} {}", escaped(&row.scheme), row.searching);
+    listed(
+        before,
+        c.rows.iter().filter(|row| row.searching > 0).map(count),
+    )
 }
 
 pub(super) fn failures(out: &mut Page, c: &Comparison) {
@@ -173,12 +163,10 @@ pub(super) fn failures(out: &mut Page, c: &Comparison) {
     out.table("", &["scheme", "h", "reason"], 3);
     for (failed, reason) in failures_of(c) {
         let reason = format!("<span class=\"reason\">{}</span>", escaped(reason));
+        let steps: Vec<String> = failed.iter().map(|row| exact(row.step)).collect();
         let steps = match failed.len() == c.of(&failed[0].scheme).count() && failed.len() > 1 {
             true => "all".to_owned(),
-            false => {
-                let steps = failed.iter().map(|row| exact(row.step));
-                steps.collect::<Vec<_>>().join(", ")
-            }
+            false => steps.join(", "),
         };
         out.row(false, 3, &[escaped(&failed[0].scheme), steps, reason]);
     }

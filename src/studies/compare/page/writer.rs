@@ -77,10 +77,7 @@ impl Page {
                 let items = items.iter().map(|item| format!("<li>{item}</li>\n"));
                 self.put(&format!("<ul>\n{}</ul>", items.collect::<String>()));
             }
-            Format::Markdown => {
-                let items = items.iter().map(|item| format!("- {item}\n"));
-                self.put(&items.collect::<String>());
-            }
+            Format::Markdown => self.put(&format!("- {}\n", items.join("\n- "))),
         }
     }
 
@@ -123,12 +120,8 @@ impl Page {
     pub(super) fn row(&mut self, next: bool, words: usize, row: &[impl AsRef<str>]) {
         match self.format {
             Format::Html => {
-                let class = if next { "next" } else { "" };
-                self.put(&format!(
-                    "<tr{}>{}</tr>",
-                    of(class),
-                    cells("td", words, row)
-                ));
+                let class = of(if next { "next" } else { "" });
+                self.put(&format!("<tr{class}>{}</tr>", cells("td", words, row)));
             }
             Format::Markdown => {
                 let cell = |cell: &_| {
@@ -143,11 +136,12 @@ impl Page {
     }
 
     pub(super) fn end_table(&mut self) {
-        self.put(if self.is_html() {
+        let end = if self.is_html() {
             "</tbody>\n</table>"
         } else {
             ""
-        });
+        };
+        self.put(end);
     }
 }
 
@@ -171,6 +165,6 @@ fn cells(tag: &str, words: usize, cells: &[impl AsRef<str>]) -> String {
 
 /// A figure to embed in a page: without its declaration.
 fn inline(svg: &str) -> &str {
-    svg.find("<svg")
-        .map_or(svg, |start| svg[start..].trim_end())
+    let start = svg.find("<svg");
+    start.map_or(svg, |start| svg[start..].trim_end())
 }

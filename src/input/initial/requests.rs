@@ -1,47 +1,18 @@
 //! Velocities prescribed by initial conditions in models whose loops are closed by multipliers or
 //! penalties: kept where the loops allow them, refused otherwise.
 
-use super::assemble::locate;
-use super::file::ModelFile;
-use super::initial::{LEFT, Start};
-use super::{InputError, Problem, Text};
+use super::{Start, VELOCITY_TOLERANCE};
+use crate::input::parts::Assembly;
+use crate::input::{InputError, Location, Problem};
 use pullback_elements::model::{BEFORE_START, Context, ModelError, NodeId};
-use pullback_manifold::system::System;
 
 /// The unknowns whose velocities an entry of `[[initial]]` prescribes.
-pub(super) struct VelocityRequest {
-    /// Number of the entry.
-    entry: usize,
-    unknowns: Vec<usize>,
+pub(super) struct VelocityRequest<'a> {
+    pub at: Location<'a>,
+    pub unknowns: Vec<usize>,
     /// Whether it applies to one node. Rates of joints and velocities of nodes take precedence over
     /// entries for lines and for the whole model.
-    of_node: bool,
-}
-
-impl VelocityRequest {
-    /// For a node: its velocity (first), the rate of its rotation (second), or both.
-    pub(super) fn of_node(entry: usize, context: &Context, node: NodeId, of: [bool; 2]) -> Self {
-        Self {
-            entry,
-            unknowns: unknowns(context, node, of).collect(),
-            of_node: true,
-        }
-    }
-
-    /// For nodes in rigid motion; for the whole model if there is no list.
-    pub(super) fn of_nodes(entry: usize, context: &Context, nodes: Option<&[NodeId]>) -> Self {
-        let all = 0..context.initial().len();
-        Self {
-            entry,
-            unknowns: match nodes {
-                Some(nodes) => context.unknowns_behind(nodes),
-                None => all
-                    .filter(|&u| !context.coordinate_info(u).is_multiplier)
-                    .collect(),
-            },
-            of_node: false,
-        }
-    }
+    pub of_node: bool,
 }
 
 /// The unknowns of a node's position (first), of its rotation (second), or both.
@@ -65,52 +36,50 @@ pub(super) fn rotation(context: &Context, node: NodeId) -> (NodeId, usize) {
 }
 
 /// The rate of a joint.
-pub(super) struct Rate {
+pub(super) struct Rate<'a> {
     /// Its unknown.
     pub u: usize,
     /// Name of the coordinate.
     pub of: String,
-    /// Path in the file.
-    pub at: Vec<String>,
+    pub at: Location<'a>,
     /// Prescribed rate.
     pub given: f64,
 }
 
-/// Projects a start onto the equations of multipliers and penalties by the smallest changes. Coordinates of
+/// Projects initial coordinates and velocities onto the equations of multipliers and penalties by the smallest changes. Coordinates of
 /// unknowns that are `placed` are kept if possible; rates of joints are kept, then velocities of nodes in the
 /// order of the file.
 pub(super) fn satisfy(
-    source: &Text<'_>,
+    assembly: &Assembly<'_>,
     context: &mut Context,
-    file: &ModelFile,
     mut start: Start,
-    rates: &[Rate],
+    rates: &[Rate<'_>],
     placed: &[usize],
-    mut requests: Vec<VelocityRequest>,
+    mut requests: Vec<VelocityRequest<'_>>,
 ) -> Result<Start, InputError> {
     if !context.is_enforced() {
         return Ok(start);
     }
-    let failed = |error| locate(source, file, error);
+    let failed = |error| assembly.locate(error);
     let mut held: Vec<usize> = rates.iter().map(|r| r.u).collect();
     (context.project_positions(0.0, &mut start.q, &held, placed)).map_err(failed)?;
-    let (left, _) = tried(context, &start, &held).map_err(failed)?;
+    let (left, _) = remaining_error(context, &start, &held).map_err(failed)?;
     let most = rates.iter().fold(0.0_f64, |m, r| m.max(r.given.abs()));
-    if let (Some(first), true) = (rates.first(), most > 0.0 && left > LEFT) {
+    if let (Some(first), true) = (rates.first(), most > 0.0 && left > VELOCITY_TOLERANCE) {
         for rate in rates {
             if context.is_locked(0.0, &start.q, rate.u).map_err(failed)? {
                 let of = rate.of.clone();
-                return Err(source.value(&rate.at, Problem::LoopLocked { of }));
+                return Err(rate.at.refuse(Problem::LoopLocked { of }));
             }
         }
         let names: Vec<&str> = rates.iter().map(|r| r.of.as_str()).collect();
-        let problem = Problem::LoopRates {
+        return Err(first.at.refuse(Problem::LoopRates {
             of: names.join(", "),
             left: left * most,
-        };
-        return Err(source.value(&first.at, problem));
+        }));
     }
     // As with maps of loops, prescribed motion has a velocity of its own, whatever that of the whole model.
+    let file = assembly.file;
     let prescribed = file.supports.iter().any(|s| s.prescribed.is_some())
         || (file.joints.iter()).any(|j| j.all_acts().any(|(_, a)| a.prescribed.is_some()));
     if prescribed || requests.iter().any(|a| a.of_node) || !held.is_empty() {
@@ -118,10 +87,9 @@ pub(super) fn satisfy(
     }
     for request in requests {
         held.extend(request.unknowns);
-        let (left, joint) = tried(context, &start, &held).map_err(failed)?;
-        if left > LEFT {
-            let at = ["initial", &request.entry.to_string()];
-            return Err(source.value(&at, Problem::LoopMotion { joint }));
+        let (left, joint) = remaining_error(context, &start, &held).map_err(failed)?;
+        if left > VELOCITY_TOLERANCE {
+            return Err(request.at.refuse(Problem::LoopMotion { joint }));
         }
     }
     let Start { q, v } = &mut start;
@@ -130,7 +98,7 @@ pub(super) fn satisfy(
 }
 
 /// The remaining error of velocities with the unknowns `held`, and the joint where it is largest.
-fn tried(
+fn remaining_error(
     context: &mut Context,
     start: &Start,
     held: &[usize],

@@ -1,19 +1,21 @@
 //! Initial conditions of the file as vectors of the model.
 
-use super::assemble::LineGeometry;
-use super::file::{Initial, ModelFile};
-use super::names::Names;
-use super::requests::{self, Rate, VelocityRequest};
-use super::values::{self, geared, given};
-use super::{InputError, Problem, Text};
+mod requests;
+mod values;
+
+use super::file::Initial;
+use super::parts::Assembly;
+use super::{InputError, Location, Problem};
 use nalgebra::Vector3;
 use pullback_elements::model::{Context, NodeId, RigidMotion};
 use pullback_manifold::so3;
-use pullback_manifold::system::Point;
+use pullback_manifold::system::{Point, System};
+use requests::{Rate, VelocityRequest};
 use std::f64::consts::TAU;
+use values::{geared, given};
 
 /// Tolerance of velocities, relative to the largest.
-pub(super) const LEFT: f64 = 1e-9;
+const VELOCITY_TOLERANCE: f64 = 1e-9;
 
 /// Coordinates and velocities at the start.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -24,50 +26,44 @@ pub struct Start {
     pub v: Vec<f64>,
 }
 
-pub(super) fn start(
-    source: &Text<'_>,
-    context: &mut Context,
-    nodes: &Names<NodeId>,
-    released: &Names<NodeId>,
-    lines: &[LineGeometry],
-    file: &ModelFile,
-) -> Result<Start, InputError> {
+pub(super) fn start(assembly: &Assembly<'_>, context: &mut Context) -> Result<Start, InputError> {
+    let file = assembly.file;
     let mut q = context.initial().to_vec();
     // All positions come before all velocities, whatever their order in the file.
-    let (mut chosen, mut placed) = (Vec::new(), Vec::new());
-    let known = Names::lines(file);
+    let (mut entries, mut placed) = (Vec::new(), Vec::new());
     for (k, initial) in file.initial.iter().enumerate() {
-        let index = k.to_string();
-        let whole = ["initial", index.as_str()];
-        let path = |key: &'static str| ["initial", index.as_str(), key];
-        check(source, &path, &whole, initial)?;
+        let at = assembly.at("initial").at(k);
+        check(&at, initial)?;
         let node = match &initial.node {
-            Some(name) => Some(nodes.find(source, &path("node"), name)?),
+            Some(name) => Some(assembly.nodes.find(&at.at("node"), name)?),
             None => None,
         };
         if let Some(node) = node {
-            check_attached(source, &path, context, node, initial)?;
-            position(source, &path, context, node, initial, &mut q)?;
+            check_attached(&at, context, node, initial)?;
+            position(&at, context, node, initial, &mut q)?;
             let of = [initial.displacement.is_some(), initial.rotation.is_some()];
             placed.extend(requests::unknowns(context, node, of));
         }
-        let line = match &initial.line {
+        let chosen = match &initial.line {
             Some(name) => {
-                let line = known.find(source, &path("line"), name)?;
-                Some(lines[line].nodes.clone())
+                let line = assembly.lines.find(&at.at("line"), name)?;
+                Some(assembly.geometry.lines[line].nodes.clone())
             }
             None => node.map(|node| vec![node]),
         };
-        chosen.push((node, line));
+        entries.push(Entry {
+            at,
+            initial,
+            node,
+            chosen,
+        });
     }
-    values::start(source, context, released, lines, file, &mut q, &placed)?;
-    let start = Start {
-        v: vec![0.0; q.len()],
-        q,
-    };
+    values::start(assembly, context, &mut q, &placed)?;
     let mut velocities = Velocities {
-        source,
-        start,
+        start: Start {
+            v: vec![0.0; q.len()],
+            q,
+        },
         rates: Vec::new(),
         names: Vec::new(),
         first: None,
@@ -76,51 +72,53 @@ pub(super) fn start(
     // Rates of joints take precedence over the motion of the whole model.
     let mut acts = file.joints.iter().flat_map(|j| j.all_acts());
     let chosen_rates = acts.any(|(_, a)| a.rate.is_some());
-    for (k, (initial, (node, chosen))) in file.initial.iter().zip(chosen).enumerate() {
-        let against = velocities.set_motion(context, k, initial, node, chosen.as_deref())?;
+    for entry in &entries {
+        let against = velocities.set_motion(context, entry)?;
         if let (Some(joint), false) = (against, chosen_rates) {
-            let path = ["initial", &k.to_string()];
-            return Err(source.value(&path, Problem::LoopMotion { joint }));
+            return Err(entry.at.refuse(Problem::LoopMotion { joint }));
         }
     }
-    let held = velocities.set_rates(context, released, file)?;
+    let held = velocities.set_rates(assembly, context)?;
     velocities.fit_loops(context)?;
     let Velocities {
         start, requests, ..
     } = velocities;
-    requests::satisfy(source, context, file, start, &held, &placed, requests)
+    requests::satisfy(assembly, context, start, &held, &placed, requests)
 }
 
-/// The velocities of a start as they are set.
+/// An entry of `[[initial]]`: of a node, of chosen nodes, or of all.
+struct Entry<'a> {
+    at: Location<'a>,
+    initial: &'a Initial,
+    node: Option<NodeId>,
+    chosen: Option<Vec<NodeId>>,
+}
+
+/// Initial velocities under construction.
 struct Velocities<'a> {
-    source: &'a Text<'a>,
     start: Start,
-    /// Rates prescribed in loops, the names of what they are of, and the path of the first.
+    /// Rates prescribed in loops, the names of their coordinates, and the location of the first.
     rates: Vec<(NodeId, usize, f64)>,
     names: Vec<String>,
-    first: Option<Vec<String>>,
+    first: Option<Location<'a>>,
     /// Velocities prescribed in loops that multipliers and penalties close.
-    requests: Vec<VelocityRequest>,
+    requests: Vec<VelocityRequest<'a>>,
 }
 
-/// A path of its own.
-fn owned(path: &[&str]) -> Vec<String> {
-    path.iter().map(|p| (*p).to_owned()).collect()
-}
-
-impl Velocities<'_> {
-    /// Sets the motion of entry `k`: of a node, of chosen nodes, or of all. Returns a joint of a loop that
-    /// does not allow it.
+impl<'a> Velocities<'a> {
+    /// Sets the motion of an entry. Returns a joint of a loop that does not allow it.
     fn set_motion(
         &mut self,
         context: &mut Context,
-        k: usize,
-        initial: &Initial,
-        node: Option<NodeId>,
-        chosen: Option<&[NodeId]>,
+        entry: &Entry<'a>,
     ) -> Result<Option<String>, InputError> {
-        let index = k.to_string();
-        let path = |key: &'static str| ["initial", index.as_str(), key];
+        let &Entry {
+            ref at,
+            initial,
+            node,
+            ..
+        } = entry;
+        let chosen = entry.chosen.as_deref();
         let turns = initial.angular_velocity.or(initial.body_angular_velocity);
         if initial.velocity.is_none() && turns.is_none() {
             return Ok(None);
@@ -130,7 +128,7 @@ impl Velocities<'_> {
         if let Some(free) = free.filter(|&n| context.in_loop(n)) {
             self.spin(context, free, &motion);
             self.names.push(initial.node.clone().unwrap_or_default());
-            (self.first).get_or_insert_with(|| owned(&["initial", &index]));
+            self.first.get_or_insert_with(|| at.clone());
             return Ok(None);
         }
         let of = [
@@ -145,14 +143,21 @@ impl Velocities<'_> {
         context.set_velocity(q, v, chosen, &motion);
         kept.into_iter().for_each(|(u, rate)| v[u] = rate);
         if let Some(node) = node {
-            movable(self.source, &path, context, node, initial, q, &motion)?;
-            (self.requests).push(VelocityRequest::of_node(k, context, node, of));
+            movable(at, context, node, initial, q, &motion)?;
         }
         // Where a map cannot be evaluated at the start, the analysis says so.
         let fitted = context.fit_rates(q, v, chosen, &motion);
-        if node.is_none() {
-            (self.requests).push(VelocityRequest::of_nodes(k, context, chosen));
-        }
+        self.requests.push(VelocityRequest {
+            at: at.clone(),
+            unknowns: match (node, chosen) {
+                (Some(node), _) => requests::unknowns(context, node, of).collect(),
+                (None, Some(nodes)) => context.unknowns_behind(nodes),
+                (None, None) => (0..context.initial().len())
+                    .filter(|&u| !context.coordinate_info(u).is_multiplier)
+                    .collect(),
+            },
+            of_node: node.is_some(),
+        });
         Ok(fitted.unwrap_or_default().into_iter().next())
     }
 
@@ -172,29 +177,28 @@ impl Velocities<'_> {
     /// Sets the rates of joint coordinates; returns those that are unknowns.
     fn set_rates(
         &mut self,
+        assembly: &Assembly<'a>,
         context: &Context,
-        released: &Names<NodeId>,
-        file: &ModelFile,
-    ) -> Result<Vec<Rate>, InputError> {
+    ) -> Result<Vec<Rate<'a>>, InputError> {
         let mut held = Vec::new();
-        for (index, name, rate) in given(file, |acts| acts.rate) {
-            let at = ["joints", index.as_str(), "rate"];
-            let node = released.find(self.source, &at, &name)?;
+        for (joint, name, rate) in given(assembly.file, |acts| acts.rate) {
+            let at = assembly.at("joints").at(joint).at("rate");
+            let node = assembly.released.find(&at, &name)?;
             if let Some(u) = context.unknown_at(node, 0) {
                 self.start.v[u] = rate;
                 held.push(Rate {
                     u,
                     of: name.clone(),
-                    at: owned(&at),
+                    at: at.clone(),
                     given: rate,
                 });
             } else if !context.in_loop(node) {
-                geared(self.source, &at, file, &name, "rate")?;
+                geared(&at, assembly.file, &name, "rate")?;
             }
             if !context.is_own(node) {
                 self.rates.push((node, 0, rate));
                 self.names.push(name);
-                self.first.get_or_insert_with(|| owned(&at));
+                self.first.get_or_insert(at);
             }
         }
         Ok(held)
@@ -202,18 +206,17 @@ impl Velocities<'_> {
 
     /// Fits the velocities of loops to the rates that are prescribed in them.
     fn fit_loops(&mut self, context: &mut Context) -> Result<(), InputError> {
-        if self.rates.is_empty() {
+        let Some(first) = &self.first else {
             return Ok(());
-        }
+        };
         let most = self.rates.iter().fold(0.0_f64, |m, r| m.max(r.2.abs()));
         let Start { q, v } = &mut self.start;
         // Where a map cannot be evaluated at the start, the analysis says so.
         let fitted = context.fit_coordinate_rates(q, v, &self.rates);
         let left = fitted.unwrap_or(0.0);
-        if left <= LEFT * most {
+        if left <= VELOCITY_TOLERANCE * most {
             return Ok(());
         }
-        let path = self.first.take().unwrap_or_default();
         // A single component of a spherical joint may be free.
         let problem = match (self.names.as_slice(), self.rates.len()) {
             ([one], 1) => Problem::LoopLocked { of: one.clone() },
@@ -222,13 +225,13 @@ impl Velocities<'_> {
                 left,
             },
         };
-        Err(self.source.value(&path, problem))
+        Err(first.refuse(problem))
     }
 }
 
 /// The rigid motion of an entry.
 fn motion(context: &Context, initial: &Initial, node: Option<NodeId>, q: &[f64]) -> RigidMotion {
-    let here = node.map(|node| at(context, node, q));
+    let here = node.map(|node| pose(context, node, q));
     RigidMotion {
         velocity: initial.velocity.unwrap_or_default().into(),
         omega: match (initial.angular_velocity, initial.body_angular_velocity) {
@@ -247,12 +250,7 @@ fn motion(context: &Context, initial: &Initial, node: Option<NodeId>, q: &[f64])
     }
 }
 
-fn check<'a>(
-    source: &Text<'_>,
-    path: &dyn Fn(&'static str) -> [&'a str; 3],
-    whole: &[&str],
-    initial: &Initial,
-) -> Result<(), InputError> {
+fn check(at: &Location<'_>, initial: &Initial) -> Result<(), InputError> {
     let position = [
         ("displacement", initial.displacement.is_some()),
         ("rotation", initial.rotation.is_some()),
@@ -263,30 +261,29 @@ fn check<'a>(
     ];
     for (key, given) in position {
         if given && initial.node.is_none() {
-            return Err(source.key(&path(key), Problem::InitialNode { key }));
+            return Err((at.at(key)).refuse_key(Problem::InitialNode { key }));
         }
     }
     if initial.node.is_some() && initial.line.is_some() {
         let (first, second) = ("node", "line");
-        return Err(source.key(&path(second), Problem::InitialTwice { first, second }));
+        return Err((at.at(second)).refuse_key(Problem::InitialTwice { first, second }));
     }
     if initial.angular_velocity.is_some() && initial.body_angular_velocity.is_some() {
         let (first, second) = ("angular_velocity", "body_angular_velocity");
-        return Err(source.key(&path(second), Problem::InitialTwice { first, second }));
+        return Err((at.at(second)).refuse_key(Problem::InitialTwice { first, second }));
     }
     let says = position.iter().any(|p| p.1)
         || initial.velocity.is_some()
         || initial.angular_velocity.is_some();
     if !says {
-        return Err(source.value(whole, Problem::InitialNothing));
+        return Err(at.refuse(Problem::InitialNothing));
     }
     Ok(())
 }
 
 /// Refuses coordinates that a node attached to a joint does not have.
-fn check_attached<'a>(
-    source: &Text<'_>,
-    path: &dyn Fn(&'static str) -> [&'a str; 3],
+fn check_attached(
+    at: &Location<'_>,
     context: &Context,
     node: NodeId,
     initial: &Initial,
@@ -307,14 +304,14 @@ fn check_attached<'a>(
     ] {
         if given.is_some() && !own {
             let node = initial.node.clone().unwrap_or_default();
-            return Err(source.key(&path(key), Problem::InitialHung { node, key }));
+            return Err((at.at(key)).refuse_key(Problem::InitialHung { node, key }));
         }
     }
     Ok(())
 }
 
 /// Position and rotation vector of a node at coordinates.
-fn at(context: &Context, node: NodeId, q: &[f64]) -> [Vector3<f64>; 2] {
+fn pose(context: &Context, node: NodeId, q: &[f64]) -> [Vector3<f64>; 2] {
     let (free, first) = requests::rotation(context, node);
     let three = |node: NodeId, first: usize| {
         Vector3::from_fn(|k, _| context.unknown_at(node, first + k).map_or(0.0, |u| q[u]))
@@ -323,9 +320,8 @@ fn at(context: &Context, node: NodeId, q: &[f64]) -> [Vector3<f64>; 2] {
 }
 
 /// Refuses a velocity of a node along a coordinate that is held or prescribed.
-fn movable<'a>(
-    source: &Text<'_>,
-    path: &dyn Fn(&'static str) -> [&'a str; 3],
+fn movable(
+    at: &Location<'_>,
     context: &Context,
     node: NodeId,
     initial: &Initial,
@@ -333,7 +329,7 @@ fn movable<'a>(
     motion: &RigidMotion,
 ) -> Result<(), InputError> {
     let (free, first) = requests::rotation(context, node);
-    let [_, psi] = at(context, node, q);
+    let [_, psi] = pose(context, node, q);
     let rate = so3::tangent_inverse(&psi).tr_mul(&motion.omega);
     let spin = if initial.angular_velocity.is_some() {
         "angular_velocity"
@@ -349,7 +345,7 @@ fn movable<'a>(
             (0..3).any(|k| wanted[k].abs() > tiny && context.unknown_at(node, first + k).is_none());
         if held && context.is_own(node) {
             let node = initial.node.clone().unwrap_or_default();
-            return Err(source.value(&path(key), Problem::InitialHeld { node, key }));
+            return Err((at.at(key)).refuse(Problem::InitialHeld { node, key }));
         }
     }
     Ok(())
@@ -368,9 +364,8 @@ fn folded(psi: [f64; 3]) -> [f64; 3] {
 }
 
 /// Initial displacement and rotation of a node.
-fn position<'a>(
-    source: &Text<'_>,
-    path: &dyn Fn(&'static str) -> [&'a str; 3],
+fn position(
+    at: &Location<'_>,
     context: &Context,
     node: NodeId,
     initial: &Initial,
@@ -384,7 +379,7 @@ fn position<'a>(
         for (i, value) in values.unwrap_or_default().into_iter().enumerate() {
             if !context.set(q, node, first + i, value) && value != 0.0 {
                 let node = initial.node.clone().unwrap_or_default();
-                return Err(source.value(&path(key), Problem::InitialHeld { node, key }));
+                return Err((at.at(key)).refuse(Problem::InitialHeld { node, key }));
             }
         }
     }

@@ -1,6 +1,6 @@
 //! The types of joints in model files: those of the library, and a program's own.
 
-use super::joint_types;
+use super::types;
 use pullback_elements::beam::Interpolation;
 use pullback_elements::joint::{Joint, JointNodes};
 use pullback_elements::model::{ModelBuilder, ModelError, NodeId};
@@ -87,7 +87,7 @@ pub struct Registry {
 impl Registry {
     /// The joints of the library.
     pub fn standard() -> Self {
-        joint_types::add_to(Self::default())
+        types::add_to(Self::default())
     }
 
     /// Adds a type of joint that is attached to one node, the `parent`; one of the same name is replaced.
@@ -99,7 +99,7 @@ impl Registry {
     /// [`ModelBuilder::attach`] names them.
     #[must_use]
     pub fn joint<K, N, E>(
-        self,
+        mut self,
         name: &str,
         make: impl Fn(&mut Site<'_>, K) -> Result<N, E> + Send + Sync + 'static,
     ) -> Self
@@ -108,7 +108,17 @@ impl Registry {
         N: Into<JointNodes>,
         E: Into<BoxedError>,
     {
-        self.add(name, false, make)
+        let made = JointType {
+            along: false,
+            schema: K::json_schema,
+            make: Box::new(move |keys, site| {
+                let keys = read(keys)?;
+                let made = make(site, keys).map_err(|error| Refusal::Joint(error.into()))?;
+                Ok(made.into())
+            }),
+        };
+        self.types.insert(name.to_owned(), made);
+        self
     }
 
     /// Like [`Registry::joint`], for a type of joint that is attached to `lines` instead of a
@@ -124,31 +134,12 @@ impl Registry {
         N: Into<JointNodes>,
         E: Into<BoxedError>,
     {
-        self.add(name, true, make)
-    }
-
-    fn add<K, N, E>(
-        mut self,
-        name: &str,
-        along: bool,
-        make: impl Fn(&mut Site<'_>, K) -> Result<N, E> + Send + Sync + 'static,
-    ) -> Self
-    where
-        K: DeserializeOwned + JsonSchema,
-        N: Into<JointNodes>,
-        E: Into<BoxedError>,
-    {
-        let made = JointType {
-            along,
-            schema: K::json_schema,
-            make: Box::new(move |keys, site| {
-                let keys = read(keys)?;
-                let made = make(site, keys).map_err(|error| Refusal::Joint(error.into()))?;
-                Ok(made.into())
-            }),
-        };
-        self.types.insert(name.to_owned(), made);
-        self
+        let mut registry = self.joint(name, make);
+        registry
+            .types
+            .entry(name.to_owned())
+            .and_modify(|made| made.along = true);
+        registry
     }
 
     /// The type of a name.
@@ -157,7 +148,7 @@ impl Registry {
     }
 
     /// All types with their names, in alphabetical order.
-    pub(super) fn types(&self) -> impl Iterator<Item = (&String, &JointType)> {
+    pub(in crate::input) fn types(&self) -> impl Iterator<Item = (&String, &JointType)> {
         self.types.iter()
     }
 }
@@ -165,13 +156,13 @@ impl Registry {
 type Make = dyn Fn(&Map<String, Value>, &mut Site<'_>) -> Result<JointNodes, Refusal> + Send + Sync;
 
 /// A type of joint.
-pub(super) struct JointType {
+pub(in crate::input) struct JointType {
     /// Whether it is attached to lines instead of a parent.
     pub along: bool,
     /// Schema of its own keys.
     pub schema: fn(&mut SchemaGenerator) -> Schema,
     /// Constructs a joint from its own keys.
-    pub make: Box<Make>,
+    pub(super) make: Box<Make>,
 }
 
 impl JointType {

@@ -1,0 +1,183 @@
+//! Load control with automatic step size.
+
+use super::fixed_load::Known;
+use super::newton::Newton;
+use super::options::check;
+use super::start::begin;
+use super::steps::Analysis;
+use super::{Converged, Problem, StaticOptions, StaticSummary, StaticsError, Step};
+use crate::abilities::{change_charts, start};
+use crate::failure::Failure;
+
+/// The engine of a run: all that a step needs beside the system and the solver.
+pub struct LoadRun {
+    newton: Newton,
+    options: StaticOptions,
+    summary: StaticSummary,
+    q: Vec<f64>,
+    /// Coordinates at the beginning of a step.
+    start: Vec<f64>,
+    /// Next step of the load parameter.
+    dt: f64,
+    /// The tangent at the present equilibrium; `None` before the first one.
+    known: Option<Known>,
+    /// The equilibrium reported last.
+    reached: Converged,
+}
+
+impl Analysis for LoadRun {
+    type Options = StaticOptions;
+    type Summary = StaticSummary;
+
+    fn new(
+        problem: &mut Problem<'_>,
+        mut q: Vec<f64>,
+        options: &StaticOptions,
+    ) -> Result<Self, StaticsError> {
+        let numbers = [
+            ("from", options.from),
+            ("to", options.to),
+            ("first_step", options.first_step),
+            ("min_step", options.min_step),
+            ("max_step", options.max_step),
+        ];
+        check(&numbers, &options.newton)?;
+        let newton = Newton::new(problem, &options.newton)?;
+        q.resize(newton.r.len(), 0.0);
+        let first_step = options.first_step.abs().min(options.max_step.abs());
+        Ok(Self {
+            newton,
+            options: *options,
+            summary: StaticSummary {
+                t: options.from,
+                ..StaticSummary::default()
+            },
+            start: q.clone(),
+            q,
+            dt: (options.to - options.from).signum() * first_step,
+            known: None,
+            reached: Converged::default(),
+        })
+    }
+
+    /// Goes on to the next equilibrium.
+    fn next(&mut self, problem: &mut Problem<'_>) -> Result<bool, StaticsError> {
+        if self.known.is_none() {
+            let (q, summary) = (&mut self.q, &mut self.summary);
+            let (known, start) = begin(&mut self.newton, problem, q, summary)?;
+            self.known = Some(known);
+            if let Some(start) = start {
+                self.reached = start;
+                return Ok(true);
+            }
+        }
+        while !self.summary.finished {
+            let rest = self.options.to - self.summary.t;
+            // The last step absorbs a tiny remainder.
+            let last = rest.abs() <= self.dt.abs() * (1.0 + 1e-9);
+            let t = match last {
+                true => self.options.to,
+                false => self.summary.t + self.dt,
+            };
+            let known = self.known.unwrap_or(Known::Nothing);
+            let attempt = self.attempt(problem, t, known);
+            self.summary.count(self.newton.cost);
+            match attempt {
+                Ok(chart_changes) => {
+                    self.summary.finished = last;
+                    self.accept(problem, t, chart_changes);
+                    return Ok(true);
+                }
+                Err(failure) => self.halve(problem, t, known, failure)?,
+            }
+        }
+        Ok(false)
+    }
+
+    fn report(&self) -> Step<'_> {
+        self.reached.report(&self.q, &self.newton.history)
+    }
+
+    fn q(&self) -> &[f64] {
+        &self.q
+    }
+
+    fn summary(&self) -> &StaticSummary {
+        &self.summary
+    }
+}
+
+impl LoadRun {
+    /// One attempt at a step to `t`; the number of changes of chart.
+    fn attempt(
+        &mut self,
+        problem: &mut Problem<'_>,
+        t: f64,
+        known: Known,
+    ) -> Result<usize, Failure> {
+        let (newton, q, from) = (&mut self.newton, &mut self.q, self.summary.t);
+        self.start.copy_from_slice(q);
+        newton.predict(problem, q, [from, t], known)?;
+        newton.settle(problem, q, t, Some((from, &self.start)))
+    }
+
+    /// Accepts the equilibrium at `t`.
+    fn accept(&mut self, problem: &mut Problem<'_>, t: f64, chart_changes: usize) {
+        let (newton, summary) = (&mut self.newton, &mut self.summary);
+        let iterations = newton.iterations();
+        summary.steps += 1;
+        summary.iterations += iterations;
+        summary.chart_changes += chart_changes;
+        let step_size = t - summary.t;
+        summary.t = t;
+        // The next step begins with this factorisation: the last one was made at the iterate before.
+        let (known, unstable) = newton.prepare(problem);
+        self.known = Some(known);
+        summary.count(newton.cost);
+        if iterations <= self.options.easy {
+            let longest = self.options.max_step.abs();
+            self.dt = self.dt.signum() * (2.0 * self.dt.abs()).min(longest);
+        }
+        self.reached = Converged {
+            number: summary.steps,
+            t,
+            step_size,
+            iterations,
+            chart_changes,
+            unstable,
+        };
+    }
+
+    /// Halves the step to `t` after a failure, or ends the run.
+    fn halve(
+        &mut self,
+        problem: &mut Problem<'_>,
+        t: f64,
+        known: Known,
+        failure: Failure,
+    ) -> Result<(), StaticsError> {
+        // A smaller step would begin with the same tangent, unless this one was extrapolated.
+        let exact = known != Known::Evaluated || self.summary.steps == 0;
+        let unpredicted = self.newton.history.is_empty();
+        let hopeless = exact && unpredicted && matches!(failure, Failure::Linear { .. });
+        self.summary.rejected += 1;
+        self.known = Some(Known::Nothing);
+        let mut failed = self.newton.fail(problem, failure, &self.summary, t);
+        self.q.copy_from_slice(&self.start);
+        start(problem.system, self.summary.t, &self.q);
+        change_charts(
+            problem.system,
+            self.summary.t,
+            &mut self.q,
+            &mut [],
+            &mut [],
+        );
+        self.dt = 0.5 * (t - self.summary.t);
+        let too_small = self.dt.abs() < self.options.min_step.abs() || self.dt == 0.0;
+        if hopeless || too_small {
+            failed.min_step = (!hopeless).then_some(self.options.min_step);
+            return Err(StaticsError::Step(failed));
+        }
+        Ok(())
+    }
+}

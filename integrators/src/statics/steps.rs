@@ -1,0 +1,225 @@
+//! Equilibria one after the other, and the loop over all of them.
+
+use super::load_run::LoadRun;
+use super::path_run::PathRun;
+use super::{ArcLengthOptions, PathSummary, StaticOptions, StaticSummary, StaticsError, Step};
+use crate::linear_solver::{AutoSolver, LinearSolver};
+use pullback_manifold::system::System;
+use std::ops::{ControlFlow, DerefMut};
+
+/// A system, and the linear solver of its tangents.
+pub struct Problem<'a> {
+    pub(super) system: &'a mut dyn System,
+    pub(super) solver: &'a mut dyn LinearSolver,
+}
+
+/// The engine of an analysis: all that a step needs beside the system and the solver.
+pub trait Analysis: Sized {
+    /// Its options.
+    type Options;
+    /// Its counters and results.
+    type Summary;
+
+    /// An analysis from the coordinates `q`; missing ones are zero.
+    fn new(
+        problem: &mut Problem<'_>,
+        q: Vec<f64>,
+        options: &Self::Options,
+    ) -> Result<Self, StaticsError>;
+
+    /// Goes on to the next equilibrium; false at the end.
+    fn next(&mut self, problem: &mut Problem<'_>) -> Result<bool, StaticsError>;
+
+    /// The equilibrium reached last.
+    fn report(&self) -> Step<'_>;
+
+    /// The present coordinates.
+    fn q(&self) -> &[f64];
+
+    /// Counters and results so far.
+    fn summary(&self) -> &Self::Summary;
+}
+
+/// Equilibria step by step: under growing loads ([`LoadSteps`]) or along a path ([`PathSteps`]).
+///
+/// ```text
+/// let mut run = LoadSteps::new(&mut context, Vec::new(), &options)?;
+/// while let Some(step) = run.step()? { … }
+/// ```
+///
+/// Loads at the start are balanced first, as step 0.
+pub struct Steps<S, A> {
+    system: S,
+    solver: AutoSolver,
+    analysis: A,
+}
+
+/// Equilibrium under growing loads, step by step: see [`Steps`].
+pub type LoadSteps<S> = Steps<S, LoadRun>;
+
+/// An equilibrium path, step by step, with located events between the steps: see [`Steps`].
+pub type PathSteps<S> = Steps<S, PathRun>;
+
+impl<S, A: Analysis> Steps<S, A>
+where
+    S: DerefMut,
+    S::Target: System + Sized,
+{
+    /// An analysis from the coordinates `q`; missing ones are zero.
+    ///
+    /// # Errors
+    /// [`StaticsError`] for invalid options.
+    pub fn new(mut system: S, q: Vec<f64>, options: &A::Options) -> Result<Self, StaticsError> {
+        let mut solver = AutoSolver::new();
+        let mut problem = Problem {
+            system: &mut *system,
+            solver: &mut solver,
+        };
+        let analysis = A::new(&mut problem, q, options)?;
+        Ok(Self {
+            system,
+            solver,
+            analysis,
+        })
+    }
+
+    /// The next equilibrium or event; `None` at the end of the load range or path.
+    ///
+    /// # Errors
+    /// [`StaticsError`] with the failed step, its load, the cause and the residuals.
+    pub fn step(&mut self) -> Result<Option<Step<'_>>, StaticsError> {
+        let mut problem = Problem {
+            system: &mut *self.system,
+            solver: &mut self.solver,
+        };
+        let more = self.analysis.next(&mut problem)?;
+        Ok(more.then(|| self.analysis.report()))
+    }
+
+    /// All steps to the end.
+    ///
+    /// # Errors
+    /// As [`Steps::step`].
+    pub fn finish(&mut self) -> Result<(), StaticsError> {
+        while self.step()?.is_some() {}
+        Ok(())
+    }
+
+    /// The present coordinates.
+    pub fn q(&self) -> &[f64] {
+        self.analysis.q()
+    }
+
+    /// Counters, and events on a path, so far.
+    pub fn summary(&self) -> &A::Summary {
+        self.analysis.summary()
+    }
+
+    /// The system, at the present equilibrium.
+    pub fn system(&self) -> &S::Target {
+        &self.system
+    }
+
+    /// The system, for questions that evaluate it.
+    pub fn system_mut(&mut self) -> &mut S::Target {
+        &mut self.system
+    }
+}
+
+/// All steps of an analysis from `q`, which ends as the coordinates reached.
+fn run<A, Y: System>(
+    solver: &mut dyn LinearSolver,
+    system: &mut Y,
+    q: &mut Vec<f64>,
+    options: &A::Options,
+    observer: &mut dyn FnMut(&mut Y, &Step<'_>) -> ControlFlow<()>,
+) -> Result<A::Summary, StaticsError>
+where
+    A: Analysis<Summary: Clone>,
+{
+    let mut problem = Problem { system, solver };
+    let mut analysis = A::new(&mut problem, q.clone(), options)?;
+    let outcome = loop {
+        let mut problem = Problem { system, solver };
+        match analysis.next(&mut problem) {
+            Ok(true) if observer(system, &analysis.report()).is_continue() => {}
+            Ok(_) => break Ok(()),
+            Err(error) => break Err(error),
+        }
+    };
+    *q = analysis.q().to_vec();
+    outcome.map(|()| analysis.summary().clone())
+}
+
+/// Follows the equilibrium of `system` from `q` over the load range, with the default solver: all
+/// steps of [`LoadSteps`]. The observer is called after each and may stop the run.
+///
+/// # Errors
+/// [`StaticsError`] with the failed step, its load, the cause and the residuals.
+pub fn solve_statics<Y: System>(
+    system: &mut Y,
+    q: &mut Vec<f64>,
+    options: &StaticOptions,
+    observer: &mut dyn FnMut(&mut Y, &Step<'_>) -> ControlFlow<()>,
+) -> Result<StaticSummary, StaticsError> {
+    solve_statics_with(&mut AutoSolver::new(), system, q, options, observer)
+}
+
+/// As [`solve_statics`], with another linear solver.
+///
+/// # Errors
+/// As [`solve_statics`].
+pub fn solve_statics_with<Y: System>(
+    solver: &mut dyn LinearSolver,
+    system: &mut Y,
+    q: &mut Vec<f64>,
+    options: &StaticOptions,
+    observer: &mut dyn FnMut(&mut Y, &Step<'_>) -> ControlFlow<()>,
+) -> Result<StaticSummary, StaticsError> {
+    run::<LoadRun, Y>(solver, system, q, options, observer)
+}
+
+/// The equilibrium of `system` at the end of the load range, from zero coordinates.
+///
+/// # Errors
+/// As [`solve_statics`].
+pub fn equilibrium(
+    system: &mut dyn System,
+    options: &StaticOptions,
+) -> Result<Vec<f64>, StaticsError> {
+    let mut problem = Problem {
+        system,
+        solver: &mut AutoSolver::new(),
+    };
+    let mut run = LoadRun::new(&mut problem, Vec::new(), options)?;
+    while run.next(&mut problem)? {}
+    Ok(run.q().to_vec())
+}
+
+/// Follows the equilibrium path of `system` from `q`, with the default solver: all steps of
+/// [`PathSteps`]. The observer is called after each and may stop the run.
+///
+/// # Errors
+/// [`StaticsError`] with the failed step, its load, the cause and the residuals.
+pub fn trace_path<Y: System>(
+    system: &mut Y,
+    q: &mut Vec<f64>,
+    options: &ArcLengthOptions,
+    observer: &mut dyn FnMut(&mut Y, &Step<'_>) -> ControlFlow<()>,
+) -> Result<PathSummary, StaticsError> {
+    trace_path_with(&mut AutoSolver::new(), system, q, options, observer)
+}
+
+/// As [`trace_path`], with another linear solver.
+///
+/// # Errors
+/// As [`trace_path`].
+pub fn trace_path_with<Y: System>(
+    solver: &mut dyn LinearSolver,
+    system: &mut Y,
+    q: &mut Vec<f64>,
+    options: &ArcLengthOptions,
+    observer: &mut dyn FnMut(&mut Y, &Step<'_>) -> ControlFlow<()>,
+) -> Result<PathSummary, StaticsError> {
+    run::<PathRun, Y>(solver, system, q, options, observer)
+}

@@ -1,0 +1,52 @@
+//! The domain of a map, a joint or an element.
+
+use std::f64::consts::TAU;
+
+/// Default limit of a domain in messages: the step was too large.
+pub const CHART_EDGE: &str = "the domain of its chart (it moved or turned too far at once)";
+
+/// Why a point is outside of a domain.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum DomainError {
+    /// It is beyond this limit.
+    #[error("it left {limit}")]
+    Beyond {
+        /// Words that follow "the joint left", with a remedy unless it is [`CHART_EDGE`].
+        limit: &'static str,
+        /// Distance to the limit, ≤ 0.
+        margin: f64,
+    },
+    /// There is no value, for this reason: words that follow "joint at node a: ".
+    #[error("{0}")]
+    Undefined(String),
+}
+
+impl DomainError {
+    /// The margin of a point that is inside, its distance to the limit; otherwise the error.
+    ///
+    /// # Errors
+    /// [`DomainError::Beyond`] for a margin that is not positive.
+    pub fn within(margin: f64, limit: &'static str) -> Result<f64, Self> {
+        match margin > 0.0 {
+            true => Ok(margin),
+            false => Err(Self::Beyond { limit, margin }),
+        }
+    }
+
+    /// A rotation vector of the angle `psi` is at the edge of its chart, 2π.
+    pub fn chart(psi: f64) -> Self {
+        let (limit, margin) = (CHART_EDGE, TAU - psi);
+        Self::Beyond { limit, margin }
+    }
+
+    /// The error of a joint, node or element of this name, in words.
+    pub fn of(&self, what: &str) -> String {
+        match self {
+            Self::Beyond { limit, .. } if *limit == CHART_EDGE => {
+                format!("{what} left {limit}: take smaller steps")
+            }
+            Self::Beyond { limit, .. } => format!("{what} left {limit}"),
+            Self::Undefined(why) => format!("{what}: {why}"),
+        }
+    }
+}

@@ -1,0 +1,274 @@
+//! Joints of the file.
+
+mod registry;
+mod types;
+
+pub use registry::{BoxedError, Registry, Site};
+
+pub(super) use registry::JointType;
+
+use super::advice::RENAMED;
+use super::file::{Acts, Joint};
+use super::parts::{Assembly, function, prescribed_function};
+use super::{InputError, Location, Problem, plain};
+use pullback_elements::beam::Interpolation;
+use pullback_elements::joint::{AxisError, JointNodes};
+use pullback_elements::load::CoordinateForce;
+use pullback_elements::model::{ModelBuilder, ModelError, NodeId};
+use pullback_elements::spring::{CoordinateLaw, CoordinateSpring};
+use registry::Refusal;
+
+/// A joint of the file with its location there.
+struct Entry<'a> {
+    at: Location<'a>,
+    joint: &'a Joint,
+    made: &'a JointType,
+}
+
+impl Entry<'_> {
+    /// A missing key.
+    fn missing(&self, key: impl Into<String>) -> InputError {
+        let key = key.into();
+        let mut earlier = RENAMED.iter().filter(|(_, now)| *now == key);
+        if let Some((word, _)) = earlier.find(|(word, _)| self.joint.keys.contains_key(*word)) {
+            return self.useless(&[word]);
+        }
+        self.at.refuse(Problem::JointNeeds {
+            joint: self.joint.name.clone(),
+            kind: self.joint.kind.clone(),
+            key,
+        })
+    }
+
+    /// A key (the last one of a path) that does not apply.
+    fn useless(&self, path: &[impl AsRef<str>]) -> InputError {
+        let key = path.iter().map(AsRef::as_ref).collect::<Vec<_>>().join(".");
+        let base = if self.made.along { "lines" } else { "parent" };
+        let mut known = self.made.keys();
+        let all = ["name", "type", base, "child", "closure", "penalty"];
+        known.extend(all.map(str::to_owned));
+        known.extend(["penalty_damping", "coordinates"].map(str::to_owned));
+        known.extend(Acts::KEYS.map(str::to_owned));
+        // A joint with several coordinates has these keys in `coordinates`.
+        known.retain(|known| *known != key);
+        self.inner(path).refuse_key(Problem::JointKey {
+            joint: self.joint.name.clone(),
+            kind: self.joint.kind.clone(),
+            key,
+            known,
+        })
+    }
+
+    /// The location of a path within the joint.
+    fn inner(&self, path: &[impl AsRef<str>]) -> Location<'_> {
+        (path.iter()).fold(self.at.clone(), |at, key| at.at(key.as_ref()))
+    }
+
+    /// Refusal of a joint by its type.
+    fn refused(&self, refusal: Refusal) -> InputError {
+        let error = match refusal {
+            Refusal::Missing(key) => return self.missing(key),
+            Refusal::Unknown(path) => return self.useless(&path),
+            Refusal::Value(path, message) => {
+                return self.inner(&path).refuse(Problem::Toml(plain(&message)));
+            }
+            Refusal::Joint(error) => error,
+        };
+        match error.downcast::<ModelError>() {
+            Ok(error) => {
+                let at = match *error {
+                    ModelError::Slide { .. } if self.joint.keys.contains_key("start") => {
+                        self.at.at("start")
+                    }
+                    ModelError::Slide { .. } => self.at.at("lines"),
+                    _ => self.at.clone(),
+                };
+                at.refuse(*error)
+            }
+            Err(source) => {
+                let at = match source.is::<AxisError>() {
+                    true => self.at.at("axis"),
+                    false => self.at.clone(),
+                };
+                let joint = self.joint.name.clone();
+                at.refuse(Problem::Joint { joint, source })
+            }
+        }
+    }
+}
+
+impl Assembly<'_> {
+    /// Adds a joint whose parents exist, its node and its released coordinates.
+    pub(super) fn add_joint(&mut self, registry: &Registry, k: usize) -> Result<(), InputError> {
+        let (at, joint) = (self.at("joints").at(k), &self.file.joints[k]);
+        let made = registry.get(&joint.kind).ok_or_else(|| {
+            at.at("type").refuse(Problem::UnknownName {
+                what: "type of joint",
+                name: joint.kind.clone(),
+                known: registry.types().map(|(name, _)| name.clone()).collect(),
+            })
+        })?;
+        let entry = Entry { at, joint, made };
+        let (chain, interpolation) = attached_to(&entry, self)?;
+        let Some(&parent) = chain.first() else {
+            return Err(entry.missing("lines"));
+        };
+        let mut site = Site {
+            builder: &mut self.builder,
+            name: &joint.name,
+            parent,
+            chain: &chain,
+            interpolation,
+        };
+        let JointNodes { frame, coordinates } =
+            (made.make)(&joint.keys, &mut site).map_err(|refusal| entry.refused(refusal))?;
+        let single = (coordinates.into_iter()).filter(|&n| self.builder.dim(n) == 1);
+        let single: Vec<NodeId> = single.collect();
+        acts(&entry, &mut self.builder, &single)?;
+        self.nodes.add(joint.name.clone(), frame);
+        for &coordinate in &single {
+            // A single coordinate has the name of the joint.
+            let name = match single.len() {
+                1 => joint.name.clone(),
+                _ => self.builder.node_name(coordinate).to_owned(),
+            };
+            self.released.add(name, coordinate);
+        }
+        Ok(())
+    }
+}
+
+/// The nodes to which a joint is attached, and the interpolation of rotations between them.
+fn attached_to(
+    entry: &Entry<'_>,
+    assembly: &Assembly<'_>,
+) -> Result<(Vec<NodeId>, Interpolation), InputError> {
+    let Entry { at, joint, made } = entry;
+    if made.along {
+        if joint.parent.is_some() {
+            return Err(entry.useless(&["parent"]));
+        }
+        return chain(at, joint, assembly);
+    }
+    if !joint.lines.is_empty() {
+        return Err(entry.useless(&["lines"]));
+    }
+    let parent = (joint.parent.as_ref()).ok_or_else(|| entry.missing("parent"))?;
+    let node = assembly.nodes.find(&at.at("parent"), parent)?;
+    Ok((vec![node], Interpolation::default()))
+}
+
+/// Adds springs, actuators and prescribed motions to the released coordinates.
+fn acts(
+    entry: &Entry<'_>,
+    builder: &mut ModelBuilder,
+    released: &[NodeId],
+) -> Result<(), InputError> {
+    let Entry { at, joint, .. } = entry;
+    let own = joint.acts();
+    if let &[node] = released {
+        if !joint.coordinates.is_empty() {
+            return Err(entry.useless(&["coordinates"]));
+        }
+        return act(at, builder, &joint.name, &own, node);
+    }
+    if let Some(key) = own.given().next() {
+        return Err(entry.useless(&[key]));
+    }
+    if released.is_empty() && !joint.coordinates.is_empty() {
+        return Err(entry.useless(&["coordinates"]));
+    }
+    for (coordinate, acts) in &joint.coordinates {
+        let at = at.at("coordinates").at(coordinate);
+        let full = format!("{} {coordinate}", joint.name);
+        let node = released.iter().find(|&&n| builder.node_name(n) == full);
+        let &node = node.ok_or_else(|| {
+            let names = released.iter().map(|&n| builder.node_name(n));
+            let names = names.map(|n| n.strip_prefix(&joint.name).unwrap_or(n).trim_start());
+            at.refuse_key(Problem::UnknownName {
+                what: "coordinate of the joint",
+                name: coordinate.clone(),
+                known: names.map(str::to_owned).collect(),
+            })
+        })?;
+        act(&at, builder, &full, acts, node)?;
+    }
+    Ok(())
+}
+
+/// The nodes along a joint's lines, and the interpolation of rotations between them.
+fn chain(
+    at: &Location<'_>,
+    joint: &Joint,
+    assembly: &Assembly<'_>,
+) -> Result<(Vec<NodeId>, Interpolation), InputError> {
+    let mut chain: Vec<NodeId> = Vec::new();
+    let mut interpolation = None;
+    for (i, name) in joint.lines.iter().enumerate() {
+        let at = at.at("lines").at(i);
+        // The lines of a joint are meshed before it.
+        let Some(line) = &assembly.meshed[assembly.lines.find(&at, name)?] else {
+            continue;
+        };
+        let follows = chain.last().is_none_or(|last| *last == line.nodes[0]);
+        let same = *interpolation.get_or_insert(line.interpolation) == line.interpolation;
+        if line.order != 1 || !follows || !same {
+            return Err(at.refuse(Problem::SlideLine {
+                joint: joint.name.clone(),
+                line: name.clone(),
+                order: line.order,
+            }));
+        }
+        let first = usize::from(!chain.is_empty());
+        chain.extend(&line.nodes[first..]);
+    }
+    Ok((chain, interpolation.unwrap_or_default()))
+}
+
+/// Adds spring, actuator and prescribed motion of the released coordinate `name`.
+fn act(
+    at: &Location<'_>,
+    builder: &mut ModelBuilder,
+    name: &str,
+    acts: &Acts,
+    coordinate: NodeId,
+) -> Result<(), InputError> {
+    if let Some(value) = acts.value {
+        builder.start(coordinate, 0, value);
+    }
+    if acts.rate.is_some() {
+        builder.prefer(coordinate);
+    }
+    if let Some(time) = &acts.prescribed {
+        if let Some(key) = acts.given().find(|key| *key != "prescribed") {
+            let joint = name.to_owned();
+            return Err((at.at(key)).refuse_key(Problem::PrescribedJoint { joint, key }));
+        }
+        let prescribed = prescribed_function(&at.at("prescribed"), time)?;
+        builder.prescribe_coordinate(coordinate, 0, prescribed);
+    }
+    if let Some(s) = acts.spring {
+        let at = at.at("spring");
+        let law = CoordinateLaw {
+            k: s.k,
+            k3: s.k3,
+            c: s.c,
+            x0: s.x0,
+        };
+        let spring = CoordinateSpring::new(law).map_err(|source| {
+            let spring = format!("of joint {name}");
+            at.refuse(Problem::Spring { spring, source })
+        })?;
+        builder
+            .element(format!("spring of {name}"), spring, &[coordinate])
+            .map_err(|error| at.refuse(error))?;
+    }
+    if let Some(time) = &acts.actuator {
+        let at = at.at("actuator");
+        let actuator = CoordinateForce::boxed(function(&at, time)?);
+        builder
+            .element(format!("actuator of {name}"), actuator, &[coordinate])
+            .map_err(|error| at.refuse(error))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,132 @@
+//! Bodies and springs of the file.
+
+#![allow(non_snake_case)]
+
+use super::Assembly;
+use crate::input::assemble::BodyGeometry;
+use crate::input::file::{Body, Six, Spring, Tensor};
+use crate::input::{InputError, Problem};
+use nalgebra::{Matrix3, Matrix6, Vector3};
+use pullback_elements::body::{BodyError, PointMass, RigidBody};
+use pullback_elements::element::Element;
+use pullback_elements::model::NodeId;
+use pullback_elements::spring::{AxialSpring, Bushing, SpringError};
+use pullback_elements::time::TimeFunction;
+
+/// A body with its node, for its weight.
+pub(super) struct PlacedBody {
+    pub node: NodeId,
+    element: BodyElement,
+}
+
+/// A body as an element.
+enum BodyElement {
+    Point(PointMass),
+    Rigid(RigidBody),
+}
+
+impl PlacedBody {
+    /// Its weight in a field `g` times an amplitude, a load on its node.
+    pub fn weight(&self, g: [f64; 3], amplitude: Box<dyn TimeFunction>) -> Box<dyn Element> {
+        match &self.element {
+            BodyElement::Point(mass) => Box::new(mass.weight(g, amplitude)),
+            BodyElement::Rigid(rigid) => Box::new(rigid.weight(g, amplitude)),
+        }
+    }
+}
+
+impl Assembly<'_> {
+    /// Adds all bodies.
+    pub(super) fn add_bodies(&mut self) -> Result<Vec<PlacedBody>, InputError> {
+        let mut out = Vec::new();
+        for (k, body) in self.file.bodies.iter().enumerate() {
+            let at = self.at("bodies").at(k);
+            let node = self.nodes.find(&at.at("node"), &body.node)?;
+            let element = element(body).map_err(|source| {
+                let body = body.name.clone();
+                at.refuse(Problem::Body { body, source })
+            })?;
+            let name = format!("body {}", body.name);
+            match &element {
+                BodyElement::Point(mass) => self.builder.element(name, *mass, &[node]),
+                BodyElement::Rigid(rigid) => self.builder.element(name, *rigid, &[node]),
+            }
+            .map_err(|error| at.refuse(error))?;
+            let center = body.center.unwrap_or_default().into();
+            self.geometry.bodies.push(BodyGeometry { node, center });
+            out.push(PlacedBody { node, element });
+        }
+        Ok(out)
+    }
+
+    /// Adds all springs.
+    pub(super) fn add_springs(&mut self) -> Result<(), InputError> {
+        for (k, spring) in self.file.springs.iter().enumerate() {
+            let at = self.at("springs").at(k);
+            let [first, second] = &spring.nodes;
+            let at_nodes = at.at("nodes");
+            let ends = [
+                self.nodes.find(&at_nodes, first)?,
+                self.nodes.find(&at_nodes, second)?,
+            ];
+            let positions = ends.map(|n| self.builder.position(n));
+            let refuse = |source: SpringError| {
+                let spring = format!("\"{}\"", spring.name);
+                at.refuse(Problem::Spring { spring, source })
+            };
+            let axial = [spring.stiffness, spring.damping, spring.rest_length];
+            if spring.bushing.is_some() == axial.iter().any(Option::is_some) {
+                let spring = spring.name.clone();
+                return Err(at.refuse(Problem::SpringKind { spring }));
+            }
+            let name = format!("spring {}", spring.name);
+            let made = match spring.bushing {
+                Some(b) => {
+                    let (axes, stiffness) = (Matrix3::identity(), matrix(b.stiffness));
+                    let damping = b.damping.map_or_else(Matrix6::zeros, matrix);
+                    let bushing = Bushing::new(&positions, &axes, &stiffness, &damping);
+                    self.builder.element(name, bushing.map_err(refuse)?, &ends)
+                }
+                None => {
+                    let axial = axial_spring(spring, &positions).map_err(refuse)?;
+                    self.builder.element(name, axial, &ends)
+                }
+            };
+            made.map_err(|error| at.refuse(error))?;
+        }
+        Ok(())
+    }
+}
+
+fn element(body: &Body) -> Result<BodyElement, BodyError> {
+    let center = Vector3::from(body.center.unwrap_or_default());
+    let J = match body.inertia {
+        None if body.center.is_none() => return PointMass::new(body.mass).map(BodyElement::Point),
+        None => Matrix3::zeros(),
+        Some(Tensor::Diagonal(d)) => Matrix3::from_diagonal(&Vector3::from(d)),
+        Some(Tensor::Full(rows)) => Matrix3::from_fn(|i, j| rows[i][j]),
+    };
+    RigidBody::new(body.mass, J, center).map(BodyElement::Rigid)
+}
+
+fn axial_spring(
+    spring: &Spring,
+    positions: &[Vector3<f64>; 2],
+) -> Result<AxialSpring, SpringError> {
+    let (k, c) = (
+        spring.stiffness.unwrap_or(0.0),
+        spring.damping.unwrap_or(0.0),
+    );
+    let made = AxialSpring::new(positions, k, c)?;
+    match spring.rest_length {
+        Some(length) => made.with_rest_length(length),
+        None => Ok(made),
+    }
+}
+
+fn matrix(six: Six) -> Matrix6<f64> {
+    match six {
+        Six::Diagonal(d) => Matrix6::from_diagonal(&d.into()),
+        Six::Full(rows) => Matrix6::from_fn(|i, j| rows[i][j]),
+    }
+}

@@ -1,0 +1,168 @@
+//! Lines of the file as beam elements of the model.
+
+use super::Assembly;
+use crate::input::assemble::LineGeometry;
+use crate::input::file::{Interpolation as Chosen, Line};
+use crate::input::{InputError, Location, Problem};
+use nalgebra::{Unit, Vector3};
+use pullback_elements::beam::{self, Interpolation};
+use pullback_elements::model::{BeamLine, CircularArc, ModelError, ReferenceCurve, StraightLine};
+
+/// Most elements of a line; more are taken for a typing error.
+const MOST_ELEMENTS: usize = 1_000_000;
+
+impl Assembly<'_> {
+    /// Adds the nodes and elements of line number `k`.
+    pub(super) fn add_line(&mut self, k: usize) -> Result<(), InputError> {
+        let (at, line) = (self.at("lines").at(k), &self.file.lines[k]);
+        let from = self.nodes.find(&at.at("from"), &line.from)?;
+        let to = self.nodes.find(&at.at("to"), &line.to)?;
+        let section = self.sections.find(&at.at("section"), &line.section)?;
+        let counts = [
+            (
+                "elements",
+                line.elements,
+                MOST_ELEMENTS,
+                "a count from 1 to 1000000",
+            ),
+            ("order", line.order, 3, "1, 2 or 3"),
+        ];
+        for (key, value, most, expected) in counts {
+            if value == 0 || value > most {
+                return Err(at.range(key, value as f64, expected));
+            }
+        }
+        let interpolation = match line.interpolation {
+            Chosen::Total => Interpolation::Total,
+            Chosen::Geodesic => Interpolation::Geodesic,
+        };
+        let positions = [self.builder.position(from), self.builder.position(to)];
+        let axis = axis(&at, line, positions)?;
+        let mesh = BeamLine {
+            elements: line.elements,
+            order: line.order,
+            section,
+        };
+        let made = self
+            .builder
+            .line_with(&line.name, axis.as_ref(), [from, to], &mesh, interpolation)
+            .map_err(|error| at.refuse(error))?;
+        let intervals = (made.nodes.len() - 1) as f64;
+        let frames = (0..made.nodes.len())
+            .map(|i| axis.at(i as f64 / intervals).1)
+            .collect();
+        let mut carried = Vec::new();
+        if section.inertia.S != Vector3::zeros() {
+            let elements = made.nodes.windows(line.order + 1).step_by(line.order);
+            for (e, own) in elements.enumerate() {
+                let positions: Vec<_> = own.iter().map(|&n| self.builder.position(n)).collect();
+                let frame = |xi: f64| axis.at(mesh.parameter(e, xi)).1;
+                let shares = beam::carried(&positions, &frame, &section);
+                carried.push(shares.map_err(|source| {
+                    let element = format!("{}:{}", line.name, e + 1);
+                    at.refuse(ModelError::Beam { element, source })
+                })?);
+            }
+        }
+        for &node in &made.nodes[1..made.nodes.len() - 1] {
+            self.nodes
+                .add(self.builder.node_name(node).to_owned(), node);
+        }
+        self.meshed[k] = Some(LineGeometry {
+            name: line.name.clone(),
+            order: line.order,
+            interpolation,
+            nodes: made.nodes,
+            frames,
+            carried,
+            elements: made.elements,
+        });
+        Ok(())
+    }
+}
+
+/// The axis of a line, checked so that it has a direction everywhere.
+fn axis(
+    at: &Location<'_>,
+    line: &Line,
+    [from, to]: [Vector3<f64>; 2],
+) -> Result<Box<dyn ReferenceCurve>, InputError> {
+    let no_direction = |at: &Location<'_>, key: &'static str, vector: [f64; 3]| {
+        let line = line.name.clone();
+        at.at(key)
+            .refuse(Problem::NoDirection { line, key, vector })
+    };
+    let second = line.second_axis.map(Vector3::from);
+    let tangent;
+    let made: Box<dyn ReferenceCurve> = match line.arc {
+        None => {
+            tangent = to - from;
+            let size = from.amax().max(to.amax());
+            if tangent.norm() <= 1e-12 * size {
+                return Err(at.refuse(Problem::ZeroLength {
+                    line: line.name.clone(),
+                    from: line.from.clone(),
+                    to: line.to.clone(),
+                    at: from.into(),
+                }));
+            }
+            per_element(at, line, "twist_deg", line.twist_deg)?;
+            Box::new(StraightLine {
+                from,
+                to,
+                second,
+                twist: line.twist_deg.to_radians(),
+            })
+        }
+        Some(arc) => {
+            if line.twist_deg != 0.0 {
+                let line = line.name.clone();
+                return Err((at.at("twist_deg")).refuse(Problem::TwistedArc { line }));
+            }
+            let at = at.at("arc");
+            let (center, direction) = (Vector3::from(arc.center), Vector3::from(arc.axis));
+            let Some(axis) = Unit::try_new(direction, 0.0) else {
+                return Err(no_direction(&at, "axis", arc.axis));
+            };
+            let radius = from - center;
+            tangent = axis.cross(&radius) * arc.angle_deg.signum();
+            if tangent.norm() <= 1e-12 * from.amax().max(center.amax()) {
+                return Err(no_direction(&at, "center", arc.center));
+            }
+            if arc.angle_deg == 0.0 || arc.angle_deg.abs() > 360.0 {
+                let expected = "an angle between -360 and 360 degrees, not 0";
+                return Err(at.range("angle_deg", arc.angle_deg, expected));
+            }
+            per_element(&at, line, "angle_deg", arc.angle_deg)?;
+            Box::new(CircularArc {
+                from,
+                center,
+                axis,
+                angle: arc.angle_deg.to_radians(),
+                second,
+            })
+        }
+    };
+    if let (Some(given), Some(second)) = (line.second_axis, second) {
+        let across = tangent.normalize().cross(&second).norm();
+        if second.norm() == 0.0 || across <= 1e-6 * second.norm() {
+            return Err(no_direction(at, "second_axis", given));
+        }
+    }
+    Ok(made)
+}
+
+/// Refuses angles of half a turn and more between the ends of an element, whose sense of rotation would be ambiguous.
+fn per_element(
+    table: &Location<'_>,
+    line: &Line,
+    key: &'static str,
+    degrees: f64,
+) -> Result<(), InputError> {
+    if degrees.abs() < 180.0 * line.elements as f64 {
+        return Ok(());
+    }
+    let expected =
+        "less than 180 degrees from one end of an element to the other: take more elements";
+    Err(table.range(key, degrees, expected))
+}
