@@ -68,6 +68,15 @@ pub(crate) fn energies(
     energies.transpose()
 }
 
+/// See [`Energetics::dissipation`](pullback_manifold::system::Energetics::dissipation).
+pub(crate) fn dissipation(
+    system: &mut dyn System,
+    at: Point<'_>,
+) -> Result<Option<f64>, SystemError> {
+    let dissipation = system.energetics().map(|system| system.dissipation(at));
+    dissipation.transpose()
+}
+
 /// See [`Energetics::momentum`](pullback_manifold::system::Energetics::momentum).
 pub(crate) fn momentum(
     system: &mut dyn System,

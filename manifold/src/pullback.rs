@@ -101,7 +101,12 @@ pub fn tangent(
 /// The entries of Bᵀ f, one after the other; B (n×d) column by column, f with n entries.
 pub fn transposed(B: &[f64], f: &[f64]) -> impl Iterator<Item = f64> {
     let columns = B.chunks_exact(f.len().max(1));
-    columns.map(move |B| B.iter().zip(f).map(|(b, f)| b * f).sum())
+    // Most nodes are frames: a sum without a loop.
+    let frame = <&[f64; 6]>::try_from(f).ok();
+    columns.map(move |B| match (frame, <&[f64; 6]>::try_from(B)) {
+        (Some(f), Ok(B)) => B.iter().zip(f).map(|(b, f)| b * f).sum(),
+        _ => B.iter().zip(f).map(|(b, f)| b * f).sum(),
+    })
 }
 
 /// out = (W B + Y Ḃ + Z B̈) e_column: one column of S_mr, of a slot whose coordinates start at the

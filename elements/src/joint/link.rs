@@ -16,7 +16,7 @@ use super::{Joint, Pose};
 use crate::blocks::three_or_zero;
 use nalgebra::{Matrix3, SVector, Vector3};
 use pullback_manifold::domain::{CHART_EDGE, DomainError};
-use pullback_manifold::jet::{Hess, Moving};
+use pullback_manifold::jet::{Grad, Hess, Moving};
 use pullback_manifold::map::pose::orientation;
 use pullback_manifold::map::write_block;
 use pullback_manifold::scalar::Scalar;
@@ -53,7 +53,7 @@ impl Parent {
     #[inline]
     fn carry(&self, u: &Rates<Vector3<f64>>) -> Rates<Vector3<f64>> {
         let [omega, omega_dot] = &self.omega;
-        let [u, u_dot, u_ddot] = u.each_ref().map(|u| self.R * u);
+        let [u, u_dot, u_ddot] = [0, 1, 2].map(|k| self.R * u[k]);
         let rate = omega.cross(&u) + u_dot;
         let second = omega_dot.cross(&u) + omega.cross(&(rate + u_dot)) + u_ddot;
         [u, rate, second]
@@ -102,6 +102,7 @@ impl<J: Joint<D>, const D: usize> Link<J, D> {
         self.joint.freeze_piece(at.as_ref().map(|(t, q)| (*t, q)));
     }
 
+    /// The kinematics along a motion.
     pub(super) fn carried(&self, t: f64, motion: [&[f64]; 3]) -> Carried<D> {
         let parent = Parent::new(motion);
         let [q, v, a] = motion.map(own::<D>);
@@ -132,6 +133,28 @@ impl<J: Joint<D>, const D: usize> Link<J, D> {
             omega: [parent.omega[0] + relative, parent.omega[1] + relative_dot],
             rho,
             own,
+        }
+    }
+
+    /// The same at rest.
+    pub(super) fn carried_at_rest(&self, t: f64, q: &[f64]) -> Carried<D> {
+        let turn_of_parent = orientation(q);
+        let R = turn_of_parent.rotation();
+        let still = |u: Vector3<f64>| [u, Vector3::zeros(), Vector3::zeros()];
+        let own = own::<D>(q);
+        let own = SVector::<Grad<f64, D>, D>::from_fn(|i, _| Grad::variable(own[i], i));
+        let Pose { d, rotation } = self.joint.pose(Grad::constant(t), &own);
+        let Q = part(&rotation, |x| x.v);
+        let rho = R * d.map(|d| d.v);
+        Carried {
+            x: still(three_or_zero(q, 0) + rho - self.start),
+            turn: turn_of_parent.product(&Q),
+            omega: [Vector3::zeros(); 2],
+            rho: still(rho),
+            own: std::array::from_fn(|j| {
+                let b = turn(&part(&rotation, |x| x.g[j]), &Q);
+                [still(R * d.map(|d| d.g[j])), still(R * b)]
+            }),
         }
     }
 

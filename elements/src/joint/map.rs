@@ -55,7 +55,10 @@ where
     }
 
     fn write(&self, t: f64, motion: [&[f64]; 3], out: &mut [[&mut [f64]; 2]]) {
-        let at = self.link.carried(t, motion);
+        let at = match out.len() {
+            1 => self.link.carried_at_rest(t, motion[0]),
+            _ => self.link.carried(t, motion),
+        };
         if self.turns_freely {
             for (k, [x, B]) in out.iter_mut().enumerate() {
                 x[3..].copy_from_slice(three_or_zero(motion[k], 6 + D).as_slice());

@@ -71,7 +71,7 @@ impl Context {
     /// Brings all that follows from the state up to date after a change from outside.
     pub(super) fn forget(&mut self) {
         self.work.dead_loads.forget();
-        self.work.forget_motions();
+        self.work.known.forget();
         self.locate_tangents();
     }
 

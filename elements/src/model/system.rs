@@ -129,6 +129,11 @@ impl Energetics for Context {
         Ok(self.evaluate_energies(at, false)?.energies)
     }
 
+    fn dissipation(&mut self, at: Point<'_>) -> Result<f64, SystemError> {
+        self.enter_element_charts();
+        self.evaluate_dissipation(at)
+    }
+
     fn momentum(&mut self, at: Point<'_>, p: &mut [f64]) -> Result<bool, SystemError> {
         self.generalised_momentum(at, p)
     }

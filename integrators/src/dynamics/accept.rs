@@ -136,7 +136,6 @@ impl Run {
         }
         let t = 0.5 * (state.t + end);
         let a = &next.a;
-        let mean = abilities::energies(system, Point { t, q, v, a });
-        Some(mean.ok()??.dissipated)
+        abilities::dissipation(system, Point { t, q, v, a }).ok()?
     }
 }

@@ -25,6 +25,8 @@ pub struct MapGraph {
     first: usize,
     values: usize,
     links: Vec<Link>,
+    /// The time and the inputs of the last evaluation; empty where links were changed since.
+    at: Vec<f64>,
     K: Vec<f64>,
     stack: Vec<f64>,
     product: Vec<f64>,
@@ -97,6 +99,9 @@ impl MapGraph {
     fn evaluate(&mut self, t: f64, y: &[f64], rates: Option<[&[f64]; 2]>) {
         let orders = if rates.is_some() { 3 } else { 1 };
         let [v, a] = rates.unwrap_or([&[], &[]]);
+        self.at.clear();
+        self.at.push(t);
+        self.at.extend_from_slice(y);
         for k in 0..self.links.len() {
             let (before, rest) = self.links.split_at_mut(k);
             let link = &mut rest[0];
@@ -157,6 +162,7 @@ impl Parametrization for MapGraph {
     /// The least margin of its maps.
     fn domain(&mut self, t: f64, y: &[f64]) -> Result<f64, DomainError> {
         let mut least = f64::INFINITY;
+        self.at.clear();
         for k in 0..self.links.len() {
             let (before, rest) = self.links.split_at_mut(k);
             let link = &mut rest[0];
@@ -171,6 +177,7 @@ impl Parametrization for MapGraph {
     /// Chooses the charts of each map, from the inputs outwards.
     fn change_charts(&mut self, t: f64, y: &[f64]) -> ChartChanges {
         let mut all = ChartChanges::default();
+        self.at.clear();
         for k in 0..self.links.len() {
             let (before, rest) = self.links.split_at_mut(k);
             let link = &mut rest[0];
@@ -186,6 +193,7 @@ impl Parametrization for MapGraph {
         if let Some((t, y)) = at {
             self.evaluate(t, y, None);
         }
+        self.at.clear();
         for link in &mut self.links {
             link.map.freeze_piece(at.map(|(t, _)| (t, &link.q[0][..])));
         }
@@ -205,7 +213,9 @@ impl Parametrization for MapGraph {
 
     fn geometric_stiffness(&mut self, t: f64, y: &[f64], f: &[f64], K: &mut [f64]) {
         let N = self.inputs;
-        self.evaluate(t, y, None);
+        if self.at.split_first() != Some((&t, y)) {
+            self.evaluate(t, y, None);
+        }
         K.fill(0.0);
         self.links.iter_mut().for_each(|l| l.r.fill(0.0));
         let mut rest = f;
@@ -332,6 +342,15 @@ impl Link {
                     Read::Link(j) => {
                         for (inner, &factor) in BINOMIAL[k].iter().enumerate().take(k + 1) {
                             let outer = &self.own[k - inner][column * n..(column + len) * n];
+                            // Most maps lead from pose to pose.
+                            if [n, len] == [6, 6] {
+                                let (A, to) = (outer.as_chunks().0, out.as_chunks_mut().0);
+                                let from = before[j].all[inner].as_chunks().0;
+                                for (&position, B) in positions.iter().zip(from) {
+                                    add_product_6(factor, A, B, &mut to[position]);
+                                }
+                                continue;
+                            }
                             let from = before[j].all[inner].chunks_exact(len);
                             for (&position, B) in positions.iter().zip(from) {
                                 let out = &mut out[position * n..(position + 1) * n];
@@ -356,6 +375,17 @@ fn add_product([n, len]: [usize; 2], factor: f64, A: &[f64], B: &[f64], out: &mu
                     *o += a * b;
                 }
             }
+        }
+    }
+}
+
+/// The same for one column from pose to pose.
+#[inline]
+fn add_product_6(factor: f64, A: &[[f64; 6]], B: &[f64; 6], out: &mut [f64; 6]) {
+    for (A, b) in A.iter().zip(B) {
+        let b = factor * b;
+        for k in 0..6 {
+            out[k] += A[k] * b;
         }
     }
 }

@@ -81,6 +81,14 @@ pub trait Energetics {
     /// As [`System::evaluate`](super::System::evaluate).
     fn energies(&mut self, at: Point<'_>) -> Result<Energies, SystemError>;
 
+    /// Power of dampers at a point in motion, [`Energies::dissipated`] alone.
+    ///
+    /// # Errors
+    /// As [`Energetics::energies`].
+    fn dissipation(&mut self, at: Point<'_>) -> Result<f64, SystemError> {
+        Ok(self.energies(at)?.dissipated)
+    }
+
     /// Writes the generalised momentum p = ∂T/∂q̇ at a point in motion to `p`; false, with `p`
     /// unchanged, if it does not depend on t at fixed q and q̇.
     ///

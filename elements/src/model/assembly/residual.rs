@@ -16,20 +16,36 @@ pub(in crate::model) const MAX_NODES: usize = 16;
 
 impl Context {
     /// Writes coordinates (and velocities, accelerations if given) of all nodes at a point to the
-    /// workspace: own nodes first, then mapped ones.
+    /// workspace: own nodes first, then mapped ones. Nothing is evaluated if they are known.
     pub(in crate::model) fn expand(&mut self, at: Point<'_>) -> Result<(), SystemError> {
+        self.take_inputs();
         let statics = at.is_static();
         let w = &mut self.work;
+        if w.known.is(at) {
+            return Ok(());
+        }
+        w.known.forget();
         if !statics {
             self.model.free.scatter("velocities v", at.v, &mut w.v)?;
             self.model.free.scatter("accelerations a", at.a, &mut w.a)?;
         } else if w.stirred {
             w.v.fill(0.0);
             w.a.fill(0.0);
-            w.forget_motions();
         }
         (w.stirred, w.moving) = (!statics, !statics);
-        self.expand_positions(at.t, at.q)
+        self.expand_positions(at.t, at.q)?;
+        self.work.known.set(at);
+        Ok(())
+    }
+
+    /// Takes the present inputs, on which all may depend.
+    fn take_inputs(&mut self) {
+        let (w, inputs) = (&mut self.work, &self.state.inputs);
+        if w.local.inputs != *inputs {
+            w.local.inputs.clone_from(inputs);
+            w.dead_loads.forget();
+            w.known.forget();
+        }
     }
 
     /// Coordinates of all nodes. Prescribed and mapped ones get rates as well, which are valid only
@@ -39,14 +55,13 @@ impl Context {
         t: f64,
         q: &[f64],
     ) -> Result<(), SystemError> {
-        let w = &mut self.work;
+        self.take_inputs();
+        let (w, inputs) = (&mut self.work, &self.state.inputs);
         w.t = t;
-        let inputs = &self.state.inputs;
-        if w.local.inputs != *inputs {
-            w.local.inputs.clone_from(inputs);
-            w.dead_loads.forget();
-            w.forget_motions();
+        if w.known.is_at(t, q) {
+            return Ok(());
         }
+        w.known.forget();
         self.model.free.scatter("coordinates q", q, &mut w.x)?;
         for p in &self.model.prescribed {
             // In statics the velocity of a prescribed coordinate is its derivative by the load

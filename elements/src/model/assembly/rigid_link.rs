@@ -20,20 +20,27 @@ const POSE: usize = 6;
 /// The lever from the parent to the child with its rates, and the joint's own columns of B, Ḃ and B̈.
 struct Columns<'a> {
     rho: [[f64; 3]; 3],
+    /// Whether the child is at its parent, as that of a revolute joint: A is the identity.
+    at_parent: bool,
     S: [&'a [f64]; 3],
 }
 
 impl<'a> Columns<'a> {
     fn of(B: [&'a [f64]; 3]) -> Self {
         let lever = |B: &[f64]| [B[5 * POSE + 1], B[3 * POSE + 2], B[4 * POSE]];
+        let rho = B.map(lever);
         Self {
-            rho: B.map(lever),
+            rho,
+            at_parent: rho == [[0.0; 3]; 3],
             S: B.map(|B| &B[POSE * POSE..]),
         }
     }
 
     /// Multiplies tangents of `height` rows by A and its rates, in place.
     fn carry_columns(&self, tangents: &mut [&mut [f64]], height: usize) {
+        if self.at_parent {
+            return;
+        }
         // Most nodes are poses or angles: loops of constant length.
         match height {
             6 => self.carry_all(tangents, 6),
@@ -57,6 +64,9 @@ impl<'a> Columns<'a> {
 
     /// Multiplies six rows by Aᵀ, in place.
     fn carry_rows(&self, block: &mut [f64]) {
+        if self.at_parent {
+            return;
+        }
         let [x, y, z] = self.rho[0];
         for c in block.as_chunks_mut::<POSE>().0 {
             c[3] += y * c[2] - z * c[1];

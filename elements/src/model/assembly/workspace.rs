@@ -6,7 +6,7 @@ use crate::model::charts::nodes::Reparametrization;
 use crate::model::charts::segments::SegmentChanges;
 use crate::model::kinematics::mapped_node::Operators;
 use crate::model::{ElementEntry, Node, Source};
-use pullback_manifold::system::{Quantity, Scales};
+use pullback_manifold::system::{Point, Quantity, Scales};
 
 /// Buffers of an evaluation.
 #[derive(Clone, Default)]
@@ -32,9 +32,8 @@ pub(in crate::model) struct Workspace {
     pub moving: bool,
     /// Whether rates of free coordinates may be nonzero.
     pub stirred: bool,
-    /// Per mapped node: time, coordinates, velocities and accelerations of its parents, and the same at
-    /// its last evaluation.
-    pub motions: Vec<f64>,
+    /// The point at which all nodes are known.
+    pub known: Known,
     /// Kinematic operators of mapped nodes.
     pub operators: Operators,
     /// Positions of tangents in the present segments.
@@ -60,6 +59,8 @@ pub(in crate::model) struct Workspace {
     /// Forces exerted by elements, used if neither loads nor reactions are a scale.
     pub exerted: Scales,
     pub dead_loads: DeadLoads,
+    /// The elements that dissipated at the last evaluation of energies.
+    pub dampers: Vec<u32>,
 }
 
 /// Sum of the loads that depend on time only: a step evaluates them repeatedly at the same time.
@@ -73,6 +74,44 @@ pub(in crate::model) struct DeadLoads {
     pub force: [f64; 3],
 }
 
+/// A point at which all nodes are known, maps included; none at first.
+#[derive(Clone, Default)]
+pub(in crate::model) struct Known {
+    t: Option<f64>,
+    q: Vec<f64>,
+    v: Vec<f64>,
+    a: Vec<f64>,
+}
+
+impl Known {
+    /// Forgets the point, after a change of what the nodes depend on.
+    pub(in crate::model) fn forget(&mut self) {
+        self.t = None;
+    }
+
+    pub(in crate::model) fn set(&mut self, at: Point<'_>) {
+        self.t = Some(at.t);
+        for (known, x) in [
+            (&mut self.q, at.q),
+            (&mut self.v, at.v),
+            (&mut self.a, at.a),
+        ] {
+            known.clear();
+            known.extend_from_slice(x);
+        }
+    }
+
+    /// Whether the positions are those of a point.
+    pub(in crate::model) fn is_at(&self, t: f64, q: &[f64]) -> bool {
+        self.t == Some(t) && self.q == q
+    }
+
+    /// Whether it is this point.
+    pub(in crate::model) fn is(&self, at: Point<'_>) -> bool {
+        self.is_at(at.t, at.q) && self.v == at.v && self.a == at.a
+    }
+}
+
 impl DeadLoads {
     /// Invalidates the loads after a change of element charts.
     pub(in crate::model) fn forget(&mut self) {
@@ -81,15 +120,10 @@ impl DeadLoads {
 }
 
 impl Workspace {
-    /// Forgets the last evaluation of all maps, after a change of their state.
-    pub(in crate::model) fn forget_motions(&mut self) {
-        self.motions.fill(f64::NAN);
-    }
-
     pub(in crate::model) fn new(
         nodes: &[Node],
         elements: &[ElementEntry],
-        [operators, motions, coupled]: [usize; 3],
+        [operators, coupled]: [usize; 2],
         scatter_map: ScatterMap,
         length: f64,
         levers: [f64; 2],
@@ -121,7 +155,7 @@ impl Workspace {
             has_previous: false,
             moving: false,
             stirred: false,
-            motions: vec![f64::NAN; motions],
+            known: Known::default(),
             operators: Operators::new(operators),
             scatter_map,
             coupled: zeros(coupled),
@@ -140,6 +174,7 @@ impl Workspace {
                 r: zeros(total),
                 ..DeadLoads::default()
             },
+            dampers: Vec::with_capacity(elements.len()),
         }
     }
 }

@@ -111,17 +111,15 @@ pub(in crate::model) fn behind(nodes: &[Node], maps: &Maps, group: &[u32]) -> Ve
     own
 }
 
-/// Numbers the mapped nodes, and arranges their operators and the motions of their parents; returns the
-/// numbers of values of these.
-pub(in crate::model) fn arrange(nodes: &mut [Node], order: &[u32]) -> [usize; 2] {
-    let [mut operators, mut motions] = [0; 2];
+/// Numbers the mapped nodes, and arranges their operators; returns the number of values of these.
+pub(in crate::model) fn arrange(nodes: &mut [Node], order: &[u32]) -> usize {
+    let mut operators = 0;
     for (index, &n) in order.iter().enumerate() {
         let node = &mut nodes[n as usize];
         if let Source::Mapped(d) = &mut node.source {
-            (d.index, d.local, d.motion) = (index, operators, motions);
+            (d.index, d.local) = (index, operators);
             operators += node.dim * d.direct;
-            motions += 6 * d.direct + 2;
         }
     }
-    [operators, motions]
+    operators
 }

@@ -60,7 +60,7 @@ impl ModelBuilder {
         mark_unread(&mut nodes, &read);
         let dependent = dependency_graph::order(&nodes);
         let alternatives = Alternatives::new(&nodes, &dependent)?;
-        let [operators, motions] = dependency_graph::arrange(&mut nodes, &dependent);
+        let operators = dependency_graph::arrange(&mut nodes, &dependent);
         let mut prescribed = resolve_prescribed(&nodes, prescribed)?;
         check_connections(&nodes, &dependent, &elements, &closings, &prescribed)?;
         check_reparametrized(&nodes, &elements, &prescribed)?;
@@ -97,7 +97,7 @@ impl ModelBuilder {
         let sizes: Vec<f64> = nodes.iter().flat_map(|n| magnitudes(n, length)).collect();
         let magnitudes = coordinates.iter().map(|&c| sizes[c]).collect();
         let levers = levers(&nodes, &elements, extent);
-        let sizes = [operators, motions, coupled];
+        let sizes = [operators, coupled];
         let work = Workspace::new(&nodes, &elements, sizes, scatter_map, length, levers);
         let span = |node: &Node| Span {
             first: node.first as u32,

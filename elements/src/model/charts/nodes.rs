@@ -160,7 +160,7 @@ impl Context {
                 changed.then(|| (k, d.parents(&self.state.maps)[0]))
             });
             if let Some((k, parent)) = reparametrized {
-                self.work.forget_motions();
+                self.work.known.forget();
                 let new = &all[next + k];
                 let new = (&new.q[..], &new.v[..], &new.a[..]);
                 self.model.write_back(parent, new, q, v, accelerations);
@@ -201,7 +201,7 @@ impl Context {
                 continue;
             }
             changed += 1;
-            self.work.motions[d.motion + 3 * d.direct + 1] = f64::NAN;
+            self.work.known.forget();
             let parent = d.parents(&self.state.maps)[0];
             let new = (&*x, &*x_dot, &*x_ddot);
             self.model.write_back(parent, new, q, v, accelerations);
@@ -271,6 +271,9 @@ impl Context {
                 *turns = wanted;
                 changed += 1;
             }
+        }
+        if changed > 0 {
+            self.work.known.forget();
         }
         changed
     }

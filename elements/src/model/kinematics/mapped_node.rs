@@ -7,10 +7,10 @@ use crate::model::assembly::element_workspace::ElementWorkspace;
 use crate::model::assembly::scatter::{PulledNode, ScatterTarget};
 use crate::model::assembly::scatter_map::ScatterMap;
 use crate::model::assembly::workspace::Workspace;
-use crate::model::kinematics::node_entries::collect;
+use crate::model::kinematics::node_entries::{collect, distribute};
 use crate::model::{Context, Node, NodeForm, Source, Span};
 use pullback_manifold::map::{KinematicsMut, Parametrization};
-use pullback_manifold::pullback::{self, Slot};
+use pullback_manifold::pullback;
 use pullback_manifold::system::{ChartChanges, Point, SystemError, Weights};
 
 /// The maps of a [`ModelState`](crate::model::ModelState), by [`MappedNode::index`].
@@ -29,9 +29,8 @@ pub(in crate::model) struct MappedNode {
     pub index: usize,
     /// Whether an element or a map reads its values: it is not evaluated otherwise.
     pub read: bool,
-    /// Offset of the operators, and of the motion of the parents.
+    /// Offset of the operators.
     pub local: usize,
-    pub motion: usize,
 }
 
 /// B, Ḃ and B̈ of all mapped nodes, one after the other.
@@ -65,7 +64,6 @@ impl MappedNode {
             index: 0,
             read: true,
             local: 0,
-            motion: 0,
         }
     }
 
@@ -103,7 +101,7 @@ impl Context {
             .try_for_each(|k| self.expand_node(t, self.model.dependent[k]))
     }
 
-    /// The same for one node, if it is mapped and its parents move otherwise than they did last.
+    /// The same for one node, if it is mapped.
     pub(in crate::model) fn expand_node(&mut self, t: f64, n: u32) -> Result<(), SystemError> {
         let (w, spans) = (&mut self.work, &self.model.spans);
         let node = &self.model.nodes[n as usize];
@@ -115,19 +113,11 @@ impl Context {
         }
         let parents = d.parents(&self.state.maps);
         let (map, k) = (&mut self.state.maps[d.index], d.direct);
-        let (motion, known) = w.motions[d.motion..d.motion + 6 * k + 2].split_at_mut(3 * k + 1);
-        motion[0] = t;
-        for (all, motion) in [&w.x, &w.v, &w.a]
-            .into_iter()
-            .zip(motion[1..].chunks_exact_mut(k.max(1)))
-        {
-            collect(parents, spans, all, motion);
+        let ElementWorkspace { q, qv, qa, .. } = &mut w.local;
+        for (all, own) in [(&w.x, &mut *q), (&w.v, qv), (&w.a, qa)] {
+            collect(parents, spans, all, own);
         }
-        if motion == known {
-            return Ok(());
-        }
-        known[0] = f64::NAN;
-        let [q, v, a] = [0, 1, 2].map(|i| &motion[1 + i * k..1 + (i + 1) * k]);
+        let [q, v, a] = [q, qv, qa].map(|x| &x[..k]);
         map.domain(t, q).map_err(|why| SystemError::Domain {
             what: format!("joint at node {}", node.name),
             why,
@@ -143,7 +133,6 @@ impl Context {
             B_ddot: &mut w.operators.B_ddot[range],
         };
         map.kinematics(t, q, v, a, out);
-        known.copy_from_slice(motion);
         Ok(())
     }
 
@@ -247,7 +236,7 @@ impl Context {
             }
             if changed {
                 let len = collect(d.parents(maps), &self.model.spans, &w.x, &mut w.local.q);
-                w.motions[d.motion + 3 * d.direct + 1] = f64::NAN;
+                w.known.forget();
                 let B = &mut w.operators.B[d.local..d.local + own.len() * d.direct];
                 maps[d.index].tangent(t, &w.local.q[..len], &mut w.x[own], B);
             }
@@ -285,31 +274,21 @@ pub(in crate::model) fn pull_back_forces(
     rates: bool,
 ) {
     let range = d.local..d.local + node.dim * d.direct;
-    let slot = [Slot {
-        n: node.dim,
-        d: d.direct,
-        B: Some(&w.operators.B[range.clone()]),
-        ..Slot::default()
-    }];
-    let slot_dot = [Slot {
-        B: Some(&w.operators.B_dot[range]),
-        ..slot[0]
-    }];
-    let (f, f_t, df) = (&mut w.local.q, &mut w.local.qv, &mut w.local.qa);
-    pullback::residual(&slot, &w.r[node.range()], f);
+    let [B, B_dot] = [&w.operators.B, &w.operators.B_dot].map(|B| &B[range.clone()]);
+    let (f, f_t) = (&mut w.local.q, &mut w.local.qv);
+    let pull_back = |B: &[f64], r: &[f64], out: &mut [f64]| {
+        out.iter_mut()
+            .zip(pullback::transposed(B, r))
+            .for_each(|(o, f)| *o += f);
+    };
+    f[..d.direct].fill(0.0);
+    pull_back(B, &w.r[node.range()], f);
+    distribute(parents, spans, &f[..d.direct], &mut w.r);
     if rates {
         // d/dt (Bᵀ r) at fixed unknowns.
-        pullback::residual(&slot, &w.r_t[node.range()], f_t);
-        pullback::residual(&slot_dot, &w.r[node.range()], df);
-    }
-    let mut k = 0;
-    for &m in parents {
-        for c in spans[m as usize].range() {
-            w.r[c] += f[k];
-            if rates {
-                w.r_t[c] += f_t[k] + df[k];
-            }
-            k += 1;
-        }
+        f_t[..d.direct].fill(0.0);
+        pull_back(B, &w.r_t[node.range()], f_t);
+        pull_back(B_dot, &w.r[node.range()], f_t);
+        distribute(parents, spans, &f_t[..d.direct], &mut w.r_t);
     }
 }

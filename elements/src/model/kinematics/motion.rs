@@ -229,6 +229,7 @@ impl Context {
         let mut stay = self.unknowns_behind(&closing);
         stay.extend(given);
         let mut carried = Vec::new();
+        self.work.known.forget();
         for k in 0..self.model.dependent.len() {
             let n = self.model.dependent[k];
             // The frames above have been rotated already.

@@ -195,7 +195,7 @@ impl Context {
                 maps[d.index].freeze_piece(at.map(|(t, _)| (t, &w.local.q[..len])));
             }
         }
-        self.work.forget_motions();
+        self.work.known.forget();
     }
 
     /// Whether omitted equations of multipliers are checked, and the choice is revised: not at
