@@ -111,7 +111,7 @@ def frames():
     vector(drawing, origin, child, f"{child_of('x')} = x + R c", (640, 238))
     drawing.text(585, 170, "R", BLUE, "middle")
     drawing.text(585, 189, "parent", BLUE, "middle", size=13)
-    drawing.text(775, 206, f"{child_of('R')} = R Q(t, q)", ORANGE, "middle")
+    drawing.text(735, 206, f"{child_of('R')} = R Q(t, q)", ORANGE)
     drawing.text(775, 225, "child", ORANGE, "middle", size=13)
     drawing.write("frames.svg")
 

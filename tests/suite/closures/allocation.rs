@@ -1,10 +1,10 @@
 //! A step in time with multipliers or a penalty allocates nothing.
 
+use crate::support::dynamics::{grounded, revolute};
 use allocation_counter::measure;
 use nalgebra::{Matrix3, Vector3};
 use pullback::elements::body::RigidBody;
 use pullback::elements::constraint::PenaltyStiffness;
-use pullback::elements::joint::Revolute;
 use pullback::elements::model::Closure;
 use pullback::integrators::dynamics::{
     DynamicOptions, Progress, Scheme, StepReport, integrate, start,
@@ -16,19 +16,17 @@ use std::ops::ControlFlow;
 /// joint, and is closed to a third one, which is redundant in part. It does not get far: which
 /// equations are left out is chosen anew on longer ways, as charts are.
 fn allocations(steps: u32, by: Closure) -> u64 {
-    let mut b = ModelBuilder::new();
-    let ground = b.node("ground", [0.0; 3]).unwrap();
-    b.support(ground, &Dof::ALL);
+    let (mut b, ground) = grounded();
     let e3 = [0.0, 0.0, 1.0];
-    let first = b.attach("A", ground, Revolute::new(e3).unwrap()).unwrap();
+    let first = revolute(&mut b, "A", ground, e3);
     let arm = b.offset("arm", first.frame, [1.0, 0.0, 0.0]).unwrap();
-    let pin = b.attach("P", arm, Revolute::new(e3).unwrap()).unwrap();
+    let pin = revolute(&mut b, "P", arm, e3);
     let free = b.node("free", [1.0, 0.0, 0.0]).unwrap();
     let foot = b.offset("foot", ground, [2.0, 0.5, 0.0]).unwrap();
-    let rocker = b.attach("D", foot, Revolute::new(e3).unwrap()).unwrap();
+    let rocker = revolute(&mut b, "D", foot, e3);
     let end = b.offset("end", rocker.frame, [2.0, 0.0, 0.0]).unwrap();
     let tip = b.offset("tip", free, [2.0, 0.0, 0.0]).unwrap();
-    let last = b.attach("Q", tip, Revolute::new(e3).unwrap()).unwrap();
+    let last = revolute(&mut b, "Q", tip, e3);
     for (name, node) in [("1", first.frame), ("2", free), ("3", rocker.frame)] {
         let body = RigidBody::new(1.0, Matrix3::identity() * 0.1, Vector3::x() * 0.1).unwrap();
         let weight = body.weight([0.0, -9.81, 0.0], Box::new(Constant(1.0)));

@@ -9,7 +9,6 @@ use crate::support::loops::linkage::*;
 use crate::support::loops::*;
 use nalgebra::{DMatrix, DVector, Vector2, Vector3};
 use pullback::elements::constraint::PenaltyStiffness;
-use pullback::elements::joint::Revolute;
 use pullback::elements::model::{Closure, Context, ModelBuilder, NodeId};
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::integrators::dynamics::{DynamicsError, Progress, Scheme, integrate, start};
@@ -393,8 +392,7 @@ fn a_scheme_that_damps_nothing_is_refused_by_name() {
 fn an_equation_that_followed_at_a_singular_start_only_is_named() {
     // All bars on one line: there the gap across it follows from nothing else, but the loop is
     // drawn where its equations have no full rank.
-    let mut b = ModelBuilder::new();
-    let ground = ground(&mut b);
+    let (mut b, ground) = grounded();
     let positions = [
         [0.0, 0.0, 0.0],
         [1.0, 0.0, 0.0],
@@ -406,7 +404,7 @@ fn an_equation_that_followed_at_a_singular_start_only_is_named() {
     let B = link(&mut b, "B", A.frame, [P, Q], (1.0, at_once));
     let rocker = link(&mut b, "D", ground, [D, Q], (1.0, at_once));
     let tip = b.offset("tip", B.frame, Q).unwrap();
-    let C = b.attach("C", tip, Revolute::new(E3).unwrap()).unwrap();
+    let C = revolute(&mut b, "C", tip, E3);
     let end = b.offset("end", rocker.frame, Q).unwrap();
     b.close_by(C.frame, end, Closure::Multipliers).unwrap();
     let mut context = Context::new(b.build().unwrap());

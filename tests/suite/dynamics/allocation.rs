@@ -3,6 +3,7 @@
 #![allow(non_snake_case)]
 
 use crate::support::beams::beam;
+use crate::support::dynamics::revolute;
 use allocation_counter::measure;
 use nalgebra::{Matrix3, SVector};
 use pullback::elements::beam::{Damping, Interpolation};
@@ -75,9 +76,7 @@ fn everything(formulation: Formulation, driven: bool) -> (Context, [NodeId; 2]) 
     let wrist = b.node("wrist", [4.0, 0.0, 0.0]).unwrap();
     let tip = b.node("tip", [6.0, 0.0, 0.0]).unwrap();
     let first = line(&mut b, "first", [base, elbow], section());
-    let hinge = b
-        .attach("hinge", elbow, Revolute::new([0.0, 0.0, 1.0]).unwrap())
-        .unwrap();
+    let hinge = revolute(&mut b, "hinge", elbow, [0.0, 0.0, 1.0]);
     let second = line(&mut b, "second", [hinge.frame, wrist], section());
     let ball = b.attach_free("ball", wrist, Spherical).unwrap();
     let damping = Damping {

@@ -15,7 +15,7 @@ use nalgebra::{Matrix3, Vector3};
 use pullback::elements::beam::Section;
 use pullback::elements::body::{PointMass, RigidBody};
 use pullback::elements::joint::Spherical;
-use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId, NodeState, RigidMotion};
+use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId, NodeState};
 use pullback::integrators::dynamics::Scheme;
 use pullback::manifold::so3;
 use pullback::manifold::system::System;
@@ -86,9 +86,7 @@ impl Problem {
 
 /// A heavy body on a spherical joint; rotation vector and angular velocity at the start.
 fn pendulum(J: Matrix3<f64>, center: [f64; 3], psi: [f64; 3], omega: [f64; 3]) -> Problem {
-    let mut b = ModelBuilder::new();
-    let ground = b.node("ground", [0.0; 3]).unwrap();
-    b.support(ground, &Dof::ALL);
+    let (mut b, ground) = grounded();
     let ball = b.attach_free("ball", ground, Spherical).unwrap();
     body(
         &mut b,
@@ -103,12 +101,7 @@ fn pendulum(J: Matrix3<f64>, center: [f64; 3], psi: [f64; 3], omega: [f64; 3]) -
     let k = context.unknown_at(ball.coordinates[0], 0).unwrap();
     let mut q = vec![0.0; 3];
     q[k..k + 3].copy_from_slice(&psi);
-    let mut v = vec![0.0; 3];
-    let motion = RigidMotion {
-        omega: omega.into(),
-        ..RigidMotion::default()
-    };
-    context.set_velocity(&q, &mut v, None, &motion);
+    let v = turning(&mut context, &q, omega.into());
     Problem {
         context,
         probes: vec![ball.frame, probe],
@@ -151,12 +144,7 @@ fn beam(psi: [f64; 3], omega: [f64; 3]) -> Problem {
         }
         rotations.push(context.unknown(node, Dof::RX).unwrap());
     }
-    let mut v = vec![0.0; q.len()];
-    let motion = RigidMotion {
-        omega: omega.into(),
-        ..RigidMotion::default()
-    };
-    context.set_velocity(&q, &mut v, None, &motion);
+    let v = turning(&mut context, &q, omega.into());
     Problem {
         context,
         probes: nodes,

@@ -1,10 +1,10 @@
 //! One model, several contexts: in threads, and continued from a snapshot.
 #![allow(clippy::unwrap_used)]
 
+use crate::support::dynamics::motion_of;
 use pullback::elements::body::PointMass;
 use pullback::elements::load::{LoadKind, NodalLoad};
 use pullback::elements::model::{Context, Dof, Model, ModelBuilder};
-use pullback::input::{self, Plan};
 use pullback::integrators::dynamics::{DynamicOptions, Simulation, State, start};
 use std::sync::Arc;
 
@@ -14,17 +14,6 @@ const MODELS: [&str; 2] = [
     include_str!("../../../examples/models/top_beam.toml"),
 ];
 const STEPS: usize = 60;
-
-/// The context at the start of a model file, with its initial state and options.
-fn setup(text: &str) -> (Context, State, DynamicOptions) {
-    let file = input::parse("model.toml", text).unwrap();
-    let job = input::job("model.toml", &file).unwrap();
-    let Plan::Dynamic(plan) = job.plan else {
-        panic!("a motion");
-    };
-    let first = start(&job.context, 0.0, &job.start.q, &job.start.v).unwrap();
-    (job.context, first, plan.options)
-}
 
 /// The state after some more steps, bit by bit.
 fn steps(run: &mut Simulation<&mut Context>) -> Vec<u64> {
@@ -42,7 +31,7 @@ fn a_model_is_shared_between_threads() {
     shared::<Model>();
     shared::<Context>();
     for text in MODELS {
-        let (mut context, first, options) = setup(text);
+        let (mut context, first, options) = motion_of(text);
         let model = Arc::clone(context.model());
         let run = |context: &mut Context| {
             steps(&mut Simulation::new(context, first.clone(), &options).unwrap())
@@ -61,7 +50,7 @@ fn a_model_is_shared_between_threads() {
 #[test]
 fn steps_from_a_snapshot_are_the_same_to_the_last_bit() {
     for text in MODELS {
-        let (mut context, first, options) = setup(text);
+        let (mut context, first, options) = motion_of(text);
         let model = Arc::clone(context.model());
         let mut run = Simulation::new(&mut context, first, &options).unwrap();
         let before = steps(&mut run);
@@ -115,10 +104,10 @@ fn inputs_are_part_of_the_state() {
 
 #[test]
 fn a_state_of_another_model_is_refused() {
-    let [mut context, other] = MODELS.map(|text| setup(text).0);
+    let [mut context, other] = MODELS.map(|text| motion_of(text).0);
     assert!(!context.set_state(other.state().clone()));
     // Nor is one of the same file built again: its charts may be any.
-    let again = setup(MODELS[0]).0;
+    let again = motion_of(MODELS[0]).0;
     assert!(!context.set_state(again.state().clone()));
     assert!(context.set_state(context.state().clone()));
 }

@@ -6,7 +6,6 @@ use crate::support::beams;
 use crate::support::dynamics::*;
 use nalgebra::{Matrix3, Vector3};
 use pullback::elements::beam::{Damping, Interpolation, Section};
-use pullback::elements::joint::Revolute;
 use pullback::elements::load::LineLoad;
 use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId, RigidMotion};
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
@@ -63,18 +62,12 @@ fn the_power_balance_closes_to_the_order_of_the_scheme() {
         let mut supplied = 0.0;
         let defects = [200, 400, 800].map(|n| {
             // A driven shaft carries an arm; on it a damped hinge; on that a flexible beam.
-            let mut b = ModelBuilder::new();
-            let ground = b.node("ground", [0.0; 3]).unwrap();
-            b.support(ground, &Dof::ALL);
-            let shaft = b
-                .attach("shaft", ground, Revolute::new([0.3, 0.2, 1.0]).unwrap())
-                .unwrap();
+            let (mut b, ground) = grounded();
+            let shaft = revolute(&mut b, "shaft", ground, [0.3, 0.2, 1.0]);
             b.prescribe_coordinate(shaft.coordinates[0], 0, Box::new(sine(1.5, 2.0, 0.0)));
             let arm = b.offset("arm", shaft.frame, [0.4, 0.0, 0.0]).unwrap();
             heavy_body(&mut b, "hub", arm, 1.0, [0.1, 0.2, 0.0]);
-            let hinge = b
-                .attach("hinge", arm, Revolute::new([0.0, 1.0, 0.0]).unwrap())
-                .unwrap();
+            let hinge = revolute(&mut b, "hinge", arm, [0.0, 1.0, 0.0]);
             let law = CoordinateLaw {
                 k: 5.0,
                 k3: 2.0,

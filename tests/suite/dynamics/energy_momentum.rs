@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, SVector, Vector3};
 use pullback::elements::beam::{Interpolation, Section};
 use pullback::elements::body::RigidBody;
 use pullback::elements::energy::EnergyElement;
-use pullback::elements::joint::{Revolute, Spherical};
+use pullback::elements::joint::Spherical;
 use pullback::elements::load::{LineLoad, LoadKind, NodalLoad};
 use pullback::elements::model::{
     Context, Dof, Formulation, ModelBuilder, NodeId, NodeState, RigidMotion,
@@ -257,12 +257,8 @@ fn symmetries_are_found() {
 
     // A flywheel whose inertia depends on its angle: nothing turns it, and yet its momentum changes.
     for (uneven, symmetries) in [(0.0, 1), (0.5, 0)] {
-        let mut b = ModelBuilder::new();
-        let ground = b.node("ground", [0.0; 3]).unwrap();
-        b.support(ground, &Dof::ALL);
-        let hinge = b
-            .attach("hinge", ground, Revolute::new([0.0, 0.0, 1.0]).unwrap())
-            .unwrap();
+        let (mut b, ground) = grounded();
+        let hinge = revolute(&mut b, "hinge", ground, [0.0, 0.0, 1.0]);
         heavy_body(&mut b, "body", hinge.frame, 1.0, [0.1, 0.2, 0.0]);
         let wheel = Flywheel { uneven }.into_element();
         b.element("flywheel", wheel, &[hinge.coordinates[0]])
@@ -274,43 +270,28 @@ fn symmetries_are_found() {
         );
     }
 
-    // A body on an axis through a ground that is no origin.
-    let mut b = ModelBuilder::new();
-    let ground = b.node("ground", [0.3, -0.2, 0.1]).unwrap();
-    b.support(ground, &Dof::ALL);
-    let hinge = b
-        .attach("hinge", ground, Revolute::new([0.0, 0.0, 1.0]).unwrap())
-        .unwrap();
-    heavy_body(&mut b, "body", hinge.frame, 1.0, [0.1, 0.2, 0.0]);
-    assert_eq!(count(&mut Context::new(b.build().unwrap())), 1);
-    // The weight works about any other axis.
-    let mut b = ModelBuilder::new();
-    let ground = b.node("ground", [0.3, -0.2, 0.1]).unwrap();
-    b.support(ground, &Dof::ALL);
-    let hinge = b
-        .attach("hinge", ground, Revolute::new([0.0, 1.0, 1.0]).unwrap())
-        .unwrap();
-    heavy_body(&mut b, "body", hinge.frame, 1.0, [0.1, 0.2, 0.0]);
-    assert_eq!(count(&mut Context::new(b.build().unwrap())), 0);
+    // A body on an axis through a ground that is no origin. The weight works about any axis but a vertical one.
+    for (axis, symmetries) in [([0.0, 0.0, 1.0], 1), ([0.0, 1.0, 1.0], 0)] {
+        let mut b = ModelBuilder::new();
+        let ground = b.node("ground", [0.3, -0.2, 0.1]).unwrap();
+        b.support(ground, &Dof::ALL);
+        let hinge = revolute(&mut b, "hinge", ground, axis);
+        heavy_body(&mut b, "body", hinge.frame, 1.0, [0.1, 0.2, 0.0]);
+        let found = count(&mut Context::new(b.build().unwrap()));
+        assert_eq!(found, symmetries, "{axis:?}");
+    }
 }
 
 /// A heavy top of three moments of inertia, hung from a ball joint, and its velocities.
 fn heavy_top() -> (Context, Vec<f64>) {
-    let mut b = ModelBuilder::new();
-    let ground = b.node("ground", [0.0; 3]).unwrap();
-    b.support(ground, &Dof::ALL);
+    let (mut b, ground) = grounded();
     let ball = b.attach_free("ball", ground, Spherical).unwrap();
     let J = Matrix3::from_diagonal(&Vector3::new(0.3, 0.25, 0.1));
     let top = RigidBody::new(1.0, J, [0.0, 0.1, 0.4].into()).unwrap();
     body(&mut b, "top", ball.frame, top);
     b.offset("tip", ball.frame, [0.0, 0.0, 1.0]).unwrap();
     let mut context = Context::new(b.build().unwrap());
-    let mut v = vec![0.0; 3];
-    let motion = RigidMotion {
-        omega: Vector3::new(0.5, 0.2, 9.0),
-        ..RigidMotion::default()
-    };
-    context.set_velocity(&[0.0; 3], &mut v, None, &motion);
+    let v = turning(&mut context, &[0.0; 3], Vector3::new(0.5, 0.2, 9.0));
     (context, v)
 }
 

@@ -4,33 +4,22 @@
 
 #![allow(clippy::unwrap_used)]
 
-use crate::support::dynamics::{configure, point};
+use crate::support::dynamics::{configure, motion_of, point};
 use nalgebra::Vector3;
 use pullback::elements::model::Context;
-use pullback::input::{Plan, assemble_text};
-use pullback::integrators::dynamics::{Progress, State, integrate, start};
-use std::ops::ControlFlow;
+use pullback::integrators::dynamics::{Simulation, State};
 
 /// Runs a model by a scheme with a step, and hands its states over.
 fn run(text: &str, scheme: &str, step: f64, at: &mut dyn FnMut(&mut Context, &State)) -> Context {
     let text = format!("{text}step = {step:?}\nscheme = \"{scheme}\"\n");
-    let job = assemble_text("model", &text).unwrap();
-    let mut model = job.context;
-    let Plan::Dynamic(plan) = job.plan else {
-        panic!("it is a motion");
-    };
-    let mut progress = Progress::new(start(&model, 0.0, &job.start.q, &job.start.v).unwrap());
-    integrate(
-        &mut model,
-        &mut progress,
-        &plan.options,
-        &mut |model, step| {
-            at(model, &step.progress.state);
-            ControlFlow::Continue(())
-        },
-    )
-    .unwrap();
-    configure(&mut model, &progress.state);
+    let (mut model, first, options) = motion_of(&text);
+    let mut run = Simulation::new(&mut model, first, &options).unwrap();
+    while run.step().unwrap().is_some() {
+        let state = run.state().clone();
+        at(run.system_mut(), &state);
+    }
+    let last = run.state().clone();
+    configure(&mut model, &last);
     model
 }
 

@@ -8,9 +8,9 @@ use crate::support::dynamics::*;
 use nalgebra::{Matrix2, Matrix3, SVector, Vector2, Vector3};
 use pullback::elements::beam::Section;
 use pullback::elements::body::{PointMass, RigidBody};
-use pullback::elements::joint::{JointNodes, Revolute, Spherical};
+use pullback::elements::joint::{JointNodes, Spherical};
 use pullback::elements::load::CoordinateForce;
-use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId, NodeState, RigidMotion};
+use pullback::elements::model::{Context, ModelBuilder, NodeId, NodeState};
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::elements::time::{Constant, TimeFunction};
 use pullback::integrators::dynamics::{Progress, Scheme};
@@ -18,12 +18,6 @@ use pullback::manifold::so3;
 use pullback::manifold::system::System;
 
 const G: f64 = 9.81;
-
-fn ground(b: &mut ModelBuilder) -> NodeId {
-    let ground = b.node("ground", [0.0; 3]).unwrap();
-    b.support(ground, &Dof::ALL);
-    ground
-}
 
 /// Zeros with some coordinates set.
 fn values(context: &Context, set: &[(NodeId, usize, f64)]) -> Vec<f64> {
@@ -76,12 +70,7 @@ fn linked(stiffness: Option<f64>) -> Vec<NodeState> {
     heavy_body(&mut b, "second", second, 0.5, [0.0, 0.1, 0.1]);
     let mut context = Context::new(b.build().unwrap());
     let q = values(&context, &[]);
-    let mut v = q.clone();
-    let motion = RigidMotion {
-        omega: Vector3::new(0.4, -0.3, 1.0),
-        ..RigidMotion::default()
-    };
-    context.set_velocity(&q, &mut v, None, &motion);
+    let v = turning(&mut context, &q, Vector3::new(0.4, -0.3, 1.0));
     let options = tight(Scheme::chung_hulbert(0.5).unwrap(), 1.0, 1e-3);
     history(&mut context, &[first, second], [&q, &v], &options, 10).0
 }
@@ -119,11 +108,8 @@ fn a_pendulum_on_a_skew_axis() {
     let to = 2.0;
     let exact = integrate_ode(&ode, Vector2::new(0.3, 2.0), to, 4000);
     let errors = [200, 400, 800].map(|n| {
-        let mut b = ModelBuilder::new();
-        let ground = ground(&mut b);
-        let hinge = b
-            .attach("hinge", ground, Revolute::new(axis.into()).unwrap())
-            .unwrap();
+        let (mut b, ground) = grounded();
+        let hinge = revolute(&mut b, "hinge", ground, axis.into());
         body(&mut b, "bar", hinge.frame, RigidBody::new(m, J, c).unwrap());
         let mut context = Context::new(b.build().unwrap());
         let (q, v) = (
@@ -176,16 +162,11 @@ fn a_double_pendulum_of_bars() {
         RigidBody::new(m[k], J, Vector3::new(0.0, 0.0, -0.5 * l[k])).unwrap()
     };
     let errors = [400, 800, 1600].map(|n| {
-        let mut b = ModelBuilder::new();
-        let ground = ground(&mut b);
-        let first = b
-            .attach("first", ground, Revolute::new(axis).unwrap())
-            .unwrap();
+        let (mut b, ground) = grounded();
+        let first = revolute(&mut b, "first", ground, axis);
         body(&mut b, "upper", first.frame, bar(0));
         let end = b.offset("end", first.frame, [0.0, 0.0, -l[0]]).unwrap();
-        let second = b
-            .attach("second", end, Revolute::new(axis).unwrap())
-            .unwrap();
+        let second = revolute(&mut b, "second", end, axis);
         body(&mut b, "lower", second.frame, bar(1));
         let tip = b
             .offset("tip", second.frame, [0.0, 0.0, -l[0] - l[1]])
@@ -231,8 +212,7 @@ fn a_spherical_pendulum() {
     let start = SVector::<f64, 6>::new(u.x, u.y, u.z, w.x, w.y, w.z);
     let exact = integrate_ode(&ode, start, to, 8000);
     let errors = [200, 400, 800].map(|n| {
-        let mut b = ModelBuilder::new();
-        let ground = ground(&mut b);
+        let (mut b, ground) = grounded();
         let ball = b.attach_free("ball", ground, Spherical).unwrap();
         let wheel = RigidBody::new(0.0, Matrix3::identity() * j, Vector3::zeros()).unwrap();
         b.element("wheel", wheel, &[ball.frame]).unwrap();
@@ -243,12 +223,7 @@ fn a_spherical_pendulum() {
         b.element("weight", weight, &[end]).unwrap();
         let mut context = Context::new(b.build().unwrap());
         let q = values(&context, &[]);
-        let mut v = q.clone();
-        let motion = RigidMotion {
-            omega,
-            ..RigidMotion::default()
-        };
-        context.set_velocity(&q, &mut v, None, &motion);
+        let v = turning(&mut context, &q, omega);
         let options = tight(Scheme::default(), to, to / n as f64);
         let progress = observed(&mut context, [&q, &v], &options, &mut |_, _| ());
         configure(&mut context, &progress.state);
@@ -271,11 +246,8 @@ fn a_spherical_pendulum() {
 /// A body on a vertical axis through the origin, so that its weight does nothing, and its moment of
 /// inertia about that axis.
 fn turntable(more: impl FnOnce(&mut ModelBuilder, JointNodes)) -> (Context, JointNodes, f64) {
-    let mut b = ModelBuilder::new();
-    let ground = ground(&mut b);
-    let hinge = b
-        .attach("hinge", ground, Revolute::new([0.0, 0.0, 2.0]).unwrap())
-        .unwrap();
+    let (mut b, ground) = grounded();
+    let hinge = revolute(&mut b, "hinge", ground, [0.0, 0.0, 2.0]);
     heavy_body(&mut b, "table", hinge.frame, 2.0, [0.3, -0.4, 0.2]);
     more(&mut b, hinge.clone());
     // 0.5 kg m² per kg about the centre of mass, half a metre from the axis.
@@ -345,20 +317,15 @@ fn a_spring_and_a_damper_on_the_angle_make_an_oscillator() {
 fn a_prescribed_angle_is_followed_exactly() {
     // Ten radians to and fro; a second, free body turns on the first.
     let drive = sine(10.0, 1.3, 0.3);
-    let mut b = ModelBuilder::new();
-    let ground = ground(&mut b);
+    let (mut b, ground) = grounded();
     let axis = Vector3::new(0.3, -0.5, 1.0);
     let e = axis.normalize();
-    let hinge = b
-        .attach("hinge", ground, Revolute::new(axis.into()).unwrap())
-        .unwrap();
+    let hinge = revolute(&mut b, "hinge", ground, axis.into());
     b.prescribe_coordinate(hinge.coordinates[0], 0, Box::new(drive));
     heavy_body(&mut b, "driven", hinge.frame, 2.0, [0.3, 0.0, 0.0]);
     let X = Vector3::new(0.7, 0.2, -0.4);
     let end = b.offset("end", hinge.frame, X.into()).unwrap();
-    let free = b
-        .attach("free", end, Revolute::new([1.0, 0.0, 0.0]).unwrap())
-        .unwrap();
+    let free = revolute(&mut b, "free", end, [1.0, 0.0, 0.0]);
     heavy_body(&mut b, "free", free.frame, 0.4, [0.0, 0.2, 0.1]);
     let mut context = Context::new(b.build().unwrap());
     let mut turned = 0.0_f64;

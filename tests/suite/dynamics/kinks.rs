@@ -1,12 +1,11 @@
 //! Jumps of driven velocities: what is free takes the impulse. Inputs that change between steps.
 #![allow(clippy::unwrap_used)]
 
-use crate::support::dynamics::point;
+use crate::support::dynamics::{motion_of, point};
 use pullback::elements::body::PointMass;
 use pullback::elements::load::{LoadKind, NodalLoad};
 use pullback::elements::model::{Context, Dof, ModelBuilder};
 use pullback::elements::time::TimeFunction;
-use pullback::input::{Plan, assemble_text};
 use pullback::integrators::dynamics::{DynamicOptions, Progress, integrate, start};
 use pullback::solve::begin;
 use std::ops::ControlFlow;
@@ -127,39 +126,22 @@ fn at_the_start_it_does_as_later() {
 /// The drive turns from a time on for half a second.
 fn jerk(from: f64) {
     let table = format!("[[{from:?}, 0], [{:?}, 2]]", from + 0.5);
-    let job = assemble_text("rotor", &ROTOR.replace("[[0.5, 0], [1, 2]]", &table)).unwrap();
-    let mut model = job.context;
-    let Plan::Dynamic(plan) = job.plan else {
-        panic!("it is a motion");
-    };
+    let (mut model, first, options) = motion_of(&ROTOR.replace("[[0.5, 0], [1, 2]]", &table));
     let hull = model.find("A").unwrap();
-    let mut progress = Progress::new(start(&model, 0.0, &job.start.q, &job.start.v).unwrap());
+    let mut progress = Progress::new(first);
     let mut seen = 0;
-    integrate(
-        &mut model,
-        &mut progress,
-        &plan.options,
-        &mut |model, step| {
-            let state = &step.progress.state;
-            let at = point(state);
-            let audit = model.energies_and_momentum(at).unwrap();
-            assert!(audit.momentum.angular.norm() < 1e-12, "at {}", state.t);
-            // (2 + ½) Ω + ½ ω = 0 with the rate ω of the drive.
-            let rate = if (from..from + 0.5).contains(&state.t) {
-                4.0
-            } else {
-                0.0
-            };
-            let omega = model.node_state(hull).omega;
-            assert!(
-                (omega.z + rate * 0.5 / 2.5).abs() < 1e-12,
-                "at {}: {omega}",
-                state.t
-            );
-            seen += 1;
-            ControlFlow::Continue(())
-        },
-    )
+    integrate(&mut model, &mut progress, &options, &mut |model, step| {
+        let state = &step.progress.state;
+        let momentum = model.energies_and_momentum(point(state)).unwrap().momentum;
+        assert!(momentum.angular.norm() < 1e-12, "at {}", state.t);
+        // (2 + ½) Ω + ½ ω = 0 with the rate ω of the drive.
+        let driven = (from..from + 0.5).contains(&state.t);
+        let exact = if driven { -4.0 * 0.5 / 2.5 } else { 0.0 };
+        let omega = model.node_state(hull).omega;
+        assert!((omega.z - exact).abs() < 1e-12, "at {}: {omega}", state.t);
+        seen += 1;
+        ControlFlow::Continue(())
+    })
     .unwrap();
     assert_eq!(seen, 20);
     // The hull has turned by the integral of Ω.
@@ -201,20 +183,16 @@ to = 0.06
 step = 0.01
 "#
     );
-    let job = assemble_text("jerked", &text).unwrap();
-    let mut model = job.context;
-    let Plan::Dynamic(plan) = job.plan else {
-        panic!("it is a motion");
-    };
+    let (mut model, first, options) = motion_of(&text);
     let node = model.find("way").unwrap();
-    let mut progress = Progress::new(start(&model, 0.0, &job.start.q, &job.start.v).unwrap());
-    begin(&mut model, &plan.options, &mut progress).unwrap();
+    let mut progress = Progress::new(first);
+    begin(&mut model, &options, &mut progress).unwrap();
     let row = |model: &Context| {
         let state = model.node_state(node);
         [state.position.x, state.velocity.x, state.acceleration.x]
     };
     let mut rows = vec![row(&model)];
-    integrate(&mut model, &mut progress, &plan.options, &mut |model, _| {
+    integrate(&mut model, &mut progress, &options, &mut |model, _| {
         rows.push(row(model));
         ControlFlow::Continue(())
     })

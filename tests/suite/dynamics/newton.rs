@@ -20,7 +20,6 @@ use pullback::elements::beam::Section;
 use pullback::elements::joint::{Joint, JointCoordinate, Pose, Revolute};
 use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId};
 use pullback::elements::time::Sine;
-use pullback::input::{Plan, assemble_text};
 use pullback::integrators::dynamics::{
     DynamicOptions, Predictor, Progress, Scheme, StepReport, integrate, start,
 };
@@ -305,12 +304,8 @@ fn reached<Y: System>(mut system: Y, options: &DynamicOptions, predictor: Predic
 fn going_on_with_the_velocity_needs_extrapolated_stresses_in_the_struck_cantilever() {
     // cases.md, case 5: with the exact tangent q + h q̇ diverges before t = 6, q does not (it does later).
     let model = || {
-        let job =
-            assemble_text("elbow", include_str!("../../../examples/models/elbow.toml")).unwrap();
-        let Plan::Dynamic(plan) = job.plan else {
-            panic!("a motion")
-        };
-        (job.context, plan.options)
+        let (context, _, options) = motion_of(include_str!("../../../examples/models/elbow.toml"));
+        (context, options)
     };
     let plain = |predictor| {
         let (model, options) = model();

@@ -7,7 +7,7 @@ use crate::support::dynamics::*;
 use nalgebra::{Matrix3, Vector3};
 use pullback::elements::beam::{Interpolation, Section};
 use pullback::elements::body::PointMass;
-use pullback::elements::joint::{Revolute, Spherical};
+use pullback::elements::joint::Spherical;
 use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId, NodeState, RigidMotion};
 use pullback::integrators::dynamics::Scheme;
 use pullback::manifold::system::System;
@@ -28,9 +28,7 @@ fn two_bodies(spin: [f64; 3]) -> Problem {
     b.support(carriage, &[Dof::Y, Dof::Z, Dof::RY, Dof::RZ]);
     b.prescribe(carriage, Dof::X, sine(0.3, 3.0, 0.2));
     b.prescribe(carriage, Dof::RX, sine(0.4, 2.0, 0.5));
-    let hinge = b
-        .attach("hinge", carriage, Revolute::new([0.2, -0.3, 1.0]).unwrap())
-        .unwrap();
+    let hinge = revolute(&mut b, "hinge", carriage, [0.2, -0.3, 1.0]);
     let arm = b.offset("arm", hinge.frame, [1.0, 0.2, 0.1]).unwrap();
     heavy_body(&mut b, "first", hinge.frame, 2.0, [0.5, 0.1, 0.0]);
     let ball = b.attach_free("ball", arm, Spherical).unwrap();
@@ -63,9 +61,7 @@ fn swung_beam_with(elements: usize, tilt: f64, interpolation: Interpolation) -> 
     b.support(carriage, &[Dof::Y, Dof::Z, Dof::RY, Dof::RZ]);
     b.prescribe(carriage, Dof::X, sine(0.2, 3.0, 0.2));
     b.prescribe(carriage, Dof::RX, sine(tilt, 2.0, 0.5));
-    let hinge = b
-        .attach("hinge", carriage, Revolute::new([0.0, 0.0, 1.0]).unwrap())
-        .unwrap();
+    let hinge = revolute(&mut b, "hinge", carriage, [0.0, 0.0, 1.0]);
     let arm = b.offset("arm", hinge.frame, [0.3, 0.0, 0.0]).unwrap();
     let tip = b.node("tip", [1.3, 0.0, 0.0]).unwrap();
     let J = Vector3::new(0.2, 0.1, 0.1);
@@ -113,6 +109,28 @@ fn errors(
         .to_vec()
 }
 
+/// Runs of a problem by a scheme in a number of steps.
+type Run<'a> = &'a dyn Fn(Scheme, usize) -> Vec<NodeState>;
+
+/// A solution to compare with.
+fn reference(run: Run<'_>) -> Vec<NodeState> {
+    richardson(1280, &mut |n| run(Scheme::default(), n))
+}
+
+/// The schemes of order two are so on a problem, from n steps on.
+fn assert_order_two(run: Run<'_>, reference: &[NodeState], n: usize) {
+    for scheme in second_order() {
+        let e = errors(n, reference, &mut |n| run(scheme, n));
+        assert_slopes(scheme.name, &QUANTITIES, &e, 2.0, 0.1);
+    }
+}
+
+/// Radau IIA is of order three on a problem, from n steps on.
+fn assert_order_three(run: Run<'_>, reference: &[NodeState], n: usize) {
+    let e = errors(n, reference, &mut |n| run(Scheme::radau(), n));
+    assert_slopes("Radau IIA", &QUANTITIES, &e, 3.0, 0.15);
+}
+
 #[test]
 fn bodies_on_joints_of_a_driven_carriage() {
     let to = 1.6;
@@ -122,18 +140,19 @@ fn bodies_on_joints_of_a_driven_carriage() {
         assert!(changes >= 2, "{changes} changes");
         states
     };
-    let reference = richardson(1280, &mut |n| run(Scheme::default(), n));
-    for scheme in second_order()
-        .into_iter()
-        .chain([Scheme::central_difference()])
-        .chain(["projected-newmark", "projected-newmark:0.8"].map(|word| word.parse().unwrap()))
-    {
+    let reference = reference(&run);
+    assert_order_two(&run, &reference, 160);
+    for word in [
+        "central-difference",
+        "projected-newmark",
+        "projected-newmark:0.8",
+    ] {
+        let scheme: Scheme = word.parse().unwrap();
         assert_eq!(scheme.order(), 2);
         let e = errors(160, &reference, &mut |n| run(scheme, n));
-        assert_slopes(scheme.name, &QUANTITIES, &e, 2.0, 0.1);
+        assert_slopes(word, &QUANTITIES, &e, 2.0, 0.1);
     }
-    let e = errors(80, &reference, &mut |n| run(Scheme::radau(), n));
-    assert_slopes("Radau IIA", &QUANTITIES, &e, 3.0, 0.15);
+    assert_order_three(&run, &reference, 80);
     let first = Scheme::newmark(0.3025, 0.6).unwrap();
     assert_eq!(first.order(), 1);
     let e = errors(320, &reference, &mut |n| run(first, n));
@@ -178,13 +197,9 @@ fn swings_about_the_border_of_a_chart() {
         assert!(12 * changes >= 80, "{changes} changes");
         states
     };
-    let reference = richardson(1280, &mut |n| run(Scheme::default(), n));
-    for scheme in second_order() {
-        let e = errors(80, &reference, &mut |n| run(scheme, n));
-        assert_slopes(scheme.name, &QUANTITIES, &e, 2.0, 0.1);
-    }
-    let e = errors(40, &reference, &mut |n| run(Scheme::radau(), n));
-    assert_slopes("Radau IIA", &QUANTITIES, &e, 3.0, 0.15);
+    let reference = reference(&run);
+    assert_order_two(&run, &reference, 80);
+    assert_order_three(&run, &reference, 40);
 }
 
 /// The two bodies, the second one turned at the start, and changes of its chart after chosen steps.
@@ -214,10 +229,7 @@ fn many_changes(per_run: Option<usize>) {
         let options = tight(Scheme::default(), to, to / n as f64);
         history(&mut system, &probes, [&q, &v], &options, 8).0
     });
-    for scheme in second_order() {
-        let e = errors(160, &reference, &mut |n| run(scheme, n));
-        assert_slopes(scheme.name, &QUANTITIES, &e, 2.0, 0.1);
-    }
+    assert_order_two(&run, &reference, 160);
 }
 
 #[test]
@@ -239,13 +251,9 @@ fn a_flexible_beam_swung_in_a_plane_across_changes_of_chart() {
         assert_eq!(changes, 3);
         states
     };
-    let reference = richardson(1280, &mut |n| run(Scheme::default(), n));
-    for scheme in second_order() {
-        let e = errors(320, &reference, &mut |n| run(scheme, n));
-        assert_slopes(scheme.name, &QUANTITIES, &e, 2.0, 0.1);
-    }
-    let e = errors(160, &reference, &mut |n| run(Scheme::radau(), n));
-    assert_slopes("Radau IIA", &QUANTITIES, &e, 3.0, 0.15);
+    let reference = reference(&run);
+    assert_order_two(&run, &reference, 320);
+    assert_order_three(&run, &reference, 160);
 }
 
 #[test]
@@ -259,11 +267,7 @@ fn a_flexible_beam_swung_in_space_within_one_chart() {
         assert_eq!(progress.summary.chart_changes, 0);
         states
     };
-    let reference = richardson(1280, &mut |n| run(Scheme::default(), n));
-    for scheme in second_order() {
-        let e = errors(320, &reference, &mut |n| run(scheme, n));
-        assert_slopes(scheme.name, &QUANTITIES, &e, 2.0, 0.1);
-    }
+    assert_order_two(&run, &reference(&run), 320);
 }
 
 #[test]
@@ -275,11 +279,7 @@ fn a_geodesic_beam_swung_in_space_across_changes_of_chart() {
         assert_eq!(changes, 3);
         states
     };
-    let reference = richardson(1280, &mut |n| run(Scheme::default(), n));
-    for scheme in second_order() {
-        let e = errors(320, &reference, &mut |n| run(scheme, n));
-        assert_slopes(scheme.name, &QUANTITIES, &e, 2.0, 0.1);
-    }
+    assert_order_two(&run, &reference(&run), 320);
 }
 
 /// What it does to the swung beam that all its elements change their charts at half the time, in n

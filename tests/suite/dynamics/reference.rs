@@ -6,8 +6,8 @@
 use crate::support::dynamics::*;
 use nalgebra::{Matrix3, Matrix6, SVector, Vector3, Vector6};
 use pullback::elements::body::{PointMass, RigidBody};
-use pullback::elements::joint::{Revolute, Spherical};
-use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId, RigidMotion};
+use pullback::elements::joint::Spherical;
+use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId};
 use pullback::elements::spring::Bushing;
 use pullback::elements::time::{Constant, Sine, TimeFunction};
 use pullback::integrators::dynamics::Scheme;
@@ -27,12 +27,7 @@ fn spin(
     n: usize,
 ) -> (Matrix3<f64>, Vector3<f64>, usize) {
     let q = vec![0.0; context.pattern().dim()];
-    let mut v = q.clone();
-    let motion = RigidMotion {
-        omega,
-        ..RigidMotion::default()
-    };
-    context.set_velocity(&q, &mut v, None, &motion);
+    let v = turning(&mut context, &q, omega);
     let options = tight(scheme, to, to / n as f64);
     let progress = observed(&mut context, [&q, &v], &options, &mut |_, _| ());
     configure(&mut context, &progress.state);
@@ -173,12 +168,8 @@ fn a_free_body_near_its_middle_axis() {
 /// A point mass a metre below a revolute joint about −e2, so that a positive angle moves it
 /// towards e1: position, angle and rate after `n` steps from an angle and a rate.
 fn pendulum(scheme: Scheme, start: [f64; 2], to: f64, n: usize) -> (Vector3<f64>, [f64; 2], usize) {
-    let mut b = ModelBuilder::new();
-    let ground = b.node("ground", [0.0; 3]).unwrap();
-    b.support(ground, &Dof::ALL);
-    let hinge = b
-        .attach("hinge", ground, Revolute::new([0.0, -1.0, 0.0]).unwrap())
-        .unwrap();
+    let (mut b, ground) = grounded();
+    let hinge = revolute(&mut b, "hinge", ground, [0.0, -1.0, 0.0]);
     let end = b.offset("end", hinge.frame, [0.0, 0.0, -1.0]).unwrap();
     let mass = PointMass::new(1.0).unwrap();
     let weight = mass.weight([0.0, 0.0, -G], Box::new(Constant(1.0)));
@@ -243,34 +234,20 @@ fn hooke_relation(beta: f64, first: f64) -> [f64; 2] {
 
 /// Largest errors of the angle and the speed of the second shaft, with a coupling of stiffness k.
 fn hooke(beta: f64, k: f64) -> [f64; 2] {
-    let mut b = ModelBuilder::new();
-    let ground = b.node("ground", [0.0; 3]).unwrap();
-    b.support(ground, &Dof::ALL);
+    let (mut b, ground) = grounded();
     let (s, c) = beta.sin_cos();
     // Shafts in the plane of e1 and e2; the input yoke's axis is in it at the start, that of the
     // output yoke perpendicular to it.
-    let input = b
-        .attach("input", ground, Revolute::new([1.0, 0.0, 0.0]).unwrap())
-        .unwrap();
+    let input = revolute(&mut b, "input", ground, [1.0, 0.0, 0.0]);
     // More than two turns and back.
     let drive = Sine {
         offset: 7.0,
         ..sine(-7.0, 1.0, FRAC_PI_2)
     };
     b.prescribe_coordinate(input.coordinates[0], 0, Box::new(drive));
-    let cross = b
-        .attach(
-            "cross",
-            input.frame,
-            Revolute::new([0.0, 1.0, 0.0]).unwrap(),
-        )
-        .unwrap();
-    let yoke = b
-        .attach("yoke", cross.frame, Revolute::new([0.0, 0.0, 1.0]).unwrap())
-        .unwrap();
-    let output = b
-        .attach("output", ground, Revolute::new([c, s, 0.0]).unwrap())
-        .unwrap();
+    let cross = revolute(&mut b, "cross", input.frame, [0.0, 1.0, 0.0]);
+    let yoke = revolute(&mut b, "yoke", cross.frame, [0.0, 0.0, 1.0]);
+    let output = revolute(&mut b, "output", ground, [c, s, 0.0]);
     let J = Matrix3::identity() * 0.01;
     for (name, node) in [
         ("cross", cross.frame),

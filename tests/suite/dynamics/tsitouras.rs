@@ -3,13 +3,11 @@
 
 #![allow(non_snake_case, clippy::unwrap_used)]
 
-use crate::support::dynamics::{assert_slopes, configure};
+use crate::support::dynamics::{assert_slopes, configure, motion_of};
 use allocation_counter::measure;
 use pullback::elements::model::Context;
-use pullback::input::{Plan, assemble_text};
-use pullback::integrators::dynamics::{
-    Adaptivity, DynamicOptions, Simulation, State, Summary, start,
-};
+use pullback::input::assemble_text;
+use pullback::integrators::dynamics::{Adaptivity, DynamicOptions, Simulation, State, Summary};
 use pullback::studies::compare::Sample;
 use pullback::studies::gallery::exact;
 
@@ -30,14 +28,9 @@ fn assemble(text: &str, scheme: &str) -> (Context, State, DynamicOptions) {
         "scheme = { newmark = [0.25, 0.5] }",
         &format!("scheme = \"{scheme}\""),
     );
-    let job = assemble_text("model", &text).unwrap();
-    let Plan::Dynamic(plan) = job.plan else {
-        panic!("it is a motion");
-    };
-    let mut options = plan.options;
+    let (context, state, mut options) = motion_of(&text);
     options.newton.relative = 1e-12;
-    let state = start(&job.context, 0.0, &job.start.q, &job.start.v).unwrap();
-    (job.context, state, options)
+    (context, state, options)
 }
 
 /// Errors of position, rotation, velocity, angular velocity and acceleration of the node at the end.

@@ -2,9 +2,9 @@
 
 #![allow(clippy::unwrap_used)]
 
-use crate::support::dynamics::{assert_slopes, body, configure, tight};
+use crate::support::dynamics::{assert_slopes, body, configure, grounded, revolute, tight};
 use nalgebra::Matrix3;
-use pullback::elements::joint::{Curve, JointNodes, OnCurve, OnSurface, Revolute, Spline, Surface};
+use pullback::elements::joint::{Curve, JointNodes, OnCurve, OnSurface, Spline, Surface};
 use pullback::elements::model::NodeState;
 use pullback::integrators::dynamics::{Progress, StepReport, integrate};
 use pullback::manifold::system::System;
@@ -20,9 +20,7 @@ fn trapezoidal() -> Scheme {
 
 /// A body whose rotation does not couple with its motion, on whatever `hang` makes on the ground.
 fn bead(hang: impl Fn(&mut ModelBuilder, NodeId) -> JointNodes) -> (Context, JointNodes) {
-    let mut b = ModelBuilder::new();
-    let ground = b.node("ground", [0.0; 3]).unwrap();
-    b.support(ground, &Dof::ALL);
+    let (mut b, ground) = grounded();
     let made = hang(&mut b, ground);
     let sphere = RigidBody::new(2.0, Matrix3::identity() * 0.03, Vector3::zeros()).unwrap();
     body(&mut b, "bead", made.frame, sphere);
@@ -170,9 +168,7 @@ fn a_bead_is_flung_along_a_wire_that_turns() {
     let errors: Vec<Vec<f64>> = [100, 200, 400]
         .map(|steps| {
             let mut made = bead(|b, on| {
-                let hub = b
-                    .attach("hub", on, Revolute::new([0.0, 0.0, 1.0]).unwrap())
-                    .unwrap();
+                let hub = revolute(b, "hub", on, [0.0, 0.0, 1.0]);
                 b.prescribe_coordinate(hub.coordinates[0], 0, Box::new(Proportional(omega)));
                 b.attach_free("bead", hub.frame, OnCurve::new(Wire))
                     .unwrap()

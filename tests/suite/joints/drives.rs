@@ -3,7 +3,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use crate::support::dynamics::{assert_slopes, configure, point, sine, tight};
+use crate::support::dynamics::{assert_slopes, configure, grounded, point, revolute, sine, tight};
 use nalgebra::Matrix3;
 use pullback::elements::joint::{
     ConstantVelocity, Curve, Cylindrical, Helical, OnCurve, OnSurface, Planar, Prismatic, Revolute,
@@ -152,12 +152,8 @@ fn a_carriage_on_a_driven_boom_is_flung_and_pulls_at_the_drive() {
     let (omega, first, to) = (2.5, 0.4, 0.8);
     let errors: Vec<Vec<f64>> = [100, 200, 400]
         .map(|steps| {
-            let mut b = ModelBuilder::new();
-            let ground = b.node("ground", [0.0; 3]).unwrap();
-            b.support(ground, &Dof::ALL);
-            let hub = b
-                .attach("hub", ground, Revolute::new([0.0, 0.0, 1.0]).unwrap())
-                .unwrap();
+            let (mut b, ground) = grounded();
+            let hub = revolute(&mut b, "hub", ground, [0.0, 0.0, 1.0]);
             b.prescribe_coordinate(hub.coordinates[0], 0, Box::new(Proportional(omega)));
             let boom = b
                 .attach("boom", hub.frame, Prismatic::new([1.0, 0.0, 0.0]).unwrap())

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use crate::support::dynamics::point;
+use crate::support::dynamics::{grounded, point, revolute};
 use crate::support::program::{check, number, recorded};
 use nalgebra::Matrix3;
 use pullback::elements::joint::{GearError, JointNodes, Revolute};
@@ -209,13 +209,9 @@ fn what_a_gear_cannot_do_is_refused() {
 
 /// A carrier, a planet on it, and a pinion on the ground after them.
 fn train() -> (ModelBuilder, [NodeId; 3]) {
-    let mut b = ModelBuilder::new();
-    let ground = b.node("ground", [0.0; 3]).unwrap();
-    b.support(ground, &Dof::ALL);
+    let (mut b, ground) = grounded();
     let axis = [0.0, 0.0, 1.0];
-    let carrier = b
-        .attach("carrier", ground, Revolute::new(axis).unwrap())
-        .unwrap();
+    let carrier = revolute(&mut b, "carrier", ground, axis);
     let seat = b.offset("seat", carrier.frame, [0.7, 0.0, 0.0]).unwrap();
     let JointNodes { frame, coordinates } = b
         .attach("planet", seat, Revolute::new(axis).unwrap())

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case, clippy::unwrap_used)]
 
-use crate::support::dynamics::{configure, observed, tight};
+use crate::support::dynamics::{configure, grounded, observed, tight};
 use nalgebra::Matrix3;
 use pullback::elements::joint::{
     ConstantVelocity, Curve, JointNodes, OnCurve, Spherical, Universal,
@@ -18,9 +18,7 @@ use std::ops::ControlFlow;
 
 /// A body that is the same about all axes, on whatever `hang` makes on the ground; no weight.
 fn ball(hang: impl Fn(&mut ModelBuilder, NodeId) -> JointNodes) -> (Context, JointNodes) {
-    let mut b = ModelBuilder::new();
-    let ground = b.node("ground", [0.0; 3]).unwrap();
-    b.support(ground, &Dof::ALL);
+    let (mut b, ground) = grounded();
     let made = hang(&mut b, ground);
     let sphere = RigidBody::new(2.0, Matrix3::identity() * 0.3, Vector3::zeros()).unwrap();
     b.element("ball", sphere, &[made.frame]).unwrap();
@@ -91,9 +89,7 @@ fn a_universal_joint_goes_through_a_right_angle_and_any_number_of_turns() {
 /// half a turn in a moment as the mass passes nearby. Its way is a great circle at constant speed.
 #[test]
 fn a_point_mass_on_a_universal_joint_passes_a_right_angle_on_a_great_circle() {
-    let mut b = ModelBuilder::new();
-    let ground = b.node("ground", [0.0; 3]).unwrap();
-    b.support(ground, &Dof::ALL);
+    let (mut b, ground) = grounded();
     let made = b
         .attach(
             "cross",
@@ -221,9 +217,7 @@ fn the_end_of_a_curve_is_refused_with_the_name_of_the_point() {
 fn a_spring_along_a_line_lets_its_nodes_turn() {
     // At the centre of a body that turns about it, the other end held: nothing acts.
     let (rate, to) = (10.0, 2.0);
-    let mut b = ModelBuilder::new();
-    let ground = b.node("ground", [0.0; 3]).unwrap();
-    b.support(ground, &Dof::ALL);
+    let (mut b, ground) = grounded();
     let end = b.node("end", [1.0, 0.0, 0.0]).unwrap();
     let sphere = RigidBody::new(1.0, Matrix3::identity(), Vector3::zeros()).unwrap();
     b.element("body", sphere, &[end]).unwrap();

@@ -85,8 +85,7 @@ fn a_chain_of_bars_closes() {
         let x_dot = SMatrix::<f64, LINKS, 3>::from_column_slice(&B) * v;
         let exact = chain_exact(&x.into(), &x_dot, to);
         let runs = [1000, 2000, 4000].map(|n| {
-            let mut b = ModelBuilder::new();
-            let ground = ground(&mut b);
+            let (mut b, ground) = grounded();
             let q = b.coordinates("q", &[Quantity::Angle; 3]).unwrap();
             let x = b
                 .mapped_coordinates("x", &[Quantity::Angle; 5], map.duplicate(), &[q])
@@ -167,8 +166,7 @@ impl Implicit<4, 4> for Parallelogram {
 
 /// The plate on its cranks, under their weights.
 fn carried(map: ImplicitMap) -> (ModelBuilder, [NodeId; 2]) {
-    let mut b = ModelBuilder::new();
-    let ground = ground(&mut b);
+    let (mut b, ground) = grounded();
     let q = b.coordinates("q", &[Quantity::Angle]).unwrap();
     let x = b
         .mapped_coordinates("x", &[Quantity::Angle; 4], Box::new(map), &[q])
@@ -230,8 +228,7 @@ fn a_beam_is_carried_by_a_loop() {
         let guess = [start, start, start, 0.0];
         let plate = Parallelogram { length: 1.0 };
         let map = ImplicitMap::of(plate, 1, 0.0, guess, Choice::Split).unwrap();
-        let mut b = ModelBuilder::new();
-        let ground = ground(&mut b);
+        let (mut b, ground) = grounded();
         let q = b.coordinates("q", &[Quantity::Angle]).unwrap();
         let kinds = [Quantity::Angle; 4];
         let x = b

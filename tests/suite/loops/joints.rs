@@ -8,7 +8,6 @@ use crate::support::loops::four_bar::*;
 use crate::support::loops::linkage::*;
 use crate::support::loops::*;
 use nalgebra::Vector3;
-use pullback::elements::joint::Revolute;
 use pullback::elements::model::{Closure, Context, ModelBuilder, NodeId};
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::elements::time::{Sine, TimeFunction};
@@ -243,7 +242,7 @@ fn other_tree(b: &mut ModelBuilder, crank: f64) -> NodeId {
     let D = link(b, "D", ground, [[BASE, 0.0, 0.0], Q], (MASSES[2], at_once));
     let C = link(b, "C", D.frame, [Q, P], (MASSES[1], at_once));
     let tip = b.offset("tip of the coupler", C.frame, P).unwrap();
-    let B = b.attach("B", tip, Revolute::new(E3).unwrap()).unwrap();
+    let B = revolute(b, "B", tip, E3);
     let end = b.offset("tip of the crank", A.frame, P).unwrap();
     b.close(B.frame, end).unwrap();
     A.coordinates[0]

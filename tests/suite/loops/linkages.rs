@@ -276,8 +276,7 @@ fn four_bar() -> (Context, NodeId, Vec<f64>) {
     assert!(gap(&map.reference(), &[CRANK_START, coupler, rocker]) < 1e-15);
     map.tangent(0.0, &[0.0], &mut x, &mut B);
     let rate = CRANK_RATE / B[0];
-    let mut b = ModelBuilder::new();
-    let ground = ground(&mut b);
+    let (mut b, ground) = grounded();
     let q = b.coordinates("q", &[Quantity::Angle]).unwrap();
     let x = b
         .mapped_coordinates("x", &[Quantity::Angle; 3], Box::new(map), &[q])

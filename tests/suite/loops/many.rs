@@ -3,6 +3,7 @@
 
 #![allow(non_snake_case, clippy::unwrap_used)]
 
+use crate::support::dynamics::revolute;
 use crate::support::program::{command, directory, history, number, program, succeeded, write};
 use nalgebra::{Matrix3, SVector, Vector3};
 use pullback::elements::body::RigidBody;
@@ -38,26 +39,18 @@ fn hung(count: usize) -> [usize; 2] {
     for k in 0..count {
         let y = -(k as f64);
         let at = |name: &str| format!("{name} {k}");
-        let a = b
-            .attach(&at("a"), root, Revolute::new(axis).unwrap())
-            .unwrap();
+        let a = revolute(&mut b, &at("a"), root, axis);
         let end = b.offset(at("crank"), a.frame, [0.0, y - 1.0, 0.0]).unwrap();
-        let coupler = b
-            .attach(&at("b"), end, Revolute::new(axis).unwrap())
-            .unwrap();
+        let coupler = revolute(&mut b, &at("b"), end, axis);
         let far = b
             .offset(at("coupler"), coupler.frame, [1.0, y - 1.0, 0.0])
             .unwrap();
         let foot = b.offset(at("foot"), root, [1.0, y, 0.0]).unwrap();
-        let d = b
-            .attach(&at("d"), foot, Revolute::new(axis).unwrap())
-            .unwrap();
+        let d = revolute(&mut b, &at("d"), foot, axis);
         let tip = b
             .offset(at("rocker"), d.frame, [1.0, y - 1.0, 0.0])
             .unwrap();
-        let c = b
-            .attach(&at("c"), far, Revolute::new(axis).unwrap())
-            .unwrap();
+        let c = revolute(&mut b, &at("c"), far, axis);
         b.close(c.frame, tip).unwrap();
         for frame in [a.frame, coupler.frame, d.frame] {
             let body = RigidBody::new(1.0, Matrix3::identity(), Vector3::zeros()).unwrap();

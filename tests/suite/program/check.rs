@@ -1,7 +1,7 @@
 //! `pullback check`: every model of the gallery passes, and what it prints and returns.
 #![allow(clippy::unwrap_used)]
 
-use crate::support::closures::{CLOSURES, GROUND, RUN, arm, body, five_bar, hinge, joint};
+use crate::support::closures::{CLOSURES, GROUND, RUN, STATIC, arm, body, five_bar, hinge, joint};
 use crate::support::program::{MODEL, directory, with, write};
 use pullback::check;
 use std::path::Path;
@@ -24,6 +24,18 @@ fn all_models_of_the_gallery_pass() {
         count += 1;
     }
     assert!(count >= 25, "{count}");
+}
+
+/// Nothing is wrong in a model at the random states of some seeds.
+#[track_caller]
+fn assert_right(what: &str, text: &str, seeds: impl IntoIterator<Item = u64>) {
+    for seed in seeds {
+        let mut job = pullback::input::assemble_text(what, text).unwrap();
+        let report = check::job(&mut job, seed);
+        let table = check::table(&report);
+        assert!(report.is_ok(), "{what}, seed {seed}\n{table}");
+        assert!(report.rows().len() > 10, "{table}");
+    }
 }
 
 fn run(arguments: &[&str]) -> (Option<i32>, String, String) {
@@ -154,33 +166,22 @@ fn bead(start: f64) -> String {
 
 #[test]
 fn a_slide_may_start_at_the_end_of_its_chain() {
-    let directory = directory("program_check_slide");
     for start in [0.0, 1.0] {
-        let path = write(&directory, &bead(start));
-        for seed in 0..3 {
-            let report = check::file(&path, seed).unwrap();
-            assert!(report.is_ok(), "{start}\n{}", check::table(&report));
-        }
+        assert_right(&format!("a start at {start}"), &bead(start), 0..3);
     }
 }
 
 /// A random state is on another line of its chain, with another corner, than the start.
 #[test]
 fn a_slide_may_start_near_a_node_of_its_chain() {
-    let directory = directory("program_check_node");
     for start in [0.37, 0.38] {
-        let path = write(&directory, &bead(start));
-        for seed in 0..6 {
-            let report = check::file(&path, seed).unwrap();
-            assert!(report.is_ok(), "{start}\n{}", check::table(&report));
-        }
+        assert_right(&format!("a start at {start}"), &bead(start), 0..6);
     }
 }
 
 /// The third derivative of a curve through points jumps at them, where a closed one starts by default.
 #[test]
 fn a_point_on_a_curve_may_start_at_a_point_that_it_leads_through() {
-    let directory = directory("program_check_curve");
     for start in ["closed = true", "start = 1.0198039027185569"] {
         let model = format!(
             "[nodes]\nground = [0, 0, 0]\n\n[[joints]]\nname = \"p\"\ntype = \"on_curve\"\n\
@@ -190,11 +191,7 @@ fn a_point_on_a_curve_may_start_at_a_point_that_it_leads_through() {
              [[supports]]\nnode = \"ground\"\nfix = \"all\"\n\n\
              [[loads]]\ngravity = [0, 0, -9.81]\n\n[analysis.dynamic]\nto = 0.1\nstep = 0.01\n"
         );
-        let path = write(&directory, &model);
-        for seed in 0..6 {
-            let report = check::file(&path, seed).unwrap();
-            assert!(report.is_ok(), "{start}\n{}", check::table(&report));
-        }
+        assert_right(start, &model, 0..6);
     }
 }
 
@@ -210,11 +207,7 @@ fn a_driven_joint_of_a_loop_may_have_other_coordinates_beside_it() {
         "[[loads]]\ngravity = [-9.81, 0, 0]\n",
     ]
     .concat();
-    let path = write(&directory("program_check_driven"), &model);
-    for seed in 0..60 {
-        let report = check::file(&path, seed).unwrap();
-        assert!(report.is_ok(), "{seed}\n{}", check::table(&report));
-    }
+    assert_right("five bars", &model, 0..60);
 }
 
 /// Two rigid links from the coupler of a linkage to the same frame, one of them by a stiff penalty:
@@ -240,11 +233,7 @@ penalty_damping = 1e-3
 [[bodies]]"#;
     let text =
         include_str!("../../../examples/models/four_bar.toml").replacen("[[bodies]]", link, 1);
-    for seed in 0..13 {
-        let mut job = pullback::input::assemble_text("model.toml", &text).unwrap();
-        let report = check::job(&mut job, seed);
-        assert!(report.is_ok(), "{seed}\n{}", check::table(&report));
-    }
+    assert_right("four bars", &text, 0..13);
 }
 
 /// A ring of bars of unit length and spherical joints in the plane, from the ground to the ground.
@@ -279,11 +268,7 @@ fn ring(bars: u32) -> String {
 fn rings_of_bars_that_nothing_keeps_from_spinning_are_right() {
     // About its line a bar has no stiffness: what stands there are the last digits of what cancels.
     for bars in [3, 4, 5, 8] {
-        for seed in 0..3 {
-            let mut job = pullback::input::assemble_text("ring", &ring(bars)).unwrap();
-            let report = check::job(&mut job, seed);
-            assert!(report.is_ok(), "{bars}, {seed}\n{}", check::table(&report));
-        }
+        assert_right(&format!("{bars} bars"), &ring(bars), 0..3);
     }
 }
 
@@ -308,11 +293,7 @@ fn a_bar_that_may_spin_between_two_balls_is_right() {
         "[[loads]]\ngravity = [0, 0, -9.81]\n",
     ]
     .concat();
-    for seed in 0..7 {
-        let mut job = pullback::input::assemble_text("bar", &model).unwrap();
-        let report = check::job(&mut job, seed);
-        assert!(report.is_ok(), "{seed}\n{}", check::table(&report));
-    }
+    assert_right("a bar", &model, 0..7);
 }
 
 /// Stephenson's linkage: a driven four-bar, and a second loop on its coupler, each closed in its own way.
@@ -347,14 +328,8 @@ fn loops_that_are_closed_in_two_ways_are_checked_where_they_can_be() {
     };
     for first in CLOSURES {
         for second in [CLOSURES[0], CLOSURES[1]] {
-            for seed in [0, 5] {
-                let mut job =
-                    pullback::input::assemble_text("linkage", &linkage(first, second)).unwrap();
-                let report = check::job(&mut job, seed);
-                let table = check::table(&report);
-                assert!(report.is_ok(), "{first}, {second}, {seed}\n{table}");
-                assert!(report.rows().len() > 10, "{table}");
-            }
+            let what = format!("{first}, {second}");
+            assert_right(&what, &linkage(first, second), [0, 5]);
         }
     }
 }
@@ -379,11 +354,7 @@ fn a_linkage_that_flies_closed_by_multipliers_is_right() {
         &body("D"),
     ]
     .concat();
-    for seed in 0..3 {
-        let mut job = pullback::input::assemble_text("linkage", &model).unwrap();
-        let report = check::job(&mut job, seed);
-        assert!(report.is_ok(), "{seed}\n{}", check::table(&report));
-    }
+    assert_right("a linkage", &model, 0..3);
 }
 
 /// A weight along the normal of a plane: its parts along the plane cancel, and a base turns them into
@@ -428,71 +399,27 @@ gravity = [0.0, 1.000001, 1.000000000001]
 to = 0.05
 step = 0.01
 "#;
-    let path = write(&directory("program_check_plane"), text);
-    let (code, table, _) = run(&[path.to_str().unwrap()]);
-    assert_eq!(code, Some(0), "{table}");
+    assert_right("a plane", text, [0]);
 }
 
-/// A four-bar whose rocker is driven by a sine of a frequency far above that of its spring.
-const FAST: &str = r#"
-[[joints]]
-name = "A"
-type = "revolute"
-parent = "ground"
-axis = [0, 0, 1]
-spring = { k = 30 }
-[[joints]]
-name = "ct"
-type = "offset"
-parent = "A"
-position = [0, 1, 0]
-[[joints]]
-name = "B"
-type = "revolute"
-parent = "ct"
-axis = [0, 0, 1]
-[[joints]]
-name = "kt"
-type = "offset"
-parent = "B"
-position = [1.2, 1.9, 0]
-[[joints]]
-name = "foot"
-type = "offset"
-parent = "ground"
-position = [1.6, 0, 0]
-[[joints]]
-name = "D"
-type = "revolute"
-parent = "foot"
-axis = [0, 0, 1]
-prescribed = { sine = { omega = 1e8 } }
-[[joints]]
-name = "rt"
-type = "offset"
-parent = "D"
-position = [1.2, 1.9, 0]
-[[joints]]
-name = "C"
-type = "revolute"
-parent = "kt"
-axis = [0, 0, 1]
-child = "rt"
-[[bodies]]
-name = "crank"
-node = "A"
-mass = 2
-center = [0, 0.5, 0]
-inertia = [0.2, 0.1, 0.3]
-[analysis]
-static = { steps = 2 }
-"#;
-
-/// Steps of the balance of power follow the drive.
+/// A four-bar whose rocker is driven by a sine of a frequency far above that of its spring: steps of the
+/// balance of power follow the drive.
 #[test]
 fn a_fast_drive_of_a_loop_is_right() {
-    let text = GROUND.to_owned() + FAST;
-    let path = write(&directory("program_check_fast"), &text);
-    let (code, table, _) = run(&[path.to_str().unwrap()]);
-    assert_eq!(code, Some(0), "{table}");
+    let model = [
+        GROUND,
+        STATIC,
+        &hinge("A", "ground", "spring = { k = 30 }"),
+        &arm("ct", "A", [0.0, 1.0, 0.0]),
+        &hinge("B", "ct", ""),
+        &arm("kt", "B", [1.2, 1.9, 0.0]),
+        &arm("foot", "ground", [1.6, 0.0, 0.0]),
+        &hinge("D", "foot", "prescribed = { sine = { omega = 1e8 } }"),
+        &arm("rt", "D", [1.2, 1.9, 0.0]),
+        &hinge("C", "kt", "child = \"rt\""),
+        "[[bodies]]\nname = \"crank\"\nnode = \"A\"\nmass = 2\ncenter = [0, 0.5, 0]\n\
+         inertia = [0.2, 0.1, 0.3]\n",
+    ]
+    .concat();
+    assert_right("four bars", &model, [0]);
 }

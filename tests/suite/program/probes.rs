@@ -25,6 +25,19 @@ fn near(found: Vector3<f64>, expected: Vector3<f64>, what: &str) {
 #[test]
 fn an_arm_that_is_swung_about_an_axis() {
     let text = r#"
+probes = [
+    { name = "p", quantity = "position", node = "arm" },
+    { name = "v", quantity = "velocity", node = "arm" },
+    { name = "a", quantity = "acceleration", node = "arm" },
+    { name = "omega", quantity = "angular_velocity", node = "arm" },
+    { name = "alpha", quantity = "angular_acceleration", node = "arm" },
+    { name = "bend", quantity = "joint_acceleration", joint = "hinge" },
+    { name = "turned", quantity = "rotation", node = "arm" },
+    { name = "chart", quantity = "chart_rotation", node = "arm" },
+    { name = "speed", quantity = "velocity", node = "arm", component = "norm" },
+    { name = "up", quantity = "acceleration", node = "arm", component = "z" },
+]
+
 [nodes]
 ground = [0, 0, 0]
 elsewhere = [5, 0, 0]
@@ -60,58 +73,6 @@ fix = "all"
 [analysis.dynamic]
 to = 2
 step = 0.02
-
-[[probes]]
-name = "p"
-quantity = "position"
-node = "arm"
-
-[[probes]]
-name = "v"
-quantity = "velocity"
-node = "arm"
-
-[[probes]]
-name = "a"
-quantity = "acceleration"
-node = "arm"
-
-[[probes]]
-name = "omega"
-quantity = "angular_velocity"
-node = "arm"
-
-[[probes]]
-name = "alpha"
-quantity = "angular_acceleration"
-node = "arm"
-
-[[probes]]
-name = "bend"
-quantity = "joint_acceleration"
-joint = "hinge"
-
-[[probes]]
-name = "turned"
-quantity = "rotation"
-node = "arm"
-
-[[probes]]
-name = "chart"
-quantity = "chart_rotation"
-node = "arm"
-
-[[probes]]
-name = "speed"
-quantity = "velocity"
-node = "arm"
-component = "norm"
-
-[[probes]]
-name = "up"
-quantity = "acceleration"
-node = "arm"
-component = "z"
 "#;
     let rows = recorded("program_probes_arm", text);
     assert_eq!(rows.len(), 101);

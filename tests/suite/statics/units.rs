@@ -4,9 +4,9 @@
 #![allow(non_snake_case)]
 
 use crate::support::beams::beam;
+use crate::support::dynamics::{grounded, revolute};
 use nalgebra::{Matrix3, Matrix6};
 use pullback::elements::body::RigidBody;
-use pullback::elements::joint::Revolute;
 use pullback::elements::spring::{Bushing, CoordinateLaw, CoordinateSpring};
 use pullback::integrators::dynamics::{DynamicOptions, Progress, StepReport, integrate, start};
 use pullback::integrators::statics::solve_statics;
@@ -110,12 +110,8 @@ fn a_structure_of_any_size_bends_alike() {
 /// Angle, its rate in units of time, and linear solutions of a body on a hinge with a flexible rod,
 /// let go in a field of gravity.
 fn swung(u: Units) -> ([f64; 2], usize) {
-    let mut b = ModelBuilder::new();
-    let ground = b.node("ground", [0.0; 3]).unwrap();
-    b.support(ground, &Dof::ALL);
-    let hinge = b
-        .attach("hinge", ground, Revolute::new([0.0, 1.0, 0.0]).unwrap())
-        .unwrap();
+    let (mut b, ground) = grounded();
+    let hinge = revolute(&mut b, "hinge", ground, [0.0, 1.0, 0.0]);
     let mass = u.force * u.time * u.time / u.length;
     let turning = mass * u.length * u.length;
     let J = Matrix3::from_diagonal(&Vector3::new(0.2, 0.3, 0.25)) * turning;
@@ -160,12 +156,8 @@ fn a_mechanism_of_any_size_moves_alike() {
 /// A pendulum that is a body with its centre of mass `arm` away from a hinge, which is all that has a
 /// position; a mass that is held `far` away where that is not zero.
 fn pendulum(arm: f64, far: f64, k: f64, g: [f64; 3]) -> (Context, NodeId) {
-    let mut b = ModelBuilder::new();
-    let ground = b.node("ground", [0.0; 3]).unwrap();
-    b.support(ground, &Dof::ALL);
-    let hinge = b
-        .attach("hinge", ground, Revolute::new([0.0, 1.0, 0.0]).unwrap())
-        .unwrap();
+    let (mut b, ground) = grounded();
+    let hinge = revolute(&mut b, "hinge", ground, [0.0, 1.0, 0.0]);
     let center = Vector3::new(0.0, 0.0, -arm);
     let body = RigidBody::new(1.0, Matrix3::zeros(), center).unwrap();
     let weight = body.weight(g.map(|g| g * arm), Box::new(Constant(1.0)));

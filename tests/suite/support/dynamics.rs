@@ -4,8 +4,10 @@
 
 use nalgebra::{Matrix3, SVector, Vector3};
 use pullback::elements::body::RigidBody;
-use pullback::elements::model::{Context, ModelBuilder, NodeId, NodeState};
+use pullback::elements::joint::{JointNodes, Revolute};
+use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId, NodeState, RigidMotion};
 use pullback::elements::time::{Constant, Sine};
+use pullback::input::{Plan, assemble_text};
 use pullback::integrators::dynamics::{
     DynamicOptions, NewtonOptions, Progress, Scheme, State, StepReport, integrate, start,
 };
@@ -296,6 +298,46 @@ pub fn body(b: &mut ModelBuilder, name: &str, node: NodeId, body: RigidBody) {
     b.element(name, body, &[node]).unwrap();
     let name = format!("weight of {name}");
     b.element(name, weight, &[node]).unwrap();
+}
+
+/// A builder, and a node at the origin that is held.
+pub fn grounded() -> (ModelBuilder, NodeId) {
+    let mut b = ModelBuilder::new();
+    let ground = b.node("ground", [0.0; 3]).unwrap();
+    b.support(ground, &Dof::ALL);
+    (b, ground)
+}
+
+/// A frame on a revolute joint, and its angle.
+pub fn revolute(b: &mut ModelBuilder, name: &str, parent: NodeId, axis: [f64; 3]) -> JointNodes {
+    let joint = Revolute::new(axis).unwrap();
+    b.attach(name, parent, joint).unwrap()
+}
+
+/// The context at the start of a model in time, its initial state and the options of its analysis.
+pub fn motion_of(text: &str) -> (Context, State, DynamicOptions) {
+    let job = assemble_text("model.toml", text).unwrap();
+    let Plan::Dynamic(plan) = job.plan else {
+        panic!("a motion");
+    };
+    let first = start(&job.context, 0.0, &job.start.q, &job.start.v).unwrap();
+    (job.context, first, plan.options)
+}
+
+/// The rates of all unknowns at a configuration where the whole turns about the origin.
+pub fn turning(context: &mut Context, q: &[f64], omega: Vector3<f64>) -> Vec<f64> {
+    let motion = RigidMotion {
+        omega,
+        ..RigidMotion::default()
+    };
+    moving(context, q, &motion)
+}
+
+/// The rates of all unknowns at a configuration in a rigid motion of the whole.
+pub fn moving(context: &mut Context, q: &[f64], motion: &RigidMotion) -> Vec<f64> {
+    let mut v = vec![0.0; q.len()];
+    context.set_velocity(q, &mut v, None, motion);
+    v
 }
 
 pub fn sine(amplitude: f64, omega: f64, phase: f64) -> Sine {

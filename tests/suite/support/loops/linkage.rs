@@ -4,9 +4,10 @@
 
 use super::four_bar::*;
 use super::{DOWN, ground};
+use crate::support::dynamics::revolute;
 use nalgebra::{Matrix3, Vector3};
 use pullback::elements::body::RigidBody;
-use pullback::elements::joint::{JointNodes, Revolute, Spherical};
+use pullback::elements::joint::{JointNodes, Spherical};
 use pullback::elements::model::{Closure, ModelBuilder, NodeId};
 use pullback::elements::time::{Constant, Proportional, TimeFunction};
 
@@ -32,7 +33,7 @@ pub fn link(
     (m, weights): (f64, Weights),
 ) -> JointNodes {
     let pin = b.offset(format!("pin {name}"), on, from).unwrap();
-    let made = b.attach(name, pin, Revolute::new(E3).unwrap()).unwrap();
+    let made = revolute(b, name, pin, E3);
     let along = Vector3::from(to) - Vector3::from(from);
     let J = (Matrix3::identity() * along.norm_squared() - along * along.transpose()) * (m / 12.0);
     let body = RigidBody::new(m, J, along * 0.5).unwrap();
@@ -64,7 +65,7 @@ pub fn linkage_by(b: &mut ModelBuilder, crank: f64, weights: Weights, by: Closur
     let B = link(b, "B", A.frame, [P, Q], (MASSES[1], weights));
     let rocker = link(b, "D", ground, [D, Q], (MASSES[2], weights));
     let tip = b.offset("tip of the coupler", B.frame, Q).unwrap();
-    let C = b.attach("C", tip, Revolute::new(E3).unwrap()).unwrap();
+    let C = revolute(b, "C", tip, E3);
     let end = b.offset("tip of the rocker", rocker.frame, Q).unwrap();
     b.close_by(C.frame, end, by).unwrap();
     [
@@ -93,9 +94,7 @@ pub fn balls(b: &mut ModelBuilder, by: Closure) -> (NodeId, Vector3<f64>) {
     let end = b.offset("coupler end", B.frame, Q).unwrap();
     let C = b.attach_free("C", end, Spherical).unwrap();
     let foot = b.offset("foot", ground, D).unwrap();
-    let rocker = b
-        .attach("D", foot, Revolute::new([1.0, 0.0, 0.0]).unwrap())
-        .unwrap();
+    let rocker = revolute(b, "D", foot, [1.0, 0.0, 0.0]);
     let body = RigidBody::new(1.0, Matrix3::identity() * 0.3, Vector3::new(0.0, 0.0, 0.45));
     b.element("rocker", body.unwrap(), &[rocker.frame]).unwrap();
     let child = b.offset("rocker end", rocker.frame, Q).unwrap();
