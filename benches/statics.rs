@@ -4,7 +4,7 @@
 #![allow(non_snake_case, missing_docs)]
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use pullback::integrators::linear_solver::{BlockLu, FaerLu, LinearSolver, Symmetry};
+use pullback::integrators::linear_solver::{BlockLu, FaerLu, LinearSolver, MatrixSymmetry};
 use pullback::manifold::system::System;
 use pullback::manifold::system::{Evaluation, Point, Weights};
 use pullback::prelude::*;
@@ -144,7 +144,7 @@ fn whole_analysis(c: &mut Criterion) {
         for (k, solver) in solvers.into_iter().enumerate() {
             let mut b = r.clone();
             solver
-                .analyse(model.pattern(), Symmetry::General)
+                .analyse(model.pattern(), MatrixSymmetry::General)
                 .expect("a chain");
             if solver.factorise(&S).is_err() {
                 times[2 * k] = f64::NAN;

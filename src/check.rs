@@ -21,8 +21,8 @@ use std::fmt::Write;
 use std::path::Path;
 
 pub use pullback_conformance::{
-    Block, LawRow, Measure, Options, Report, element, implicit, joint, map, model, parametrization,
-    same, scheme,
+    Block, LawRow, Measure, ModelOptions, Report, element, implicit, joint, map, model,
+    parametrization, same, scheme,
 };
 
 /// Random states of a model besides its start.
@@ -67,7 +67,7 @@ pub fn job(job: &mut Job, seed: u64) -> Report {
 ///
 /// The time is early in the analysis, where prescribed motion is close to its start, and lies between the kinks of
 /// functions of time.
-pub fn options(job: &Job, seed: u64) -> Options {
+pub fn options(job: &Job, seed: u64) -> ModelOptions {
     let from = job.plan.start();
     let range = match &job.plan {
         Plan::Static(options) => options.to - from,
@@ -85,7 +85,7 @@ pub fn options(job: &Job, seed: u64) -> Options {
     let t = candidates.into_iter().fold(candidates[0], |best, t| {
         if room(t) > 2.0 * room(best) { t } else { best }
     });
-    Options {
+    ModelOptions {
         seed,
         t,
         q: job.start.q.clone(),

@@ -1,7 +1,7 @@
 //! Progress display and interrupts of the program.
 
 use crate::solve::{Advance, Counts};
-use crate::studies::gallery::Comparison;
+use crate::studies::gallery::CaseRow;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::fmt::{Display, Write};
 use std::io::{self, Write as _};
@@ -15,7 +15,7 @@ pub fn tell(what: impl Display) {
 }
 
 /// A progress line; silent if standard error is not a terminal.
-pub struct Progress {
+pub struct ProgressLine {
     bar: ProgressBar,
     /// The end of a motion.
     to: Option<f64>,
@@ -24,7 +24,7 @@ pub struct Progress {
 /// Number of positions of a progress bar.
 const WHOLE: u64 = 1000;
 
-impl Progress {
+impl ProgressLine {
     /// A line, or none.
     pub fn new(quiet: bool) -> Self {
         let bar = match quiet {
@@ -103,8 +103,8 @@ fn listen() {
 }
 
 /// The rows of the gallery as text.
-pub fn table(rows: &[Comparison]) -> String {
-    let longest = |pick: fn(&Comparison) -> &str| {
+pub fn table(rows: &[CaseRow]) -> String {
+    let longest = |pick: fn(&CaseRow) -> &str| {
         rows.iter()
             .map(|r| pick(r).chars().count())
             .max()
@@ -131,7 +131,7 @@ pub fn table(rows: &[Comparison]) -> String {
         );
     }
     let cases = rows.chunk_by(|a, b| a.case == b.case);
-    let cases: Vec<&Comparison> = cases.filter_map(|rows| rows.first()).collect();
+    let cases: Vec<&CaseRow> = cases.filter_map(|rows| rows.first()).collect();
     let total: f64 = cases.iter().map(|row| row.seconds).sum();
     let times = cases
         .iter()

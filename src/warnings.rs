@@ -3,10 +3,10 @@
 #![allow(non_snake_case)]
 
 mod diagnostics;
-mod turns;
+mod joint_rates;
 
 pub(crate) use diagnostics::Diagnostics;
-pub(crate) use turns::{Turn, Turns};
+pub(crate) use joint_rates::{JointRates, RateChange};
 
 use crate::input::{Joint, ModelFile, Time};
 use crate::solve::Counts;

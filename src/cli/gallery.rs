@@ -1,8 +1,8 @@
 //! `pullback gallery`.
 
 use super::{FAILED, REFUSED, print, refuse};
-use crate::studies::gallery::{self, Comparison};
-use crate::terminal::{self, Progress, tell};
+use crate::studies::gallery::{self, CaseRow};
+use crate::terminal::{self, ProgressLine, tell};
 use std::path::Path;
 
 /// The cases by name, for the help.
@@ -13,7 +13,7 @@ pub(super) fn cases() -> String {
 
 /// Computes the cases and prints the comparison; returns the exit code.
 pub(super) fn gallery(cases: &[String], json: bool, out: Option<&Path>) -> u8 {
-    let progress = Progress::new(json);
+    let progress = ProgressLine::new(json);
     let ran = gallery::run(cases, out, &mut |case| progress.say(case));
     progress.clear();
     let rows = match ran {
@@ -36,12 +36,12 @@ pub(super) fn gallery(cases: &[String], json: bool, out: Option<&Path>) -> u8 {
 ///
 /// # Errors
 /// Of the encoding as JSON.
-pub fn answer(rows: &[Comparison], json: bool) -> serde_json::Result<(String, u8)> {
+pub fn answer(rows: &[CaseRow], json: bool) -> serde_json::Result<(String, u8)> {
     let text = if json {
         serde_json::to_string_pretty(rows)? + "\n"
     } else {
         terminal::table(rows)
     };
-    let passed = rows.iter().all(Comparison::passed);
+    let passed = rows.iter().all(CaseRow::passed);
     Ok((text, if passed { 0 } else { FAILED }))
 }

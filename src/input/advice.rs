@@ -1,6 +1,6 @@
 //! Suggestions for refused model files.
 
-use super::error::Problem;
+use super::error::InputProblem;
 use super::names::closest;
 use pullback_elements::beam::SectionError;
 
@@ -109,7 +109,7 @@ fn suggestion(found: &str, known: &[String]) -> String {
     }
 }
 
-impl Problem {
+impl InputProblem {
     /// The suggestion for a refusal.
     pub fn advice(&self) -> Option<String> {
         match self {

@@ -2,7 +2,7 @@
 
 use super::file::ModelFile;
 use super::parts::Assembly;
-use super::{InputError, Location, Problem};
+use super::{InputError, InputProblem, Location};
 use std::collections::{HashMap, HashSet};
 
 /// Named items.
@@ -37,7 +37,7 @@ impl<T: Copy> Names<T> {
     /// The item of the name that stands at a location.
     pub(super) fn find(&self, at: &Location<'_>, name: &str) -> Result<T, InputError> {
         self.get(name).ok_or_else(|| {
-            at.refuse(Problem::UnknownName {
+            at.refuse(InputProblem::UnknownName {
                 what: self.what,
                 name: name.to_owned(),
                 known: self.order.clone(),
@@ -75,11 +75,11 @@ pub(super) fn distinct<'a>(
         let at = assembly.at(table).at(k).at("name");
         if !usable_name(name) {
             let name = name.clone();
-            return Err(at.refuse(Problem::Name { what, name }));
+            return Err(at.refuse(InputProblem::Name { what, name }));
         }
         if !seen.insert(name) {
             let (what, name) = (table, name.clone());
-            return Err(at.refuse(Problem::Duplicate { what, name }));
+            return Err(at.refuse(InputProblem::Duplicate { what, name }));
         }
     }
     Ok(())

@@ -13,7 +13,7 @@ use super::vtu::{VtuFrame, collection, grid};
 use crate::input::{DynamicPlan, Geometry, ModelFile, Plan};
 use crate::probe::{Answers, Probe};
 use crate::solve::{Advance, Counts, point};
-use crate::warnings::{Diagnostics, Turns};
+use crate::warnings::{Diagnostics, JointRates};
 use pullback_elements::model::Context;
 use pullback_integrators::dynamics::Progress;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError};
@@ -54,7 +54,7 @@ pub(crate) struct Recorder<'a> {
     last: Option<FinalState>,
     grids: Grids,
     diagnostics: Diagnostics,
-    turns: Turns,
+    joint_rates: JointRates,
     statistics: Statistics,
     started: Instant,
     saved: Instant,
@@ -84,7 +84,7 @@ impl<'a> Recorder<'a> {
             reference: Shapes::of(context, setting.geometry, 0.0),
             grids: Grids::of(setting.file.output.paraview_every, setting.plan),
             diagnostics: Diagnostics::new(setting.plan.start(), setting.plan.relative()),
-            turns: Turns::default(),
+            joint_rates: JointRates::default(),
             setting,
             directory,
             probes,
@@ -120,7 +120,7 @@ impl<'a> Recorder<'a> {
         self.frames = checkpoint.frames;
         self.log = checkpoint.log;
         self.statistics.counts = Counts::of_motion(&progress.summary);
-        self.turns = Turns::new(context, &progress.state);
+        self.joint_rates = JointRates::new(context, &progress.state);
         let (t, answers) = (progress.state.t, moving(context, progress)?);
         self.last = Some(final_state(context, &answers, t, None, self.setting.file));
         if self.grids != Grids::None {
@@ -161,7 +161,7 @@ impl<'a> Recorder<'a> {
     ) -> Result<(), RecordError> {
         self.statistics.counts = Counts::of_motion(&progress.summary);
         self.record.largest_rotation = context.largest_rotation();
-        self.turns = Turns::new(context, &progress.state);
+        self.joint_rates = JointRates::new(context, &progress.state);
         let row = HistoryRow {
             t: progress.state.t,
             chart_changes: progress.summary.chart_changes,
@@ -205,7 +205,7 @@ impl<'a> Recorder<'a> {
         if let Some(progress) = step.progress {
             *counts = Counts::of_motion(&progress.summary);
             let furthest = &mut self.record.turn;
-            self.turns
+            self.joint_rates
                 .record(context, &progress.state, step.step_size, furthest);
         } else {
             counts.iterations += step.iterations;

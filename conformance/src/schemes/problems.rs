@@ -12,9 +12,9 @@ use std::f64::consts::{PI, TAU};
 /// (1 + ½ xᵢ²) ẍᵢ + ½ xᵢ ẋᵢ² + c ẋᵢ ∓ g ẋⱼ + 2 sin xᵢ + k (xᵢ − xⱼ) = fᵢ(t)
 /// ```
 ///
-/// with the f(t) for which the motion is [`Known::motion`]; or conservative, without damping, gyroscopic forces and f.
+/// with the f(t) for which the motion is [`KnownMotion::motion`]; or conservative, without damping, gyroscopic forces and f.
 /// Coordinates are q = x, or in the other chart q with x = sinh q.
-pub(crate) struct Known {
+pub(crate) struct KnownMotion {
     pattern: BlockPattern,
     driven: bool,
     switching: bool,
@@ -27,7 +27,7 @@ const DAMPING: f64 = 0.3;
 const GYROSCOPIC: f64 = 0.2;
 const SPRING: f64 = 1.5;
 
-impl Known {
+impl KnownMotion {
     /// The driven motion, in one chart or with a change of chart every third step.
     pub fn new(switching: bool) -> Self {
         Self {
@@ -102,7 +102,7 @@ fn map(bent: bool, q: f64) -> [f64; 4] {
     }
 }
 
-impl System for Known {
+impl System for KnownMotion {
     fn pattern(&self) -> &BlockPattern {
         &self.pattern
     }
@@ -147,7 +147,7 @@ impl System for Known {
     }
 }
 
-impl Energetics for Known {
+impl Energetics for KnownMotion {
     fn energies(&mut self, at: Point<'_>) -> Result<Energies, SystemError> {
         let [x, v, _] = self.position([at.q, at.v, at.a]);
         let mut out = Energies {
@@ -166,7 +166,7 @@ impl Energetics for Known {
     }
 }
 
-impl Charts for Known {
+impl Charts for KnownMotion {
     fn change_charts(
         &mut self,
         _: f64,

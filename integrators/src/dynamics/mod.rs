@@ -30,7 +30,7 @@ mod stops;
 pub use error::DynamicsError;
 pub use initial::start;
 pub use invariants::Invariants;
-pub use options::{Adaptivity, DynamicOptions, NewtonOptions, Predictor, Tangent};
+pub use options::{Adaptivity, DynamicOptions, NewtonOptions, Predictor, TangentUpdate};
 pub use progress::{EnergyBalance, Progress, StepReport, Summary};
 pub use scheme::Scheme;
 pub use simulation::{Simulation, Snapshot, integrate, integrate_with};

@@ -1,7 +1,7 @@
 //! A motion step by step, and the loop over all of its steps.
 
 use super::events::UserEvent;
-use super::run::Run;
+use super::run::MotionRun;
 use super::{DynamicOptions, DynamicsError, Progress, State, StepReport};
 use crate::abilities::events;
 use crate::linear_solver::{AutoSolver, LinearSolver};
@@ -24,7 +24,7 @@ where
     system: S,
     events: Vec<UserEvent<S::Target>>,
     solver: AutoSolver,
-    run: Run,
+    run: MotionRun,
     progress: Progress,
 }
 
@@ -61,7 +61,7 @@ where
         options: &DynamicOptions,
     ) -> Result<Self, DynamicsError> {
         let mut solver = AutoSolver::new();
-        let run = Run::new(&mut *system, &mut solver, &mut progress, options)?;
+        let run = MotionRun::new(&mut *system, &mut solver, &mut progress, options)?;
         Ok(Self {
             system,
             events: Vec::new(),
@@ -164,7 +164,7 @@ where
     {
         let (mut system, mut progress) = (snapshot.system.clone(), snapshot.progress.clone());
         let (solver, options) = (&mut self.solver, self.run.options);
-        self.run = Run::new(&mut system, solver, &mut progress, &options)?;
+        self.run = MotionRun::new(&mut system, solver, &mut progress, &options)?;
         (*self.system, self.progress) = (system, progress);
         Ok(())
     }
@@ -198,7 +198,7 @@ pub fn integrate_with<Y: System>(
     options: &DynamicOptions,
     observer: &mut dyn FnMut(&mut Y, &StepReport<'_>) -> ControlFlow<()>,
 ) -> Result<(), DynamicsError> {
-    let mut run = Run::new(system, solver, progress, options)?;
+    let mut run = MotionRun::new(system, solver, progress, options)?;
     while let Some(step) = run.next(system, &mut [], solver, progress)? {
         if observer(system, &run.report(progress, &step)).is_break() {
             break;

@@ -2,7 +2,7 @@
 
 use pullback_manifold::sparse::BlockPattern;
 
-use super::{BlockLu, FaerCholesky, FaerLu, LinearError, LinearSolver, Symmetry, ready};
+use super::{BlockLu, FaerCholesky, FaerLu, LinearError, LinearSolver, MatrixSymmetry, ready};
 
 /// [`BlockLu`] if it suits the matrix, faer if not or if it fails.
 ///
@@ -13,7 +13,7 @@ pub struct AutoSolver {
     cholesky: FaerCholesky,
     lu: FaerLu,
     pattern: Option<BlockPattern>,
-    symmetry: Symmetry,
+    symmetry: MatrixSymmetry,
     chosen: Chosen,
     /// The solver that holds the factors.
     active: Option<Chosen>,
@@ -105,7 +105,11 @@ impl AutoSolver {
 }
 
 impl LinearSolver for AutoSolver {
-    fn analyse(&mut self, pattern: &BlockPattern, symmetry: Symmetry) -> Result<(), LinearError> {
+    fn analyse(
+        &mut self,
+        pattern: &BlockPattern,
+        symmetry: MatrixSymmetry,
+    ) -> Result<(), LinearError> {
         *self = Self {
             pattern: Some(pattern.clone()),
             symmetry,
@@ -116,8 +120,8 @@ impl LinearSolver for AutoSolver {
             Ok(()) | Err(LinearError::Fill { .. }) => {
                 self.block = BlockLu::new();
                 match symmetry {
-                    Symmetry::Symmetric => Chosen::Cholesky,
-                    Symmetry::General => Chosen::Lu,
+                    MatrixSymmetry::Symmetric => Chosen::Cholesky,
+                    MatrixSymmetry::General => Chosen::Lu,
                 }
             }
             Err(error) => return Err(error),
@@ -174,7 +178,7 @@ impl LinearSolver for AutoSolver {
         match self.active? {
             Chosen::Block => self.block.negative_pivots(values),
             Chosen::Cholesky => self.cholesky.negative_pivots(values),
-            Chosen::Lu if self.symmetry == Symmetry::General => None,
+            Chosen::Lu if self.symmetry == MatrixSymmetry::General => None,
             Chosen::Lu => {
                 if !self.cholesky.is_analysed() {
                     let pattern = self.pattern.as_ref()?;

@@ -14,7 +14,7 @@ pub struct Problem<'a> {
 }
 
 /// The engine of an analysis: all that a step needs beside the system and the solver.
-pub trait Analysis: Sized {
+pub trait StaticAnalysis: Sized {
     /// Its options.
     type Options;
     /// Its counters and results.
@@ -60,7 +60,7 @@ pub type LoadSteps<S> = Steps<S, LoadRun>;
 /// An equilibrium path, step by step, with located events between the steps: see [`Steps`].
 pub type PathSteps<S> = Steps<S, PathRun>;
 
-impl<S, A: Analysis> Steps<S, A>
+impl<S, A: StaticAnalysis> Steps<S, A>
 where
     S: DerefMut,
     S::Target: System + Sized,
@@ -135,7 +135,7 @@ fn run<A, Y: System>(
     observer: &mut dyn FnMut(&mut Y, &Step<'_>) -> ControlFlow<()>,
 ) -> Result<A::Summary, StaticsError>
 where
-    A: Analysis<Summary: Clone>,
+    A: StaticAnalysis<Summary: Clone>,
 {
     let mut problem = Problem { system, solver };
     let mut analysis = A::new(&mut problem, q.clone(), options)?;

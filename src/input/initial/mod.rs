@@ -5,7 +5,7 @@ mod values;
 
 use super::file::Initial;
 use super::parts::Assembly;
-use super::{InputError, Location, Problem};
+use super::{InputError, InputProblem, Location};
 use nalgebra::Vector3;
 use pullback_elements::model::{Context, NodeId, RigidMotion};
 use pullback_manifold::so3;
@@ -75,7 +75,7 @@ pub(super) fn start(assembly: &Assembly<'_>, context: &mut Context) -> Result<St
     for entry in &entries {
         let against = velocities.set_motion(context, entry)?;
         if let (Some(joint), false) = (against, chosen_rates) {
-            return Err(entry.at.refuse(Problem::LoopMotion { joint }));
+            return Err(entry.at.refuse(InputProblem::LoopMotion { joint }));
         }
     }
     let held = velocities.set_rates(assembly, context)?;
@@ -219,8 +219,8 @@ impl<'a> Velocities<'a> {
         }
         // A single component of a spherical joint may be free.
         let problem = match (self.names.as_slice(), self.rates.len()) {
-            ([one], 1) => Problem::LoopLocked { of: one.clone() },
-            (all, _) => Problem::LoopRates {
+            ([one], 1) => InputProblem::LoopLocked { of: one.clone() },
+            (all, _) => InputProblem::LoopRates {
                 of: all.join(", "),
                 left,
             },
@@ -261,22 +261,22 @@ fn check(at: &Location<'_>, initial: &Initial) -> Result<(), InputError> {
     ];
     for (key, given) in position {
         if given && initial.node.is_none() {
-            return Err((at.at(key)).refuse_key(Problem::InitialNode { key }));
+            return Err((at.at(key)).refuse_key(InputProblem::InitialNode { key }));
         }
     }
     if initial.node.is_some() && initial.line.is_some() {
         let (first, second) = ("node", "line");
-        return Err((at.at(second)).refuse_key(Problem::InitialTwice { first, second }));
+        return Err((at.at(second)).refuse_key(InputProblem::InitialTwice { first, second }));
     }
     if initial.angular_velocity.is_some() && initial.body_angular_velocity.is_some() {
         let (first, second) = ("angular_velocity", "body_angular_velocity");
-        return Err((at.at(second)).refuse_key(Problem::InitialTwice { first, second }));
+        return Err((at.at(second)).refuse_key(InputProblem::InitialTwice { first, second }));
     }
     let says = position.iter().any(|p| p.1)
         || initial.velocity.is_some()
         || initial.angular_velocity.is_some();
     if !says {
-        return Err(at.refuse(Problem::InitialNothing));
+        return Err(at.refuse(InputProblem::InitialNothing));
     }
     Ok(())
 }
@@ -304,7 +304,7 @@ fn check_attached(
     ] {
         if given.is_some() && !own {
             let node = initial.node.clone().unwrap_or_default();
-            return Err((at.at(key)).refuse_key(Problem::InitialHung { node, key }));
+            return Err((at.at(key)).refuse_key(InputProblem::InitialHung { node, key }));
         }
     }
     Ok(())
@@ -345,7 +345,7 @@ fn movable(
             (0..3).any(|k| wanted[k].abs() > tiny && context.unknown_at(node, first + k).is_none());
         if held && context.is_own(node) {
             let node = initial.node.clone().unwrap_or_default();
-            return Err((at.at(key)).refuse(Problem::InitialHeld { node, key }));
+            return Err((at.at(key)).refuse(InputProblem::InitialHeld { node, key }));
         }
     }
     Ok(())
@@ -379,7 +379,7 @@ fn position(
         for (i, value) in values.unwrap_or_default().into_iter().enumerate() {
             if !context.set(q, node, first + i, value) && value != 0.0 {
                 let node = initial.node.clone().unwrap_or_default();
-                return Err((at.at(key)).refuse(Problem::InitialHeld { node, key }));
+                return Err((at.at(key)).refuse(InputProblem::InitialHeld { node, key }));
             }
         }
     }

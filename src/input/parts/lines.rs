@@ -2,8 +2,8 @@
 
 use super::Assembly;
 use crate::input::assemble::LineGeometry;
-use crate::input::file::{Interpolation as Chosen, Line};
-use crate::input::{InputError, Location, Problem};
+use crate::input::file::{self, Line};
+use crate::input::{InputError, InputProblem, Location};
 use nalgebra::{Unit, Vector3};
 use pullback_elements::beam::{self, Interpolation};
 use pullback_elements::model::{BeamLine, CircularArc, ModelError, ReferenceCurve, StraightLine};
@@ -33,8 +33,8 @@ impl Assembly<'_> {
             }
         }
         let interpolation = match line.interpolation {
-            Chosen::Total => Interpolation::Total,
-            Chosen::Geodesic => Interpolation::Geodesic,
+            file::Interpolation::Total => Interpolation::Total,
+            file::Interpolation::Geodesic => Interpolation::Geodesic,
         };
         let positions = [self.builder.position(from), self.builder.position(to)];
         let axis = axis(&at, line, positions)?;
@@ -90,7 +90,7 @@ fn axis(
     let no_direction = |at: &Location<'_>, key: &'static str, vector: [f64; 3]| {
         let line = line.name.clone();
         at.at(key)
-            .refuse(Problem::NoDirection { line, key, vector })
+            .refuse(InputProblem::NoDirection { line, key, vector })
     };
     let second = line.second_axis.map(Vector3::from);
     let tangent;
@@ -99,7 +99,7 @@ fn axis(
             tangent = to - from;
             let size = from.amax().max(to.amax());
             if tangent.norm() <= 1e-12 * size {
-                return Err(at.refuse(Problem::ZeroLength {
+                return Err(at.refuse(InputProblem::ZeroLength {
                     line: line.name.clone(),
                     from: line.from.clone(),
                     to: line.to.clone(),
@@ -117,7 +117,7 @@ fn axis(
         Some(arc) => {
             if line.twist_deg != 0.0 {
                 let line = line.name.clone();
-                return Err((at.at("twist_deg")).refuse(Problem::TwistedArc { line }));
+                return Err((at.at("twist_deg")).refuse(InputProblem::TwistedArc { line }));
             }
             let at = at.at("arc");
             let (center, direction) = (Vector3::from(arc.center), Vector3::from(arc.axis));

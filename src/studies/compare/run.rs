@@ -106,9 +106,9 @@ impl Task<'_> {
 }
 
 /// Why a run did not reach its end.
-struct Failure(String);
+struct RunFailure(String);
 
-impl<E: std::error::Error> From<E> for Failure {
+impl<E: std::error::Error> From<E> for RunFailure {
     fn from(error: E) -> Self {
         Self(error.to_string())
     }
@@ -118,8 +118,8 @@ impl<E: std::error::Error> From<E> for Failure {
 pub(super) const INTERRUPTED: &str = "interrupted";
 
 /// The sample of a converged state.
-fn sample(model: &mut Context, at: Point<'_>, defect: Option<f64>) -> Result<Sample, Failure> {
-    let refused = |error| Failure(format!("a converged state cannot be evaluated: {error}"));
+fn sample(model: &mut Context, at: Point<'_>, defect: Option<f64>) -> Result<Sample, RunFailure> {
+    let refused = |error| RunFailure(format!("a converged state cannot be evaluated: {error}"));
     Sample::of(model, at, defect).map_err(refused)
 }
 
@@ -143,7 +143,7 @@ fn advance(
     task: &Task<'_>,
     hooks: &Hooks<'_>,
     row: &mut ComparisonRow,
-) -> Result<(), Failure> {
+) -> Result<(), RunFailure> {
     let grid = task.grid;
     let mut job = make(task.candidate.formulation())?;
     if task.late_charts {
@@ -191,7 +191,7 @@ fn advance(
         row.seconds = clock.elapsed().as_secs_f64();
         integrated?;
         if stopped {
-            return Err(Failure(INTERRUPTED.to_owned()));
+            return Err(RunFailure(INTERRUPTED.to_owned()));
         }
         let defect = progress.summary.energy.map(|e| e.defect());
         row.samples.push(sample(model, point(&progress), defect)?);
@@ -206,7 +206,7 @@ fn search(
     progress: &mut Progress,
     options: &DynamicOptions,
     hooks: &Hooks<'_>,
-) -> Result<usize, Failure> {
+) -> Result<usize, RunFailure> {
     let before = model.assemblies();
     let to = progress.state.t;
     let here = DynamicOptions { to, ..*options };
@@ -222,7 +222,7 @@ fn in_general(
     grid: &Grid,
     hooks: &Hooks<'_>,
     row: &mut ComparisonRow,
-) -> Result<(), Failure> {
+) -> Result<(), RunFailure> {
     use crate::studies::general;
     let model = &mut job.context;
     let mut progress = Progress::new(start(model, 0.0, &job.start.q, &job.start.v)?);
@@ -252,7 +252,7 @@ fn in_general(
     ended?;
     match failed {
         Some(failure) => Err(failure),
-        None if !progress.summary.finished => Err(Failure(INTERRUPTED.to_owned())),
+        None if !progress.summary.finished => Err(RunFailure(INTERRUPTED.to_owned())),
         None => Ok(()),
     }
 }
@@ -265,9 +265,9 @@ fn in_general(
     _: &Grid,
     _: &Hooks<'_>,
     _: &mut ComparisonRow,
-) -> Result<(), Failure> {
+) -> Result<(), RunFailure> {
     let why = format!("{general}: this program is built without the feature `diffsol`");
-    Err(Failure(why))
+    Err(RunFailure(why))
 }
 
 /// Most repetitions of a timed run, and the total time in seconds after which there are no more.

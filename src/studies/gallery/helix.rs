@@ -2,16 +2,16 @@
 
 #![allow(non_snake_case)]
 
-use super::case::{CaseReport, Problem, Record, order, peak};
+use super::case::{CaseProblem, CaseReport, StepRecord, order, peak};
 use crate::input::Interpolation;
-use crate::output::plot::Curve;
+use crate::output::plot::PlotCurve;
 use nalgebra::{Matrix3, Vector3};
 use pullback_integrators::statics::StaticOptions;
 use pullback_manifold::so3::skew;
 
 /// The first maximum of the tip's displacement out of the plane: load and value, by the parabola through the largest
 /// recorded point and its neighbours.
-fn first_maximum(records: &[Record]) -> (f64, f64) {
+fn first_maximum(records: &[StepRecord]) -> (f64, f64) {
     let points: Vec<(f64, f64)> = records.iter().map(|r| (r.t, r.state.d.z)).collect();
     let falls = |k: &usize| points[*k].1 >= points[*k + 1].1;
     let first = (1..points.len().saturating_sub(1)).find(falls);
@@ -75,7 +75,7 @@ fn exact_tips(loads: &[f64]) -> Vec<Vector3<f64>> {
 }
 
 /// Case 2 of [M04]: the helical beam with 100 and 200 elements, and with 100 geodesic ones. Its plot redraws Fig. 31.
-pub(super) fn run(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn run(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("helix")?;
     let mut heights = Vec::new();
     let mut curves = Vec::new();
@@ -111,7 +111,7 @@ pub(super) fn run(report: &mut CaseReport) -> Result<(), Problem> {
         let points = std::iter::once((0.0, 0.0))
             .chain(records.iter().map(|r| (r.t, r.state.d.z)))
             .collect();
-        curves.push(Curve::new(name, points));
+        curves.push(PlotCurve::new(name, points));
     }
     // The mesh error of Ψ's linear interpolation is a drift of the whole curve.
     let what = "height of the tip at full load, 100 over 200 elements";

@@ -1,6 +1,6 @@
 //! Runs in time: the states of watched nodes at all steps.
 
-use super::case::{CaseReport, Problem, find};
+use super::case::{CaseProblem, CaseReport, find};
 use crate::input::{self, ModelFile, Plan};
 use crate::probe::continue_rotation;
 use crate::solve::{begin, point};
@@ -68,14 +68,14 @@ impl History {
 
 /// Changes of a run against its file.
 #[derive(Clone, Copy)]
-pub(super) struct Run {
+pub(super) struct RunChanges {
     /// End time, if changed.
     pub to: Option<f64>,
     /// Step size, if changed.
     pub step: Option<f64>,
 }
 
-impl Run {
+impl RunChanges {
     /// No changes.
     pub const FILE: Self = Self {
         to: None,
@@ -123,7 +123,7 @@ impl Begun {
     pub fn integrate(
         &mut self,
         seen: &mut dyn FnMut(&mut Context, &Progress) -> Result<(), SystemError>,
-    ) -> Result<(), Problem> {
+    ) -> Result<(), CaseProblem> {
         let mut failed = None;
         let mut step = |model: &mut Context, step: &StepReport<'_>| {
             failed = seen(model, step.progress).err();
@@ -142,7 +142,7 @@ impl Begun {
     }
 }
 
-fn unusable(source: SystemError) -> Problem {
+fn unusable(source: SystemError) -> CaseProblem {
     DynamicsError::System { t: 0.0, source }.into()
 }
 
@@ -152,8 +152,8 @@ impl CaseReport {
         &self,
         file: &ModelFile,
         nodes: &[&str],
-        run: Run,
-    ) -> Result<History, Problem> {
+        run: RunChanges,
+    ) -> Result<History, CaseProblem> {
         let mut begun = self.begin(file, nodes, run)?;
         let ids = begun.nodes.clone();
         let mut history = History {
@@ -182,11 +182,11 @@ impl CaseReport {
         &self,
         file: &ModelFile,
         nodes: &[&str],
-        runs: [Run; N],
-    ) -> Result<[History; N], Problem> {
+        runs: [RunChanges; N],
+    ) -> Result<[History; N], CaseProblem> {
         let runs = runs.into_iter().map(|run| self.motion(file, nodes, run));
         let runs: Vec<History> = runs.collect::<Result<_, _>>()?;
-        (runs.try_into()).map_err(|_| Problem::Setup("it has another number of runs"))
+        (runs.try_into()).map_err(|_| CaseProblem::Setup("it has another number of runs"))
     }
 
     /// Builds a model file, finds the named nodes, and starts its motion.
@@ -194,11 +194,11 @@ impl CaseReport {
         &self,
         file: &ModelFile,
         nodes: &[&str],
-        run: Run,
-    ) -> Result<Begun, Problem> {
+        run: RunChanges,
+    ) -> Result<Begun, CaseProblem> {
         let job = input::job(self.case, file).map_err(Box::new)?;
         let Plan::Dynamic(plan) = job.plan else {
-            return Err(Problem::Setup("its analysis is not dynamic"));
+            return Err(CaseProblem::Setup("its analysis is not dynamic"));
         };
         let mut model = job.context;
         let nodes = nodes.iter().map(|&node| find(&model, node));

@@ -3,10 +3,10 @@
 #![allow(non_snake_case)]
 
 use super::bent::stiffer;
-use super::case::{CaseReport, Problem, peak, with_scheme};
-use super::motion::{History, Run, observed_order, richardson};
+use super::case::{CaseProblem, CaseReport, peak, with_scheme};
+use super::motion::{History, RunChanges, observed_order, richardson};
 use crate::input::{Fix, Group, ModelFile};
-use crate::output::plot::Curve;
+use crate::output::plot::PlotCurve;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use pullback_elements::model::NodeState;
 
@@ -63,10 +63,10 @@ impl Gyroscope {
 }
 
 /// Case 3 of [M04] and R02: the fast symmetrical top. Its plot redraws Fig. 33.
-pub(super) fn top(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn top(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("top")?;
     let source = "exact: cubic of the top, R02";
-    let converged = report.motion(&file, &["O"], Run::step(1e-4))?;
+    let converged = report.motion(&file, &["O"], RunChanges::step(1e-4))?;
     let angle = converged.curve(0, nutation);
     let [smallest, largest] = extremes(&angle);
     report.compare("smallest nutation", smallest, 0.3, 1e-5, source);
@@ -76,7 +76,7 @@ pub(super) fn top(report: &mut CaseReport) -> Result<(), Problem> {
         .filter(|&k| angle[k].1 > angle[k - 1].1 && angle[k].1 >= angle[k + 1].1)
         .collect();
     let (Some(&first), Some(&last)) = (maxima.first(), maxima.last()) else {
-        return Err(Problem::Setup("the top does not nutate"));
+        return Err(CaseProblem::Setup("the top does not nutate"));
     };
     let turns = (maxima.len() - 1) as f64;
     let times = [first, last].map(|k| peak(&angle, k).0);
@@ -109,11 +109,11 @@ pub(super) fn top(report: &mut CaseReport) -> Result<(), Problem> {
 }
 
 /// The published figure: a rigid body, and one beam element that is stiff or flexible.
-fn as_published(report: &mut CaseReport, file: &ModelFile) -> Result<(), Problem> {
-    let rigid = report.motion(file, &["O"], Run::FILE)?;
+fn as_published(report: &mut CaseReport, file: &ModelFile) -> Result<(), CaseProblem> {
+    let rigid = report.motion(file, &["O"], RunChanges::FILE)?;
     let beam = report.model("top_beam")?;
-    let stiff = report.motion(&beam, &["O"], Run::FILE)?;
-    let flexible = report.motion(&stiffer(&beam, 0.01), &["O"], Run::FILE)?;
+    let stiff = report.motion(&beam, &["O"], RunChanges::FILE)?;
+    let flexible = report.motion(&stiffer(&beam, 0.01), &["O"], RunChanges::FILE)?;
     let curves = [&rigid, &stiff, &flexible].map(|h| h.curve(0, nutation));
     let apart =
         (curves[0].iter().zip(&curves[1])).fold(0.0_f64, |m, (a, b)| m.max((a.1 - b.1).abs()));
@@ -132,12 +132,14 @@ fn as_published(report: &mut CaseReport, file: &ModelFile) -> Result<(), Problem
     report.figure(
         "Fast symmetrical top",
         ["time t", "nutation angle (rad)"],
-        curves.map(|(name, c)| Curve::new(name, thin(c))).collect(),
+        curves
+            .map(|(name, c)| PlotCurve::new(name, thin(c)))
+            .collect(),
     )
 }
 
 /// R01: the heavy top.
-pub(super) fn heavy_top(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn heavy_top(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let exact = [
         (0.1, [0.42129666, 0.89457197, -0.1491647]),
         (0.2, [0.6055505613771, 0.5989576817949, -0.52398302743]),
@@ -155,7 +157,7 @@ pub(super) fn heavy_top(report: &mut CaseReport) -> Result<(), Problem> {
     pinned.supports[0].node = "top".to_owned();
     pinned.supports[0].fix = Some(Fix::Group(Group::Position));
     for (name, file) in [("fixed point", &pinned), ("spherical joint", &top)] {
-        let [a, b, c] = report.motions(file, &["top"], [4e-4, 2e-4, 1e-4].map(Run::step))?;
+        let [a, b, c] = report.motions(file, &["top"], [4e-4, 2e-4, 1e-4].map(RunChanges::step))?;
         let axis = |h: &History, t: f64| -> Vector3<f64> { h.at(0, t).R.column(1).into() };
         let source = "exact: order-8 Runge-Kutta in extended precision, R01";
         for (t, x) in exact {
@@ -167,7 +169,7 @@ pub(super) fn heavy_top(report: &mut CaseReport) -> Result<(), Problem> {
         // The attitude turns 24 times: changes of chart at other times for each step size spoil the extrapolation
         // of its error.
         let third = with_scheme(file, "radau");
-        let third = report.motion(&third, &["top"], Run::step(1e-4))?;
+        let third = report.motion(&third, &["top"], RunChanges::step(1e-4))?;
         let what = format!("{name}, body axis");
         compare_axes(report, &what, axes(&third), turned, source);
         let what = format!("{name}, body rate at t = 1 over 150");
@@ -225,10 +227,10 @@ fn period(run: &History) -> f64 {
 }
 
 /// R03: a free body near its middle axis.
-pub(super) fn free_body(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn free_body(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("free_body")?;
     let steps = [2e-3, 1e-3, 5e-4];
-    let [a, b, c] = report.motions(&file, &["O"], steps.map(Run::step))?;
+    let [a, b, c] = report.motions(&file, &["O"], steps.map(RunChanges::step))?;
     let omega = richardson(body_rate(&b).into(), body_rate(&c).into());
     let source = "exact: order-8 Runge-Kutta in extended precision, R03";
     let exact = [-8.74573438, 4.84996187, 5.05001221];
@@ -258,7 +260,7 @@ pub(super) fn free_body(report: &mut CaseReport) -> Result<(), Problem> {
     report.compare_order("order of the energy error", order, 0.1);
     // The scheme with energy projection, at a coarse step.
     let kept = with_scheme(&file, "projected-newmark");
-    let kept = report.motion(&kept, &["O"], Run::step(1e-2))?;
+    let kept = report.motion(&kept, &["O"], RunChanges::step(1e-2))?;
     let spins: Vec<Vector3<f64>> = kept.balances.iter().map(|a| a.momentum.angular).collect();
     let spin = |m: f64, L: &Vector3<f64>| m.max((L - spins[0]).norm() / spins[0].norm());
     let source = "exact: conservation";
@@ -274,7 +276,7 @@ pub(super) fn free_body(report: &mut CaseReport) -> Result<(), Problem> {
         "Free body near its middle axis: energy error by steps h",
         ["time t", "relative error of the energy"],
         curves
-            .map(|(h, c)| Curve::new(format!("h = {h}"), c))
+            .map(|(h, c)| PlotCurve::new(format!("h = {h}"), c))
             .collect(),
     )
 }

@@ -13,7 +13,7 @@ use pullback::elements::joint::Revolute;
 use pullback::elements::model::{Closure, Context, ModelBuilder, NodeId};
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::integrators::dynamics::{DynamicsError, Progress, Scheme, integrate, start};
-use pullback::integrators::linear_solver::{AutoSolver, LinearSolver, Symmetry, scaling};
+use pullback::integrators::linear_solver::{AutoSolver, LinearSolver, MatrixSymmetry, scaling};
 use pullback::integrators::statics::{StaticNewtonOptions, StaticOptions, solve_statics};
 use pullback::manifold::system::{Evaluation, Point, System, Weights};
 use std::ops::ControlFlow;
@@ -324,7 +324,7 @@ fn conditioning_does_not_depend_on_the_step() {
         // The solver takes zeros on the diagonal, whatever the step: against a dense solution.
         let b: Vec<f64> = (0..n).map(|i| (1.3 * i as f64).sin()).collect();
         let mut solver = AutoSolver::new();
-        solver.analyse(&pattern, Symmetry::General).unwrap();
+        solver.analyse(&pattern, MatrixSymmetry::General).unwrap();
         solver.factorise(&S).unwrap();
         let mut x = b.clone();
         solver.solve(Some(&S), &mut x).unwrap();

@@ -22,7 +22,7 @@ use pullback::manifold::system::System;
 use std::f64::consts::PI;
 
 /// A model, the nodes compared, its start, and where its free rotation vectors stand.
-struct Problem {
+struct InputProblem {
     context: Context,
     probes: Vec<NodeId>,
     q: Vec<f64>,
@@ -31,7 +31,7 @@ struct Problem {
     beams: usize,
 }
 
-impl Problem {
+impl InputProblem {
     /// The same start with all free rotations in the other chart.
     fn complement(mut self) -> Self {
         for &k in &self.rotations {
@@ -85,7 +85,7 @@ impl Problem {
 }
 
 /// A heavy body on a spherical joint; rotation vector and angular velocity at the start.
-fn pendulum(J: Matrix3<f64>, center: [f64; 3], psi: [f64; 3], omega: [f64; 3]) -> Problem {
+fn pendulum(J: Matrix3<f64>, center: [f64; 3], psi: [f64; 3], omega: [f64; 3]) -> InputProblem {
     let mut b = ModelBuilder::new();
     let ground = b.node("ground", [0.0; 3]).unwrap();
     b.support(ground, &Dof::ALL);
@@ -109,7 +109,7 @@ fn pendulum(J: Matrix3<f64>, center: [f64; 3], psi: [f64; 3], omega: [f64; 3]) -
         ..RigidMotion::default()
     };
     context.set_velocity(&q, &mut v, None, &motion);
-    Problem {
+    InputProblem {
         context,
         probes: vec![ball.frame, probe],
         q,
@@ -119,19 +119,19 @@ fn pendulum(J: Matrix3<f64>, center: [f64; 3], psi: [f64; 3], omega: [f64; 3]) -
     }
 }
 
-fn spatial() -> Problem {
+fn spatial() -> InputProblem {
     let J = Matrix3::new(0.3, 0.02, 0.03, 0.02, 0.4, -0.04, 0.03, -0.04, 0.5);
     pendulum(J, [0.3, -0.2, -0.5], [0.9, -1.1, 0.7], [0.5, 1.5, -1.0])
 }
 
 /// Everything in the plane of e2 and e3.
-fn planar() -> Problem {
+fn planar() -> InputProblem {
     let J = Matrix3::from_diagonal(&Vector3::new(0.3, 0.4, 0.5));
     pendulum(J, [0.0, 0.3, -0.5], [1.4, 0.0, 0.0], [1.0, 0.0, 0.0])
 }
 
 /// A free flexible beam, turned by `psi` as a whole and spinning.
-fn beam(psi: [f64; 3], omega: [f64; 3]) -> Problem {
+fn beam(psi: [f64; 3], omega: [f64; 3]) -> InputProblem {
     let mut b = ModelBuilder::new();
     let ends = [[0.0; 3], [1.0, 0.0, 0.0]];
     let ends = [b.node("a", ends[0]).unwrap(), b.node("b", ends[1]).unwrap()];
@@ -157,7 +157,7 @@ fn beam(psi: [f64; 3], omega: [f64; 3]) -> Problem {
         ..RigidMotion::default()
     };
     context.set_velocity(&q, &mut v, None, &motion);
-    Problem {
+    InputProblem {
         context,
         probes: nodes,
         q,
@@ -176,7 +176,7 @@ fn gap(a: &[NodeState], b: &[NodeState]) -> f64 {
 
 #[test]
 fn a_start_in_the_other_chart_is_the_same_start() {
-    let problems: [&dyn Fn() -> Problem; 3] = [&spatial, &planar, &|| {
+    let problems: [&dyn Fn() -> InputProblem; 3] = [&spatial, &planar, &|| {
         beam([0.3, 0.8, -1.0], [1.0, -0.5, 3.0])
     }];
     for problem in problems {
@@ -233,7 +233,7 @@ fn in_space_histories_agree_to_the_order_of_the_scheme() {
 #[test]
 fn nothing_in_space_jumps_at_a_change() {
     for problem in [spatial, || beam([0.3, 0.8, -1.0], [1.0, -0.5, 3.0])] {
-        let Problem {
+        let InputProblem {
             context,
             probes,
             q,

@@ -3,7 +3,7 @@
 use crate::constraint::{Multipliers, Penalty, PenaltyStiffness, Scaled};
 use crate::element::Element;
 use crate::model::build::builder::{ModelBuilder, NodeId};
-use crate::model::loops::{Closing, Coincide, EQUATIONS, Report};
+use crate::model::loops::{Closing, Coincide, EQUATIONS, LoopReport};
 use crate::model::{ModelError, NodeForm};
 use pullback_manifold::system::Quantity;
 
@@ -76,7 +76,7 @@ impl ModelBuilder {
     pub(in crate::model) fn enforce_closings(
         &mut self,
         length: f64,
-    ) -> Result<(Vec<Report>, Vec<Closing>), ModelError> {
+    ) -> Result<(Vec<LoopReport>, Vec<Closing>), ModelError> {
         let (maps, closings) = (self.closings.drain(..)).partition(|c| c.by == Closure::Map);
         let closings: Vec<Closing> = closings;
         self.closings = maps;
@@ -107,9 +107,9 @@ impl ModelBuilder {
                 }
             };
             let id = self.boxed_element(format!("closure of {name}"), element, &nodes)?;
-            reports.push(Report {
+            reports.push(LoopReport {
                 element: Some(id.0),
-                ..Report::say(words)
+                ..LoopReport::say(words)
             });
         }
         Ok((reports, closings))

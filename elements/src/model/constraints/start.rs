@@ -3,7 +3,7 @@
 
 #![allow(non_snake_case)]
 
-use crate::model::constraints::enforced::Equations;
+use crate::model::constraints::enforced::EnforcedEquations;
 use crate::model::{Context, Model, ModelError, Node, NodeId};
 use nalgebra::{DMatrix, DVector};
 use pullback_manifold::system::{Charts, Quantity, System, SystemError};
@@ -26,7 +26,7 @@ const DRAWN: f64 = 1e-6;
 
 impl Model {
     /// The joint or element that enforces an equation.
-    fn closing_joint(&self, all: &Equations, i: usize) -> String {
+    fn closing_joint(&self, all: &EnforcedEquations, i: usize) -> String {
         let e = &self.elements[all.of[i].0];
         e.name.trim_start_matches("closure of ").to_owned()
     }

@@ -380,7 +380,7 @@ fn laws_found(interpolation: Interpolation) -> Vec<String> {
     laid.unwrap();
     let report = check::model(
         &mut Context::new(b.build().unwrap()),
-        &check::Options::default(),
+        &check::ModelOptions::default(),
     );
     report.assert();
     let found = report

@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use nalgebra::{DVector, Matrix3, Matrix6, Vector3};
-use pullback_conformance::{self as check, Random, State};
+use pullback_conformance::{self as check, Random, TestState};
 use pullback_elements::body::{PointMass, RigidBody};
 use pullback_elements::model::{Context, Dof, ModelBuilder, NodeId};
 use pullback_elements::spring::{AxialSpring, Bushing};
@@ -88,8 +88,8 @@ fn their_tangents_are_exact_also_astride_a_change_of_chart() {
         assert!((after - before).abs() < 1e-11 * before.abs().max(1.0));
         let t = 0.0;
         let states = [
-            ("at rest".to_owned(), State::statics(t, q.clone())),
-            ("moving".to_owned(), State { t, x: q, v, a }),
+            ("at rest".to_owned(), TestState::statics(t, q.clone())),
+            ("moving".to_owned(), TestState { t, x: q, v, a }),
         ];
         check::system("bodies and springs", &mut context, &states).assert();
     }

@@ -4,7 +4,7 @@
 
 use crate::support::{Coupling, Offset, Twin, TwoTurn, coupled, lay, section};
 use nalgebra::{DVector, Vector3};
-use pullback_conformance::{self as check, Random, State, dense};
+use pullback_conformance::{self as check, Random, TestState, dense};
 use pullback_elements::load::{LineLoad, LoadKind, NodalLoad};
 use pullback_elements::model::{BeamLine, Context, Dof, ModelBuilder, NodeId, StraightLine};
 use pullback_elements::time::{Constant, Proportional, Sine, TimeFunction};
@@ -61,7 +61,7 @@ fn frame_model(b: &mut ModelBuilder) -> [NodeId; 3] {
 }
 
 /// States of a model's n unknowns near a configuration.
-fn around(context: &Context, q: &DVector<f64>, spread: f64) -> Vec<(String, State)> {
+fn around(context: &Context, q: &DVector<f64>, spread: f64) -> Vec<(String, TestState)> {
     let n = context.pattern().dim();
     let mut random = Random::new(5);
     let mut out = Vec::new();
@@ -70,12 +70,15 @@ fn around(context: &Context, q: &DVector<f64>, spread: f64) -> Vec<(String, Stat
         moved
             .iter_mut()
             .for_each(|x| *x += random.range(-spread, spread));
-        out.push((format!("{k}, at rest"), State::statics(0.6, moved.clone())));
+        out.push((
+            format!("{k}, at rest"),
+            TestState::statics(0.6, moved.clone()),
+        ));
         let (mut v, mut a) = (DVector::zeros(n), DVector::zeros(n));
         random.fill(v.as_mut_slice());
         random.fill(a.as_mut_slice());
         let (t, x) = (0.6, moved);
-        out.push((format!("{k}, moving"), State { t, x, v, a }));
+        out.push((format!("{k}, moving"), TestState { t, x, v, a }));
     }
     out
 }

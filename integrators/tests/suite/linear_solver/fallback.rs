@@ -5,7 +5,7 @@
 
 use crate::support::linear_solver::*;
 use pullback_integrators::linear_solver::{
-    AutoSolver, BlockLu, Chosen, LinearError, LinearSolver, Symmetry,
+    AutoSolver, BlockLu, Chosen, LinearError, LinearSolver, MatrixSymmetry,
 };
 use pullback_manifold::sparse::BlockPattern;
 
@@ -45,7 +45,7 @@ impl Case {
         let two_calls = solve(
             solver,
             &self.pattern,
-            Symmetry::General,
+            MatrixSymmetry::General,
             &self.values,
             &self.b,
         )
@@ -61,7 +61,8 @@ impl Case {
     /// Everybody's solver finds x, by the general LU, both ways and again.
     fn falls_back(&self) {
         let mut auto = AutoSolver::new();
-        auto.analyse(&self.pattern, Symmetry::General).unwrap();
+        auto.analyse(&self.pattern, MatrixSymmetry::General)
+            .unwrap();
         let mut harmless = self.values.clone();
         write(&self.pattern, &mut harmless, |r, c| {
             f64::from(u8::from(r == c))
