@@ -113,12 +113,7 @@ fn whole_analysis(c: &mut Criterion) {
         let n = model.pattern().dim();
         let q: Vec<f64> = (0..n).map(|i| 1e-3 * (i as f64).sin()).collect();
         let (mut r, mut S) = (vec![0.0; n], vec![0.0; model.pattern().len()]);
-        let at = Point {
-            t: 1.0,
-            q: &q,
-            v: &[],
-            a: &[],
-        };
+        let at = Point::statics(1.0, &q);
         let force = seconds(elements, || {
             model
                 .evaluate(at, Evaluation::residual(&mut r))

@@ -117,12 +117,12 @@ impl Probe {
     }
 
     /// Rotation vector at the last step, for a checkpoint.
-    pub(crate) fn memory(&self) -> [f64; 3] {
+    pub(crate) fn save(&self) -> [f64; 3] {
         self.continued.into()
     }
 
     /// Restores that rotation vector.
-    pub(crate) fn remember(&mut self, memory: [f64; 3]) {
+    pub(crate) fn restore(&mut self, memory: [f64; 3]) {
         self.continued = memory.into();
     }
 

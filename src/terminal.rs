@@ -104,13 +104,8 @@ fn listen() {
 
 /// The rows of the gallery as text.
 pub fn table(rows: &[CaseRow]) -> String {
-    let longest = |pick: fn(&CaseRow) -> &str| {
-        rows.iter()
-            .map(|r| pick(r).chars().count())
-            .max()
-            .unwrap_or(0)
-    };
-    let (case, quantity) = (longest(|r| &r.case), longest(|r| &r.quantity));
+    let case = longest(rows.iter().map(|r| &*r.case));
+    let quantity = longest(rows.iter().map(|r| &*r.quantity));
     let mut out = format!(
         "{:case$}  {:quantity$}  {:>14}  {:>14}  {:>10}  {:>9}      source\n",
         "case", "quantity", "computed", "published", "difference", "tolerance"
@@ -146,6 +141,12 @@ pub fn table(rows: &[CaseRow]) -> String {
         cases.len()
     );
     out
+}
+
+/// The number of characters of the longest text.
+pub fn longest<'a>(texts: impl IntoIterator<Item = &'a str>) -> usize {
+    let lengths = texts.into_iter().map(|text| text.chars().count());
+    lengths.max().unwrap_or(0)
 }
 
 /// A number with its noun.

@@ -254,3 +254,9 @@ pub trait Element: Send + Sync {
         let _ = (at, out);
     }
 }
+
+impl<E: Element + 'static> From<E> for Box<dyn Element> {
+    fn from(element: E) -> Self {
+        Box::new(element)
+    }
+}

@@ -22,7 +22,8 @@ pub(super) struct CompareArguments {
     models: Vec<PathBuf>,
     /// Schemes, such as newmark, hht:-0.1, ga:0.8; an unknown name lists all of them.
     /// A prefix selects the formulation of rotations: ul-ga:0.8 (updated
-    /// Lagrangian), lie-ga:0.8 (Lie group), spin-newmark (sums of spatial spins).
+    /// Lagrangian), lie-ga:0.8 (Lie group), wm-ga:0.8 (parameters of Wiener and Milenković),
+    /// spin-newmark (sums of spatial spins), mixed-newmark (the same with rates in the body).
     /// diffsol-bdf and diffsol-esdirk are general solvers, in programs built with the feature diffsol.
     #[arg(long, value_delimiter = ',', required = true)]
     schemes: Vec<String>,

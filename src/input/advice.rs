@@ -197,7 +197,9 @@ impl InputProblem {
             Self::InitialNode { .. } => "name the node",
             Self::InitialNothing => "add displacement, rotation, velocity or angular_velocity",
             Self::InitialHeld { .. } => "remove it, or free the node",
-            Self::InitialHung { .. } => "give it to the joint's parent, or give the joint a `rate`",
+            Self::InitialAttached { .. } => {
+                "give it to the joint's parent, or give the joint a `rate`"
+            }
             Self::Geared { .. } => "give it to the joint at the other end of the gear",
             Self::Column { .. } => "give the probe another name",
             Self::Jump => "use a ramp, triangle, table, sine or spin_up",

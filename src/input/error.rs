@@ -160,7 +160,7 @@ pub enum InputProblem {
     #[error("joint \"{joint}\" follows another one through a gear: its {key} cannot be chosen")]
     Geared { joint: String, key: &'static str },
     #[error("the node \"{node}\" is attached to a joint and has no {key} of its own")]
-    InitialHung { node: String, key: &'static str },
+    InitialAttached { node: String, key: &'static str },
     #[error("node \"{node}\" is held there or is attached to a joint: its {key} cannot be chosen")]
     InitialHeld { node: String, key: &'static str },
     #[error(

@@ -26,7 +26,7 @@ pub use settings::{DynamicPlan, Plan};
 pub(crate) use names::closest;
 
 use location::{Location, Text};
-use pullback_elements::model::{Context, Formulation};
+use pullback_elements::model::Formulation;
 use std::path::Path;
 
 impl Registry {
@@ -94,14 +94,6 @@ pub fn assemble_text(name: &str, text: &str) -> Result<Job, InputError> {
 /// [`InputError`] for invalid TOML and unknown keys. References between parts are checked by the assembly.
 pub fn parse(name: &str, text: &str) -> Result<ModelFile, InputError> {
     parse_text(&Text::new(name, text))
-}
-
-/// Builds the model that a parsed file describes.
-///
-/// # Errors
-/// As [`load`], without positions.
-pub fn build(name: &str, file: &ModelFile) -> Result<Context, InputError> {
-    job(name, file).map(|job| job.context)
 }
 
 /// Assembles a parsed file.

@@ -88,7 +88,7 @@ fn target(
             Target::Element(elements.find(&at.at("element"), name)?)
         }
         (ProbeQuantity::JOINT, None, None, Some(name)) => {
-            Target::Joint(assembly.released.find(&at.at("joint"), name)?)
+            Target::Joint(assembly.joint_coordinates.find(&at.at("joint"), name)?)
         }
         (ProbeQuantity::NOTHING | ProbeQuantity::SPACE, None, None, None) => Target::Whole,
         _ => {

@@ -12,7 +12,7 @@ use super::results::{Ending, FinalState, Statistics, final_state};
 use super::vtu::{VtuFrame, collection, grid};
 use crate::input::{DynamicPlan, Geometry, ModelFile, Plan};
 use crate::probe::{Answers, Probe};
-use crate::solve::{Advance, Counts, point};
+use crate::solve::{Advance, Counts};
 use crate::warnings::{Diagnostics, JointRates};
 use pullback_elements::model::Context;
 use pullback_integrators::dynamics::Progress;
@@ -113,7 +113,7 @@ impl<'a> Recorder<'a> {
         progress: &Progress,
     ) -> Result<(), RecordError> {
         for (probe, memory) in self.probes.iter_mut().zip(checkpoint.memories) {
-            probe.remember(memory);
+            probe.restore(memory);
         }
         self.record = checkpoint.record;
         self.rows = checkpoint.rows;
@@ -136,12 +136,7 @@ impl<'a> Recorder<'a> {
         let n = context.pattern().dim();
         let (q, t) = (vec![0.0; n], self.setting.plan.start());
         let mut r = vec![0.0; n];
-        let at = Point {
-            t,
-            q: &q,
-            v: &[],
-            a: &[],
-        };
+        let at = Point::statics(t, &q);
         let evaluated = context.evaluate(at, Evaluation::residual(&mut r));
         if evaluated.is_err() || r.iter().any(|r| *r != 0.0) {
             return Ok(());
@@ -201,18 +196,11 @@ impl<'a> Recorder<'a> {
     fn count(&mut self, context: &Context, step: &Advance<'_>) {
         let rotation = context.largest_rotation();
         self.record.largest_rotation = self.record.largest_rotation.max(rotation);
-        let counts = &mut self.statistics.counts;
+        self.statistics.counts.add(step);
         if let Some(progress) = step.progress {
-            *counts = Counts::of_motion(&progress.summary);
             let furthest = &mut self.record.turn;
             self.joint_rates
                 .record(context, &progress.state, step.step_size, furthest);
-        } else {
-            counts.iterations += step.iterations;
-            if step.event.is_none() {
-                counts.steps = step.number;
-                counts.chart_changes += step.chart_changes;
-            }
         }
         self.record.since[0] += step.iterations;
         self.record.since[1] += step.chart_changes;
@@ -366,7 +354,7 @@ impl<'a> Recorder<'a> {
         let settings =
             serde_json::to_value(self.setting.file).map_err(encoding(checkpoint::NAME))?;
         let mut checkpoint = Checkpoint::new(settings, context, progress);
-        checkpoint.memories = self.probes.iter().map(Probe::memory).collect();
+        checkpoint.memories = self.probes.iter().map(Probe::save).collect();
         checkpoint.record = self.record.clone();
         checkpoint.record.seconds = self.seconds();
         checkpoint.log = self.log;
@@ -378,7 +366,7 @@ impl<'a> Recorder<'a> {
 fn moving(context: &mut Context, progress: &Progress) -> Result<Answers, RecordError> {
     let t = progress.state.t;
     let balance = context
-        .energies_and_momentum(point(progress))
+        .energies_and_momentum(progress.state.point())
         .map_err(RecordError::System)?;
     let defect = progress.summary.energy.map_or(0.0, |e| e.defect());
     Ok(Answers {

@@ -16,10 +16,10 @@ use std::f64::consts::{PI, TAU};
 /// Coordinates are q = x, or in the other chart q with x = sinh q.
 pub(crate) struct KnownMotion {
     pattern: BlockPattern,
-    driven: bool,
+    forced: bool,
     switching: bool,
     /// Whether x = sinh q.
-    bent: bool,
+    sinh_chart: bool,
     calls: usize,
 }
 
@@ -32,9 +32,9 @@ impl KnownMotion {
     pub fn new(switching: bool) -> Self {
         Self {
             pattern: BlockPattern::new(&[1, 1], [[0, 1]]),
-            driven: true,
+            forced: true,
             switching,
-            bent: false,
+            sinh_chart: false,
             calls: 0,
         }
     }
@@ -42,7 +42,7 @@ impl KnownMotion {
     /// The conservative system, whose motion is reversible.
     pub(crate) fn alone() -> Self {
         Self {
-            driven: false,
+            forced: false,
             ..Self::new(false)
         }
     }
@@ -62,7 +62,7 @@ impl KnownMotion {
     pub fn position(&self, [q, v, a]: [&[f64]; 3]) -> [[f64; 2]; 3] {
         let mut out = [[0.0; 2]; 3];
         for i in 0..2 {
-            let [x, B, B_q, _] = map(self.bent, q[i]);
+            let [x, B, B_q, _] = map(self.sinh_chart, q[i]);
             out[0][i] = x;
             out[1][i] = B * v[i];
             out[2][i] = B * a[i] + B_q * v[i] * v[i];
@@ -73,7 +73,7 @@ impl KnownMotion {
     /// Left side of the equation i, and its derivatives by x, ẋ and ẍ of both masses.
     fn side(&self, i: usize, [x, v, a]: [[f64; 2]; 3]) -> (f64, [[f64; 2]; 3]) {
         let j = 1 - i;
-        let [c, g] = match self.driven {
+        let [c, g] = match self.forced {
             true => [DAMPING, if i == 0 { -GYROSCOPIC } else { GYROSCOPIC }],
             false => [0.0; 2],
         };
@@ -95,8 +95,8 @@ impl KnownMotion {
 }
 
 /// x(q) and its derivatives up to the third, for x = sinh q or x = q.
-fn map(bent: bool, q: f64) -> [f64; 4] {
-    match bent {
+fn map(sinh_chart: bool, q: f64) -> [f64; 4] {
+    match sinh_chart {
         true => [q.sinh(), q.cosh(), q.sinh(), q.cosh()],
         false => [q, 1.0, 0.0, 0.0],
     }
@@ -109,11 +109,11 @@ impl System for KnownMotion {
 
     fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
         let position = self.position([at.q, at.v, at.a]);
-        let maps = [0, 1].map(|i| map(self.bent, at.q[i]));
+        let maps = [0, 1].map(|i| map(self.sinh_chart, at.q[i]));
         let mut S = out.S;
         for i in 0..2 {
             let (side, by) = self.side(i, position);
-            let drive = match self.driven {
+            let drive = match self.forced {
                 true => self.side(i, Self::motion(at.t)).0,
                 false => 0.0,
             };
@@ -157,7 +157,7 @@ impl Energetics for KnownMotion {
         for i in 0..2 {
             out.kinetic += 0.5 * (1.0 + 0.5 * x[i] * x[i]) * v[i] * v[i];
             out.stored += 2.0 * (1.0 - x[i].cos());
-            if self.driven {
+            if self.forced {
                 out.supplied += self.side(i, Self::motion(at.t)).0 * v[i];
                 out.dissipated += DAMPING * v[i] * v[i];
             }
@@ -180,19 +180,19 @@ impl Charts for KnownMotion {
         }
         for i in 0..2 {
             // From the old chart to x, and from there to the new one.
-            let [x, B, B_q, _] = map(self.bent, q[i]);
+            let [x, B, B_q, _] = map(self.sinh_chart, q[i]);
             for a in accelerations.iter_mut() {
                 a[i] = B * a[i] + B_q * v[i] * v[i];
             }
             let x_dot = B * v[i];
-            q[i] = if self.bent { x } else { x.asinh() };
-            let [_, B, B_q, _] = map(!self.bent, q[i]);
+            q[i] = if self.sinh_chart { x } else { x.asinh() };
+            let [_, B, B_q, _] = map(!self.sinh_chart, q[i]);
             v[i] = x_dot / B;
             for a in accelerations.iter_mut() {
                 a[i] = (a[i] - B_q * v[i] * v[i]) / B;
             }
         }
-        self.bent = !self.bent;
+        self.sinh_chart = !self.sinh_chart;
         ChartChanges {
             charts: 2,
             residual: false,

@@ -4,7 +4,7 @@ use super::events::UserEvent;
 use super::run::MotionRun;
 use super::{DynamicOptions, DynamicsError, Progress, State, StepReport};
 use crate::abilities::events;
-use crate::linear_solver::{AutoSolver, LinearSolver};
+use crate::linear_solver::AutoSolver;
 use pullback_manifold::system::System;
 use std::ops::{ControlFlow, Deref, DerefMut};
 
@@ -170,8 +170,7 @@ where
     }
 }
 
-/// Integrates the equations of motion from `progress`, with the default solver: all steps of a
-/// [`Simulation`].
+/// Integrates the equations of motion from `progress`: all steps of a [`Simulation`].
 ///
 /// The observer is called after each accepted step and may stop the run.
 ///
@@ -183,21 +182,7 @@ pub fn integrate<Y: System>(
     options: &DynamicOptions,
     observer: &mut dyn FnMut(&mut Y, &StepReport<'_>) -> ControlFlow<()>,
 ) -> Result<(), DynamicsError> {
-    integrate_with(&mut AutoSolver::new(), system, progress, options, observer)
-}
-
-/// As [`integrate`], with another linear solver; coupled stages (Radau IIA) use a solver of their
-/// own for the larger matrix.
-///
-/// # Errors
-/// As [`integrate`].
-pub fn integrate_with<Y: System>(
-    solver: &mut dyn LinearSolver,
-    system: &mut Y,
-    progress: &mut Progress,
-    options: &DynamicOptions,
-    observer: &mut dyn FnMut(&mut Y, &StepReport<'_>) -> ControlFlow<()>,
-) -> Result<(), DynamicsError> {
+    let solver = &mut AutoSolver::new();
     let mut run = MotionRun::new(system, solver, progress, options)?;
     while let Some(step) = run.next(system, &mut [], solver, progress)? {
         if observer(system, &run.report(progress, &step)).is_break() {

@@ -35,7 +35,7 @@ pub mod scaling;
 mod solution;
 mod symbolic;
 
-pub use auto::{AutoSolver, Chosen};
+pub use auto::{AutoSolver, SolverKind};
 pub use block::BlockLu;
 pub use faer::{FaerCholesky, FaerLu};
 pub use null_vector::{NullVector, null_vector};

@@ -116,12 +116,7 @@ impl Newton {
         lambda: f64,
     ) -> Result<(), SystemError> {
         self.cost.evaluations += 1;
-        let rest = |t, q| Point {
-            t,
-            q,
-            v: &[],
-            a: &[],
-        };
+        let rest = |t, q| Point::statics(t, q);
         let out = Evaluation {
             r: &mut self.r,
             S: Some((Weights::STATIC, &mut self.S)),

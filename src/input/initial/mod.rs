@@ -8,6 +8,7 @@ use super::parts::Assembly;
 use super::{InputError, InputProblem, Location};
 use nalgebra::Vector3;
 use pullback_elements::model::{Context, NodeId, RigidMotion};
+use pullback_integrators::dynamics::{self as integrator, DynamicsError, Progress};
 use pullback_manifold::so3;
 use pullback_manifold::system::{Point, System};
 use requests::{Rate, VelocityRequest};
@@ -24,6 +25,13 @@ pub struct Start {
     pub q: Vec<f64>,
     /// Velocities.
     pub v: Vec<f64>,
+}
+
+impl Start {
+    /// The beginning of a motion from here.
+    pub(crate) fn motion(&self, context: &Context) -> Result<Progress, DynamicsError> {
+        integrator::start(context, 0.0, &self.q, &self.v).map(Progress::new)
+    }
 }
 
 pub(super) fn start(assembly: &Assembly<'_>, context: &mut Context) -> Result<Start, InputError> {
@@ -83,7 +91,7 @@ pub(super) fn start(assembly: &Assembly<'_>, context: &mut Context) -> Result<St
     let Velocities {
         start, requests, ..
     } = velocities;
-    requests::satisfy(assembly, context, start, &held, &placed, requests)
+    requests::project(assembly, context, start, &held, &placed, requests)
 }
 
 /// An entry of `[[initial]]`: of a node, of chosen nodes, or of all.
@@ -183,7 +191,7 @@ impl<'a> Velocities<'a> {
         let mut held = Vec::new();
         for (joint, name, rate) in given(assembly.file, |acts| acts.rate) {
             let at = assembly.at("joints").at(joint).at("rate");
-            let node = assembly.released.find(&at, &name)?;
+            let node = assembly.joint_coordinates.find(&at, &name)?;
             if let Some(u) = context.unknown_at(node, 0) {
                 self.start.v[u] = rate;
                 held.push(Rate {
@@ -304,7 +312,7 @@ fn check_attached(
     ] {
         if given.is_some() && !own {
             let node = initial.node.clone().unwrap_or_default();
-            return Err((at.at(key)).refuse_key(InputProblem::InitialHung { node, key }));
+            return Err((at.at(key)).refuse_key(InputProblem::InitialAttached { node, key }));
         }
     }
     Ok(())

@@ -49,7 +49,7 @@ pub(super) struct Rate<'a> {
 /// Projects initial coordinates and velocities onto the equations of multipliers and penalties by the smallest changes. Coordinates of
 /// unknowns that are `placed` are kept if possible; rates of joints are kept, then velocities of nodes in the
 /// order of the file.
-pub(super) fn satisfy(
+pub(super) fn project(
     assembly: &Assembly<'_>,
     context: &mut Context,
     mut start: Start,
@@ -93,7 +93,7 @@ pub(super) fn satisfy(
         }
     }
     let Start { q, v } = &mut start;
-    (context.satisfy_velocities(BEFORE_START, q, v, &held)).map_err(failed)?;
+    (context.project_velocities(BEFORE_START, q, v, &held)).map_err(failed)?;
     Ok(start)
 }
 
@@ -104,5 +104,5 @@ fn remaining_error(
     held: &[usize],
 ) -> Result<(f64, String), ModelError> {
     let mut v = start.v.clone();
-    context.satisfy_velocities(BEFORE_START, &start.q, &mut v, held)
+    context.project_velocities(BEFORE_START, &start.q, &mut v, held)
 }

@@ -15,7 +15,7 @@ pub(super) fn start(
 ) -> Result<(), InputError> {
     for (joint, name, value) in given(assembly.file, |acts| acts.value) {
         let at = assembly.at("joints").at(joint).at("value");
-        let node = assembly.released.find(&at, &name)?;
+        let node = assembly.joint_coordinates.find(&at, &name)?;
         // In a model that enforces equations values were taken into account by its assembly, as far as they are
         // compatible.
         let assembled = context.is_enforced() && context.unknown_at(node, 0).is_some();

@@ -134,7 +134,7 @@ impl Assembly<'_> {
                 1 => joint.name.clone(),
                 _ => self.builder.node_name(coordinate).to_owned(),
             };
-            self.released.add(name, coordinate);
+            self.joint_coordinates.add(name, coordinate);
         }
         Ok(())
     }
@@ -267,7 +267,7 @@ fn act(
     }
     if let Some(time) = &acts.actuator {
         let at = at.at("actuator");
-        let actuator = CoordinateForce::boxed(function(&at, time)?);
+        let actuator = CoordinateForce::new(function(&at, time)?);
         builder
             .element(format!("actuator of {name}"), actuator, &[coordinate])
             .map_err(|error| at.refuse(error))?;

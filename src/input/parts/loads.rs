@@ -33,16 +33,8 @@ impl Assembly<'_> {
                     let (node, dof) = (support.node.clone(), dof.key());
                     return Err(at.refuse(InputProblem::PrescribedTwice { node, dof }));
                 }
-                match time {
-                    Time::Constant(value) => {
-                        self.builder.prescribe(node, dof.dof(), Constant(value))
-                    }
-                    _ => self.builder.prescribe_boxed(
-                        node,
-                        dof.dof(),
-                        prescribed_function(&at, &time)?,
-                    ),
-                }
+                let function = prescribed_function(&at, &time)?;
+                self.builder.prescribe(node, dof.dof(), function);
             }
             if taken.len() == before {
                 let node = support.node.clone();
@@ -168,7 +160,7 @@ impl Entry<'_> {
                     (_, true) => LoadKind::FollowerMoment,
                 };
                 let node = to.nodes.find(&at.at("node"), node)?;
-                let load = NodalLoad::boxed(which, vector, self.amplitude()?);
+                let load = NodalLoad::new(which, vector, self.amplitude()?);
                 self.add(&mut to.builder, self.name.clone(), Box::new(load), &[node])
             }
             ("force" | "moment", ..) => target("node"),
@@ -200,7 +192,7 @@ impl Entry<'_> {
         load: Box<dyn Element>,
         nodes: &[NodeId],
     ) -> Result<(), InputError> {
-        let added = builder.boxed_element(name, load, nodes);
+        let added = builder.element(name, load, nodes);
         added.map(|_| ()).map_err(|error| self.at.refuse(error))
     }
 
@@ -263,7 +255,7 @@ impl Entry<'_> {
             };
             for (i, (mass, first_moment)) in shares.iter().enumerate() {
                 let (force, center) = ((g * *mass).into(), (first_moment / *mass).into());
-                let share = EccentricForce::boxed(force, center, self.amplitude()?);
+                let share = EccentricForce::new(force, center, self.amplitude()?);
                 let name = format!("{name}, node {}", i + 1);
                 self.add(builder, name, Box::new(share), &[nodes(line, e)[i]])?;
             }

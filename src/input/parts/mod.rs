@@ -28,7 +28,7 @@ pub(super) struct Assembly<'a> {
     /// The lines that are meshed.
     pub meshed: Vec<Option<LineGeometry>>,
     /// Nodes of released coordinates, by the name of their joint.
-    pub released: Names<NodeId>,
+    pub joint_coordinates: Names<NodeId>,
     pub geometry: Geometry,
 }
 
@@ -49,7 +49,9 @@ impl<'a> Assembly<'a> {
             nodes: Names::new("node"),
             lines: Names::lines(file),
             meshed: file.lines.iter().map(|_| None).collect(),
-            released: Names::new("joint with a released coordinate (a node of one coordinate)"),
+            joint_coordinates: Names::new(
+                "joint with a released coordinate (a node of one coordinate)",
+            ),
             geometry: Geometry::default(),
         }
     }
@@ -128,7 +130,8 @@ impl<'a> Assembly<'a> {
         }
         for (k, gear) in self.file.gears.iter().enumerate() {
             let at = self.at("gears").at(k);
-            let joint = |i: usize| (self.released).find(&at.at("joints").at(i), &gear.joints[i]);
+            let joint =
+                |i: usize| (self.joint_coordinates).find(&at.at("joints").at(i), &gear.joints[i]);
             let joints = [joint(0)?, joint(1)?];
             let coupled = self.builder.gear(joints, gear.ratio);
             coupled.map_err(|error| at.refuse(error))?;

@@ -11,7 +11,7 @@ use crate::input::Job;
 use crate::method::Method;
 use crate::solve::begin;
 use pullback_elements::model::Formulation;
-use pullback_integrators::dynamics::{DynamicOptions, Progress, Scheme, start};
+use pullback_integrators::dynamics::{DynamicOptions, Scheme};
 use std::num::NonZeroUsize;
 use std::sync::{Mutex, PoisonError};
 
@@ -85,14 +85,14 @@ pub(super) fn prepare(
         let name = reference.to_string();
         return Err(CompareError::Reference { name });
     }
-    let start = start(&job.context, 0.0, &job.start.q, &job.start.v)?;
+    let start = job.start.motion(&job.context)?;
     // With the reference's scheme: that of the file may not suit this model.
     begins(make, &reference.into())?;
     Ok(Prepared {
         grid,
         long,
         reference,
-        unknowns: start.q.len(),
+        unknowns: start.state.q.len(),
         job,
         refused,
     })
@@ -110,8 +110,8 @@ fn begins(make: &Maker<'_>, candidate: &Candidate) -> Result<(), CompareError> {
         interval: None,
         ..plan.options
     };
-    let start = start(&job.context, 0.0, &job.start.q, &job.start.v)?;
-    begin(&mut job.context, &options, &mut Progress::new(start))?;
+    let mut progress = job.start.motion(&job.context)?;
+    begin(&mut job.context, &options, &mut progress)?;
     Ok(())
 }
 

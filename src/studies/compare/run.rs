@@ -5,12 +5,10 @@ use super::sample::Sample;
 use super::{Candidate, CompareError, ComparisonRow, Drift};
 use crate::input::{DynamicPlan, InputError, Job, Plan};
 use crate::method::Method;
-use crate::solve::{Counts, point};
+use crate::solve::Counts;
 use crate::studies::general::General;
 use pullback_elements::model::{Context, Formulation};
-use pullback_integrators::dynamics::{
-    DynamicOptions, NewtonOptions, Progress, Summary, integrate, start,
-};
+use pullback_integrators::dynamics::{DynamicOptions, NewtonOptions, Progress, Summary, integrate};
 use pullback_manifold::system::Point;
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
@@ -157,7 +155,7 @@ fn advance(
         }
     };
     let model = &mut job.context;
-    let mut progress = Progress::new(start(model, 0.0, &job.start.q, &job.start.v)?);
+    let mut progress = job.start.motion(model)?;
     let before = model.assemblies();
     let clock = Instant::now();
     let mut searches = 0;
@@ -194,7 +192,8 @@ fn advance(
             return Err(RunFailure(INTERRUPTED.to_owned()));
         }
         let defect = progress.summary.energy.map(|e| e.defect());
-        row.samples.push(sample(model, point(&progress), defect)?);
+        row.samples
+            .push(sample(model, progress.state.point(), defect)?);
     }
     Ok(())
 }
@@ -225,7 +224,7 @@ fn in_general(
 ) -> Result<(), RunFailure> {
     use crate::studies::general;
     let model = &mut job.context;
-    let mut progress = Progress::new(start(model, 0.0, &job.start.q, &job.start.v)?);
+    let mut progress = job.start.motion(model)?;
     let clock = Instant::now();
     let before = model.assemblies();
     let mut failed = None;
@@ -286,8 +285,7 @@ pub(super) fn clock(make: &Maker<'_>, task: &Task<'_>, hooks: &Hooks<'_>) -> Opt
                     ..task.options(method, dynamic(&job.plan)?)
                 };
                 let model = &mut job.context;
-                let from = start(model, 0.0, &job.start.q, &job.start.v).ok()?;
-                let mut progress = Progress::new(from);
+                let mut progress = job.start.motion(model).ok()?;
                 let begin = Instant::now();
                 integrate(model, &mut progress, &options, &mut |_, _| (hooks.flow)()).ok()?;
                 let time = begin.elapsed().as_secs_f64();

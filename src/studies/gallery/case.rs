@@ -18,7 +18,7 @@ pub struct Case {
     /// Name on the command line.
     pub name: &'static str,
     /// Computes the case and adds its rows.
-    pub run: fn(&mut CaseReport) -> Result<(), CaseProblem>,
+    pub(super) run: fn(&mut CaseReport) -> Result<(), CaseProblem>,
 }
 
 impl Case {
@@ -89,7 +89,7 @@ impl CaseRow {
 }
 
 /// Report of a case: its rows and plots.
-pub struct CaseReport {
+pub(super) struct CaseReport {
     pub(super) case: &'static str,
     out: Option<PathBuf>,
     rows: Vec<CaseRow>,
@@ -211,7 +211,7 @@ impl CaseReport {
 
     /// Builds a model file and finds the watched node.
     pub(super) fn build(&self, file: &ModelFile, node: &str) -> Result<Watched, CaseProblem> {
-        let model = input::build(self.case, file).map_err(Box::new)?;
+        let model = input::job(self.case, file).map_err(Box::new)?.context;
         let node = find(&model, node)?;
         Ok(Watched { model, node })
     }

@@ -3,9 +3,10 @@
 #![allow(non_snake_case)]
 
 use super::case::{CaseProblem, CaseReport, StepRecord, order, peak};
+use super::motion::runge_kutta;
 use crate::input::Interpolation;
 use crate::output::plot::PlotCurve;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Matrix3x4, Vector3, stack};
 use pullback_integrators::statics::StaticOptions;
 use pullback_manifold::so3::skew;
 
@@ -25,34 +26,23 @@ const BEND: f64 = 1e2;
 const FORCE: f64 = 50.0;
 const MOMENT: f64 = 200.0 * std::f64::consts::PI;
 
-/// Position and directors along the exact curve.
-type Frame = (Vector3<f64>, Matrix3<f64>);
-
 /// End of the curve whose tip is assumed at `tip`, by Runge and Kutta's method.
 ///
 /// With dead loads at the tip alone, equilibrium gives n = F and m = M + (x_L − x) × F everywhere,
 /// and x′ = R (E₁ + C_n⁻¹ Rᵀ n), R′ = R (C_m⁻¹ Rᵀ m)~.
 fn shoot(load: f64, tip: &Vector3<f64>) -> Vector3<f64> {
-    const STEPS: usize = 600;
     let n = Vector3::z() * (load * FORCE);
-    let rate = |(x, R): &Frame| -> Frame {
+    // Position and directors along the curve.
+    let rates = |_, y: &Matrix3x4<f64>| {
+        let (x, R) = (y.fixed_columns::<1>(0), y.fixed_columns::<3>(1));
         let m = Vector3::z() * (load * MOMENT) + (tip - x).cross(&n);
         let (Gamma, K) = (R.tr_mul(&n) / STRETCH, R.tr_mul(&m) / BEND);
-        (R * (Vector3::x() + Gamma), R * skew(&K))
+        stack![R * (Vector3::x() + Gamma), R * skew(&K)]
     };
-    let along = |y: &Frame, k: &Frame, h: f64| (y.0 + k.0 * h, y.1 + k.1 * h);
-    let h = LENGTH / STEPS as f64;
-    let mut y = (Vector3::zeros(), Matrix3::identity());
-    for _ in 0..STEPS {
-        let k1 = rate(&y);
-        let k2 = rate(&along(&y, &k1, 0.5 * h));
-        let k3 = rate(&along(&y, &k2, 0.5 * h));
-        let k4 = rate(&along(&y, &k3, h));
-        for (k, weight) in [(k1, 1.0), (k2, 2.0), (k3, 2.0), (k4, 1.0)] {
-            y = along(&y, &k, weight * h / 6.0);
-        }
-    }
-    y.0
+    let start = stack![Vector3::zeros(), Matrix3::identity()];
+    runge_kutta(rates, start, LENGTH, 600)
+        .column(0)
+        .into_owned()
 }
 
 /// Tip of the exact curve at each load, found by Newton's method from the tip at the load before.

@@ -8,7 +8,7 @@ use crate::input::{
     Analysis, DofName, Fix, ModelFile, PrescribedMotion, SchemeName, SpinUp, Support, Time,
 };
 use crate::output::plot::PlotCurve;
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 use pullback_elements::model::NodeState;
 use std::f64::consts::PI;
 
@@ -34,13 +34,14 @@ fn rigid_shafts(cosine: f64, until: f64) -> f64 {
         let I = 20.0 * (1.0 + bottom.powi(-2));
         [I, -40.0 * slope * bottom.powi(-3)]
     };
-    let rates = |t: f64, [alpha, p]: [f64; 2]| {
+    let rates = |t: f64, y: &Vector2<f64>| {
+        let (alpha, p) = (y.x, y.y);
         let moment = (40.0 * (1.0 - (2.0 * t - 1.0).abs())).max(0.0);
         let [I, slope] = inertia(alpha);
         let speed = p / I;
-        [speed, moment + 0.5 * slope * speed * speed]
+        Vector2::new(speed, moment + 0.5 * slope * speed * speed)
     };
-    runge_kutta(&rates, [0.0; 2], until, 30_000)[0]
+    runge_kutta(rates, Vector2::zeros(), until, 30_000).x
 }
 
 /// Case 4 of [M04]. Its plot redraws Fig. 35.

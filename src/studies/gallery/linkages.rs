@@ -5,7 +5,7 @@
 use super::case::{CaseProblem, CaseReport};
 use super::motion::{History, RunChanges, richardson, runge_kutta};
 use crate::output::plot::PlotCurve;
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 use pullback_elements::model::NodeState;
 use pullback_manifold::jet::Taylor;
 use pullback_manifold::scalar::Scalar;
@@ -18,11 +18,12 @@ pub(super) type OneFreedom<'a> = &'a dyn Fn(Taylor<f64>) -> [Taylor<f64>; 2];
 
 /// θ and θ̇ at a time by the classical Runge-Kutta method: M θ̈ + ½ M′ θ̇² + V′ = 0.
 pub(super) fn integrate(system: OneFreedom<'_>, start: [f64; 2], to: f64) -> [f64; 2] {
-    let rates = |[theta, rate]: [f64; 2]| {
+    let rates = |_, y: &Vector2<f64>| {
+        let (theta, rate) = (y.x, y.y);
         let [M, V] = system(taylor([theta, 1.0]));
-        [rate, -(0.5 * M.d * rate * rate + V.d) / M.v]
+        Vector2::new(rate, -(0.5 * M.d * rate * rate + V.d) / M.v)
     };
-    runge_kutta(&|_, y| rates(y), start, to, 20_000)
+    runge_kutta(rates, start.into(), to, 20_000).into()
 }
 
 /// A quantity with its first derivative.

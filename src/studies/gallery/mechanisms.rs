@@ -6,7 +6,6 @@ use super::case::{CaseProblem, CaseReport, meshed, with_scheme};
 use super::linkages::{G, gap, integrate, slope, taylor};
 use super::motion::{History, RunChanges, continued, observed_order, richardson};
 use crate::input::{Closure, ModelFile};
-use crate::solve::point;
 use nalgebra::Vector3;
 use pullback_manifold::jet::Taylor;
 use pullback_manifold::scalar::Scalar;
@@ -33,7 +32,7 @@ pub(super) fn joints<const N: usize>(
     let (nodes, ends) = nodes.split_at(N);
     let (mut end, mut gap) = ([[f64::NAN; N]; 3], 0.0_f64);
     begun.integrate(&mut |model, progress| {
-        model.configure(point(progress))?;
+        model.configure(progress.state.point())?;
         for (k, &node) in nodes.iter().enumerate() {
             let motion = model.coordinate_motion(node, 0).unwrap_or([f64::NAN; 3]);
             for d in 0..3 {

@@ -20,7 +20,8 @@ mod struck;
 mod swings;
 mod tops;
 
-pub use case::{Case, CaseError, CaseProblem, CaseReport, CaseRow};
+use case::CaseReport;
+pub use case::{Case, CaseError, CaseProblem, CaseRow};
 pub use exact::exact;
 pub use models::{MODELS, model};
 

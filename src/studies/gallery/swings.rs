@@ -3,6 +3,7 @@
 #![allow(non_snake_case)]
 
 use super::case::{CaseProblem, CaseReport};
+use super::exact::first_kind;
 use super::motion::{History, RunChanges, observed_order, richardson};
 use crate::input::{ModelFile, Sine, Time};
 use crate::output::plot::PlotCurve;
@@ -60,15 +61,6 @@ pub(super) fn pendulum(report: &mut CaseReport) -> Result<(), CaseProblem> {
     over(report, &file)
 }
 
-/// Complete elliptic integral of the first kind by the arithmetic-geometric mean; k is the modulus.
-fn elliptic_K(k: f64) -> f64 {
-    let (mut a, mut g) = (1.0, (1.0 - k * k).sqrt());
-    for _ in 0..10 {
-        (a, g) = (0.5 * (a + g), (a * g).sqrt());
-    }
-    FRAC_PI_2 / a
-}
-
 /// Angle of a pendulum from its lowest position, whole turns included.
 fn turned(run: &History) -> Vec<f64> {
     let mut turned = 0.0;
@@ -86,7 +78,7 @@ fn turned(run: &History) -> Vec<f64> {
 /// (2/ω) ∫₀^π dφ/√(1 − k² sin²φ) = 4 K(k)/ω with k = 2√(g/l)/ω, and half a turn half of that.
 fn over(report: &mut CaseReport, file: &ModelFile) -> Result<(), CaseProblem> {
     let (omega, g_over_l) = (8.0, 9.81);
-    let turn = 4.0 * elliptic_K(2.0 * f64::sqrt(g_over_l) / omega) / omega;
+    let turn = 4.0 * first_kind(FRAC_PI_2, 4.0 * g_over_l / (omega * omega)) / omega;
     let mut file = file.clone();
     file.joints[0].rate = Some(omega);
     (file.joints[1].keys).insert("position".to_owned(), serde_json::json!([0.0, 0.0, -1.0]));

@@ -4,10 +4,10 @@
 
 use super::bent::stiffer;
 use super::case::{CaseProblem, CaseReport, peak, with_scheme};
-use super::motion::{History, RunChanges, observed_order, richardson};
+use super::motion::{History, RunChanges, observed_order, richardson, runge_kutta};
 use crate::input::{Fix, Group, ModelFile};
 use crate::output::plot::PlotCurve;
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{Quaternion, SVector, UnitQuaternion, Vector3, stack};
 use pullback_elements::model::NodeState;
 
 /// Inclination of the axis e3 of a node.
@@ -32,34 +32,23 @@ struct Gyroscope {
     arm: Vector3<f64>,
 }
 
-type GyroState = (Quaternion<f64>, Vector3<f64>);
+/// p and Ω.
+type GyroState = SVector<f64, 7>;
 
 impl Gyroscope {
-    fn rates(&self, (p, omega): &GyroState) -> GyroState {
-        let R = UnitQuaternion::from_quaternion(*p);
+    fn rates(&self, y: &GyroState) -> GyroState {
+        let (p, omega) = (quaternion(y), y.fixed_rows::<3>(4).into_owned());
+        let R = UnitQuaternion::from_quaternion(p);
         let down = R.inverse_transform_vector(&-Vector3::z());
-        let moment = self.arm.cross(&down) - omega.cross(&self.J.component_mul(omega));
-        let half = Quaternion::from_parts(0.0, *omega) * 0.5;
-        (p * half, moment.component_div(&self.J))
+        let moment = self.arm.cross(&down) - omega.cross(&self.J.component_mul(&omega));
+        let half = Quaternion::from_parts(0.0, omega) * 0.5;
+        stack![(p * half).coords; moment.component_div(&self.J)]
     }
+}
 
-    /// The classical Runge-Kutta method with `count` steps until `t`.
-    fn integrate(&self, start: GyroState, t: f64, count: usize) -> GyroState {
-        let h = t / count as f64;
-        let along = |s: &GyroState, d: &GyroState, h: f64| (s.0 + d.0 * h, s.1 + d.1 * h);
-        (0..count).fold(start, |s, _| {
-            let k1 = self.rates(&s);
-            let k2 = self.rates(&along(&s, &k1, 0.5 * h));
-            let k3 = self.rates(&along(&s, &k2, 0.5 * h));
-            let k4 = self.rates(&along(&s, &k3, h));
-            let sum = (
-                k1.0 + (k2.0 + k3.0) * 2.0 + k4.0,
-                k1.1 + (k2.1 + k3.1) * 2.0 + k4.1,
-            );
-            let (p, omega) = along(&s, &sum, h / 6.0);
-            (p.normalize(), omega)
-        })
-    }
+/// The quaternion p of a state.
+fn quaternion(y: &GyroState) -> Quaternion<f64> {
+    Quaternion::from(y.fixed_rows::<4>(0).into_owned())
 }
 
 /// Case 3 of [M04] and R02: the fast symmetrical top. Its plot redraws Fig. 33.
@@ -96,9 +85,9 @@ pub(super) fn top(report: &mut CaseReport) -> Result<(), CaseProblem> {
         arm: Vector3::new(0.0, 0.0, 20.0),
     };
     let tilt = UnitQuaternion::from_scaled_axis(Vector3::new(0.3, 0.0, 0.0));
-    let begin = (*tilt.quaternion(), Vector3::new(0.0, 0.0, 50.0));
+    let begin = stack![tilt.quaternion().coords; Vector3::new(0.0, 0.0, 50.0)];
     for t in [0.5, 1.0, 1.5] {
-        let (p, _) = gyroscope.integrate(begin, t, 100_000);
+        let p = quaternion(&runge_kutta(|_, y| gyroscope.rates(y), begin, t, 100_000));
         let exact = UnitQuaternion::from_quaternion(p) * Vector3::z();
         let axis: Vector3<f64> = converged.at(0, t).R.column(2).into();
         let source = "independent: quaternion, Runge-Kutta";

@@ -2,7 +2,6 @@
 
 use super::equations::FirstOrderSystem;
 use super::{General, GeneralError, Rule};
-use crate::solve::point;
 use diffsol::{
     DiffsolError, NalgebraLU, NalgebraMat, NalgebraVec, OdeBuilder, OdeEquations, OdeSolverMethod,
     OdeSolverStopReason, Vector,
@@ -202,7 +201,7 @@ impl<Y: System> Run<'_, '_, Y> {
                 let equations = &mut equations.borrow_mut();
                 look(equations, &mut progress.state, time, &y.clone_as_vec())?;
                 self.times.next();
-                flow = (self.observer.seen)(equations.system, point(progress));
+                flow = (self.observer.seen)(equations.system, progress.state.point());
                 if flow.is_break() {
                     break;
                 }

@@ -13,6 +13,7 @@ pub use figures::figures;
 use crate::method::PREFIXES;
 use crate::output::{Directory, OutputError, drawing};
 use crate::studies::general;
+use crate::terminal::longest;
 use pullback_integrators::dynamics::{DynamicsError, Scheme};
 use pullback_integrators::significant;
 use pullback_integrators::spectrum::{
@@ -274,8 +275,7 @@ fn plain(scheme: Scheme) -> Result<Scheme, SpectrumError> {
 /// # Errors
 /// [`DynamicsError`], as [`run`].
 pub fn table(spectra: &[(Scheme, Spectrum)]) -> Result<String, DynamicsError> {
-    let width = spectra.iter().map(|(_, s)| s.scheme.chars().count()).max();
-    let width = width.unwrap_or(0).max("scheme".len());
+    let width = longest(spectra.iter().map(|(_, s)| &*s.scheme)).max("scheme".len());
     let mut out = format!(
         "{:width$}  {:>8}  {:>11}  {:>11}  {:>11}  {:>10}  {:>12}\n",
         "scheme", "Ω", "radius", "damping", "elongation", "|q₁/q₀|", "|q̇₁/(ω q₀)|"

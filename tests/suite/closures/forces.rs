@@ -42,7 +42,7 @@ fn started(context: &mut Context, crank: NodeId) -> [Vec<f64>; 2] {
     match context.unknown_at(crank, 0) {
         Some(u) => {
             v[u] = CRANK_RATE;
-            let left = context.satisfy(0.0, &mut q, &mut v, &[u]).unwrap();
+            let left = context.project_state(0.0, &mut q, &mut v, &[u]).unwrap();
             assert!(left < 1e-12, "{left:e}");
         }
         None => {

@@ -181,7 +181,7 @@ fn pendulum(scheme: Scheme, start: [f64; 2], to: f64, n: usize) -> (Vector3<f64>
         .unwrap();
     let end = b.offset("end", hinge.frame, [0.0, 0.0, -1.0]).unwrap();
     let mass = PointMass::new(1.0).unwrap();
-    let weight = mass.weight([0.0, 0.0, -G], Box::new(Constant(1.0)));
+    let weight = mass.weight([0.0, 0.0, -G], Constant(1.0));
     b.element("mass", mass, &[end]).unwrap();
     b.element("weight", weight, &[end]).unwrap();
     let mut context = Context::new(b.build().unwrap());
@@ -257,7 +257,7 @@ fn hooke(beta: f64, k: f64) -> [f64; 2] {
         offset: 7.0,
         ..sine(-7.0, 1.0, FRAC_PI_2)
     };
-    b.prescribe_coordinate(input.coordinates[0], 0, Box::new(drive));
+    b.prescribe_coordinate(input.coordinates[0], 0, drive);
     let cross = b
         .attach(
             "cross",

@@ -173,7 +173,7 @@ fn a_bead_is_flung_along_a_wire_that_turns() {
                 let hub = b
                     .attach("hub", on, Revolute::new([0.0, 0.0, 1.0]).unwrap())
                     .unwrap();
-                b.prescribe_coordinate(hub.coordinates[0], 0, Box::new(Proportional(omega)));
+                b.prescribe_coordinate(hub.coordinates[0], 0, Proportional(omega));
                 b.attach_free("bead", hub.frame, OnCurve::new(Wire))
                     .unwrap()
             });

@@ -28,7 +28,7 @@ impl ModelBuilder {
     /// contain bodies that fly freely. Both methods enforce the equations of the map: the gap in the
     /// child's axes over the size of the model, and twice the vector part of the quaternion between the
     /// frames. An analysis of such a model starts from [`Model::initial`](crate::model::Model::initial), or
-    /// from another start after [`Context::satisfy`](crate::model::Context::satisfy).
+    /// from another start after [`Context::project_state`](crate::model::Context::project_state).
     ///
     /// # Errors
     /// As [`ModelBuilder::close`]; [`ModelError::Penalty`].
@@ -106,7 +106,7 @@ impl ModelBuilder {
                     Box::new(Multipliers::<_, 12, 6>::new(h).named(&EQUATIONS))
                 }
             };
-            let id = self.boxed_element(format!("closure of {name}"), element, &nodes)?;
+            let id = self.element(format!("closure of {name}"), element, &nodes)?;
             reports.push(LoopReport {
                 element: Some(id.0),
                 ..LoopReport::say(words)

@@ -59,7 +59,7 @@ fn everything() -> Context {
     let J = Matrix3::from_diagonal(&Vector3::new(0.2, 0.3, 0.4));
     let body = RigidBody::new(2.0, J, Vector3::new(0.05, 0.0, 0.1)).unwrap();
     b.element("body", body, &[far]).unwrap();
-    let weight = body.weight([0.0, 0.0, -9.81], Box::new(Constant(1.0)));
+    let weight = body.weight([0.0, 0.0, -9.81], Constant(1.0));
     b.element("weight", weight, &[far]).unwrap();
     let law = CoordinateLaw {
         k: 3.0,

@@ -146,7 +146,7 @@ fn chained(planted: Planted, interpolation: Interpolation, driven: bool, seed: u
         .unwrap();
     b.element("runner body", body(), &[frame]).unwrap();
     if driven {
-        b.prescribe_coordinate(way, 0, Box::new(Constant(0.05)));
+        b.prescribe_coordinate(way, 0, Constant(0.05));
     }
     let options = ModelOptions {
         seed,

@@ -26,7 +26,7 @@ fn model() -> (Context, [NodeId; 3]) {
         ("body 2", second, Vector3::zeros()),
     ] {
         let body = RigidBody::new(1.3, J, c).unwrap();
-        let weight = body.weight(g, Box::new(Constant(1.0)));
+        let weight = body.weight(g, Constant(1.0));
         b.element(name, body, &[node]).unwrap();
         b.element(format!("weight of {name}"), weight, &[node])
             .unwrap();
@@ -104,12 +104,7 @@ fn a_spring_without_length_is_named() {
     for (i, dof) in [Dof::X, Dof::Y, Dof::Z].into_iter().enumerate() {
         q[context.unknown(mass, dof).unwrap()] = gap[i];
     }
-    let at = Point {
-        t: 0.0,
-        q: &q,
-        v: &[],
-        a: &[],
-    };
+    let at = Point::statics(0.0, &q);
     let error = context
         .evaluate(at, Evaluation::residual(&mut vec![0.0; n]))
         .unwrap_err();

@@ -55,7 +55,7 @@ fn frame_model(b: &mut ModelBuilder) -> [NodeId; 3] {
     }
     let own = [leg.nodes[0], leg.nodes[1]];
     let positions = own.map(|n| b.position(n));
-    let wind = LineLoad::new(&positions, [0.0, 2.0, 1.0], true, Box::new(sine(2.0))).unwrap();
+    let wind = LineLoad::new(&positions, [0.0, 2.0, 1.0], true, sine(2.0)).unwrap();
     b.element("wind", wind, &own).unwrap();
     [root, corner, tip]
 }
@@ -210,7 +210,7 @@ fn chain(count: usize) -> (Context, Vec<NodeId>) {
         b.element("coupling", Coupling, pair).unwrap();
     }
     let positions = [b.position(nodes[0]), b.position(nodes[1])];
-    let wind = LineLoad::new(&positions, [0.0, 2.0, 1.0], true, Box::new(sine(2.0))).unwrap();
+    let wind = LineLoad::new(&positions, [0.0, 2.0, 1.0], true, sine(2.0)).unwrap();
     b.element("wind", wind, &nodes[..2]).unwrap();
     (Context::new(b.build().unwrap()), nodes)
 }
@@ -279,12 +279,7 @@ fn a_tangent_from_the_previous_iterate_differs_by_the_square_of_the_step() {
     random.direction(1.0, d.as_mut_slice());
     random.fill(q.as_mut_slice());
     let mut tangent = |previous: Option<&DVector<f64>>| {
-        let at = |q| Point {
-            t: 0.6,
-            q,
-            v: &[],
-            a: &[],
-        };
+        let at = |q| Point::statics(0.6, q);
         let (mut r, mut S) = (vec![0.0; n], vec![0.0; context.pattern().len()]);
         let out = Evaluation::with_tangent(&mut r, Weights::STATIC, &mut S);
         match previous {

@@ -5,7 +5,7 @@
 
 use crate::support::linear_solver::*;
 use pullback_integrators::linear_solver::{
-    AutoSolver, BlockLu, Chosen, LinearError, LinearSolver, MatrixSymmetry,
+    AutoSolver, BlockLu, LinearError, LinearSolver, MatrixSymmetry, SolverKind,
 };
 use pullback_manifold::sparse::BlockPattern;
 
@@ -68,7 +68,7 @@ impl Case {
             f64::from(u8::from(r == c))
         });
         auto.factorise(&harmless).unwrap();
-        assert_eq!(auto.active(), Some(Chosen::Block));
+        assert_eq!(auto.active(), Some(SolverKind::Block));
         let near = |found: &[f64]| {
             for (found, x) in found.iter().zip(&self.x) {
                 assert!((found - x).abs() < 1e-9 * x.abs(), "{found} instead of {x}");
@@ -78,11 +78,11 @@ impl Case {
             let mut found = self.b.clone();
             auto.factorise(&self.values).unwrap();
             auto.solve(Some(&self.values), &mut found).unwrap();
-            assert_eq!(auto.active(), Some(Chosen::Lu));
+            assert_eq!(auto.active(), Some(SolverKind::Lu));
             near(&found);
             let mut found = self.b.clone();
             auto.factorise_and_solve(&self.values, &mut found).unwrap();
-            assert_eq!(auto.active(), Some(Chosen::Lu));
+            assert_eq!(auto.active(), Some(SolverKind::Lu));
             near(&found);
         }
     }

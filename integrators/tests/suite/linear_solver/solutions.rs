@@ -5,8 +5,8 @@
 use crate::support::linear_solver::*;
 use nalgebra::DVector;
 use pullback_integrators::linear_solver::{
-    AutoSolver, BlockLu, Chosen, FaerCholesky, FaerLu, LinearError, LinearSolver, MatrixSymmetry,
-    null_vector,
+    AutoSolver, BlockLu, FaerCholesky, FaerLu, LinearError, LinearSolver, MatrixSymmetry,
+    SolverKind, null_vector,
 };
 use pullback_manifold::sparse::BlockPattern;
 
@@ -183,7 +183,7 @@ fn a_long_cantilever_is_not_singular() {
     let mut auto = AutoSolver::new();
     auto.analyse(&pattern, MatrixSymmetry::Symmetric).unwrap();
     auto.factorise(&values).unwrap();
-    assert_eq!(auto.active(), Some(Chosen::Block));
+    assert_eq!(auto.active(), Some(SolverKind::Block));
 }
 
 #[test]
@@ -219,12 +219,12 @@ fn a_saddle_point_needs_the_fallback_and_gets_it() {
     auto.analyse(&pattern, MatrixSymmetry::Symmetric).unwrap();
     for _ in 0..5 {
         auto.factorise(&values).unwrap();
-        assert_eq!(auto.active(), Some(Chosen::Lu));
+        assert_eq!(auto.active(), Some(SolverKind::Lu));
         let mut x = b.clone();
         auto.solve(Some(&values), &mut x).unwrap();
         let mut at_once = b.clone();
         auto.factorise_and_solve(&values, &mut at_once).unwrap();
-        assert_eq!(auto.active(), Some(Chosen::Lu));
+        assert_eq!(auto.active(), Some(SolverKind::Lu));
         for (k, e) in exact.iter().enumerate() {
             assert!((x[k] - e).abs() < 1e-10 && (at_once[k] - e).abs() < 1e-10);
         }
@@ -363,7 +363,7 @@ fn saddle_points_are_solved_in_any_unit() {
                     }
                 }
                 // Multipliers behind their nodes, the angle behind them: nothing is interchanged.
-                assert_eq!(auto.active(), Some(Chosen::Block));
+                assert_eq!(auto.active(), Some(SolverKind::Block));
             }
         }
     }
