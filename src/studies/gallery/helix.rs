@@ -1,6 +1,10 @@
 //! The helical beam: rotations far beyond π, at most loads with elements whose nodes are in different charts.
 
 #![allow(non_snake_case)]
+#![allow(
+    clippy::toplevel_ref_arg,
+    reason = "the macro `stack` of nalgebra expands to it"
+)]
 
 use super::case::{CaseProblem, CaseReport, StepRecord, order, peak};
 use super::motion::runge_kutta;

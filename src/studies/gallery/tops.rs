@@ -1,6 +1,10 @@
 //! Rigid bodies with a fixed point, and free ones.
 
 #![allow(non_snake_case)]
+#![allow(
+    clippy::toplevel_ref_arg,
+    reason = "the macro `stack` of nalgebra expands to it"
+)]
 
 use super::bent::stiffer;
 use super::case::{CaseProblem, CaseReport, peak, with_scheme};
