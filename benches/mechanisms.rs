@@ -8,7 +8,7 @@
 #![allow(non_snake_case, missing_docs)]
 
 use pullback::input::assemble_text;
-use pullback::integrators::linear_solver::{BlockLu, LinearSolver, Symmetry};
+use pullback::integrators::linear_solver::{BlockLu, LinearSolver, MatrixSymmetry};
 use pullback::manifold::system::{Evaluation, Point, System, Weights};
 use pullback::prelude::*;
 use std::error::Error;
@@ -36,7 +36,7 @@ struct Accelerations {
 impl Accelerations {
     fn new(context: Context) -> Result<Self, Box<dyn Error>> {
         let mut solver = BlockLu::new();
-        solver.analyse(context.pattern(), Symmetry::General)?;
+        solver.analyse(context.pattern(), MatrixSymmetry::General)?;
         Ok(Self {
             solver,
             M: vec![0.0; context.pattern().len()],

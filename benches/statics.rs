@@ -4,7 +4,7 @@
 #![allow(non_snake_case, missing_docs)]
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use pullback::integrators::linear_solver::{BlockLu, FaerLu, LinearSolver, Symmetry};
+use pullback::integrators::linear_solver::{BlockLu, FaerLu, LinearSolver, MatrixSymmetry};
 use pullback::manifold::system::System;
 use pullback::manifold::system::{Evaluation, Point, Weights};
 use pullback::prelude::*;
@@ -113,12 +113,7 @@ fn whole_analysis(c: &mut Criterion) {
         let n = model.pattern().dim();
         let q: Vec<f64> = (0..n).map(|i| 1e-3 * (i as f64).sin()).collect();
         let (mut r, mut S) = (vec![0.0; n], vec![0.0; model.pattern().len()]);
-        let at = Point {
-            t: 1.0,
-            q: &q,
-            v: &[],
-            a: &[],
-        };
+        let at = Point::statics(1.0, &q);
         let force = seconds(elements, || {
             model
                 .evaluate(at, Evaluation::residual(&mut r))
@@ -144,7 +139,7 @@ fn whole_analysis(c: &mut Criterion) {
         for (k, solver) in solvers.into_iter().enumerate() {
             let mut b = r.clone();
             solver
-                .analyse(model.pattern(), Symmetry::General)
+                .analyse(model.pattern(), MatrixSymmetry::General)
                 .expect("a chain");
             if solver.factorise(&S).is_err() {
                 times[2 * k] = f64::NAN;

@@ -49,7 +49,7 @@ fn context(push: f64) -> Result<Context, Box<dyn Error>> {
     let nut = builder.attach("nut", ground, screw)?.frame;
     let bob = builder.offset("bob", nut, [0.0, 0.0, -ARM])?;
     let mass = PointMass::new(MASS)?;
-    let weight = mass.weight([0.0, 0.0, -G], Box::new(Constant(1.0)));
+    let weight = mass.weight([0.0, 0.0, -G], Constant(1.0));
     builder.element("mass", mass, &[bob])?;
     builder.element("weight", weight, &[bob])?;
     let push = NodalLoad::new(LoadKind::DeadForce, [push, 0.0, 0.0], Proportional(1.0));

@@ -59,7 +59,7 @@ fn context(spring: f64, pull: f64, moment: f64, end: f64) -> Result<Context, Box
     };
     let bob = builder.offset("bob", frame, [0.0, 0.0, -LENGTH])?;
     let mass = PointMass::new(BOB)?;
-    let weight = mass.weight([0.0, 0.0, -G], Box::new(Constant(1.0)));
+    let weight = mass.weight([0.0, 0.0, -G], Constant(1.0));
     builder.element("pin mass", PointMass::new(PIN)?, &[frame])?;
     builder.element("mass", mass, &[bob])?;
     builder.element("weight", weight, &[bob])?;

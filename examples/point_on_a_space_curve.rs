@@ -46,7 +46,7 @@ fn context(force: f64) -> Result<Context, Box<dyn Error>> {
     };
     let JointNodes { frame, coordinates } = builder.attach("bead", ground, curve)?;
     let mass = PointMass::new(MASS)?;
-    let weight = mass.weight([0.0, 0.0, -G], Box::new(Constant(1.0)));
+    let weight = mass.weight([0.0, 0.0, -G], Constant(1.0));
     builder.element("mass", mass, &[frame])?;
     builder.element("weight", weight, &[frame])?;
     let force = CoordinateForce::new(Proportional(force));

@@ -59,7 +59,7 @@ fn sliders(builder: &mut ModelBuilder, x: NodeId) -> Result<(), Box<dyn Error>> 
         let joint = Prismatic::new(axis)?;
         let slider = builder.add_joint_frame(name, start, joint, &[displacement])?;
         let mass = PointMass::new(MASS)?;
-        let weight = mass.weight([0.0, -G, 0.0], Box::new(Constant(1.0)));
+        let weight = mass.weight([0.0, -G, 0.0], Constant(1.0));
         builder.element(format!("mass of {name}"), mass, &[slider])?;
         builder.element(format!("weight of {name}"), weight, &[slider])?;
     }

@@ -14,6 +14,7 @@
 //! ```
 
 use crate::input::{self, InputError, Job, Plan};
+use crate::terminal::longest;
 use pullback_manifold::system::Events;
 use serde::Serialize;
 use std::collections::{HashMap, HashSet};
@@ -21,8 +22,8 @@ use std::fmt::Write;
 use std::path::Path;
 
 pub use pullback_conformance::{
-    Block, LawRow, Measure, Options, Report, element, implicit, joint, map, model, parametrization,
-    same, scheme,
+    Block, LawRow, Measure, ModelOptions, Report, element, implicit, joint, map, model,
+    parametrization, same, scheme,
 };
 
 /// Random states of a model besides its start.
@@ -67,7 +68,7 @@ pub fn job(job: &mut Job, seed: u64) -> Report {
 ///
 /// The time is early in the analysis, where prescribed motion is close to its start, and lies between the kinks of
 /// functions of time.
-pub fn options(job: &Job, seed: u64) -> Options {
+pub fn options(job: &Job, seed: u64) -> ModelOptions {
     let from = job.plan.start();
     let range = match &job.plan {
         Plan::Static(options) => options.to - from,
@@ -85,7 +86,7 @@ pub fn options(job: &Job, seed: u64) -> Options {
     let t = candidates.into_iter().fold(candidates[0], |best, t| {
         if room(t) > 2.0 * room(best) { t } else { best }
     });
-    Options {
+    ModelOptions {
         seed,
         t,
         q: job.start.q.clone(),
@@ -169,12 +170,12 @@ pub fn entries(report: &Report) -> Vec<Entry<'_>> {
 /// A report as a table: one line for each component, with the property closest to failing and the number of properties.
 /// The elements of one line of a model share a row. Failures and their wrong blocks follow.
 pub fn summary(report: &Report) -> String {
-    lines(report, false)
+    text(report, false)
 }
 
 /// Like [`summary`], with a line for each component and property.
 pub fn table(report: &Report) -> String {
-    lines(report, true)
+    text(report, true)
 }
 
 /// Rows that share a line: the one closest to failing, the components, and the number of rows.
@@ -185,7 +186,26 @@ struct Line<'a> {
     laws: HashSet<&'a str>,
 }
 
-fn lines(report: &Report, all: bool) -> String {
+impl Line<'_> {
+    /// The component, or the family of components.
+    fn name(&self) -> String {
+        match self.components.len() {
+            1 => self.worst.component.clone(),
+            count => format!("{}, {count} of them", self.family),
+        }
+    }
+
+    /// The property closest to failing.
+    fn property(&self) -> String {
+        match self.laws.len() {
+            1 => self.worst.law.clone(),
+            count => format!("{} (worst of {count})", self.worst.law),
+        }
+    }
+}
+
+/// The lines of a report: one for each family of components, or for each property of it as well.
+fn lines(report: &Report, all: bool) -> Vec<Line<'_>> {
     let mut lines: Vec<Line<'_>> = Vec::new();
     let mut positions = HashMap::new();
     for row in report.rows() {
@@ -209,21 +229,16 @@ fn lines(report: &Report, all: bool) -> String {
             line.worst = row;
         }
     }
-    let named = |line: &Line<'_>| match line.components.len() {
-        1 => line.worst.component.clone(),
-        count => format!("{}, {count} of them", line.family),
-    };
-    let names: Vec<String> = lines.iter().map(named).collect();
-    let laws: Vec<String> = (lines.iter())
-        .map(|line| match line.laws.len() {
-            1 => line.worst.law.clone(),
-            count => format!("{} (worst of {count})", line.worst.law),
-        })
-        .collect();
-    let width =
-        |texts: &mut dyn Iterator<Item = &str>| texts.map(|t| t.chars().count()).max().unwrap_or(0);
-    let first = width(&mut names.iter().map(String::as_str)).max("component".len());
-    let second = width(&mut laws.iter().map(String::as_str)).max("property".len());
+    lines
+}
+
+/// The table of a report, its failures in detail, and the numbers of properties and failures.
+fn text(report: &Report, all: bool) -> String {
+    let lines = lines(report, all);
+    let names: Vec<String> = lines.iter().map(Line::name).collect();
+    let laws: Vec<String> = lines.iter().map(Line::property).collect();
+    let first = longest(names.iter().map(|name| &**name)).max("component".len());
+    let second = longest(laws.iter().map(|law| &**law)).max("property".len());
     let mut out = format!(
         "{:first$}  {:second$}  {:>15}  {:>9}\n",
         "component", "property", "measured", "limit"
@@ -250,6 +265,12 @@ fn lines(report: &Report, all: bool) -> String {
             "{shown:first$}  {law:second$}  {measured:>15}  {limit:>9}  {verdict}",
         );
     }
+    describe_failures(&mut out, report);
+    out
+}
+
+/// Writes the first failures with their wrong blocks, and the numbers of properties and failures.
+fn describe_failures(out: &mut String, report: &Report) {
     let failures = report.failures();
     for row in failures.iter().take(DESCRIBED) {
         let _ = write!(out, "\nFAIL {}: {}\n", row.component, row.law);
@@ -269,7 +290,6 @@ fn lines(report: &Report, all: bool) -> String {
         components.len(),
         failures.len()
     );
-    out
 }
 
 /// The common name of the elements of one line: `element arm:7 (beam)` is of `element arm:* (beam)`.

@@ -64,7 +64,7 @@
 //! let end = builder.offset("end", pivot.frame, [0.0, 0.0, -length])?;
 //! let bob = PointMass::new(2.0)?;
 //! builder.element("bob", bob, &[end])?;
-//! builder.element("weight", bob.weight([0.0, 0.0, -g], Box::new(Constant(1.0))), &[end])?;
+//! builder.element("weight", bob.weight([0.0, 0.0, -g], Constant(1.0)), &[end])?;
 //! let mut context = Context::new(builder.build()?);
 //!
 //! // A small swing returns after 2π √(l/g).

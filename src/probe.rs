@@ -23,7 +23,7 @@ pub(crate) enum Target {
 
 /// Which part of a vector is recorded.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Component {
+pub(crate) enum ProbeComponent {
     /// All three, with the ends of their column names.
     All([&'static str; 3]),
     /// One.
@@ -40,7 +40,7 @@ pub struct Probe {
     name: String,
     pub(crate) quantity: ProbeQuantity,
     target: Target,
-    component: Component,
+    component: ProbeComponent,
     /// Rotation vector at the last step, continued over changes of chart; the next value depends on it.
     continued: Vector3<f64>,
 }
@@ -105,7 +105,7 @@ impl Probe {
         name: &str,
         quantity: ProbeQuantity,
         target: Target,
-        component: Component,
+        component: ProbeComponent,
     ) -> Self {
         Self {
             name: name.to_owned(),
@@ -117,19 +117,19 @@ impl Probe {
     }
 
     /// Rotation vector at the last step, for a checkpoint.
-    pub(crate) fn memory(&self) -> [f64; 3] {
+    pub(crate) fn save(&self) -> [f64; 3] {
         self.continued.into()
     }
 
     /// Restores that rotation vector.
-    pub(crate) fn remember(&mut self, memory: [f64; 3]) {
+    pub(crate) fn restore(&mut self, memory: [f64; 3]) {
         self.continued = memory.into();
     }
 
     /// Heads of its columns.
     pub fn columns(&self) -> Vec<String> {
         match self.component {
-            Component::All(ends) => ends.map(|end| format!("{}.{end}", self.name)).to_vec(),
+            ProbeComponent::All(ends) => ends.map(|end| format!("{}.{end}", self.name)).to_vec(),
             _ => vec![self.name.clone()],
         }
     }
@@ -138,10 +138,10 @@ impl Probe {
     pub(crate) fn record(&mut self, context: &Context, answers: &Answers, out: &mut Vec<f64>) {
         let v = self.vector(context, answers);
         match self.component {
-            Component::All(_) => out.extend(v.iter()),
-            Component::One(k) => out.push(v[k]),
-            Component::Norm => out.push(v.norm()),
-            Component::Whole => out.push(match &self.target {
+            ProbeComponent::All(_) => out.extend(v.iter()),
+            ProbeComponent::One(k) => out.push(v[k]),
+            ProbeComponent::Norm => out.push(v.norm()),
+            ProbeComponent::Whole => out.push(match &self.target {
                 Target::Joint(node) => {
                     let rate = match self.quantity {
                         ProbeQuantity::joint_rate => 1,

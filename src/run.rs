@@ -8,7 +8,7 @@ use crate::output::{
 use crate::solve::{Advance, Counts, Ended, SolveError, begin, solve};
 use crate::warnings;
 use pullback_elements::model::Context;
-use pullback_integrators::dynamics::{DynamicsError, Progress, start};
+use pullback_integrators::dynamics::{DynamicsError, Progress};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
@@ -74,9 +74,7 @@ pub fn run(
     out: Option<&Path>,
     observer: &mut dyn FnMut(&Advance<'_>) -> ControlFlow<()>,
 ) -> Result<Outcome, RunError> {
-    let directory = out.map_or_else(|| default_directory(model), Path::to_path_buf);
-    let source = model.display().to_string();
-    run_job(input::load(model)?, &source, &directory, false, observer)
+    run_file(model, out, false, observer)
 }
 
 /// Resumes a dynamic run from its last checkpoint, with results that are bitwise those of an uninterrupted run.
@@ -88,9 +86,18 @@ pub fn resume(
     out: Option<&Path>,
     observer: &mut dyn FnMut(&Advance<'_>) -> ControlFlow<()>,
 ) -> Result<Outcome, RunError> {
+    run_file(model, out, true, observer)
+}
+
+fn run_file(
+    model: &Path,
+    out: Option<&Path>,
+    resume: bool,
+    observer: &mut dyn FnMut(&Advance<'_>) -> ControlFlow<()>,
+) -> Result<Outcome, RunError> {
     let directory = out.map_or_else(|| default_directory(model), Path::to_path_buf);
     let source = model.display().to_string();
-    run_job(input::load(model)?, &source, &directory, true, observer)
+    run_job(input::load(model)?, &source, &directory, resume, observer)
 }
 
 /// Runs an assembled job, or resumes it from its last checkpoint; `source` is the name of its model file in the
@@ -148,19 +155,8 @@ pub fn run_job(
         (Plan::Dynamic(_), None) => recorder.start_motion(&mut context, &progress)?,
         _ => recorder.start(&mut context)?,
     }
-    let mut unrecorded = None;
-    let ended = solve(&mut context, &plan, &mut progress, &mut |context, step| {
-        if let Err(error) = record(&mut recorder, context, &plan, step) {
-            unrecorded = Some(error);
-            return ControlFlow::Break(());
-        }
-        observer(step)
-    });
-    let unevaluated = match unrecorded {
-        Some(error @ RecordError::System(_)) => Some(error.to_string()),
-        Some(error) => return Err(error.into()),
-        None => None,
-    };
+    let (ended, unevaluated) =
+        solve_recorded(&mut context, &plan, &mut progress, &mut recorder, observer)?;
     if matches!(plan, Plan::Dynamic(_)) {
         recorder.checkpoint(&context, &progress)?;
     }
@@ -183,6 +179,29 @@ pub fn run_job(
         files: written.files().to_vec(),
         notes,
     })
+}
+
+/// Solves, and records every step; with the message of a converged state that cannot be evaluated, if any.
+fn solve_recorded(
+    context: &mut Context,
+    plan: &Plan,
+    progress: &mut Progress,
+    recorder: &mut Recorder<'_>,
+    observer: &mut dyn FnMut(&Advance<'_>) -> ControlFlow<()>,
+) -> Result<(Ended, Option<String>), RecordError> {
+    let mut unrecorded = None;
+    let ended = solve(context, plan, progress, &mut |context, step| {
+        if let Err(error) = record(recorder, context, plan, step) {
+            unrecorded = Some(error);
+            return ControlFlow::Break(());
+        }
+        observer(step)
+    });
+    match unrecorded {
+        Some(error @ RecordError::System(_)) => Ok((ended, Some(error.to_string()))),
+        Some(error) => Err(error),
+        None => Ok((ended, None)),
+    }
 }
 
 /// The last checkpoint of a job.
@@ -228,7 +247,7 @@ fn initial_progress(
             checkpoint.restore(context, directory)?;
             checkpoint.progress().clone()
         }
-        None => Progress::new(start(context, 0.0, &initial.q, &initial.v)?),
+        None => initial.motion(context)?,
     };
     begin(context, &plan.options, &mut progress)?;
     Ok(progress)

@@ -10,7 +10,6 @@ use pullback_integrators::significant;
 use pullback_integrators::statics::{
     FailedStep, Iteration, StaticsError, Step, solve_statics, trace_path,
 };
-use pullback_manifold::system::Point;
 use serde::ser::{SerializeMap, Serializer};
 use std::ops::ControlFlow;
 
@@ -172,6 +171,19 @@ impl Counts {
         }
     }
 
+    /// Counts a converged step of statics, or takes over those of a motion so far.
+    pub(crate) fn add(&mut self, step: &Advance<'_>) {
+        if let Some(progress) = step.progress {
+            *self = Self::of_motion(&progress.summary);
+            return;
+        }
+        self.iterations += step.iterations;
+        if step.event.is_none() {
+            self.steps = step.number;
+            self.chart_changes += step.chart_changes;
+        }
+    }
+
     /// Counts of a motion so far.
     pub fn of_motion(s: &dynamics::Summary) -> Self {
         Self {
@@ -220,17 +232,6 @@ pub fn begin(
     })
 }
 
-/// The present point of a motion.
-pub fn point(progress: &Progress) -> Point<'_> {
-    let state = &progress.state;
-    Point {
-        t: state.t,
-        q: &state.q,
-        v: &state.v,
-        a: &state.a,
-    }
-}
-
 /// Runs the analysis of the plan, a motion from the state of `progress`; `observer` is called at every
 /// converged step, with the model in its configuration, and may stop the analysis.
 pub fn solve(
@@ -244,11 +245,7 @@ pub fn solve(
     let mut step_limit = None;
     let mut seen = |context: &mut Context, step: &Step<'_>| {
         let advance = Advance::from(step);
-        counts.iterations += advance.iterations;
-        if advance.event.is_none() {
-            counts.steps = advance.number;
-            counts.chart_changes += advance.chart_changes;
-        }
+        counts.add(&advance);
         observer(context, &advance)
     };
     let statics = match plan {

@@ -1,7 +1,7 @@
 //! Progress display and interrupts of the program.
 
 use crate::solve::{Advance, Counts};
-use crate::studies::gallery::Comparison;
+use crate::studies::gallery::CaseRow;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::fmt::{Display, Write};
 use std::io::{self, Write as _};
@@ -15,7 +15,7 @@ pub fn tell(what: impl Display) {
 }
 
 /// A progress line; silent if standard error is not a terminal.
-pub struct Progress {
+pub struct ProgressLine {
     bar: ProgressBar,
     /// The end of a motion.
     to: Option<f64>,
@@ -24,7 +24,7 @@ pub struct Progress {
 /// Number of positions of a progress bar.
 const WHOLE: u64 = 1000;
 
-impl Progress {
+impl ProgressLine {
     /// A line, or none.
     pub fn new(quiet: bool) -> Self {
         let bar = match quiet {
@@ -103,14 +103,9 @@ fn listen() {
 }
 
 /// The rows of the gallery as text.
-pub fn table(rows: &[Comparison]) -> String {
-    let longest = |pick: fn(&Comparison) -> &str| {
-        rows.iter()
-            .map(|r| pick(r).chars().count())
-            .max()
-            .unwrap_or(0)
-    };
-    let (case, quantity) = (longest(|r| &r.case), longest(|r| &r.quantity));
+pub fn table(rows: &[CaseRow]) -> String {
+    let case = longest(rows.iter().map(|r| &*r.case));
+    let quantity = longest(rows.iter().map(|r| &*r.quantity));
     let mut out = format!(
         "{:case$}  {:quantity$}  {:>14}  {:>14}  {:>10}  {:>9}      source\n",
         "case", "quantity", "computed", "published", "difference", "tolerance"
@@ -131,7 +126,7 @@ pub fn table(rows: &[Comparison]) -> String {
         );
     }
     let cases = rows.chunk_by(|a, b| a.case == b.case);
-    let cases: Vec<&Comparison> = cases.filter_map(|rows| rows.first()).collect();
+    let cases: Vec<&CaseRow> = cases.filter_map(|rows| rows.first()).collect();
     let total: f64 = cases.iter().map(|row| row.seconds).sum();
     let times = cases
         .iter()
@@ -146,6 +141,12 @@ pub fn table(rows: &[Comparison]) -> String {
         cases.len()
     );
     out
+}
+
+/// The number of characters of the longest text.
+pub fn longest<'a>(texts: impl IntoIterator<Item = &'a str>) -> usize {
+    let lengths = texts.into_iter().map(|text| text.chars().count());
+    lengths.max().unwrap_or(0)
 }
 
 /// A number with its noun.

@@ -3,10 +3,10 @@
 #![allow(non_snake_case)]
 
 mod diagnostics;
-mod turns;
+mod joint_rates;
 
 pub(crate) use diagnostics::Diagnostics;
-pub(crate) use turns::{Turn, Turns};
+pub(crate) use joint_rates::{JointRates, RateChange};
 
 use crate::input::{Joint, ModelFile, Time};
 use crate::solve::Counts;
@@ -58,7 +58,8 @@ pub(crate) fn stability_unknown(context: &Context) -> Option<String> {
 /// Whether any released coordinate of the joint is an unknown of its own (true), or depends on those of
 /// a loop (false).
 fn has(own: bool, context: &Context, joint: &Joint) -> bool {
-    (context.released()).any(|(node, name, _)| context.is_own(node) == own && joint.names(name))
+    (context.joint_coordinates())
+        .any(|(node, name, _)| context.is_own(node) == own && joint.names(name))
 }
 
 /// Supports and joints whose prescribed motion has a value (0) or a rate (1) at the start.
@@ -105,7 +106,9 @@ pub(crate) fn prescribed_start(context: &Context, file: &ModelFile) -> Option<St
     };
     // Rates of loops depend on prescribed motion.
     let rests = |joint: &Joint| {
-        let mut own = context.released().filter(|(_, name, _)| joint.names(name));
+        let mut own = context
+            .joint_coordinates()
+            .filter(|(_, name, _)| joint.names(name));
         own.all(|(n, _, dim)| {
             (0..dim).all(|k| context.coordinate(n, k).is_none_or(|[_, rate]| rate == 0.0))
         })

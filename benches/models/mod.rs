@@ -79,7 +79,7 @@ pub fn falling(elements: usize) -> Context {
     let weight = [0.0, 0.0, -9.81 * section.inertia.mass];
     for (k, nodes) in line.nodes.windows(2).enumerate() {
         let positions = [b.position(nodes[0]), b.position(nodes[1])];
-        let load = LineLoad::new(&positions, weight, false, Box::new(Constant(1.0)));
+        let load = LineLoad::new(&positions, weight, false, Constant(1.0));
         let load = load.expect("two positions");
         b.element(format!("weight {k}"), load, nodes)
             .expect("two nodes");

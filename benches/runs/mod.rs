@@ -5,9 +5,9 @@ use super::models::{falling, flying, robot_arm, struck};
 use super::{average, product, seconds};
 use criterion::Criterion;
 use pullback::integrators::dynamics::{
-    DynamicOptions, Predictor, Progress, Simulation, Summary, Tangent, start,
+    DynamicOptions, Predictor, Progress, Simulation, Summary, TangentUpdate, start,
 };
-use pullback::integrators::linear_solver::{AutoSolver, LinearSolver, Symmetry};
+use pullback::integrators::linear_solver::{AutoSolver, LinearSolver, MatrixSymmetry};
 use pullback::manifold::system::{Charts, Energetics, System};
 use pullback::manifold::system::{Evaluation, Point, Weights};
 use pullback::prelude::*;
@@ -95,7 +95,7 @@ fn costs(make: &dyn Fn(usize) -> Context, elements: usize, options: &DynamicOpti
     let mut solver = AutoSolver::new();
     let regular = "regular";
     solver
-        .analyse(model.pattern(), Symmetry::General)
+        .analyse(model.pattern(), MatrixSymmetry::General)
         .expect(regular);
     let factorise = seconds(count, || solver.factorise(&S).expect(regular));
     let mut b = r.clone();
@@ -189,9 +189,9 @@ pub fn newton(_: &mut Criterion) {
         ("cantilever", 1_000, &rod, DynamicOptions::new(1.0, 0.02)),
     ];
     let ways = [
-        ("", Predictor::Velocity, Tangent::Every),
-        ("predictor keep", Predictor::Keep, Tangent::Every),
-        ("tangent once", Predictor::Velocity, Tangent::Once),
+        ("", Predictor::Velocity, TangentUpdate::Every),
+        ("predictor keep", Predictor::Keep, TangentUpdate::Every),
+        ("tangent once", Predictor::Velocity, TangentUpdate::Once),
     ];
     for (name, elements, make, options) in rows {
         let mut best = [(f64::INFINITY, Summary::default()); 3];

@@ -59,10 +59,10 @@ mod vectors;
 
 pub use block::Block;
 pub use elements::{InCharts, element, joint, same};
-pub use forces::{Forces, State, dense, forces, forces_at, states, system};
+pub use forces::{Forces, TestState, dense, forces, forces_at, states, system};
 pub use layout::{CoordinateGroup, Layout};
 pub use maps::{Mapped, chart, implicit, kinematics, map, parametrization, pieces, rewriting};
-pub use models::{Options, model};
+pub use models::{ModelOptions, model};
 pub use report::{LawRow, Measure, Report};
 pub use sample::Random;
 pub use schemes::scheme;

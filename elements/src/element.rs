@@ -70,11 +70,11 @@ pub(crate) fn coincident(length: f64) -> DomainError {
 }
 
 /// Matrices of tangents, each with the weights of K, C and M in it.
-pub type Tangents<'a> = [Option<(Weights, &'a mut [f64])>; 3];
+pub type CombinedTangents<'a> = [Option<(Weights, &'a mut [f64])>; 3];
 
 impl Response<'_> {
     /// The residual and the requested parts K, C and M of the tangent.
-    pub(crate) fn parts(&mut self) -> (&mut [f64], Tangents<'_>) {
+    pub(crate) fn parts(&mut self) -> (&mut [f64], CombinedTangents<'_>) {
         let one = |K, C, M| Weights { K, C, M };
         let K = self.K.as_deref_mut().map(|K| (one(1.0, 0.0, 0.0), K));
         let C = self.C.as_deref_mut().map(|C| (one(0.0, 1.0, 0.0), C));
@@ -94,7 +94,7 @@ pub trait Combined {
         &self,
         at: &Motion<'_>,
         r: &mut [f64],
-        tangents: &mut Tangents<'_>,
+        tangents: &mut CombinedTangents<'_>,
     ) -> Result<(), DomainError>;
 
     /// Adds the residual to `r` and one combined tangent to `S`.
@@ -252,5 +252,11 @@ pub trait Element: Send + Sync {
     /// Appends the states of its cross-sections for output; nothing by default.
     fn section_states(&self, at: &Motion<'_>, out: &mut Vec<SectionState>) {
         let _ = (at, out);
+    }
+}
+
+impl<E: Element + 'static> From<E> for Box<dyn Element> {
+    fn from(element: E) -> Self {
+        Box::new(element)
     }
 }

@@ -61,7 +61,7 @@ pub(crate) struct FrameMotion {
 }
 
 /// Terms shared by force and tangents.
-pub(crate) struct Moving<'a> {
+pub(crate) struct InertiaTerms<'a> {
     inertia: &'a Inertia,
     motion: &'a FrameMotion,
     quotients: Quotients,
@@ -169,7 +169,7 @@ impl Inertia {
     }
 
     #[inline]
-    pub(crate) fn moving<'a>(&'a self, motion: &'a FrameMotion) -> Moving<'a> {
+    pub(crate) fn moving<'a>(&'a self, motion: &'a FrameMotion) -> InertiaTerms<'a> {
         let quotients = Quotients::new(motion.psi.norm());
         let c = quotients.tangent();
         let T = so3::T(&motion.psi, &c);
@@ -180,7 +180,7 @@ impl Inertia {
             R: so3::R(&motion.psi, &c),
             l: A.cross(S) + Omega.cross(&Omega.cross(S)),
         });
-        Moving {
+        InertiaTerms {
             inertia: self,
             motion,
             quotients,
@@ -192,7 +192,7 @@ impl Inertia {
     }
 }
 
-impl Moving<'_> {
+impl InertiaTerms<'_> {
     /// J A + Ω×JΩ + S×g, material.
     #[inline]
     fn h(&self) -> Vector3<f64> {

@@ -24,6 +24,12 @@ pub trait TimeFunction: Send + Sync + Debug {
     }
 }
 
+impl<F: TimeFunction + 'static> From<F> for Box<dyn TimeFunction> {
+    fn from(function: F) -> Self {
+        Box::new(function)
+    }
+}
+
 /// Error of a time function.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "each message says what its variant is")]

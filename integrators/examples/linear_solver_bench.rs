@@ -5,7 +5,7 @@
 use std::time::Instant;
 
 use pullback_integrators::linear_solver::{
-    BlockLu, FaerCholesky, FaerLu, LinearError, LinearSolver, Symmetry,
+    BlockLu, FaerCholesky, FaerLu, LinearError, LinearSolver, MatrixSymmetry,
 };
 use pullback_manifold::sparse::BlockPattern;
 
@@ -60,7 +60,7 @@ fn measure(
     solver: &mut dyn LinearSolver,
     pattern: &BlockPattern,
     values: &[f64],
-    symmetry: Symmetry,
+    symmetry: MatrixSymmetry,
 ) -> Result<[f64; 2], LinearError> {
     solver.analyse(pattern, symmetry)?;
     let nodes = pattern.blocks() as f64;
@@ -97,7 +97,7 @@ fn main() -> Result<(), LinearError> {
     for (nodes, groups) in shapes {
         let (pattern, values) = assemble(nodes, &groups);
         let mut block = BlockLu::new();
-        block.analyse(&pattern, Symmetry::General)?;
+        block.analyse(&pattern, MatrixSymmetry::General)?;
         let flops = block.flops() / nodes as f64;
         let suits = block.suits();
         println!(
@@ -112,17 +112,17 @@ fn main() -> Result<(), LinearError> {
             println!("{nodes:>7} {name:>24} {factorise:>10.0} {solve:>10.0} {sum:>10.0}");
             Ok::<(), LinearError>(())
         };
-        run("BlockLu", &mut BlockLu::new(), Symmetry::General)?;
+        run("BlockLu", &mut BlockLu::new(), MatrixSymmetry::General)?;
         run(
             "BlockLu symmetric",
             &mut BlockLu::new(),
-            Symmetry::Symmetric,
+            MatrixSymmetry::Symmetric,
         )?;
-        run("FaerLu", &mut FaerLu::new(), Symmetry::General)?;
+        run("FaerLu", &mut FaerLu::new(), MatrixSymmetry::General)?;
         run(
             "FaerCholesky",
             &mut FaerCholesky::new(),
-            Symmetry::Symmetric,
+            MatrixSymmetry::Symmetric,
         )?;
         println!("{nodes:>7} FaerLu / BlockLu = {:.1}", sums[2] / sums[0]);
     }

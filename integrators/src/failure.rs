@@ -83,9 +83,6 @@ pub struct Cost {
     pub factorisations: usize,
 }
 
-/// The name of a cause before it is reported.
-pub(crate) use Cause as Failure;
-
 impl Cause {
     /// The tangent cannot be solved with; the report finds the mechanism.
     pub(crate) fn linear(error: LinearError) -> Self {
@@ -98,7 +95,7 @@ impl Cause {
 
 /// An attempt at a step that failed.
 pub(crate) struct FailureContext<'a> {
-    pub failure: Failure,
+    pub cause: Cause,
     pub r: &'a [f64],
     pub S: &'a [f64],
     pub history: &'a [Iteration],
@@ -114,7 +111,7 @@ pub(crate) struct FailureContext<'a> {
 impl FailedStep {
     /// Reports a failure.
     pub(crate) fn new(system: &mut dyn System, context: FailureContext<'_>) -> Box<Self> {
-        let mut cause = context.failure;
+        let mut cause = context.cause;
         if let Cause::Linear { mechanism, .. } = &mut cause {
             *mechanism = find_mechanism(system, context.S);
         }

@@ -111,7 +111,7 @@ pub fn transposed(B: &[f64], f: &[f64]) -> impl Iterator<Item = f64> {
 
 /// out = (W B + Y Ḃ + Z B̈) e_column: one column of S_mr, of a slot whose coordinates start at the
 /// element's `first`, before its rows are pulled back. `out` has the element's n rows.
-pub fn pulled_column(
+fn pulled_column(
     out: &mut [f64],
     tangents: Tangents<'_>,
     weights: Weights,

@@ -29,7 +29,18 @@ pub struct Point<'a> {
     pub a: &'a [f64],
 }
 
-impl Point<'_> {
+impl<'a> Point<'a> {
+    /// A static point, without velocities and accelerations.
+    pub fn statics(t: f64, q: &'a [f64]) -> Self {
+        let none = &[];
+        Self {
+            t,
+            q,
+            v: none,
+            a: none,
+        }
+    }
+
     /// Whether this is a static point, without velocities and accelerations. A system has at least
     /// one unknown, so a state of motion is never empty.
     pub fn is_static(&self) -> bool {

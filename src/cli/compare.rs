@@ -3,9 +3,11 @@
 use super::{FAILED, INTERRUPTED, complain, print, refuse};
 use crate::input::{Analysis, Registry, closest};
 use crate::method::Method;
-use crate::studies::compare::{self, Candidate, CompareError, Comparison, Hooks, Options, Subject};
+use crate::studies::compare::{
+    self, Candidate, CompareError, Comparison, ComparisonOptions, Hooks, Subject,
+};
 use crate::studies::gallery;
-use crate::terminal::{self, Progress, tell};
+use crate::terminal::{self, ProgressLine, tell};
 use std::ffi::OsString;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -13,14 +15,15 @@ use std::str::FromStr;
 
 /// Arguments of `pullback compare`.
 #[derive(clap::Args)]
-pub(super) struct Arguments {
+pub(super) struct CompareArguments {
     /// Model file (TOML; see docs/model_file.md) with a dynamic analysis, or the name of a model of
     /// the gallery, such as top or elbow. Several models make one page, and a directory of results each.
     #[arg(required = true)]
     models: Vec<PathBuf>,
     /// Schemes, such as newmark, hht:-0.1, ga:0.8; an unknown name lists all of them.
     /// A prefix selects the formulation of rotations: ul-ga:0.8 (updated
-    /// Lagrangian), lie-ga:0.8 (Lie group), spin-newmark (sums of spatial spins).
+    /// Lagrangian), lie-ga:0.8 (Lie group), wm-ga:0.8 (parameters of Wiener and Milenković),
+    /// spin-newmark (sums of spatial spins), mixed-newmark (the same with rates in the body).
     /// diffsol-bdf and diffsol-esdirk are general solvers, in programs built with the feature diffsol.
     #[arg(long, value_delimiter = ',', required = true)]
     schemes: Vec<String>,
@@ -102,15 +105,15 @@ fn reference(word: &str) -> Result<Method, CompareError> {
     }
 }
 
-impl Arguments {
+impl CompareArguments {
     /// What is compared on a model whose own step is `step`.
-    fn options(&self, step: f64) -> Result<Options, CompareError> {
+    fn options(&self, step: f64) -> Result<ComparisonOptions, CompareError> {
         let schemes = self.schemes.iter().map(|name| name.parse());
         let size = |size: &Size| match size {
             Size::Own(h) => *h,
             Size::Multiple(factor) => factor * step,
         };
-        Ok(Options {
+        Ok(ComparisonOptions {
             schemes: schemes.collect::<Result<_, _>>()?,
             steps: self.steps.iter().map(size).collect(),
             reference: self.reference.as_deref().map(reference).transpose()?,
@@ -154,10 +157,10 @@ impl Arguments {
         let source = model.clone();
         let make = move |formulation| registry.job_in(&source, &file, formulation);
         if let Some(path) = &self.exact {
-            let (nodes, times) = compare::looked_at(&make, &options.steps)?;
+            let (nodes, times) = compare::sampling(&make, &options.steps)?;
             options.exact = Some(compare::read_exact(path, &nodes, &times)?);
         } else if built_in.is_some() && options.reference.is_none() {
-            let (nodes, _) = compare::looked_at(&make, &options.steps)?;
+            let (nodes, _) = compare::sampling(&make, &options.steps)?;
             options.exact = gallery::exact(&model, &nodes);
         }
         Ok(Subject {
@@ -189,13 +192,13 @@ pub(super) fn quoted(arguments: &[OsString]) -> String {
 }
 
 /// Runs the comparison and prints its outcome; returns the exit code.
-pub(super) fn compare(registry: &Registry, args: Arguments, command: &str) -> u8 {
-    let Arguments {
+pub(super) fn compare(registry: &Registry, args: CompareArguments, command: &str) -> u8 {
+    let CompareArguments {
         models, out, quiet, ..
     } = &args;
     let directory = out.clone();
     let directory = directory.unwrap_or_else(|| compare::default_directory(&models[0]));
-    let progress = Progress::new(*quiet);
+    let progress = ProgressLine::new(*quiet);
     let hooks = Hooks {
         // Interrupts are handled from the first step on, as in a run.
         flow: &terminal::flow,

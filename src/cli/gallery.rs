@@ -1,8 +1,8 @@
 //! `pullback gallery`.
 
-use super::{FAILED, REFUSED, print, refuse};
-use crate::studies::gallery::{self, Comparison};
-use crate::terminal::{self, Progress, tell};
+use super::{FAILED, print, refuse};
+use crate::studies::gallery::{self, CaseRow};
+use crate::terminal::{self, ProgressLine, tell};
 use std::path::Path;
 
 /// The cases by name, for the help.
@@ -13,7 +13,7 @@ pub(super) fn cases() -> String {
 
 /// Computes the cases and prints the comparison; returns the exit code.
 pub(super) fn gallery(cases: &[String], json: bool, out: Option<&Path>) -> u8 {
-    let progress = Progress::new(json);
+    let progress = ProgressLine::new(json);
     let ran = gallery::run(cases, out, &mut |case| progress.say(case));
     progress.clear();
     let rows = match ran {
@@ -25,23 +25,19 @@ pub(super) fn gallery(cases: &[String], json: bool, out: Option<&Path>) -> u8 {
     }
     match answer(&rows, json) {
         Ok((text, code)) => code.max(print(&text)),
-        Err(error) => {
-            tell(format_args!("cannot encode the rows: {error}"));
-            REFUSED
-        }
+        Err(code) => code,
     }
 }
 
 /// The output and the exit code, which is 0 only if every row is within its tolerance.
 ///
 /// # Errors
-/// Of the encoding as JSON.
-pub fn answer(rows: &[Comparison], json: bool) -> serde_json::Result<(String, u8)> {
-    let text = if json {
-        serde_json::to_string_pretty(rows)? + "\n"
-    } else {
-        terminal::table(rows)
+/// The exit code if the rows cannot be encoded as JSON.
+pub fn answer(rows: &[CaseRow], json: bool) -> Result<(String, u8), u8> {
+    let text = match json {
+        true => super::json("the rows", &rows)?,
+        false => terminal::table(rows),
     };
-    let passed = rows.iter().all(Comparison::passed);
+    let passed = rows.iter().all(CaseRow::passed);
     Ok((text, if passed { 0 } else { FAILED }))
 }

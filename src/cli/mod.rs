@@ -8,7 +8,7 @@ use crate::input::{InputError, Plan, Registry};
 use crate::output::Ending;
 use crate::run::{Outcome, RunError, default_directory, run_job};
 use crate::solve::Advance;
-use crate::terminal::{self, Progress, tell};
+use crate::terminal::{self, ProgressLine, tell};
 use clap::{Parser, Subcommand};
 use pullback_integrators::significant;
 use std::ffi::OsString;
@@ -53,14 +53,14 @@ enum Command {
     /// A scheme that fails at a step size is a row with the reason. Exit code 0: complete; 1: there
     /// is no reference, or no run came to its end; 2: the model or an argument is refused, or the
     /// results cannot be written; 130: interrupted.
-    Compare(compare::Arguments),
+    Compare(compare::CompareArguments),
     /// Shows spectra of schemes of time integration over Ω = ω h: spectral radius, algorithmic
     /// damping ratio, period elongation, overshoot of the first step; measured from the steps that
     /// runs make, beside the closed forms of theory.
     ///
     /// Prints a table; with --out it writes spectrum.json, spectrum.csv and figures too. Exit code
     /// 0: complete; 2: an argument is refused, or the files cannot be written.
-    Spectrum(spectrum::Arguments),
+    Spectrum(spectrum::SpectrumArguments),
     /// Prints the JSON Schema of the model file.
     Schema,
     /// Computes the built-in cases and compares them with published or exact results.
@@ -181,7 +181,7 @@ fn run_model(registry: &Registry, args: RunArguments) -> u8 {
     } = args;
     let directory = out.unwrap_or_else(|| default_directory(&model));
     let source = model.display().to_string();
-    let mut progress = Progress::new(quiet);
+    let mut progress = ProgressLine::new(quiet);
     let job = registry.load(&model).map_err(RunError::from);
     if let Ok(Plan::Dynamic(motion)) = job.as_ref().map(|job| &job.plan) {
         progress.until(motion.options.to);

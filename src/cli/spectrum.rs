@@ -11,7 +11,7 @@ const TO: f64 = 1000.0;
 
 /// Arguments of `pullback spectrum`.
 #[derive(clap::Args)]
-pub(super) struct Arguments {
+pub(super) struct SpectrumArguments {
     /// Schemes, such as newmark, hht:-0.1, ga:0.8; an unknown name lists all of them.
     #[arg(long, value_delimiter = ',', default_value = spectrum::SCHEMES)]
     schemes: Vec<String>,
@@ -27,7 +27,7 @@ pub(super) struct Arguments {
 }
 
 /// Prints the table and writes the files; returns the exit code.
-pub(super) fn spectrum(args: Arguments, command: &str) -> u8 {
+pub(super) fn spectrum(args: SpectrumArguments, command: &str) -> u8 {
     let done = || -> Result<String, SpectrumError> {
         let all = spectrum::all(&args.schemes, [args.from, args.to])?;
         let table = spectrum::table(&all)?;

@@ -1,6 +1,6 @@
 //! Suggestions for refused model files.
 
-use super::error::Problem;
+use super::error::InputProblem;
 use super::names::closest;
 use pullback_elements::beam::SectionError;
 
@@ -109,7 +109,7 @@ fn suggestion(found: &str, known: &[String]) -> String {
     }
 }
 
-impl Problem {
+impl InputProblem {
     /// The suggestion for a refusal.
     pub fn advice(&self) -> Option<String> {
         match self {
@@ -197,7 +197,9 @@ impl Problem {
             Self::InitialNode { .. } => "name the node",
             Self::InitialNothing => "add displacement, rotation, velocity or angular_velocity",
             Self::InitialHeld { .. } => "remove it, or free the node",
-            Self::InitialHung { .. } => "give it to the joint's parent, or give the joint a `rate`",
+            Self::InitialAttached { .. } => {
+                "give it to the joint's parent, or give the joint a `rate`"
+            }
             Self::Geared { .. } => "give it to the joint at the other end of the gear",
             Self::Column { .. } => "give the probe another name",
             Self::Jump => "use a ramp, triangle, table, sine or spin_up",

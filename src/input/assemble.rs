@@ -5,7 +5,7 @@ use super::initial::Start;
 use super::joints::Registry;
 use super::parts::Assembly;
 use super::settings::Plan;
-use super::{InputError, Location, Problem, initial, probes, settings};
+use super::{InputError, InputProblem, Location, initial, probes, settings};
 use crate::probe::Probe;
 use nalgebra::{Matrix3, Vector3};
 use pullback_elements::beam::Interpolation;
@@ -99,7 +99,7 @@ pub(super) fn assemble(
                        rotations are the same: take the scheme without the prefix"
             .to_owned();
         let scheme = at.at("analysis").at("dynamic").at("scheme");
-        return Err(scheme.refuse(Problem::Scheme { message }));
+        return Err(scheme.refuse(InputProblem::Scheme { message }));
     }
     let plan = settings::plan(&assembly, &model)?;
     let scale = file.output.deformation_scale;
@@ -131,12 +131,12 @@ fn check_contents(at: &Location<'_>, file: &ModelFile) -> Result<(), InputError>
         ("lines, bodies or springs", elements),
     ] {
         if missing {
-            return Err(InputError::whole(Problem::Missing { what }));
+            return Err(InputError::whole(InputProblem::Missing { what }));
         }
     }
     if let Some(title) = file.title.as_ref().filter(|t| t.contains(char::is_control)) {
         let (what, name) = ("title", title.clone());
-        return Err(at.at("title").refuse(Problem::Name { what, name }));
+        return Err(at.at("title").refuse(InputProblem::Name { what, name }));
     }
     Ok(())
 }
@@ -144,7 +144,7 @@ fn check_contents(at: &Location<'_>, file: &ModelFile) -> Result<(), InputError>
 /// Refuses initial conditions in statics.
 fn check_statics(at: &Location<'_>, file: &ModelFile) -> Result<(), InputError> {
     if !file.initial.is_empty() {
-        return Err(at.at("initial").at(0).refuse(Problem::InitialStatics));
+        return Err(at.at("initial").at(0).refuse(InputProblem::InitialStatics));
     }
     let moving = |j: &Joint| {
         let mut acts = j.all_acts();
@@ -152,7 +152,7 @@ fn check_statics(at: &Location<'_>, file: &ModelFile) -> Result<(), InputError> 
     };
     if let Some(k) = file.joints.iter().position(moving) {
         let name = at.at("joints").at(k).at("name");
-        return Err(name.refuse(Problem::InitialStatics));
+        return Err(name.refuse(InputProblem::InitialStatics));
     }
     Ok(())
 }
@@ -175,7 +175,7 @@ impl Assembly<'_> {
                 let first = joints.split(", ").next();
                 first.unwrap_or_default().to_owned()
             }
-            ModelError::PrescribedSlave { coordinate, .. }
+            ModelError::PrescribedDependent { coordinate, .. }
             | ModelError::PrescribedSolved { coordinate, .. } => {
                 // The cause: prescribed motion of the joint, or a support of the node.
                 let name = coordinate.strip_prefix("node ").unwrap_or(coordinate);

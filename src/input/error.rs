@@ -14,7 +14,7 @@ use std::path::PathBuf;
 /// What is wrong with a model file.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say it")]
-pub enum Problem {
+pub enum InputProblem {
     #[error("cannot read {}: {source}", path.display())]
     Unreadable {
         path: PathBuf,
@@ -160,7 +160,7 @@ pub enum Problem {
     #[error("joint \"{joint}\" follows another one through a gear: its {key} cannot be chosen")]
     Geared { joint: String, key: &'static str },
     #[error("the node \"{node}\" is attached to a joint and has no {key} of its own")]
-    InitialHung { node: String, key: &'static str },
+    InitialAttached { node: String, key: &'static str },
     #[error("node \"{node}\" is held there or is attached to a joint: its {key} cannot be chosen")]
     InitialHeld { node: String, key: &'static str },
     #[error(
@@ -235,7 +235,7 @@ fn list(words: &[&'static str]) -> String {
 #[derive(Debug)]
 pub struct InputError {
     /// What is wrong.
-    pub problem: Box<Problem>,
+    pub problem: Box<InputProblem>,
     /// The part of the text that it concerns, in bytes.
     pub span: Option<Range<usize>>,
     /// Name and text of the file.
@@ -244,7 +244,7 @@ pub struct InputError {
 
 impl InputError {
     /// A problem of the file as a whole.
-    pub(super) fn whole(problem: Problem) -> Self {
+    pub(super) fn whole(problem: InputProblem) -> Self {
         Self {
             problem: Box::new(problem),
             span: None,
@@ -253,7 +253,12 @@ impl InputError {
     }
 
     /// A problem at a position of the text.
-    pub(super) fn at(problem: Problem, span: Option<Range<usize>>, name: &str, text: &str) -> Self {
+    pub(super) fn at(
+        problem: InputProblem,
+        span: Option<Range<usize>>,
+        name: &str,
+        text: &str,
+    ) -> Self {
         // The first line represents a span over many lines (a whole table).
         let span = span.map(|s| {
             let start = s.start.min(text.len());

@@ -1,6 +1,6 @@
 //! The text of a model file, and locations in it for refusals.
 
-use super::{InputError, Problem};
+use super::{InputError, InputProblem};
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -34,7 +34,7 @@ impl<'a> Text<'a> {
     }
 
     /// A refusal of a part of the text.
-    pub fn refuse(&self, problem: Problem, span: Option<Range<usize>>) -> InputError {
+    pub fn refuse(&self, problem: InputProblem, span: Option<Range<usize>>) -> InputError {
         InputError::at(problem, span, self.name, self.text)
     }
 
@@ -103,21 +103,21 @@ impl Location<'_> {
     }
 
     /// A refusal of the value.
-    pub fn refuse(&self, problem: impl Into<Problem>) -> InputError {
+    pub fn refuse(&self, problem: impl Into<InputProblem>) -> InputError {
         let spans = self.text.find(&self.path);
         self.text
             .refuse(problem.into(), spans.map(|[_, value]| value))
     }
 
     /// A refusal of the key.
-    pub fn refuse_key(&self, problem: impl Into<Problem>) -> InputError {
+    pub fn refuse_key(&self, problem: impl Into<InputProblem>) -> InputError {
         let spans = self.text.find(&self.path);
         self.text.refuse(problem.into(), spans.map(|[key, _]| key))
     }
 
     /// A refusal of a key of this table, whose number is out of range.
     pub fn range(&self, key: &'static str, value: f64, expected: &'static str) -> InputError {
-        self.at(key).refuse(Problem::Range {
+        self.at(key).refuse(InputProblem::Range {
             key,
             value,
             expected,

@@ -16,7 +16,7 @@ mod schema;
 mod settings;
 
 pub use assemble::{BodyGeometry, Geometry, Job, LineGeometry};
-pub use error::{InputError, Problem};
+pub use error::{InputError, InputProblem};
 pub use file::*;
 pub use initial::Start;
 pub use joints::{BoxedError, Registry, Site};
@@ -26,7 +26,7 @@ pub use settings::{DynamicPlan, Plan};
 pub(crate) use names::closest;
 
 use location::{Location, Text};
-use pullback_elements::model::{Context, Formulation};
+use pullback_elements::model::Formulation;
 use std::path::Path;
 
 impl Registry {
@@ -96,14 +96,6 @@ pub fn parse(name: &str, text: &str) -> Result<ModelFile, InputError> {
     parse_text(&Text::new(name, text))
 }
 
-/// Builds the model that a parsed file describes.
-///
-/// # Errors
-/// As [`load`], without positions.
-pub fn build(name: &str, file: &ModelFile) -> Result<Context, InputError> {
-    job(name, file).map(|job| job.context)
-}
-
 /// Assembles a parsed file.
 ///
 /// # Errors
@@ -123,7 +115,7 @@ pub fn job_in(name: &str, file: &ModelFile, formulation: Formulation) -> Result<
 /// The text of a file.
 fn read(path: &Path) -> Result<String, InputError> {
     let bytes = std::fs::read(path).map_err(|source| {
-        InputError::whole(Problem::Unreadable {
+        InputError::whole(InputProblem::Unreadable {
             path: path.to_owned(),
             source,
         })
@@ -131,7 +123,7 @@ fn read(path: &Path) -> Result<String, InputError> {
     String::from_utf8(bytes).map_err(|error| {
         let byte = error.utf8_error().valid_up_to();
         let before = &error.as_bytes()[..byte];
-        InputError::whole(Problem::NotUtf8 {
+        InputError::whole(InputProblem::NotUtf8 {
             path: path.to_owned(),
             byte,
             line: before.iter().filter(|&&b| b == b'\n').count() + 1,
@@ -141,20 +133,20 @@ fn read(path: &Path) -> Result<String, InputError> {
 
 fn parse_text(source: &Text<'_>) -> Result<ModelFile, InputError> {
     if source.is_empty() {
-        return Err(InputError::whole(Problem::Empty));
+        return Err(InputError::whole(InputProblem::Empty));
     }
     if let Some((span, number)) = source.unusable_number() {
-        return Err(source.refuse(Problem::Number { number }, Some(span)));
+        return Err(source.refuse(InputProblem::Number { number }, Some(span)));
     }
     let file: ModelFile = toml::from_str(source.text).map_err(|error| {
         let message = error.message();
-        let problem = unknown_key(message).unwrap_or_else(|| Problem::Toml(plain(message)));
+        let problem = unknown_key(message).unwrap_or_else(|| InputProblem::Toml(plain(message)));
         source.refuse(problem, error.span())
     })?;
     // Serde takes the first components of an array that has too many.
     let read = serde_json::to_value(&file).unwrap_or_default();
     if let Some((span, found, expected)) = source.surplus(&read) {
-        let problem = Problem::Components { found, expected };
+        let problem = InputProblem::Components { found, expected };
         return Err(source.refuse(problem, Some(span)));
     }
     Ok(file)
@@ -199,12 +191,12 @@ fn plain(message: &str) -> String {
 }
 
 /// Parses serde's message about an unknown field or variant: names are in backticks, the unknown one first.
-fn unknown_key(message: &str) -> Option<Problem> {
+fn unknown_key(message: &str) -> Option<InputProblem> {
     if !message.starts_with("unknown field") && !message.starts_with("unknown variant") {
         return None;
     }
     let mut names = message.split('`').skip(1).step_by(2).map(str::to_owned);
-    Some(Problem::UnknownKey {
+    Some(InputProblem::UnknownKey {
         found: names.next()?,
         known: names.collect(),
     })

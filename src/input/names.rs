@@ -2,8 +2,9 @@
 
 use super::file::ModelFile;
 use super::parts::Assembly;
-use super::{InputError, Location, Problem};
+use super::{InputError, InputProblem, Location};
 use std::collections::{HashMap, HashSet};
+use strsim::osa_distance;
 
 /// Named items.
 pub(super) struct Names<T> {
@@ -37,7 +38,7 @@ impl<T: Copy> Names<T> {
     /// The item of the name that stands at a location.
     pub(super) fn find(&self, at: &Location<'_>, name: &str) -> Result<T, InputError> {
         self.get(name).ok_or_else(|| {
-            at.refuse(Problem::UnknownName {
+            at.refuse(InputProblem::UnknownName {
                 what: self.what,
                 name: name.to_owned(),
                 known: self.order.clone(),
@@ -75,11 +76,11 @@ pub(super) fn distinct<'a>(
         let at = assembly.at(table).at(k).at("name");
         if !usable_name(name) {
             let name = name.clone();
-            return Err(at.refuse(Problem::Name { what, name }));
+            return Err(at.refuse(InputProblem::Name { what, name }));
         }
         if !seen.insert(name) {
             let (what, name) = (table, name.clone());
-            return Err(at.refuse(Problem::Duplicate { what, name }));
+            return Err(at.refuse(InputProblem::Duplicate { what, name }));
         }
     }
     Ok(())
@@ -100,29 +101,13 @@ pub fn closest<'a>(given: &str, known: impl IntoIterator<Item = &'a str>) -> Opt
     let allowed = 1 + given.chars().count() / 3;
     known
         .into_iter()
-        .map(|name| (distance(&given.to_lowercase(), &name.to_lowercase()), name))
+        .map(|name| {
+            (
+                osa_distance(&given.to_lowercase(), &name.to_lowercase()),
+                name,
+            )
+        })
         .filter(|(d, _)| *d <= allowed)
         .min_by_key(|(d, _)| *d)
         .map(|(_, name)| name.to_owned())
-}
-
-/// Edit distance with transpositions of neighbours (optimal string alignment).
-fn distance(a: &str, b: &str) -> usize {
-    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
-    let mut rows = vec![(0..=b.len()).collect::<Vec<usize>>()];
-    for i in 1..=a.len() {
-        let mut row = vec![i];
-        for j in 1..=b.len() {
-            let cost = usize::from(a[i - 1] != b[j - 1]);
-            let mut best = (rows[i - 1][j] + 1)
-                .min(row[j - 1] + 1)
-                .min(rows[i - 1][j - 1] + cost);
-            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
-                best = best.min(rows[i - 2][j - 2] + 1);
-            }
-            row.push(best);
-        }
-        rows.push(row);
-    }
-    rows[a.len()][b.len()]
 }

@@ -1,11 +1,11 @@
 //! Probes of the file, resolved.
 
-use super::file::{Probe as Described, ProbeQuantity};
+use super::file::{self, ProbeQuantity};
 use super::names::{Names, distinct};
 use super::parts::Assembly;
-use super::{InputError, Location, Problem};
+use super::{InputError, InputProblem, Location};
 use crate::output::{COLUMNS, DYNAMIC_COLUMNS, STATIC_COLUMNS};
-use crate::probe::{Component, Probe, Target};
+use crate::probe::{Probe, ProbeComponent, Target};
 use pullback_elements::model::{Context, ElementId};
 use std::collections::HashSet;
 
@@ -18,9 +18,9 @@ pub(super) fn resolve(
     let probes = &assembly.file.probes;
     let at = |(k, probe)| (assembly.at("probes").at(k), probe);
     let all = || probes.iter().enumerate().map(at);
-    let unusable = |(_, p): &(_, &Described)| p.quantity.is_dynamic() && !dynamic;
+    let unusable = |(_, p): &(_, &file::Probe)| p.quantity.is_dynamic() && !dynamic;
     if let Some((at, probe)) = all().find(unusable) {
-        return Err(at.at("quantity").refuse(Problem::DynamicProbe {
+        return Err(at.at("quantity").refuse(InputProblem::DynamicProbe {
             probe: probe.name.clone(),
             quantity: probe.quantity.key(),
         }));
@@ -44,7 +44,7 @@ pub(super) fn resolve(
         let made = Probe::new(&probe.name, probe.quantity, target, component);
         for column in made.columns() {
             if !columns.insert(column.clone()) {
-                return Err(at.at("name").refuse(Problem::Column { column }));
+                return Err(at.at("name").refuse(InputProblem::Column { column }));
             }
         }
         out.push(made);
@@ -58,7 +58,7 @@ fn target(
     context: &Context,
     assembly: &Assembly<'_>,
     elements: &Names<ElementId>,
-    probe: &Described,
+    probe: &file::Probe,
 ) -> Result<Target, InputError> {
     use ProbeQuantity::{joint_force, joint_moment, reaction_force, reaction_moment};
     let quantity = probe.quantity;
@@ -76,11 +76,11 @@ fn target(
             let reaction = matches!(quantity, reaction_force | reaction_moment);
             if reaction && !assembly.geometry.supports.contains(&node) {
                 let node = name.clone();
-                return Err(at.refuse(Problem::NoReaction { node }));
+                return Err(at.refuse(InputProblem::NoReaction { node }));
             }
             if joint && context.is_own(node) {
                 let node = name.clone();
-                return Err(at.refuse(Problem::NoJoint { node }));
+                return Err(at.refuse(InputProblem::NoJoint { node }));
             }
             Target::Node(node, name.clone())
         }
@@ -88,11 +88,11 @@ fn target(
             Target::Element(elements.find(&at.at("element"), name)?)
         }
         (ProbeQuantity::JOINT, None, None, Some(name)) => {
-            Target::Joint(assembly.released.find(&at.at("joint"), name)?)
+            Target::Joint(assembly.joint_coordinates.find(&at.at("joint"), name)?)
         }
         (ProbeQuantity::NOTHING | ProbeQuantity::SPACE, None, None, None) => Target::Whole,
         _ => {
-            return Err(at.at("quantity").refuse(Problem::ProbeTarget {
+            return Err(at.at("quantity").refuse(InputProblem::ProbeTarget {
                 probe: probe.name.clone(),
                 quantity: quantity.key(),
                 needs,
@@ -105,8 +105,8 @@ fn target(
 fn component(
     at: &Location<'_>,
     target: &Target,
-    probe: &Described,
-) -> Result<Component, InputError> {
+    probe: &file::Probe,
+) -> Result<ProbeComponent, InputError> {
     let space = probe.quantity.needs() == ProbeQuantity::SPACE;
     let (names, expected) = match target {
         Target::Element(_) => (["1", "2", "3"], "\"1\", \"2\", \"3\" or \"norm\""),
@@ -115,14 +115,14 @@ fn component(
         Target::Node(..) | Target::Whole => (["x", "y", "z"], "\"x\", \"y\", \"z\" or \"norm\""),
     };
     let component = match probe.component.as_deref() {
-        None if names[0].is_empty() => Some(Component::Whole),
-        None => Some(Component::All(names)),
+        None if names[0].is_empty() => Some(ProbeComponent::Whole),
+        None => Some(ProbeComponent::All(names)),
         Some(_) if names[0].is_empty() => None,
-        Some("norm") => Some(Component::Norm),
-        Some(given) => (0..3).find(|&i| names[i] == given).map(Component::One),
+        Some("norm") => Some(ProbeComponent::Norm),
+        Some(given) => (0..3).find(|&i| names[i] == given).map(ProbeComponent::One),
     };
     component.ok_or_else(|| {
-        at.at("component").refuse(Problem::ProbeComponent {
+        at.at("component").refuse(InputProblem::ProbeComponent {
             component: probe.component.clone().unwrap_or_default(),
             quantity: probe.quantity.key(),
             expected,

@@ -5,7 +5,7 @@ use super::file::{
 };
 use super::names::Names;
 use super::parts::Assembly;
-use super::{InputError, Location, Problem};
+use super::{InputError, InputProblem, Location};
 use pullback_elements::model::{Model, NodeId};
 use pullback_integrators::dynamics::{self as integrator, Adaptivity, DynamicOptions, Scheme};
 use pullback_integrators::statics::{ArcLengthOptions, Event, StaticNewtonOptions, StaticOptions};
@@ -111,8 +111,8 @@ fn dynamic(at: &Location<'_>, d: &Dynamic) -> Result<DynamicPlan, InputError> {
                 absolute: n.absolute,
                 max_iterations: n.max_iterations,
                 tangent: match n.tangent {
-                    TangentRule::Every => integrator::Tangent::Every,
-                    TangentRule::Once => integrator::Tangent::Once,
+                    TangentRule::Every => integrator::TangentUpdate::Every,
+                    TangentRule::Once => integrator::TangentUpdate::Once,
                 },
                 predictor: match n.predictor {
                     Predictor::Velocity => integrator::Predictor::Velocity,
@@ -128,7 +128,7 @@ fn dynamic(at: &Location<'_>, d: &Dynamic) -> Result<DynamicPlan, InputError> {
 
 /// The scheme, which must estimate its error if step sizes are adaptive.
 fn scheme(at: &Location<'_>, d: &Dynamic) -> Result<Scheme, InputError> {
-    let refuse = |message| at.at("scheme").refuse(Problem::Scheme { message });
+    let refuse = |message| at.at("scheme").refuse(InputProblem::Scheme { message });
     let method = d.scheme.method();
     let scheme = method.map_err(|error| refuse(error.to_string()))?.scheme();
     if d.adaptive.is_some() && !scheme.estimates_error() {
@@ -206,7 +206,7 @@ fn load_steps(at: &Location<'_>, s: &Static) -> Result<StaticOptions, InputError
         let Some(value) = value else { continue };
         at.positive(key, value)?;
         if s.steps.is_some() && key != "min_step" {
-            return Err(at.at(key).refuse_key(Problem::StepsTwice { key }));
+            return Err(at.at(key).refuse_key(InputProblem::StepsTwice { key }));
         }
     }
     let steps = s.steps.map(|steps| steps as f64);
@@ -310,7 +310,7 @@ fn event(
             let node = nodes.find(&at.at("coordinate").at("node"), &c.node)?;
             let unknown = model.unknown(node, c.dof.dof()).ok_or_else(|| {
                 let node = c.node.clone();
-                at.refuse(Problem::PrescribedEvent { node, dof })
+                at.refuse(InputProblem::PrescribedEvent { node, dof })
             })?;
             let name = format!("{dof} of {} = {value}", c.node);
             (Event::Coordinate { unknown, value }, name)

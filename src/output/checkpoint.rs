@@ -6,7 +6,7 @@ use super::history::HistoryRow;
 use super::log::{self, Extent};
 use super::plot::Shapes;
 use super::vtu::VtuFrame;
-use crate::warnings::Turn;
+use crate::warnings::RateChange;
 use pullback_elements::model::{Context, SavedState};
 use pullback_integrators::dynamics::Progress;
 use pullback_manifold::system::System;
@@ -41,7 +41,7 @@ pub(super) struct Record {
     /// Warnings at the start.
     pub warnings: Vec<String>,
     /// Largest change of a joint's rate in a step, if steps do not resolve it.
-    pub turn: Option<Turn>,
+    pub turn: Option<RateChange>,
     /// Wall-clock time spent.
     pub seconds: f64,
 }

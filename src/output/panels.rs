@@ -1,7 +1,7 @@
 //! Panels of the figure of the history.
 
 use super::history::HistoryRow;
-use super::plot::{Curve, Panel};
+use super::plot::{Panel, PlotCurve};
 use crate::input::{Plan, ProbeQuantity};
 use crate::probe::Probe;
 
@@ -64,7 +64,7 @@ impl Scales {
 }
 
 /// Draws zero if a panel has nothing but round-off, which full scale would show as a result.
-fn without_noise(curves: &mut [Curve], size: f64) {
+fn without_noise(curves: &mut [PlotCurve], size: f64) {
     let values = curves.iter().flat_map(|c| &c.points).map(|p| p.1.abs());
     if values.fold(0.0, f64::max) < ROUND_OFF * size {
         let points = curves.iter_mut().flat_map(|c| &mut c.points);
@@ -82,13 +82,13 @@ pub(super) fn panels(
 ) -> Vec<Panel> {
     let scales = Scales::of(length, rows);
     let curve = |label: String, value: &dyn Fn(&HistoryRow) -> f64| {
-        Curve::new(label, rows.iter().map(|row| (row.t, value(row))).collect())
+        PlotCurve::new(label, rows.iter().map(|row| (row.t, value(row))).collect())
     };
-    let mut panels: Vec<(ProbeQuantity, Vec<Curve>)> = Vec::new();
+    let mut panels: Vec<(ProbeQuantity, Vec<PlotCurve>)> = Vec::new();
     let mut column = 0;
     for probe in probes {
         let (quantity, labels) = (probe.quantity, probe.columns());
-        let room = |(q, curves): &(ProbeQuantity, Vec<Curve>)| {
+        let room = |(q, curves): &(ProbeQuantity, Vec<PlotCurve>)| {
             *q == quantity && curves.len() + labels.len() <= CURVES
         };
         let position = panels.iter().position(room).unwrap_or_else(|| {
@@ -106,7 +106,7 @@ pub(super) fn panels(
         let energy = curve("strain energy".to_owned(), &|row| row.strain_energy);
         panels.push((ProbeQuantity::strain_energy, vec![energy]));
     }
-    let panel = |(quantity, mut curves): (ProbeQuantity, Vec<Curve>)| {
+    let panel = |(quantity, mut curves): (ProbeQuantity, Vec<PlotCurve>)| {
         without_noise(&mut curves, scales.size(quantity));
         let (mut x, mut y) = (
             format!("{} t", plan.parameter()),

@@ -12,8 +12,8 @@ use super::results::{Ending, FinalState, Statistics, final_state};
 use super::vtu::{VtuFrame, collection, grid};
 use crate::input::{DynamicPlan, Geometry, ModelFile, Plan};
 use crate::probe::{Answers, Probe};
-use crate::solve::{Advance, Counts, point};
-use crate::warnings::{Diagnostics, Turns};
+use crate::solve::{Advance, Counts};
+use crate::warnings::{Diagnostics, JointRates};
 use pullback_elements::model::Context;
 use pullback_integrators::dynamics::Progress;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError};
@@ -54,7 +54,7 @@ pub(crate) struct Recorder<'a> {
     last: Option<FinalState>,
     grids: Grids,
     diagnostics: Diagnostics,
-    turns: Turns,
+    joint_rates: JointRates,
     statistics: Statistics,
     started: Instant,
     saved: Instant,
@@ -84,7 +84,7 @@ impl<'a> Recorder<'a> {
             reference: Shapes::of(context, setting.geometry, 0.0),
             grids: Grids::of(setting.file.output.paraview_every, setting.plan),
             diagnostics: Diagnostics::new(setting.plan.start(), setting.plan.relative()),
-            turns: Turns::default(),
+            joint_rates: JointRates::default(),
             setting,
             directory,
             probes,
@@ -113,14 +113,14 @@ impl<'a> Recorder<'a> {
         progress: &Progress,
     ) -> Result<(), RecordError> {
         for (probe, memory) in self.probes.iter_mut().zip(checkpoint.memories) {
-            probe.remember(memory);
+            probe.restore(memory);
         }
         self.record = checkpoint.record;
         self.rows = checkpoint.rows;
         self.frames = checkpoint.frames;
         self.log = checkpoint.log;
         self.statistics.counts = Counts::of_motion(&progress.summary);
-        self.turns = Turns::new(context, &progress.state);
+        self.joint_rates = JointRates::new(context, &progress.state);
         let (t, answers) = (progress.state.t, moving(context, progress)?);
         self.last = Some(final_state(context, &answers, t, None, self.setting.file));
         if self.grids != Grids::None {
@@ -136,12 +136,7 @@ impl<'a> Recorder<'a> {
         let n = context.pattern().dim();
         let (q, t) = (vec![0.0; n], self.setting.plan.start());
         let mut r = vec![0.0; n];
-        let at = Point {
-            t,
-            q: &q,
-            v: &[],
-            a: &[],
-        };
+        let at = Point::statics(t, &q);
         let evaluated = context.evaluate(at, Evaluation::residual(&mut r));
         if evaluated.is_err() || r.iter().any(|r| *r != 0.0) {
             return Ok(());
@@ -161,7 +156,7 @@ impl<'a> Recorder<'a> {
     ) -> Result<(), RecordError> {
         self.statistics.counts = Counts::of_motion(&progress.summary);
         self.record.largest_rotation = context.largest_rotation();
-        self.turns = Turns::new(context, &progress.state);
+        self.joint_rates = JointRates::new(context, &progress.state);
         let row = HistoryRow {
             t: progress.state.t,
             chart_changes: progress.summary.chart_changes,
@@ -201,18 +196,11 @@ impl<'a> Recorder<'a> {
     fn count(&mut self, context: &Context, step: &Advance<'_>) {
         let rotation = context.largest_rotation();
         self.record.largest_rotation = self.record.largest_rotation.max(rotation);
-        let counts = &mut self.statistics.counts;
+        self.statistics.counts.add(step);
         if let Some(progress) = step.progress {
-            *counts = Counts::of_motion(&progress.summary);
             let furthest = &mut self.record.turn;
-            self.turns
+            self.joint_rates
                 .record(context, &progress.state, step.step_size, furthest);
-        } else {
-            counts.iterations += step.iterations;
-            if step.event.is_none() {
-                counts.steps = step.number;
-                counts.chart_changes += step.chart_changes;
-            }
         }
         self.record.since[0] += step.iterations;
         self.record.since[1] += step.chart_changes;
@@ -366,7 +354,7 @@ impl<'a> Recorder<'a> {
         let settings =
             serde_json::to_value(self.setting.file).map_err(encoding(checkpoint::NAME))?;
         let mut checkpoint = Checkpoint::new(settings, context, progress);
-        checkpoint.memories = self.probes.iter().map(Probe::memory).collect();
+        checkpoint.memories = self.probes.iter().map(Probe::save).collect();
         checkpoint.record = self.record.clone();
         checkpoint.record.seconds = self.seconds();
         checkpoint.log = self.log;
@@ -378,7 +366,7 @@ impl<'a> Recorder<'a> {
 fn moving(context: &mut Context, progress: &Progress) -> Result<Answers, RecordError> {
     let t = progress.state.t;
     let balance = context
-        .energies_and_momentum(point(progress))
+        .energies_and_momentum(progress.state.point())
         .map_err(RecordError::System)?;
     let defect = progress.summary.energy.map_or(0.0, |e| e.defect());
     Ok(Answers {

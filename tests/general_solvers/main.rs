@@ -7,14 +7,14 @@ mod laboratory;
 use laboratory::{bob, compared, model, options, until};
 use nalgebra::Vector3;
 use pullback::input;
-use pullback::studies::compare::{Candidate, ErrorQuantity, Exact, Options};
+use pullback::studies::compare::{Candidate, ComparisonOptions, ErrorQuantity, Exact};
 
 const WORDS: [&str; 2] = ["diffsol-bdf:1e-6", "diffsol-esdirk:1e-6"];
 
 #[test]
 fn a_general_solver_swings_the_pendulum() {
     let file = until(model("pendulum.toml"), 2.0);
-    let asked = Options {
+    let asked = ComparisonOptions {
         exact: Some(Exact::new("Jacobi's elliptic functions", bob)),
         ..options(&WORDS, &[0.04, 0.02, 0.01])
     };
@@ -51,7 +51,7 @@ fn a_general_solver_follows_the_heavy_top_through_its_charts() {
     // published.json, R01: the centre of the top.
     let exact = [0.6055505613771, 0.5989576817949, -0.52398302743];
     let file = until(model("heavy_top.toml"), 0.2);
-    let asked = Options {
+    let asked = ComparisonOptions {
         exact: Some(Exact::new("R01", move |sample| {
             if (sample.t - 0.2).abs() < 1e-12 {
                 // The body's second axis, as its node stands in the joint.

@@ -14,7 +14,7 @@ fn every_case_meets_its_tolerances_and_none_is_lost_or_loosened() {
         return assert_computed(&all, "whole_gallery");
     };
     let written = Path::new(&written);
-    let rows: Vec<gallery::Comparison> =
+    let rows: Vec<gallery::CaseRow> =
         serde_json::from_str(&read(written.join("rows.json"))).unwrap();
     assert_bounded(&all, &rows, written);
 }

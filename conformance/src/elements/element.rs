@@ -1,7 +1,7 @@
 //! The laws of one element.
 
 use super::{in_charts, inertia};
-use crate::{Forces, Layout, Random, Report, State, forces_at, states};
+use crate::{Forces, Layout, Random, Report, TestState, forces_at, states};
 use nalgebra::{DMatrix, DVector};
 use pullback_elements::element::{Element, Motion, Response};
 use pullback_manifold::system::Weights;
@@ -24,7 +24,7 @@ pub fn element(element: &dyn Element) -> Report {
 pub(crate) fn element_at(
     subject: &str,
     layout: &Layout,
-    states: &[(String, State)],
+    states: &[(String, TestState)],
     element: &dyn Element,
 ) -> Report {
     // The energy of an element that has none is zero everywhere.
@@ -64,7 +64,7 @@ pub(crate) struct One<'a> {
     pub element: &'a dyn Element,
     pub layout: &'a Layout,
     pub at: &'a str,
-    pub state: &'a State,
+    pub state: &'a TestState,
     /// Its forces and tangents there.
     pub all: &'a Forces,
 }
@@ -78,21 +78,21 @@ impl One<'_> {
     }
 
     /// The state with other velocities and accelerations.
-    pub(crate) fn moving(&self, v: DVector<f64>, a: DVector<f64>) -> State {
+    pub(crate) fn moving(&self, v: DVector<f64>, a: DVector<f64>) -> TestState {
         let (t, x) = (self.state.t, self.state.x.clone());
-        State { t, x, v, a }
+        TestState { t, x, v, a }
     }
 
     /// The same motion at other coordinates.
-    pub(crate) fn moved(&self, x: DVector<f64>) -> State {
-        State {
+    pub(crate) fn moved(&self, x: DVector<f64>) -> TestState {
+        TestState {
             x,
             ..self.state.clone()
         }
     }
 
     /// The state at rest, with velocities and accelerations of zero.
-    pub(crate) fn rest(&self) -> State {
+    pub(crate) fn rest(&self) -> TestState {
         let none = || DVector::zeros(self.state.x.len());
         self.moving(none(), none())
     }
@@ -106,7 +106,7 @@ pub(crate) enum Request {
     Stiffness,
 }
 
-pub(crate) fn motion(s: &State) -> Motion<'_> {
+pub(crate) fn motion(s: &TestState) -> Motion<'_> {
     Motion {
         t: s.t,
         inputs: &[],
@@ -117,14 +117,14 @@ pub(crate) fn motion(s: &State) -> Motion<'_> {
     }
 }
 
-pub(crate) fn evaluate(element: &dyn Element, s: &State, ask: Request) -> Option<Forces> {
+pub(crate) fn evaluate(element: &dyn Element, s: &TestState, ask: Request) -> Option<Forces> {
     evaluate_from(element, None, s, ask)
 }
 
 fn evaluate_from(
     element: &dyn Element,
     previous: Option<&DVector<f64>>,
-    s: &State,
+    s: &TestState,
     ask: Request,
 ) -> Option<Forces> {
     let n = element.dim();

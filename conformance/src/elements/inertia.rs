@@ -4,7 +4,7 @@ use super::element::{One, Request, evaluate, motion};
 use crate::block::{Compared, difference};
 use crate::forces::{CONFIRMED, FIRST, STEP, sizes};
 use crate::vectors::minus;
-use crate::{Random, Report, State};
+use crate::{Random, Report, TestState};
 use nalgebra::{DMatrix, DVector};
 
 /// Largest relative difference of masses at two velocities that do not depend on them.
@@ -16,7 +16,7 @@ pub(crate) fn laws(report: &mut Report, one: &One<'_>, conservative: bool, rando
     let Some(M) = (one.all.M.as_ref()).filter(|_| one.element.properties().symmetric) else {
         return;
     };
-    let mass = |state: &State| {
+    let mass = |state: &TestState| {
         let all = evaluate(one.element, state, Request::All)?;
         Some(all.M.unwrap_or_else(|| DMatrix::zeros(n, n)))
     };
@@ -63,11 +63,11 @@ fn lagrange(
     report: &mut Report,
     one: &One<'_>,
     M: &DMatrix<f64>,
-    mass: &dyn Fn(&State) -> Option<DMatrix<f64>>,
+    mass: &dyn Fn(&TestState) -> Option<DMatrix<f64>>,
     random: &mut Random,
 ) {
     let (s, rate) = (one.state, one.layout.rate);
-    let r = |s: &State| evaluate(one.element, s, Request::Residual).map(|f| f.r);
+    let r = |s: &TestState| evaluate(one.element, s, Request::Residual).map(|f| f.r);
     let back = one.moving(-&s.v, s.a.clone());
     let (Some(rest), Some(back)) = (r(&one.rest()), r(&back)) else {
         return;
@@ -118,7 +118,7 @@ fn lagrange(
 }
 
 /// d/dt (U + T) = −ẋ·r − dissipation, at constant time in the potential.
-fn power(report: &mut Report, one: &One<'_>, mass: &dyn Fn(&State) -> Option<DMatrix<f64>>) {
+fn power(report: &mut Report, one: &One<'_>, mass: &dyn Fn(&TestState) -> Option<DMatrix<f64>>) {
     let (s, rate) = (one.state, one.layout.rate);
     let energy = |tau: f64| {
         let there = one.moved(s.ahead(tau));

@@ -9,7 +9,7 @@ use super::element::{Request, evaluate, motion};
 use super::rigid::{Carrier, FrameAt, Moved, angles, carry};
 use crate::block::Compared;
 use crate::forces::sizes;
-use crate::{Layout, Random, Report, State};
+use crate::{Layout, Random, Report, TestState};
 use nalgebra::{DVector, Vector3};
 use pullback_elements::element::Element;
 use std::f64::consts::TAU;
@@ -44,7 +44,7 @@ enum Law {
 pub(crate) fn laws(
     report: &mut Report,
     of: &Component<&dyn Element>,
-    states: &[(String, State)],
+    states: &[(String, TestState)],
     random: &mut Random,
 ) {
     if of.frames.is_empty() {
@@ -88,7 +88,7 @@ impl Component<&dyn Element> {
         &self,
         report: &mut Report,
         law: Law,
-        states: &[(String, State)],
+        states: &[(String, TestState)],
         random: &mut Random,
     ) {
         let name = match law {
@@ -118,19 +118,19 @@ impl Component<&dyn Element> {
         }
     }
 
-    fn clear(&self, s: &State) -> bool {
+    fn clear(&self, s: &TestState) -> bool {
         let [most, least] = angles(&self.frames, &s.x);
         most < TAU - CLEAR && least > CLEAR || most < TAU / 2.0 && least > 0.0
     }
 
     /// The difference of forces in the same coordinates, group by group.
-    fn gap(&self, s: &State, moved: &Moved) -> Option<[DVector<f64>; 2]> {
+    fn gap(&self, s: &TestState, moved: &Moved) -> Option<[DVector<f64>; 2]> {
         let here = evaluate(self.thing, s, Request::Residual)?.r;
         let there = evaluate(self.thing, &moved.state, Request::Residual)?.r;
         Some([moved.B.tr_mul(&there), here])
     }
 
-    fn compare(&self, report: &mut Report, name: &str, at: &str, s: &State, moved: &Moved) {
+    fn compare(&self, report: &mut Report, name: &str, at: &str, s: &TestState, moved: &Moved) {
         let Some(all) = evaluate(self.thing, s, Request::All) else {
             return;
         };
@@ -164,7 +164,7 @@ impl Component<&dyn Element> {
         law: Law,
         name: &str,
         moving: bool,
-        s: &State,
+        s: &TestState,
         random: &mut Random,
     ) {
         let rate = self.layout.rate;
@@ -179,8 +179,8 @@ impl Component<&dyn Element> {
             drift: vector(random, if moving { rate * self.length() } else { 0.0 }),
         };
         let to = self.carrier(law, random);
-        let at = |e: f64| -> State {
-            let mut near = State::statics(s.t, &dx * e);
+        let at = |e: f64| -> TestState {
+            let mut near = TestState::statics(s.t, &dx * e);
             if moving {
                 (near.v, near.a) = (&dv * e, &da * e);
             }

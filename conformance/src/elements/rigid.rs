@@ -1,6 +1,6 @@
 //! Superposed rigid motions and changes of chart, under which forces and energies stay the same.
 
-use crate::State;
+use crate::TestState;
 use nalgebra::{DMatrix, DVector, SVector, Vector3};
 use pullback_manifold::map::Map;
 use pullback_manifold::scalar::Scalar;
@@ -82,12 +82,12 @@ impl Map<6, 6> for Carried {
 
 /// A changed state, and the derivative B of its coordinates with respect to those before.
 pub(crate) struct Moved {
-    pub state: State,
+    pub state: TestState,
     pub B: DMatrix<f64>,
 }
 
 /// Changes all frames of a state; other coordinates stay.
-pub(crate) fn carry(by: Carrier, t: f64, frames: &[FrameAt], s: &State) -> Moved {
+pub(crate) fn carry(by: Carrier, t: f64, frames: &[FrameAt], s: &TestState) -> Moved {
     let n = s.x.len();
     let mut out = Moved {
         state: s.clone(),

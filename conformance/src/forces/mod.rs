@@ -14,11 +14,11 @@ use pullback_manifold::system::Point;
 pub use system::{dense, system};
 pub(crate) use system::{system_at, system_sizes};
 pub(crate) use tangents::{CONFIRMED, FIRST, STEP};
-use tangents::{Part, Tangents, tangents};
+use tangents::{Linearization, Part, tangents};
 
 /// Time and motion at which forces are evaluated; `v` and `a` are empty in statics.
 #[derive(Clone, Debug, PartialEq)]
-pub struct State {
+pub struct TestState {
     /// Time.
     pub t: f64,
     /// Coordinates.
@@ -29,7 +29,7 @@ pub struct State {
     pub a: DVector<f64>,
 }
 
-impl State {
+impl TestState {
     /// A state at rest for statics: without velocities and accelerations.
     pub fn statics(t: f64, x: DVector<f64>) -> Self {
         let none = || DVector::zeros(0);
@@ -76,16 +76,19 @@ pub struct Forces {
 }
 
 /// States in statics and in motion at every position.
-pub fn states(n: usize) -> Vec<(String, State)> {
+pub fn states(n: usize) -> Vec<(String, TestState)> {
     let mut random = Random::default();
     let mut out = Vec::new();
     for (name, x) in random.positions(n) {
         let x = DVector::from_vec(x);
-        out.push((format!("{name}, at rest"), State::statics(0.37, x.clone())));
+        out.push((
+            format!("{name}, at rest"),
+            TestState::statics(0.37, x.clone()),
+        ));
         let (mut v, mut a) = (DVector::zeros(n), DVector::zeros(n));
         random.fill(v.as_mut_slice());
         random.fill(a.as_mut_slice());
-        out.push((format!("{name}, moving"), State { t: 0.37, x, v, a }));
+        out.push((format!("{name}, moving"), TestState { t: 0.37, x, v, a }));
     }
     out
 }
@@ -95,7 +98,7 @@ pub fn forces(
     subject: &str,
     n: usize,
     symmetric: bool,
-    evaluate: impl FnMut(&State) -> Option<Forces>,
+    evaluate: impl FnMut(&TestState) -> Option<Forces>,
 ) -> Report {
     forces_at(subject, &Layout::plain(n), &states(n), symmetric, evaluate)
 }
@@ -104,9 +107,9 @@ pub fn forces(
 pub fn forces_at(
     subject: &str,
     layout: &Layout,
-    states: &[(String, State)],
+    states: &[(String, TestState)],
     symmetric: bool,
-    mut evaluate: impl FnMut(&State) -> Option<Forces>,
+    mut evaluate: impl FnMut(&TestState) -> Option<Forces>,
 ) -> Report {
     at_states(subject, layout, states, |laws| {
         let f = evaluate(laws.state)?;
@@ -119,7 +122,7 @@ pub fn forces_at(
 fn at_states(
     subject: &str,
     layout: &Layout,
-    states: &[(String, State)],
+    states: &[(String, TestState)],
     mut check: impl FnMut(&mut Laws<'_>) -> Option<()>,
 ) -> Report {
     let mut report = Report::new(subject);
@@ -146,24 +149,24 @@ pub(crate) struct Laws<'a> {
     pub report: &'a mut Report,
     pub layout: &'a Layout,
     pub at: &'a str,
-    pub state: &'a State,
+    pub state: &'a TestState,
     pub random: &'a mut Random,
 }
 
 /// The magnitude of the terms of the residual in each group, as an energy: its round-off is a fraction of them.
-pub(crate) fn sizes(layout: &Layout, state: &State, f: &Forces) -> Vec<f64> {
+pub(crate) fn sizes(layout: &Layout, state: &TestState, f: &Forces) -> Vec<f64> {
     let pattern = BlockPattern::dense(state.x.len());
     f.tangents(&pattern).sizes(layout, state)
 }
 
 impl Forces {
-    fn tangents<'a>(&'a self, pattern: &'a BlockPattern) -> Tangents<'a> {
+    fn tangents<'a>(&'a self, pattern: &'a BlockPattern) -> Linearization<'a> {
         let n = pattern.len();
         let or_zero = |m: &Option<DMatrix<f64>>| match m {
             Some(m) => m.as_slice().to_vec(),
             None => vec![0.0; n],
         };
-        Tangents {
+        Linearization {
             pattern,
             r: self.r.as_slice(),
             values: [
@@ -180,12 +183,12 @@ impl Laws<'_> {
         &mut self,
         f: &Forces,
         symmetric: bool,
-        evaluate: &mut dyn FnMut(&State) -> Option<Forces>,
+        evaluate: &mut dyn FnMut(&TestState) -> Option<Forces>,
     ) {
         let (n, at, state) = (self.state.x.len(), self.at, self.state);
         let pattern = BlockPattern::dense(n);
         let all = f.tangents(&pattern);
-        let mut residual = |s: &State| evaluate(s).map(|f| f.r.as_slice().to_vec());
+        let mut residual = |s: &TestState| evaluate(s).map(|f| f.r.as_slice().to_vec());
         let sizes = all.sizes(self.layout, self.state);
         tangents(self, &all, &sizes, &mut residual);
         if symmetric && state.is_static() {
@@ -195,7 +198,7 @@ impl Laws<'_> {
             let size = f.r.norm() + r_t.norm() * (1.0 + state.t.abs());
             self.report.slope("r_t = dr/dt", at, 2.0, FIRST, size, |e| {
                 let t = state.t + e;
-                let later = State { t, ..state.clone() };
+                let later = TestState { t, ..state.clone() };
                 let there = evaluate(&later).map(|f| f.r);
                 there.map_or(f64::NAN, |there| (there - &f.r - r_t * e).norm())
             });
@@ -210,7 +213,7 @@ impl Laws<'_> {
         &mut self,
         f: &Forces,
         energy: f64,
-        evaluate: &mut dyn FnMut(&State) -> Option<Forces>,
+        evaluate: &mut dyn FnMut(&TestState) -> Option<Forces>,
     ) {
         let (at, state) = (self.at, self.state);
         let units = self.layout.units();
@@ -219,7 +222,7 @@ impl Laws<'_> {
         let work = f.r.iter().zip(&magnitudes).map(|(r, x)| (r * x).abs());
         let size = energy.abs() + work.sum::<f64>();
         let mut there = |x: DVector<f64>| {
-            let moved = State::statics(state.t, x);
+            let moved = TestState::statics(state.t, x);
             evaluate(&moved).and_then(|f| f.energy)
         };
         self.report.slope("r = -dE/dx", at, 2.0, FIRST, size, |e| {

@@ -1,7 +1,7 @@
 //! The laws of a system: the assembled tangent in its pattern is that of the residual.
 
-use super::tangents::{CONFIRMED, FIRST, Part, Tangents, tangents};
-use super::{Laws, State, at_states};
+use super::tangents::{CONFIRMED, FIRST, Linearization, Part, tangents};
+use super::{Laws, TestState, at_states};
 use crate::block::difference;
 use crate::layout::Layout;
 use crate::report::Report;
@@ -34,7 +34,7 @@ pub fn dense(pattern: &BlockPattern, values: &[f64]) -> DMatrix<f64> {
 ///
 /// ∂r/∂t is verified at rest only: in motion it would require a third derivative of prescribed coordinates, which no
 /// solver uses.
-pub fn system(subject: &str, system: &mut dyn System, states: &[(String, State)]) -> Report {
+pub fn system(subject: &str, system: &mut dyn System, states: &[(String, TestState)]) -> Report {
     let layout = Layout::of(system);
     system_at(subject, &layout, system, states)
 }
@@ -44,7 +44,7 @@ pub(crate) fn system_at(
     subject: &str,
     layout: &Layout,
     system: &mut dyn System,
-    states: &[(String, State)],
+    states: &[(String, TestState)],
 ) -> Report {
     at_states(subject, layout, states, |laws| one(laws, system))
 }
@@ -54,10 +54,10 @@ pub(crate) fn system_at(
 pub(crate) fn system_sizes(
     layout: &Layout,
     system: &mut dyn System,
-    state: &State,
+    state: &TestState,
 ) -> Option<Vec<f64>> {
     let (r, values) = parts(system, state)?;
-    let all = Tangents {
+    let all = Linearization {
         pattern: system.pattern(),
         r: &r,
         values,
@@ -70,7 +70,7 @@ fn weights(K: f64, C: f64, M: f64) -> Weights {
 }
 
 /// The residual, and the values of K, C and M.
-fn parts(system: &mut dyn System, state: &State) -> Option<(Vec<f64>, [Vec<f64>; 3])> {
+fn parts(system: &mut dyn System, state: &TestState) -> Option<(Vec<f64>, [Vec<f64>; 3])> {
     let (r, K) = combined(system, state, weights(1.0, 0.0, 0.0))?;
     let (mut C, mut M) = (vec![0.0; K.len()], vec![0.0; K.len()]);
     if !state.is_static() {
@@ -85,7 +85,7 @@ fn one(laws: &mut Laws<'_>, system: &mut dyn System) -> Option<()> {
     let (state, at) = (laws.state, laws.at);
     let pattern = system.pattern().clone();
     let (r, values) = parts(system, state)?;
-    let all = Tangents {
+    let all = Linearization {
         pattern: &pattern,
         r: &r,
         values,
@@ -114,7 +114,7 @@ fn one(laws: &mut Laws<'_>, system: &mut dyn System) -> Option<()> {
 
 /// One evaluation with three weights is the weighted sum of three evaluations; at rest there is K alone. Also the
 /// symmetry of tangents. Returns the residual of that evaluation.
-fn combination(laws: &mut Laws<'_>, system: &mut dyn System, all: &Tangents<'_>) -> Vec<f64> {
+fn combination(laws: &mut Laws<'_>, system: &mut dyn System, all: &Linearization<'_>) -> Vec<f64> {
     let (state, at, pattern) = (laws.state, laws.at, all.pattern);
     let rates = if state.is_static() { 0.0 } else { 1.0 };
     let w = weights(0.7, -1.3 * rates, 2.1 * rates);
@@ -163,7 +163,7 @@ fn combination(laws: &mut Laws<'_>, system: &mut dyn System, all: &Tangents<'_>)
 }
 
 /// A state that differs in its last digits.
-fn beside(state: &State, layout: &Layout, sample: u32) -> State {
+fn beside(state: &TestState, layout: &Layout, sample: u32) -> TestState {
     let mut beside = state.clone();
     for (i, (x, unit)) in beside.x.iter_mut().zip(layout.units()).enumerate() {
         let digit = f64::from(sample) * f64::EPSILON * (x.abs() + unit);
@@ -211,7 +211,7 @@ fn load_rate(laws: &mut Laws<'_>, system: &mut dyn System, r: &[f64], rate: &[f6
         .map(|(rate, size)| size.max(ROUGH * largest) + rate * (1.0 + state.t.abs()))
         .collect();
     let first = FIRST.min(0.5 * next);
-    let mut at = |t: f64| residual(system, &State { t, ..state.clone() });
+    let mut at = |t: f64| residual(system, &TestState { t, ..state.clone() });
     laws.report
         .slopes("r_t = dr/dt", laws.at, 2.0, first, &sizes, |e| {
             let there = at(state.t + e).unwrap_or_else(|| vec![f64::NAN; r.len()]);
@@ -228,7 +228,7 @@ fn load_rate(laws: &mut Laws<'_>, system: &mut dyn System, r: &[f64], rate: &[f6
     });
 }
 
-fn residual(system: &mut dyn System, state: &State) -> Option<Vec<f64>> {
+fn residual(system: &mut dyn System, state: &TestState) -> Option<Vec<f64>> {
     let mut r = vec![0.0; state.x.len()];
     let out = Evaluation::residual(&mut r);
     system.evaluate(state.point(), out).ok()?;
@@ -237,7 +237,7 @@ fn residual(system: &mut dyn System, state: &State) -> Option<Vec<f64>> {
 
 fn combined(
     system: &mut dyn System,
-    state: &State,
+    state: &TestState,
     weights: Weights,
 ) -> Option<(Vec<f64>, Vec<f64>)> {
     let mut r = vec![0.0; state.x.len()];

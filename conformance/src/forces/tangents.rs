@@ -1,6 +1,6 @@
 //! K = −∂r/∂x, C = −∂r/∂ẋ and M = −∂r/∂ẍ, group by group of coordinates.
 
-use super::{Laws, State};
+use super::{Laws, TestState};
 use crate::block::{Compared, difference};
 use crate::layout::{CoordinateGroup, Layout};
 use crate::report::Measure;
@@ -28,7 +28,7 @@ impl Part {
     }
 
     /// The vector of a state with respect to which it is the derivative.
-    fn of(self, s: &mut State) -> &mut DVector<f64> {
+    fn of(self, s: &mut TestState) -> &mut DVector<f64> {
         match self {
             Self::K => &mut s.x,
             Self::C => &mut s.v,
@@ -38,7 +38,7 @@ impl Part {
 }
 
 /// A residual and its three tangents at one state.
-pub(crate) struct Tangents<'a> {
+pub(crate) struct Linearization<'a> {
     pub pattern: &'a BlockPattern,
     pub r: &'a [f64],
     /// Values of K, C and M in the pattern.
@@ -46,7 +46,7 @@ pub(crate) struct Tangents<'a> {
 }
 
 /// The residual at a state, if that is inside the domain.
-pub(crate) type Residual<'a> = dyn FnMut(&State) -> Option<Vec<f64>> + 'a;
+pub(crate) type Residual<'a> = dyn FnMut(&TestState) -> Option<Vec<f64>> + 'a;
 
 /// First step along coordinates, in units: half of the change at which a rotation leaves the domain of its chart.
 pub(crate) const FIRST: f64 = 0.05;
@@ -56,7 +56,7 @@ pub(crate) const CONFIRMED: f64 = 1e-9;
 /// Step of these differences in units.
 pub(crate) const STEP: f64 = 1e-3;
 
-impl Tangents<'_> {
+impl Linearization<'_> {
     fn times(&self, part: Part, d: &[f64]) -> Vec<f64> {
         let mut out = vec![0.0; self.r.len()];
         let values = &self.values[part as usize];
@@ -73,7 +73,7 @@ impl Tangents<'_> {
     }
 
     /// The magnitude of the terms of the residual in each group, as an energy.
-    pub(crate) fn sizes(&self, layout: &Layout, s: &State) -> Vec<f64> {
+    pub(crate) fn sizes(&self, layout: &Layout, s: &TestState) -> Vec<f64> {
         let mut all: Vec<f64> = self.r.iter().map(|r| r.abs()).collect();
         for (part, x) in Part::ALL.into_iter().zip([&s.x, &s.v, &s.a]) {
             if !x.is_empty() {
@@ -200,7 +200,7 @@ const MIXED: f64 = 1e-2;
 /// The laws of the tangents at a state; `sizes` are the magnitudes of the terms in each group.
 pub(crate) fn tangents(
     laws: &mut Laws<'_>,
-    all: &Tangents<'_>,
+    all: &Linearization<'_>,
     sizes: &[f64],
     residual: &mut Residual<'_>,
 ) {
@@ -213,7 +213,7 @@ pub(crate) fn tangents(
 
 fn tangent(
     laws: &mut Laws<'_>,
-    all: &Tangents<'_>,
+    all: &Linearization<'_>,
     part: Part,
     sizes: &[f64],
     residual: &mut Residual<'_>,

@@ -1,7 +1,7 @@
 //! Finds values of a map that are not finite, before they are compared with anything.
 
 use super::kinematics::Mapped;
-use crate::forces::State;
+use crate::forces::TestState;
 use crate::layout::Layout;
 
 /// Distance of neighbouring coordinates, in units, at which the map may be finite.
@@ -10,7 +10,7 @@ const BESIDE: f64 = 1e-3;
 impl Mapped<'_> {
     /// Describes the first entry of x, its rates and operators that is not finite at a state, if any, and the
     /// coordinates along which the neighbours are finite.
-    pub(crate) fn unknown(&self, s: &State) -> Option<String> {
+    pub(crate) fn unknown(&self, s: &TestState) -> Option<String> {
         let n = self.map.dims().1;
         let (x, B) = self.tangent(s.t, s.x.as_slice());
         let [_, x_dot, x_ddot, _, B_dot, B_ddot] = self.kinematics(s);

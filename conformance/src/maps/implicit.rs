@@ -1,8 +1,8 @@
 //! The laws of the map of an implicit constraint, whose coordinates are changed during a run.
 
-use super::kinematics::{Kinematics, Mapped};
+use super::kinematics::{KinematicArrays, Mapped};
 use super::map::{agree, shortened, slopes};
-use crate::forces::State;
+use crate::forces::TestState;
 use crate::layout::Layout;
 use crate::report::Report;
 use crate::sample::Random;
@@ -154,14 +154,14 @@ fn roomy(map: &ImplicitMap, t: f64, q: &[f64]) -> bool {
     margin * REGULAR > 1.0 && (0..q.len()).all(|j| step(j, 1.0) && step(j, -1.0))
 }
 
-fn motion(map: &dyn Parametrization, s: &State) -> Kinematics {
+fn motion(map: &dyn Parametrization, s: &TestState) -> KinematicArrays {
     let (d, n) = map.dims();
     let (rows, columns) = (&Layout::plain(n), &Layout::plain(d));
     Mapped { map, rows, columns }.kinematics(s)
 }
 
-fn state(t: f64, q: &[f64], [v, a]: [Vec<f64>; 2]) -> State {
-    State {
+fn state(t: f64, q: &[f64], [v, a]: [Vec<f64>; 2]) -> TestState {
+    TestState {
         t,
         x: DVector::from_column_slice(q),
         v: v.into(),

@@ -1,7 +1,7 @@
 //! The laws of a map behind slices: its operators are derivatives of its values.
 
 use crate::block::{Block, Compared, difference};
-use crate::forces::{CONFIRMED, STEP, State};
+use crate::forces::{CONFIRMED, STEP, TestState};
 use crate::layout::Layout;
 use crate::report::Report;
 use crate::sample::Random;
@@ -20,7 +20,7 @@ pub struct Mapped<'a> {
 }
 
 /// x, ẋ, ẍ, B, Ḃ, B̈; matrices column by column.
-pub(crate) type Kinematics = [Vec<f64>; 6];
+pub(crate) type KinematicArrays = [Vec<f64>; 6];
 
 /// Largest relative difference of an operator by two formulas: see the closed forms of [`map`](super::map()).
 const SAME: f64 = 1e-10;
@@ -44,7 +44,7 @@ impl Mapped<'_> {
         (x, B)
     }
 
-    pub(crate) fn kinematics(&self, s: &State) -> Kinematics {
+    pub(crate) fn kinematics(&self, s: &TestState) -> KinematicArrays {
         let (d, n) = self.map.dims();
         let mut all = [n, n, n, n * d, n * d, n * d].map(|len| vec![f64::NAN; len]);
         let [x, x_dot, x_ddot, B, B_dot, B_ddot] = &mut all;
@@ -159,7 +159,7 @@ pub fn kinematics(
     prefix: &str,
     of: Mapped<'_>,
     at: &str,
-    s: &State,
+    s: &TestState,
     random: &mut Random,
 ) -> bool {
     let law = |name: &str| format!("{prefix}{name}");
@@ -291,8 +291,8 @@ fn motion(
     prefix: &str,
     of: Mapped<'_>,
     at: &str,
-    s: &State,
-    k: &Kinematics,
+    s: &TestState,
+    k: &KinematicArrays,
     sizes: &[f64],
 ) {
     let rate = of.columns.rate;

@@ -2,7 +2,7 @@
 
 use super::kinematics::{Mapped, kinematics};
 use super::pieces::pieces;
-use crate::forces::State;
+use crate::forces::TestState;
 use crate::layout::Layout;
 use crate::report::Report;
 use crate::sample::{CLEARANCE, Random};
@@ -62,7 +62,7 @@ pub(crate) fn laws_behind_slices(
         return;
     }
     let mut vector = || random.entries(&vec![1.0; d]);
-    let state = State {
+    let state = TestState {
         t: TIME,
         x: DVector::from_column_slice(q),
         v: vector(),
@@ -77,7 +77,7 @@ pub(crate) fn slopes(
     prefix: &str,
     map: &dyn Parametrization,
     at: &str,
-    state: &State,
+    state: &TestState,
     random: &mut Random,
 ) -> bool {
     let (d, n) = map.dims();
@@ -162,7 +162,7 @@ pub(crate) fn laws<M, const D: usize, const N: usize>(
     let (v, a) = (random.vector::<D>(), random.vector::<D>());
     let f = random.vector::<N>();
     let vector = |x: &SVector<f64, D>| DVector::from_column_slice(x.as_slice());
-    let state = State {
+    let state = TestState {
         t,
         x: vector(q),
         v: vector(&v),

@@ -1,7 +1,7 @@
 //! Continuity of a map that consists of several pieces.
 
 use super::kinematics::Mapped;
-use crate::forces::State;
+use crate::forces::TestState;
 use crate::report::Report;
 use crate::sample::Random;
 use crate::vectors::minus;
@@ -18,7 +18,7 @@ const MEETING: [&str; 5] = ["x", "x_dot", "x_ddot", "B", "B_dot"];
 /// Checks that x, ẋ, ẍ, B and Ḃ are continuous where the next piece of a map begins, along every coordinate from a state
 /// ([`Parametrization::freeze_piece`](pullback_manifold::map::Parametrization::freeze_piece)). Maps that solve equations
 /// are not checked: their pieces are those of the equations, and distant states are on another branch.
-pub fn pieces(report: &mut Report, of: Mapped<'_>, at: &str, s: &State, random: &mut Random) {
+pub fn pieces(report: &mut Report, of: Mapped<'_>, at: &str, s: &TestState, random: &mut Random) {
     if of.map.duplicate().implicit().is_some() {
         return;
     }
@@ -27,7 +27,7 @@ pub fn pieces(report: &mut Report, of: Mapped<'_>, at: &str, s: &State, random: 
     let seam = Seam {
         of,
         // With rates of about 1 all derivatives have similar magnitudes.
-        s: &State {
+        s: &TestState {
             v: noise(),
             a: noise(),
             ..s.clone()
@@ -49,11 +49,11 @@ pub fn pieces(report: &mut Report, of: Mapped<'_>, at: &str, s: &State, random: 
 /// The search for the end of the piece that holds at a state.
 struct Seam<'a> {
     of: Mapped<'a>,
-    s: &'a State,
+    s: &'a TestState,
 }
 
 impl Seam<'_> {
-    fn state(&self, (j, e): (usize, f64)) -> State {
+    fn state(&self, (j, e): (usize, f64)) -> TestState {
         let mut s = self.s.clone();
         s.x[j] += e;
         s

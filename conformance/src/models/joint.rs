@@ -3,7 +3,7 @@
 use super::segments::{self, Child};
 use super::view::{self, maps, parent_state};
 use crate::elements::{Carrier, EXACT, FIRST, FrameAt, carry, vector};
-use crate::{Mapped, Random, Report, State, kinematics, pieces};
+use crate::{Mapped, Random, Report, TestState, kinematics, pieces};
 use nalgebra::{DVector, Vector3};
 use pullback_elements::model::Context;
 use pullback_manifold::so3::{log_quaternion, quaternion};
@@ -13,7 +13,7 @@ pub(super) fn laws(
     report: &mut Report,
     context: &mut Context,
     units: &[f64],
-    (at, state): &(String, State),
+    (at, state): &(String, TestState),
     random: &mut Random,
 ) {
     if let Err(error) = context.configure(state.point()) {
@@ -67,7 +67,7 @@ pub(super) fn laws(
 }
 
 /// The rate of change of coordinates in units; at a turning point of a loop that of their accelerations.
-fn rate(units: &[f64], s: &State) -> f64 {
+fn rate(units: &[f64], s: &TestState) -> f64 {
     let speeds = s.v.iter().zip(units).map(|(v, u)| (v / u).abs());
     let turns = s.a.iter().zip(units).map(|(a, u)| (a / u).abs().sqrt());
     let fastest = speeds.chain(turns).fold(0.0, f64::max);
@@ -85,13 +85,13 @@ struct Carried<'a> {
 
 impl Carried<'_> {
     /// The coordinates of the frame at a state of the parents.
-    fn child(&self, s: &State) -> DVector<f64> {
+    fn child(&self, s: &TestState) -> DVector<f64> {
         DVector::from_vec(self.of.tangent(s.t, s.x.as_slice()).0)
     }
 
     /// The distance of the frame from the rigid motion of its parents, in lengths and in radians, in any chart.
-    fn defect(&self, by: Carrier, turn: &Vector3<f64>, s: &State) -> Vec<f64> {
-        let still = State::statics(s.t, s.x.clone());
+    fn defect(&self, by: Carrier, turn: &Vector3<f64>, s: &TestState) -> Vec<f64> {
+        let still = TestState::statics(s.t, s.x.clone());
         let mut moved = carry(by, 0.0, self.frames, &still).state;
         for &k in self.rotations {
             // Rotations of joints are those of frames, in global components.
@@ -99,7 +99,7 @@ impl Carried<'_> {
             let turned = log_quaternion(&quaternion(turn).product(&quaternion(&psi)));
             moved.x.fixed_rows_mut::<3>(k).copy_from(&turned);
         }
-        let here = State::statics(s.t, self.child(&still));
+        let here = TestState::statics(s.t, self.child(&still));
         let own = [FrameAt {
             first: 0,
             position: self.position,
@@ -112,7 +112,7 @@ impl Carried<'_> {
         vec![gap / self.length, turns]
     }
 
-    fn laws(&self, report: &mut Report, at: &str, s: &State, random: &mut Random) {
+    fn laws(&self, report: &mut Report, at: &str, s: &TestState, random: &mut Random) {
         let about = self.frames[0].position;
         let turn = vector(random, 0.9);
         let by = Carrier::still(about, turn, vector(random, self.length));
@@ -138,7 +138,7 @@ impl Carried<'_> {
         report: &mut Report,
         law: &str,
         (by, turn): (Carrier, &Vector3<f64>),
-        s: &State,
+        s: &TestState,
         sizes: &[f64],
         random: &mut Random,
     ) {
@@ -152,7 +152,7 @@ impl Carried<'_> {
                     x[k] = noise[k] * e;
                 }
             }
-            carry(rigid, 0.0, self.frames, &State::statics(s.t, x)).state
+            carry(rigid, 0.0, self.frames, &TestState::statics(s.t, x)).state
         };
         report.slopes(law, "rigid", 2.0, FIRST, sizes, |e| {
             self.defect(by, turn, &near(e))

@@ -9,7 +9,7 @@ mod view;
 
 use crate::elements::{Component, Request, element_at, evaluate, in_charts, invariance};
 use crate::forces::system_at;
-use crate::{Forces, Layout, Random, Report, State};
+use crate::{Forces, Layout, Random, Report, TestState};
 use nalgebra::DVector;
 use pullback_elements::element::Element;
 use pullback_elements::model::Context;
@@ -18,7 +18,7 @@ use states::{Size, beside, moving};
 
 /// The states at which a model is checked.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Options {
+pub struct ModelOptions {
     /// Seed of the random generator: the same seed gives the same report.
     pub seed: u64,
     /// Time, or load parameter; not a kink of a function of time, where there are no derivatives.
@@ -29,7 +29,7 @@ pub struct Options {
     pub states: usize,
 }
 
-impl Default for Options {
+impl Default for ModelOptions {
     fn default() -> Self {
         Self {
             seed: 0,
@@ -65,7 +65,7 @@ impl Default for Options {
 ///
 /// [`Parametrization::freeze_piece`]: pullback_manifold::map::Parametrization::freeze_piece
 /// [`Parametrization::reparametrizes`]: pullback_manifold::map::Parametrization::reparametrizes
-pub fn model(context: &mut Context, options: &Options) -> Report {
+pub fn model(context: &mut Context, options: &ModelOptions) -> Report {
     // Random states violate the equations of multipliers.
     context.watch_equations(false);
     let report = all(context, options);
@@ -73,7 +73,7 @@ pub fn model(context: &mut Context, options: &Options) -> Report {
     report
 }
 
-fn all(context: &mut Context, options: &Options) -> Report {
+fn all(context: &mut Context, options: &ModelOptions) -> Report {
     let mut report = Report::new("model");
     let n = context.pattern().dim();
     let mut q = options.q.clone();
@@ -88,7 +88,7 @@ fn all(context: &mut Context, options: &Options) -> Report {
         let size = if k % 2 == 0 { Size::FAR } else { Size::NEAR };
         plan.push((format!("random {}", k + 1), size));
     }
-    let mut seen: Vec<(String, Vec<State>)> = Vec::new();
+    let mut seen: Vec<(String, Vec<TestState>)> = Vec::new();
     let (at_start, first) = ((options.t, q.as_slice()), context.state().clone());
     let mut last = None;
     for (k, (at, size)) in plan.iter().enumerate() {
@@ -137,7 +137,7 @@ fn component<'a>(
     k: usize,
     units: &[f64],
     rate: f64,
-    positions: impl Iterator<Item = (&'a str, &'a State)>,
+    positions: impl Iterator<Item = (&'a str, &'a TestState)>,
     random: &mut Random,
 ) -> Report {
     let own = view::element(context, k, units);
@@ -153,7 +153,7 @@ fn component<'a>(
 fn of_element<'a>(
     mut own: Component<&dyn Element>,
     rate: f64,
-    positions: impl Iterator<Item = (&'a str, &'a State)>,
+    positions: impl Iterator<Item = (&'a str, &'a TestState)>,
     random: &mut Random,
 ) -> Report {
     let element = own.thing;
@@ -163,7 +163,7 @@ fn of_element<'a>(
         if states.is_empty() {
             let zero = || DVector::zeros(rest.x.len());
             let (v, a) = (zero(), zero());
-            let still = State {
+            let still = TestState {
                 v,
                 a,
                 ..rest.clone()
@@ -207,7 +207,7 @@ fn element_rate(layout: &Layout, f: &Forces) -> Option<f64> {
 const NONE: f64 = 1e-12;
 
 /// The model's rate at a state.
-fn own_rate(context: &mut Context, s: &State, units: &[f64]) -> Option<f64> {
+fn own_rate(context: &mut Context, s: &TestState, units: &[f64]) -> Option<f64> {
     let n = s.x.len();
     let zero = vec![0.0; n];
     let mut diagonal = |K, C, M| -> Option<Vec<f64>> {

@@ -4,7 +4,7 @@ use super::view::parent_state;
 use crate::block::Compared;
 use crate::elements::{Carrier, EXACT, FrameAt, carry};
 use crate::vectors::{dot, larger};
-use crate::{Layout, Mapped, Random, Report, State};
+use crate::{Layout, Mapped, Random, Report, TestState};
 use nalgebra::{DVector, Vector3};
 use pullback_elements::model::{Context, Node};
 use pullback_manifold::map::Parametrization;
@@ -107,7 +107,7 @@ fn forces_stay(
 }
 
 /// The motion of the node of a map, and B.
-fn motion(side: &Side) -> (State, Vec<f64>) {
+fn motion(side: &Side) -> (TestState, Vec<f64>) {
     let (d, n) = side.map.dims();
     let of = Mapped {
         map: &*side.map,
@@ -117,13 +117,13 @@ fn motion(side: &Side) -> (State, Vec<f64>) {
     let [x, x_dot, x_ddot, B, ..] = of.kinematics(&side.state);
     let [x, v, a] = [x, x_dot, x_ddot].map(DVector::from_vec);
     let t = side.state.t;
-    (State { t, x, v, a }, B)
+    (TestState { t, x, v, a }, B)
 }
 
 /// A map before or after a change of segment, and the motion of its parents there.
 pub(super) struct Side {
     map: Box<dyn Parametrization>,
-    state: State,
+    state: TestState,
     /// Numbers of the parents' coordinates in the model.
     coordinates: Vec<usize>,
     /// The coordinate along the chain, which is at rest at the change.

@@ -1,7 +1,7 @@
 //! The states at which a model is checked: its start, and smooth random deformations of it.
 
 use super::view::{Rotation, is_frame, unknowns};
-use crate::{Random, State};
+use crate::{Random, TestState};
 use nalgebra::{DVector, Vector3};
 use pullback_elements::model::{Context, ModelState};
 use pullback_manifold::chart::Complement;
@@ -92,7 +92,7 @@ pub(super) fn beside(
     size: Size,
     units: &[f64],
     random: &mut Random,
-) -> Result<State, SystemError> {
+) -> Result<TestState, SystemError> {
     let seed = random.clone();
     let mut factor = 1.0;
     loop {
@@ -101,7 +101,7 @@ pub(super) fn beside(
         let regular = context.singularity_warnings().is_empty();
         *random = seed.clone();
         let x = moved(context, q, size.times(factor), units, random);
-        let mut state = State::statics(t, DVector::from_vec(x));
+        let mut state = TestState::statics(t, DVector::from_vec(x));
         let settled = settle(context, &mut state).and_then(|()| {
             let mut r = vec![0.0; q.len()];
             context.evaluate(state.point(), Evaluation::residual(&mut r))
@@ -158,10 +158,10 @@ fn moved(context: &Context, q: &[f64], size: Size, units: &[f64], random: &mut R
 }
 
 /// Random velocities and accelerations of the sizes of units and rate.
-pub(super) fn moving(s: &State, units: &[f64], rate: f64, random: &mut Random) -> State {
+pub(super) fn moving(s: &TestState, units: &[f64], rate: f64, random: &mut Random) -> TestState {
     let v = random.entries(units) * rate;
     let a = random.entries(units) * rate.powi(2);
-    State { v, a, ..s.clone() }
+    TestState { v, a, ..s.clone() }
 }
 
 /// Changes the charts of rotations of a state, as at the end of a step, and returns their number. Rotations near 0 or
@@ -169,7 +169,7 @@ pub(super) fn moving(s: &State, units: &[f64], rate: f64, random: &mut Random) -
 pub(super) fn switch(
     context: &mut Context,
     rotations: &[Rotation],
-    s: &mut State,
+    s: &mut TestState,
 ) -> Result<usize, SystemError> {
     // The distance from the nearer of 0 and 2π.
     let away = |unknowns: &Rotation| {
@@ -188,7 +188,7 @@ pub(super) fn switch(
 }
 
 /// Sets the charts of a run that starts at a state.
-fn settle(context: &mut Context, s: &mut State) -> Result<(), SystemError> {
+fn settle(context: &mut Context, s: &mut TestState) -> Result<(), SystemError> {
     for unknowns in context.free_rotations() {
         complement(&unknowns, s, &(PI..TAU));
     }
@@ -196,7 +196,7 @@ fn settle(context: &mut Context, s: &mut State) -> Result<(), SystemError> {
 }
 
 /// Changes the chart of a rotation of a state, if its angle is in a range; returns whether it is.
-fn complement(unknowns: &Rotation, s: &mut State, angles: &Range<f64>) -> bool {
+fn complement(unknowns: &Rotation, s: &mut TestState, angles: &Range<f64>) -> bool {
     let take = |from: &DVector<f64>| {
         let entry = |u: usize| from.get(u).copied().unwrap_or(0.0);
         Vector3::from_fn(|i, _| unknowns[i].map_or(0.0, entry))

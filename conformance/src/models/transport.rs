@@ -1,12 +1,14 @@
 //! The assembled system in other charts, and its balance of power.
 
 use super::states::switch;
-use super::view::{Rotation, Snapshot, prescribed_rate, reparametrizes, silent_power, snapshot};
+use super::view::{
+    Observables, Rotation, observables, prescribed_rate, reparametrizes, silent_power,
+};
 use crate::block::{Compared, difference};
 use crate::elements::EXACT;
 use crate::forces::{CONFIRMED, FIRST, system_sizes};
 use crate::vectors::{dot, minus};
-use crate::{Layout, Random, Report, State};
+use crate::{Layout, Random, Report, TestState};
 use nalgebra::Vector3;
 use pullback_elements::model::Context;
 use pullback_manifold::so3::B_s;
@@ -20,7 +22,7 @@ pub(super) fn laws(
     report: &mut Report,
     context: &mut Context,
     layout: &Layout,
-    (at, state): &(String, State),
+    (at, state): &(String, TestState),
     random: &mut Random,
 ) {
     let Some(sizes) = system_sizes(layout, context, state) else {
@@ -46,15 +48,15 @@ fn transport(
     layout: &Layout,
     sizes: &[f64],
     at: &str,
-    s: &State,
+    s: &TestState,
     chosen: &[Rotation],
 ) -> Result<(), SystemError> {
-    let before = snapshot(context, s)?;
+    let before = observables(context, s)?;
     let mut other = s.clone();
     if switch(context, chosen, &mut other)? == 0 {
         return Ok(());
     }
-    let after = snapshot(context, &other)?;
+    let after = observables(context, &other)?;
     let (r, bend) = forces_before(chosen, [s, &other], &after.r);
     let gap = layout.forces(&minus(&r, &before.r));
     let allowed: Vec<f64> = sizes.iter().map(|s| EXACT * s * bend * bend).collect();
@@ -90,7 +92,11 @@ fn transport(
 }
 
 /// The forces in the charts before a change, by the transpose of B_s, and its largest entry.
-fn forces_before(chosen: &[Rotation], [s, other]: [&State; 2], after: &[f64]) -> (Vec<f64>, f64) {
+fn forces_before(
+    chosen: &[Rotation],
+    [s, other]: [&TestState; 2],
+    after: &[f64],
+) -> (Vec<f64>, f64) {
     let (mut r, mut bend) = (after.to_vec(), 1.0_f64);
     for unknowns in chosen {
         let take = |x: &[f64]| Vector3::from_fn(|i, _| unknowns[i].map_or(0.0, |u| x[u]));
@@ -111,7 +117,7 @@ fn forces_before(chosen: &[Rotation], [s, other]: [&State; 2], after: &[f64]) ->
 }
 
 /// The change of charts at the end of a step.
-fn change_charts(context: &mut Context, s: &mut State) {
+fn change_charts(context: &mut Context, s: &mut TestState) {
     let [q, v, a] = [&mut s.x, &mut s.v, &mut s.a].map(|x| x.as_mut_slice());
     context.change_charts(s.t, q, v, &mut [a]);
 }
@@ -122,7 +128,7 @@ fn stays(
     report: &mut Report,
     law: &str,
     at: &str,
-    [before, after]: [&Snapshot; 2],
+    [before, after]: [&Observables; 2],
     [length, rate, total, bend]: [f64; 4],
 ) {
     let frames = before.frames.iter().zip(&after.frames);
@@ -154,8 +160,8 @@ fn stays(
 }
 
 /// v·r, the power of the residual.
-fn left(snapshot: &Snapshot, s: &State) -> f64 {
-    dot(&snapshot.r, s.v.as_slice())
+fn left(observables: &Observables, s: &TestState) -> f64 {
+    dot(&observables.r, s.v.as_slice())
 }
 
 /// Checks that motion and energies stay the same when a map reparametrizes. The model cannot be evaluated at its former
@@ -167,16 +173,16 @@ pub(super) fn rewriting(
     report: &mut Report,
     context: &mut Context,
     layout: &Layout,
-    (at, s): &(String, State),
+    (at, s): &(String, TestState),
 ) {
     let law = "change of coordinates";
     let mut settled = s.clone();
-    let balanced = |context: &mut Context, s: &State| -> Result<Snapshot, SystemError> {
-        let mut now = snapshot(context, s)?;
+    let balanced = |context: &mut Context, s: &TestState| -> Result<Observables, SystemError> {
+        let mut now = observables(context, s)?;
         now.energies.supplied -= left(&now, s);
         Ok(now)
     };
-    let mut both = || -> Result<[Snapshot; 2], SystemError> {
+    let mut both = || -> Result<[Observables; 2], SystemError> {
         let before = balanced(context, &settled)?;
         change_charts(context, &mut settled);
         Ok([before, balanced(context, &settled)?])
@@ -202,9 +208,9 @@ fn power(
     layout: &Layout,
     sizes: &[f64],
     at: &str,
-    s: &State,
+    s: &TestState,
 ) -> Result<(), SystemError> {
-    let now = snapshot(context, s)?;
+    let now = observables(context, s)?;
     let energies = now.energies;
     // The change of a potential with time, and the power of elements without an energy.
     let h = 1e-4 / layout.rate;
@@ -220,7 +226,7 @@ fn power(
     let next = ahead.filter(|&k| k > 0.0).fold(f64::INFINITY, f64::min);
     let first = (FIRST / layout.rate.max(prescribed_rate(context))).min(0.5 * next);
     let mut energy = |tau: f64| {
-        let there = State {
+        let there = TestState {
             t: s.t + tau,
             x: s.ahead(tau),
             v: &s.v + &s.a * tau,

@@ -3,7 +3,7 @@
 use crate::elements::{Component, FrameAt};
 use crate::maps::plain;
 use crate::vectors::dot;
-use crate::{CoordinateGroup, Layout, State};
+use crate::{CoordinateGroup, Layout, TestState};
 use nalgebra::{DVector, Vector3};
 use pullback_elements::element::{Element, Motion};
 use pullback_elements::model::{Context, Node, NodeForm};
@@ -37,7 +37,7 @@ pub(super) fn element<'a>(
 }
 
 /// The state of element `k`, in its chart, without motion.
-pub(super) fn element_state(context: &Context, k: usize, t: f64) -> State {
+pub(super) fn element_state(context: &Context, k: usize, t: f64) -> TestState {
     let e = &context.elements()[k];
     let x = match e.element().properties().reads_poses {
         true => parent_state(context, e.nodes(), t).x,
@@ -46,7 +46,7 @@ pub(super) fn element_state(context: &Context, k: usize, t: f64) -> State {
             DVector::from_vec(x)
         }
     };
-    State::statics(t, x)
+    TestState::statics(t, x)
 }
 
 /// The maps of a model between the charts of frames: the mapped node, its map, the parents. Maps from a chart to a pose
@@ -115,12 +115,12 @@ pub(super) fn rows(context: &Context, n: u32, units: &[f64]) -> Layout {
 }
 
 /// The motion of the parents of a map in the present configuration.
-pub(super) fn parent_state(context: &Context, parents: &[u32], t: f64) -> State {
+pub(super) fn parent_state(context: &Context, parents: &[u32], t: f64) -> TestState {
     let own = |&m: &u32| context.node_motion(&context.nodes()[m as usize]);
     let all: Vec<[Vec<f64>; 3]> = parents.iter().map(own).collect();
     let part = |k: usize| all.iter().flat_map(move |own| own[k].iter().copied());
     let [x, v, a] = [0, 1, 2].map(|k| DVector::from_vec(part(k).collect()));
-    State { t, x, v, a }
+    TestState { t, x, v, a }
 }
 
 fn component<T>(
@@ -248,7 +248,7 @@ pub(super) fn reparametrizes(context: &Context) -> bool {
 }
 
 /// Motion and energies of a model, which do not depend on charts, and its residual.
-pub(super) struct Snapshot {
+pub(super) struct Observables {
     /// Residual of the unknowns, in their charts.
     pub r: Vec<f64>,
     /// For each frame its position, a direction fixed in it, velocity, angular velocity and acceleration.
@@ -257,7 +257,10 @@ pub(super) struct Snapshot {
 }
 
 /// Evaluates a model at a state in motion.
-pub(super) fn snapshot(context: &mut Context, s: &State) -> Result<Snapshot, SystemError> {
+pub(super) fn observables(
+    context: &mut Context,
+    s: &TestState,
+) -> Result<Observables, SystemError> {
     let mut r = vec![0.0; s.x.len()];
     context.evaluate(s.point(), Evaluation::residual(&mut r))?;
     let direction = Vector3::new(0.48, -0.6, 0.64);
@@ -268,7 +271,7 @@ pub(super) fn snapshot(context: &mut Context, s: &State) -> Result<Snapshot, Sys
     });
     let frames = frames.collect();
     let energies = context.energies(s.point())?;
-    Ok(Snapshot {
+    Ok(Observables {
         r,
         frames,
         energies,

@@ -2,7 +2,7 @@
 //!
 //! | law | measured on |
 //! |---|---|
-//! | order | a nonlinear, driven motion with a known solution ([`Known`]): errors of position, velocity and acceleration at the end over the step |
+//! | order | a nonlinear, driven motion with a known solution ([`KnownMotion`]): errors of position, velocity and acceleration at the end over the step |
 //! | order under changes of chart | the same, with a change of chart every third step |
 //! | same history in all charts | an angle of several turns, with and without jumps by 2π |
 //! | exactness | a polynomial of the degree of the order; from order 2 on the velocity of a cubic, and its position up to the known error of the scheme |
@@ -16,7 +16,7 @@ mod problems;
 
 use crate::Report;
 use crate::vectors::larger;
-use problems::{Known, Polynomial, Turning};
+use problems::{KnownMotion, Polynomial, Turning};
 use pullback_integrators::dynamics::{
     DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, Simulation, State, start,
 };
@@ -78,13 +78,13 @@ fn run<Y: System>(
 /// Errors of position, velocity and acceleration at the end of the known motion.
 fn errors(scheme: &Scheme, steps: usize, switching: bool) -> Result<[f64; 3], DynamicsError> {
     let end = 1.5;
-    let mut system = Known::new(switching);
-    let [x, v, _] = Known::motion(0.0);
+    let mut system = KnownMotion::new(switching);
+    let [x, v, _] = KnownMotion::motion(0.0);
     let mut progress = Progress::new(start(&system, 0.0, &x, &v)?);
     run(&mut system, scheme, &mut progress, end, steps)?;
     let State { q, v, a, .. } = &progress.state;
     let found = system.position([q, v, a]);
-    let exact = Known::motion(end);
+    let exact = KnownMotion::motion(end);
     let gap = |k: usize| (0..2).map(move |i| (found[k][i] - exact[k][i]).abs());
     Ok([0, 1, 2].map(|k| gap(k).fold(0.0, f64::max)))
 }
@@ -213,7 +213,7 @@ fn stability(report: &mut Report, scheme: &Scheme) {
 fn reversal(report: &mut Report, scheme: &Scheme) {
     let state = [[0.7, -0.2], [0.5, 0.9]];
     let run = || -> Result<f64, DynamicsError> {
-        let mut system = Known::alone();
+        let mut system = KnownMotion::alone();
         let mut progress = Progress::new(start(&system, 0.0, &state[0], &state[1])?);
         run(&mut system, scheme, &mut progress, 2.0, 40)?;
         progress.state.v.iter_mut().for_each(|v| *v = -*v);

@@ -12,14 +12,14 @@ use std::f64::consts::{PI, TAU};
 /// (1 + ½ xᵢ²) ẍᵢ + ½ xᵢ ẋᵢ² + c ẋᵢ ∓ g ẋⱼ + 2 sin xᵢ + k (xᵢ − xⱼ) = fᵢ(t)
 /// ```
 ///
-/// with the f(t) for which the motion is [`Known::motion`]; or conservative, without damping, gyroscopic forces and f.
+/// with the f(t) for which the motion is [`KnownMotion::motion`]; or conservative, without damping, gyroscopic forces and f.
 /// Coordinates are q = x, or in the other chart q with x = sinh q.
-pub(crate) struct Known {
+pub(crate) struct KnownMotion {
     pattern: BlockPattern,
-    driven: bool,
+    forced: bool,
     switching: bool,
     /// Whether x = sinh q.
-    bent: bool,
+    sinh_chart: bool,
     calls: usize,
 }
 
@@ -27,14 +27,14 @@ const DAMPING: f64 = 0.3;
 const GYROSCOPIC: f64 = 0.2;
 const SPRING: f64 = 1.5;
 
-impl Known {
+impl KnownMotion {
     /// The driven motion, in one chart or with a change of chart every third step.
     pub fn new(switching: bool) -> Self {
         Self {
             pattern: BlockPattern::new(&[1, 1], [[0, 1]]),
-            driven: true,
+            forced: true,
             switching,
-            bent: false,
+            sinh_chart: false,
             calls: 0,
         }
     }
@@ -42,7 +42,7 @@ impl Known {
     /// The conservative system, whose motion is reversible.
     pub(crate) fn alone() -> Self {
         Self {
-            driven: false,
+            forced: false,
             ..Self::new(false)
         }
     }
@@ -62,7 +62,7 @@ impl Known {
     pub fn position(&self, [q, v, a]: [&[f64]; 3]) -> [[f64; 2]; 3] {
         let mut out = [[0.0; 2]; 3];
         for i in 0..2 {
-            let [x, B, B_q, _] = map(self.bent, q[i]);
+            let [x, B, B_q, _] = map(self.sinh_chart, q[i]);
             out[0][i] = x;
             out[1][i] = B * v[i];
             out[2][i] = B * a[i] + B_q * v[i] * v[i];
@@ -73,7 +73,7 @@ impl Known {
     /// Left side of the equation i, and its derivatives by x, ẋ and ẍ of both masses.
     fn side(&self, i: usize, [x, v, a]: [[f64; 2]; 3]) -> (f64, [[f64; 2]; 3]) {
         let j = 1 - i;
-        let [c, g] = match self.driven {
+        let [c, g] = match self.forced {
             true => [DAMPING, if i == 0 { -GYROSCOPIC } else { GYROSCOPIC }],
             false => [0.0; 2],
         };
@@ -95,25 +95,25 @@ impl Known {
 }
 
 /// x(q) and its derivatives up to the third, for x = sinh q or x = q.
-fn map(bent: bool, q: f64) -> [f64; 4] {
-    match bent {
+fn map(sinh_chart: bool, q: f64) -> [f64; 4] {
+    match sinh_chart {
         true => [q.sinh(), q.cosh(), q.sinh(), q.cosh()],
         false => [q, 1.0, 0.0, 0.0],
     }
 }
 
-impl System for Known {
+impl System for KnownMotion {
     fn pattern(&self) -> &BlockPattern {
         &self.pattern
     }
 
     fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
         let position = self.position([at.q, at.v, at.a]);
-        let maps = [0, 1].map(|i| map(self.bent, at.q[i]));
+        let maps = [0, 1].map(|i| map(self.sinh_chart, at.q[i]));
         let mut S = out.S;
         for i in 0..2 {
             let (side, by) = self.side(i, position);
-            let drive = match self.driven {
+            let drive = match self.forced {
                 true => self.side(i, Self::motion(at.t)).0,
                 false => 0.0,
             };
@@ -147,7 +147,7 @@ impl System for Known {
     }
 }
 
-impl Energetics for Known {
+impl Energetics for KnownMotion {
     fn energies(&mut self, at: Point<'_>) -> Result<Energies, SystemError> {
         let [x, v, _] = self.position([at.q, at.v, at.a]);
         let mut out = Energies {
@@ -157,7 +157,7 @@ impl Energetics for Known {
         for i in 0..2 {
             out.kinetic += 0.5 * (1.0 + 0.5 * x[i] * x[i]) * v[i] * v[i];
             out.stored += 2.0 * (1.0 - x[i].cos());
-            if self.driven {
+            if self.forced {
                 out.supplied += self.side(i, Self::motion(at.t)).0 * v[i];
                 out.dissipated += DAMPING * v[i] * v[i];
             }
@@ -166,7 +166,7 @@ impl Energetics for Known {
     }
 }
 
-impl Charts for Known {
+impl Charts for KnownMotion {
     fn change_charts(
         &mut self,
         _: f64,
@@ -180,19 +180,19 @@ impl Charts for Known {
         }
         for i in 0..2 {
             // From the old chart to x, and from there to the new one.
-            let [x, B, B_q, _] = map(self.bent, q[i]);
+            let [x, B, B_q, _] = map(self.sinh_chart, q[i]);
             for a in accelerations.iter_mut() {
                 a[i] = B * a[i] + B_q * v[i] * v[i];
             }
             let x_dot = B * v[i];
-            q[i] = if self.bent { x } else { x.asinh() };
-            let [_, B, B_q, _] = map(!self.bent, q[i]);
+            q[i] = if self.sinh_chart { x } else { x.asinh() };
+            let [_, B, B_q, _] = map(!self.sinh_chart, q[i]);
             v[i] = x_dot / B;
             for a in accelerations.iter_mut() {
                 a[i] = (a[i] - B_q * v[i] * v[i]) / B;
             }
         }
-        self.bent = !self.bent;
+        self.sinh_chart = !self.sinh_chart;
         ChartChanges {
             charts: 2,
             residual: false,

@@ -8,10 +8,10 @@ use super::orientation::oriented;
 use super::point::{GaussPoint, mirror};
 use super::section::{Damping, Section};
 use super::shape::{gauss, lagrange};
-use super::strain::{Law, Line, Strained, extrapolated, strain_energy};
+use super::strain::{Gradients, Law, Strained, extrapolated, strain_energy};
 use super::viscous::Viscous;
 use crate::blocks::three;
-use crate::element::{Combined, EDGE, Element, Motion, Response, SectionState, Tangents};
+use crate::element::{Combined, CombinedTangents, EDGE, Element, Motion, Response, SectionState};
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::so3;
@@ -142,8 +142,8 @@ impl<const NN: usize, I: Rotations<NN>> Beam<NN, I> {
 
     /// x′, Ψ, Ψ′ at an integration point.
     #[inline]
-    fn line(p: &GaussPoint<NN>, x: &[f64]) -> Line {
-        let mut line = Line {
+    fn line(p: &GaussPoint<NN>, x: &[f64]) -> Gradients {
+        let mut line = Gradients {
             x_prime: p.X_prime,
             psi: Vector3::zeros(),
             psi_prime: Vector3::zeros(),
@@ -164,7 +164,7 @@ impl<const NN: usize, I: Rotations<NN>> Beam<NN, I> {
         damped: bool,
         at: &Motion<'_>,
         r: &mut [f64],
-        tangents: &mut Tangents<'_>,
+        tangents: &mut CombinedTangents<'_>,
     ) -> Result<(), DomainError> {
         // Their tangents are added after the mirror, as they are not symmetric.
         let mut viscous: [Option<Viscous>; 3] = [None, None, None];
@@ -212,7 +212,7 @@ impl<const NN: usize, I: Rotations<NN>> Beam<NN, I> {
     }
 
     /// ẋ′, Ψ̇, Ψ̇′ at an integration point.
-    fn rates(p: &GaussPoint<NN>, v: &[f64]) -> Line {
+    fn rates(p: &GaussPoint<NN>, v: &[f64]) -> Gradients {
         let mut rates = Self::line(p, v);
         rates.x_prime -= p.X_prime;
         rates
@@ -271,7 +271,7 @@ impl<const NN: usize, I: Rotations<NN>> Element for Beam<NN, I> {
                 K: 0.0,
                 C: 0.0,
             };
-            let mut tangents: Tangents<'_> = [Some((only, &mut *M)), None, None];
+            let mut tangents: CombinedTangents<'_> = [Some((only, &mut *M)), None, None];
             self.rotations
                 .inertia(at, 0.0, r.as_flattened_mut(), &mut tangents);
         }
@@ -307,10 +307,10 @@ impl<const NN: usize, I: Rotations<NN>> Combined for Beam<NN, I> {
         &self,
         at: &Motion<'_>,
         r: &mut [f64],
-        tangents: &mut Tangents<'_>,
+        tangents: &mut CombinedTangents<'_>,
     ) -> Result<(), DomainError> {
         let viscous = self.damping.stiffness > 0.0 && !at.v.is_empty();
-        let kernel = |at: &Motion<'_>, r: &mut [f64], tangents: &mut Tangents<'_>| {
+        let kernel = |at: &Motion<'_>, r: &mut [f64], tangents: &mut CombinedTangents<'_>| {
             self.strain(viscous, at, r, tangents)
         };
         self.rotations.pull_back(viscous, at, r, tangents, kernel)?;

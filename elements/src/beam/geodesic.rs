@@ -20,9 +20,9 @@
 use super::interpolation::{Rotations, Seen};
 use super::mass::MassPoint;
 use super::nodal::NodalInertia;
-use super::relative::{Node, Relative, Turn, block, turn_between};
+use super::relative::{RelativeNode, RelativePose, Turn, block, turn_between};
 use crate::blocks::{add_block, three};
-use crate::element::{EDGE, Motion, Tangents, overturned};
+use crate::element::{CombinedTangents, EDGE, Motion, overturned};
 use nalgebra::{Matrix3, Vector3, Vector6};
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::quotients::TangentQuotients;
@@ -44,9 +44,9 @@ impl<const NN: usize> Geodesic<NN> {
     const R: usize = (NN - 1) / 2;
 
     /// z and ϑ of node i; the two rotation vectors determine the branch of ϑ.
-    fn relative(&self, x: &[f64], i: usize, R_t: &Matrix3<f64>) -> Relative {
+    fn relative(&self, x: &[f64], i: usize, R_t: &Matrix3<f64>) -> RelativePose {
         let apart = self.arms[i] + three(x, 6 * i) - three(x, 6 * Self::R);
-        Relative {
+        RelativePose {
             z: R_t * apart,
             theta: Self::turn_between(x, i),
         }
@@ -73,7 +73,7 @@ impl<const NN: usize> Geodesic<NN> {
     }
 
     /// Coordinates (d̂, Ψ̂) of node i.
-    fn local(&self, i: usize, seen: &Relative) -> [f64; 6] {
+    fn local(&self, i: usize, seen: &RelativePose) -> [f64; 6] {
         let d = seen.z - self.arms[i];
         let psi = seen.theta;
         [d.x, d.y, d.z, psi.x, psi.y, psi.z]
@@ -100,7 +100,7 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
             let v_r = &v[6 * Self::R..];
             for i in Self::others() {
                 let turn = Turn::new(three(x, 6 * i + 3));
-                let node = Node::new(turn, self.relative(x, i, &R_t), &reference, &R_t);
+                let node = RelativeNode::new(turn, self.relative(x, i, &R_t), &reference, &R_t);
                 out.v[i] = node.rates(&v[6 * i..], v_r).into();
             }
         }
@@ -132,14 +132,14 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
         viscous: bool,
         at: &Motion<'_>,
         r: &mut [f64],
-        tangents: &mut Tangents<'_>,
-        kernel: impl Fn(&Motion<'_>, &mut [f64], &mut Tangents<'_>) -> Result<(), DomainError>,
+        tangents: &mut CombinedTangents<'_>,
+        kernel: impl Fn(&Motion<'_>, &mut [f64], &mut CombinedTangents<'_>) -> Result<(), DomainError>,
     ) -> Result<(), DomainError> {
         let n = 6 * NN;
         let reference = Turn::new(three(at.x, 6 * Self::R + 3));
         let R_t = so3::R(&reference.psi, &reference.quotients.tangent()).transpose();
         let (mut x, mut v) = ([[0.0; 6]; NN], [[0.0; 6]; NN]);
-        let mut nodes: [Option<Node>; NN] = std::array::from_fn(|_| None);
+        let mut nodes: [Option<RelativeNode>; NN] = std::array::from_fn(|_| None);
         for i in Self::others() {
             let seen = self.relative(at.x, i, &R_t);
             let angle = seen.theta.norm();
@@ -147,7 +147,7 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
                 return Err(overturned(angle));
             }
             x[i] = self.local(i, &seen);
-            let node = Node::new(Turn::new(three(at.x, 6 * i + 3)), seen, &reference, &R_t);
+            let node = RelativeNode::new(Turn::new(three(at.x, 6 * i + 3)), seen, &reference, &R_t);
             if viscous {
                 v[i] = node.rates(&at.v[6 * i..], &at.v[6 * Self::R..]).into();
             }
@@ -177,7 +177,7 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
         let one = |K, C| Weights { K, C, M: 0.0 };
         let K_hat = K.as_flattened_mut().as_flattened_mut().as_flattened_mut();
         let C_hat = C.as_flattened_mut().as_flattened_mut().as_flattened_mut();
-        let mut parts: Tangents<'_> = match (wanted, viscous) {
+        let mut parts: CombinedTangents<'_> = match (wanted, viscous) {
             (false, _) => [None, None, None],
             (true, false) => [Some((one(1.0, 0.0), &mut *K_hat)), None, None],
             (true, true) => [
@@ -238,7 +238,13 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
         Ok(())
     }
 
-    fn inertia(&self, at: &Motion<'_>, alpha: f64, r: &mut [f64], tangents: &mut Tangents<'_>) {
+    fn inertia(
+        &self,
+        at: &Motion<'_>,
+        alpha: f64,
+        r: &mut [f64],
+        tangents: &mut CombinedTangents<'_>,
+    ) {
         if let Some(inertia) = &self.inertia {
             inertia.add(at, alpha, r, tangents);
         }
@@ -250,7 +256,7 @@ impl<const NN: usize> Geodesic<NN> {
     fn geometric<'a>(
         &self,
         reference: &Turn,
-        others: impl Iterator<Item = (usize, &'a Node)>,
+        others: impl Iterator<Item = (usize, &'a RelativeNode)>,
         force: &[[f64; 6]; NN],
         factor: f64,
         out: &mut [f64],
@@ -260,7 +266,7 @@ impl<const NN: usize> Geodesic<NN> {
         let mut h = Vector3::zeros();
         for (i, node) in others {
             let (n, m) = (three(&force[i], 0) * factor, three(&force[i], 3) * factor);
-            let Node { turn, seen, .. } = node;
+            let RelativeNode { turn, seen, .. } = node;
             // Force of δΘ_i and, negative, of δΘ_r.
             let own = node.T_inverse.tr_mul(&m);
             h -= seen.z.cross(&n) + node.T_inverse * m;

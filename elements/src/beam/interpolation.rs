@@ -7,7 +7,7 @@ use super::geodesic::Geodesic;
 use super::mass::MassPoint;
 use super::section::Section;
 use crate::blocks::three;
-use crate::element::{Element, Motion, Tangents};
+use crate::element::{CombinedTangents, Element, Motion};
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::quotients::TangentQuotients;
@@ -92,12 +92,18 @@ pub trait Rotations<const NN: usize>: Clone + Debug + Send + Sync + Sized {
         viscous: bool,
         at: &Motion<'_>,
         r: &mut [f64],
-        tangents: &mut Tangents<'_>,
-        kernel: impl Fn(&Motion<'_>, &mut [f64], &mut Tangents<'_>) -> Result<(), DomainError>,
+        tangents: &mut CombinedTangents<'_>,
+        kernel: impl Fn(&Motion<'_>, &mut [f64], &mut CombinedTangents<'_>) -> Result<(), DomainError>,
     ) -> Result<(), DomainError>;
 
     /// Adds −f_acc, the drag α p with the momenta p, and their tangents.
-    fn inertia(&self, at: &Motion<'_>, alpha: f64, r: &mut [f64], tangents: &mut Tangents<'_>);
+    fn inertia(
+        &self,
+        at: &Motion<'_>,
+        alpha: f64,
+        r: &mut [f64],
+        tangents: &mut CombinedTangents<'_>,
+    );
 
     /// Kinetic energy, if it can be computed faster than ½ ẋ·M ẋ.
     fn kinetic_energy(&self, at: &Motion<'_>) -> Option<f64> {
@@ -157,14 +163,20 @@ impl<const NN: usize> Rotations<NN> for Total<NN> {
         _viscous: bool,
         at: &Motion<'_>,
         r: &mut [f64],
-        tangents: &mut Tangents<'_>,
-        kernel: impl Fn(&Motion<'_>, &mut [f64], &mut Tangents<'_>) -> Result<(), DomainError>,
+        tangents: &mut CombinedTangents<'_>,
+        kernel: impl Fn(&Motion<'_>, &mut [f64], &mut CombinedTangents<'_>) -> Result<(), DomainError>,
     ) -> Result<(), DomainError> {
         kernel(at, r, tangents)
     }
 
     #[inline]
-    fn inertia(&self, at: &Motion<'_>, alpha: f64, r: &mut [f64], tangents: &mut Tangents<'_>) {
+    fn inertia(
+        &self,
+        at: &Motion<'_>,
+        alpha: f64,
+        r: &mut [f64],
+        tangents: &mut CombinedTangents<'_>,
+    ) {
         for p in self.masses.iter().flatten() {
             p.add(at, alpha, r, tangents);
         }

@@ -5,7 +5,7 @@
 use super::Section;
 use super::element::{Beam, BeamError};
 use crate::blocks::three;
-use crate::element::{Motion, Tangents};
+use crate::element::{CombinedTangents, Motion};
 use crate::inertia::{FrameMotion, Inertia};
 use nalgebra::{Matrix3, Matrix6, Vector3};
 use pullback_manifold::system::Weights;
@@ -46,7 +46,7 @@ impl<const NN: usize> MassPoint<NN> {
         at: &Motion<'_>,
         alpha: f64,
         r: &mut [f64],
-        tangents: &mut Tangents<'_>,
+        tangents: &mut CombinedTangents<'_>,
     ) {
         let motion = self.motion(at);
         let moving = self.inertia.moving(&motion);

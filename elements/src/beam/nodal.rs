@@ -23,7 +23,7 @@
 
 use super::mass::MassPoint;
 use crate::blocks::{add_block, three};
-use crate::element::{Motion, Tangents};
+use crate::element::{CombinedTangents, Motion};
 use crate::inertia::{Inertia, centrifugal};
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::quotients::Quotients;
@@ -126,7 +126,7 @@ impl<const NN: usize> NodalInertia<NN> {
         at: &Motion<'_>,
         alpha: f64,
         r: &mut [f64],
-        tangents: &mut Tangents<'_>,
+        tangents: &mut CombinedTangents<'_>,
     ) {
         let spins: [Spin; NN] = std::array::from_fn(|i| Spin::new(at, i, alpha));
         let moments = self.forces(&spins, r);

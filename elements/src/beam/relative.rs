@@ -58,15 +58,15 @@ impl Operator {
 }
 
 /// Position z and rotation vector ϑ of a node relative to the reference node, in its axes.
-pub(crate) struct Relative {
+pub(crate) struct RelativePose {
     pub z: Vector3<f64>,
     pub theta: Vector3<f64>,
 }
 
 /// A node other than the reference, for the pull-back.
-pub(crate) struct Node {
+pub(crate) struct RelativeNode {
     pub turn: Turn,
-    pub seen: Relative,
+    pub seen: RelativePose,
     pub inverse: InverseQuotients,
     pub T_inverse: Matrix3<f64>,
     pub theta_psi: Matrix3<f64>,
@@ -74,9 +74,14 @@ pub(crate) struct Node {
     pub B: Operator,
 }
 
-impl Node {
+impl RelativeNode {
     #[inline]
-    pub(crate) fn new(turn: Turn, seen: Relative, reference: &Turn, R_t: &Matrix3<f64>) -> Self {
+    pub(crate) fn new(
+        turn: Turn,
+        seen: RelativePose,
+        reference: &Turn,
+        R_t: &Matrix3<f64>,
+    ) -> Self {
         let inverse = InverseQuotients::new(seen.theta.norm());
         let T_inverse = so3::T_inverse(&seen.theta, &inverse);
         let theta_psi = T_inverse * turn.T;

@@ -39,7 +39,7 @@ impl Law {
 
 /// Position derivative x′, rotation vector Ψ and its derivative Ψ′ at a point.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Line {
+pub(super) struct Gradients {
     pub x_prime: Vector3<f64>,
     pub psi: Vector3<f64>,
     pub psi_prime: Vector3<f64>,
@@ -61,7 +61,7 @@ pub(super) struct Strained {
 }
 
 /// Forces conjugate to x′, Ψ′ and Ψ: the rows of Bᵀ(N, M), \[M04\] (162).
-pub(super) struct Forces {
+pub(super) struct ConjugateForces {
     pub x_prime: Vector3<f64>,
     pub psi_prime: Vector3<f64>,
     pub psi: Vector3<f64>,
@@ -81,7 +81,7 @@ impl Strained {
     /// Strains Γ = Rᵀx′ − X′ and K = TΨ′ (\[M04\] (118)) and their resultants; X′ is the reference
     /// x′ of unit length, tangent to the reference line.
     #[inline]
-    pub(super) fn new(line: &Line, X_prime: &Vector3<f64>, law: &Law) -> Self {
+    pub(super) fn new(line: &Gradients, X_prime: &Vector3<f64>, law: &Law) -> Self {
         let quotients = Quotients::new(line.psi.norm());
         let c = quotients.tangent();
         let R = so3::R(&line.psi, &c);
@@ -105,8 +105,8 @@ impl Strained {
 
     /// Bᵀ(N, M) with B = [Rᵀ 0 (Rᵀx′)~T; 0 T C₁(Ψ′,Ψ)], \[M04\] (162).
     #[inline]
-    pub(super) fn forces(&self) -> Forces {
-        Forces {
+    pub(super) fn forces(&self) -> ConjugateForces {
+        ConjugateForces {
             x_prime: self.R * self.N,
             psi_prime: self.T.tr_mul(&self.M),
             psi: self.T.tr_mul(&self.N.cross(&self.g)) + self.C1.tr_mul(&self.M),
@@ -117,7 +117,7 @@ impl Strained {
     #[inline]
     pub(super) fn stiffness(
         &self,
-        line: &Line,
+        line: &Gradients,
         law: &Law,
         N: &Vector3<f64>,
         M: &Vector3<f64>,
@@ -151,7 +151,7 @@ impl Strained {
 }
 
 /// Strain energy per unit length.
-pub(super) fn strain_energy(line: &Line, X_prime: &Vector3<f64>, law: &Law) -> f64 {
+pub(super) fn strain_energy(line: &Gradients, X_prime: &Vector3<f64>, law: &Law) -> f64 {
     let c = TangentQuotients::new(line.psi.norm_squared());
     let Gamma = so3::turned(&-line.psi, &line.x_prime, &c) - X_prime;
     let K = so3::spun(&line.psi, &line.psi_prime, &c);
@@ -165,8 +165,8 @@ pub(super) fn strain_energy(line: &Line, X_prime: &Vector3<f64>, law: &Law) -> f
 /// Γ + DΓ·δ = Rᵀx′ − X′ + g×TδΨ and K + DK·δ = TΨ′ + C₁δΨ, where x′ and Ψ′ are those of `to`.
 #[inline]
 pub(super) fn extrapolated(
-    from: &Line,
-    to: &Line,
+    from: &Gradients,
+    to: &Gradients,
     X_prime: &Vector3<f64>,
     law: &Law,
 ) -> (Vector3<f64>, Vector3<f64>) {

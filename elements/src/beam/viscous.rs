@@ -2,8 +2,8 @@
 
 #![allow(non_snake_case)]
 
-use super::strain::{Law, Line, Strained};
-use crate::element::Tangents;
+use super::strain::{Gradients, Law, Strained};
+use crate::element::CombinedTangents;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 use pullback_manifold::jet::Grad;
 use pullback_manifold::quotients::Quotients;
@@ -25,8 +25,8 @@ impl Viscous {
     /// Adds the viscous stresses to those of `strained`.
     pub(super) fn new(
         strained: &mut Strained,
-        line: &Line,
-        rates: &Line,
+        line: &Gradients,
+        rates: &Gradients,
         law: &Law,
         beta: f64,
     ) -> Self {
@@ -78,7 +78,7 @@ impl Viscous {
         N: &[f64; NN],
         dN: &[f64; NN],
         weight: f64,
-        tangents: &mut Tangents<'_>,
+        tangents: &mut CombinedTangents<'_>,
     ) {
         let left = self.B.tr_mul(&self.C) * weight;
         for (weights, out) in tangents.iter_mut().flatten() {
@@ -91,7 +91,7 @@ impl Viscous {
 }
 
 /// C₁(Ψ′,Ψ) and its time derivative: K = TΨ′ differentiated with respect to Ψ and along the motion.
-fn bending(line: &Line, rates: &Line) -> (Matrix3<f64>, Matrix3<f64>) {
+fn bending(line: &Gradients, rates: &Gradients) -> (Matrix3<f64>, Matrix3<f64>) {
     let moving = |x: f64, v: f64| Grad { v: x, g: [v] };
     let psi = Vector3::from_fn(|i, _| {
         let mut jet = Jet::constant(0.0);

@@ -47,8 +47,8 @@ impl PointMass {
     /// Its weight in a field g (acceleration, global components) times `amplitude`: a load on the
     /// same node.
     #[must_use]
-    pub fn weight(&self, g: [f64; 3], amplitude: Box<dyn TimeFunction>) -> NodalLoad {
-        NodalLoad::boxed(LoadKind::DeadForce, g.map(|g| g * self.m), amplitude)
+    pub fn weight(&self, g: [f64; 3], amplitude: impl Into<Box<dyn TimeFunction>>) -> NodalLoad {
+        NodalLoad::new(LoadKind::DeadForce, g.map(|g| g * self.m), amplitude)
     }
 }
 

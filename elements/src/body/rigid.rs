@@ -83,9 +83,13 @@ impl RigidBody {
     /// Its weight in a field g (acceleration, global components) times `amplitude`: a load on the
     /// same node, the force m g at the centre of mass.
     #[must_use]
-    pub fn weight(&self, g: [f64; 3], amplitude: Box<dyn TimeFunction>) -> EccentricForce {
+    pub fn weight(
+        &self,
+        g: [f64; 3],
+        amplitude: impl Into<Box<dyn TimeFunction>>,
+    ) -> EccentricForce {
         let force = Vector3::from(g) * self.inertia.mass;
-        EccentricForce::boxed(force.into(), self.center.into(), amplitude)
+        EccentricForce::new(force.into(), self.center.into(), amplitude)
     }
 }
 

@@ -34,7 +34,7 @@ pub use sampled::{EnergySample, Sampled};
 pub use spring::PolynomialSpring;
 pub use sum::Sum;
 
-use crate::element::{Combined, EDGE, Element, Motion, Properties, Response, Tangents};
+use crate::element::{Combined, CombinedTangents, EDGE, Element, Motion, Properties, Response};
 use local::Local;
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::domain::DomainError;
@@ -206,7 +206,7 @@ impl<E: EnergyElement<N>, const N: usize> Combined for ByEnergy<E, N> {
         &self,
         at: &Motion<'_>,
         r: &mut [f64],
-        tangents: &mut Tangents<'_>,
+        tangents: &mut CombinedTangents<'_>,
     ) -> Result<(), DomainError> {
         let x = vector::<N>(at.x);
         self.0.domain(&x)?;

@@ -4,7 +4,7 @@
 
 use super::EnergyElement;
 use super::local::{self, Local};
-use crate::element::{Combined, Element, Motion, Properties, Response, Tangents};
+use crate::element::{Combined, CombinedTangents, Element, Motion, Properties, Response};
 use nalgebra::{SMatrix, SVector};
 use pullback_manifold::domain::DomainError;
 
@@ -154,7 +154,7 @@ impl<E: EnergyElement<D>, const D: usize, const N: usize> Combined for Sampled<E
         &self,
         at: &Motion<'_>,
         r: &mut [f64],
-        tangents: &mut Tangents<'_>,
+        tangents: &mut CombinedTangents<'_>,
     ) -> Result<(), DomainError> {
         let wanted = tangents.iter().any(Option::is_some);
         for p in &self.points {

@@ -2,7 +2,9 @@
 
 #![allow(non_snake_case)]
 
-use crate::element::{Combined, Element, Motion, Properties, Response, SectionState, Tangents};
+use crate::element::{
+    Combined, CombinedTangents, Element, Motion, Properties, Response, SectionState,
+};
 use pullback_manifold::domain::DomainError;
 
 /// The sum of two elements with the same coordinates, such as a stiffness and an inertia with
@@ -65,7 +67,7 @@ impl<A: Element, B: Element> Combined for Sum<A, B> {
         &self,
         at: &Motion<'_>,
         r: &mut [f64],
-        tangents: &mut Tangents<'_>,
+        tangents: &mut CombinedTangents<'_>,
     ) -> Result<(), DomainError> {
         for part in [self.0.combined(), self.1.combined()].into_iter().flatten() {
             part.add(at, r, tangents)?;

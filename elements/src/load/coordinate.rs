@@ -17,13 +17,10 @@ pub struct CoordinateForce {
 
 impl CoordinateForce {
     /// The force as a function of time.
-    pub fn new(force: impl TimeFunction + 'static) -> Self {
-        Self::boxed(Box::new(force))
-    }
-
-    /// As [`CoordinateForce::new`], for a boxed function.
-    pub fn boxed(force: Box<dyn TimeFunction>) -> Self {
-        Self { force }
+    pub fn new(force: impl Into<Box<dyn TimeFunction>>) -> Self {
+        Self {
+            force: force.into(),
+        }
     }
 }
 

@@ -69,7 +69,7 @@ impl LineLoad {
         positions: &[Vector3<f64>],
         force: [f64; 3],
         follower: bool,
-        amplitude: Box<dyn TimeFunction>,
+        amplitude: impl Into<Box<dyn TimeFunction>>,
     ) -> Result<Self, BeamError> {
         let points = match positions.len() {
             2 => integration_points::<2>(positions),
@@ -85,7 +85,7 @@ impl LineLoad {
             follower,
             section: section::<2, Total<2>>,
             force: force.into(),
-            amplitude,
+            amplitude: amplitude.into(),
         };
         Ok(load.with_interpolation(Interpolation::Total))
     }

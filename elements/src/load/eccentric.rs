@@ -25,16 +25,15 @@ pub struct EccentricForce {
 impl EccentricForce {
     /// `force` (F, global components) times `amplitude` at `offset` (L) from the node, global
     /// components of the reference configuration.
-    pub fn new(force: [f64; 3], offset: [f64; 3], amplitude: impl TimeFunction + 'static) -> Self {
-        Self::boxed(force, offset, Box::new(amplitude))
-    }
-
-    /// As [`EccentricForce::new`], for a boxed amplitude.
-    pub fn boxed(force: [f64; 3], offset: [f64; 3], amplitude: Box<dyn TimeFunction>) -> Self {
+    pub fn new(
+        force: [f64; 3],
+        offset: [f64; 3],
+        amplitude: impl Into<Box<dyn TimeFunction>>,
+    ) -> Self {
         Self {
             n: force.into(),
             e: offset.into(),
-            amplitude,
+            amplitude: amplitude.into(),
         }
     }
 }

@@ -36,16 +36,15 @@ pub struct NodalLoad {
 impl NodalLoad {
     /// `vector` (global components; for follower loads those of the reference configuration)
     /// times `amplitude`.
-    pub fn new(which: LoadKind, vector: [f64; 3], amplitude: impl TimeFunction + 'static) -> Self {
-        Self::boxed(which, vector, Box::new(amplitude))
-    }
-
-    /// As [`NodalLoad::new`], for a boxed amplitude.
-    pub fn boxed(which: LoadKind, vector: [f64; 3], amplitude: Box<dyn TimeFunction>) -> Self {
+    pub fn new(
+        which: LoadKind,
+        vector: [f64; 3],
+        amplitude: impl Into<Box<dyn TimeFunction>>,
+    ) -> Self {
         Self {
             which,
             vector: vector.into(),
-            amplitude,
+            amplitude: amplitude.into(),
         }
     }
 }

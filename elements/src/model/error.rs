@@ -69,7 +69,7 @@ pub enum ModelError {
         "{coordinate} follows from other nodes through a joint and cannot be prescribed; \
          prescribe a coordinate of its parents {parents}"
     )]
-    PrescribedSlave { coordinate: String, parents: String },
+    PrescribedDependent { coordinate: String, parents: String },
     #[error(
         "{coordinate} follows from the equations that {solved} is solved from and cannot be \
          prescribed; add the equation x - f(t) = 0 of its motion to them, or let one of the \

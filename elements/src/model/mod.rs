@@ -246,7 +246,7 @@ pub struct Model {
     /// Frames by increments whose rates may be angular velocities.
     spin_frames: Vec<u32>,
     /// Report on the loops.
-    reports: Vec<loops::Report>,
+    reports: Vec<loops::LoopReport>,
     elements: Vec<ElementEntry>,
     /// Elements that enforce equations.
     enforced: Vec<usize>,

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::relative::Relative;
+use super::relative::RelativeMap;
 use super::{SpringError, finite};
 use crate::Asymmetry;
 use crate::blocks::add_block;
@@ -29,7 +29,7 @@ use pullback_manifold::domain::DomainError;
 /// [`CoordinateSpring`]: super::CoordinateSpring
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bushing {
-    relative: Relative,
+    relative: RelativeMap,
     /// K and D in global components of the reference configuration.
     K: Matrix6<f64>,
     D: Matrix6<f64>,
@@ -75,7 +75,7 @@ impl Bushing {
             (A + A.transpose()) * 0.5
         };
         Ok(Self {
-            relative: Relative {
+            relative: RelativeMap {
                 u0: positions[1] - positions[0],
             },
             K: rotated(K),

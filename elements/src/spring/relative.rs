@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use crate::beam::relative::{Node, Operator, Relative as Seen, Turn, turn_between};
+use crate::beam::relative::{Operator, RelativeNode, RelativePose, Turn, turn_between};
 use crate::blocks::three;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3, Vector6};
 use pullback_manifold::so3::{self, skew};
@@ -11,7 +11,7 @@ type Vector12 = SVector<f64, 12>;
 
 /// The map (x₁, x₂) → y = (u, θ), u = R₁ᵀ(x₂ − x₁) − u₀, θ = log(R₁ᵀR₂).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Relative {
+pub(super) struct RelativeMap {
     /// R₁ᵀ(x₂ − x₁) in the reference configuration.
     pub u0: Vector3<f64>,
 }
@@ -22,22 +22,22 @@ pub(super) struct Relation {
     pub y: Vector6<f64>,
     first: Turn,
     R: Matrix3<f64>,
-    second: Node,
+    second: RelativeNode,
 }
 
-impl Relative {
+impl RelativeMap {
     /// At the coordinates of both frames (12).
     pub(super) fn at(&self, x: &[f64]) -> Relation {
         let first = Turn::new(three(x, 3));
         let R = so3::R(&first.psi, &first.quotients.tangent());
-        let seen = Seen {
+        let seen = RelativePose {
             z: R.tr_mul(&(three(x, 6) - three(x, 0) + self.u0)),
             theta: turn_between(&first.psi, &three(x, 9)),
         };
         let (u, theta) = (seen.z - self.u0, seen.theta);
         Relation {
             y: Vector6::new(u.x, u.y, u.z, theta.x, theta.y, theta.z),
-            second: Node::new(Turn::new(three(x, 9)), seen, &first, &R.transpose()),
+            second: RelativeNode::new(Turn::new(three(x, 9)), seen, &first, &R.transpose()),
             first,
             R,
         }
@@ -67,9 +67,9 @@ impl Relation {
     /// K_σ(f) = D_x(Bᵀf) for fixed f = (n, m), symmetric 12×12.
     pub(super) fn K_sigma(&self, f: &Vector6<f64>) -> SMatrix<f64, 12, 12> {
         let [n, m] = [0, 3].map(|i| three(f.as_slice(), i));
-        let Node {
+        let RelativeNode {
             turn,
-            seen: Seen { z: g, theta },
+            seen: RelativePose { z: g, theta },
             inverse,
             T_inverse,
             theta_psi,

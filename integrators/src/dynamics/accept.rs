@@ -1,7 +1,7 @@
 //! The end of an accepted step: charts, invariants, the energy balance, kinks, the next step size.
 
 use super::projection::energies;
-use super::run::Run;
+use super::run::MotionRun;
 use super::step::Stepper;
 use super::stops::equal_steps;
 use super::{DynamicsError, Progress, State};
@@ -9,7 +9,7 @@ use crate::abilities;
 use crate::linear_solver::LinearSolver;
 use pullback_manifold::system::{Energies, Point, System};
 
-impl Run {
+impl MotionRun {
     /// Accepts the new state and updates charts, and accelerations after a kink; the number of
     /// changes of chart.
     pub(super) fn accept(

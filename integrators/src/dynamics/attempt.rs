@@ -1,11 +1,11 @@
 //! One attempt at a step: its end, and the size of the next one.
 
 use super::events::UserEvent;
-use super::run::Run;
+use super::run::MotionRun;
 use super::step::{Stepper, rebase};
 use super::stops::{equal_steps, first_end};
 use super::{DynamicsError, Progress, State};
-use crate::failure::Failure;
+use crate::failure::Cause;
 use crate::linear_solver::LinearSolver;
 use pullback_manifold::system::System;
 
@@ -19,7 +19,7 @@ struct Goal {
     stop: Option<f64>,
 }
 
-impl Run {
+impl MotionRun {
     /// One attempt at a step; its size if it may be accepted, `None` if a smaller one is needed.
     pub(super) fn attempt<Y: System>(
         &mut self,
@@ -111,7 +111,7 @@ impl Run {
         }
         progress.summary.inaccurate += 1;
         if wanted < self.options.min_step {
-            return self.halve(system, progress, Failure::Inaccurate, span);
+            return self.halve(system, progress, Cause::Inaccurate, span);
         }
         progress.next_step = wanted;
         Ok(None)
@@ -122,7 +122,7 @@ impl Run {
         &mut self,
         system: &mut dyn System,
         progress: &mut Progress,
-        failure: Failure,
+        failure: Cause,
         span: [f64; 2],
     ) -> Result<Option<f64>, DynamicsError> {
         progress.easy = 0;

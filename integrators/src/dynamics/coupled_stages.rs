@@ -1,6 +1,6 @@
 //! The matrix of coupled stages.
 
-use crate::linear_solver::{AutoSolver, LinearError, LinearSolver, Symmetry};
+use crate::linear_solver::{AutoSolver, LinearError, LinearSolver, MatrixSymmetry};
 use pullback_manifold::sparse::BlockPattern;
 
 /// The system's pattern with blocks for all stages of a node, one stage after the other, and its
@@ -31,7 +31,7 @@ impl CoupledStages {
             .collect();
         let all = BlockPattern::new(&sizes, pairs).with_units(|i| units[i]);
         let mut solver = AutoSolver::new();
-        solver.analyse(&all, Symmetry::General)?;
+        solver.analyse(&all, MatrixSymmetry::General)?;
         let mut positions = Vec::with_capacity(all.dim());
         for stage in 0..count {
             for node in 0..pattern.blocks() {

@@ -1,10 +1,10 @@
 //! Events of a run: a value that crosses zero, and its effect.
 
 use super::options::check;
-use super::run::Run;
+use super::run::MotionRun;
 use super::segment_changes::SHORT;
 use super::{DynamicsError, Progress, State};
-use crate::failure::Failure;
+use crate::failure::Cause;
 use crate::linear_solver::LinearSolver;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError};
 use std::ops::ControlFlow;
@@ -31,7 +31,7 @@ pub(super) struct Occurrences {
     pub stopped: bool,
 }
 
-impl Run {
+impl MotionRun {
     /// The largest value of the events at the end of the step, in parts of that at the beginning;
     /// −∞ if no event is ahead.
     pub(super) fn event_value<Y: System>(
@@ -39,9 +39,9 @@ impl Run {
         system: &mut Y,
         events: &mut [UserEvent<Y>],
         before: &[f64],
-    ) -> Result<f64, Failure> {
+    ) -> Result<f64, Cause> {
         let values = &mut self.occurrences.values;
-        evaluate(system, events, &self.stepper.next, values).map_err(Failure::System)?;
+        evaluate(system, events, &self.stepper.next, values).map_err(Cause::System)?;
         Ok(ratios(before, values).fold(f64::NEG_INFINITY, |m, (_, ratio)| m.max(ratio)))
     }
 

@@ -3,22 +3,22 @@
 #![allow(non_snake_case)]
 
 use super::initial::apply_impulse;
-use super::run::Run;
+use super::run::MotionRun;
 use super::step::Stepper;
-use super::stops::Stop;
+use super::stops::StopTime;
 use super::{DynamicsError, Progress, State};
 use crate::abilities::{events, momentum};
 use crate::linear_solver::LinearSolver;
 use pullback_manifold::system::{Energies, Point, System};
 
-impl Run {
+impl MotionRun {
     /// Continues after a kink.
     pub(super) fn pass(
         &mut self,
         system: &mut dyn System,
         solver: &mut dyn LinearSolver,
         progress: &mut Progress,
-        stop: Stop,
+        stop: StopTime,
     ) -> Result<(), DynamicsError> {
         let State { t, q, v, a, .. } = &mut progress.state;
         let before = Point {

@@ -30,10 +30,10 @@ mod stops;
 pub use error::DynamicsError;
 pub use initial::start;
 pub use invariants::Invariants;
-pub use options::{Adaptivity, DynamicOptions, NewtonOptions, Predictor, Tangent};
+pub use options::{Adaptivity, DynamicOptions, NewtonOptions, Predictor, TangentUpdate};
 pub use progress::{EnergyBalance, Progress, StepReport, Summary};
 pub use scheme::Scheme;
-pub use simulation::{Simulation, Snapshot, integrate, integrate_with};
+pub use simulation::{Simulation, Snapshot, integrate};
 pub(crate) use step::Stepper;
 
 use crate::abilities::change_charts;
@@ -57,7 +57,7 @@ pub struct State {
 
 impl State {
     /// The state as a point at which a system is evaluated.
-    fn point(&self) -> Point<'_> {
+    pub fn point(&self) -> Point<'_> {
         let Self { t, q, v, a, .. } = self;
         Point { t: *t, q, v, a }
     }

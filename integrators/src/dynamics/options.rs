@@ -72,7 +72,7 @@ pub struct NewtonOptions {
     /// Largest number of iterations per step.
     pub max_iterations: usize,
     /// When the tangent is factorised.
-    pub tangent: Tangent,
+    pub tangent: TangentUpdate,
     /// The start of the iteration.
     pub predictor: Predictor,
 }
@@ -83,7 +83,7 @@ impl Default for NewtonOptions {
             relative: 1e-9,
             absolute: 0.0,
             max_iterations: 15,
-            tangent: Tangent::default(),
+            tangent: TangentUpdate::default(),
             predictor: Predictor::default(),
         }
     }
@@ -112,7 +112,7 @@ pub enum Predictor {
 /// time; at a quarter of the step 2568 for 1691 and 603 for 1203 in 0.85 of the time. `Once` pays
 /// off at small steps only.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Tangent {
+pub enum TangentUpdate {
     /// In every iteration: quadratic convergence.
     #[default]
     Every,

@@ -5,19 +5,19 @@ use super::frequency::check_step;
 use super::initial::accelerate;
 use super::options::check;
 use super::projection::InvariantProjection;
-use super::segment_changes::SegmentChanges;
+use super::segment_changes::SegmentSearch;
 use super::step::Stepper;
-use super::stops::{Stop, Stops};
+use super::stops::{StopTime, Stops};
 use super::{DynamicOptions, DynamicsError, EnergyBalance, Progress, State, StepReport};
 use crate::abilities::{self, change_charts, start, symmetries};
-use crate::linear_solver::{LinearSolver, Symmetry};
+use crate::linear_solver::{LinearSolver, MatrixSymmetry};
 use pullback_manifold::system::{Energies, Point, System};
 
 /// Number of steps ahead for which symmetries are found if there is no kink.
 const FAR: f64 = 1e3;
 
 /// The engine of a run: all that a step needs beside the system, the solver and the progress.
-pub(super) struct Run {
+pub(super) struct MotionRun {
     pub(super) stepper: Stepper,
     /// Times at which a step must end.
     pub(super) stops: Stops,
@@ -27,7 +27,7 @@ pub(super) struct Run {
     pub(super) missing: Vec<f64>,
     /// Projection onto the invariants, if the scheme has one.
     pub(super) projection: Option<InvariantProjection>,
-    pub(super) segment_changes: SegmentChanges,
+    pub(super) segment_changes: SegmentSearch,
     pub(super) occurrences: Occurrences,
     pub(super) options: DynamicOptions,
 }
@@ -39,7 +39,7 @@ pub(super) struct Accepted {
     pub chart_changes: usize,
 }
 
-impl Run {
+impl MotionRun {
     /// The engine at the state of `progress`, ready for its next step.
     pub(super) fn new(
         system: &mut dyn System,
@@ -50,7 +50,7 @@ impl Run {
         check(options, progress, system)?;
         // Gyroscopic and centrifugal tangents are not symmetric, even if the stiffness is.
         solver
-            .analyse(system.pattern(), Symmetry::General)
+            .analyse(system.pattern(), MatrixSymmetry::General)
             .map_err(|source| DynamicsError::Analysis { source })?;
         let n = system.pattern().dim();
         let mut run = Self {
@@ -58,7 +58,7 @@ impl Run {
             momentum: vec![0.0; n],
             missing: vec![0.0; n],
             stops: Stops::new(system, progress.state.t, options),
-            segment_changes: SegmentChanges::default(),
+            segment_changes: SegmentSearch::default(),
             occurrences: Occurrences::default(),
             projection: (options.scheme.keeps_energy()).then(|| InvariantProjection::new(n)),
             options: *options,
@@ -139,7 +139,7 @@ impl Run {
             progress.state.a = vec![0.0; progress.state.q.len()];
         }
         if std::mem::take(&mut progress.at_kink) && self.stops.is_kink(t) {
-            self.pass(system, solver, progress, Stop::end(t))?;
+            self.pass(system, solver, progress, StopTime::end(t))?;
         } else if fresh {
             progress.state.a.clear();
             self.accelerate(system, solver, progress)?;

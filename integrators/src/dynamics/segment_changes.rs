@@ -1,11 +1,11 @@
 //! Steps that end at an event: a change of segment of the system's maps, or an event of the user.
 
 use super::events::{Crossing, UserEvent};
-use super::run::Run;
+use super::run::MotionRun;
 use super::step::rebase;
 use super::{DynamicsError, Progress};
 use crate::abilities::events;
-use crate::failure::Failure;
+use crate::failure::Cause;
 use crate::linear_solver::LinearSolver;
 use pullback_manifold::system::System;
 
@@ -26,14 +26,14 @@ const REGULA_FALSI: usize = 100;
 
 /// State of the search for changes of segment.
 #[derive(Default)]
-pub(super) struct SegmentChanges {
+pub(super) struct SegmentSearch {
     /// Least overshoot at which changes are made at the end of the step: rounding errors, and `MET`.
     since: f64,
     /// The time at which changes were made at the beginning of a step, to make them once.
     begun: Option<f64>,
 }
 
-impl Run {
+impl MotionRun {
     /// Repeats the step from `progress` until it ends at the first event within it, a change of
     /// segment ([`Events::value`](pullback_manifold::system::Events::value)) or one of `watched`,
     /// not later than `last`; returns the end of the step. `None` if a change of segment is at the
@@ -45,7 +45,7 @@ impl Run {
         solver: &mut dyn LinearSolver,
         progress: &mut Progress,
         [to, last]: [f64; 2],
-    ) -> Result<Option<f64>, Failure> {
+    ) -> Result<Option<f64>, Cause> {
         let from = progress.state.t;
         let h = to - from;
         let ulp = f64::EPSILON * from.abs().max(to.abs());

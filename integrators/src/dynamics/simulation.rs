@@ -1,10 +1,10 @@
 //! A motion step by step, and the loop over all of its steps.
 
 use super::events::UserEvent;
-use super::run::Run;
+use super::run::MotionRun;
 use super::{DynamicOptions, DynamicsError, Progress, State, StepReport};
 use crate::abilities::events;
-use crate::linear_solver::{AutoSolver, LinearSolver};
+use crate::linear_solver::AutoSolver;
 use pullback_manifold::system::System;
 use std::ops::{ControlFlow, Deref, DerefMut};
 
@@ -24,7 +24,7 @@ where
     system: S,
     events: Vec<UserEvent<S::Target>>,
     solver: AutoSolver,
-    run: Run,
+    run: MotionRun,
     progress: Progress,
 }
 
@@ -61,7 +61,7 @@ where
         options: &DynamicOptions,
     ) -> Result<Self, DynamicsError> {
         let mut solver = AutoSolver::new();
-        let run = Run::new(&mut *system, &mut solver, &mut progress, options)?;
+        let run = MotionRun::new(&mut *system, &mut solver, &mut progress, options)?;
         Ok(Self {
             system,
             events: Vec::new(),
@@ -164,14 +164,13 @@ where
     {
         let (mut system, mut progress) = (snapshot.system.clone(), snapshot.progress.clone());
         let (solver, options) = (&mut self.solver, self.run.options);
-        self.run = Run::new(&mut system, solver, &mut progress, &options)?;
+        self.run = MotionRun::new(&mut system, solver, &mut progress, &options)?;
         (*self.system, self.progress) = (system, progress);
         Ok(())
     }
 }
 
-/// Integrates the equations of motion from `progress`, with the default solver: all steps of a
-/// [`Simulation`].
+/// Integrates the equations of motion from `progress`: all steps of a [`Simulation`].
 ///
 /// The observer is called after each accepted step and may stop the run.
 ///
@@ -183,22 +182,8 @@ pub fn integrate<Y: System>(
     options: &DynamicOptions,
     observer: &mut dyn FnMut(&mut Y, &StepReport<'_>) -> ControlFlow<()>,
 ) -> Result<(), DynamicsError> {
-    integrate_with(&mut AutoSolver::new(), system, progress, options, observer)
-}
-
-/// As [`integrate`], with another linear solver; coupled stages (Radau IIA) use a solver of their
-/// own for the larger matrix.
-///
-/// # Errors
-/// As [`integrate`].
-pub fn integrate_with<Y: System>(
-    solver: &mut dyn LinearSolver,
-    system: &mut Y,
-    progress: &mut Progress,
-    options: &DynamicOptions,
-    observer: &mut dyn FnMut(&mut Y, &StepReport<'_>) -> ControlFlow<()>,
-) -> Result<(), DynamicsError> {
-    let mut run = Run::new(system, solver, progress, options)?;
+    let solver = &mut AutoSolver::new();
+    let mut run = MotionRun::new(system, solver, progress, options)?;
     while let Some(step) = run.next(system, &mut [], solver, progress)? {
         if observer(system, &run.report(progress, &step)).is_break() {
             break;

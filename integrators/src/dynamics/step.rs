@@ -3,10 +3,10 @@
 use super::coupled_stages::CoupledStages;
 use super::stages::{Attempt, StageGroup, StageState};
 use super::{
-    DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, State, Summary, Tangent,
+    DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, State, Summary, TangentUpdate,
 };
 use crate::convergence::ConvergencePredictor;
-use crate::failure::{Cost, FailedStep, Failure, FailureContext, StepParameter};
+use crate::failure::{Cause, Cost, FailedStep, FailureContext, StepParameter};
 use crate::linear_solver::LinearSolver;
 use crate::rounding::{ResidualTest, inverse_scales, is_rounding, largest, rounding_of_gaps};
 use crate::statics::{Iteration, solutions};
@@ -96,7 +96,7 @@ impl Stepper {
         scheme: &Scheme,
         state: &State,
         t: f64,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), Cause> {
         let h = t - state.t;
         let step = Attempt { scheme, state, h };
         self.history.clear();
@@ -122,12 +122,12 @@ impl Stepper {
     pub(crate) fn fail(
         &self,
         system: &mut dyn System,
-        failure: Failure,
+        cause: Cause,
         span: [f64; 2],
         summary: &Summary,
     ) -> DynamicsError {
         let context = FailureContext {
-            failure,
+            cause,
             r: &self.r,
             S: &self.S,
             history: &self.history,
@@ -150,14 +150,14 @@ impl Stepper {
         solver: &mut dyn LinearSolver,
         step: Attempt<'_>,
         group: &StageGroup,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), Cause> {
         let earlier = self.history.len();
         let mut test = ResidualTest::new(self.options.relative, self.options.absolute);
         let mut renewed = true;
         loop {
             let history = &self.history[earlier..];
             let first = history.is_empty();
-            let every = self.options.tangent == Tangent::Every;
+            let every = self.options.tangent == TangentUpdate::Every;
             // No tangent is needed at a state that is in balance, or that the last tangent brings
             // there.
             let predictor = ConvergencePredictor::new(history, renewed);
@@ -179,7 +179,7 @@ impl Stepper {
                 (ratio <= 1.0 && !predicted) || (stays && self.is_rounding(system, step, group)?);
             if converged || self.history.len() - earlier >= self.options.max_iterations {
                 self.record(residual, ratio, 0.0, 0.0);
-                return converged.then_some(()).ok_or(Failure::TooManyIterations);
+                return converged.then_some(()).ok_or(Cause::TooManyIterations);
             }
             renewed = wanted;
             if every && !wanted && !predictor.serves(ratio) {
@@ -193,7 +193,7 @@ impl Stepper {
             // Rounding errors may grow from a residual that was zero by chance.
             let grows = ratio > 1e12 * start && correction > f64::EPSILON;
             if !correction.is_finite() || grows || ratio.is_nan() {
-                return Err(Failure::Diverged);
+                return Err(Cause::Diverged);
             }
         }
     }
@@ -212,7 +212,7 @@ impl Stepper {
         group: &StageGroup,
         first: bool,
         tangent: bool,
-    ) -> Result<[f64; 3], Failure> {
+    ) -> Result<[f64; 3], Cause> {
         let Attempt { scheme, state, h } = step;
         let (done, rest) = self.stages.split_at_mut(group.start);
         let origin = done.last().map_or(state, |stage| &stage.state);
@@ -269,7 +269,7 @@ impl Stepper {
         k: usize,
         from: Option<f64>,
         weights: Option<Weights>,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), Cause> {
         let StageState { state, before } = &self.stages[k];
         let at = state.point();
         let out = Evaluation {
@@ -285,10 +285,10 @@ impl Stepper {
             r_t: None,
             accelerations: None,
         };
-        system.evaluate(at, out).map_err(Failure::System)?;
+        system.evaluate(at, out).map_err(Cause::System)?;
         match self.r.iter().position(|r| !r.is_finite()) {
             None => Ok(()),
-            Some(i) => Err(Failure::System(SystemError::NotFinite {
+            Some(i) => Err(Cause::System(SystemError::NotFinite {
                 what: system.name(i),
             })),
         }
@@ -301,7 +301,7 @@ impl Stepper {
         system: &mut dyn System,
         Attempt { scheme, h, .. }: Attempt<'_>,
         k: usize,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), Cause> {
         let weights = Weights {
             K: 1.0,
             C: 1.0 / h,
@@ -316,7 +316,7 @@ impl Stepper {
         system: &mut dyn System,
         step: Attempt<'_>,
         group: &StageGroup,
-    ) -> Result<f64, Failure> {
+    ) -> Result<f64, Cause> {
         if group.len() > 1 {
             self.by_coordinates(system, step, group.start)?;
         }
@@ -331,7 +331,7 @@ impl Stepper {
         system: &mut dyn System,
         step: Attempt<'_>,
         group: &StageGroup,
-    ) -> Result<bool, Failure> {
+    ) -> Result<bool, Cause> {
         for (i, k) in group.range().enumerate() {
             if group.len() > 1 {
                 self.by_coordinates(system, step, k)?;
@@ -353,7 +353,7 @@ impl Stepper {
         solver: &mut dyn LinearSolver,
         group: &StageGroup,
         fresh: bool,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), Cause> {
         self.factorisations += usize::from(fresh);
         let solved = match &mut self.coupled {
             Some(coupled) if group.len() > 1 => {
@@ -369,7 +369,7 @@ impl Stepper {
                 }
             }
         };
-        solved.map_err(Failure::linear)
+        solved.map_err(Cause::linear)
     }
 
     fn record(&mut self, residual: [f64; 3], ratio: f64, correction: f64, damping: f64) {

@@ -6,7 +6,7 @@ use pullback_manifold::system::System;
 
 /// A time at which a step must end.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Stop {
+pub(super) struct StopTime {
     /// End of the step, and beginning of the next one: equal but for rounding errors in times that
     /// are meant to be equal.
     pub left: f64,
@@ -15,7 +15,7 @@ pub(super) struct Stop {
     pub kink: bool,
 }
 
-impl Stop {
+impl StopTime {
     pub(super) fn end(t: f64) -> Self {
         Self {
             left: t,
@@ -28,7 +28,7 @@ impl Stop {
 /// All stops of a run.
 pub(super) struct Stops {
     /// Kinks until the end, and the end, ascending.
-    listed: Vec<Stop>,
+    listed: Vec<StopTime>,
     /// All kinks, ascending.
     kinks: Vec<f64>,
     /// Times closer than this are meant to be equal.
@@ -43,19 +43,19 @@ impl Stops {
         let slack = 1e-13 * to.abs().max(from.abs());
         let mut kinks = events(system).kinks();
         kinks.sort_by(f64::total_cmp);
-        let mut listed: Vec<Stop> = Vec::new();
+        let mut listed: Vec<StopTime> = Vec::new();
         for t in kinks.iter().copied().take_while(|&t| t <= to + slack) {
             match listed.last_mut() {
                 Some(last) if t - last.right <= slack => last.right = t,
-                _ => listed.push(Stop {
+                _ => listed.push(StopTime {
                     kink: true,
-                    ..Stop::end(t)
+                    ..StopTime::end(t)
                 }),
             }
         }
         match listed.last_mut() {
             Some(last) if to - last.left <= slack => last.left = to,
-            _ => listed.push(Stop::end(to)),
+            _ => listed.push(StopTime::end(to)),
         }
         let interval = options.interval.unwrap_or(f64::INFINITY);
         let whole = (to / interval).round();
@@ -73,17 +73,17 @@ impl Stops {
     }
 
     /// The next stop after a time.
-    pub(super) fn next(&self, from: f64, options: &DynamicOptions) -> Stop {
+    pub(super) fn next(&self, from: f64, options: &DynamicOptions) -> StopTime {
         let k = self.listed.partition_point(|s| s.left <= from + self.slack);
         let stop = self.listed.get(k).copied();
-        let stop = stop.unwrap_or(Stop::end(options.to));
+        let stop = stop.unwrap_or(StopTime::end(options.to));
         let Some(passed) = options.intervals(from) else {
             return stop;
         };
         let (numerator, denominator) = self.multiple;
         let end = (passed + 1.0) * numerator / denominator;
         if end < stop.left - self.slack {
-            Stop::end(end)
+            StopTime::end(end)
         } else {
             stop
         }
@@ -102,7 +102,7 @@ impl Stops {
     }
 
     /// The kink at the end of a step.
-    pub(super) fn kink(&self, t: f64) -> Option<Stop> {
+    pub(super) fn kink(&self, t: f64) -> Option<StopTime> {
         let k = self.listed.partition_point(|s| s.left < t);
         let stop = self.listed.get(k).filter(|s| s.kink && s.left == t);
         stop.copied()

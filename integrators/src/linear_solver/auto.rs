@@ -2,7 +2,7 @@
 
 use pullback_manifold::sparse::BlockPattern;
 
-use super::{BlockLu, FaerCholesky, FaerLu, LinearError, LinearSolver, Symmetry, ready};
+use super::{BlockLu, FaerCholesky, FaerLu, LinearError, LinearSolver, MatrixSymmetry, ready};
 
 /// [`BlockLu`] if it suits the matrix, faer if not or if it fails.
 ///
@@ -13,17 +13,17 @@ pub struct AutoSolver {
     cholesky: FaerCholesky,
     lu: FaerLu,
     pattern: Option<BlockPattern>,
-    symmetry: Symmetry,
-    chosen: Chosen,
+    symmetry: MatrixSymmetry,
+    chosen: SolverKind,
     /// The solver that holds the factors.
-    active: Option<Chosen>,
+    active: Option<SolverKind>,
     /// Number of factorisations in a row in which the block solver failed and the fallback did not.
     failures: usize,
 }
 
 /// One of the solvers behind [`AutoSolver`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Chosen {
+pub enum SolverKind {
     /// [`BlockLu`].
     #[default]
     Block,
@@ -43,22 +43,22 @@ impl AutoSolver {
     }
 
     /// The solver that made the last factorisation.
-    pub fn active(&self) -> Option<Chosen> {
+    pub fn active(&self) -> Option<SolverKind> {
         self.active
     }
 
     /// Whether to try the block solver.
     fn tries_block(&mut self) -> bool {
         self.active = None;
-        self.chosen == Chosen::Block && self.failures < FAILURES
+        self.chosen == SolverKind::Block && self.failures < FAILURES
     }
 
     fn factorise_other(&mut self, values: &[f64]) -> Result<(), LinearError> {
-        if self.chosen != Chosen::Cholesky {
+        if self.chosen != SolverKind::Cholesky {
             return self.fall_back(values);
         }
         self.cholesky.factorise(values)?;
-        self.active = Some(Chosen::Cholesky);
+        self.active = Some(SolverKind::Cholesky);
         Ok(())
     }
 
@@ -67,19 +67,19 @@ impl AutoSolver {
         &mut self,
         result: Result<(), LinearError>,
         values: &[f64],
-    ) -> Result<Chosen, LinearError> {
+    ) -> Result<SolverKind, LinearError> {
         match result {
             Ok(()) => {
                 self.failures = 0;
-                self.active = Some(Chosen::Block);
-                Ok(Chosen::Block)
+                self.active = Some(SolverKind::Block);
+                Ok(SolverKind::Block)
             }
-            Err(LinearError::Growth { .. }) => self.fall_back(values).map(|()| Chosen::Lu),
+            Err(LinearError::Growth { .. }) => self.fall_back(values).map(|()| SolverKind::Lu),
             Err(error @ LinearError::VanishingPivot { unknown, .. }) => {
                 match self.fall_back(values) {
                     Ok(()) => {
                         self.failures += 1;
-                        Ok(Chosen::Lu)
+                        Ok(SolverKind::Lu)
                     }
                     // Both agree. The block solver names the last unknown without resistance
                     // (usually at a missing support), if it is part of the mechanism.
@@ -99,30 +99,34 @@ impl AutoSolver {
             self.lu.analyse(pattern, self.symmetry)?;
         }
         self.lu.factorise(values)?;
-        self.active = Some(Chosen::Lu);
+        self.active = Some(SolverKind::Lu);
         Ok(())
     }
 }
 
 impl LinearSolver for AutoSolver {
-    fn analyse(&mut self, pattern: &BlockPattern, symmetry: Symmetry) -> Result<(), LinearError> {
+    fn analyse(
+        &mut self,
+        pattern: &BlockPattern,
+        symmetry: MatrixSymmetry,
+    ) -> Result<(), LinearError> {
         *self = Self {
             pattern: Some(pattern.clone()),
             symmetry,
             ..Self::default()
         };
         self.chosen = match self.block.analyse(pattern, symmetry) {
-            Ok(()) if self.block.suits() => Chosen::Block,
+            Ok(()) if self.block.suits() => SolverKind::Block,
             Ok(()) | Err(LinearError::Fill { .. }) => {
                 self.block = BlockLu::new();
                 match symmetry {
-                    Symmetry::Symmetric => Chosen::Cholesky,
-                    Symmetry::General => Chosen::Lu,
+                    MatrixSymmetry::Symmetric => SolverKind::Cholesky,
+                    MatrixSymmetry::General => SolverKind::Lu,
                 }
             }
             Err(error) => return Err(error),
         };
-        if self.chosen == Chosen::Cholesky {
+        if self.chosen == SolverKind::Cholesky {
             self.cholesky.analyse(pattern, symmetry)?;
         }
         Ok(())
@@ -139,9 +143,9 @@ impl LinearSolver for AutoSolver {
     fn solve(&mut self, values: Option<&[f64]>, b: &mut [f64]) -> Result<(), LinearError> {
         match self.active {
             None => Err(LinearError::NotReady { call: "solve" }),
-            Some(Chosen::Cholesky) => self.cholesky.solve(values, b),
-            Some(Chosen::Lu) => self.lu.solve(values, b),
-            Some(Chosen::Block) => match (self.block.solve(values, b), values) {
+            Some(SolverKind::Cholesky) => self.cholesky.solve(values, b),
+            Some(SolverKind::Lu) => self.lu.solve(values, b),
+            Some(SolverKind::Block) => match (self.block.solve(values, b), values) {
                 // `b` is untouched when a solve fails.
                 (Err(LinearError::Residual { .. }), Some(known)) => {
                     self.fall_back(known)?;
@@ -163,7 +167,7 @@ impl LinearSolver for AutoSolver {
                 self.lu.solve(Some(values), b)
             }
             result => match self.after_block(result, values)? {
-                Chosen::Block => Ok(()),
+                SolverKind::Block => Ok(()),
                 _ => self.lu.solve(Some(values), b),
             },
         }
@@ -172,10 +176,10 @@ impl LinearSolver for AutoSolver {
     /// An LU with row interchanges does not provide the signs: they need an LDLᵀ factorisation.
     fn negative_pivots(&mut self, values: &[f64]) -> Option<usize> {
         match self.active? {
-            Chosen::Block => self.block.negative_pivots(values),
-            Chosen::Cholesky => self.cholesky.negative_pivots(values),
-            Chosen::Lu if self.symmetry == Symmetry::General => None,
-            Chosen::Lu => {
+            SolverKind::Block => self.block.negative_pivots(values),
+            SolverKind::Cholesky => self.cholesky.negative_pivots(values),
+            SolverKind::Lu if self.symmetry == MatrixSymmetry::General => None,
+            SolverKind::Lu => {
                 if !self.cholesky.is_analysed() {
                     let pattern = self.pattern.as_ref()?;
                     self.cholesky.analyse(pattern, self.symmetry).ok()?;

@@ -20,7 +20,7 @@ use pullback_manifold::sparse::BlockPattern;
 
 use super::factors::{FactorError, Factors};
 use super::symbolic::Symbolic;
-use super::{LinearError, LinearSolver, RESIDUAL_GOAL, Symmetry, check_length, ready};
+use super::{LinearError, LinearSolver, MatrixSymmetry, RESIDUAL_GOAL, check_length, ready};
 
 /// Number of block updates beyond which [`BlockLu`] refuses to analyse: several seconds of 6 × 6 ones.
 const MAX_UPDATES: usize = 20_000_000;
@@ -64,8 +64,8 @@ impl BlockLu {
             return false;
         };
         let (entry, rate) = match ready.symbolic.symmetry {
-            Symmetry::General => (30.0, 8.0),
-            Symmetry::Symmetric => (15.0, 30.0),
+            MatrixSymmetry::General => (30.0, 8.0),
+            MatrixSymmetry::Symmetric => (15.0, 30.0),
         };
         let general = entry * ready.pattern.len() as f64 + ready.symbolic.flops / rate;
         ready.symbolic.nanoseconds() < general
@@ -107,7 +107,11 @@ impl BlockLu {
 }
 
 impl LinearSolver for BlockLu {
-    fn analyse(&mut self, pattern: &BlockPattern, symmetry: Symmetry) -> Result<(), LinearError> {
+    fn analyse(
+        &mut self,
+        pattern: &BlockPattern,
+        symmetry: MatrixSymmetry,
+    ) -> Result<(), LinearError> {
         self.ready = None;
         self.factorised = false;
         let symbolic = Symbolic::new(pattern, symmetry, MAX_UPDATES)?;
@@ -146,7 +150,7 @@ impl LinearSolver for BlockLu {
     /// From the signs of the pivots, at no cost; see the source of `inertia`.
     fn negative_pivots(&mut self, _: &[f64]) -> Option<usize> {
         let ready = self.ready.as_ref().filter(|_| self.factorised)?;
-        (ready.symbolic.symmetry == Symmetry::Symmetric).then(|| ready.negative_pivots())
+        (ready.symbolic.symmetry == MatrixSymmetry::Symmetric).then(|| ready.negative_pivots())
     }
 }
 

@@ -3,8 +3,8 @@
 use pullback_manifold::sparse::BlockPattern;
 
 use super::solution::forward;
-use super::symbolic::{Load, Symbolic};
-use super::{LinearError, Symmetry, kernels, rounding_level, scaling};
+use super::symbolic::{BlockCopy, Symbolic};
+use super::{LinearError, MatrixSymmetry, kernels, rounding_level, scaling};
 
 /// Ratio of a pivot to the entries of the scaled matrix that counts as growth.
 const GROWTH_LIMIT: f64 = 1e8;
@@ -197,7 +197,7 @@ impl Factors {
                 if a >= b {
                     let c = &mut right[start..start + row.size * column.size];
                     kernels::update(row.size, column.size, n, c, &below[l..], &below[ut..]);
-                } else if symbolic.symmetry == Symmetry::General {
+                } else if symbolic.symmetry == MatrixSymmetry::General {
                     let c = &mut right[start..start + row.size * column.size];
                     kernels::update(column.size, row.size, n, c, &below[ut..], &below[l..]);
                 }
@@ -235,7 +235,7 @@ impl Factors {
 #[inline(always)]
 fn copy_block(
     symbolic: &Symbolic,
-    load: &Load,
+    load: &BlockCopy,
     values: &[f64],
     scaled: bool,
     scales: &mut [f64],
@@ -262,7 +262,7 @@ fn copy_block(
     );
     let mut count = m * n;
     let mut square = kernels::scale::<false>(m, n, lower, rows, columns, factors);
-    if symbolic.symmetry == Symmetry::General {
+    if symbolic.symmetry == MatrixSymmetry::General {
         let upper = &values[load.upper..load.upper + m * n];
         square += kernels::scale::<true>(m, n, upper, rows, columns, &mut factors[count..]);
         count *= 2;
@@ -276,7 +276,7 @@ fn copy_block(
 #[allow(clippy::too_many_arguments, reason = "a private step of one algorithm")]
 #[inline(always)]
 fn finish_link(
-    symmetry: Symmetry,
+    symmetry: MatrixSymmetry,
     m: usize,
     n: usize,
     d: &[f64],
@@ -285,7 +285,7 @@ fn finish_link(
     swaps: &[u32],
     swapped: bool,
 ) {
-    if symmetry == Symmetry::Symmetric {
+    if symmetry == MatrixSymmetry::Symmetric {
         if !swapped {
             kernels::right_upper_pair(m, n, d, l, ut);
             return;

@@ -22,7 +22,7 @@ use faer::{Conj, Par, Side};
 use pullback_manifold::sparse::BlockPattern;
 
 use super::columns::Columns;
-use super::{LinearError, LinearSolver, Symmetry, max_abs, ready, rounding_level};
+use super::{LinearError, LinearSolver, MatrixSymmetry, max_abs, ready, rounding_level};
 
 fn structure(columns: &Columns) -> SymbolicSparseColMatRef<'_, usize> {
     let n = columns.scales.len();
@@ -136,7 +136,7 @@ impl FaerLu {
 }
 
 impl LinearSolver for FaerLu {
-    fn analyse(&mut self, pattern: &BlockPattern, _: Symmetry) -> Result<(), LinearError> {
+    fn analyse(&mut self, pattern: &BlockPattern, _: MatrixSymmetry) -> Result<(), LinearError> {
         self.ready = None;
         let columns = Columns::new(pattern);
         let lu = Lu::new(&columns)?;
@@ -308,7 +308,7 @@ impl FaerCholesky {
 }
 
 impl LinearSolver for FaerCholesky {
-    fn analyse(&mut self, pattern: &BlockPattern, _: Symmetry) -> Result<(), LinearError> {
+    fn analyse(&mut self, pattern: &BlockPattern, _: MatrixSymmetry) -> Result<(), LinearError> {
         *self = Self::default();
         let columns = Columns::new(pattern);
         let cholesky = Cholesky::new(&columns)?;
@@ -334,7 +334,8 @@ impl LinearSolver for FaerCholesky {
             self.misses += 1;
         }
         if !self.lu.is_analysed() {
-            self.lu.analyse(&columns.pattern, Symmetry::Symmetric)?;
+            self.lu
+                .analyse(&columns.pattern, MatrixSymmetry::Symmetric)?;
         }
         self.lu.factorise(values)
     }

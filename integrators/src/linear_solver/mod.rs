@@ -35,7 +35,7 @@ pub mod scaling;
 mod solution;
 mod symbolic;
 
-pub use auto::{AutoSolver, Chosen};
+pub use auto::{AutoSolver, SolverKind};
 pub use block::BlockLu;
 pub use faer::{FaerCholesky, FaerLu};
 pub use null_vector::{NullVector, null_vector};
@@ -45,7 +45,7 @@ use thiserror::Error;
 
 /// Known structure of the values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Symmetry {
+pub enum MatrixSymmetry {
     /// Nothing; only the pattern is symmetric.
     #[default]
     General,
@@ -56,7 +56,11 @@ pub enum Symmetry {
 /// A direct solver for matrices of one pattern.
 pub trait LinearSolver: Send {
     /// Finds the elimination order and the structure of the factors.
-    fn analyse(&mut self, pattern: &BlockPattern, symmetry: Symmetry) -> Result<(), LinearError>;
+    fn analyse(
+        &mut self,
+        pattern: &BlockPattern,
+        symmetry: MatrixSymmetry,
+    ) -> Result<(), LinearError>;
 
     /// Factorises the matrix with these values.
     fn factorise(&mut self, values: &[f64]) -> Result<(), LinearError>;

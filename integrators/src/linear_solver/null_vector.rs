@@ -2,7 +2,7 @@
 
 use pullback_manifold::sparse::BlockPattern;
 
-use super::{BlockLu, FaerLu, LinearError, LinearSolver, Symmetry, max_abs};
+use super::{BlockLu, FaerLu, LinearError, LinearSolver, MatrixSymmetry, max_abs};
 
 /// A direction that the matrix (nearly) annihilates.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,12 +51,14 @@ pub fn null_vector(pattern: &BlockPattern, values: &[f64]) -> Option<NullVector>
     };
     let mut block = BlockLu::perturbed(FLOOR);
     let mut best: Option<NullVector> = None;
-    if block.analyse(pattern, Symmetry::General).is_ok() && block.factorise(values).is_ok() {
+    if block.analyse(pattern, MatrixSymmetry::General).is_ok() && block.factorise(values).is_ok() {
         best = check.iterate(|x| block.solve(None, x));
     }
     if best.as_ref().is_none_or(|v| v.residual > LIMIT) {
         let mut lu = FaerLu::new();
-        if lu.analyse(pattern, Symmetry::General).is_ok() && lu.factorise_shifted(values).is_ok() {
+        if lu.analyse(pattern, MatrixSymmetry::General).is_ok()
+            && lu.factorise_shifted(values).is_ok()
+        {
             let other = check.iterate(|x| lu.solve_unchecked(x));
             if let Some(other) = other
                 && best.as_ref().is_none_or(|v| other.residual < v.residual)

@@ -1,8 +1,10 @@
 //! Solutions by the block factors: substitution, and the residual.
 
 use super::factors::Factors;
-use super::symbolic::{ColumnPanel, Link, Symbolic};
-use super::{LinearError, REFINEMENTS, Symmetry, first_non_finite, is_final, kernels, max_abs};
+use super::symbolic::{ColumnPanel, PanelLink, Symbolic};
+use super::{
+    LinearError, MatrixSymmetry, REFINEMENTS, first_non_finite, is_final, kernels, max_abs,
+};
 
 impl Factors {
     /// Scaled right-hand side in elimination order, into `y`.
@@ -123,8 +125,8 @@ impl Factors {
             if load.row != load.column {
                 let (x, y) = (&x[row.first..], &mut r[column.first..]);
                 match symbolic.symmetry {
-                    Symmetry::Symmetric => kernels::subtract_transposed(m, n, lower, x, y),
-                    Symmetry::General => kernels::subtract(n, m, &values[load.upper..], x, y),
+                    MatrixSymmetry::Symmetric => kernels::subtract_transposed(m, n, lower, x, y),
+                    MatrixSymmetry::General => kernels::subtract(n, m, &values[load.upper..], x, y),
                 }
             }
         }
@@ -159,7 +161,7 @@ impl Factors {
 pub(super) fn forward(
     symbolic: &Symbolic,
     k: usize,
-    links: &[Link],
+    links: &[PanelLink],
     factors: &[f64],
     swaps: &[u32],
     swapped: bool,

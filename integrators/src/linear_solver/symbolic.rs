@@ -2,7 +2,7 @@
 
 use pullback_manifold::sparse::BlockPattern;
 
-use super::{LinearError, Symmetry, ordering};
+use super::{LinearError, MatrixSymmetry, ordering};
 use std::ops::Range;
 
 /// A block column of `L` and block row of `U` with their diagonal block, stored one after the
@@ -28,7 +28,7 @@ pub(super) struct ColumnPanel {
 }
 
 /// A later node that a panel is coupled to.
-pub(super) struct Link {
+pub(super) struct PanelLink {
     /// Its panel.
     pub panel: usize,
     /// Its first unknown in elimination order.
@@ -40,7 +40,7 @@ pub(super) struct Link {
 }
 
 /// A block, or a pair of blocks, to be copied from the matrix before its first use.
-pub(super) struct Load {
+pub(super) struct BlockCopy {
     /// Panels of the block row and the block column; the row comes later or is the same.
     pub row: usize,
     pub column: usize,
@@ -55,10 +55,10 @@ pub(super) struct Load {
 /// Everything that does not depend on values.
 pub(super) struct Symbolic {
     pub panels: Vec<ColumnPanel>,
-    pub links: Vec<Link>,
+    pub links: Vec<PanelLink>,
     /// For each panel and each pair of its links the block that the pair updates.
     pub targets: Vec<u32>,
-    pub loads: Vec<Load>,
+    pub loads: Vec<BlockCopy>,
     /// Blocks that are zero in the matrix: first value and number of values.
     pub fills: Vec<(usize, usize)>,
     /// Number of values in the factors.
@@ -69,14 +69,14 @@ pub(super) struct Symbolic {
     pub flops: f64,
     /// Estimated nanoseconds for these, if both halves are used.
     busy: f64,
-    pub symmetry: Symmetry,
+    pub symmetry: MatrixSymmetry,
 }
 
 impl Symbolic {
     /// Finds order and structure; fails if there are more than `max_updates` block updates.
     pub fn new(
         pattern: &BlockPattern,
-        symmetry: Symmetry,
+        symmetry: MatrixSymmetry,
         max_updates: usize,
     ) -> Result<Self, LinearError> {
         let elimination = ordering::minimum_degree(pattern, max_updates)?;
@@ -130,7 +130,7 @@ impl Symbolic {
             for panel in panels {
                 let m = pattern.size(nodes[panel].0);
                 terms[panel] += size;
-                self.links.push(Link {
+                self.links.push(PanelLink {
                     panel,
                     first: firsts[panel],
                     size: m,
@@ -178,7 +178,7 @@ impl Symbolic {
             for i in std::iter::once(k).chain(range.clone().map(|l| self.links[l].panel)) {
                 if !std::mem::replace(&mut diagonal_done[i], true) {
                     let lower = pattern.find(nodes[i].0, nodes[i].0).unwrap_or(0);
-                    self.loads.push(Load {
+                    self.loads.push(BlockCopy {
                         row: i,
                         column: i,
                         lower,
@@ -237,7 +237,7 @@ impl Symbolic {
         let link = &self.links[l];
         let (i, j) = (nodes[link.panel].0, nodes[column].0);
         match (pattern.find(i, j), pattern.find(j, i)) {
-            (Some(lower), Some(upper)) => self.loads.push(Load {
+            (Some(lower), Some(upper)) => self.loads.push(BlockCopy {
                 row: link.panel,
                 column,
                 lower,
@@ -254,8 +254,8 @@ impl Symbolic {
     /// Estimated time of a factorisation.
     pub fn nanoseconds(&self) -> f64 {
         let operations = match self.symmetry {
-            Symmetry::General => self.busy,
-            Symmetry::Symmetric => 0.55 * self.busy,
+            MatrixSymmetry::General => self.busy,
+            MatrixSymmetry::Symmetric => 0.55 * self.busy,
         };
         150.0 * self.panels.len() as f64 + 10.0 * self.targets.len() as f64 + operations
     }

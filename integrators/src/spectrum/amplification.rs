@@ -3,7 +3,7 @@
 use crate::dynamics::{
     DynamicOptions, DynamicsError, NewtonOptions, Scheme, State, Stepper, Summary,
 };
-use crate::linear_solver::{AutoSolver, LinearSolver, Symmetry};
+use crate::linear_solver::{AutoSolver, LinearSolver, MatrixSymmetry};
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError};
 
@@ -57,7 +57,7 @@ pub fn amplification(scheme: &Scheme, Omega: f64) -> Result<[[f64; 3]; 3], Dynam
     };
     let mut solver = AutoSolver::new();
     solver
-        .analyse(system.pattern(), Symmetry::General)
+        .analyse(system.pattern(), MatrixSymmetry::General)
         .map_err(|source| DynamicsError::Analysis { source })?;
     let mut stepper = Stepper::new(&system, &options)?;
     let unit = [1.0, 1.0 + Omega, 1.0 + Omega * Omega];

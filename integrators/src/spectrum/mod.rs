@@ -20,7 +20,7 @@ use crate::dynamics::{DynamicsError, Scheme};
 
 /// Accuracy of a scheme at one Ω.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point {
+pub struct Accuracy {
     /// Ω = ω h.
     pub Omega: f64,
     /// Results of its eigenvalues.
@@ -68,14 +68,14 @@ pub struct FirstStep {
 ///
 /// # Errors
 /// [`DynamicsError`] of a step that fails: Ω is not positive or not finite.
-pub fn point(scheme: &Scheme, Omega: f64) -> Result<Point, DynamicsError> {
+pub fn accuracy(scheme: &Scheme, Omega: f64) -> Result<Accuracy, DynamicsError> {
     let A = amplification(scheme, Omega)?;
     let first = |state: [f64; 3]| {
         let end = |i: usize| (0..3).map(|j| A[i][j] * state[j]).sum::<f64>();
         [end(0), end(1) * (1.0 + Omega) / Omega]
     };
     let square = Omega * Omega;
-    Ok(Point {
+    Ok(Accuracy {
         Omega,
         numbers: Numbers::of(characteristic(A), Omega),
         first_step: FirstStep {

@@ -6,7 +6,7 @@
 
 use super::newton::{Condition, Newton};
 use super::{Iteration, Problem};
-use crate::failure::Failure;
+use crate::failure::Cause;
 
 /// Position on the path with its unit tangent.
 #[derive(Clone)]
@@ -63,16 +63,16 @@ impl Newton {
         problem: &mut Problem<'_>,
         at: &mut Position,
         norm: &Norm,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), Cause> {
         self.evaluate(problem, None, &at.q, at.lambda)
-            .map_err(Failure::System)?;
+            .map_err(Cause::System)?;
         self.factorise(problem)?;
         self.solve_rate(problem)?;
         let rate = (self.q_lambda.as_slice(), 1.0);
         let length = norm.dot(rate, rate).sqrt();
         let sense = norm.dot(rate, (&at.dq, at.d_lambda)).signum() / length;
         if !sense.is_finite() {
-            return Err(Failure::Diverged);
+            return Err(Cause::Diverged);
         }
         for (dq, rate) in at.dq.iter_mut().zip(rate.0) {
             *dq = sense * rate;
@@ -89,7 +89,7 @@ impl Newton {
         ds: f64,
         norm: &Norm,
         next: &mut Position,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), Cause> {
         for (q, (q0, dq)) in next.q.iter_mut().zip(at.q.iter().zip(&at.dq)) {
             *q = q0 + ds * dq;
         }

@@ -3,12 +3,12 @@
 use super::newton::Newton;
 use super::{Iteration, Problem};
 use crate::abilities::change_charts;
-use crate::failure::Failure;
+use crate::failure::Cause;
 use pullback_manifold::system::ChartChanges;
 
 /// State of the tangent at the beginning of a step.
 #[derive(Clone, Copy, PartialEq)]
-pub(super) enum Known {
+pub(super) enum TangentStatus {
     Nothing,
     Evaluated,
     Factorised,
@@ -21,14 +21,14 @@ impl Newton {
         problem: &mut Problem<'_>,
         q: &mut [f64],
         [from, to]: [f64; 2],
-        known: Known,
-    ) -> Result<(), Failure> {
+        known: TangentStatus,
+    ) -> Result<(), Cause> {
         self.history.clear();
-        if known == Known::Nothing {
+        if known == TangentStatus::Nothing {
             self.evaluate(problem, None, q, from)
-                .map_err(Failure::System)?;
+                .map_err(Cause::System)?;
         }
-        if known != Known::Factorised {
+        if known != TangentStatus::Factorised {
             self.factorise(problem)?;
         }
         // δq = K⁻¹ (r + r_λ Δλ): with r_λ a prescribed support bends the whole structure, while the
@@ -38,7 +38,7 @@ impl Newton {
         }
         let residual = self.largest(&self.dq);
         let solved = problem.solver.solve(Some(&self.S), &mut self.dq);
-        solved.map_err(Failure::linear)?;
+        solved.map_err(Cause::linear)?;
         for (q, dq) in q.iter_mut().zip(&self.dq) {
             *q += dq;
         }
@@ -60,7 +60,7 @@ impl Newton {
         q: &mut [f64],
         t: f64,
         previous: Option<(f64, &[f64])>,
-    ) -> Result<usize, Failure> {
+    ) -> Result<usize, Cause> {
         self.correct(problem, q, &mut { t }, None, previous)?;
         let mut changes = 0;
         // If equilibrium moves an element back over its border, the second round is the last.
@@ -77,10 +77,10 @@ impl Newton {
 
     /// Factorises the tangent at an equilibrium for the next step, and counts its unstable
     /// directions. A singular tangent fails the next step, if any.
-    pub(super) fn prepare(&mut self, problem: &mut Problem<'_>) -> (Known, Option<usize>) {
+    pub(super) fn prepare(&mut self, problem: &mut Problem<'_>) -> (TangentStatus, Option<usize>) {
         if problem.system.is_symmetric() && self.factorise(problem).is_ok() {
-            return (Known::Factorised, self.unstable(problem));
+            return (TangentStatus::Factorised, self.unstable(problem));
         }
-        (Known::Evaluated, None)
+        (TangentStatus::Evaluated, None)
     }
 }

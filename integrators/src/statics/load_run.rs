@@ -1,13 +1,13 @@
 //! Load control with automatic step size.
 
-use super::fixed_load::Known;
+use super::fixed_load::TangentStatus;
 use super::newton::Newton;
 use super::options::check;
 use super::start::begin;
-use super::steps::Analysis;
+use super::steps::StaticAnalysis;
 use super::{Converged, Problem, StaticOptions, StaticSummary, StaticsError, Step};
 use crate::abilities::{change_charts, start};
-use crate::failure::Failure;
+use crate::failure::Cause;
 
 /// The engine of a run: all that a step needs beside the system and the solver.
 pub struct LoadRun {
@@ -20,12 +20,12 @@ pub struct LoadRun {
     /// Next step of the load parameter.
     dt: f64,
     /// The tangent at the present equilibrium; `None` before the first one.
-    known: Option<Known>,
+    known: Option<TangentStatus>,
     /// The equilibrium reported last.
     reached: Converged,
 }
 
-impl Analysis for LoadRun {
+impl StaticAnalysis for LoadRun {
     type Options = StaticOptions;
     type Summary = StaticSummary;
 
@@ -79,7 +79,7 @@ impl Analysis for LoadRun {
                 true => self.options.to,
                 false => self.summary.t + self.dt,
             };
-            let known = self.known.unwrap_or(Known::Nothing);
+            let known = self.known.unwrap_or(TangentStatus::Nothing);
             let attempt = self.attempt(problem, t, known);
             self.summary.count(self.newton.cost);
             match attempt {
@@ -113,8 +113,8 @@ impl LoadRun {
         &mut self,
         problem: &mut Problem<'_>,
         t: f64,
-        known: Known,
-    ) -> Result<usize, Failure> {
+        known: TangentStatus,
+    ) -> Result<usize, Cause> {
         let (newton, q, from) = (&mut self.newton, &mut self.q, self.summary.t);
         self.start.copy_from_slice(q);
         newton.predict(problem, q, [from, t], known)?;
@@ -153,15 +153,15 @@ impl LoadRun {
         &mut self,
         problem: &mut Problem<'_>,
         t: f64,
-        known: Known,
-        failure: Failure,
+        known: TangentStatus,
+        failure: Cause,
     ) -> Result<(), StaticsError> {
         // A smaller step would begin with the same tangent, unless this one was extrapolated.
-        let exact = known != Known::Evaluated || self.summary.steps == 0;
+        let exact = known != TangentStatus::Evaluated || self.summary.steps == 0;
         let unpredicted = self.newton.history.is_empty();
-        let hopeless = exact && unpredicted && matches!(failure, Failure::Linear { .. });
+        let hopeless = exact && unpredicted && matches!(failure, Cause::Linear { .. });
         self.summary.rejected += 1;
-        self.known = Some(Known::Nothing);
+        self.known = Some(TangentStatus::Nothing);
         let mut failed = self.newton.fail(problem, failure, &self.summary, t);
         self.q.copy_from_slice(&self.start);
         start(problem.system, self.summary.t, &self.q);

@@ -8,7 +8,7 @@
 use super::arc_length::{Norm, Position, SHARPEST_BEND};
 use super::newton::Newton;
 use super::{ArcLengthOptions, Event, Iteration, Problem};
-use crate::failure::Failure;
+use crate::failure::Cause;
 use pullback_manifold::system::System;
 
 /// An event found within a step.
@@ -75,7 +75,7 @@ pub(super) fn locate(
     step: (&Position, &Position, f64),
     norm: &Norm,
     options: &ArcLengthOptions,
-) -> Result<Vec<Located>, Failure> {
+) -> Result<Vec<Located>, Cause> {
     let (at, next, _) = step;
     let mut found = Vec::new();
     for (index, &(event, _)) in options.events.iter().enumerate() {
@@ -98,7 +98,7 @@ pub(super) fn locate(
             let bend = norm.dot((&at.dq, at.d_lambda), (&position.dq, position.d_lambda));
             if missed || bend < SHARPEST_BEND {
                 let position = describe(problem.system, event);
-                return Err(Failure::Unlocated { position });
+                return Err(Cause::Unlocated { position });
             }
             one.index = index;
             found.push(one);
@@ -116,7 +116,7 @@ fn find(
     (at, next, ds): (&Position, &Position, f64),
     norm: &Norm,
     event: Event,
-) -> Result<Located, Failure> {
+) -> Result<Located, Cause> {
     let (mut a, mut fa) = (0.0, event_value(event, at));
     let (mut b, mut fb) = (ds, event_value(event, next));
     let size = fa.abs().max(fb.abs());

@@ -22,10 +22,7 @@ pub use crate::failure::{Cause, Cost, FailedStep, StepParameter};
 pub use error::StaticsError;
 pub(crate) use options::refused;
 pub use options::{ArcLengthOptions, Event, StaticNewtonOptions, StaticOptions};
-pub use steps::{
-    LoadSteps, PathSteps, Steps, equilibrium, solve_statics, solve_statics_with, trace_path,
-    trace_path_with,
-};
+pub use steps::{LoadSteps, PathSteps, Steps, equilibrium, solve_statics, trace_path};
 
 use steps::Problem;
 

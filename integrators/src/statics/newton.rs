@@ -16,8 +16,8 @@
 
 use super::{Iteration, Problem, StaticNewtonOptions, StaticSummary, StaticsError, solutions};
 use crate::convergence::ConvergencePredictor;
-use crate::failure::{Cost, FailedStep, Failure, FailureContext, StepParameter};
-use crate::linear_solver::Symmetry;
+use crate::failure::{Cause, Cost, FailedStep, FailureContext, StepParameter};
+use crate::linear_solver::MatrixSymmetry;
 use crate::rounding::{ResidualTest, inverse_scales, is_rounding, largest, rounding_of_gaps};
 use pullback_manifold::system::{Evaluation, Point, Quantity, System, SystemError, Weights};
 
@@ -72,8 +72,8 @@ impl Newton {
         options: &StaticNewtonOptions,
     ) -> Result<Self, StaticsError> {
         let symmetry = match system.is_symmetric() {
-            true => Symmetry::Symmetric,
-            false => Symmetry::General,
+            true => MatrixSymmetry::Symmetric,
+            false => MatrixSymmetry::General,
         };
         solver
             .analyse(system.pattern(), symmetry)
@@ -116,12 +116,7 @@ impl Newton {
         lambda: f64,
     ) -> Result<(), SystemError> {
         self.cost.evaluations += 1;
-        let rest = |t, q| Point {
-            t,
-            q,
-            v: &[],
-            a: &[],
-        };
+        let rest = |t, q| Point::statics(t, q);
         let out = Evaluation {
             r: &mut self.r,
             S: Some((Weights::STATIC, &mut self.S)),
@@ -136,12 +131,12 @@ impl Newton {
     pub(super) fn fail(
         &self,
         problem: &mut Problem<'_>,
-        failure: Failure,
+        cause: Cause,
         summary: &StaticSummary,
         to: f64,
     ) -> Box<FailedStep> {
         let context = FailureContext {
-            failure,
+            cause,
             r: &self.r,
             S: &self.S,
             history: &self.history,
@@ -154,16 +149,16 @@ impl Newton {
         FailedStep::new(problem.system, context)
     }
 
-    pub(super) fn factorise(&mut self, problem: &mut Problem<'_>) -> Result<(), Failure> {
+    pub(super) fn factorise(&mut self, problem: &mut Problem<'_>) -> Result<(), Cause> {
         self.cost.factorisations += 1;
-        problem.solver.factorise(&self.S).map_err(Failure::linear)
+        problem.solver.factorise(&self.S).map_err(Cause::linear)
     }
 
     /// dq/dλ = K⁻¹ r_λ with the present factorisation.
-    pub(super) fn solve_rate(&mut self, problem: &mut Problem<'_>) -> Result<(), Failure> {
+    pub(super) fn solve_rate(&mut self, problem: &mut Problem<'_>) -> Result<(), Cause> {
         self.q_lambda.copy_from_slice(&self.r_lambda);
         let solved = problem.solver.solve(Some(&self.S), &mut self.q_lambda);
-        solved.map_err(Failure::linear)
+        solved.map_err(Cause::linear)
     }
 
     /// Linear solutions made since the history was cleared.
@@ -196,7 +191,7 @@ impl Newton {
         lambda: &mut f64,
         condition: Option<&Condition<'_>>,
         previous: Option<(f64, &[f64])>,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), Cause> {
         self.predicted = 0;
         self.test.first = [0.0; 3];
         if let (Some(prediction), true) = (self.history.last(), previous.is_some()) {
@@ -204,7 +199,7 @@ impl Newton {
             self.test.first = prediction.residual;
         }
         self.evaluate(problem, previous, q, *lambda)
-            .map_err(Failure::System)?;
+            .map_err(Cause::System)?;
         if self.has_gaps {
             let work = [&mut self.trial[..], &mut self.simplified[..]];
             self.test.gaps = rounding_of_gaps(problem.system, &self.S, q, work);
@@ -236,7 +231,7 @@ impl Newton {
             });
             match (ended, converged) {
                 (true, true) => return Ok(()),
-                (true, false) => return Err(Failure::TooManyIterations),
+                (true, false) => return Err(Cause::TooManyIterations),
                 (false, _) => {}
             }
         }
@@ -249,13 +244,13 @@ impl Newton {
         q: &[f64],
         lambda: f64,
         condition: Option<&Condition<'_>>,
-    ) -> Result<f64, Failure> {
+    ) -> Result<f64, Cause> {
         self.cost.factorisations += 1;
         self.dq.copy_from_slice(&self.r);
         let solver = &mut *problem.solver;
         solver
             .factorise_and_solve(&self.S, &mut self.dq)
-            .map_err(Failure::linear)?;
+            .map_err(Cause::linear)?;
         let Some(c) = condition else {
             return Ok(0.0);
         };
@@ -264,7 +259,7 @@ impl Newton {
         let slope = dot(&self.q_lambda) + c.c_lambda;
         let d_lambda = (c.defect(q, lambda) - dot(&self.dq)) / slope;
         if !d_lambda.is_finite() {
-            return Err(Failure::Diverged);
+            return Err(Cause::Diverged);
         }
         for (dq, rate) in self.dq.iter_mut().zip(&self.q_lambda) {
             *dq += d_lambda * rate;
@@ -281,11 +276,11 @@ impl Newton {
         lambda: &mut f64,
         d_lambda: f64,
         ratio: f64,
-    ) -> Result<f64, Failure> {
+    ) -> Result<f64, Cause> {
         let full = self.size(&self.dq);
         let free = self.history.len() <= self.options.full_corrections;
         if !full.is_finite() {
-            return Err(Failure::Diverged);
+            return Err(Cause::Diverged);
         }
         let mut damping = 1.0;
         let mut last = None;
@@ -306,7 +301,7 @@ impl Newton {
             }
             damping *= 0.5;
         }
-        Err(last.map_or(Failure::Diverged, Failure::System))
+        Err(last.map_or(Cause::Diverged, Cause::System))
     }
 
     /// The natural monotonicity test at the trial.
@@ -316,14 +311,14 @@ impl Newton {
         damping: f64,
         full: f64,
         ratio: f64,
-    ) -> Result<bool, Failure> {
+    ) -> Result<bool, Cause> {
         let measures = problem.system.scales().measures();
         if self.test.ratio(self.largest(&self.r), measures) <= ratio {
             return Ok(true);
         }
         self.simplified.copy_from_slice(&self.r);
         let solved = problem.solver.solve(None, &mut self.simplified);
-        solved.map_err(Failure::linear)?;
+        solved.map_err(Cause::linear)?;
         Ok(self.size(&self.simplified) <= (1.0 - 0.25 * damping) * full)
     }
 }

@@ -5,10 +5,10 @@ use super::locate::{Located, locate};
 use super::newton::Newton;
 use super::options::check;
 use super::start::begin;
-use super::steps::Analysis;
+use super::steps::StaticAnalysis;
 use super::{ArcLengthOptions, Converged, Iteration, PathSummary, Problem, StaticsError, Step};
 use crate::abilities::change_charts;
-use crate::failure::Failure;
+use crate::failure::Cause;
 use pullback_manifold::system::ChartChanges;
 
 /// Cosine below which the next step is shorter.
@@ -67,7 +67,7 @@ struct Reached {
     history: Vec<Iteration>,
 }
 
-impl Analysis for PathRun {
+impl StaticAnalysis for PathRun {
     type Options = ArcLengthOptions;
     type Summary = PathSummary;
 
@@ -203,7 +203,7 @@ impl PathRun {
     }
 
     /// Changes charts, and finds the tangent at the present position.
-    fn find_tangent(&mut self, problem: &mut Problem<'_>) -> Result<(), Failure> {
+    fn find_tangent(&mut self, problem: &mut Problem<'_>) -> Result<(), Cause> {
         let at = &mut self.at;
         let changed = change_charts(problem.system, at.lambda, &mut at.q, &mut at.dq, &mut []);
         self.changes += changed.charts;
@@ -211,7 +211,7 @@ impl PathRun {
     }
 
     /// A step from the present position, with its tangent and the events within it.
-    fn attempt(&mut self, problem: &mut Problem<'_>) -> Result<Converging, Failure> {
+    fn attempt(&mut self, problem: &mut Problem<'_>) -> Result<Converging, Cause> {
         let (at, next, norm, ds) = (&self.at, &mut self.next, &self.norm, self.ds);
         let newton = &mut self.newton;
         newton
@@ -224,7 +224,7 @@ impl PathRun {
         let bend = norm.dot((&at.dq, at.d_lambda), (&next.dq, next.d_lambda));
         // The step back from its end must arrive as well.
         if bend < SHARPEST_BEND || norm.strays(at, next, ds) || norm.strays(next, at, -ds) {
-            return Err(Failure::OffPath);
+            return Err(Cause::OffPath);
         }
         let unstable = newton.unstable(problem);
         let located = locate(newton, problem, (at, next, ds), norm, &self.options)?;
@@ -243,7 +243,7 @@ impl PathRun {
     fn halve(
         &mut self,
         problem: &mut Problem<'_>,
-        failure: Failure,
+        failure: Cause,
         hopeless: bool,
     ) -> Result<(), StaticsError> {
         self.out.summary.rejected += 1;
@@ -280,7 +280,7 @@ impl PathRun {
         newton
             .evaluate(problem, None, &q, lambda)
             .map_err(|source| {
-                let failure = Failure::System(source);
+                let failure = Cause::System(source);
                 StaticsError::Step(newton.fail(problem, failure, summary, lambda))
             })?;
         self.reached = Reached {
@@ -341,9 +341,9 @@ impl PathRun {
 }
 
 /// A correction that diverges along a path has left it.
-fn off_path(failure: Failure) -> Failure {
+fn off_path(failure: Cause) -> Cause {
     match failure {
-        Failure::Diverged => Failure::OffPath,
+        Cause::Diverged => Cause::OffPath,
         other => other,
     }
 }

@@ -4,11 +4,11 @@
 //! before they grow, and the equilibrium is reported as step 0. Without such loads nothing is
 //! solved or reported.
 
-use super::fixed_load::Known;
+use super::fixed_load::TangentStatus;
 use super::newton::Newton;
 use super::{Converged, Problem, StaticSummary, StaticsError};
 use crate::abilities::{change_charts, start};
-use crate::failure::Failure;
+use crate::failure::Cause;
 
 /// Balances the loads at `summary.t`, from `q`: the state of the tangent, and the equilibrium if
 /// there are any loads.
@@ -20,16 +20,14 @@ pub(super) fn begin(
     problem: &mut Problem<'_>,
     q: &mut [f64],
     summary: &mut StaticSummary,
-) -> Result<(Known, Option<Converged>), StaticsError> {
+) -> Result<(TangentStatus, Option<Converged>), StaticsError> {
     let t = summary.t;
     start(problem.system, t, q);
     summary.chart_changes += change_charts(problem.system, t, q, &mut [], &mut []).charts;
     newton.history.clear();
-    let evaluated = newton
-        .evaluate(problem, None, q, t)
-        .map_err(Failure::System);
+    let evaluated = newton.evaluate(problem, None, q, t).map_err(Cause::System);
     if evaluated.is_ok() && newton.r.iter().all(|r| *r == 0.0) {
-        return Ok((Known::Evaluated, None));
+        return Ok((TangentStatus::Evaluated, None));
     }
     let settled = evaluated.and_then(|()| newton.settle(problem, q, t, None));
     let chart_changes = settled.map_err(|failure| {

@@ -14,7 +14,7 @@ pub struct Problem<'a> {
 }
 
 /// The engine of an analysis: all that a step needs beside the system and the solver.
-pub trait Analysis: Sized {
+pub trait StaticAnalysis: Sized {
     /// Its options.
     type Options;
     /// Its counters and results.
@@ -60,7 +60,7 @@ pub type LoadSteps<S> = Steps<S, LoadRun>;
 /// An equilibrium path, step by step, with located events between the steps: see [`Steps`].
 pub type PathSteps<S> = Steps<S, PathRun>;
 
-impl<S, A: Analysis> Steps<S, A>
+impl<S, A: StaticAnalysis> Steps<S, A>
 where
     S: DerefMut,
     S::Target: System + Sized,
@@ -128,15 +128,15 @@ where
 
 /// All steps of an analysis from `q`, which ends as the coordinates reached.
 fn run<A, Y: System>(
-    solver: &mut dyn LinearSolver,
     system: &mut Y,
     q: &mut Vec<f64>,
     options: &A::Options,
     observer: &mut dyn FnMut(&mut Y, &Step<'_>) -> ControlFlow<()>,
 ) -> Result<A::Summary, StaticsError>
 where
-    A: Analysis<Summary: Clone>,
+    A: StaticAnalysis<Summary: Clone>,
 {
+    let solver = &mut AutoSolver::new();
     let mut problem = Problem { system, solver };
     let mut analysis = A::new(&mut problem, q.clone(), options)?;
     let outcome = loop {
@@ -151,8 +151,8 @@ where
     outcome.map(|()| analysis.summary().clone())
 }
 
-/// Follows the equilibrium of `system` from `q` over the load range, with the default solver: all
-/// steps of [`LoadSteps`]. The observer is called after each and may stop the run.
+/// Follows the equilibrium of `system` from `q` over the load range: all steps of [`LoadSteps`].
+/// The observer is called after each and may stop the run.
 ///
 /// # Errors
 /// [`StaticsError`] with the failed step, its load, the cause and the residuals.
@@ -162,21 +162,7 @@ pub fn solve_statics<Y: System>(
     options: &StaticOptions,
     observer: &mut dyn FnMut(&mut Y, &Step<'_>) -> ControlFlow<()>,
 ) -> Result<StaticSummary, StaticsError> {
-    solve_statics_with(&mut AutoSolver::new(), system, q, options, observer)
-}
-
-/// As [`solve_statics`], with another linear solver.
-///
-/// # Errors
-/// As [`solve_statics`].
-pub fn solve_statics_with<Y: System>(
-    solver: &mut dyn LinearSolver,
-    system: &mut Y,
-    q: &mut Vec<f64>,
-    options: &StaticOptions,
-    observer: &mut dyn FnMut(&mut Y, &Step<'_>) -> ControlFlow<()>,
-) -> Result<StaticSummary, StaticsError> {
-    run::<LoadRun, Y>(solver, system, q, options, observer)
+    run::<LoadRun, Y>(system, q, options, observer)
 }
 
 /// The equilibrium of `system` at the end of the load range, from zero coordinates.
@@ -196,8 +182,8 @@ pub fn equilibrium(
     Ok(run.q().to_vec())
 }
 
-/// Follows the equilibrium path of `system` from `q`, with the default solver: all steps of
-/// [`PathSteps`]. The observer is called after each and may stop the run.
+/// Follows the equilibrium path of `system` from `q`: all steps of [`PathSteps`]. The observer is
+/// called after each and may stop the run.
 ///
 /// # Errors
 /// [`StaticsError`] with the failed step, its load, the cause and the residuals.
@@ -207,19 +193,5 @@ pub fn trace_path<Y: System>(
     options: &ArcLengthOptions,
     observer: &mut dyn FnMut(&mut Y, &Step<'_>) -> ControlFlow<()>,
 ) -> Result<PathSummary, StaticsError> {
-    trace_path_with(&mut AutoSolver::new(), system, q, options, observer)
-}
-
-/// As [`trace_path`], with another linear solver.
-///
-/// # Errors
-/// As [`trace_path`].
-pub fn trace_path_with<Y: System>(
-    solver: &mut dyn LinearSolver,
-    system: &mut Y,
-    q: &mut Vec<f64>,
-    options: &ArcLengthOptions,
-    observer: &mut dyn FnMut(&mut Y, &Step<'_>) -> ControlFlow<()>,
-) -> Result<PathSummary, StaticsError> {
-    run::<PathRun, Y>(solver, system, q, options, observer)
+    run::<PathRun, Y>(system, q, options, observer)
 }

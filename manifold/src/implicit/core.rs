@@ -1,7 +1,7 @@
 //! Newton's method on h(t, p, x) = 0.
 
 use super::dense::{Inverse, Pivoted, norm, product};
-use super::{Description, SolveError};
+use super::{Description, EvaluationError};
 use crate::map::Parametrization;
 
 /// Equations whose gradients add less than this to the span of the others depend on them; a
@@ -240,7 +240,7 @@ impl ImplicitMap {
     }
 
     /// Solves for x at (q, p), with A⁻¹, into the workspace; returns at once if it is there already.
-    pub(super) fn solve(&mut self, t: f64, q: &[f64]) -> Result<(), SolveError> {
+    pub(super) fn solve(&mut self, t: f64, q: &[f64]) -> Result<(), EvaluationError> {
         if self.work.valid && self.work.t == t && self.work.q == q {
             return Ok(());
         }
@@ -257,7 +257,12 @@ impl ImplicitMap {
         Ok(())
     }
 
-    pub(super) fn search(&mut self, t: f64, q: &[f64], follow: bool) -> Result<(), SolveError> {
+    pub(super) fn search(
+        &mut self,
+        t: f64,
+        q: &[f64],
+        follow: bool,
+    ) -> Result<(), EvaluationError> {
         let (p, X, M, D) = (self.p, self.X, self.M, self.D);
         let w = &mut self.work;
         w.y[..p].copy_from_slice(&q[D..]);
@@ -311,7 +316,7 @@ impl ImplicitMap {
             before = size;
         }
         let i = self.worst();
-        Err(SolveError::TooFar {
+        Err(EvaluationError::TooFar {
             equation: self.about.equations[i].name.clone(),
             residual: self.work.h[i],
         })
@@ -341,11 +346,11 @@ impl ImplicitMap {
         worst
     }
 
-    fn check_unused(&self) -> Result<(), SolveError> {
+    fn check_unused(&self) -> Result<(), EvaluationError> {
         for i in (0..self.M).filter(|&i| !self.chart.used[i]) {
             let h = self.work.h[i];
             if h.is_nan() || h.abs() > CONSISTENT * self.sizes[i] {
-                return Err(SolveError::Inconsistent {
+                return Err(EvaluationError::Inconsistent {
                     equation: self.about.equations[i].name.clone(),
                     residual: h,
                 });

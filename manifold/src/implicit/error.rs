@@ -80,7 +80,7 @@ pub enum ImplicitError {
 
 /// Error of the evaluation of a solved constraint at some q.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub(super) enum SolveError {
+pub(super) enum EvaluationError {
     /// Newton's method does not contract: q is too far from the last converged state.
     #[error(
         "its equations find no solution near the last one; {equation} is {residual:.3e}: take smaller \

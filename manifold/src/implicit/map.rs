@@ -2,7 +2,7 @@
 
 use super::core::{CONSISTENT, ImplicitMap, RANK};
 use super::{
-    Choice, Description, Equation, Equations, Implicit, ImplicitError, SolveError, Unknown,
+    Choice, Description, Equation, Equations, EvaluationError, Implicit, ImplicitError, Unknown,
 };
 use crate::domain::DomainError;
 use crate::map::{KinematicsMut, Map, Parametrization};
@@ -204,9 +204,9 @@ impl Parametrization for ImplicitMap {
 }
 
 /// The message with a remedy.
-fn advised(error: SolveError) -> String {
+fn advised(error: EvaluationError) -> String {
     match error {
-        SolveError::Singular { .. } | SolveError::Crossed => format!(
+        EvaluationError::Singular { .. } | EvaluationError::Crossed => format!(
             "{error}; a map ends at a singular position: `closure = \"multipliers\"` goes through"
         ),
         other => other.to_string(),

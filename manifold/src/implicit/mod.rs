@@ -47,7 +47,7 @@ mod walk;
 pub use self::core::ImplicitMap;
 pub use error::ImplicitError;
 
-use error::SolveError;
+use error::EvaluationError;
 
 use crate::map::Map;
 use crate::scalar::Scalar;

@@ -3,7 +3,7 @@
 use super::core::{Anchor, ImplicitMap, RANK};
 use super::dense::Pivoted;
 use super::start::ASIDE;
-use super::{Choice, SolveError};
+use super::{Choice, EvaluationError};
 
 /// Coefficients and components below this are not named.
 const SMALL: f64 = 1e-4;
@@ -58,7 +58,7 @@ impl ImplicitMap {
     }
 
     /// The singular configuration near a state, if any: no chart has a fair condition number there.
-    pub(super) fn close_to_singular(&mut self, at: &Anchor) -> Option<SolveError> {
+    pub(super) fn close_to_singular(&mut self, at: &Anchor) -> Option<EvaluationError> {
         let rank = self.X - self.D;
         if rank == 0 {
             return None;
@@ -72,17 +72,17 @@ impl ImplicitMap {
             return None;
         }
         let (equations, coordinates) = self.dependences_beyond(rank - 1, rank);
-        Some(SolveError::Singular {
+        Some(EvaluationError::Singular {
             condition,
             equations,
             coordinates,
         })
     }
 
-    pub(super) fn singular(&mut self) -> SolveError {
+    pub(super) fn singular(&mut self) -> EvaluationError {
         let condition = self.work.condition;
         let (equations, coordinates) = self.dependences(self.X - self.D);
-        SolveError::Singular {
+        EvaluationError::Singular {
             condition,
             equations,
             coordinates,
@@ -91,7 +91,7 @@ impl ImplicitMap {
 
     /// Why an equation that was redundant does not follow any more, at the present h_y: the
     /// parameters, if it changes with them while the others hold.
-    pub(super) fn contradicted(&mut self, equation: String, residual: f64) -> SolveError {
+    pub(super) fn contradicted(&mut self, equation: String, residual: f64) -> EvaluationError {
         self.operators();
         let (p, X, M, D) = (self.p, self.X, self.M, self.D);
         let found = self.about.equations.iter().position(|e| e.name == equation);
@@ -101,12 +101,12 @@ impl ImplicitMap {
             (w.J[i + j * M] + along.sum::<f64>()).abs() / self.sizes[i]
         };
         match found.filter(|&i| (0..p).any(|j| slope(i, j) > SMALL)) {
-            Some(i) => SolveError::Overprescribed {
+            Some(i) => EvaluationError::Overprescribed {
                 prescribed: self.prescribed(|j| slope(i, j) > SMALL),
                 equation,
                 residual,
             },
-            None => SolveError::Inconsistent { equation, residual },
+            None => EvaluationError::Inconsistent { equation, residual },
         }
     }
 

@@ -1,6 +1,6 @@
 //! Path from the last converged state to another one, on one branch of solutions.
 
-use super::SolveError;
+use super::EvaluationError;
 use super::core::ImplicitMap;
 use std::f64::consts::PI;
 
@@ -14,7 +14,7 @@ impl ImplicitMap {
     /// Solves for x at (q, p) and its operators, into the workspace. Newton's method alone may end
     /// on another branch: if the equations change by too much to exclude that, the path is followed
     /// in smaller parts.
-    pub(super) fn follow(&mut self, t: f64, q: &[f64]) -> Result<(), SolveError> {
+    pub(super) fn follow(&mut self, t: f64, q: &[f64]) -> Result<(), EvaluationError> {
         let Err(first) = self.part(t, q, true) else {
             return Ok(());
         };
@@ -37,7 +37,7 @@ impl ImplicitMap {
         };
         std::mem::swap(&mut self.anchor, &mut self.parked);
         outcome.map_err(|error| match error {
-            SolveError::Inconsistent { equation, residual } => {
+            EvaluationError::Inconsistent { equation, residual } => {
                 self.contradicted(equation, residual)
             }
             other => self.explained(other),
@@ -46,7 +46,7 @@ impl ImplicitMap {
 
     /// Why the path ends at the parked position: at the limit of a prescribed motion, where the slopes
     /// of x grow like the condition number, or at a singular configuration, where they do not.
-    fn explained(&mut self, error: SolveError) -> SolveError {
+    fn explained(&mut self, error: EvaluationError) -> EvaluationError {
         let reached = self.parked.clone();
         let singular = self.close_to_singular(&reached);
         if self.p > 0 && (self.D == 0 || singular.is_some()) {
@@ -56,12 +56,12 @@ impl ImplicitMap {
                 over.fold(most, |most, (y, u)| f64::max(most, (y / u.size).abs()))
             });
             match singular {
-                Some(SolveError::Singular { condition, .. })
+                Some(EvaluationError::Singular { condition, .. })
                     if steepest * STEEP * self.X as f64 > condition => {}
                 Some(singular) => return singular,
                 None => {}
             }
-            return SolveError::OutOfReach {
+            return EvaluationError::OutOfReach {
                 prescribed: self.prescribed(|_| true),
             };
         }
@@ -69,7 +69,7 @@ impl ImplicitMap {
     }
 
     /// Follows equal parts of a straight line from the parked anchor.
-    fn walk(&mut self, t: f64, q: &[f64], parts: usize) -> Result<(), SolveError> {
+    fn walk(&mut self, t: f64, q: &[f64], parts: usize) -> Result<(), EvaluationError> {
         self.anchor.clone_from(&self.parked);
         let mut next = std::mem::take(&mut self.work.stop);
         let mut outcome = Ok(());
@@ -94,14 +94,14 @@ impl ImplicitMap {
     }
 
     /// One part of the path by Newton's method, predicted by the slopes at its beginning.
-    fn part(&mut self, t: f64, q: &[f64], follow: bool) -> Result<(), SolveError> {
+    fn part(&mut self, t: f64, q: &[f64], follow: bool) -> Result<(), EvaluationError> {
         self.search(t, q, follow)?;
         self.operators();
         if !follow {
             return Ok(());
         }
         if self.changed() >= 1.0 {
-            return Err(SolveError::Crossed);
+            return Err(EvaluationError::Crossed);
         }
         Ok(())
     }

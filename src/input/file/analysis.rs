@@ -1,6 +1,6 @@
 //! The analysis and its output.
 
-use super::{DofName, Scheme};
+use super::{DofName, SchemeName};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -158,7 +158,7 @@ pub struct Dynamic {
     pub min_step: Option<f64>,
     /// Integration scheme.
     #[serde(default)]
-    pub scheme: Scheme,
+    pub scheme: SchemeName,
     /// Step sizes by an estimate of the local error.
     pub adaptive: Option<Adaptive>,
     /// A row of the history every this many steps.

@@ -1,6 +1,10 @@
 //! The types of the model file.
 //!
 //! Their documentation becomes the descriptions of the JSON Schema, so it addresses the user.
+//!
+//! [`Section`], [`Material`], [`Damping`], [`Interpolation`], [`Bushing`], [`Joint`], [`Closure`], [`Probe`],
+//! [`Predictor`], [`Pulse`], [`Sine`] and [`SpinUp`] have the names of the library types that they become: the schema takes
+//! their keys and descriptions from here, the model takes the others.
 
 mod analysis;
 mod body;
@@ -23,7 +27,7 @@ pub use joint::{Acts, Closure, Gear, Joint, JointSpring};
 pub use line::{Arc, Interpolation, Line};
 pub use load::{DofName, Fix, Group, Load, PrescribedMotion, Support};
 pub use probe::{Probe, ProbeQuantity};
-pub use scheme::Scheme;
+pub use scheme::SchemeName;
 pub use section::{Circle, Damping, Mass, Material, Rectangle, Section, Stiffness, Tube};
 pub use time::{Pulse, Ramp, Sine, SpinUp, Time, Triangle};
 

@@ -13,22 +13,22 @@ use std::fmt;
 /// A scheme by its name, `"bathe"` or `"ga:0.8"`, or as `{ generalised-alpha = 0.8 }`, with the prefix
 /// of a formulation of rotations ([`PREFIXES`]) unless that is the total one.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Scheme(String);
+pub struct SchemeName(String);
 
-impl Default for Scheme {
+impl Default for SchemeName {
     /// Some damping of the highest frequencies, which no step resolves.
     fn default() -> Self {
         Self::from("generalised-alpha:0.9")
     }
 }
 
-impl From<&str> for Scheme {
+impl From<&str> for SchemeName {
     fn from(word: &str) -> Self {
         Self(word.to_owned())
     }
 }
 
-impl Scheme {
+impl SchemeName {
     /// The name with its parameters, such as `ga:0.8`.
     pub fn word(&self) -> &str {
         &self.0
@@ -58,17 +58,17 @@ enum Numbers {
 struct Words;
 
 impl<'de> Visitor<'de> for Words {
-    type Value = Scheme;
+    type Value = SchemeName;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("a scheme, such as \"bathe\" or { generalised-alpha = 0.8 }")
     }
 
-    fn visit_str<E: Error>(self, word: &str) -> Result<Scheme, E> {
-        Ok(Scheme::from(word))
+    fn visit_str<E: Error>(self, word: &str) -> Result<SchemeName, E> {
+        Ok(SchemeName::from(word))
     }
 
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Scheme, A::Error> {
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<SchemeName, A::Error> {
         let Some(mut word) = map.next_key::<String>()? else {
             return Err(A::Error::custom("no scheme is named"));
         };
@@ -80,7 +80,7 @@ impl<'de> Visitor<'de> for Words {
             word += &format!(":{number}");
         }
         match map.next_key::<String>()? {
-            None => Ok(Scheme(word)),
+            None => Ok(SchemeName(word)),
             Some(other) => Err(A::Error::custom(format!(
                 "one scheme is enough, and `{other}` is a second one"
             ))),
@@ -88,7 +88,7 @@ impl<'de> Visitor<'de> for Words {
     }
 }
 
-impl<'de> Deserialize<'de> for Scheme {
+impl<'de> Deserialize<'de> for SchemeName {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_any(Words)
     }
@@ -113,7 +113,7 @@ fn table(family: &Family) -> Option<Value> {
     })
 }
 
-impl JsonSchema for Scheme {
+impl JsonSchema for SchemeName {
     fn schema_name() -> Cow<'static, str> {
         "Scheme".into()
     }

@@ -1,7 +1,7 @@
 //! Functions of the load parameter, or of time.
 
 use pullback_elements::time::{self as function, TimeFunction, TimeFunctionError};
-use pullback_elements::time::{Constant, Proportional, Sine as SineFunction, Table};
+use pullback_elements::time::{Constant, Proportional, Table};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -115,7 +115,7 @@ impl Time {
             Self::Pulse(p) => Box::new(function::Pulse::new(p.start, p.end, p.value)?),
             Self::SpinUp(r) => Box::new(function::SpinUp::new(r.rate, r.duration)?),
             Self::Table(points) => Box::new(Table::new(points.clone())?),
-            Self::Sine(s) => Box::new(SineFunction {
+            Self::Sine(s) => Box::new(function::Sine {
                 amplitude: s.amplitude,
                 omega: s.omega,
                 phase: s.phase,

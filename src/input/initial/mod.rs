@@ -5,9 +5,10 @@ mod values;
 
 use super::file::Initial;
 use super::parts::Assembly;
-use super::{InputError, Location, Problem};
+use super::{InputError, InputProblem, Location};
 use nalgebra::Vector3;
 use pullback_elements::model::{Context, NodeId, RigidMotion};
+use pullback_integrators::dynamics::{self as integrator, DynamicsError, Progress};
 use pullback_manifold::so3;
 use pullback_manifold::system::{Point, System};
 use requests::{Rate, VelocityRequest};
@@ -24,6 +25,13 @@ pub struct Start {
     pub q: Vec<f64>,
     /// Velocities.
     pub v: Vec<f64>,
+}
+
+impl Start {
+    /// The beginning of a motion from here.
+    pub(crate) fn motion(&self, context: &Context) -> Result<Progress, DynamicsError> {
+        integrator::start(context, 0.0, &self.q, &self.v).map(Progress::new)
+    }
 }
 
 pub(super) fn start(assembly: &Assembly<'_>, context: &mut Context) -> Result<Start, InputError> {
@@ -75,7 +83,7 @@ pub(super) fn start(assembly: &Assembly<'_>, context: &mut Context) -> Result<St
     for entry in &entries {
         let against = velocities.set_motion(context, entry)?;
         if let (Some(joint), false) = (against, chosen_rates) {
-            return Err(entry.at.refuse(Problem::LoopMotion { joint }));
+            return Err(entry.at.refuse(InputProblem::LoopMotion { joint }));
         }
     }
     let held = velocities.set_rates(assembly, context)?;
@@ -83,7 +91,7 @@ pub(super) fn start(assembly: &Assembly<'_>, context: &mut Context) -> Result<St
     let Velocities {
         start, requests, ..
     } = velocities;
-    requests::satisfy(assembly, context, start, &held, &placed, requests)
+    requests::project(assembly, context, start, &held, &placed, requests)
 }
 
 /// An entry of `[[initial]]`: of a node, of chosen nodes, or of all.
@@ -183,7 +191,7 @@ impl<'a> Velocities<'a> {
         let mut held = Vec::new();
         for (joint, name, rate) in given(assembly.file, |acts| acts.rate) {
             let at = assembly.at("joints").at(joint).at("rate");
-            let node = assembly.released.find(&at, &name)?;
+            let node = assembly.joint_coordinates.find(&at, &name)?;
             if let Some(u) = context.unknown_at(node, 0) {
                 self.start.v[u] = rate;
                 held.push(Rate {
@@ -219,8 +227,8 @@ impl<'a> Velocities<'a> {
         }
         // A single component of a spherical joint may be free.
         let problem = match (self.names.as_slice(), self.rates.len()) {
-            ([one], 1) => Problem::LoopLocked { of: one.clone() },
-            (all, _) => Problem::LoopRates {
+            ([one], 1) => InputProblem::LoopLocked { of: one.clone() },
+            (all, _) => InputProblem::LoopRates {
                 of: all.join(", "),
                 left,
             },
@@ -261,22 +269,22 @@ fn check(at: &Location<'_>, initial: &Initial) -> Result<(), InputError> {
     ];
     for (key, given) in position {
         if given && initial.node.is_none() {
-            return Err((at.at(key)).refuse_key(Problem::InitialNode { key }));
+            return Err((at.at(key)).refuse_key(InputProblem::InitialNode { key }));
         }
     }
     if initial.node.is_some() && initial.line.is_some() {
         let (first, second) = ("node", "line");
-        return Err((at.at(second)).refuse_key(Problem::InitialTwice { first, second }));
+        return Err((at.at(second)).refuse_key(InputProblem::InitialTwice { first, second }));
     }
     if initial.angular_velocity.is_some() && initial.body_angular_velocity.is_some() {
         let (first, second) = ("angular_velocity", "body_angular_velocity");
-        return Err((at.at(second)).refuse_key(Problem::InitialTwice { first, second }));
+        return Err((at.at(second)).refuse_key(InputProblem::InitialTwice { first, second }));
     }
     let says = position.iter().any(|p| p.1)
         || initial.velocity.is_some()
         || initial.angular_velocity.is_some();
     if !says {
-        return Err(at.refuse(Problem::InitialNothing));
+        return Err(at.refuse(InputProblem::InitialNothing));
     }
     Ok(())
 }
@@ -304,7 +312,7 @@ fn check_attached(
     ] {
         if given.is_some() && !own {
             let node = initial.node.clone().unwrap_or_default();
-            return Err((at.at(key)).refuse_key(Problem::InitialHung { node, key }));
+            return Err((at.at(key)).refuse_key(InputProblem::InitialAttached { node, key }));
         }
     }
     Ok(())
@@ -345,7 +353,7 @@ fn movable(
             (0..3).any(|k| wanted[k].abs() > tiny && context.unknown_at(node, first + k).is_none());
         if held && context.is_own(node) {
             let node = initial.node.clone().unwrap_or_default();
-            return Err((at.at(key)).refuse(Problem::InitialHeld { node, key }));
+            return Err((at.at(key)).refuse(InputProblem::InitialHeld { node, key }));
         }
     }
     Ok(())
@@ -379,7 +387,7 @@ fn position(
         for (i, value) in values.unwrap_or_default().into_iter().enumerate() {
             if !context.set(q, node, first + i, value) && value != 0.0 {
                 let node = initial.node.clone().unwrap_or_default();
-                return Err((at.at(key)).refuse(Problem::InitialHeld { node, key }));
+                return Err((at.at(key)).refuse(InputProblem::InitialHeld { node, key }));
             }
         }
     }

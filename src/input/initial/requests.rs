@@ -3,7 +3,7 @@
 
 use super::{Start, VELOCITY_TOLERANCE};
 use crate::input::parts::Assembly;
-use crate::input::{InputError, Location, Problem};
+use crate::input::{InputError, InputProblem, Location};
 use pullback_elements::model::{BEFORE_START, Context, ModelError, NodeId};
 
 /// The unknowns whose velocities an entry of `[[initial]]` prescribes.
@@ -49,7 +49,7 @@ pub(super) struct Rate<'a> {
 /// Projects initial coordinates and velocities onto the equations of multipliers and penalties by the smallest changes. Coordinates of
 /// unknowns that are `placed` are kept if possible; rates of joints are kept, then velocities of nodes in the
 /// order of the file.
-pub(super) fn satisfy(
+pub(super) fn project(
     assembly: &Assembly<'_>,
     context: &mut Context,
     mut start: Start,
@@ -69,11 +69,11 @@ pub(super) fn satisfy(
         for rate in rates {
             if context.is_locked(0.0, &start.q, rate.u).map_err(failed)? {
                 let of = rate.of.clone();
-                return Err(rate.at.refuse(Problem::LoopLocked { of }));
+                return Err(rate.at.refuse(InputProblem::LoopLocked { of }));
             }
         }
         let names: Vec<&str> = rates.iter().map(|r| r.of.as_str()).collect();
-        return Err(first.at.refuse(Problem::LoopRates {
+        return Err(first.at.refuse(InputProblem::LoopRates {
             of: names.join(", "),
             left: left * most,
         }));
@@ -89,11 +89,11 @@ pub(super) fn satisfy(
         held.extend(request.unknowns);
         let (left, joint) = remaining_error(context, &start, &held).map_err(failed)?;
         if left > VELOCITY_TOLERANCE {
-            return Err(request.at.refuse(Problem::LoopMotion { joint }));
+            return Err(request.at.refuse(InputProblem::LoopMotion { joint }));
         }
     }
     let Start { q, v } = &mut start;
-    (context.satisfy_velocities(BEFORE_START, q, v, &held)).map_err(failed)?;
+    (context.project_velocities(BEFORE_START, q, v, &held)).map_err(failed)?;
     Ok(start)
 }
 
@@ -104,5 +104,5 @@ fn remaining_error(
     held: &[usize],
 ) -> Result<(f64, String), ModelError> {
     let mut v = start.v.clone();
-    context.satisfy_velocities(BEFORE_START, &start.q, &mut v, held)
+    context.project_velocities(BEFORE_START, &start.q, &mut v, held)
 }

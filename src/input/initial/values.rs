@@ -2,7 +2,7 @@
 
 use crate::input::file::{Acts, Analysis, ModelFile};
 use crate::input::parts::Assembly;
-use crate::input::{InputError, Location, Problem};
+use crate::input::{InputError, InputProblem, Location};
 use pullback_elements::model::{Context, NodeId};
 
 /// Sets the initial coordinates of joints, and rotates the frames that they carry, those of spherical
@@ -15,7 +15,7 @@ pub(super) fn start(
 ) -> Result<(), InputError> {
     for (joint, name, value) in given(assembly.file, |acts| acts.value) {
         let at = assembly.at("joints").at(joint).at("value");
-        let node = assembly.released.find(&at, &name)?;
+        let node = assembly.joint_coordinates.find(&at, &name)?;
         // In a model that enforces equations values were taken into account by its assembly, as far as they are
         // compatible.
         let assembled = context.is_enforced() && context.unknown_at(node, 0).is_some();
@@ -55,7 +55,7 @@ pub(super) fn geared(
 ) -> Result<(), InputError> {
     let joint = name.to_owned();
     match file.gears.iter().any(|g| g.joints.contains(&joint)) {
-        true => Err(at.refuse(Problem::Geared { joint, key })),
+        true => Err(at.refuse(InputProblem::Geared { joint, key })),
         false => Ok(()),
     }
 }
@@ -80,7 +80,7 @@ fn drawn_apart(
         if line.nodes.iter().any(stays) {
             let mut frames = context.frames();
             let node = frames.find(|(id, _)| *id == moves);
-            let problem = Problem::DrawnApart {
+            let problem = InputProblem::DrawnApart {
                 line: line.name.clone(),
                 node: node.map_or_else(String::new, |(_, name)| name.to_owned()),
             };

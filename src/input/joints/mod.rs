@@ -10,7 +10,7 @@ pub(super) use registry::JointType;
 use super::advice::RENAMED;
 use super::file::{Acts, Joint};
 use super::parts::{Assembly, function, prescribed_function};
-use super::{InputError, Location, Problem, plain};
+use super::{InputError, InputProblem, Location, plain};
 use pullback_elements::beam::Interpolation;
 use pullback_elements::joint::{AxisError, JointNodes};
 use pullback_elements::load::CoordinateForce;
@@ -33,7 +33,7 @@ impl Entry<'_> {
         if let Some((word, _)) = earlier.find(|(word, _)| self.joint.keys.contains_key(*word)) {
             return self.useless(&[word]);
         }
-        self.at.refuse(Problem::JointNeeds {
+        self.at.refuse(InputProblem::JointNeeds {
             joint: self.joint.name.clone(),
             kind: self.joint.kind.clone(),
             key,
@@ -51,7 +51,7 @@ impl Entry<'_> {
         known.extend(Acts::KEYS.map(str::to_owned));
         // A joint with several coordinates has these keys in `coordinates`.
         known.retain(|known| *known != key);
-        self.inner(path).refuse_key(Problem::JointKey {
+        self.inner(path).refuse_key(InputProblem::JointKey {
             joint: self.joint.name.clone(),
             kind: self.joint.kind.clone(),
             key,
@@ -70,7 +70,9 @@ impl Entry<'_> {
             Refusal::Missing(key) => return self.missing(key),
             Refusal::Unknown(path) => return self.useless(&path),
             Refusal::Value(path, message) => {
-                return self.inner(&path).refuse(Problem::Toml(plain(&message)));
+                return self
+                    .inner(&path)
+                    .refuse(InputProblem::Toml(plain(&message)));
             }
             Refusal::Joint(error) => error,
         };
@@ -91,7 +93,7 @@ impl Entry<'_> {
                     false => self.at.clone(),
                 };
                 let joint = self.joint.name.clone();
-                at.refuse(Problem::Joint { joint, source })
+                at.refuse(InputProblem::Joint { joint, source })
             }
         }
     }
@@ -102,7 +104,7 @@ impl Assembly<'_> {
     pub(super) fn add_joint(&mut self, registry: &Registry, k: usize) -> Result<(), InputError> {
         let (at, joint) = (self.at("joints").at(k), &self.file.joints[k]);
         let made = registry.get(&joint.kind).ok_or_else(|| {
-            at.at("type").refuse(Problem::UnknownName {
+            at.at("type").refuse(InputProblem::UnknownName {
                 what: "type of joint",
                 name: joint.kind.clone(),
                 known: registry.types().map(|(name, _)| name.clone()).collect(),
@@ -132,7 +134,7 @@ impl Assembly<'_> {
                 1 => joint.name.clone(),
                 _ => self.builder.node_name(coordinate).to_owned(),
             };
-            self.released.add(name, coordinate);
+            self.joint_coordinates.add(name, coordinate);
         }
         Ok(())
     }
@@ -185,7 +187,7 @@ fn acts(
         let &node = node.ok_or_else(|| {
             let names = released.iter().map(|&n| builder.node_name(n));
             let names = names.map(|n| n.strip_prefix(&joint.name).unwrap_or(n).trim_start());
-            at.refuse_key(Problem::UnknownName {
+            at.refuse_key(InputProblem::UnknownName {
                 what: "coordinate of the joint",
                 name: coordinate.clone(),
                 known: names.map(str::to_owned).collect(),
@@ -213,7 +215,7 @@ fn chain(
         let follows = chain.last().is_none_or(|last| *last == line.nodes[0]);
         let same = *interpolation.get_or_insert(line.interpolation) == line.interpolation;
         if line.order != 1 || !follows || !same {
-            return Err(at.refuse(Problem::SlideLine {
+            return Err(at.refuse(InputProblem::SlideLine {
                 joint: joint.name.clone(),
                 line: name.clone(),
                 order: line.order,
@@ -242,7 +244,7 @@ fn act(
     if let Some(time) = &acts.prescribed {
         if let Some(key) = acts.given().find(|key| *key != "prescribed") {
             let joint = name.to_owned();
-            return Err((at.at(key)).refuse_key(Problem::PrescribedJoint { joint, key }));
+            return Err((at.at(key)).refuse_key(InputProblem::PrescribedJoint { joint, key }));
         }
         let prescribed = prescribed_function(&at.at("prescribed"), time)?;
         builder.prescribe_coordinate(coordinate, 0, prescribed);
@@ -257,7 +259,7 @@ fn act(
         };
         let spring = CoordinateSpring::new(law).map_err(|source| {
             let spring = format!("of joint {name}");
-            at.refuse(Problem::Spring { spring, source })
+            at.refuse(InputProblem::Spring { spring, source })
         })?;
         builder
             .element(format!("spring of {name}"), spring, &[coordinate])
@@ -265,7 +267,7 @@ fn act(
     }
     if let Some(time) = &acts.actuator {
         let at = at.at("actuator");
-        let actuator = CoordinateForce::boxed(function(&at, time)?);
+        let actuator = CoordinateForce::new(function(&at, time)?);
         builder
             .element(format!("actuator of {name}"), actuator, &[coordinate])
             .map_err(|error| at.refuse(error))?;

@@ -5,7 +5,7 @@
 use super::Assembly;
 use crate::input::assemble::BodyGeometry;
 use crate::input::file::{Body, Six, Spring, Tensor};
-use crate::input::{InputError, Problem};
+use crate::input::{InputError, InputProblem};
 use nalgebra::{Matrix3, Matrix6, Vector3};
 use pullback_elements::body::{BodyError, PointMass, RigidBody};
 use pullback_elements::element::Element;
@@ -44,7 +44,7 @@ impl Assembly<'_> {
             let node = self.nodes.find(&at.at("node"), &body.node)?;
             let element = element(body).map_err(|source| {
                 let body = body.name.clone();
-                at.refuse(Problem::Body { body, source })
+                at.refuse(InputProblem::Body { body, source })
             })?;
             let name = format!("body {}", body.name);
             match &element {
@@ -72,12 +72,12 @@ impl Assembly<'_> {
             let positions = ends.map(|n| self.builder.position(n));
             let refuse = |source: SpringError| {
                 let spring = format!("\"{}\"", spring.name);
-                at.refuse(Problem::Spring { spring, source })
+                at.refuse(InputProblem::Spring { spring, source })
             };
             let axial = [spring.stiffness, spring.damping, spring.rest_length];
             if spring.bushing.is_some() == axial.iter().any(Option::is_some) {
                 let spring = spring.name.clone();
-                return Err(at.refuse(Problem::SpringKind { spring }));
+                return Err(at.refuse(InputProblem::SpringKind { spring }));
             }
             let name = format!("spring {}", spring.name);
             let made = match spring.bushing {

@@ -2,8 +2,8 @@
 
 use super::Assembly;
 use crate::input::assemble::LineGeometry;
-use crate::input::file::{Interpolation as Chosen, Line};
-use crate::input::{InputError, Location, Problem};
+use crate::input::file::{self, Arc, Line};
+use crate::input::{InputError, InputProblem, Location};
 use nalgebra::{Unit, Vector3};
 use pullback_elements::beam::{self, Interpolation};
 use pullback_elements::model::{BeamLine, CircularArc, ModelError, ReferenceCurve, StraightLine};
@@ -33,8 +33,8 @@ impl Assembly<'_> {
             }
         }
         let interpolation = match line.interpolation {
-            Chosen::Total => Interpolation::Total,
-            Chosen::Geodesic => Interpolation::Geodesic,
+            file::Interpolation::Total => Interpolation::Total,
+            file::Interpolation::Geodesic => Interpolation::Geodesic,
         };
         let positions = [self.builder.position(from), self.builder.position(to)];
         let axis = axis(&at, line, positions)?;
@@ -85,71 +85,97 @@ impl Assembly<'_> {
 fn axis(
     at: &Location<'_>,
     line: &Line,
-    [from, to]: [Vector3<f64>; 2],
+    ends: [Vector3<f64>; 2],
 ) -> Result<Box<dyn ReferenceCurve>, InputError> {
-    let no_direction = |at: &Location<'_>, key: &'static str, vector: [f64; 3]| {
-        let line = line.name.clone();
-        at.at(key)
-            .refuse(Problem::NoDirection { line, key, vector })
-    };
     let second = line.second_axis.map(Vector3::from);
-    let tangent;
-    let made: Box<dyn ReferenceCurve> = match line.arc {
-        None => {
-            tangent = to - from;
-            let size = from.amax().max(to.amax());
-            if tangent.norm() <= 1e-12 * size {
-                return Err(at.refuse(Problem::ZeroLength {
-                    line: line.name.clone(),
-                    from: line.from.clone(),
-                    to: line.to.clone(),
-                    at: from.into(),
-                }));
-            }
-            per_element(at, line, "twist_deg", line.twist_deg)?;
-            Box::new(StraightLine {
-                from,
-                to,
-                second,
-                twist: line.twist_deg.to_radians(),
-            })
-        }
-        Some(arc) => {
-            if line.twist_deg != 0.0 {
-                let line = line.name.clone();
-                return Err((at.at("twist_deg")).refuse(Problem::TwistedArc { line }));
-            }
-            let at = at.at("arc");
-            let (center, direction) = (Vector3::from(arc.center), Vector3::from(arc.axis));
-            let Some(axis) = Unit::try_new(direction, 0.0) else {
-                return Err(no_direction(&at, "axis", arc.axis));
-            };
-            let radius = from - center;
-            tangent = axis.cross(&radius) * arc.angle_deg.signum();
-            if tangent.norm() <= 1e-12 * from.amax().max(center.amax()) {
-                return Err(no_direction(&at, "center", arc.center));
-            }
-            if arc.angle_deg == 0.0 || arc.angle_deg.abs() > 360.0 {
-                let expected = "an angle between -360 and 360 degrees, not 0";
-                return Err(at.range("angle_deg", arc.angle_deg, expected));
-            }
-            per_element(&at, line, "angle_deg", arc.angle_deg)?;
-            Box::new(CircularArc {
-                from,
-                center,
-                axis,
-                angle: arc.angle_deg.to_radians(),
-                second,
-            })
-        }
+    let (made, tangent) = match &line.arc {
+        None => straight(at, line, ends, second)?,
+        Some(arc) => circular(at, line, arc, ends[0], second)?,
     };
     if let (Some(given), Some(second)) = (line.second_axis, second) {
         let across = tangent.normalize().cross(&second).norm();
         if second.norm() == 0.0 || across <= 1e-6 * second.norm() {
-            return Err(no_direction(at, "second_axis", given));
+            return Err(no_direction(at, line, "second_axis", given));
         }
     }
     Ok(made)
+}
+
+/// An axis, and its tangent at the start.
+type Axis = (Box<dyn ReferenceCurve>, Vector3<f64>);
+
+fn straight(
+    at: &Location<'_>,
+    line: &Line,
+    [from, to]: [Vector3<f64>; 2],
+    second: Option<Vector3<f64>>,
+) -> Result<Axis, InputError> {
+    let tangent = to - from;
+    let size = from.amax().max(to.amax());
+    if tangent.norm() <= 1e-12 * size {
+        return Err(at.refuse(InputProblem::ZeroLength {
+            line: line.name.clone(),
+            from: line.from.clone(),
+            to: line.to.clone(),
+            at: from.into(),
+        }));
+    }
+    per_element(at, line, "twist_deg", line.twist_deg)?;
+    let twist = line.twist_deg.to_radians();
+    let axis = StraightLine {
+        from,
+        to,
+        second,
+        twist,
+    };
+    Ok((Box::new(axis), tangent))
+}
+
+fn circular(
+    at: &Location<'_>,
+    line: &Line,
+    arc: &Arc,
+    from: Vector3<f64>,
+    second: Option<Vector3<f64>>,
+) -> Result<Axis, InputError> {
+    if line.twist_deg != 0.0 {
+        let line = line.name.clone();
+        return Err((at.at("twist_deg")).refuse(InputProblem::TwistedArc { line }));
+    }
+    let at = at.at("arc");
+    let (center, direction) = (Vector3::from(arc.center), Vector3::from(arc.axis));
+    let Some(axis) = Unit::try_new(direction, 0.0) else {
+        return Err(no_direction(&at, line, "axis", arc.axis));
+    };
+    let radius = from - center;
+    let tangent = axis.cross(&radius) * arc.angle_deg.signum();
+    if tangent.norm() <= 1e-12 * from.amax().max(center.amax()) {
+        return Err(no_direction(&at, line, "center", arc.center));
+    }
+    if arc.angle_deg == 0.0 || arc.angle_deg.abs() > 360.0 {
+        let expected = "an angle between -360 and 360 degrees, not 0";
+        return Err(at.range("angle_deg", arc.angle_deg, expected));
+    }
+    per_element(&at, line, "angle_deg", arc.angle_deg)?;
+    let axis = CircularArc {
+        from,
+        center,
+        axis,
+        angle: arc.angle_deg.to_radians(),
+        second,
+    };
+    Ok((Box::new(axis), tangent))
+}
+
+/// Refusal of a vector that gives a line no direction.
+fn no_direction(
+    table: &Location<'_>,
+    line: &Line,
+    key: &'static str,
+    vector: [f64; 3],
+) -> InputError {
+    let line = line.name.clone();
+    (table.at(key)).refuse(InputProblem::NoDirection { line, key, vector })
 }
 
 /// Refuses angles of half a turn and more between the ends of an element, whose sense of rotation would be ambiguous.

@@ -4,7 +4,7 @@ use super::Assembly;
 use super::bodies::PlacedBody;
 use crate::input::assemble::LineGeometry;
 use crate::input::file::{Analysis, Body, DofName, Initial, Load, ModelFile, Time};
-use crate::input::{InputError, Location, Problem};
+use crate::input::{InputError, InputProblem, Location};
 use nalgebra::Vector3;
 use pullback_elements::element::Element;
 use pullback_elements::load::{EccentricForce, LineLoad, LoadKind, NodalLoad};
@@ -31,22 +31,14 @@ impl Assembly<'_> {
             for (dof, at, time) in fixed.chain(prescribed) {
                 if !taken.insert((node, dof)) {
                     let (node, dof) = (support.node.clone(), dof.key());
-                    return Err(at.refuse(Problem::PrescribedTwice { node, dof }));
+                    return Err(at.refuse(InputProblem::PrescribedTwice { node, dof }));
                 }
-                match time {
-                    Time::Constant(value) => {
-                        self.builder.prescribe(node, dof.dof(), Constant(value))
-                    }
-                    _ => self.builder.prescribe_boxed(
-                        node,
-                        dof.dof(),
-                        prescribed_function(&at, &time)?,
-                    ),
-                }
+                let function = prescribed_function(&at, &time)?;
+                self.builder.prescribe(node, dof.dof(), function);
             }
             if taken.len() == before {
                 let node = support.node.clone();
-                return Err(at.at("node").refuse(Problem::UselessSupport { node }));
+                return Err(at.at("node").refuse(InputProblem::UselessSupport { node }));
             }
             (self.geometry.supports).extend(known.insert(node).then_some(node));
         }
@@ -122,7 +114,7 @@ pub(in crate::input) fn prescribed_function(
     time: &Time,
 ) -> Result<Box<dyn TimeFunction>, InputError> {
     match time {
-        Time::Pulse(_) => Err(at.refuse(Problem::Jump)),
+        Time::Pulse(_) => Err(at.refuse(InputProblem::Jump)),
         _ => function(at, time),
     }
 }
@@ -153,11 +145,11 @@ impl Entry<'_> {
         let given: Vec<(&'static str, [f64; 3])> = given.collect();
         let &[(key, vector)] = given.as_slice() else {
             let given = given.into_iter().map(|(key, _)| key).collect();
-            return Err(at.refuse(Problem::LoadKind { given }));
+            return Err(at.refuse(InputProblem::LoadKind { given }));
         };
         let target = |needs: &'static str| {
             let load = key;
-            Err(at.at(key).refuse(Problem::LoadTarget { load, needs }))
+            Err(at.at(key).refuse(InputProblem::LoadTarget { load, needs }))
         };
         match (key, &load.node, &load.line) {
             ("force" | "moment", Some(node), None) => {
@@ -168,7 +160,7 @@ impl Entry<'_> {
                     (_, true) => LoadKind::FollowerMoment,
                 };
                 let node = to.nodes.find(&at.at("node"), node)?;
-                let load = NodalLoad::boxed(which, vector, self.amplitude()?);
+                let load = NodalLoad::new(which, vector, self.amplitude()?);
                 self.add(&mut to.builder, self.name.clone(), Box::new(load), &[node])
             }
             ("force" | "moment", ..) => target("node"),
@@ -180,7 +172,7 @@ impl Entry<'_> {
                 })
             }
             ("force_per_length", ..) | (_, Some(_), _) => target("line"),
-            _ if load.follower => Err(at.at("follower").refuse(Problem::FollowerGravity)),
+            _ if load.follower => Err(at.at("follower").refuse(InputProblem::FollowerGravity)),
             (_, None, Some(line)) => {
                 let line = to.lines.find(&at.at("line"), line)?;
                 self.weigh_lines(to, vector, line..line + 1, true)
@@ -200,7 +192,7 @@ impl Entry<'_> {
         load: Box<dyn Element>,
         nodes: &[NodeId],
     ) -> Result<(), InputError> {
-        let added = builder.boxed_element(name, load, nodes);
+        let added = builder.element(name, load, nodes);
         added.map(|_| ()).map_err(|error| self.at.refuse(error))
     }
 
@@ -237,7 +229,7 @@ impl Entry<'_> {
             let mass = (to.sections.get(section)).map_or(0.0, |s| s.inertia.mass);
             if mass == 0.0 && heavy {
                 let (line, section) = (line.name.clone(), section.clone());
-                return Err((self.at.at("gravity")).refuse(Problem::NoMass { line, section }));
+                return Err((self.at.at("gravity")).refuse(InputProblem::NoMass { line, section }));
             }
             if mass != 0.0 {
                 self.weigh(&mut to.builder, line, mass, g.into())?;
@@ -263,7 +255,7 @@ impl Entry<'_> {
             };
             for (i, (mass, first_moment)) in shares.iter().enumerate() {
                 let (force, center) = ((g * *mass).into(), (first_moment / *mass).into());
-                let share = EccentricForce::boxed(force, center, self.amplitude()?);
+                let share = EccentricForce::new(force, center, self.amplitude()?);
                 let name = format!("{name}, node {}", i + 1);
                 self.add(builder, name, Box::new(share), &[nodes(line, e)[i]])?;
             }

@@ -8,10 +8,10 @@ mod sections;
 pub(super) use loads::{function, prescribed_function};
 
 use super::assemble::{Geometry, LineGeometry};
-use super::file::{Closure as Word, Joint, ModelFile};
+use super::file::{self, Joint, ModelFile};
 use super::joints::Registry;
 use super::names::{Names, check_names, usable_name};
-use super::{InputError, Location, Problem};
+use super::{InputError, InputProblem, Location};
 use pullback_elements::beam::Section;
 use pullback_elements::constraint::PenaltyStiffness;
 use pullback_elements::model::{Closure, ModelBuilder, NodeId};
@@ -28,7 +28,7 @@ pub(super) struct Assembly<'a> {
     /// The lines that are meshed.
     pub meshed: Vec<Option<LineGeometry>>,
     /// Nodes of released coordinates, by the name of their joint.
-    pub released: Names<NodeId>,
+    pub joint_coordinates: Names<NodeId>,
     pub geometry: Geometry,
 }
 
@@ -49,7 +49,9 @@ impl<'a> Assembly<'a> {
             nodes: Names::new("node"),
             lines: Names::lines(file),
             meshed: file.lines.iter().map(|_| None).collect(),
-            released: Names::new("joint with a released coordinate (a node of one coordinate)"),
+            joint_coordinates: Names::new(
+                "joint with a released coordinate (a node of one coordinate)",
+            ),
             geometry: Geometry::default(),
         }
     }
@@ -81,7 +83,7 @@ impl<'a> Assembly<'a> {
         for (at, name, position) in order {
             if !usable_name(name) {
                 let (what, name) = ("node", name.clone());
-                return Err(at.refuse_key(Problem::Name { what, name }));
+                return Err(at.refuse_key(InputProblem::Name { what, name }));
             }
             let id = self.builder.node(name.clone(), position);
             let id = id.map_err(|error| at.refuse(error))?;
@@ -128,7 +130,8 @@ impl<'a> Assembly<'a> {
         }
         for (k, gear) in self.file.gears.iter().enumerate() {
             let at = self.at("gears").at(k);
-            let joint = |i: usize| (self.released).find(&at.at("joints").at(i), &gear.joints[i]);
+            let joint =
+                |i: usize| (self.joint_coordinates).find(&at.at("joints").at(i), &gear.joints[i]);
             let joints = [joint(0)?, joint(1)?];
             let coupled = self.builder.gear(joints, gear.ratio);
             coupled.map_err(|error| at.refuse(error))?;
@@ -183,8 +186,8 @@ impl<'a> Assembly<'a> {
         let names = wanted.iter().map(|(_, name)| (*name).clone()).collect();
         match (unknown, wanted.first()) {
             (Some(error), _) => error,
-            (None, Some((at, _))) => at.refuse(Problem::Cycle { names }),
-            (None, None) => InputError::whole(Problem::Cycle { names }),
+            (None, Some((at, _))) => at.refuse(InputProblem::Cycle { names }),
+            (None, None) => InputError::whole(InputProblem::Cycle { names }),
         }
     }
 }
@@ -205,7 +208,7 @@ fn links<'a>(assembly: &'a Assembly<'_>) -> impl Iterator<Item = [NodeId; 2]> + 
 fn closure(at: &Location<'_>, joint: &Joint) -> Result<Closure, InputError> {
     let useless = |key: &'static str, needs: &'static str| {
         let joint = joint.name.clone();
-        (at.at(key)).refuse_key(Problem::ClosureKey { joint, key, needs })
+        (at.at(key)).refuse_key(InputProblem::ClosureKey { joint, key, needs })
     };
     if joint.closure.is_some() && joint.child.is_none() {
         return Err(useless(
@@ -213,23 +216,23 @@ fn closure(at: &Location<'_>, joint: &Joint) -> Result<Closure, InputError> {
             "child, the node that is one with the joint's",
         ));
     }
-    let by = joint.closure.unwrap_or(Word::Map);
+    let by = joint.closure.unwrap_or(file::Closure::Map);
     for (key, given) in [
         ("penalty", joint.penalty),
         ("penalty_damping", joint.penalty_damping),
     ] {
-        if given.is_some() && by != Word::Penalty {
+        if given.is_some() && by != file::Closure::Penalty {
             return Err(useless(key, "closure = \"penalty\""));
         }
     }
     match (by, joint.penalty) {
-        (Word::Map, _) => Ok(Closure::Map),
-        (Word::Multipliers, _) => Ok(Closure::Multipliers),
-        (Word::Penalty, None) => Err(useless(
+        (file::Closure::Map, _) => Ok(Closure::Map),
+        (file::Closure::Multipliers, _) => Ok(Closure::Multipliers),
+        (file::Closure::Penalty, None) => Err(useless(
             "closure",
             "penalty, its stiffness (force over gap)",
         )),
-        (Word::Penalty, Some(p)) => {
+        (file::Closure::Penalty, Some(p)) => {
             let tau = joint.penalty_damping.unwrap_or(0.0);
             if p <= 0.0 {
                 return Err(at.range("penalty", p, "a positive stiffness"));

@@ -3,8 +3,8 @@
 #![allow(non_snake_case)]
 
 use super::Assembly;
-use crate::input::file::{Damping, Material, Section as Described};
-use crate::input::{InputError, Location, Problem};
+use crate::input::file;
+use crate::input::{InputError, InputProblem, Location};
 use nalgebra::{Matrix3, Matrix6, Vector3};
 use pullback_elements::beam::{self, Section, SectionError};
 use pullback_elements::inertia::Inertia;
@@ -48,17 +48,21 @@ impl Assembly<'_> {
 /// The keys of a section of which it has exactly one.
 const SHAPES: [&str; 5] = ["stiffness", "matrix", "rectangle", "circle", "tube"];
 
-fn section(at: &Location<'_>, name: &str, described: &Described) -> Result<Section, InputError> {
+fn section(
+    at: &Location<'_>,
+    name: &str,
+    described: &file::Section,
+) -> Result<Section, InputError> {
     let refuse = |keys: &str, source: SectionError| {
         let at = keys.split('.').fold(at.clone(), |at, key| at.at(key));
         let section = name.to_owned();
-        at.refuse(Problem::Section { section, source })
+        at.refuse(InputProblem::Section { section, source })
     };
     let (shape, made) = shape(at, name, described)?;
     let made = made.map_err(|error| refuse(&number(shape, &error), error))?;
     let made = match described.damping {
         None => made,
-        Some(Damping { mass, stiffness }) => made
+        Some(file::Damping { mass, stiffness }) => made
             .with_damping(beam::Damping { mass, stiffness })
             .map_err(|error| refuse("damping", error))?,
     };
@@ -74,7 +78,7 @@ fn section(at: &Location<'_>, name: &str, described: &Described) -> Result<Secti
     ];
     for (key, value) in numbers {
         if !(value >= 0.0 && value.is_finite()) {
-            return Err(at.at("mass").refuse(Problem::NegativeMass {
+            return Err(at.at("mass").refuse(InputProblem::NegativeMass {
                 section: name.to_owned(),
                 key,
                 value,
@@ -94,10 +98,10 @@ fn section(at: &Location<'_>, name: &str, described: &Described) -> Result<Secti
 fn shape(
     at: &Location<'_>,
     name: &str,
-    d: &Described,
+    d: &file::Section,
 ) -> Result<(&'static str, Result<Section, SectionError>), InputError> {
     let section = name.to_owned();
-    let material = (d.material).map(|Material { E, nu, rho }| beam::Material { E, nu, rho });
+    let material = (d.material).map(|file::Material { E, nu, rho }| beam::Material { E, nu, rho });
     // None is the section of a shape that lacks a material.
     let made = [
         (d.stiffness).map(|s| Some(Section::diagonal(s.EA, s.GA, s.GJ, s.EI))),
@@ -111,14 +115,16 @@ fn shape(
         Ok([one]) => one,
         Err(given) => {
             let given = given.into_iter().map(|(key, _)| key).collect();
-            return Err(at.refuse_key(Problem::SectionKind { section, given }));
+            return Err(at.refuse_key(InputProblem::SectionKind { section, given }));
         }
     };
     let Some(made) = made else {
-        return Err(at.at(shape).refuse(Problem::NoMaterial { section, shape }));
+        return Err(at
+            .at(shape)
+            .refuse(InputProblem::NoMaterial { section, shape }));
     };
     if material.is_some() && matches!(shape, "stiffness" | "matrix") {
-        return Err((at.at("material")).refuse_key(Problem::UselessMaterial { section }));
+        return Err((at.at("material")).refuse_key(InputProblem::UselessMaterial { section }));
     }
     Ok((shape, made))
 }

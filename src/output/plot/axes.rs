@@ -1,6 +1,6 @@
 //! Axes, tick labels and legends of all figures.
 
-use super::scale::Division;
+use super::scale::AxisScale;
 use super::{FINE, GRID, INK, PALETTE, PlotError, TEXT, font, width};
 use plotters::coord::Shift;
 use plotters::element::{Circle, PathElement, Polygon, Rectangle};
@@ -62,7 +62,7 @@ impl Axes {
     pub fn draw(
         &self,
         area: &Area<'_>,
-        division: [Division; 2],
+        scale: [AxisScale; 2],
         [across, up]: [&str; 2],
     ) -> Result<(), PlotError> {
         let [[left, right], [bottom, top]] = self.pixels;
@@ -73,8 +73,8 @@ impl Axes {
         // Numbers of labels for which there is room.
         let most = |length: i32, room: i32| (length / (room * FINE)).clamp(2, 7) as usize;
         let ticks = [
-            division[0].ticks(self.range[0], most(right - left, 68)),
-            division[1].ticks(self.range[1], most(bottom - top, 41)),
+            scale[0].ticks(self.range[0], most(right - left, 68)),
+            scale[1].ticks(self.range[1], most(bottom - top, 41)),
         ];
         let mark = |label: &Option<String>| FINE * if label.is_some() { 5 } else { 3 };
         let below = font(TEXT).pos(Pos::new(HPos::Center, VPos::Top));

@@ -1,12 +1,12 @@
 //! Curves in panels.
 
 use super::axes::{self, Area, Axes, Mark, legend_height, legend_rows};
-use super::{Division, FINE, PALETTE, PlotError, figure, part};
+use super::{AxisScale, FINE, PALETTE, PlotError, figure, part};
 use plotters::style::{Color, RGBColor};
 
 /// A curve with a name.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Curve {
+pub struct PlotCurve {
     /// Name in the legend.
     pub label: String,
     /// Points, in order.
@@ -17,7 +17,7 @@ pub struct Curve {
     pub color: Option<usize>,
 }
 
-impl Curve {
+impl PlotCurve {
     /// A line through points.
     pub fn new(label: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
         Self {
@@ -58,7 +58,7 @@ pub(crate) struct Panel {
     /// Description of the vertical axis.
     pub y: String,
     /// The curves.
-    pub curves: Vec<Curve>,
+    pub curves: Vec<PlotCurve>,
 }
 
 /// Size of a plot without its legend, alone or beside another.
@@ -133,7 +133,7 @@ fn draw(area: &Area<'_>, size: [i32; 2], panel: &Panel) -> Result<(), PlotError>
     let x = axes::range(all().map(|p| p.0));
     let y = axes::range(all().map(|p| p.1));
     let axes = Axes::new([x, y], size);
-    axes.draw(area, [Division::Linear; 2], [&panel.x, &panel.y])?;
+    axes.draw(area, [AxisScale::Linear; 2], [&panel.x, &panel.y])?;
     for (position, curve) in panel.curves.iter().enumerate() {
         let color = curve.drawn_in(position);
         let finite = |p: &&(f64, f64)| p.0.is_finite() && p.1.is_finite();

@@ -2,8 +2,8 @@
 //! of convergence.
 
 use super::axes::{self, Area, Axes, LEFT, MARGIN, Mark, legend_height, legend_rows};
-use super::scale::Division;
-use super::{Curve, FINE, INK, PALE, PALETTE, PlotError, TEXT, figure, font, part};
+use super::scale::AxisScale;
+use super::{FINE, INK, PALE, PALETTE, PlotCurve, PlotError, TEXT, figure, font, part};
 use plotters::element::PathElement;
 use plotters::style::Color;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -14,9 +14,9 @@ pub struct Graph {
     /// Descriptions of the horizontal and the vertical axis.
     pub description: [String; 2],
     /// Scales of the axes.
-    pub division: [Division; 2],
+    pub scale: [AxisScale; 2],
     /// The curves. Those of one colour have one entry in the legend and one kind of mark.
-    pub curves: Vec<Curve>,
+    pub curves: Vec<PlotCurve>,
     /// Whether points of all curves are marked; scattered ones always are.
     pub marked: bool,
     /// Slopes shown by triangles under the curves; for logarithmic axes.
@@ -60,7 +60,7 @@ fn entries(level: &str, graphs: &[Graph]) -> Vec<(String, Mark)> {
             let color = curve.color.unwrap_or(position);
             if !seen.contains(&color) {
                 seen.push(color);
-                let alike = |c: &Curve| c.scattered && c.color == Some(color);
+                let alike = |c: &PlotCurve| c.scattered && c.color == Some(color);
                 let marked = graph.marked || graph.is_crowded() || graph.curves.iter().any(alike);
                 out.push((color, (curve.label.clone(), curve_mark(color, marked))));
             }
@@ -76,10 +76,10 @@ fn entries(level: &str, graphs: &[Graph]) -> Vec<(String, Mark)> {
 
 impl Graph {
     /// Curves without marks, slopes and level.
-    pub fn new(description: [String; 2], division: [Division; 2], curves: Vec<Curve>) -> Self {
+    pub fn new(description: [String; 2], scale: [AxisScale; 2], curves: Vec<PlotCurve>) -> Self {
         Self {
             description,
-            division,
+            scale,
             curves,
             marked: false,
             slopes: Vec::new(),
@@ -111,12 +111,12 @@ fn curve_mark(color: usize, marked: bool) -> Mark {
 type Triangle = (f64, [(f64, f64); 3]);
 
 fn draw(area: &Area<'_>, graph: &Graph) -> Result<(), PlotError> {
-    let [divide_x, divide_y] = graph.division;
-    let position = |&(x, y): &(f64, f64)| Some((divide_x.position(x)?, divide_y.position(y)?));
+    let [scale_x, scale_y] = graph.scale;
+    let position = |&(x, y): &(f64, f64)| Some((scale_x.position(x)?, scale_y.position(y)?));
     let curves: Vec<Vec<(f64, f64)>> = (graph.curves.iter())
         .map(|c| c.points.iter().filter_map(position).collect())
         .collect();
-    let level = graph.level.and_then(|y| divide_y.position(y));
+    let level = graph.level.and_then(|y| scale_y.position(y));
     let x = axes::range(curves.iter().flatten().map(|p| p.0));
     let mut y = axes::range(curves.iter().flatten().map(|p| p.1).chain(level));
     let triangles = triangles(&graph.slopes, &curves, x, y);
@@ -125,7 +125,7 @@ fn draw(area: &Area<'_>, graph: &Graph) -> Result<(), PlotError> {
     }
     let axes = Axes::new([x, y], SIZE);
     let [across, up] = &graph.description;
-    axes.draw(area, graph.division, [across, up])?;
+    axes.draw(area, graph.scale, [across, up])?;
     if let Some(level) = level {
         let [(from, y), (to, _)] = x.map(|x| axes.at((x, level)));
         broken(area, [from, to], y)?;

@@ -6,10 +6,10 @@ mod graph;
 mod scale;
 mod shape;
 
-pub use curves::Curve;
+pub use curves::PlotCurve;
 pub(crate) use curves::{Panel, panels};
 pub use graph::{Graph, graphs};
-pub use scale::Division;
+pub use scale::AxisScale;
 pub(crate) use shape::{Shapes, deformed};
 
 use axes::Area;

@@ -2,14 +2,14 @@
 
 /// Scale of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Division {
+pub enum AxisScale {
     /// Linear.
     Linear,
     /// Logarithmic; values that are not positive are not drawn.
     Logarithmic,
 }
 
-impl Division {
+impl AxisScale {
     /// Position of a value: itself, or its decimal logarithm; `None` if it cannot be drawn.
     pub(super) fn position(self, value: f64) -> Option<f64> {
         let position = match self {

@@ -2,7 +2,7 @@
 
 use super::axes::{self, Area, Axes, Mark, legend_height, legend_rows};
 use super::scale::tick;
-use super::{Division, FINE, INK, PALE, PALETTE, PlotError, TEXT, figure, font, part};
+use super::{AxisScale, FINE, INK, PALE, PALETTE, PlotError, TEXT, figure, font, part};
 use crate::input::Geometry;
 use nalgebra::Vector3;
 use plotters::element::{PathElement, Rectangle};
@@ -268,7 +268,7 @@ fn draw(
     shapes: &[(f64, Shapes)],
 ) -> Result<(), PlotError> {
     match view {
-        View::Plane(a, b) => axes.draw(area, [Division::Linear; 2], [AXES[a], AXES[b]])?,
+        View::Plane(a, b) => axes.draw(area, [AxisScale::Linear; 2], [AXES[a], AXES[b]])?,
         View::Isometric => triad(area, view)?,
     }
     let outline = |shapes: &Shapes, color: RGBColor, stroke: i32| {

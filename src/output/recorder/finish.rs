@@ -6,14 +6,14 @@ use crate::output::panels::panels;
 use crate::output::plot::{self, Shapes};
 use crate::output::results::{Ending, NAME, Results};
 use crate::solve::Counts;
-use crate::warnings::{Turn, unbalanced};
+use crate::warnings::{RateChange, unbalanced};
 use serde::ser::Error;
 
 impl Recorder<'_> {
     /// The warnings so far, of a complete run or not.
     fn warnings(&self, ending: &Ending) -> Vec<String> {
         let seen = self.diagnostics.warnings(*ending == Ending::Complete);
-        let turn = self.record.turn.as_ref().map(Turn::warning);
+        let turn = self.record.turn.as_ref().map(RateChange::warning);
         let balance = unbalanced(&self.statistics.counts).map(str::to_owned);
         let warnings = self.record.warnings.iter().cloned();
         warnings.chain(seen).chain(turn).chain(balance).collect()

@@ -4,7 +4,7 @@ mod drift;
 
 use super::page::escaped;
 use super::{Comparison, ComparisonRow, ErrorQuantity};
-use crate::output::plot::{Curve, Division, Graph, PlotError, graphs};
+use crate::output::plot::{AxisScale, Graph, PlotCurve, PlotError, graphs};
 use drift::{PARTS, drift};
 
 /// Name of broken lines in the legend.
@@ -79,13 +79,13 @@ pub fn figures(comparison: &Comparison) -> Result<Vec<Figure>, PlotError> {
 fn curves(
     comparison: &Comparison,
     point: &dyn Fn(&ComparisonRow) -> Option<(f64, f64)>,
-) -> Vec<Curve> {
+) -> Vec<PlotCurve> {
     let schemes = comparison.orders.iter().enumerate();
     let curve = schemes.filter_map(|(k, scheme)| {
         let points: Vec<_> = comparison.of(&scheme.scheme).filter_map(point).collect();
         // Empty curves have no entry in the legend.
         let label = label(comparison, &scheme.scheme);
-        (!points.is_empty()).then(|| Curve::new(label, points).colored(k))
+        (!points.is_empty()).then(|| PlotCurve::new(label, points).colored(k))
     });
     curve.collect()
 }
@@ -206,7 +206,7 @@ type Value<'a> = dyn Fn(&ComparisonRow) -> Option<f64> + 'a;
 fn errors(comparison: &Comparison, quantity: ErrorQuantity, x: &str, of: &Value<'_>) -> Graph {
     Graph {
         description: [x.to_owned(), format!("error of {}", quantity.name())],
-        division: [Division::Logarithmic; 2],
+        scale: [AxisScale::Logarithmic; 2],
         curves: curves(comparison, &|row| {
             Some((of(row)?, row.regular_error(quantity)?))
         }),
@@ -267,9 +267,9 @@ fn iterations(comparison: &Comparison) -> Vec<Graph> {
     let regular = |row: &ComparisonRow| row.is_regular() && row.counts.steps > 0;
     let point = |row: &ComparisonRow| regular(row).then(|| (row.step, row.iterations_per_step()));
     let description = ["step size h", "linear solutions per step"].map(str::to_owned);
-    let division = [Division::Logarithmic, Division::Linear];
+    let scale = [AxisScale::Logarithmic, AxisScale::Linear];
     vec![Graph {
         marked: true,
-        ..Graph::new(description, division, curves(comparison, &point))
+        ..Graph::new(description, scale, curves(comparison, &point))
     }]
 }

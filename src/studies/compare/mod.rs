@@ -27,7 +27,7 @@
 //! "#;
 //! let file = input::parse("body.toml", text)?;
 //! let schemes = vec!["newmark".parse()?, "lie-ga:0.8".parse()?];
-//! let options = Options::new(schemes, vec![0.04, 0.02, 0.01]);
+//! let options = ComparisonOptions::new(schemes, vec![0.04, 0.02, 0.01]);
 //! let make = |formulation| input::job_in("body.toml", &file, formulation);
 //! let comparison = compare(&make, "body.toml", &options, &Hooks::NONE)?;
 //! for scheme in &comparison.orders {
@@ -62,7 +62,7 @@ pub use error::CompareError;
 pub use exact::{Exact, read as read_exact};
 pub use figures::{Figure, figures};
 pub use order::{ABOVE_REFERENCE, NEAR, Order, STRAIGHT, fit};
-pub use perform::{compare, looked_at};
+pub use perform::{compare, sampling};
 pub use reference::Reference;
 pub(super) use run::side_by_side;
 pub use run::{Hooks, LATE_CHARTS, Maker};
@@ -77,7 +77,7 @@ use std::num::NonZeroUsize;
 
 /// Options of a comparison.
 #[derive(Clone, Debug, Default)]
-pub struct Options {
+pub struct ComparisonOptions {
     /// The schemes, each with its formulation of rotations, and general solvers.
     pub schemes: Vec<Candidate>,
     /// Step sizes, from large to small.
@@ -101,7 +101,7 @@ pub struct Options {
     pub residual: Option<f64>,
 }
 
-impl Options {
+impl ComparisonOptions {
     /// Options with these schemes and step sizes, and defaults otherwise.
     pub fn new(schemes: Vec<Candidate>, steps: Vec<f64>) -> Self {
         Self {

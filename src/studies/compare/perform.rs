@@ -4,14 +4,14 @@ use super::grid::Grid;
 use super::order::orders;
 use super::run::{self, Hooks, INTERRUPTED, Maker, Task, dynamic, side_by_side};
 use super::{
-    Candidate, CompareError, Comparison, ComparisonRow, Drift, EqualCost, Options, Reference,
-    drift, reference, sample,
+    Candidate, CompareError, Comparison, ComparisonOptions, ComparisonRow, Drift, EqualCost,
+    Reference, drift, reference, sample,
 };
 use crate::input::Job;
 use crate::method::Method;
 use crate::solve::begin;
 use pullback_elements::model::Formulation;
-use pullback_integrators::dynamics::{DynamicOptions, Progress, Scheme, start};
+use pullback_integrators::dynamics::{DynamicOptions, Scheme};
 use std::num::NonZeroUsize;
 use std::sync::{Mutex, PoisonError};
 
@@ -33,7 +33,7 @@ pub(super) struct Prepared {
 ///
 /// # Errors
 /// [`CompareError`].
-pub fn looked_at(make: &Maker<'_>, steps: &[f64]) -> Result<(Vec<String>, Vec<f64>), CompareError> {
+pub fn sampling(make: &Maker<'_>, steps: &[f64]) -> Result<(Vec<String>, Vec<f64>), CompareError> {
     let (job, grid) = begun(make, steps)?;
     let nodes = job.context.frames().map(|(_, name)| name.to_owned());
     Ok((nodes.collect(), grid.all_times()))
@@ -47,7 +47,10 @@ fn begun(make: &Maker<'_>, steps: &[f64]) -> Result<(Job, Grid), CompareError> {
     Ok((job, grid))
 }
 
-pub(super) fn prepare(make: &Maker<'_>, options: &Options) -> Result<Prepared, CompareError> {
+pub(super) fn prepare(
+    make: &Maker<'_>,
+    options: &ComparisonOptions,
+) -> Result<Prepared, CompareError> {
     let (job, grid) = begun(make, &options.steps)?;
     if let Some(value) = options.residual.filter(|r| !(*r > 0.0 && r.is_finite())) {
         return Err(CompareError::Residual { value });
@@ -82,14 +85,14 @@ pub(super) fn prepare(make: &Maker<'_>, options: &Options) -> Result<Prepared, C
         let name = reference.to_string();
         return Err(CompareError::Reference { name });
     }
-    let start = start(&job.context, 0.0, &job.start.q, &job.start.v)?;
+    let start = job.start.motion(&job.context)?;
     // With the reference's scheme: that of the file may not suit this model.
     begins(make, &reference.into())?;
     Ok(Prepared {
         grid,
         long,
         reference,
-        unknowns: start.q.len(),
+        unknowns: start.state.q.len(),
         job,
         refused,
     })
@@ -107,8 +110,8 @@ fn begins(make: &Maker<'_>, candidate: &Candidate) -> Result<(), CompareError> {
         interval: None,
         ..plan.options
     };
-    let start = start(&job.context, 0.0, &job.start.q, &job.start.v)?;
-    begin(&mut job.context, &options, &mut Progress::new(start))?;
+    let mut progress = job.start.motion(&job.context)?;
+    begin(&mut job.context, &options, &mut progress)?;
     Ok(())
 }
 
@@ -120,7 +123,7 @@ fn begins(make: &Maker<'_>, candidate: &Candidate) -> Result<(), CompareError> {
 pub fn compare(
     make: &Maker<'_>,
     model: &str,
-    options: &Options,
+    options: &ComparisonOptions,
     hooks: &Hooks<'_>,
 ) -> Result<Comparison, CompareError> {
     let prepared = prepare(make, options)?;
@@ -130,7 +133,7 @@ pub fn compare(
 pub(super) fn run(
     make: &Maker<'_>,
     model: &str,
-    options: &Options,
+    options: &ComparisonOptions,
     hooks: &Hooks<'_>,
     prepared: Prepared,
 ) -> Comparison {
@@ -207,7 +210,7 @@ fn time(comparison: &mut Comparison, make: &Maker<'_>, tasks: &[Task<'_>], hooks
 
 impl Prepared {
     /// The exact solution as a reference, or that of its runs if all are complete.
-    fn judge(&self, options: &Options, runs: &[ComparisonRow]) -> Option<Reference> {
+    fn judge(&self, options: &ComparisonOptions, runs: &[ComparisonRow]) -> Option<Reference> {
         let (grid, context) = (&self.grid, &self.job.context);
         match &options.exact {
             Some(exact) => Some(exact.reference(&grid.all_times(), context.frames().count())),
@@ -217,7 +220,7 @@ impl Prepared {
     }
 
     /// The runs of the reference, those compared, those with late changes of chart, and the long ones.
-    fn tasks(&self, options: &Options) -> [Vec<Task<'_>>; 4] {
+    fn tasks(&self, options: &ComparisonOptions) -> [Vec<Task<'_>>; 4] {
         let reference = match options.exact {
             Some(_) => Vec::new(),
             None => reference::tasks(&self.reference, &self.grid).to_vec(),
@@ -236,7 +239,11 @@ impl Prepared {
 }
 
 /// Every scheme at every step size of a grid.
-fn scheme_tasks<'a>(options: &Options, grid: &'a Grid, late_charts: bool) -> Vec<Task<'a>> {
+fn scheme_tasks<'a>(
+    options: &ComparisonOptions,
+    grid: &'a Grid,
+    late_charts: bool,
+) -> Vec<Task<'a>> {
     let mut tasks = Vec::new();
     for &candidate in &options.schemes {
         for (&steps, &requested) in grid.counts.iter().zip(&options.steps) {

@@ -5,12 +5,10 @@ use super::sample::Sample;
 use super::{Candidate, CompareError, ComparisonRow, Drift};
 use crate::input::{DynamicPlan, InputError, Job, Plan};
 use crate::method::Method;
-use crate::solve::{Counts, point};
+use crate::solve::Counts;
 use crate::studies::general::General;
 use pullback_elements::model::{Context, Formulation};
-use pullback_integrators::dynamics::{
-    DynamicOptions, NewtonOptions, Progress, Summary, integrate, start,
-};
+use pullback_integrators::dynamics::{DynamicOptions, NewtonOptions, Progress, Summary, integrate};
 use pullback_manifold::system::Point;
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
@@ -106,9 +104,9 @@ impl Task<'_> {
 }
 
 /// Why a run did not reach its end.
-struct Failure(String);
+struct RunFailure(String);
 
-impl<E: std::error::Error> From<E> for Failure {
+impl<E: std::error::Error> From<E> for RunFailure {
     fn from(error: E) -> Self {
         Self(error.to_string())
     }
@@ -118,8 +116,8 @@ impl<E: std::error::Error> From<E> for Failure {
 pub(super) const INTERRUPTED: &str = "interrupted";
 
 /// The sample of a converged state.
-fn sample(model: &mut Context, at: Point<'_>, defect: Option<f64>) -> Result<Sample, Failure> {
-    let refused = |error| Failure(format!("a converged state cannot be evaluated: {error}"));
+fn sample(model: &mut Context, at: Point<'_>, defect: Option<f64>) -> Result<Sample, RunFailure> {
+    let refused = |error| RunFailure(format!("a converged state cannot be evaluated: {error}"));
     Sample::of(model, at, defect).map_err(refused)
 }
 
@@ -143,7 +141,7 @@ fn advance(
     task: &Task<'_>,
     hooks: &Hooks<'_>,
     row: &mut ComparisonRow,
-) -> Result<(), Failure> {
+) -> Result<(), RunFailure> {
     let grid = task.grid;
     let mut job = make(task.candidate.formulation())?;
     if task.late_charts {
@@ -157,7 +155,7 @@ fn advance(
         }
     };
     let model = &mut job.context;
-    let mut progress = Progress::new(start(model, 0.0, &job.start.q, &job.start.v)?);
+    let mut progress = job.start.motion(model)?;
     let before = model.assemblies();
     let clock = Instant::now();
     let mut searches = 0;
@@ -191,10 +189,11 @@ fn advance(
         row.seconds = clock.elapsed().as_secs_f64();
         integrated?;
         if stopped {
-            return Err(Failure(INTERRUPTED.to_owned()));
+            return Err(RunFailure(INTERRUPTED.to_owned()));
         }
         let defect = progress.summary.energy.map(|e| e.defect());
-        row.samples.push(sample(model, point(&progress), defect)?);
+        row.samples
+            .push(sample(model, progress.state.point(), defect)?);
     }
     Ok(())
 }
@@ -206,7 +205,7 @@ fn search(
     progress: &mut Progress,
     options: &DynamicOptions,
     hooks: &Hooks<'_>,
-) -> Result<usize, Failure> {
+) -> Result<usize, RunFailure> {
     let before = model.assemblies();
     let to = progress.state.t;
     let here = DynamicOptions { to, ..*options };
@@ -222,10 +221,10 @@ fn in_general(
     grid: &Grid,
     hooks: &Hooks<'_>,
     row: &mut ComparisonRow,
-) -> Result<(), Failure> {
+) -> Result<(), RunFailure> {
     use crate::studies::general;
     let model = &mut job.context;
-    let mut progress = Progress::new(start(model, 0.0, &job.start.q, &job.start.v)?);
+    let mut progress = job.start.motion(model)?;
     let clock = Instant::now();
     let before = model.assemblies();
     let mut failed = None;
@@ -252,7 +251,7 @@ fn in_general(
     ended?;
     match failed {
         Some(failure) => Err(failure),
-        None if !progress.summary.finished => Err(Failure(INTERRUPTED.to_owned())),
+        None if !progress.summary.finished => Err(RunFailure(INTERRUPTED.to_owned())),
         None => Ok(()),
     }
 }
@@ -265,9 +264,9 @@ fn in_general(
     _: &Grid,
     _: &Hooks<'_>,
     _: &mut ComparisonRow,
-) -> Result<(), Failure> {
+) -> Result<(), RunFailure> {
     let why = format!("{general}: this program is built without the feature `diffsol`");
-    Err(Failure(why))
+    Err(RunFailure(why))
 }
 
 /// Most repetitions of a timed run, and the total time in seconds after which there are no more.
@@ -286,8 +285,7 @@ pub(super) fn clock(make: &Maker<'_>, task: &Task<'_>, hooks: &Hooks<'_>) -> Opt
                     ..task.options(method, dynamic(&job.plan)?)
                 };
                 let model = &mut job.context;
-                let from = start(model, 0.0, &job.start.q, &job.start.v).ok()?;
-                let mut progress = Progress::new(from);
+                let mut progress = job.start.motion(model).ok()?;
                 let begin = Instant::now();
                 integrate(model, &mut progress, &options, &mut |_, _| (hooks.flow)()).ok()?;
                 let time = begin.elapsed().as_secs_f64();

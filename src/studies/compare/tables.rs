@@ -3,6 +3,7 @@
 use super::ABOVE_REFERENCE;
 use super::run::INTERRUPTED;
 use super::{Comparison, ComparisonRow, ErrorQuantity, NEAR, Order, SchemeOrders, Slope, Values};
+use crate::terminal::longest;
 use std::fmt::Write;
 
 /// The text of a cell of `compare.csv`.
@@ -108,8 +109,7 @@ pub(super) fn status(row: &ComparisonRow) -> &'static str {
 
 /// The observed orders, for a terminal.
 pub fn summary(comparison: &Comparison) -> String {
-    let width = comparison.orders.iter().map(|o| o.scheme.chars().count());
-    let width = width.max().unwrap_or(0).max("scheme".len());
+    let width = longest(comparison.orders.iter().map(|o| &*o.scheme)).max("scheme".len());
     let mut out = format!("{:width$}  theory", "scheme");
     for quantity in ErrorQuantity::ALL {
         let _ = write!(out, "  {:>18}", quantity.name());

@@ -3,7 +3,7 @@
 use super::figures::{Figure, figures};
 use super::page::{Format, page};
 use super::perform::{self, prepare};
-use super::{CompareError, Comparison, Hooks, Maker, Options, over_time, tables};
+use super::{CompareError, Comparison, ComparisonOptions, Hooks, Maker, over_time, tables};
 use crate::output::{Directory, OutputError, drawing};
 use std::path::{Path, PathBuf};
 
@@ -44,7 +44,7 @@ pub fn run(
     model: &str,
     command: Option<&str>,
     directory: &Path,
-    options: &Options,
+    options: &ComparisonOptions,
     hooks: &Hooks<'_>,
 ) -> Result<Comparison, CompareError> {
     let prepared = prepare(make, options).map_err(|error| error.of(model))?;
@@ -68,7 +68,7 @@ pub struct Subject<'a> {
     /// Builds it.
     pub make: Box<Maker<'a>>,
     /// Options of its comparison.
-    pub options: Options,
+    pub options: ComparisonOptions,
 }
 
 /// Compares on several models in turn: each has a directory with the files of [`run`], and

@@ -1,12 +1,12 @@
 //! Robot arms of two links, turned and lifted at their base.
 
-use super::case::{CaseReport, Problem, meshed};
-use super::motion::{History, Run, observed_order};
+use super::case::{CaseProblem, CaseReport, meshed};
+use super::motion::{History, RunChanges, observed_order};
 use crate::input::{ModelFile, PrescribedMotion, SpinUp, Time};
-use crate::output::plot::Curve;
+use crate::output::plot::PlotCurve;
 
 /// Case 6 of [M04]: a spherical joint between the links. Its plot redraws Fig. 39.
-pub(super) fn spherical(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn spherical(report: &mut CaseReport) -> Result<(), CaseProblem> {
     arm(
         report,
         "arm_spherical",
@@ -20,7 +20,7 @@ pub(super) fn spherical(report: &mut CaseReport) -> Result<(), Problem> {
 }
 
 /// Case 7 of [M04]: a revolute joint between the links. Its plot redraws Fig. 40.
-pub(super) fn revolute(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn revolute(report: &mut CaseReport) -> Result<(), CaseProblem> {
     arm(
         report,
         "arm_revolute",
@@ -80,18 +80,18 @@ fn arm(
     model: &str,
     alike: f64,
     independent: &[At],
-) -> Result<(), Problem> {
+) -> Result<(), CaseProblem> {
     let file = report.model(model)?;
     let mut curves = Vec::new();
     let mut tips = Vec::new();
     for elements in [40, 8] {
-        let run = report.motion(&meshed(&file, elements / 2, 1), &["tip"], Run::FILE)?;
+        let run = report.motion(&meshed(&file, elements / 2, 1), &["tip"], RunChanges::FILE)?;
         let mut add = |color: usize, name: &str, curve: Vec<(f64, f64)>| {
             let label = format!("{name}, {elements} elements");
             let curve = if elements == 40 {
-                Curve::new(label, curve)
+                PlotCurve::new(label, curve)
             } else {
-                Curve::points(label, curve.into_iter().step_by(6).collect())
+                PlotCurve::points(label, curve.into_iter().step_by(6).collect())
             };
             curves.push(curve.colored(color));
         };
@@ -126,8 +126,12 @@ fn arm(
 /// The independent solution is tests/studies/arms.rs: finite volumes, masses lumped at the nodes,
 /// quaternions, the classical Runge-Kutta method, 80 and 160 elements, extrapolated to none. The last
 /// doubling moved the tip by at most 0.027, so that a third of it is the largest correction.
-fn converged(report: &mut CaseReport, file: &ModelFile, independent: &[At]) -> Result<(), Problem> {
-    let run = |file: ModelFile| report.motion(&file, &["tip"], Run::step(5e-4));
+fn converged(
+    report: &mut CaseReport,
+    file: &ModelFile,
+    independent: &[At],
+) -> Result<(), CaseProblem> {
+    let run = |file: ModelFile| report.motion(&file, &["tip"], RunChanges::step(5e-4));
     let fine = run(meshed(file, 8, 2))?;
     let [coarse, medium] = [8, 40].map(|elements| run(meshed(file, elements / 2, 1)));
     let errors = [apart(&coarse?, &fine), apart(&medium?, &fine)];
@@ -144,20 +148,20 @@ fn converged(report: &mut CaseReport, file: &ModelFile, independent: &[At]) -> R
 }
 
 /// Orders of convergence.
-fn orders(report: &mut CaseReport, file: &ModelFile) -> Result<(), Problem> {
+fn orders(report: &mut CaseReport, file: &ModelFile) -> Result<(), CaseProblem> {
     // The jerk of the base excites waves: only steps that resolve them show the order.
     let coarse = meshed(file, 2, 1);
     let tip = |t: f64| move |run: History| run.at(0, t).d;
-    let runs = [1.25e-5, 6.25e-6, 3.125e-6].map(|h| Run::step(h).to(0.45));
+    let runs = [1.25e-5, 6.25e-6, 3.125e-6].map(|h| RunChanges::step(h).to(0.45));
     let ends = report.motions(&coarse, &["tip"], runs)?.map(tip(0.45));
     let what = "order in the step, 4 elements, driven with a jerk";
     report.compare_order(what, observed_order(&ends), 0.1);
     let smooth = smooth(file);
-    let steps = [2e-3, 1e-3, 5e-4].map(|h| Run::step(h).to(1.0));
+    let steps = [2e-3, 1e-3, 5e-4].map(|h| RunChanges::step(h).to(1.0));
     let steps = report.motions(&meshed(&smooth, 4, 1), &["tip"], steps)?;
     let [a, b, c] = [8, 16, 32].map(|elements| {
         let file = meshed(&smooth, elements, 1);
-        report.motion(&file, &["tip"], Run::step(1e-3).to(1.0))
+        report.motion(&file, &["tip"], RunChanges::step(1e-3).to(1.0))
     });
     let (steps, meshes) = (steps.map(tip(1.0)), [a?, b?, c?].map(tip(1.0)));
     let what = "order in the step, driven smoothly";

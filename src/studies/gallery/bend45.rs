@@ -1,14 +1,14 @@
 //! The 45° bend: the thesis's case, convergence to the exact curve, effects of a superposed
 //! rotation and of another load path.
 
-use super::case::{CaseReport, Problem, meshed, order};
+use super::case::{CaseProblem, CaseReport, meshed, order};
 use crate::input::{DofName, Fix, Interpolation, ModelFile, PrescribedMotion, Time};
 use nalgebra::Vector3;
 use pullback_integrators::statics::StaticOptions;
 use std::f64::consts::PI;
 
 /// The thesis's mesh and result.
-pub(super) fn thesis(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn thesis(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("bend45")?;
     let d = report.tip(&file)?.state.d;
     let mut bend = report.build(&file, "tip")?;
@@ -41,7 +41,7 @@ fn geodesic(file: &ModelFile) -> ModelFile {
 }
 
 /// Meshes of two- and three-node elements against the exact curve.
-pub(super) fn convergence(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn convergence(report: &mut CaseReport) -> Result<(), CaseProblem> {
     // Independent Cosserat shooting; its arc turns towards −e2.
     const EXACT: [f64; 3] = [-23.5602395450204, -13.6045213473098, 53.474858791802];
     const SOURCE: &str = "exact curve: independent shooting, S01 variant A";
@@ -87,7 +87,7 @@ pub(super) fn convergence(report: &mut CaseReport) -> Result<(), Problem> {
 }
 
 /// S21: path independence, and invariance under superposed rotations.
-pub(super) fn objectivity(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn objectivity(report: &mut CaseReport) -> Result<(), CaseProblem> {
     const CLOSED: &str = "exact: S21, conservative loads";
     const TURN: f64 = 1.6;
     let file = report.model("bend45")?;
@@ -168,7 +168,7 @@ fn energy(
     elements: usize,
     turn: f64,
     force: f64,
-) -> Result<f64, Problem> {
+) -> Result<f64, CaseProblem> {
     let mut file = file.clone();
     file.lines[0].elements = elements;
     file.loads[0].force = Some([0.0, 0.0, force]);

@@ -1,10 +1,10 @@
 //! Planar linkages with a flexible part.
 
-use super::case::{CaseReport, Problem};
+use super::case::{CaseProblem, CaseReport};
 use super::linkages::{BARS, CRANK, ROD, gap, last};
-use super::motion::{History, Run};
+use super::motion::{History, RunChanges};
 use crate::input::{ModelFile, Stiffness, Tensor};
-use crate::output::plot::Curve;
+use crate::output::plot::PlotCurve;
 use nalgebra::Vector3;
 
 /// All stiffnesses of all sections times a factor.
@@ -21,10 +21,10 @@ pub(super) fn stiffer(file: &ModelFile, factor: f64) -> ModelFile {
 /// The flexible part with 8 quadratic elements, in steps of 5e-4. Half the step changes the positions below by
 /// 4e-6 and the deflection of the middle by 5e-5; half the elements by 2e-5 and 1.2e-4, a sixteenth of which
 /// remains. The tolerances are twice the sum of both; the independent values are within 4e-6.
-fn fine(report: &CaseReport, file: &ModelFile, nodes: &[&str]) -> Result<History, Problem> {
+fn fine(report: &CaseReport, file: &ModelFile, nodes: &[&str]) -> Result<History, CaseProblem> {
     let mut file = file.clone();
     file.lines[0].elements = 8;
-    report.motion(&file, nodes, Run::step(5e-4).to(2.0))
+    report.motion(&file, nodes, RunChanges::step(5e-4).to(2.0))
 }
 
 const POSITION: f64 = 1e-5;
@@ -41,7 +41,7 @@ fn off_the_line(run: &History, t: f64, [from, middle, to]: [usize; 3]) -> f64 {
 }
 
 /// A four-bar linkage with a flexible coupler.
-pub(super) fn coupler(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn coupler(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let rigid = report.model("four_bar")?;
     let file = report.model("four_bar_flexible")?;
     // The coupler of the other file weighs 1; this one weighs its length.
@@ -53,7 +53,7 @@ pub(super) fn coupler(report: &mut CaseReport) -> Result<(), Problem> {
     if let Some(Tensor::Full(rows)) = &mut alike.bodies[1].inertia {
         rows.iter_mut().flatten().for_each(|x| *x *= l);
     }
-    let to = Run::step(1e-3).to(2.0);
+    let to = RunChanges::step(1e-3).to(2.0);
     let rigid = report.motion(&alike, &["coupler tip"], to)?;
     let stiff = report.motion(&stiffer(&file, 1e3), &["coupler tip"], to)?;
     let [a, b] = [&rigid, &stiff].map(|run| last(run, 0).position);
@@ -85,9 +85,9 @@ pub(super) fn coupler(report: &mut CaseReport) -> Result<(), Problem> {
 }
 
 /// A slider-crank mechanism with a flexible rod.
-pub(super) fn connecting_rod(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn connecting_rod(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("slider_crank_flexible")?;
-    let to = Run::step(5e-4).to(1.0);
+    let to = RunChanges::step(5e-4).to(1.0);
     let stiff = report.motion(&stiffer(&file, 1e3), &["slider"], to)?;
     let source = "exact: closed-form kinematics of the driven crank, which has turned by 6 rad";
     let what = "slider at t = 1, rod 1000 times stiffer";
@@ -120,8 +120,8 @@ pub(super) fn connecting_rod(report: &mut CaseReport) -> Result<(), Problem> {
         "Slider-crank mechanism",
         ["time t", "slider"],
         vec![
-            Curve::new("flexible rod", displacement(2, &bent)),
-            Curve::new("rod 1000 times stiffer", displacement(0, &stiff)),
+            PlotCurve::new("flexible rod", displacement(2, &bent)),
+            PlotCurve::new("rod 1000 times stiffer", displacement(0, &stiff)),
         ],
     )
 }

@@ -3,7 +3,7 @@
 use super::models::model;
 use super::motion::History;
 use crate::input::{self, Analysis, InputError, ModelFile};
-use crate::output::plot::{Curve, Panel, panels};
+use crate::output::plot::{Panel, PlotCurve, panels};
 use pullback_elements::model::{Context, Dof, NodeId, NodeState};
 use pullback_integrators::dynamics::DynamicsError;
 use pullback_integrators::statics::{
@@ -18,13 +18,13 @@ pub struct Case {
     /// Name on the command line.
     pub name: &'static str,
     /// Computes the case and adds its rows.
-    pub run: fn(&mut CaseReport) -> Result<(), Problem>,
+    pub(super) run: fn(&mut CaseReport) -> Result<(), CaseProblem>,
 }
 
 impl Case {
     pub(super) const fn new(
         name: &'static str,
-        run: fn(&mut CaseReport) -> Result<(), Problem>,
+        run: fn(&mut CaseReport) -> Result<(), CaseProblem>,
     ) -> Self {
         Self { name, run }
     }
@@ -37,13 +37,13 @@ pub enum CaseError {
     #[error("there is no case {name}; known cases: {known}")]
     Unknown { name: String, known: String },
     #[error("gallery case {case}: {problem}")]
-    Case { case: String, problem: Problem },
+    Case { case: String, problem: CaseProblem },
 }
 
 /// Why a case cannot be computed.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "each message says what its variant is")]
-pub enum Problem {
+pub enum CaseProblem {
     #[error("its model file is not usable: {0}")]
     Model(#[from] Box<InputError>),
     #[error(transparent)]
@@ -62,7 +62,7 @@ pub enum Problem {
 
 /// One compared quantity.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Comparison {
+pub struct CaseRow {
     /// Name of the case.
     pub case: String,
     /// Name of the compared quantity.
@@ -81,7 +81,7 @@ pub struct Comparison {
     pub seconds: f64,
 }
 
-impl Comparison {
+impl CaseRow {
     /// Whether the difference is within the tolerance; never for NaN.
     pub fn passed(&self) -> bool {
         self.difference.abs() <= self.tolerance
@@ -89,10 +89,10 @@ impl Comparison {
 }
 
 /// Report of a case: its rows and plots.
-pub struct CaseReport {
+pub(super) struct CaseReport {
     pub(super) case: &'static str,
     out: Option<PathBuf>,
-    rows: Vec<Comparison>,
+    rows: Vec<CaseRow>,
 }
 
 impl CaseReport {
@@ -104,7 +104,7 @@ impl CaseReport {
         }
     }
 
-    pub(super) fn finish(self, seconds: f64) -> Vec<Comparison> {
+    pub(super) fn finish(self, seconds: f64) -> Vec<CaseRow> {
         let mut rows = self.rows;
         for row in &mut rows {
             row.seconds = seconds;
@@ -121,7 +121,7 @@ impl CaseReport {
         tolerance: f64,
         source: &str,
     ) {
-        self.rows.push(Comparison {
+        self.rows.push(CaseRow {
             case: self.case.to_owned(),
             quantity: quantity.into(),
             computed,
@@ -183,8 +183,8 @@ impl CaseReport {
         &self,
         title: &str,
         [x, y]: [&str; 2],
-        curves: Vec<Curve>,
-    ) -> Result<(), Problem> {
+        curves: Vec<PlotCurve>,
+    ) -> Result<(), CaseProblem> {
         let Some(out) = &self.out else {
             return Ok(());
         };
@@ -194,7 +194,7 @@ impl CaseReport {
             y: y.to_owned(),
             curves,
         };
-        let fail = |reason: String| Problem::Plot {
+        let fail = |reason: String| CaseProblem::Plot {
             path: path.clone(),
             reason,
         };
@@ -204,27 +204,27 @@ impl CaseReport {
     }
 
     /// A model file of the gallery.
-    pub(super) fn model(&self, name: &str) -> Result<ModelFile, Problem> {
-        let text = model(Path::new(name)).ok_or(Problem::Setup("it has no model file"))?;
+    pub(super) fn model(&self, name: &str) -> Result<ModelFile, CaseProblem> {
+        let text = model(Path::new(name)).ok_or(CaseProblem::Setup("it has no model file"))?;
         Ok(input::parse(self.case, text).map_err(Box::new)?)
     }
 
     /// Builds a model file and finds the watched node.
-    pub(super) fn build(&self, file: &ModelFile, node: &str) -> Result<Watched, Problem> {
-        let model = input::build(self.case, file).map_err(Box::new)?;
+    pub(super) fn build(&self, file: &ModelFile, node: &str) -> Result<Watched, CaseProblem> {
+        let model = input::job(self.case, file).map_err(Box::new)?.context;
         let node = find(&model, node)?;
         Ok(Watched { model, node })
     }
 
     /// The end of load stepping from 0 to 1, watched at the tip.
-    pub(super) fn tip(&self, file: &ModelFile) -> Result<Record, Problem> {
+    pub(super) fn tip(&self, file: &ModelFile) -> Result<StepRecord, CaseProblem> {
         self.build(file, "tip")?.end(&StaticOptions::default())
     }
 }
 
-pub(super) fn find(model: &Context, node: &str) -> Result<NodeId, Problem> {
+pub(super) fn find(model: &Context, node: &str) -> Result<NodeId, CaseProblem> {
     let found = model.find(node);
-    found.ok_or_else(|| Problem::Node(node.to_owned()))
+    found.ok_or_else(|| CaseProblem::Node(node.to_owned()))
 }
 
 /// A model and the node whose motion is compared.
@@ -235,7 +235,7 @@ pub(super) struct Watched {
 
 /// The watched node at a step or located event.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Record {
+pub(super) struct StepRecord {
     pub t: f64,
     pub event: Option<usize>,
     pub iterations: usize,
@@ -244,7 +244,10 @@ pub(super) struct Record {
 
 impl Watched {
     /// Load steps from the reference state; the records of all steps.
-    pub(super) fn solve(&mut self, options: &StaticOptions) -> Result<Vec<Record>, Problem> {
+    pub(super) fn solve(
+        &mut self,
+        options: &StaticOptions,
+    ) -> Result<Vec<StepRecord>, CaseProblem> {
         self.solve_from(&mut Vec::new(), options)
     }
 
@@ -253,7 +256,7 @@ impl Watched {
         &mut self,
         q: &mut Vec<f64>,
         options: &StaticOptions,
-    ) -> Result<Vec<Record>, Problem> {
+    ) -> Result<Vec<StepRecord>, CaseProblem> {
         let (mut records, node) = (Vec::new(), self.node);
         solve_statics(&mut self.model, q, options, &mut |model, step| {
             records.push(record(model, node, step));
@@ -263,12 +266,12 @@ impl Watched {
     }
 
     /// The last record of [`Watched::solve`].
-    pub(super) fn end(&mut self, options: &StaticOptions) -> Result<Record, Problem> {
+    pub(super) fn end(&mut self, options: &StaticOptions) -> Result<StepRecord, CaseProblem> {
         last(&self.solve(options)?, options.to)
     }
 
     /// The equilibria at growing load parameters, from the reference state.
-    pub(super) fn at_loads(&mut self, loads: &[f64]) -> Result<Vec<Record>, Problem> {
+    pub(super) fn at_loads(&mut self, loads: &[f64]) -> Result<Vec<StepRecord>, CaseProblem> {
         let mut q = Vec::new();
         let mut from = 0.0;
         let records = loads.iter().map(|&to| {
@@ -286,7 +289,10 @@ impl Watched {
     }
 
     /// Follows a path; the records of all steps and events.
-    pub(super) fn trace(&mut self, options: &ArcLengthOptions) -> Result<Vec<Record>, Problem> {
+    pub(super) fn trace(
+        &mut self,
+        options: &ArcLengthOptions,
+    ) -> Result<Vec<StepRecord>, CaseProblem> {
         let (mut records, node) = (Vec::new(), self.node);
         trace_path(
             &mut self.model,
@@ -301,19 +307,19 @@ impl Watched {
     }
 
     /// The event that a coordinate of the watched node crosses a value.
-    pub(super) fn passes(&self, dof: Dof, value: f64) -> Result<Event, Problem> {
+    pub(super) fn passes(&self, dof: Dof, value: f64) -> Result<Event, CaseProblem> {
         let unknown = self.model.unknown(self.node, dof);
-        let unknown = unknown.ok_or_else(|| Problem::Node(format!("with a free {dof:?}")))?;
+        let unknown = unknown.ok_or_else(|| CaseProblem::Node(format!("with a free {dof:?}")))?;
         Ok(Event::Coordinate { unknown, value })
     }
 }
 
-fn last(records: &[Record], t: f64) -> Result<Record, Problem> {
-    records.last().copied().ok_or(Problem::NoStep(t))
+fn last(records: &[StepRecord], t: f64) -> Result<StepRecord, CaseProblem> {
+    records.last().copied().ok_or(CaseProblem::NoStep(t))
 }
 
-fn record(context: &Context, node: NodeId, step: &Step<'_>) -> Record {
-    Record {
+fn record(context: &Context, node: NodeId, step: &Step<'_>) -> StepRecord {
+    StepRecord {
         t: step.t,
         event: step.event,
         iterations: step.iterations,

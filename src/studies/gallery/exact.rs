@@ -162,7 +162,7 @@ const GAUSS: [(f64, f64); 5] = [
 
 /// F(φ | m), the elliptic integral of the first kind, by the arithmetic-geometric mean and Landen's
 /// descending transformation of the angle (Abramowitz & Stegun 17.6); 0 ≤ m < 1.
-fn first_kind(phi: f64, m: f64) -> f64 {
+pub(super) fn first_kind(phi: f64, m: f64) -> f64 {
     let (mut a, mut b, mut phi, mut two) = (1.0, (1.0 - m).sqrt(), phi, 1.0);
     while (a - b).abs() > 1e-16 * a && two < 1e3 {
         // The angle that belongs to tan ψ = (b/a) tan φ, in the same quarter as φ.

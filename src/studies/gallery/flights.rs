@@ -1,19 +1,19 @@
 //! Large motions in a plane: spin-up of an arm, and a beam thrown into the air.
 
-use super::case::{CaseReport, Problem};
-use super::motion::{Run, richardson};
-use crate::output::plot::Curve;
+use super::case::{CaseProblem, CaseReport};
+use super::motion::{RunChanges, richardson};
+use crate::output::plot::PlotCurve;
 use pullback_elements::time::{SpinUp, TimeFunction};
 
 /// D02: spin-up of a flexible arm.
-pub(super) fn spin_up(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn spin_up(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("spin_up")?;
     let Ok(spin_up) = SpinUp::new(6.0, 15.0) else {
-        return Err(Problem::Setup("its spin-up is not usable"));
+        return Err(CaseProblem::Setup("its spin-up is not usable"));
     };
     // Time, extension and deflection in axes that turn with the hub.
-    let seen = |step: f64| -> Result<Vec<[f64; 3]>, Problem> {
-        let run = report.motion(&file, &["tip"], Run::step(step))?;
+    let seen = |step: f64| -> Result<Vec<[f64; 3]>, CaseProblem> {
+        let run = report.motion(&file, &["tip"], RunChanges::step(step))?;
         let states = run.t.iter().zip(&run.nodes[0]);
         let seen = states.map(|(&t, s)| {
             let (sin, cos) = spin_up.at(t, &[])[0].sin_cos();
@@ -47,16 +47,16 @@ pub(super) fn spin_up(report: &mut CaseReport) -> Result<(), Problem> {
         "Spin-up of a flexible arm",
         ["time t", "tip in axes of the hub"],
         vec![
-            Curve::new("extension", curve(1)),
-            Curve::new("deflection", curve(2)),
+            PlotCurve::new("extension", curve(1)),
+            PlotCurve::new("deflection", curve(2)),
         ],
     )
 }
 
 /// D03: a flying flexible beam.
-pub(super) fn flying(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn flying(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("flying_beam")?;
-    let run = report.motion(&file, &["loaded", "free"], Run::step(0.01))?;
+    let run = report.motion(&file, &["loaded", "free"], RunChanges::step(0.01))?;
     let source = "independent: two codes agree to 5e-3, D03";
     for (t, exact) in [
         (1.0, [4.329, 0.4077, 0.3692, 7.7969]),
@@ -86,8 +86,8 @@ pub(super) fn flying(report: &mut CaseReport) -> Result<(), Problem> {
         "Flying beam",
         ["along e1", "along e3"],
         vec![
-            Curve::new("loaded end", run.path(0, [0, 2])),
-            Curve::new("free end", run.path(1, [0, 2])),
+            PlotCurve::new("loaded end", run.path(0, [0, 2])),
+            PlotCurve::new("free end", run.path(1, [0, 2])),
         ],
     )
 }

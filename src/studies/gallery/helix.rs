@@ -1,17 +1,22 @@
 //! The helical beam: rotations far beyond π, at most loads with elements whose nodes are in different charts.
 
 #![allow(non_snake_case)]
+#![allow(
+    clippy::toplevel_ref_arg,
+    reason = "the macro `stack` of nalgebra expands to it"
+)]
 
-use super::case::{CaseReport, Problem, Record, order, peak};
+use super::case::{CaseProblem, CaseReport, StepRecord, order, peak};
+use super::motion::runge_kutta;
 use crate::input::Interpolation;
-use crate::output::plot::Curve;
-use nalgebra::{Matrix3, Vector3};
+use crate::output::plot::PlotCurve;
+use nalgebra::{Matrix3, Matrix3x4, Vector3, stack};
 use pullback_integrators::statics::StaticOptions;
 use pullback_manifold::so3::skew;
 
 /// The first maximum of the tip's displacement out of the plane: load and value, by the parabola through the largest
 /// recorded point and its neighbours.
-fn first_maximum(records: &[Record]) -> (f64, f64) {
+fn first_maximum(records: &[StepRecord]) -> (f64, f64) {
     let points: Vec<(f64, f64)> = records.iter().map(|r| (r.t, r.state.d.z)).collect();
     let falls = |k: &usize| points[*k].1 >= points[*k + 1].1;
     let first = (1..points.len().saturating_sub(1)).find(falls);
@@ -25,34 +30,23 @@ const BEND: f64 = 1e2;
 const FORCE: f64 = 50.0;
 const MOMENT: f64 = 200.0 * std::f64::consts::PI;
 
-/// Position and directors along the exact curve.
-type Frame = (Vector3<f64>, Matrix3<f64>);
-
 /// End of the curve whose tip is assumed at `tip`, by Runge and Kutta's method.
 ///
 /// With dead loads at the tip alone, equilibrium gives n = F and m = M + (x_L − x) × F everywhere,
 /// and x′ = R (E₁ + C_n⁻¹ Rᵀ n), R′ = R (C_m⁻¹ Rᵀ m)~.
 fn shoot(load: f64, tip: &Vector3<f64>) -> Vector3<f64> {
-    const STEPS: usize = 600;
     let n = Vector3::z() * (load * FORCE);
-    let rate = |(x, R): &Frame| -> Frame {
+    // Position and directors along the curve.
+    let rates = |_, y: &Matrix3x4<f64>| {
+        let (x, R) = (y.fixed_columns::<1>(0), y.fixed_columns::<3>(1));
         let m = Vector3::z() * (load * MOMENT) + (tip - x).cross(&n);
         let (Gamma, K) = (R.tr_mul(&n) / STRETCH, R.tr_mul(&m) / BEND);
-        (R * (Vector3::x() + Gamma), R * skew(&K))
+        stack![R * (Vector3::x() + Gamma), R * skew(&K)]
     };
-    let along = |y: &Frame, k: &Frame, h: f64| (y.0 + k.0 * h, y.1 + k.1 * h);
-    let h = LENGTH / STEPS as f64;
-    let mut y = (Vector3::zeros(), Matrix3::identity());
-    for _ in 0..STEPS {
-        let k1 = rate(&y);
-        let k2 = rate(&along(&y, &k1, 0.5 * h));
-        let k3 = rate(&along(&y, &k2, 0.5 * h));
-        let k4 = rate(&along(&y, &k3, h));
-        for (k, weight) in [(k1, 1.0), (k2, 2.0), (k3, 2.0), (k4, 1.0)] {
-            y = along(&y, &k, weight * h / 6.0);
-        }
-    }
-    y.0
+    let start = stack![Vector3::zeros(), Matrix3::identity()];
+    runge_kutta(rates, start, LENGTH, 600)
+        .column(0)
+        .into_owned()
 }
 
 /// Tip of the exact curve at each load, found by Newton's method from the tip at the load before.
@@ -75,7 +69,7 @@ fn exact_tips(loads: &[f64]) -> Vec<Vector3<f64>> {
 }
 
 /// Case 2 of [M04]: the helical beam with 100 and 200 elements, and with 100 geodesic ones. Its plot redraws Fig. 31.
-pub(super) fn run(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn run(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("helix")?;
     let mut heights = Vec::new();
     let mut curves = Vec::new();
@@ -111,7 +105,7 @@ pub(super) fn run(report: &mut CaseReport) -> Result<(), Problem> {
         let points = std::iter::once((0.0, 0.0))
             .chain(records.iter().map(|r| (r.t, r.state.d.z)))
             .collect();
-        curves.push(Curve::new(name, points));
+        curves.push(PlotCurve::new(name, points));
     }
     // The mesh error of Ψ's linear interpolation is a drift of the whole curve.
     let what = "height of the tip at full load, 100 over 200 elements";

@@ -2,13 +2,13 @@
 
 #![allow(non_snake_case)]
 
-use super::case::{CaseReport, Problem};
-use super::motion::{History, Run, continued, richardson, runge_kutta};
+use super::case::{CaseProblem, CaseReport};
+use super::motion::{History, RunChanges, continued, richardson, runge_kutta};
 use crate::input::{
-    Analysis, DofName, Fix, ModelFile, PrescribedMotion, Scheme, SpinUp, Support, Time,
+    Analysis, DofName, Fix, ModelFile, PrescribedMotion, SchemeName, SpinUp, Support, Time,
 };
-use crate::output::plot::Curve;
-use nalgebra::Vector3;
+use crate::output::plot::PlotCurve;
+use nalgebra::{Vector2, Vector3};
 use pullback_elements::model::NodeState;
 use std::f64::consts::PI;
 
@@ -34,20 +34,21 @@ fn rigid_shafts(cosine: f64, until: f64) -> f64 {
         let I = 20.0 * (1.0 + bottom.powi(-2));
         [I, -40.0 * slope * bottom.powi(-3)]
     };
-    let rates = |t: f64, [alpha, p]: [f64; 2]| {
+    let rates = |t: f64, y: &Vector2<f64>| {
+        let (alpha, p) = (y.x, y.y);
         let moment = (40.0 * (1.0 - (2.0 * t - 1.0).abs())).max(0.0);
         let [I, slope] = inertia(alpha);
         let speed = p / I;
-        [speed, moment + 0.5 * slope * speed * speed]
+        Vector2::new(speed, moment + 0.5 * slope * speed * speed)
     };
-    runge_kutta(&rates, [0.0; 2], until, 30_000)[0]
+    runge_kutta(rates, Vector2::zeros(), until, 30_000).x
 }
 
 /// Case 4 of [M04]. Its plot redraws Fig. 35.
-pub(super) fn hooke(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn hooke(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("hooke")?;
     let cosine = 0.5_f64.sqrt();
-    let run = report.motion(&file, &["A", "B"], Run::FILE)?;
+    let run = report.motion(&file, &["A", "B"], RunChanges::FILE)?;
     let [a, b] = [0, 1].map(|k| angles(&run.nodes[k]));
     let difference: Vec<f64> = a.iter().zip(&b).map(|(a, b)| b - a).collect();
     let exact: Vec<f64> = a.iter().map(|&a| ahead(a, cosine)).collect();
@@ -70,8 +71,8 @@ pub(super) fn hooke(report: &mut CaseReport) -> Result<(), Problem> {
         "Hooke's joint",
         ["time t", "‖Ψ_B‖ − ‖Ψ_A‖ (rad)"],
         vec![
-            Curve::new("two beams, two revolute joints", curve(&difference)),
-            Curve::points("exact", curve(&exact).into_iter().step_by(12).collect()),
+            PlotCurve::new("two beams, two revolute joints", curve(&difference)),
+            PlotCurve::points("exact", curve(&exact).into_iter().step_by(12).collect()),
         ],
     )
 }
@@ -110,7 +111,7 @@ fn light(file: &ModelFile, degrees: f64) -> ModelFile {
     };
     if let Analysis::Dynamic(d) = &mut file.analysis {
         d.to = (SPIN_UP / 2 + 720) as f64 * STEP;
-        d.scheme = Scheme::from("ga:0.5");
+        d.scheme = SchemeName::from("ga:0.5");
     }
     file
 }
@@ -125,7 +126,7 @@ fn turned(run: &History) -> Vec<[f64; 3]> {
 }
 
 /// R08: the kinematics alone.
-pub(super) fn universal(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn universal(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("hooke")?;
     let source = "exact: R08, angles from where the input yoke lies in the plane";
     let at_30 = [
@@ -137,7 +138,7 @@ pub(super) fn universal(report: &mut CaseReport) -> Result<(), Problem> {
     let at_45 = [(60, 67.7923457014, 0.808122035642)];
     for (degrees, points) in [(30.0, &at_30[..]), (45.0, &at_45)] {
         let file = light(&file, degrees);
-        let runs = [STEP, 0.5 * STEP].map(Run::step);
+        let runs = [STEP, 0.5 * STEP].map(RunChanges::step);
         let [coarse, fine] = report.motions(&file, &["A", "B"], runs)?;
         let (coarse, fine) = (turned(&coarse), turned(&fine));
         let both = coarse.into_iter().zip(fine.into_iter().step_by(2));

@@ -1,12 +1,12 @@
 //! Snap-through: paths followed through their limit points.
 
-use super::case::{CaseReport, Problem, Record, meshed};
-use crate::output::plot::Curve;
+use super::case::{CaseProblem, CaseReport, StepRecord, meshed};
+use crate::output::plot::PlotCurve;
 use pullback_elements::model::Dof;
 use pullback_integrators::statics::{ArcLengthOptions, Event};
 
 /// S11: Lee's frame.
-pub(super) fn lee_frame(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn lee_frame(report: &mut CaseReport) -> Result<(), CaseProblem> {
     const EXACT: &str = "exact curve: independent shooting, S11";
     const FORCE: f64 = 20000.0;
     let file = report.model("lee_frame")?;
@@ -30,8 +30,9 @@ pub(super) fn lee_frame(report: &mut CaseReport) -> Result<(), Problem> {
     let first = |event: usize| records.iter().find(|r| r.event == Some(event));
     let turns: Vec<_> = records.iter().filter(|r| r.event == Some(0)).collect();
     // Load, deflection and displacement along e1.
-    let seen =
-        |r: Option<&&Record>| r.map_or([f64::NAN; 3], |r| [r.t * FORCE, -r.state.d.y, r.state.d.x]);
+    let seen = |r: Option<&&StepRecord>| {
+        r.map_or([f64::NAN; 3], |r| [r.t * FORCE, -r.state.d.y, r.state.d.x])
+    };
     let [p, v, u] = seen(turns.first());
     for (quantity, computed, exact) in [
         ("limit load", p, 18546.558),
@@ -54,7 +55,7 @@ pub(super) fn lee_frame(report: &mut CaseReport) -> Result<(), Problem> {
     let (what, count) = ("turning points of the load up to 20 000", turns.len());
     let source = "published: Simo & Vu-Quoc 1986, figure";
     report.compare(what, count as f64, 2.0, 0.0, source);
-    let path = |pick: fn(&Record) -> f64| -> Vec<(f64, f64)> {
+    let path = |pick: fn(&StepRecord) -> f64| -> Vec<(f64, f64)> {
         std::iter::once((0.0, 0.0))
             .chain(records.iter().map(|r| (pick(r), r.t * FORCE)))
             .collect()
@@ -65,15 +66,15 @@ pub(super) fn lee_frame(report: &mut CaseReport) -> Result<(), Problem> {
         "Lee's frame",
         ["displacement of the loaded point", "load"],
         vec![
-            Curve::new("along e1", path(|r| r.state.d.x)),
-            Curve::new("along −e2", path(|r| -r.state.d.y)),
-            Curve::points("exact curve", exact.collect()),
+            PlotCurve::new("along e1", path(|r| r.state.d.x)),
+            PlotCurve::new("along −e2", path(|r| -r.state.d.y)),
+            PlotCurve::points("exact curve", exact.collect()),
         ],
     )
 }
 
 /// S12: the deep circular arch.
-pub(super) fn deep_arch(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn deep_arch(report: &mut CaseReport) -> Result<(), CaseProblem> {
     const EXACT: &str = "exact curve: independent shooting, S12";
     const LOAD: f64 = 1000.0;
     // States after the limit point: load, deflection of the crown and its
@@ -86,7 +87,7 @@ pub(super) fn deep_arch(report: &mut CaseReport) -> Result<(), Problem> {
         (0.0, 118.486579799, -60.880951149),
     ];
     let file = report.model("deep_arch")?;
-    let path = |elements: usize, order: usize, events| -> Result<Vec<Record>, Problem> {
+    let path = |elements: usize, order: usize, events| -> Result<Vec<StepRecord>, CaseProblem> {
         let file = meshed(&file, elements, order);
         report.build(&file, "crown")?.trace(&ArcLengthOptions {
             first_step: 0.01,
@@ -96,7 +97,7 @@ pub(super) fn deep_arch(report: &mut CaseReport) -> Result<(), Problem> {
         })
     };
     // The last occurrence of an event.
-    let point = |records: &[Record], event: usize| {
+    let point = |records: &[StepRecord], event: usize| {
         let found = records.iter().rfind(|r| r.event == Some(event));
         found.map_or([f64::NAN; 3], |r| [LOAD * r.t, -r.state.d.y, r.state.d.x])
     };

@@ -2,10 +2,10 @@
 
 #![allow(non_snake_case)]
 
-use super::case::{CaseReport, Problem};
-use super::motion::{History, Run, richardson, runge_kutta};
-use crate::output::plot::Curve;
-use nalgebra::Vector3;
+use super::case::{CaseProblem, CaseReport};
+use super::motion::{History, RunChanges, richardson, runge_kutta};
+use crate::output::plot::PlotCurve;
+use nalgebra::{Vector2, Vector3};
 use pullback_elements::model::NodeState;
 use pullback_manifold::jet::Taylor;
 use pullback_manifold::scalar::Scalar;
@@ -18,11 +18,12 @@ pub(super) type OneFreedom<'a> = &'a dyn Fn(Taylor<f64>) -> [Taylor<f64>; 2];
 
 /// θ and θ̇ at a time by the classical Runge-Kutta method: M θ̈ + ½ M′ θ̇² + V′ = 0.
 pub(super) fn integrate(system: OneFreedom<'_>, start: [f64; 2], to: f64) -> [f64; 2] {
-    let rates = |[theta, rate]: [f64; 2]| {
+    let rates = |_, y: &Vector2<f64>| {
+        let (theta, rate) = (y.x, y.y);
         let [M, V] = system(taylor([theta, 1.0]));
-        [rate, -(0.5 * M.d * rate * rate + V.d) / M.v]
+        Vector2::new(rate, -(0.5 * M.d * rate * rate + V.d) / M.v)
     };
-    runge_kutta(&|_, y| rates(y), start, to, 20_000)
+    runge_kutta(rates, start.into(), to, 20_000).into()
 }
 
 /// A quantity with its first derivative.
@@ -85,9 +86,9 @@ fn at_end(runs: &[History; 2], node: usize, of: impl Fn(&NodeState) -> Vector3<f
 const SOURCE: &str = "exact: closed-form kinematics, M θ̈ + ½ M′ θ̇² + V′ = 0 by Runge-Kutta";
 
 /// A four-bar linkage of rigid bars.
-pub(super) fn four_bar(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn four_bar(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("four_bar")?;
-    let steps = [1e-3, 5e-4].map(Run::step);
+    let steps = [1e-3, 5e-4].map(RunChanges::step);
     let runs = report.motions(&file, &["coupler tip", "rocker tip"], steps)?;
     let start = [std::f64::consts::FRAC_PI_2, 4.5];
     let [_, rocker] = closed_form(taylor(integrate(&four_bar_system, start, 4.0)));
@@ -103,7 +104,10 @@ pub(super) fn four_bar(report: &mut CaseReport) -> Result<(), Problem> {
     report.figure(
         "Four-bar linkage: path of the coupler's tip",
         ["x", "y"],
-        vec![Curve::new("tip of the coupler", runs[1].path(0, [0, 1]))],
+        vec![PlotCurve::new(
+            "tip of the coupler",
+            runs[1].path(0, [0, 1]),
+        )],
     )
 }
 
@@ -135,9 +139,13 @@ fn slider_exact(rod: f64, to: f64) -> [f64; 2] {
 }
 
 /// A slider-crank mechanism of rigid bars.
-pub(super) fn slider_crank(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn slider_crank(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("slider_crank")?;
-    let runs = report.motions(&file, &["slider", "rod end"], [1e-3, 5e-4].map(Run::step))?;
+    let runs = report.motions(
+        &file,
+        &["slider", "rod end"],
+        [1e-3, 5e-4].map(RunChanges::step),
+    )?;
     let [displacement, rate] = slider_exact(1.5, 2.0);
     let found = at_end(&runs, 0, |s| s.position)[0];
     report.compare("slider at t = 2", found, displacement, 1e-5, SOURCE);
@@ -152,9 +160,13 @@ pub(super) fn slider_crank(report: &mut CaseReport) -> Result<(), Problem> {
 /// Five parallelograms in a row.
 ///
 /// All couplers only translate: a pendulum with the inertia of six cranks and the mass of five couplers at its end.
-pub(super) fn parallelograms(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn parallelograms(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("parallelograms")?;
-    let runs = report.motions(&file, &["end 5", "far 5"], [4e-3, 2e-3].map(Run::step))?;
+    let runs = report.motions(
+        &file,
+        &["end 5", "far 5"],
+        [4e-3, 2e-3].map(RunChanges::step),
+    )?;
     let system = |angle: Taylor<f64>| {
         let M = Taylor::constant(6.0 / 3.0 + 5.0);
         [M, -(angle.cos() * (G * (6.0 / 2.0 + 5.0)))]

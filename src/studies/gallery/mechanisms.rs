@@ -2,11 +2,10 @@
 
 #![allow(non_snake_case)]
 
-use super::case::{CaseReport, Problem, meshed, with_scheme};
+use super::case::{CaseProblem, CaseReport, meshed, with_scheme};
 use super::linkages::{G, gap, integrate, slope, taylor};
-use super::motion::{History, Run, continued, observed_order, richardson};
+use super::motion::{History, RunChanges, continued, observed_order, richardson};
 use crate::input::{Closure, ModelFile};
-use crate::solve::point;
 use nalgebra::Vector3;
 use pullback_manifold::jet::Taylor;
 use pullback_manifold::scalar::Scalar;
@@ -22,18 +21,18 @@ pub(super) fn joints<const N: usize>(
     names: [&str; N],
     pairs: &[[&str; 2]],
     seen: &mut dyn FnMut([f64; N]),
-) -> Result<([[f64; N]; 3], f64), Problem> {
+) -> Result<([[f64; N]; 3], f64), CaseProblem> {
     let nodes = names.map(|name| format!("{name} angle"));
     let watched = nodes.iter().map(String::as_str);
     let watched: Vec<&str> = watched
         .chain(pairs.as_flattened().iter().copied())
         .collect();
-    let mut begun = report.begin(file, &watched, Run::step(step))?;
+    let mut begun = report.begin(file, &watched, RunChanges::step(step))?;
     let nodes = begun.nodes.clone();
     let (nodes, ends) = nodes.split_at(N);
     let (mut end, mut gap) = ([[f64::NAN; N]; 3], 0.0_f64);
     begun.integrate(&mut |model, progress| {
-        model.configure(point(progress))?;
+        model.configure(progress.state.point())?;
         for (k, &node) in nodes.iter().enumerate() {
             let motion = model.coordinate_motion(node, 0).unwrap_or([f64::NAN; 3]);
             for d in 0..3 {
@@ -51,7 +50,7 @@ pub(super) fn joints<const N: usize>(
 }
 
 /// Bricard's mechanism, an overconstrained loop with one degree of freedom.
-pub(super) fn bricard(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn bricard(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("bricard")?;
     let names = [
         "hinge 1", "hinge 2", "hinge 3", "hinge 4", "hinge 5", "hinge 6",
@@ -71,10 +70,10 @@ pub(super) fn bricard(report: &mut CaseReport) -> Result<(), Problem> {
     let what = "largest difference of every other hinge";
     report.compare(what, uneven, 0.0, 1e-12, source);
     report.compare_gap("largest gap of the loop", gap, 1e-13);
-    let run = report.motion(&file, &["end 2"], Run::step(2e-3))?;
+    let run = report.motion(&file, &["end 2"], RunChanges::step(2e-3))?;
     report.compare_energy(&run, 1e-3);
     if travel < 0.5 {
-        return Err(Problem::Setup(
+        return Err(CaseProblem::Setup(
             "it does not move far enough to prove anything",
         ));
     }
@@ -83,7 +82,7 @@ pub(super) fn bricard(report: &mut CaseReport) -> Result<(), Problem> {
     let source = "exact: equation of its one freedom, closed-form kinematics, Runge-Kutta";
     let mut enforced = with_scheme(&file, "ga:0.8");
     let last = enforced.joints.iter_mut().find(|j| j.name == "hinge 6");
-    let last = last.ok_or(Problem::Setup("it has no hinge 6"))?;
+    let last = last.ok_or(CaseProblem::Setup("it has no hinge 6"))?;
     last.closure = Some(Closure::Multipliers);
     for (file, how) in [(&file, "a map"), (&enforced, "multipliers")] {
         let mut ends = Vec::new();
@@ -137,7 +136,7 @@ fn bricard_system(s: Taylor<f64>) -> [Taylor<f64>; 2] {
 }
 
 /// D06: a linkage that moves only by the flexibility of its bars.
-pub(super) fn misaligned(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn misaligned(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("four_bar_misaligned")?;
     let watched = ["C", "tip of bar 3", "axis A", "axis D"];
     let turn = |run: &History, node: usize| {
@@ -151,7 +150,7 @@ pub(super) fn misaligned(report: &mut CaseReport) -> Result<(), Problem> {
             *axis = serde_json::json!([0.0, 0.0, 1.0]);
         }
     }
-    let run = report.motion(&aligned, &watched, Run::step(8e-3))?;
+    let run = report.motion(&aligned, &watched, RunChanges::step(8e-3))?;
     let source = "exact: rigid parallelogram";
     let what = "aligned: angle of bar 3 at t = 12";
     report.compare(what, turn(&run, 3), -7.2, 1e-3, source);
@@ -164,7 +163,7 @@ pub(super) fn misaligned(report: &mut CaseReport) -> Result<(), Problem> {
     let turns = |elements: usize, order: usize, loads: &[f64]| {
         let file = meshed(&file, elements, order);
         let records = report.build(&file, "C")?.at_loads(loads)?;
-        Ok::<_, Problem>(records.iter().map(|r| r.state.d).collect::<Vec<_>>())
+        Ok::<_, CaseProblem>(records.iter().map(|r| r.state.d).collect::<Vec<_>>())
     };
     let mut ends = Vec::new();
     for elements in [4, 8, 16] {
@@ -192,7 +191,7 @@ pub(super) fn misaligned(report: &mut CaseReport) -> Result<(), Problem> {
         let k = (angle / 0.012_f64).round() as usize;
         report.compare_vector(&what, path[k - 1], exact, 3e-8, source);
     }
-    let run = report.motion(&meshed(&file, 4, 2), &watched, Run::step(8e-3))?;
+    let run = report.motion(&meshed(&file, 4, 2), &watched, RunChanges::step(8e-3))?;
     // So slow that inertia and steps contribute 1e-7.
     let what = "largest deflection at C across the plane";
     report.compare(what, off(&run), 0.004_264_418_4, 3e-7, source);
@@ -204,7 +203,7 @@ pub(super) fn misaligned(report: &mut CaseReport) -> Result<(), Problem> {
 }
 
 /// The same in static equilibrium, with decreasing misalignment.
-pub(super) fn hardly_misaligned(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn hardly_misaligned(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let mut file = meshed(&report.model("four_bar_misaligned")?, 4, 2);
     // Bar 1 turns by 0.15 each.
     let loads: Vec<f64> = (1..=8).map(|k| 0.25 * f64::from(k)).collect();
@@ -212,7 +211,7 @@ pub(super) fn hardly_misaligned(report: &mut CaseReport) -> Result<(), Problem> 
     for degrees in [0.5_f64, 0.25] {
         let (s, c) = degrees.to_radians().sin_cos();
         let joint = file.joints.iter_mut().find(|j| j.name == "axis C");
-        let joint = joint.ok_or(Problem::Setup("it has no axis C"))?;
+        let joint = joint.ok_or(CaseProblem::Setup("it has no axis C"))?;
         let axis = serde_json::json!([s, 0.0, c]);
         joint.keys.insert("axis".into(), axis);
         let records = report.build(&file, "C")?.at_loads(&loads)?;

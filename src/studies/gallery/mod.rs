@@ -20,7 +20,8 @@ mod struck;
 mod swings;
 mod tops;
 
-pub use case::{Case, CaseError, CaseReport, Comparison, Problem};
+use case::CaseReport;
+pub use case::{Case, CaseError, CaseProblem, CaseRow};
 pub use exact::exact;
 pub use models::{MODELS, model};
 
@@ -79,7 +80,7 @@ pub fn run(
     names: &[String],
     out: Option<&Path>,
     progress: &mut (dyn FnMut(&str) + Send),
-) -> Result<Vec<Comparison>, CaseError> {
+) -> Result<Vec<CaseRow>, CaseError> {
     // Cases are named like their model files, which have underscores.
     let names: Vec<String> = names.iter().map(|n| n.replace('_', "-")).collect();
     if let Some(name) = names.iter().find(|n| CASES.iter().all(|c| c.name != **n)) {

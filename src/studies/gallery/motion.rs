@@ -1,13 +1,13 @@
 //! Runs in time: the states of watched nodes at all steps.
 
-use super::case::{CaseReport, Problem, find};
+use super::case::{CaseProblem, CaseReport, find};
 use crate::input::{self, ModelFile, Plan};
 use crate::probe::continue_rotation;
-use crate::solve::{begin, point};
-use nalgebra::Vector3;
+use crate::solve::begin;
+use nalgebra::{SMatrix, Vector3};
 use pullback_elements::model::{Context, EnergiesAndMomentum, NodeId, NodeState};
 use pullback_integrators::dynamics::{
-    DynamicOptions, DynamicsError, Progress, StepReport, Summary, integrate, start,
+    DynamicOptions, DynamicsError, Progress, StepReport, Summary, integrate,
 };
 use pullback_manifold::system::SystemError;
 use std::ops::ControlFlow;
@@ -68,14 +68,14 @@ impl History {
 
 /// Changes of a run against its file.
 #[derive(Clone, Copy)]
-pub(super) struct Run {
+pub(super) struct RunChanges {
     /// End time, if changed.
     pub to: Option<f64>,
     /// Step size, if changed.
     pub step: Option<f64>,
 }
 
-impl Run {
+impl RunChanges {
     /// No changes.
     pub const FILE: Self = Self {
         to: None,
@@ -123,7 +123,7 @@ impl Begun {
     pub fn integrate(
         &mut self,
         seen: &mut dyn FnMut(&mut Context, &Progress) -> Result<(), SystemError>,
-    ) -> Result<(), Problem> {
+    ) -> Result<(), CaseProblem> {
         let mut failed = None;
         let mut step = |model: &mut Context, step: &StepReport<'_>| {
             failed = seen(model, step.progress).err();
@@ -142,7 +142,7 @@ impl Begun {
     }
 }
 
-fn unusable(source: SystemError) -> Problem {
+fn unusable(source: SystemError) -> CaseProblem {
     DynamicsError::System { t: 0.0, source }.into()
 }
 
@@ -152,8 +152,8 @@ impl CaseReport {
         &self,
         file: &ModelFile,
         nodes: &[&str],
-        run: Run,
-    ) -> Result<History, Problem> {
+        run: RunChanges,
+    ) -> Result<History, CaseProblem> {
         let mut begun = self.begin(file, nodes, run)?;
         let ids = begun.nodes.clone();
         let mut history = History {
@@ -163,7 +163,7 @@ impl CaseReport {
             summary: Summary::default(),
         };
         let mut record = |model: &mut Context, progress: &Progress| {
-            let balance = model.energies_and_momentum(point(progress))?;
+            let balance = model.energies_and_momentum(progress.state.point())?;
             history.t.push(progress.state.t);
             history.balances.push(balance);
             for (states, &id) in history.nodes.iter_mut().zip(&ids) {
@@ -182,11 +182,11 @@ impl CaseReport {
         &self,
         file: &ModelFile,
         nodes: &[&str],
-        runs: [Run; N],
-    ) -> Result<[History; N], Problem> {
+        runs: [RunChanges; N],
+    ) -> Result<[History; N], CaseProblem> {
         let runs = runs.into_iter().map(|run| self.motion(file, nodes, run));
         let runs: Vec<History> = runs.collect::<Result<_, _>>()?;
-        (runs.try_into()).map_err(|_| Problem::Setup("it has another number of runs"))
+        (runs.try_into()).map_err(|_| CaseProblem::Setup("it has another number of runs"))
     }
 
     /// Builds a model file, finds the named nodes, and starts its motion.
@@ -194,17 +194,17 @@ impl CaseReport {
         &self,
         file: &ModelFile,
         nodes: &[&str],
-        run: Run,
-    ) -> Result<Begun, Problem> {
+        run: RunChanges,
+    ) -> Result<Begun, CaseProblem> {
         let job = input::job(self.case, file).map_err(Box::new)?;
         let Plan::Dynamic(plan) = job.plan else {
-            return Err(Problem::Setup("its analysis is not dynamic"));
+            return Err(CaseProblem::Setup("its analysis is not dynamic"));
         };
         let mut model = job.context;
         let nodes = nodes.iter().map(|&node| find(&model, node));
         let nodes = nodes.collect::<Result<_, _>>()?;
         let options = run.options(&plan.options);
-        let mut progress = Progress::new(start(&model, 0.0, &job.start.q, &job.start.v)?);
+        let mut progress = job.start.motion(&model)?;
         begin(&mut model, &options, &mut progress)?;
         Ok(Begun {
             model,
@@ -236,21 +236,19 @@ pub(super) fn observed_order(values: &[Vector3<f64>; 3]) -> f64 {
 }
 
 /// The classical Runge-Kutta method with `count` steps from t = 0.
-pub(super) fn runge_kutta(
-    rates: &dyn Fn(f64, [f64; 2]) -> [f64; 2],
-    start: [f64; 2],
+pub(super) fn runge_kutta<const R: usize, const C: usize>(
+    rates: impl Fn(f64, &SMatrix<f64, R, C>) -> SMatrix<f64, R, C>,
+    start: SMatrix<f64, R, C>,
     to: f64,
     count: u32,
-) -> [f64; 2] {
+) -> SMatrix<f64, R, C> {
     let h = to / f64::from(count);
-    let along = |y: [f64; 2], k: [f64; 2], h: f64| [y[0] + h * k[0], y[1] + h * k[1]];
     (0..count).fold(start, |y, n| {
         let t = h * f64::from(n);
-        let k1 = rates(t, y);
-        let k2 = rates(t + 0.5 * h, along(y, k1, 0.5 * h));
-        let k3 = rates(t + 0.5 * h, along(y, k2, 0.5 * h));
-        let k4 = rates(t + h, along(y, k3, h));
-        let sum = |i: usize| (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]) / 6.0;
-        along(y, [sum(0), sum(1)], h)
+        let k1 = rates(t, &y);
+        let k2 = rates(t + 0.5 * h, &(y + k1 * (0.5 * h)));
+        let k3 = rates(t + 0.5 * h, &(y + k2 * (0.5 * h)));
+        let k4 = rates(t + h, &(y + k3 * h));
+        y + (k1 + (k2 + k3) * 2.0 + k4) / 6.0 * h
     })
 }

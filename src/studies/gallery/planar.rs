@@ -1,17 +1,17 @@
 //! Plane cantilevers with exact solutions.
 
-use super::case::{CaseReport, Problem, Record, meshed, order};
+use super::case::{CaseProblem, CaseReport, StepRecord, meshed, order};
 use crate::input::ModelFile;
-use crate::output::plot::Curve;
+use crate::output::plot::PlotCurve;
 use std::f64::consts::{PI, TAU};
 
 /// Rotation about e3 in (−π, π].
-fn angle(record: &Record) -> f64 {
+fn angle(record: &StepRecord) -> f64 {
     record.state.R[(1, 0)].atan2(record.state.R[(0, 0)])
 }
 
 /// S03: one and two full circles.
-pub(super) fn rollup(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn rollup(report: &mut CaseReport) -> Result<(), CaseProblem> {
     const SOURCE: &str = "exact: Euler";
     const EI: f64 = 2.0;
     let file = report.model("rollup")?;
@@ -41,7 +41,7 @@ pub(super) fn rollup(report: &mut CaseReport) -> Result<(), Problem> {
 }
 
 /// S04: Mattiasson's elastica.
-pub(super) fn elastica(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn elastica(report: &mut CaseReport) -> Result<(), CaseProblem> {
     // P L²/EI: w/L, u/L, rotation.
     const EXACT: [(f64, [f64; 3]); 11] = [
         (0.2, [0.06636448214, 0.002646548341, 0.09963616304]),
@@ -70,7 +70,7 @@ pub(super) fn elastica(report: &mut CaseReport) -> Result<(), Problem> {
 }
 
 /// S05: Géradin's cantilever.
-pub(super) fn cantilever(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn cantilever(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("cantilever")?;
     let r = report.tip(&file)?;
     let rotation = (-r.state.R[(2, 0)].atan2(r.state.R[(0, 0)])).abs();
@@ -95,14 +95,14 @@ fn stub(
     elements: usize,
     order: usize,
     force: f64,
-) -> Result<Record, Problem> {
+) -> Result<StepRecord, CaseProblem> {
     let mut file = meshed(file, elements, order);
     file.loads[0].force = Some([0.0, force, 0.0]);
     report.tip(&file)
 }
 
 /// S09: a stubby cantilever in which shear counts.
-pub(super) fn shear_flexible(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn shear_flexible(report: &mut CaseReport) -> Result<(), CaseProblem> {
     const EXACT: &str = "exact curve: independent shooting, S09";
     const PUBLISHED: &str = "published: Nachbagauer et al. 2011, converged mesh";
     let file = report.model("shear_flexible")?;
@@ -136,7 +136,7 @@ pub(super) fn shear_flexible(report: &mut CaseReport) -> Result<(), Problem> {
 }
 
 /// S18: a transverse follower force.
-pub(super) fn follower(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn follower(report: &mut CaseReport) -> Result<(), CaseProblem> {
     // F: ux, uy, rotation modulo a turn.
     const EXACT: [(f64, [f64; 3]); 8] = [
         (1e4, [-41.69280982, 71.10951873, 1.34023618]),
@@ -154,7 +154,7 @@ pub(super) fn follower(report: &mut CaseReport) -> Result<(), Problem> {
     let path = |pick: fn(&[f64; 3]) -> f64| EXACT.iter().map(|(f, e)| (*f, pick(e))).collect();
     let fine: Vec<f64> = (1..=90).map(|k| f64::from(k) / 90.0).collect();
     let curve = report.build(&file, "tip")?.at_loads(&fine)?;
-    let along = |pick: fn(&Record) -> f64| {
+    let along = |pick: fn(&StepRecord) -> f64| {
         let points = curve.iter().map(|r| (r.t * 9e4, pick(r)));
         std::iter::once((0.0, 0.0)).chain(points).collect()
     };
@@ -162,10 +162,10 @@ pub(super) fn follower(report: &mut CaseReport) -> Result<(), Problem> {
         "Cantilever with follower force",
         ["force", "tip displacement"],
         vec![
-            Curve::new("along e1", along(|r| r.state.d.x)),
-            Curve::new("along e2", along(|r| r.state.d.y)),
-            Curve::points("exact, along e1", path(|e| e[0])),
-            Curve::points("exact, along e2", path(|e| e[1])),
+            PlotCurve::new("along e1", along(|r| r.state.d.x)),
+            PlotCurve::new("along e2", along(|r| r.state.d.y)),
+            PlotCurve::points("exact, along e1", path(|e| e[0])),
+            PlotCurve::points("exact, along e2", path(|e| e[1])),
         ],
     )?;
     for ((f, exact), r) in EXACT.iter().zip(&records) {

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::case::{CaseReport, Problem, meshed};
+use super::case::{CaseProblem, CaseReport, meshed};
 use crate::input::Stiffness;
 use nalgebra::{Matrix3, Vector3};
 use pullback_integrators::statics::StaticOptions;
@@ -10,7 +10,7 @@ use pullback_manifold::so3;
 use std::f64::consts::PI;
 
 /// S07: pretwisted by 90°.
-pub(super) fn twisted(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn twisted(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("twisted")?;
     let d = report.tip(&file)?.state.d;
     let exact = [-1.14152599954, -1.718053346465, -3.593213240272];
@@ -23,7 +23,7 @@ pub(super) fn twisted(report: &mut CaseReport) -> Result<(), Problem> {
 }
 
 /// S08: the Princeton beam.
-pub(super) fn princeton(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn princeton(report: &mut CaseReport) -> Result<(), CaseProblem> {
     const P: f64 = 8.896;
     const YZ: [[f64; 2]; 7] = [
         [0.0107141763, 0.0],
@@ -63,7 +63,7 @@ fn exact_helix(kappa: &Vector3<f64>, length: f64) -> (Vector3<f64>, Matrix3<f64>
 }
 
 /// S17: a straight rod becomes a helix, at slenderness 10 to 10⁴.
-pub(super) fn bending_torsion(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn bending_torsion(report: &mut CaseReport) -> Result<(), CaseProblem> {
     const SOURCE: &str = "exact: helix of constant curvature (Harsch et al. 2023)";
     let (radius, height, coils) = (10.0, 50.0, 2.0);
     let c = height / (2.0 * PI * coils * radius);
@@ -91,7 +91,7 @@ pub(super) fn bending_torsion(report: &mut CaseReport) -> Result<(), Problem> {
             max_step: 0.1,
             ..StaticOptions::default()
         };
-        Ok::<_, Problem>(watched.end(&options)?.state)
+        Ok::<_, CaseProblem>(watched.end(&options)?.state)
     };
     for slenderness in [1e1, 1e2, 1e3, 1e4] {
         // At full load the coils are whole and errors of the position cancel: it is compared at 0.9.

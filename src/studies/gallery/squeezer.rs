@@ -1,6 +1,6 @@
 //! Andrews' squeezer against its published reference.
 
-use super::case::{CaseReport, Problem};
+use super::case::{CaseProblem, CaseReport};
 use super::mechanisms::joints;
 
 /// Angle, rate and acceleration of each joint of Andrews' mechanism at t = 0.03.
@@ -30,7 +30,7 @@ const FOLLOWING: [[f64; 2]; 7] = [
 const TRUST: f64 = 1e-9;
 
 /// R06: seven bodies, three loops.
-pub(super) fn run(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn run(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("squeezer")?;
     let pairs = [["P", "K3 end"], ["P", "K4 end"], ["P", "K6 end"]];
     let mut runs = Vec::new();

@@ -1,9 +1,9 @@
 //! The right-angle cantilever, struck at its elbow.
 
-use super::case::{CaseReport, Problem, meshed, peak};
-use super::motion::{History, Run};
+use super::case::{CaseProblem, CaseReport, meshed, peak};
+use super::motion::{History, RunChanges};
 use crate::input::ModelFile;
-use crate::output::plot::Curve;
+use crate::output::plot::PlotCurve;
 
 /// The highest or lowest point of a curve between two times.
 fn extremum(curve: &[(f64, f64)], [from, to]: [f64; 2], sign: f64) -> (f64, f64) {
@@ -55,12 +55,12 @@ fn turns(
 }
 
 /// Case 5 of [M04]. Its plot redraws Fig. 37.
-pub(super) fn elbow(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn elbow(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("elbow")?;
     let nodes = ["tip", "elbow"];
     let mut curves = Vec::new();
     for elements in [10, 2] {
-        let run = report.motion(&meshed(&file, elements, 1), &nodes, Run::FILE)?;
+        let run = report.motion(&meshed(&file, elements, 1), &nodes, RunChanges::FILE)?;
         let all = 2 * elements;
         let [tip, elbow] = [0, 1].map(|k| height(&run, k));
         if elements == 10 {
@@ -73,8 +73,8 @@ pub(super) fn elbow(report: &mut CaseReport) -> Result<(), Problem> {
         for (color, name, curve) in [(0, "tip", tip), (1, "elbow", elbow)] {
             let label = format!("{name}, {all} elements");
             let curve = match elements {
-                10 => Curve::new(label, curve),
-                _ => Curve::points(label, curve.into_iter().step_by(2).collect()),
+                10 => PlotCurve::new(label, curve),
+                _ => PlotCurve::points(label, curve.into_iter().step_by(2).collect()),
             };
             curves.push(curve.colored(color));
         }
@@ -93,9 +93,13 @@ pub(super) fn elbow(report: &mut CaseReport) -> Result<(), Problem> {
 ///
 /// The lowest point of the elbow, −3.87 at t = 10.82 as digitised, is left out: it was read from a small figure, and is
 /// 0.19 above −4.06, the value of all converged solutions (D01), and 0.11 above the lowest point of this mesh.
-fn as_first_published(report: &mut CaseReport, file: &ModelFile) -> Result<(), Problem> {
+fn as_first_published(report: &mut CaseReport, file: &ModelFile) -> Result<(), CaseProblem> {
     let step = 0.25;
-    let run = report.motion(&meshed(file, 2, 2), &["tip", "elbow"], Run::step(step))?;
+    let run = report.motion(
+        &meshed(file, 2, 2),
+        &["tip", "elbow"],
+        RunChanges::step(step),
+    )?;
     let [tip, elbow] = [0, 1].map(|k| height(&run, k));
     let name = "4 quadratic, h = 0.25: ";
     let source = "published: Simo & Vu-Quoc 1988, digitised";
@@ -116,9 +120,9 @@ fn as_first_published(report: &mut CaseReport, file: &ModelFile) -> Result<(), P
 }
 
 /// D01: the same on a converged mesh.
-pub(super) fn converged(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn converged(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = meshed(&report.model("elbow")?, 5, 3);
-    let run = report.motion(&file, &["tip", "elbow"], Run::step(0.01).to(28.0))?;
+    let run = report.motion(&file, &["tip", "elbow"], RunChanges::step(0.01).to(28.0))?;
     let [tip, elbow] = [0, 1].map(|k| height(&run, k));
     for (curve, known) in [(&tip, &TIP), (&elbow, &ELBOW), (&elbow, &LEDGE)] {
         for turn in known {

@@ -2,10 +2,11 @@
 
 #![allow(non_snake_case)]
 
-use super::case::{CaseReport, Problem};
-use super::motion::{History, Run, observed_order, richardson};
+use super::case::{CaseProblem, CaseReport};
+use super::exact::first_kind;
+use super::motion::{History, RunChanges, observed_order, richardson};
 use crate::input::{ModelFile, Sine, Time};
-use crate::output::plot::Curve;
+use crate::output::plot::PlotCurve;
 use nalgebra::Vector3;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -23,9 +24,9 @@ fn gentle(file: &ModelFile) -> ModelFile {
 }
 
 /// Order in the step of the position of a node at t = 0.5.
-fn order(report: &mut CaseReport, file: &ModelFile, node: &str) -> Result<(), Problem> {
+fn order(report: &mut CaseReport, file: &ModelFile, node: &str) -> Result<(), CaseProblem> {
     let file = gentle(file);
-    let runs = [2e-3, 1e-3, 5e-4].map(|h| Run::step(h).to(0.5));
+    let runs = [2e-3, 1e-3, 5e-4].map(|h| RunChanges::step(h).to(0.5));
     let runs = report.motions(&file, &[node], runs)?;
     let ends = runs.map(|run| run.at(0, 0.5).position);
     let what = "order in the step, gravity put on smoothly";
@@ -34,9 +35,9 @@ fn order(report: &mut CaseReport, file: &ModelFile, node: &str) -> Result<(), Pr
 }
 
 /// R04: a pendulum released from the horizontal, and one struck so that it turns over.
-pub(super) fn pendulum(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn pendulum(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("pendulum")?;
-    let [a, b, c] = report.motions(&file, &["rod"], [4e-3, 2e-3, 1e-3].map(Run::step))?;
+    let [a, b, c] = report.motions(&file, &["rod"], [4e-3, 2e-3, 1e-3].map(RunChanges::step))?;
     let source = "exact: elliptic functions, R04";
     for (t, exact) in [
         (1.0, [0.986291751131875, -0.165010853125541]),
@@ -60,15 +61,6 @@ pub(super) fn pendulum(report: &mut CaseReport) -> Result<(), Problem> {
     over(report, &file)
 }
 
-/// Complete elliptic integral of the first kind by the arithmetic-geometric mean; k is the modulus.
-fn elliptic_K(k: f64) -> f64 {
-    let (mut a, mut g) = (1.0, (1.0 - k * k).sqrt());
-    for _ in 0..10 {
-        (a, g) = (0.5 * (a + g), (a * g).sqrt());
-    }
-    FRAC_PI_2 / a
-}
-
 /// Angle of a pendulum from its lowest position, whole turns included.
 fn turned(run: &History) -> Vec<f64> {
     let mut turned = 0.0;
@@ -84,14 +76,14 @@ fn turned(run: &History) -> Vec<f64> {
 ///
 /// Energy says θ̇² = ω² − (4g/l) sin²(θ/2), so that a turn takes
 /// (2/ω) ∫₀^π dφ/√(1 − k² sin²φ) = 4 K(k)/ω with k = 2√(g/l)/ω, and half a turn half of that.
-fn over(report: &mut CaseReport, file: &ModelFile) -> Result<(), Problem> {
+fn over(report: &mut CaseReport, file: &ModelFile) -> Result<(), CaseProblem> {
     let (omega, g_over_l) = (8.0, 9.81);
-    let turn = 4.0 * elliptic_K(2.0 * f64::sqrt(g_over_l) / omega) / omega;
+    let turn = 4.0 * first_kind(FRAC_PI_2, 4.0 * g_over_l / (omega * omega)) / omega;
     let mut file = file.clone();
     file.joints[0].rate = Some(omega);
     (file.joints[1].keys).insert("position".to_owned(), serde_json::json!([0.0, 0.0, -1.0]));
     let run = |count: usize| {
-        let run = Run::step(turn / count as f64).to(6.0 * turn);
+        let run = RunChanges::step(turn / count as f64).to(6.0 * turn);
         report.motion(&file, &["rod"], run)
     };
     let [coarse, fine] = [(500, run(500)?), (1000, run(1000)?)];
@@ -114,10 +106,10 @@ fn over(report: &mut CaseReport, file: &ModelFile) -> Result<(), Problem> {
 }
 
 /// A double pendulum of flexible rods.
-pub(super) fn double(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn double(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("double_pendulum")?;
     order(report, &file, "tip")?;
-    let steps = [2e-3, 1e-3, 5e-4].map(Run::step);
+    let steps = [2e-3, 1e-3, 5e-4].map(RunChanges::step);
     let [a, b, c] = report.motions(&file, &["tip", "knee"], steps)?;
     let order = (a.energy_error() / b.energy_error()).log2();
     report.compare_order("order of the energy error", order, 0.1);
@@ -130,23 +122,23 @@ pub(super) fn double(report: &mut CaseReport) -> Result<(), Problem> {
         "Flexible double pendulum",
         ["along e1", "along e3"],
         vec![
-            Curve::new("knee", c.path(1, [0, 2])),
-            Curve::new("tip", c.path(0, [0, 2])),
+            PlotCurve::new("knee", c.path(1, [0, 2])),
+            PlotCurve::new("tip", c.path(0, [0, 2])),
         ],
     )
 }
 
 /// A rubber rod that swings under its own weight.
-pub(super) fn rubber(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn rubber(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("rubber_rod")?;
-    let c = report.motion(&file, &["end"], Run::step(5e-4))?;
+    let c = report.motion(&file, &["end"], RunChanges::step(5e-4))?;
     report.compare("energy error", c.energy_error(), 0.0, 1e-4, "conserved");
     order(report, &file, "end")?;
     let mut coarse = file.clone();
     let mut positions: Vec<Vector3<f64>> = Vec::new();
     for elements in [4, 8, 16] {
         coarse.lines[0].elements = elements;
-        let run = report.motion(&coarse, &["end"], Run::step(1e-3).to(0.5))?;
+        let run = report.motion(&coarse, &["end"], RunChanges::step(1e-3).to(0.5))?;
         positions.push(run.at(0, 0.5).position);
     }
     let mesh = (positions[1] - positions[2]).norm();
@@ -155,6 +147,6 @@ pub(super) fn rubber(report: &mut CaseReport) -> Result<(), Problem> {
     report.figure(
         "Swinging rubber rod",
         ["along e1", "along e3"],
-        vec![Curve::new("path of the end", c.path(0, [0, 2]))],
+        vec![PlotCurve::new("path of the end", c.path(0, [0, 2]))],
     )
 }

@@ -1,13 +1,17 @@
 //! Rigid bodies with a fixed point, and free ones.
 
 #![allow(non_snake_case)]
+#![allow(
+    clippy::toplevel_ref_arg,
+    reason = "the macro `stack` of nalgebra expands to it"
+)]
 
 use super::bent::stiffer;
-use super::case::{CaseReport, Problem, peak, with_scheme};
-use super::motion::{History, Run, observed_order, richardson};
+use super::case::{CaseProblem, CaseReport, peak, with_scheme};
+use super::motion::{History, RunChanges, observed_order, richardson, runge_kutta};
 use crate::input::{Fix, Group, ModelFile};
-use crate::output::plot::Curve;
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use crate::output::plot::PlotCurve;
+use nalgebra::{Quaternion, SVector, UnitQuaternion, Vector3, stack};
 use pullback_elements::model::NodeState;
 
 /// Inclination of the axis e3 of a node.
@@ -32,41 +36,30 @@ struct Gyroscope {
     arm: Vector3<f64>,
 }
 
-type GyroState = (Quaternion<f64>, Vector3<f64>);
+/// p and Ω.
+type GyroState = SVector<f64, 7>;
 
 impl Gyroscope {
-    fn rates(&self, (p, omega): &GyroState) -> GyroState {
-        let R = UnitQuaternion::from_quaternion(*p);
+    fn rates(&self, y: &GyroState) -> GyroState {
+        let (p, omega) = (quaternion(y), y.fixed_rows::<3>(4).into_owned());
+        let R = UnitQuaternion::from_quaternion(p);
         let down = R.inverse_transform_vector(&-Vector3::z());
-        let moment = self.arm.cross(&down) - omega.cross(&self.J.component_mul(omega));
-        let half = Quaternion::from_parts(0.0, *omega) * 0.5;
-        (p * half, moment.component_div(&self.J))
-    }
-
-    /// The classical Runge-Kutta method with `count` steps until `t`.
-    fn integrate(&self, start: GyroState, t: f64, count: usize) -> GyroState {
-        let h = t / count as f64;
-        let along = |s: &GyroState, d: &GyroState, h: f64| (s.0 + d.0 * h, s.1 + d.1 * h);
-        (0..count).fold(start, |s, _| {
-            let k1 = self.rates(&s);
-            let k2 = self.rates(&along(&s, &k1, 0.5 * h));
-            let k3 = self.rates(&along(&s, &k2, 0.5 * h));
-            let k4 = self.rates(&along(&s, &k3, h));
-            let sum = (
-                k1.0 + (k2.0 + k3.0) * 2.0 + k4.0,
-                k1.1 + (k2.1 + k3.1) * 2.0 + k4.1,
-            );
-            let (p, omega) = along(&s, &sum, h / 6.0);
-            (p.normalize(), omega)
-        })
+        let moment = self.arm.cross(&down) - omega.cross(&self.J.component_mul(&omega));
+        let half = Quaternion::from_parts(0.0, omega) * 0.5;
+        stack![(p * half).coords; moment.component_div(&self.J)]
     }
 }
 
+/// The quaternion p of a state.
+fn quaternion(y: &GyroState) -> Quaternion<f64> {
+    Quaternion::from(y.fixed_rows::<4>(0).into_owned())
+}
+
 /// Case 3 of [M04] and R02: the fast symmetrical top. Its plot redraws Fig. 33.
-pub(super) fn top(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn top(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("top")?;
     let source = "exact: cubic of the top, R02";
-    let converged = report.motion(&file, &["O"], Run::step(1e-4))?;
+    let converged = report.motion(&file, &["O"], RunChanges::step(1e-4))?;
     let angle = converged.curve(0, nutation);
     let [smallest, largest] = extremes(&angle);
     report.compare("smallest nutation", smallest, 0.3, 1e-5, source);
@@ -76,7 +69,7 @@ pub(super) fn top(report: &mut CaseReport) -> Result<(), Problem> {
         .filter(|&k| angle[k].1 > angle[k - 1].1 && angle[k].1 >= angle[k + 1].1)
         .collect();
     let (Some(&first), Some(&last)) = (maxima.first(), maxima.last()) else {
-        return Err(Problem::Setup("the top does not nutate"));
+        return Err(CaseProblem::Setup("the top does not nutate"));
     };
     let turns = (maxima.len() - 1) as f64;
     let times = [first, last].map(|k| peak(&angle, k).0);
@@ -96,9 +89,9 @@ pub(super) fn top(report: &mut CaseReport) -> Result<(), Problem> {
         arm: Vector3::new(0.0, 0.0, 20.0),
     };
     let tilt = UnitQuaternion::from_scaled_axis(Vector3::new(0.3, 0.0, 0.0));
-    let begin = (*tilt.quaternion(), Vector3::new(0.0, 0.0, 50.0));
+    let begin = stack![tilt.quaternion().coords; Vector3::new(0.0, 0.0, 50.0)];
     for t in [0.5, 1.0, 1.5] {
-        let (p, _) = gyroscope.integrate(begin, t, 100_000);
+        let p = quaternion(&runge_kutta(|_, y| gyroscope.rates(y), begin, t, 100_000));
         let exact = UnitQuaternion::from_quaternion(p) * Vector3::z();
         let axis: Vector3<f64> = converged.at(0, t).R.column(2).into();
         let source = "independent: quaternion, Runge-Kutta";
@@ -109,11 +102,11 @@ pub(super) fn top(report: &mut CaseReport) -> Result<(), Problem> {
 }
 
 /// The published figure: a rigid body, and one beam element that is stiff or flexible.
-fn as_published(report: &mut CaseReport, file: &ModelFile) -> Result<(), Problem> {
-    let rigid = report.motion(file, &["O"], Run::FILE)?;
+fn as_published(report: &mut CaseReport, file: &ModelFile) -> Result<(), CaseProblem> {
+    let rigid = report.motion(file, &["O"], RunChanges::FILE)?;
     let beam = report.model("top_beam")?;
-    let stiff = report.motion(&beam, &["O"], Run::FILE)?;
-    let flexible = report.motion(&stiffer(&beam, 0.01), &["O"], Run::FILE)?;
+    let stiff = report.motion(&beam, &["O"], RunChanges::FILE)?;
+    let flexible = report.motion(&stiffer(&beam, 0.01), &["O"], RunChanges::FILE)?;
     let curves = [&rigid, &stiff, &flexible].map(|h| h.curve(0, nutation));
     let apart =
         (curves[0].iter().zip(&curves[1])).fold(0.0_f64, |m, (a, b)| m.max((a.1 - b.1).abs()));
@@ -132,12 +125,14 @@ fn as_published(report: &mut CaseReport, file: &ModelFile) -> Result<(), Problem
     report.figure(
         "Fast symmetrical top",
         ["time t", "nutation angle (rad)"],
-        curves.map(|(name, c)| Curve::new(name, thin(c))).collect(),
+        curves
+            .map(|(name, c)| PlotCurve::new(name, thin(c)))
+            .collect(),
     )
 }
 
 /// R01: the heavy top.
-pub(super) fn heavy_top(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn heavy_top(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let exact = [
         (0.1, [0.42129666, 0.89457197, -0.1491647]),
         (0.2, [0.6055505613771, 0.5989576817949, -0.52398302743]),
@@ -155,7 +150,7 @@ pub(super) fn heavy_top(report: &mut CaseReport) -> Result<(), Problem> {
     pinned.supports[0].node = "top".to_owned();
     pinned.supports[0].fix = Some(Fix::Group(Group::Position));
     for (name, file) in [("fixed point", &pinned), ("spherical joint", &top)] {
-        let [a, b, c] = report.motions(file, &["top"], [4e-4, 2e-4, 1e-4].map(Run::step))?;
+        let [a, b, c] = report.motions(file, &["top"], [4e-4, 2e-4, 1e-4].map(RunChanges::step))?;
         let axis = |h: &History, t: f64| -> Vector3<f64> { h.at(0, t).R.column(1).into() };
         let source = "exact: order-8 Runge-Kutta in extended precision, R01";
         for (t, x) in exact {
@@ -167,7 +162,7 @@ pub(super) fn heavy_top(report: &mut CaseReport) -> Result<(), Problem> {
         // The attitude turns 24 times: changes of chart at other times for each step size spoil the extrapolation
         // of its error.
         let third = with_scheme(file, "radau");
-        let third = report.motion(&third, &["top"], Run::step(1e-4))?;
+        let third = report.motion(&third, &["top"], RunChanges::step(1e-4))?;
         let what = format!("{name}, body axis");
         compare_axes(report, &what, axes(&third), turned, source);
         let what = format!("{name}, body rate at t = 1 over 150");
@@ -225,10 +220,10 @@ fn period(run: &History) -> f64 {
 }
 
 /// R03: a free body near its middle axis.
-pub(super) fn free_body(report: &mut CaseReport) -> Result<(), Problem> {
+pub(super) fn free_body(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("free_body")?;
     let steps = [2e-3, 1e-3, 5e-4];
-    let [a, b, c] = report.motions(&file, &["O"], steps.map(Run::step))?;
+    let [a, b, c] = report.motions(&file, &["O"], steps.map(RunChanges::step))?;
     let omega = richardson(body_rate(&b).into(), body_rate(&c).into());
     let source = "exact: order-8 Runge-Kutta in extended precision, R03";
     let exact = [-8.74573438, 4.84996187, 5.05001221];
@@ -258,7 +253,7 @@ pub(super) fn free_body(report: &mut CaseReport) -> Result<(), Problem> {
     report.compare_order("order of the energy error", order, 0.1);
     // The scheme with energy projection, at a coarse step.
     let kept = with_scheme(&file, "projected-newmark");
-    let kept = report.motion(&kept, &["O"], Run::step(1e-2))?;
+    let kept = report.motion(&kept, &["O"], RunChanges::step(1e-2))?;
     let spins: Vec<Vector3<f64>> = kept.balances.iter().map(|a| a.momentum.angular).collect();
     let spin = |m: f64, L: &Vector3<f64>| m.max((L - spins[0]).norm() / spins[0].norm());
     let source = "exact: conservation";
@@ -274,7 +269,7 @@ pub(super) fn free_body(report: &mut CaseReport) -> Result<(), Problem> {
         "Free body near its middle axis: energy error by steps h",
         ["time t", "relative error of the energy"],
         curves
-            .map(|(h, c)| Curve::new(format!("h = {h}"), c))
+            .map(|(h, c)| PlotCurve::new(format!("h = {h}"), c))
             .collect(),
     )
 }

@@ -3,12 +3,12 @@
 #![allow(non_snake_case)]
 
 use pullback_integrators::dynamics::DynamicsError;
-use pullback_integrators::linear_solver::{AutoSolver, LinearSolver, Symmetry};
+use pullback_integrators::linear_solver::{AutoSolver, LinearSolver, MatrixSymmetry};
 use pullback_manifold::system::{Evaluation, Point, System, Weights};
 
 /// ẏ of y = (q, q̇) and its derivative, with counts of their cost. A state that cannot be evaluated gives
 /// NaN, and the reason is stored.
-pub(super) struct Equations<'a, Y: ?Sized> {
+pub(super) struct FirstOrderSystem<'a, Y: ?Sized> {
     pub system: &'a mut Y,
     solver: AutoSolver,
     n: usize,
@@ -25,11 +25,11 @@ pub(super) struct Equations<'a, Y: ?Sized> {
     pub failure: Option<String>,
 }
 
-impl<'a, Y: System> Equations<'a, Y> {
+impl<'a, Y: System> FirstOrderSystem<'a, Y> {
     pub fn new(system: &'a mut Y) -> Result<Self, DynamicsError> {
         let mut solver = AutoSolver::new();
         solver
-            .analyse(system.pattern(), Symmetry::General)
+            .analyse(system.pattern(), MatrixSymmetry::General)
             .map_err(|source| DynamicsError::Analysis { source })?;
         let (n, len) = (system.pattern().dim(), system.pattern().len());
         Ok(Self {

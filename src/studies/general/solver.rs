@@ -1,8 +1,7 @@
 //! Runs a solver of diffsol along a motion, restarted at changes of chart and at kinks.
 
-use super::equations::Equations;
+use super::equations::FirstOrderSystem;
 use super::{General, GeneralError, Rule};
-use crate::solve::point;
 use diffsol::{
     DiffsolError, NalgebraLU, NalgebraMat, NalgebraVec, OdeBuilder, OdeEquations, OdeSolverMethod,
     OdeSolverStopReason, Vector,
@@ -114,9 +113,9 @@ struct Run<'a, 'b, Y: ?Sized> {
 }
 
 /// Time and reason of a failure.
-type Failure = (f64, String);
+type SolverFailure = (f64, String);
 
-fn failed(t: f64) -> impl Fn(DiffsolError) -> Failure {
+fn failed(t: f64) -> impl Fn(DiffsolError) -> SolverFailure {
     move |error| (t, error.to_string())
 }
 
@@ -131,7 +130,7 @@ impl<Y: System> Run<'_, '_, Y> {
         let State { t, q, v, .. } = &progress.state;
         let begin: Vec<f64> = q.iter().chain(v).copied().collect();
         let (t, dim) = (*t, begin.len());
-        let equations = RefCell::new(Equations::new(system)?);
+        let equations = RefCell::new(FirstOrderSystem::new(system)?);
         let tolerance = self.how.tolerance;
         let problem = OdeBuilder::<NalgebraMat<f64>>::new()
             .t0(t)
@@ -178,10 +177,10 @@ impl<Y: System> Run<'_, '_, Y> {
     fn drive<'p, E, S>(
         &mut self,
         mut solver: S,
-        equations: &RefCell<Equations<'_, Y>>,
+        equations: &RefCell<FirstOrderSystem<'_, Y>>,
         progress: &mut Progress,
         to: f64,
-    ) -> Result<ControlFlow<()>, Failure>
+    ) -> Result<ControlFlow<()>, SolverFailure>
     where
         E: OdeEquations<T = f64, V = NalgebraVec<f64>, M = NalgebraMat<f64>> + 'p,
         S: OdeSolverMethod<'p, E>,
@@ -202,7 +201,7 @@ impl<Y: System> Run<'_, '_, Y> {
                 let equations = &mut equations.borrow_mut();
                 look(equations, &mut progress.state, time, &y.clone_as_vec())?;
                 self.times.next();
-                flow = (self.observer.seen)(equations.system, point(progress));
+                flow = (self.observer.seen)(equations.system, progress.state.point());
                 if flow.is_break() {
                     break;
                 }
@@ -244,11 +243,11 @@ impl<Y: System> Run<'_, '_, Y> {
 
 /// Sets a state with its accelerations; the evaluation is not counted.
 fn look<Y: System>(
-    equations: &mut Equations<'_, Y>,
+    equations: &mut FirstOrderSystem<'_, Y>,
     state: &mut State,
     t: f64,
     y: &[f64],
-) -> Result<(), Failure> {
+) -> Result<(), SolverFailure> {
     let before = (equations.evaluations, equations.factorisations);
     let mut rate = vec![0.0; y.len()];
     equations.rate(t, y, &mut rate);

@@ -1,15 +1,15 @@
 //! Figures of spectra.
 
-use super::{Number, Point, RESOLVED, Spectrum};
-use crate::output::plot::{Curve, Division, Graph, PlotError, graphs};
+use super::{Number, RESOLVED, Spectrum, SpectrumPoint};
+use crate::output::plot::{AxisScale, Graph, PlotCurve, PlotError, graphs};
 use pullback_integrators::dynamics::Scheme;
 use pullback_integrators::spectrum as integrator;
 
 const TITLE: &str = "Lines: closed forms; marks: by the steps that runs make";
 const EXPANDED: &str = "; broken: κ Ω² and σ Ω³ of theory";
 
-const LINEAR: Division = Division::Linear;
-const LOG: Division = Division::Logarithmic;
+const LINEAR: AxisScale = AxisScale::Linear;
+const LOG: AxisScale = AxisScale::Logarithmic;
 
 /// Figures by their file names: spectra, and the overshoot of the first step.
 ///
@@ -27,27 +27,27 @@ pub fn figures(spectra: &[(Scheme, Spectrum)]) -> Result<[(&'static str, String)
 fn graph(
     spectra: &[(Scheme, Spectrum)],
     y: &str,
-    division: [Division; 2],
+    scale: [AxisScale; 2],
     to: f64,
     number: Number,
 ) -> Graph {
     let mut curves = Vec::new();
     for (k, (_, s)) in spectra.iter().enumerate() {
         let inside = || s.points.iter().filter(|p| p.steps.Omega <= to);
-        let at = |p: &integrator::Point| Some((p.Omega, number(p)?));
+        let at = |p: &integrator::Accuracy| Some((p.Omega, number(p)?));
         let steps: Vec<_> = inside().filter_map(|p| at(&p.steps)).collect();
         let closed: Vec<_> = inside().filter_map(|p| at(p.closed.as_ref()?)).collect();
-        let marks = marks(&steps, division[0], k as f64 / spectra.len() as f64);
+        let marks = marks(&steps, scale[0], k as f64 / spectra.len() as f64);
         let line = if closed.is_empty() { steps } else { closed };
-        curves.push(Curve::new(s.scheme.clone(), line).colored(k));
-        curves.push(Curve::points(s.scheme.clone(), marks).colored(k));
+        curves.push(PlotCurve::new(s.scheme.clone(), line).colored(k));
+        curves.push(PlotCurve::points(s.scheme.clone(), marks).colored(k));
     }
-    Graph::new(["Ω = ω h".to_owned(), y.to_owned()], division, curves)
+    Graph::new(["Ω = ω h".to_owned(), y.to_owned()], scale, curves)
 }
 
 /// Spectral radius, damping ratio and period elongation.
 fn accuracy(spectra: &[(Scheme, Spectrum)]) -> Vec<Graph> {
-    let graph = |y, division, to, number| graph(spectra, y, division, to, number);
+    let graph = |y, scale, to, number| graph(spectra, y, scale, to, number);
     // Growth is shown in part only.
     let radius: Number = |p| Some(p.numbers.radius).filter(|r| *r <= HIGHEST);
     let elongation = "period elongation";
@@ -72,7 +72,7 @@ fn accuracy(spectra: &[(Scheme, Spectrum)]) -> Vec<Graph> {
         graph.slopes = vec![slope];
         for (k, (_, s)) in spectra.iter().enumerate() {
             let lines = broken(&s.points, |p| p.expansion.map(expanded)).into_iter();
-            let curves = lines.map(|line| Curve::new(s.scheme.clone(), line).colored(k));
+            let curves = lines.map(|line| PlotCurve::new(s.scheme.clone(), line).colored(k));
             graph.curves.extend(curves);
         }
     }
@@ -106,10 +106,10 @@ const MARKS: usize = 10;
 
 /// Points of a curve at equal distances along an axis; a `shift` by a fraction of them separates the marks of
 /// several curves.
-fn marks(points: &[(f64, f64)], division: Division, shift: f64) -> Vec<(f64, f64)> {
-    let position = |p: &(f64, f64)| match division {
-        Division::Linear => p.0,
-        Division::Logarithmic => p.0.ln(),
+fn marks(points: &[(f64, f64)], scale: AxisScale, shift: f64) -> Vec<(f64, f64)> {
+    let position = |p: &(f64, f64)| match scale {
+        AxisScale::Linear => p.0,
+        AxisScale::Logarithmic => p.0.ln(),
     };
     let (Some(first), Some(last)) = (points.first(), points.last()) else {
         return Vec::new();
@@ -130,7 +130,7 @@ const HIGHEST: f64 = 1.1;
 const LEAST_DAMPING: f64 = 1e-12;
 
 /// The magnitude of a result of the first step, if the scheme is stable.
-fn stable(p: &integrator::Point, number: f64) -> Option<f64> {
+fn stable(p: &integrator::Accuracy, number: f64) -> Option<f64> {
     (p.numbers.radius <= HIGHEST).then_some(number.abs())
 }
 
@@ -140,7 +140,10 @@ fn above_zero(size: &f64) -> bool {
 }
 
 /// A broken line: every second part of a curve up to [`RESOLVED`].
-fn broken(points: &[Point], pick: impl Fn(&Point) -> Option<f64>) -> Vec<Vec<(f64, f64)>> {
+fn broken(
+    points: &[SpectrumPoint],
+    pick: impl Fn(&SpectrumPoint) -> Option<f64>,
+) -> Vec<Vec<(f64, f64)>> {
     let inside = points.iter().filter(|p| p.steps.Omega <= RESOLVED);
     let all: Vec<_> = inside
         .filter_map(|p| pick(p).map(|y| (p.steps.Omega, y)))

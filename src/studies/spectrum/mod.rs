@@ -13,6 +13,7 @@ pub use figures::figures;
 use crate::method::PREFIXES;
 use crate::output::{Directory, OutputError, drawing};
 use crate::studies::general;
+use crate::terminal::longest;
 use pullback_integrators::dynamics::{DynamicsError, Scheme};
 use pullback_integrators::significant;
 use pullback_integrators::spectrum::{
@@ -107,24 +108,24 @@ pub struct Spectrum {
     /// where there is no such formula.
     pub expansion: Option<[f64; 2]>,
     /// Its numbers at each Ω, ascending.
-    pub points: Vec<Point>,
+    pub points: Vec<SpectrumPoint>,
 }
 
 /// The accuracy of a scheme at one Ω. Beyond the limit of a scheme there is no vibration, and neither damping nor
 /// elongation. In files names of numbers in closed form begin with `closed_`, and those at small Ω are
 /// `expanded_damping` and `expanded_elongation`; unknown numbers are null or empty.
 #[derive(Clone, Copy, Debug)]
-pub struct Point {
+pub struct SpectrumPoint {
     /// By the steps of the integrator.
-    pub steps: integrator::Point,
+    pub steps: integrator::Accuracy,
     /// In closed form, where there is one.
-    pub closed: Option<integrator::Point>,
+    pub closed: Option<integrator::Accuracy>,
     /// κ Ω² and σ Ω³, the limits of period elongation and damping ratio at small Ω.
     pub expansion: Option<[f64; 2]>,
 }
 
 /// A number at one Ω, where it exists.
-type Number = fn(&integrator::Point) -> Option<f64>;
+type Number = fn(&integrator::Accuracy) -> Option<f64>;
 
 const EIGENVALUES: [(&str, Number); 3] = [
     ("radius", |p| Some(p.numbers.radius)),
@@ -140,7 +141,7 @@ const FROM_ORIGIN: [(&str, Number); 2] = [
     ("origin_velocity", |p| Some(p.first_step.from_origin[1])),
 ];
 
-impl Point {
+impl SpectrumPoint {
     /// All numbers with their names, in the order of the columns of `spectrum.csv`.
     fn columns(&self) -> Vec<(String, Option<f64>)> {
         let both = |numbers: &[(&str, Number)]| -> Vec<(String, Option<f64>)> {
@@ -165,7 +166,7 @@ impl Point {
     }
 }
 
-impl Serialize for Point {
+impl Serialize for SpectrumPoint {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_map(self.columns())
     }
@@ -183,9 +184,9 @@ pub fn run(scheme: &Scheme, Omegas: &[f64]) -> Result<Spectrum, DynamicsError> {
     for &Omega in Omegas {
         let polynomial = closed_form(scheme, Omega);
         let closed = polynomial.zip(closed_first_step(scheme, Omega));
-        let mut point = Point {
-            steps: integrator::point(scheme, Omega)?,
-            closed: closed.map(|(polynomial, first_step)| integrator::Point {
+        let mut point = SpectrumPoint {
+            steps: integrator::accuracy(scheme, Omega)?,
+            closed: closed.map(|(polynomial, first_step)| integrator::Accuracy {
                 Omega,
                 numbers: Numbers::of(polynomial, Omega),
                 first_step,
@@ -274,8 +275,7 @@ fn plain(scheme: Scheme) -> Result<Scheme, SpectrumError> {
 /// # Errors
 /// [`DynamicsError`], as [`run`].
 pub fn table(spectra: &[(Scheme, Spectrum)]) -> Result<String, DynamicsError> {
-    let width = spectra.iter().map(|(_, s)| s.scheme.chars().count()).max();
-    let width = width.unwrap_or(0).max("scheme".len());
+    let width = longest(spectra.iter().map(|(_, s)| &*s.scheme)).max("scheme".len());
     let mut out = format!(
         "{:width$}  {:>8}  {:>11}  {:>11}  {:>11}  {:>10}  {:>12}\n",
         "scheme", "Ω", "radius", "damping", "elongation", "|q₁/q₀|", "|q̇₁/(ω q₀)|"

@@ -12,7 +12,7 @@ use pullback::elements::constraint::PenaltyStiffness;
 use pullback::elements::model::{Closure, Context, ModelBuilder, NodeId};
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::integrators::dynamics::{DynamicsError, Progress, Scheme, integrate, start};
-use pullback::integrators::linear_solver::{AutoSolver, LinearSolver, Symmetry, scaling};
+use pullback::integrators::linear_solver::{AutoSolver, LinearSolver, MatrixSymmetry, scaling};
 use pullback::integrators::statics::{StaticNewtonOptions, StaticOptions, solve_statics};
 use pullback::manifold::system::{Evaluation, Point, System, Weights};
 use std::ops::ControlFlow;
@@ -41,7 +41,7 @@ fn started(context: &mut Context, crank: NodeId) -> [Vec<f64>; 2] {
     match context.unknown_at(crank, 0) {
         Some(u) => {
             v[u] = CRANK_RATE;
-            let left = context.satisfy(0.0, &mut q, &mut v, &[u]).unwrap();
+            let left = context.project_state(0.0, &mut q, &mut v, &[u]).unwrap();
             assert!(left < 1e-12, "{left:e}");
         }
         None => {
@@ -323,7 +323,7 @@ fn conditioning_does_not_depend_on_the_step() {
         // The solver takes zeros on the diagonal, whatever the step: against a dense solution.
         let b: Vec<f64> = (0..n).map(|i| (1.3 * i as f64).sin()).collect();
         let mut solver = AutoSolver::new();
-        solver.analyse(&pattern, Symmetry::General).unwrap();
+        solver.analyse(&pattern, MatrixSymmetry::General).unwrap();
         solver.factorise(&S).unwrap();
         let mut x = b.clone();
         solver.solve(Some(&S), &mut x).unwrap();

@@ -89,7 +89,7 @@ fn values_and_rates_are_satisfied_as_by_the_map() {
         ["A", "B", "C", "D"].map(|name| {
             let all: Vec<_> = job
                 .context
-                .released()
+                .joint_coordinates()
                 .map(|(n, s, _)| (n, s.to_owned()))
                 .collect();
             let (node, _) = all.into_iter().find(|(_, s)| s.starts_with(name)).unwrap();

@@ -94,7 +94,7 @@ fn multipliers_go_through_changes_of_chart() {
         for (k, &u) in held.iter().enumerate() {
             v[u] = 7.0 * e[k];
         }
-        assert!(context.satisfy(0.0, &mut q, &mut v, &held).unwrap() < 1e-12);
+        assert!(context.project_state(0.0, &mut q, &mut v, &held).unwrap() < 1e-12);
         let scheme = Scheme::chung_hulbert(0.9).unwrap();
         let options = tight(scheme, 1.5, 1.5 / f64::from(n));
         let ends = ["coupler end", "rocker end"].map(|n| context.find(n).unwrap());
@@ -151,12 +151,14 @@ fn a_drive_that_jumps_strikes_the_whole_loop() {
         let pendulum = link(&mut b, "pendulum", tip, [from, to], (0.4, at_once)).coordinates[0];
         let points = vec![[0.0, 0.0], [0.1, 0.1], [0.2, 0.4], [0.4, 0.5]];
         let drive = Table::new(points).unwrap();
-        b.prescribe_coordinate(angles[0], 0, Box::new(drive));
+        b.prescribe_coordinate(angles[0], 0, drive);
         let mut context = Context::new(b.build().unwrap());
         let mut q = context.initial().to_vec();
         let mut v = vec![0.0; q.len()];
         // Of a model that enforces nothing this takes nothing.
-        context.satisfy(BEFORE_START, &mut q, &mut v, &[]).unwrap();
+        context
+            .project_state(BEFORE_START, &mut q, &mut v, &[])
+            .unwrap();
         let options = tight(Scheme::chung_hulbert(0.8).unwrap(), 0.3, h);
         let mut end = Vec::new();
         observed(&mut context, [&q, &v], &options, &mut |context, _| {

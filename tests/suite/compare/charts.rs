@@ -3,7 +3,7 @@
 
 use crate::support::comparisons;
 use crate::support::laboratory::options;
-use pullback::studies::compare::{Comparison, ComparisonRow, ErrorQuantity, Options};
+use pullback::studies::compare::{Comparison, ComparisonOptions, ComparisonRow, ErrorQuantity};
 
 /// A free body with three different moments of inertia.
 const BODY: &str = r#"
@@ -23,7 +23,7 @@ step = 0.01
 "#;
 
 fn compared(text: &str, methods: &[&str], steps: &[f64]) -> Comparison {
-    let options = Options {
+    let options = ComparisonOptions {
         charts: true,
         residual: Some(1e-12),
         ..options(methods, steps)

@@ -3,8 +3,8 @@
 
 use crate::support::comparisons::{self, OSCILLATOR};
 use crate::support::laboratory::options;
-use pullback::output::plot::{Curve, Division, Graph, graphs};
-use pullback::studies::compare::{Comparison, Figure, Options, figures};
+use pullback::output::plot::{AxisScale, Graph, PlotCurve, graphs};
+use pullback::studies::compare::{Comparison, ComparisonOptions, Figure, figures};
 
 const STEPS: [f64; 3] = [0.1, 0.05, 0.025];
 
@@ -12,7 +12,7 @@ const STEPS: [f64; 3] = [0.1, 0.05, 0.025];
 const PARTS: usize = 32;
 
 fn compared(schemes: &[&str], long: Option<f64>) -> Comparison {
-    let options = Options {
+    let options = ComparisonOptions {
         long,
         ..options(schemes, &STEPS)
     };
@@ -141,12 +141,12 @@ fn curves_that_stop_say_so() {
 fn lines_of_one_colour_have_marks() {
     let line = |k: usize| {
         let points = (0..50).map(|i| (f64::from(i), (k + 1) as f64));
-        Curve::new(k.to_string(), points.collect()).colored(k)
+        PlotCurve::new(k.to_string(), points.collect()).colored(k)
     };
     let circles = |count: usize| {
         let graph = Graph {
             description: [String::new(), String::new()],
-            division: [Division::Linear; 2],
+            scale: [AxisScale::Linear; 2],
             curves: (0..count).map(line).collect(),
             marked: false,
             slopes: Vec::new(),

@@ -5,7 +5,9 @@
 use crate::support::laboratory::{bob, compared, model, options, pendulum, until};
 use pullback::input::{self, Analysis};
 use pullback::method::Method;
-use pullback::studies::compare::{Candidate, ErrorQuantity, Exact, Options, looked_at, read_exact};
+use pullback::studies::compare::{
+    Candidate, ComparisonOptions, ErrorQuantity, Exact, read_exact, sampling,
+};
 use std::path::Path;
 
 #[test]
@@ -14,7 +16,7 @@ fn an_exact_solution_takes_the_place_of_the_reference() {
     let steps = [0.02, 0.01, 0.005];
     let words = ["newmark", "projected-newmark", "radau"];
     let by_reference = compared(&file, &options(&words, &steps)).unwrap();
-    let exactly = Options {
+    let exactly = ComparisonOptions {
         exact: Some(Exact::new("Jacobi's elliptic functions", bob)),
         ..options(&words, &steps)
     };
@@ -59,7 +61,7 @@ fn an_exact_solution_comes_from_a_file() {
     let file = until(model("pendulum.toml"), 1.0);
     let make = |formulation| input::job_in("model.toml", &file, formulation);
     let steps = [0.02, 0.01];
-    let (nodes, times) = looked_at(&make, &steps).unwrap();
+    let (nodes, times) = sampling(&make, &steps).unwrap();
     let path = std::env::temp_dir().join(format!("pullback_exact_{}.csv", std::process::id()));
     let write = |head: &str, rows: &[f64]| {
         let mut text = head.to_owned() + "\n";
@@ -72,7 +74,7 @@ fn an_exact_solution_comes_from_a_file() {
     };
     let head = "t,rod.position.x,rod.position.y,rod.position.z";
     let exact = write(head, &times).unwrap();
-    let asked = Options {
+    let asked = ComparisonOptions {
         exact: Some(exact),
         ..options(&["newmark", "radau"], &steps)
     };

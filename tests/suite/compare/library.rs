@@ -6,7 +6,8 @@ use crate::support::laboratory::options;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use pullback::input;
 use pullback::studies::compare::{
-    Comparison, ComparisonRow, ErrorQuantity, Hooks, Options, Sample, Values, compare, run,
+    Comparison, ComparisonOptions, ComparisonRow, ErrorQuantity, Hooks, Sample, Values, compare,
+    run,
 };
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
@@ -14,7 +15,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-fn compared(text: &str, options: &Options) -> Comparison {
+fn compared(text: &str, options: &ComparisonOptions) -> Comparison {
     comparisons::compared(text, options).unwrap()
 }
 
@@ -45,7 +46,7 @@ fn precession(t: f64) -> Matrix3<f64> {
 /// exact motion.
 #[test]
 fn a_reference_has_a_formulation_of_its_own() {
-    let asked = Options {
+    let asked = ComparisonOptions {
         reference: Some("lie-ga:0.8".parse().unwrap()),
         ..options(&["newmark"], &[0.02, 0.01])
     };
@@ -181,7 +182,7 @@ fn results_do_not_depend_on_the_number_of_threads() {
     let with = |threads: usize| {
         let threads = NonZeroUsize::new(threads);
         let options = options(&["newmark", "ga:0.8"], &[0.04, 0.02]);
-        let comparison = compared(BODY, &Options { threads, ..options });
+        let comparison = compared(BODY, &ComparisonOptions { threads, ..options });
         let samples: Vec<_> = comparison.rows.iter().map(|r| r.samples.clone()).collect();
         let mut value = serde_json::to_value(&comparison).unwrap();
         value["threads"] = 0.into();
@@ -272,7 +273,7 @@ fn what_makes_no_sense_is_refused_by_name() {
     refused(still, &["newmark"], &good, "not dynamic");
     for scheme in ["newmark:0.3025:0.6", "central-difference"] {
         let reference = Some(scheme.parse().unwrap());
-        let asked = Options {
+        let asked = ComparisonOptions {
             reference,
             ..options(&["newmark"], &good)
         };
@@ -304,7 +305,7 @@ fn a_comparison_that_is_stopped_keeps_what_it_has_and_says_so() {
         },
         ..Hooks::NONE
     };
-    let options = Options {
+    let options = ComparisonOptions {
         threads: NonZeroUsize::new(1),
         ..options(&["newmark", "ga:0.8"], &[0.02, 0.01, 0.005])
     };

@@ -5,7 +5,9 @@
 use crate::support::comparisons;
 use crate::support::laboratory::options;
 use crate::support::program::{compare, directory, ended, write};
-use pullback::studies::compare::{Comparison, ErrorQuantity, Options, Sample, Slope, Values};
+use pullback::studies::compare::{
+    Comparison, ComparisonOptions, ErrorQuantity, Sample, Slope, Values,
+};
 
 const FOUR_BAR: &str = include_str!("../../../examples/models/four_bar.toml");
 
@@ -19,7 +21,7 @@ fn four_bar(closure: &str, to: f64) -> String {
 }
 
 fn compared(text: &str, words: &[&str], steps: &[f64]) -> Comparison {
-    let options = Options {
+    let options = ComparisonOptions {
         residual: Some(1e-12),
         ..options(words, steps)
     };

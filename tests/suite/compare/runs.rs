@@ -4,15 +4,15 @@
 use crate::support::laboratory::{compared, model, options, until};
 use pullback::input;
 use pullback::studies::compare::{
-    CompareError, Comparison, ComparisonRow, Exact, Hooks, Options, Sample, compare,
+    CompareError, Comparison, ComparisonOptions, ComparisonRow, Exact, Hooks, Sample, compare,
 };
 use std::num::NonZeroUsize;
 use std::sync::{Condvar, Mutex};
 use std::time::Duration;
 
 /// Runs of a free body, with nothing to compare with.
-fn asked(schemes: &[&str], steps: &[f64]) -> Options {
-    Options {
+fn asked(schemes: &[&str], steps: &[f64]) -> ComparisonOptions {
+    ComparisonOptions {
         exact: Some(Exact::new("nothing known", |_: &mut Sample| {})),
         ..options(schemes, steps)
     }
@@ -53,7 +53,7 @@ fn a_longer_run_has_the_largest_step() {
     let longer = |factor: f64| {
         let long = Some(factor);
         let asked = asked(&["newmark"], &[0.1, 0.05]);
-        compared(&file, &Options { long, ..asked })
+        compared(&file, &ComparisonOptions { long, ..asked })
     };
     let error = longer(1e300).unwrap_err();
     assert!(matches!(error, CompareError::TooLong { .. }), "{error}");
@@ -86,7 +86,7 @@ fn as_many_runs_as_threads_are_under_way_at_once() {
             }
             input::job_in("model.toml", &file, formulation)
         };
-        let asked = Options {
+        let asked = ComparisonOptions {
             threads: NonZeroUsize::new(threads),
             ..asked(&["newmark", "ga:0.8"], &[0.1, 0.05])
         };

@@ -89,19 +89,14 @@ fn everything(formulation: Formulation, driven: bool) -> (Context, [NodeId; 2]) 
     let ring = b.slide("ring", &first, 0.7, Interpolation::Total).unwrap();
     for (name, node) in [("body", link), ("mass", ring.frame)] {
         let body = RigidBody::new(0.5, Matrix3::identity() * 0.1, Vector3::y() * 0.1).unwrap();
-        let weight = body.weight([0.0, 0.0, -9.81], Box::new(Constant(1.0)));
+        let weight = body.weight([0.0, 0.0, -9.81], Constant(1.0));
         b.element(name, body, &[node]).unwrap();
         b.element(format!("{name} weight"), weight, &[node])
             .unwrap();
     }
     for (k, nodes) in second.windows(2).enumerate() {
         let positions = [b.position(nodes[0]), b.position(nodes[1])];
-        let load = LineLoad::new(
-            &positions,
-            [0.0, 0.0, -9.81],
-            false,
-            Box::new(Constant(1.0)),
-        );
+        let load = LineLoad::new(&positions, [0.0, 0.0, -9.81], false, Constant(1.0));
         b.element(format!("weight {k}"), load.unwrap(), nodes)
             .unwrap();
     }

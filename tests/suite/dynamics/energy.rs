@@ -31,7 +31,7 @@ fn beam_with(
         let positions = [b.position(pair[0]), b.position(pair[1])];
         let force = [0.0, 0.0, -9.81 * section.inertia.mass];
         if force[2] != 0.0 && b.position(ends[0]).norm() > 0.0 {
-            let weight = LineLoad::new(&positions, force, false, Box::new(Constant(1.0))).unwrap();
+            let weight = LineLoad::new(&positions, force, false, Constant(1.0)).unwrap();
             b.element(format!("weight {k}"), weight, pair).unwrap();
         }
     }
@@ -64,7 +64,7 @@ fn the_power_balance_closes_to_the_order_of_the_scheme() {
             // A driven shaft carries an arm; on it a damped hinge; on that a flexible beam.
             let (mut b, ground) = grounded();
             let shaft = revolute(&mut b, "shaft", ground, [0.3, 0.2, 1.0]);
-            b.prescribe_coordinate(shaft.coordinates[0], 0, Box::new(sine(1.5, 2.0, 0.0)));
+            b.prescribe_coordinate(shaft.coordinates[0], 0, sine(1.5, 2.0, 0.0));
             let arm = b.offset("arm", shaft.frame, [0.4, 0.0, 0.0]).unwrap();
             heavy_body(&mut b, "hub", arm, 1.0, [0.1, 0.2, 0.0]);
             let hinge = revolute(&mut b, "hinge", arm, [0.0, 1.0, 0.0]);

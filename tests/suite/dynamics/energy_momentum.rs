@@ -66,7 +66,7 @@ fn model(
 
 fn weight(b: &mut ModelBuilder, ends: [NodeId; 2]) {
     let positions = ends.map(|n| b.position(n));
-    let load = LineLoad::new(&positions, [0.0, 0.0, -3.0], false, Box::new(Constant(1.0)));
+    let load = LineLoad::new(&positions, [0.0, 0.0, -3.0], false, Constant(1.0));
     b.element("weight", load.unwrap(), &ends).unwrap();
 }
 

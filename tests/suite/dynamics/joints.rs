@@ -218,7 +218,7 @@ fn a_spherical_pendulum() {
         b.element("wheel", wheel, &[ball.frame]).unwrap();
         let end = b.offset("end", ball.frame, (u * l).into()).unwrap();
         let point = PointMass::new(m).unwrap();
-        let weight = point.weight([0.0, 0.0, -G], Box::new(Constant(1.0)));
+        let weight = point.weight([0.0, 0.0, -G], Constant(1.0));
         b.element("mass", point, &[end]).unwrap();
         b.element("weight", weight, &[end]).unwrap();
         let mut context = Context::new(b.build().unwrap());
@@ -321,7 +321,7 @@ fn a_prescribed_angle_is_followed_exactly() {
     let axis = Vector3::new(0.3, -0.5, 1.0);
     let e = axis.normalize();
     let hinge = revolute(&mut b, "hinge", ground, axis.into());
-    b.prescribe_coordinate(hinge.coordinates[0], 0, Box::new(drive));
+    b.prescribe_coordinate(hinge.coordinates[0], 0, drive);
     heavy_body(&mut b, "driven", hinge.frame, 2.0, [0.3, 0.0, 0.0]);
     let X = Vector3::new(0.7, 0.2, -0.4);
     let end = b.offset("end", hinge.frame, X.into()).unwrap();

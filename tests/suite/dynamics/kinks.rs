@@ -48,7 +48,7 @@ fn pushed(force: impl FnOnce(&mut ModelBuilder) -> Box<dyn TimeFunction>) -> Con
     b.support(node, &Dof::ALL[1..]);
     b.element("mass", PointMass::new(1.0).unwrap(), &[node])
         .unwrap();
-    let force = NodalLoad::boxed(LoadKind::DeadForce, [1.0, 0.0, 0.0], force(&mut b));
+    let force = NodalLoad::new(LoadKind::DeadForce, [1.0, 0.0, 0.0], force(&mut b));
     b.element("force", force, &[node]).unwrap();
     Context::new(b.build().unwrap())
 }

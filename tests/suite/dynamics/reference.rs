@@ -172,7 +172,7 @@ fn pendulum(scheme: Scheme, start: [f64; 2], to: f64, n: usize) -> (Vector3<f64>
     let hinge = revolute(&mut b, "hinge", ground, [0.0, -1.0, 0.0]);
     let end = b.offset("end", hinge.frame, [0.0, 0.0, -1.0]).unwrap();
     let mass = PointMass::new(1.0).unwrap();
-    let weight = mass.weight([0.0, 0.0, -G], Box::new(Constant(1.0)));
+    let weight = mass.weight([0.0, 0.0, -G], Constant(1.0));
     b.element("mass", mass, &[end]).unwrap();
     b.element("weight", weight, &[end]).unwrap();
     let mut context = Context::new(b.build().unwrap());
@@ -244,7 +244,7 @@ fn hooke(beta: f64, k: f64) -> [f64; 2] {
         offset: 7.0,
         ..sine(-7.0, 1.0, FRAC_PI_2)
     };
-    b.prescribe_coordinate(input.coordinates[0], 0, Box::new(drive));
+    b.prescribe_coordinate(input.coordinates[0], 0, drive);
     let cross = revolute(&mut b, "cross", input.frame, [0.0, 1.0, 0.0]);
     let yoke = revolute(&mut b, "yoke", cross.frame, [0.0, 0.0, 1.0]);
     let output = revolute(&mut b, "output", ground, [c, s, 0.0]);

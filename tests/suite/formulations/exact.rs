@@ -164,7 +164,7 @@ fn the_tangent_of_spins_is_that_of_their_residual() {
         let options = tight(Scheme::default(), 0.05, 0.01);
         let start = [&job.start.q[..], &job.start.v];
         let progress = observed(&mut job.context, start, &options, &mut |_, _| {});
-        let mut state = check::State {
+        let mut state = check::TestState {
             t: progress.state.t,
             x: progress.state.q.into(),
             v: progress.state.v.into(),

@@ -7,7 +7,9 @@ use crate::support::formulations::{PAGE, commands, results, table};
 use crate::support::included;
 use crate::support::program::{directory, files, read};
 use pullback::input;
-use pullback::studies::compare::{Comparison, ErrorQuantity, Hooks, Options, Subject, run_several};
+use pullback::studies::compare::{
+    Comparison, ComparisonOptions, ErrorQuantity, Hooks, Subject, run_several,
+};
 
 const METHODS: [&str; 4] = ["newmark", "ul-newmark", "lie-newmark", "spin-newmark"];
 
@@ -27,10 +29,10 @@ fn subject(name: &str, text: &str, changes: &[(&str, &str)], steps: &[f64]) -> S
         name: name.to_owned(),
         model: name.to_owned(),
         make: Box::new(move |formulation| input::job_in(&model, &file, formulation)),
-        options: Options {
+        options: ComparisonOptions {
             long: Some(20.0),
             residual: Some(1e-10),
-            ..Options::new(METHODS.map(|m| m.parse().unwrap()).to_vec(), steps.to_vec())
+            ..ComparisonOptions::new(METHODS.map(|m| m.parse().unwrap()).to_vec(), steps.to_vec())
         },
     }
 }

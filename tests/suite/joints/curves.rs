@@ -169,7 +169,7 @@ fn a_bead_is_flung_along_a_wire_that_turns() {
         .map(|steps| {
             let mut made = bead(|b, on| {
                 let hub = revolute(b, "hub", on, [0.0, 0.0, 1.0]);
-                b.prescribe_coordinate(hub.coordinates[0], 0, Box::new(Proportional(omega)));
+                b.prescribe_coordinate(hub.coordinates[0], 0, Proportional(omega));
                 b.attach_free("bead", hub.frame, OnCurve::new(Wire))
                     .unwrap()
             });

@@ -72,7 +72,7 @@ fn driven<J: Joint<D> + Copy + 'static, const D: usize>(what: &str, joint: J, tu
     let mut own = 0;
     for &node in &made.coordinates {
         for k in 0..b.dim(node) {
-            b.prescribe_coordinate(node, k, Box::new(function(own)));
+            b.prescribe_coordinate(node, k, function(own));
             own += 1;
         }
     }
@@ -154,7 +154,7 @@ fn a_carriage_on_a_driven_boom_is_flung_and_pulls_at_the_drive() {
         .map(|steps| {
             let (mut b, ground) = grounded();
             let hub = revolute(&mut b, "hub", ground, [0.0, 0.0, 1.0]);
-            b.prescribe_coordinate(hub.coordinates[0], 0, Box::new(Proportional(omega)));
+            b.prescribe_coordinate(hub.coordinates[0], 0, Proportional(omega));
             let boom = b
                 .attach("boom", hub.frame, Prismatic::new([1.0, 0.0, 0.0]).unwrap())
                 .unwrap();

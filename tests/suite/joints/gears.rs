@@ -287,7 +287,7 @@ fn nodes_that_are_no_coordinates_have_no_gears() {
 fn a_driven_follower_is_told_to_drive_its_leader() {
     let (mut b, [carrier, planet, _]) = train();
     b.gear([carrier, planet], 2.0).unwrap();
-    b.prescribe_coordinate(planet, 0, Box::new(Proportional(1.0)));
+    b.prescribe_coordinate(planet, 0, Proportional(1.0));
     let said = b.build().err().unwrap().to_string();
     assert!(
         said.contains("planet angle") && said.contains("carrier angle"),

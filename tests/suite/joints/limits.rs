@@ -160,8 +160,8 @@ fn a_tilt_of_a_whole_turn_is_refused_with_the_name_of_the_coupling() {
         let made = b
             .attach("coupling", on, ConstantVelocity::new([axis; 2]).unwrap())
             .unwrap();
-        b.prescribe_coordinate(made.coordinates[0], 0, Box::new(Proportional(2.0)));
-        b.prescribe_coordinate(made.coordinates[1], 0, Box::new(Constant(0.0)));
+        b.prescribe_coordinate(made.coordinates[0], 0, Proportional(2.0));
+        b.prescribe_coordinate(made.coordinates[1], 0, Constant(0.0));
         made
     });
     let mut reached = 0.0_f64;

@@ -277,7 +277,7 @@ fn over(known: &dyn Fn(f64) -> f64, rate: Option<f64>) -> (f64, Option<String>) 
     let map = ImplicitMap::of(plate, 1, 0.0, guess, choice).unwrap();
     let (mut b, [q, x]) = carried(map.with_independent(&[0]).unwrap());
     if rate.is_none() {
-        b.prescribe_coordinate(q, 0, Box::new(Proportional(1.0)));
+        b.prescribe_coordinate(q, 0, Proportional(1.0));
         // Something to be solved for.
         let free = b.coordinates("free", &[Quantity::Angle]).unwrap();
         let ground = b.find("ground").unwrap();

@@ -128,7 +128,7 @@ fn a_driven_crank_takes_the_loop_along() {
         phase: 0.0,
         offset: 0.0,
     };
-    b.prescribe_coordinate(angles[0], 0, Box::new(drive));
+    b.prescribe_coordinate(angles[0], 0, drive);
     let mut context = Context::new(b.build().unwrap());
     assert_eq!(context.pattern().dim(), 1);
     assert!(

@@ -2,15 +2,15 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::support::program::{directory, ran, read};
-use pullback::output::plot::{Curve, Division, Graph, graphs};
+use pullback::output::plot::{AxisScale, Graph, PlotCurve, graphs};
 use roxmltree::{Document, Node};
 
 /// A curve in a graph without descriptions.
-fn drawn(division: [Division; 2], points: &[(f64, f64)]) -> String {
+fn drawn(scale: [AxisScale; 2], points: &[(f64, f64)]) -> String {
     let graph = Graph {
         description: [String::new(), String::new()],
-        division,
-        curves: vec![Curve::new("curve", points.to_vec())],
+        scale,
+        curves: vec![PlotCurve::new("curve", points.to_vec())],
         marked: true,
         slopes: Vec::new(),
         level: None,
@@ -42,38 +42,38 @@ fn ticks(svg: &str) -> [Vec<(String, f64)>; 2] {
 }
 
 /// Labels on a horizontal axis for values between these.
-fn labels(division: Division, [low, high]: [f64; 2]) -> Vec<String> {
-    let svg = drawn([division, Division::Linear], &[(low, 0.0), (high, 1.0)]);
+fn labels(scale: AxisScale, [low, high]: [f64; 2]) -> Vec<String> {
+    let svg = drawn([scale, AxisScale::Linear], &[(low, 0.0), (high, 1.0)]);
     let [across, _] = ticks(&svg);
     across.into_iter().map(|(label, _)| label).collect()
 }
 
 #[test]
 fn ticks_stand_at_round_numbers() {
-    for (division, values, expected) in [
+    for (scale, values, expected) in [
         (
-            Division::Linear,
+            AxisScale::Linear,
             [-0.06, 1.01],
             &["0", "0.2", "0.4", "0.6", "0.8", "1"][..],
         ),
         (
-            Division::Logarithmic,
+            AxisScale::Logarithmic,
             [1e-3, 0.1],
             &["10⁻³", "10⁻²", "10⁻¹"],
         ),
         // No two powers of ten.
         (
-            Division::Logarithmic,
+            AxisScale::Logarithmic,
             [0.02, 0.29],
             &["0.02", "0.05", "0.1", "0.2"],
         ),
         (
-            Division::Logarithmic,
+            AxisScale::Logarithmic,
             [1e-12, 1.0],
             &["10⁻¹²", "10⁻⁹", "10⁻⁶", "10⁻³", "10⁰"],
         ),
     ] {
-        assert_eq!(labels(division, values), expected);
+        assert_eq!(labels(scale, values), expected);
     }
 }
 
@@ -97,7 +97,7 @@ fn tick_labels_are_short() {
             &["12000", "12500", "13000", "13500", "14000"],
         ),
     ] {
-        assert_eq!(labels(Division::Linear, values), expected);
+        assert_eq!(labels(AxisScale::Linear, values), expected);
     }
 }
 
@@ -105,7 +105,7 @@ fn tick_labels_are_short() {
 fn what_has_no_logarithm_has_no_position() {
     let values = [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-3, 1e-1];
     let points: Vec<(f64, f64)> = (1..).map(f64::from).zip(values).collect();
-    let svg = drawn([Division::Linear, Division::Logarithmic], &points);
+    let svg = drawn([AxisScale::Linear, AxisScale::Logarithmic], &points);
     let document = Document::parse(&svg).unwrap();
     let marks = document.descendants().filter(|n| n.has_tag_name("circle"));
     // One is in the legend.
@@ -119,7 +119,7 @@ fn what_has_no_logarithm_has_no_position() {
 fn ranges_are_never_empty() {
     for values in [&[][..], &[0.0], &[3.0, 3.0], &[f64::NAN], &[1.0, 2.0]] {
         let points: Vec<(f64, f64)> = (0..).map(f64::from).zip(values.iter().copied()).collect();
-        let [_, up] = ticks(&drawn([Division::Linear; 2], &points));
+        let [_, up] = ticks(&drawn([AxisScale::Linear; 2], &points));
         assert!(up.len() > 1, "{values:?}: {up:?}");
         for pair in up.windows(2) {
             // Upwards.

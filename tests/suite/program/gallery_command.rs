@@ -3,7 +3,7 @@
 
 use crate::support::program::{command, directory, files, read};
 use pullback::cli::gallery::answer;
-use pullback::studies::gallery::Comparison;
+use pullback::studies::gallery::CaseRow;
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -116,8 +116,8 @@ fn an_unknown_case_is_refused_with_the_list() {
     assert_eq!(known.len(), pullback::studies::gallery::CASES.len());
 }
 
-fn row(difference: f64) -> Comparison {
-    Comparison {
+fn row(difference: f64) -> CaseRow {
+    CaseRow {
         case: "spring".to_owned(),
         quantity: "length".to_owned(),
         computed: 2.0 + difference,

@@ -4,7 +4,7 @@
 use proptest::prelude::*;
 use proptest::sample::Index;
 use proptest::test_runner::RngSeed;
-use pullback::input::{Problem, assemble_text};
+use pullback::input::{InputProblem, assemble_text};
 use std::ops::Range;
 use std::sync::LazyLock;
 
@@ -103,7 +103,7 @@ proptest! {
             return Ok(());
         };
         // What a file lacks altogether has no position in it.
-        if !matches!(*error.problem, Problem::Missing { .. }) {
+        if !matches!(*error.problem, InputProblem::Missing { .. }) {
             let position = error.span.clone();
             let stands = position.is_some_and(|position| text.get(position).is_some());
             prop_assert!(stands && error.line_column().is_some(), "{name}: no position for {error}");

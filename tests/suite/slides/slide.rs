@@ -55,7 +55,7 @@ fn bead(
         .slide("bead", &nodes, origin, Interpolation::Total)
         .unwrap();
     let mass = PointMass::new(MASS).unwrap();
-    let weight = mass.weight([0.0, 0.0, -G], Box::new(Constant(1.0)));
+    let weight = mass.weight([0.0, 0.0, -G], Constant(1.0));
     b.element("mass", mass, &[bead.frame]).unwrap();
     b.element("weight", weight, &[bead.frame]).unwrap();
     bead
@@ -103,7 +103,7 @@ fn a_driven_slide_bears_weight_and_inertia_of_its_mass() {
     let mut b = ModelBuilder::new();
     let bead = bead(&mut b, &incline(), 7, 1.4);
     let drive = sine(1.1, 2.5, 0.0);
-    b.prescribe_coordinate(bead.coordinates[0], 0, Box::new(drive));
+    b.prescribe_coordinate(bead.coordinates[0], 0, drive);
     // Something must be unknown.
     let free = b.node("free", [0.0; 3]).unwrap();
     heavy_body(&mut b, "free", free, 1.0, [0.0; 3]);

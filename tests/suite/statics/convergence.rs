@@ -81,7 +81,7 @@ fn a_stiff_spring_keeps_what_turns_on_it() {
             let node = b.node(name, [x, 0.0, 0.0]).unwrap();
             let body = RigidBody::new(1.0, Matrix3::identity(), Vector3::zeros()).unwrap();
             if gravity > 0.0 {
-                let weight = body.weight([0.0, 0.0, -gravity], Box::new(Constant(1.0)));
+                let weight = body.weight([0.0, 0.0, -gravity], Constant(1.0));
                 b.element(format!("weight of {name}"), weight, &[node])
                     .unwrap();
             }
@@ -133,7 +133,7 @@ fn rod(E: f64, length: f64, elements: usize) -> (ModelBuilder, Vec<NodeId>) {
     for pair in nodes.windows(2) {
         let positions = [b.position(pair[0]), b.position(pair[1])];
         let weight = [0.0, -9.81 * rho * area, 0.0];
-        let load = LineLoad::new(&positions, weight, false, Box::new(Constant(1.0))).unwrap();
+        let load = LineLoad::new(&positions, weight, false, Constant(1.0)).unwrap();
         let name = format!("weight of {}", b.node_name(pair[0]));
         b.element(name, load, pair).unwrap();
     }

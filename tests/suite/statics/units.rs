@@ -117,7 +117,7 @@ fn swung(u: Units) -> ([f64; 2], usize) {
     let J = Matrix3::from_diagonal(&Vector3::new(0.2, 0.3, 0.25)) * turning;
     let body = RigidBody::new(2.0 * mass, J, Vector3::x() * 0.4 * u.length).unwrap();
     let g = -9.0 * u.length / (u.time * u.time);
-    let weight = body.weight([0.0, 0.0, g], Box::new(Constant(1.0)));
+    let weight = body.weight([0.0, 0.0, g], Constant(1.0));
     b.element("body", body, &[hinge.frame]).unwrap();
     b.element("weight", weight, &[hinge.frame]).unwrap();
     let foot = b
@@ -160,7 +160,7 @@ fn pendulum(arm: f64, far: f64, k: f64, g: [f64; 3]) -> (Context, NodeId) {
     let hinge = revolute(&mut b, "hinge", ground, [0.0, 1.0, 0.0]);
     let center = Vector3::new(0.0, 0.0, -arm);
     let body = RigidBody::new(1.0, Matrix3::zeros(), center).unwrap();
-    let weight = body.weight(g.map(|g| g * arm), Box::new(Constant(1.0)));
+    let weight = body.weight(g.map(|g| g * arm), Constant(1.0));
     b.element("body", body, &[hinge.frame]).unwrap();
     b.element("weight", weight, &[hinge.frame]).unwrap();
     let law = CoordinateLaw {

@@ -17,7 +17,7 @@ use pullback::manifold::jet::Taylor;
 use pullback::manifold::map::{Linear, Map, Parametrization};
 use pullback::manifold::scalar::Scalar;
 use pullback::manifold::system::{Quantity, System};
-use pullback::studies::gallery::{self, Comparison};
+use pullback::studies::gallery::{self, CaseRow};
 
 // Lengths in m, masses in kg, moments of inertia in kg m².
 pub const A: [f64; 3] = [-0.06934, -0.00227, 0.0];
@@ -183,7 +183,7 @@ pub fn run(map: &ImplicitMap, steps: usize) -> Run {
 }
 
 /// What the gallery compares with, and its rows.
-pub fn reference() -> (Angles, Vec<Comparison>) {
+pub fn reference() -> (Angles, Vec<CaseRow>) {
     let rows = gallery::run(&["squeezer".to_owned()], None, &mut |_| {}).unwrap();
     let published = ["angle", "rate", "acceleration"].map(|what| {
         let rows = rows.iter().filter(|row| row.quantity.starts_with(what));

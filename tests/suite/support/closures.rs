@@ -92,7 +92,10 @@ pub fn start(text: &str) -> (HashMap<String, [f64; 2]>, Vec<String>) {
     job.context.configure(Point { t, q, v, a: &a }).unwrap();
     let coordinate = |(n, s, _): (_, &str, _)| Some((s.to_owned(), job.context.coordinate(n, 0)?));
     (
-        job.context.released().filter_map(coordinate).collect(),
+        job.context
+            .joint_coordinates()
+            .filter_map(coordinate)
+            .collect(),
         job.context.descriptions(),
     )
 }

@@ -3,7 +3,7 @@
 
 use super::laboratory;
 use pullback::input;
-use pullback::studies::compare::{CompareError, Comparison, Options};
+use pullback::studies::compare::{CompareError, Comparison, ComparisonOptions};
 
 /// A free symmetrical body: moments of inertia 2, 2 and 1.
 pub const BODY: &str = r#"
@@ -81,6 +81,6 @@ section = "rod"
 }
 
 /// The comparison of a model of this text.
-pub fn compared(text: &str, options: &Options) -> Result<Comparison, CompareError> {
+pub fn compared(text: &str, options: &ComparisonOptions) -> Result<Comparison, CompareError> {
     laboratory::compared(&input::parse("model.toml", text).unwrap(), options)
 }

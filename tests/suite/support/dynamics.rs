@@ -294,7 +294,7 @@ pub fn heavy_body(b: &mut ModelBuilder, name: &str, node: NodeId, mass: f64, cen
 
 /// A rigid body and its weight of 9.81 per mass along −e3.
 pub fn body(b: &mut ModelBuilder, name: &str, node: NodeId, body: RigidBody) {
-    let weight = body.weight([0.0, 0.0, -9.81], Box::new(Constant(1.0)));
+    let weight = body.weight([0.0, 0.0, -9.81], Constant(1.0));
     b.element(name, body, &[node]).unwrap();
     let name = format!("weight of {name}");
     b.element(name, weight, &[node]).unwrap();

@@ -2,7 +2,7 @@
 #![allow(dead_code)]
 
 use super::program::{directory, read};
-use pullback::studies::gallery::{self, Comparison};
+use pullback::studies::gallery::{self, CaseRow};
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -293,8 +293,8 @@ pub fn assert_computed(cases: &[&str], name: &str) {
 
 /// Each comparison of the cases meets its tolerance, none is lost or loosened, and their figures in the
 /// directory `out` are as they should be.
-pub fn assert_bounded(cases: &[&str], rows: &[Comparison], out: &Path) {
-    let relative: fn(&Comparison) -> f64 = |row| row.published.abs().max(1.0);
+pub fn assert_bounded(cases: &[&str], rows: &[CaseRow], out: &Path) {
+    let relative: fn(&CaseRow) -> f64 = |row| row.published.abs().max(1.0);
     let mut bounded = vec![false; rows.len()];
     for (table, scale) in [(STATICS, relative), (DYNAMICS, |_| 1.0)] {
         for &(case, start, least, largest) in table.iter().filter(|b| cases.contains(&b.0)) {

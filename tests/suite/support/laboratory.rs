@@ -3,7 +3,9 @@
 
 use nalgebra::Vector3;
 use pullback::input::{self, Analysis, ModelFile};
-use pullback::studies::compare::{CompareError, Comparison, Hooks, Options, Sample, compare};
+use pullback::studies::compare::{
+    CompareError, Comparison, ComparisonOptions, Hooks, Sample, compare,
+};
 use std::path::Path;
 
 pub fn model(name: &str) -> ModelFile {
@@ -20,12 +22,12 @@ pub fn until(mut file: ModelFile, to: f64) -> ModelFile {
     file
 }
 
-pub fn options(words: &[&str], steps: &[f64]) -> Options {
+pub fn options(words: &[&str], steps: &[f64]) -> ComparisonOptions {
     let schemes = words.iter().map(|w| w.parse().unwrap());
-    Options::new(schemes.collect(), steps.to_vec())
+    ComparisonOptions::new(schemes.collect(), steps.to_vec())
 }
 
-pub fn compared(file: &ModelFile, options: &Options) -> Result<Comparison, CompareError> {
+pub fn compared(file: &ModelFile, options: &ComparisonOptions) -> Result<Comparison, CompareError> {
     let make = |formulation| input::job_in("model.toml", file, formulation);
     compare(&make, "model.toml", options, &Hooks::NONE)
 }

@@ -132,7 +132,7 @@ impl Track {
 pub fn bead(b: &mut ModelBuilder, name: &str, nodes: &[NodeId], start: f64) -> JointNodes {
     let bead = b.slide(name, nodes, start, Interpolation::Total).unwrap();
     let mass = PointMass::new(1.3).unwrap();
-    let weight = mass.weight([0.0, 0.0, -G], Box::new(Constant(1.0)));
+    let weight = mass.weight([0.0, 0.0, -G], Constant(1.0));
     b.element(format!("mass of {name}"), mass, &[bead.frame])
         .unwrap();
     b.element(format!("weight of {name}"), weight, &[bead.frame])

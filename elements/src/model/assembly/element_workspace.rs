@@ -6,7 +6,7 @@ use crate::element::{Combined, Motion, Response};
 use crate::model::assembly::couplings::Couplings;
 use crate::model::assembly::residual::MAX_NODES;
 use crate::model::constraints::omitted::Omitted;
-use crate::model::kinematics::complement::Complement;
+use crate::model::kinematics::complement::ComplementOperators;
 use crate::model::kinematics::node_entries::{collect, distribute};
 use crate::model::state::ElementState;
 use crate::model::{ElementEntry, NONE, Node, Span};
@@ -38,7 +38,7 @@ pub(in crate::model) struct ElementWorkspace {
     pub q: Vec<f64>,
     pub qv: Vec<f64>,
     pub qa: Vec<f64>,
-    complements: Vec<Complement>,
+    complements: Vec<ComplementOperators>,
 }
 
 impl ElementWorkspace {
@@ -65,7 +65,7 @@ impl ElementWorkspace {
             q: zeros(parents),
             qv: zeros(parents),
             qa: zeros(parents),
-            complements: vec![Complement::default(); MAX_NODES],
+            complements: vec![ComplementOperators::default(); MAX_NODES],
         }
     }
 

@@ -121,7 +121,7 @@ impl ModelBuilder {
                     element: element_name.clone(),
                     source,
                 })?;
-            elements.push(self.boxed_element(element_name, beam, &own)?);
+            elements.push(self.element(element_name, beam, &own)?);
         }
         Ok(BeamLineNodes { nodes, elements })
     }

@@ -370,22 +370,10 @@ impl ModelBuilder {
     pub fn element(
         &mut self,
         name: impl Into<String>,
-        element: impl Element + 'static,
+        element: impl Into<Box<dyn Element>>,
         nodes: &[NodeId],
     ) -> Result<ElementId, ModelError> {
-        self.boxed_element(name.into(), Box::new(element), nodes)
-    }
-
-    /// As [`ModelBuilder::element`], for a boxed element.
-    ///
-    /// # Errors
-    /// As [`ModelBuilder::element`].
-    pub fn boxed_element(
-        &mut self,
-        name: String,
-        element: Box<dyn Element>,
-        nodes: &[NodeId],
-    ) -> Result<ElementId, ModelError> {
+        let (name, element) = (name.into(), element.into());
         self.check_own(nodes, || format!("element {name}"))?;
         if nodes.len() > MAX_NODES {
             return Err(ModelError::TooManyNodes {
@@ -450,12 +438,12 @@ impl ModelBuilder {
 
     /// Prescribes a coordinate of a frame node as a function of time (of the load parameter in
     /// statics).
-    pub fn prescribe(&mut self, node: NodeId, dof: Dof, function: impl TimeFunction + 'static) {
-        self.prescribe_boxed(node, dof, Box::new(function));
-    }
-
-    /// As [`ModelBuilder::prescribe`], for a boxed function.
-    pub fn prescribe_boxed(&mut self, node: NodeId, dof: Dof, function: Box<dyn TimeFunction>) {
+    pub fn prescribe(
+        &mut self,
+        node: NodeId,
+        dof: Dof,
+        function: impl Into<Box<dyn TimeFunction>>,
+    ) {
         self.prescribe_coordinate(node, dof.index(), function);
     }
 
@@ -464,8 +452,8 @@ impl ModelBuilder {
         &mut self,
         node: NodeId,
         k: usize,
-        function: Box<dyn TimeFunction>,
+        function: impl Into<Box<dyn TimeFunction>>,
     ) {
-        self.prescribed.push((node, k, function.into()));
+        self.prescribed.push((node, k, Arc::from(function.into())));
     }
 }

@@ -3,7 +3,7 @@
 use crate::constraint::{Multipliers, Penalty, PenaltyStiffness, Scaled};
 use crate::element::Element;
 use crate::model::build::builder::{ModelBuilder, NodeId};
-use crate::model::loops::{Closing, Coincide, EQUATIONS, Report};
+use crate::model::loops::{Closing, Coincide, EQUATIONS, LoopReport};
 use crate::model::{ModelError, NodeForm};
 use pullback_manifold::system::Quantity;
 
@@ -28,7 +28,7 @@ impl ModelBuilder {
     /// contain bodies that fly freely. Both methods enforce the equations of the map: the gap in the
     /// child's axes over the size of the model, and twice the vector part of the quaternion between the
     /// frames. An analysis of such a model starts from [`Model::initial`](crate::model::Model::initial), or
-    /// from another start after [`Context::satisfy`](crate::model::Context::satisfy).
+    /// from another start after [`Context::project_state`](crate::model::Context::project_state).
     ///
     /// # Errors
     /// As [`ModelBuilder::close`]; [`ModelError::Penalty`].
@@ -76,7 +76,7 @@ impl ModelBuilder {
     pub(in crate::model) fn enforce_closings(
         &mut self,
         length: f64,
-    ) -> Result<(Vec<Report>, Vec<Closing>), ModelError> {
+    ) -> Result<(Vec<LoopReport>, Vec<Closing>), ModelError> {
         let (maps, closings) = (self.closings.drain(..)).partition(|c| c.by == Closure::Map);
         let closings: Vec<Closing> = closings;
         self.closings = maps;
@@ -106,10 +106,10 @@ impl ModelBuilder {
                     Box::new(Multipliers::<_, 12, 6>::new(h).named(&EQUATIONS))
                 }
             };
-            let id = self.boxed_element(format!("closure of {name}"), element, &nodes)?;
-            reports.push(Report {
+            let id = self.element(format!("closure of {name}"), element, &nodes)?;
+            reports.push(LoopReport {
                 element: Some(id.0),
-                ..Report::say(words)
+                ..LoopReport::say(words)
             });
         }
         Ok((reports, closings))

@@ -6,7 +6,7 @@
 #![allow(non_snake_case)]
 
 use crate::element::{Element, Motion, Response};
-use crate::model::loops::Report;
+use crate::model::loops::LoopReport;
 use crate::model::{ModelBuilder, ModelError, NodeForm};
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::system::Quantity;
@@ -38,7 +38,10 @@ impl ModelBuilder {
     ///
     /// # Errors
     /// [`ModelError::LockedLoop`] if loops leave nothing free, and no joint is prescribed.
-    pub(in crate::model) fn add_dummy_dof(&mut self, loops: &[Report]) -> Result<(), ModelError> {
+    pub(in crate::model) fn add_dummy_dof(
+        &mut self,
+        loops: &[LoopReport],
+    ) -> Result<(), ModelError> {
         let given: std::collections::HashSet<(usize, usize)> = (self.prescribed.iter())
             .map(|(n, k, _)| (n.0 as usize, *k))
             .collect();

@@ -138,7 +138,7 @@ impl ModelBuilder {
         &mut self,
         enforced: &[loops::Closing],
         length: f64,
-    ) -> Result<(Vec<loops::Report>, loops::Positions), ModelError> {
+    ) -> Result<(Vec<loops::LoopReport>, loops::Positions), ModelError> {
         let mut preferred = std::mem::take(&mut self.preferred);
         preferred.extend(self.starts.keys().map(|&(n, _)| n));
         let used = self.elements.iter().flat_map(|e| e.nodes.iter());
@@ -390,7 +390,7 @@ fn refuse_mapped(nodes: &[Node], dependent: u32, coordinate: String) -> ModelErr
         }
     }
     let parents = own.join(", ");
-    ModelError::PrescribedSlave {
+    ModelError::PrescribedDependent {
         coordinate,
         parents,
     }

@@ -22,7 +22,7 @@ const OVERPRESCRIBED: &str = "zero, as the prescribed motions ask for what the l
                               prescribe no more than is free";
 
 /// All enforced equations, with their derivatives by the unknowns.
-pub(in crate::model) struct Equations {
+pub(in crate::model) struct EnforcedEquations {
     pub(in crate::model) h: DVector<f64>,
     pub(in crate::model) h_dot: DVector<f64>,
     /// Derivatives: a row per equation, a column per scaled unknown.
@@ -115,7 +115,7 @@ impl Context {
         t: f64,
         q: &[f64],
         v: &[f64],
-    ) -> Result<Equations, SystemError> {
+    ) -> Result<EnforcedEquations, SystemError> {
         let a = vec![0.0; v.len()];
         self.expand(Point { t, q, v, a: &a })?;
         let n = q.len();
@@ -156,7 +156,7 @@ impl Context {
                 prescribed.extend(self.prescribed().map(|c| self.work.r[c] * self.size(c)));
             }
         }
-        Ok(Equations {
+        Ok(EnforcedEquations {
             J: DMatrix::from_row_slice(of.len(), n, &rows),
             prescribed: DMatrix::from_row_slice(of.len(), self.prescribed().count(), &prescribed),
             h: DVector::from_vec(h),

@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use crate::model::charts::nodes::at_rest;
-use crate::model::constraints::enforced::Equations;
+use crate::model::constraints::enforced::EnforcedEquations;
 use crate::model::constraints::start::start;
 use crate::model::{Context, Model, ModelError, NodeId};
 use nalgebra::{DMatrix, DVector};
@@ -20,7 +20,7 @@ const GAIN: f64 = 1.5;
 
 impl Model {
     /// The equations enforced by multipliers.
-    fn counting(&self, all: &Equations) -> Vec<usize> {
+    fn counting(&self, all: &EnforcedEquations) -> Vec<usize> {
         let counts = |&(k, _): &(usize, usize)| {
             let enforced = self.elements[k].element.enforced();
             enforced.is_some_and(|e| e.penalty().is_none())
@@ -50,7 +50,7 @@ impl Context {
     }
 
     /// Omits the equations that are not selected.
-    fn leave_out(&mut self, all: &Equations, choice: Chosen) {
+    fn leave_out(&mut self, all: &EnforcedEquations, choice: Chosen) {
         let Chosen {
             waiting,
             by_prescribed,
@@ -173,7 +173,7 @@ struct Chosen {
 }
 
 impl Chosen {
-    fn of(all: &Equations, candidates: &[usize]) -> Self {
+    fn of(all: &EnforcedEquations, candidates: &[usize]) -> Self {
         let (mut rest, mut by_prescribed) = (all.J.clone(), all.prescribed.clone());
         let (mut waiting, mut taken) = (candidates.to_vec(), Vec::new());
         let (mut limit, mut least) = (0.0, f64::INFINITY);

@@ -3,7 +3,7 @@
 
 #![allow(non_snake_case)]
 
-use crate::model::constraints::enforced::Equations;
+use crate::model::constraints::enforced::EnforcedEquations;
 use crate::model::{Context, Model, ModelError, Node, NodeId};
 use nalgebra::{DMatrix, DVector};
 use pullback_manifold::system::{Charts, Quantity, System, SystemError};
@@ -26,7 +26,7 @@ const DRAWN: f64 = 1e-6;
 
 impl Model {
     /// The joint or element that enforces an equation.
-    fn closing_joint(&self, all: &Equations, i: usize) -> String {
+    fn closing_joint(&self, all: &EnforcedEquations, i: usize) -> String {
         let e = &self.elements[all.of[i].0];
         e.name.trim_start_matches("closure of ").to_owned()
     }
@@ -41,7 +41,7 @@ impl Context {
     /// # Errors
     /// [`ModelError::Unclosed`] if no configuration nearby satisfies the equations;
     /// [`ModelError::Start`] if one is outside the domain of a joint.
-    pub fn satisfy(
+    pub fn project_state(
         &mut self,
         t: f64,
         q: &mut [f64],
@@ -55,15 +55,15 @@ impl Context {
         if v.is_empty() {
             return Ok(0.0);
         }
-        let (left, _) = self.satisfy_velocities(t, q, v, held)?;
+        let (left, _) = self.project_velocities(t, q, v, held)?;
         Ok(left)
     }
 
-    /// As [`Context::satisfy`] for coordinates, keeping those in `wanted` as well if possible; if
+    /// As [`Context::project_state`] for coordinates, keeping those in `wanted` as well if possible; if
     /// not, [`Context::descriptions`] gives their initial values.
     ///
     /// # Errors
-    /// As [`Context::satisfy`].
+    /// As [`Context::project_state`].
     pub fn project_positions(
         &mut self,
         t: f64,
@@ -73,22 +73,22 @@ impl Context {
     ) -> Result<(), ModelError> {
         let mut trial = q.to_vec();
         let all = [held, wanted].concat();
-        if !wanted.is_empty() && self.satisfy(t, &mut trial, &mut [], &all).is_ok() {
+        if !wanted.is_empty() && self.project_state(t, &mut trial, &mut [], &all).is_ok() {
             q.copy_from_slice(&trial);
             return Ok(());
         }
         let values: Vec<(usize, f64)> = wanted.iter().map(|&u| (u, q[u])).collect();
-        self.satisfy(t, q, &mut [], held)?;
+        self.project_state(t, q, &mut [], held)?;
         self.report_moved(q, &values);
         Ok(())
     }
 
-    /// As [`Context::satisfy`] for velocities, at coordinates that satisfy the equations; returns the
+    /// As [`Context::project_state`] for velocities, at coordinates that satisfy the equations; returns the
     /// largest error, and its joint.
     ///
     /// # Errors
     /// [`ModelError::Start`] outside the domain of a joint.
-    pub fn satisfy_velocities(
+    pub fn project_velocities(
         &mut self,
         t: f64,
         q: &[f64],

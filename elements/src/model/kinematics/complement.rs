@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use nalgebra::{Matrix3, Vector3};
-use pullback_manifold::chart::Complement as ComplementMap;
+use pullback_manifold::chart::Complement;
 use pullback_manifold::jet::Taylor;
 use pullback_manifold::map::{Kinematics, Map};
 use pullback_manifold::pullback::Slot;
@@ -11,13 +11,13 @@ use pullback_manifold::scalar::Scalar;
 
 /// Operators of the complement map for one node of an element in the other chart.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::model) struct Complement {
+pub(in crate::model) struct ComplementOperators {
     psi: Vector3<f64>,
     kinematics: Kinematics<3, 3>,
     K_sigma: Matrix3<f64>,
 }
 
-impl Default for Complement {
+impl Default for ComplementOperators {
     fn default() -> Self {
         let zero = Matrix3::zeros();
         Self {
@@ -35,11 +35,11 @@ impl Default for Complement {
     }
 }
 
-impl Complement {
+impl ComplementOperators {
     /// Ψ, Ψ̇, Ψ̈ ↦ Ψᶜ, Ψ̇ᶜ, Ψ̈ᶜ, in place.
     pub(in crate::model) fn apply(&mut self, psi: &mut [f64], v: &mut [f64], a: &mut [f64]) {
         self.psi = Vector3::from_column_slice(psi);
-        let k = ComplementMap.kinematics(
+        let k = Complement.kinematics(
             0.0,
             &self.psi,
             &Vector3::from_column_slice(v),
@@ -54,7 +54,7 @@ impl Complement {
     /// Computes K_σ for the moment that the element exerts in its own chart.
     pub(in crate::model) fn load(&mut self, f: &[f64]) {
         self.K_sigma =
-            ComplementMap.geometric_stiffness(0.0, &self.psi, &Vector3::from_column_slice(f));
+            Complement.geometric_stiffness(0.0, &self.psi, &Vector3::from_column_slice(f));
     }
 
     pub(in crate::model) fn slot(&self) -> Slot<'_> {

@@ -77,7 +77,7 @@ impl Model {
     }
 
     /// Nodes of joint coordinates and rotations, with their names.
-    pub fn released(&self) -> impl Iterator<Item = (NodeId, &str, usize)> + '_ {
+    pub fn joint_coordinates(&self) -> impl Iterator<Item = (NodeId, &str, usize)> + '_ {
         let released = |n: &Node| matches!(n.form, NodeForm::Coordinates | NodeForm::Rotation);
         let nodes = self.nodes_that(released);
         nodes.map(|(id, n)| (id, n.name.as_str(), n.dim))

@@ -8,7 +8,7 @@ use pullback_manifold::system::Quantity;
 
 /// A loop: its two frames, and the frame where their chains meet.
 #[derive(Clone, Debug)]
-pub(super) struct Chain {
+pub(super) struct JointLoop {
     /// The frame that is attached to the closing joint, and the frame that coincides with it.
     pub frame: u32,
     pub child: u32,
@@ -36,7 +36,7 @@ pub(in crate::model) fn upwards(nodes: &[Node], n: u32) -> Vec<u32> {
     out
 }
 
-impl Chain {
+impl JointLoop {
     /// The chains of the coinciding frames.
     ///
     /// # Errors
@@ -115,7 +115,7 @@ fn reads_no_frame(nodes: &[Node], n: u32) -> bool {
 }
 
 /// The own scalar coordinate nodes along both chains below the root.
-pub(super) fn coordinates(nodes: &[Node], chain: &Chain) -> Vec<u32> {
+pub(super) fn coordinates(nodes: &[Node], chain: &JointLoop) -> Vec<u32> {
     let mut out = Vec::new();
     let mut waiting = vec![chain.frame, chain.child];
     while let Some(n) = waiting.pop() {
@@ -138,7 +138,7 @@ pub(super) fn coordinates(nodes: &[Node], chain: &Chain) -> Vec<u32> {
 /// every joint is objective, as in nearly all cases.
 pub(super) fn root_matters(
     nodes: &[Node],
-    chain: &Chain,
+    chain: &JointLoop,
     root: u32,
     held: &Held<'_>,
     length: f64,

@@ -26,7 +26,7 @@ use crate::model::build::closures::Closure;
 use crate::model::kinematics::pose::add_pose;
 use crate::time::TimeFunction;
 pub(in crate::model) use chain::upwards;
-use chain::{Chain, coordinates};
+use chain::{JointLoop, coordinates};
 pub(in crate::model) use coincide::Coincide;
 use nalgebra::Vector3;
 use pullback_manifold::map::ToChart;
@@ -57,7 +57,7 @@ pub(in crate::model) struct Closing {
 
 /// A part of the report on loops: text, or a map with a description.
 #[derive(Clone, Debug, Default)]
-pub(in crate::model) struct Report {
+pub(in crate::model) struct LoopReport {
     pub words: String,
     pub map: Option<u32>,
     /// Closing frame and child of each loop, in the order of the equations.
@@ -68,7 +68,7 @@ pub(in crate::model) struct Report {
     pub element: Option<u32>,
 }
 
-impl Report {
+impl LoopReport {
     /// A report with text only.
     pub(in crate::model) fn say(words: String) -> Self {
         Self {
@@ -161,7 +161,7 @@ pub(in crate::model) fn close(
     held: &Held<'_>,
     preferences: &StartPreferences<'_>,
     length: f64,
-) -> Result<Vec<Report>, ModelError> {
+) -> Result<Vec<LoopReport>, ModelError> {
     let mut reports = Vec::new();
     let mut loops: Vec<Closing> = Vec::new();
     for &closing in closings {
@@ -197,7 +197,7 @@ pub(in crate::model) fn close(
             });
         }
         let words = format!("joint {}: {} is attached to it", a.name, b.name);
-        reports.push(Report::say(words));
+        reports.push(LoopReport::say(words));
         let same = JointMap::new(Offset {
             c: Vector3::zeros(),
         });
@@ -226,7 +226,7 @@ pub(in crate::model) fn positions(
     preferences: &StartPreferences<'_>,
     length: f64,
 ) -> Positions {
-    let by_joints = |c: &&Closing| Chain::find(nodes, **c, held).is_ok();
+    let by_joints = |c: &&Closing| JointLoop::find(nodes, **c, held).is_ok();
     let all = closings.len();
     let closings: Vec<Closing> = closings.iter().filter(by_joints).copied().collect();
     let mut copies: Vec<Node> = nodes.iter().map(Node::clone).collect();
@@ -304,8 +304,8 @@ fn connected(
     loops: &[Closing],
     held: &Held<'_>,
     length: f64,
-) -> Result<Vec<Vec<Chain>>, ModelError> {
-    let chains = loops.iter().map(|&l| Chain::find(nodes, l, held));
+) -> Result<Vec<Vec<JointLoop>>, ModelError> {
+    let chains = loops.iter().map(|&l| JointLoop::find(nodes, l, held));
     let mut chains = chains.collect::<Result<Vec<_>, _>>()?;
     loop {
         let sets = sharing(nodes, &chains, held);
@@ -318,7 +318,7 @@ fn connected(
 }
 
 /// Groups loops into sets that share a free coordinate.
-fn sharing(nodes: &[Node], chains: &[Chain], held: &Held<'_>) -> Vec<Set> {
+fn sharing(nodes: &[Node], chains: &[JointLoop], held: &Held<'_>) -> Vec<Set> {
     let mut sets: Vec<Set> = Vec::new();
     for (k, chain) in chains.iter().enumerate() {
         let mut own: BTreeSet<u32> = coordinates(nodes, chain).into_iter().collect();
@@ -343,7 +343,7 @@ fn sharing(nodes: &[Node], chains: &[Chain], held: &Held<'_>) -> Vec<Set> {
 /// A loop whose root follows from its own coordinates, directly or through other sets.
 fn circular(
     nodes: &[Node],
-    chains: &[Chain],
+    chains: &[JointLoop],
     sets: &[Set],
     held: &Held<'_>,
     length: f64,
@@ -353,7 +353,7 @@ fn circular(
         let Some(root) = chains[k].root else {
             return Vec::new();
         };
-        let above = Chain {
+        let above = JointLoop {
             frame: root,
             child: root,
             root: None,

@@ -1,9 +1,9 @@
 //! A set of loops that share coordinates: dependencies and equations.
 
-use super::chain::{self, Chain, coordinates};
+use super::chain::{self, JointLoop, coordinates};
 use super::coincide::{Coincide, CoincidePoses};
 use super::part::Part;
-use super::{APART, EQUATIONS, Held, Report, StartPreferences};
+use super::{APART, EQUATIONS, Held, LoopReport, StartPreferences};
 use crate::model::assembly::residual::MAX_NODES;
 use crate::model::build::builder::NodeId;
 use crate::model::{ModelError, NONE, Node, NodeForm, Source};
@@ -61,7 +61,7 @@ impl Inputs {
 }
 
 /// The equations of chains, as a tree of copies of their maps.
-pub(super) fn tree(nodes: &[Node], chains: &[Chain], inputs: &Inputs) -> MapGraph {
+pub(super) fn tree(nodes: &[Node], chains: &[JointLoop], inputs: &Inputs) -> MapGraph {
     let mut tree = MapGraph::new(inputs.count);
     let mut made: HashMap<(u32, u32), Read> = HashMap::new();
     let mut closures = Vec::new();
@@ -83,7 +83,7 @@ pub(super) fn tree(nodes: &[Node], chains: &[Chain], inputs: &Inputs) -> MapGrap
 fn add(
     nodes: &[Node],
     n: u32,
-    chain: &Chain,
+    chain: &JointLoop,
     inputs: &Inputs,
     tree: &mut MapGraph,
     made: &mut HashMap<(u32, u32), Read>,
@@ -121,12 +121,12 @@ fn add(
 /// Loops without dependent joint coordinates: valid if the frames coincide as drawn.
 fn nothing_follows(
     nodes: &[Node],
-    chains: &[Chain],
+    chains: &[JointLoop],
     joints: String,
     given: &[(u32, usize)],
     equations: &mut dyn Parametrization,
     length: f64,
-) -> Result<Report, ModelError> {
+) -> Result<LoopReport, ModelError> {
     if !given.is_empty() {
         let names: Vec<&str> = (given.iter())
             .map(|&(n, _)| nodes[n as usize].name.as_str())
@@ -150,7 +150,7 @@ fn nothing_follows(
             });
         }
     }
-    Ok(Report::say(format!(
+    Ok(LoopReport::say(format!(
         "{joints}: nothing can move between the frames, which are one as drawn; redundant"
     )))
 }
@@ -177,7 +177,7 @@ fn displaced(
 }
 
 /// Report on frames that coincide but are drawn apart.
-fn drawn_apart(nodes: &[Node], chains: &[Chain], length: f64) -> String {
+fn drawn_apart(nodes: &[Node], chains: &[JointLoop], length: f64) -> String {
     let mut words = String::new();
     for chain in chains {
         let (a, b) = (&nodes[chain.frame as usize], &nodes[chain.child as usize]);
@@ -191,7 +191,12 @@ fn drawn_apart(nodes: &[Node], chains: &[Chain], length: f64) -> String {
 
 /// Preference of a coordinate as an independent one: above a half if requested by the user, and
 /// larger near the root of its loop.
-fn preference(nodes: &[Node], chains: &[Chain], n: u32, preferences: &StartPreferences<'_>) -> f64 {
+fn preference(
+    nodes: &[Node],
+    chains: &[JointLoop],
+    n: u32,
+    preferences: &StartPreferences<'_>,
+) -> f64 {
     let depth = chains.iter().flat_map(|chain| {
         [chain.frame, chain.child].into_iter().filter_map(|end| {
             let path = chain::upwards(nodes, end);
@@ -215,7 +220,7 @@ fn preference(nodes: &[Node], chains: &[Chain], n: u32, preferences: &StartPrefe
 /// Describes the unknowns, parameters and equations of a set of loops.
 fn described(
     nodes: &[Node],
-    chains: &[Chain],
+    chains: &[JointLoop],
     inputs: &Inputs,
     preferences: &StartPreferences<'_>,
     length: f64,
@@ -260,11 +265,11 @@ fn described(
 /// Closes a set of loops; returns its report.
 pub(super) fn close_set(
     nodes: &mut Vec<Node>,
-    chains: &[Chain],
+    chains: &[JointLoop],
     held: &Held<'_>,
     preferences: &StartPreferences<'_>,
     length: f64,
-) -> Result<Report, ModelError> {
+) -> Result<LoopReport, ModelError> {
     let mut own: Vec<u32> = chains.iter().flat_map(|c| coordinates(nodes, c)).collect();
     own.sort_unstable();
     own.dedup();
@@ -338,7 +343,7 @@ pub(super) fn close_set(
         1 => format!("joint {joints} closes a loop"),
         _ => format!("joints {joints} close loops"),
     };
-    Ok(Report {
+    Ok(LoopReport {
         words: closing + &apart + &moved,
         map: Some(x),
         closures: chains.iter().map(|c| (c.frame, c.child)).collect(),

@@ -195,7 +195,7 @@ impl Context {
     /// the joints of attached children, the joints that close loops, and their present independent
     /// coordinates.
     pub fn descriptions(&self) -> Vec<String> {
-        let note = |r: &crate::model::loops::Report| {
+        let note = |r: &crate::model::loops::LoopReport| {
             let of_element = || {
                 r.element
                     .map_or_else(String::new, |k| self.describe_left_out(k))

@@ -2,7 +2,7 @@
 
 use crate::element::Element;
 use crate::model::charts::nodes::at_rest;
-use crate::model::kinematics::complement::Complement;
+use crate::model::kinematics::complement::ComplementOperators;
 use crate::model::kinematics::node_entries::collect;
 use crate::model::{Context, ElementEntry, Model, NONE, Node, NodeForm};
 use nalgebra::Vector3;
@@ -128,7 +128,7 @@ impl Context {
         for (k, &node) in e.nodes.iter().enumerate() {
             if switched & (1 << k) != 0 {
                 let [x, v, a] = motion.each_mut().map(|own| &mut own[first + 3..first + 6]);
-                Complement::default().apply(x, v, a);
+                ComplementOperators::default().apply(x, v, a);
             }
             first += self.model.nodes[node as usize].dim;
         }

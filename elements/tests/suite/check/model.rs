@@ -4,7 +4,7 @@
 
 use crate::support::{coupled, section};
 use nalgebra::{Matrix3, Matrix6, Vector3};
-use pullback_conformance::{self as check, Options};
+use pullback_conformance::{self as check, ModelOptions};
 use pullback_elements::beam::{Interpolation, Section};
 use pullback_elements::body::RigidBody;
 use pullback_elements::inertia::Inertia;
@@ -59,7 +59,7 @@ fn everything() -> Context {
     let J = Matrix3::from_diagonal(&Vector3::new(0.2, 0.3, 0.4));
     let body = RigidBody::new(2.0, J, Vector3::new(0.05, 0.0, 0.1)).unwrap();
     b.element("body", body, &[far]).unwrap();
-    let weight = body.weight([0.0, 0.0, -9.81], Box::new(Constant(1.0)));
+    let weight = body.weight([0.0, 0.0, -9.81], Constant(1.0));
     b.element("weight", weight, &[far]).unwrap();
     let law = CoordinateLaw {
         k: 3.0,
@@ -111,9 +111,9 @@ fn everything() -> Context {
 fn a_right_model_passes_from_many_seeds() {
     let mut model = everything();
     for seed in 0..12 {
-        let options = Options {
+        let options = ModelOptions {
             seed,
-            ..Options::default()
+            ..ModelOptions::default()
         };
         let report = check::model(&mut model, &options);
         report.assert();
@@ -157,9 +157,9 @@ fn stiffness_ratios_of_ten_orders_and_millimetres_raise_no_alarm() {
         b.element("soft", soft, &[root, tip]).unwrap();
         let mut context = Context::new(b.build().unwrap());
         for seed in 0..8 {
-            let options = Options {
+            let options = ModelOptions {
                 seed,
-                ..Options::default()
+                ..ModelOptions::default()
             };
             check::model(&mut context, &options).assert();
         }
@@ -169,14 +169,14 @@ fn stiffness_ratios_of_ten_orders_and_millimetres_raise_no_alarm() {
 #[test]
 fn the_same_seed_gives_the_same_report_and_states_outside_are_told() {
     let mut model = everything();
-    let options = Options::default();
+    let options = ModelOptions::default();
     let first = check::model(&mut model, &options);
     assert_eq!(first, check::model(&mut model, &options));
     assert_ne!(
         first,
         check::model(
             &mut model,
-            &Options {
+            &ModelOptions {
                 seed: 1,
                 ..options.clone()
             }
@@ -186,7 +186,7 @@ fn the_same_seed_gives_the_same_report_and_states_outside_are_told() {
     let way = model.find("runner arc_length").unwrap();
     let mut q = vec![0.0; pullback_manifold::system::System::pattern(&model).dim()];
     q[model.unknown_at(way, 0).unwrap()] = 100.0;
-    let report = check::model(&mut model, &Options { q, ..options });
+    let report = check::model(&mut model, &ModelOptions { q, ..options });
     assert!(!report.is_ok());
     assert!(report.to_string().contains("runner"), "{report}");
 }

@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use nalgebra::{Matrix3, SVector, Vector3};
-use pullback_conformance::{self as check, Options};
+use pullback_conformance::{self as check, ModelOptions};
 use pullback_conformance::{Report, joint};
 use pullback_elements::beam::Interpolation;
 use pullback_elements::body::RigidBody;
@@ -146,11 +146,11 @@ fn chained(planted: Planted, interpolation: Interpolation, driven: bool, seed: u
         .unwrap();
     b.element("runner body", body(), &[frame]).unwrap();
     if driven {
-        b.prescribe_coordinate(way, 0, Box::new(Constant(0.05)));
+        b.prescribe_coordinate(way, 0, Constant(0.05));
     }
-    let options = Options {
+    let options = ModelOptions {
         seed,
-        ..Options::default()
+        ..ModelOptions::default()
     };
     check::model(&mut Context::new(b.build().unwrap()), &options)
 }
@@ -240,7 +240,10 @@ fn pieces_of_a_curve_meet_with_two_derivatives() {
             .attach_free("bead", base, OnCurve::new(Bent(power, None)))
             .unwrap();
         b.element("bead", body(), &[bead.frame]).unwrap();
-        let report = check::model(&mut Context::new(b.build().unwrap()), &Options::default());
+        let report = check::model(
+            &mut Context::new(b.build().unwrap()),
+            &ModelOptions::default(),
+        );
         let expected = [["joint bead (on curve)", law]];
         assert_eq!(
             failures(&report),

@@ -5,7 +5,7 @@
 
 use crate::support::{coupled, line, straight};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
-use pullback_conformance::{self as check, Options};
+use pullback_conformance::{self as check, ModelOptions};
 use pullback_conformance::{InCharts, LawRow, Report};
 use pullback_elements::body::RigidBody;
 use pullback_elements::element::{Element, Motion, Response};
@@ -135,9 +135,9 @@ fn report(planted: Planted, seed: u64) -> Report {
     b.element("load", body(), &[far]).unwrap();
     let hub = b.node("hub", [0.0, 0.0, 2.0]).unwrap();
     b.element("top", Top(planted), &[hub]).unwrap();
-    let options = Options {
+    let options = ModelOptions {
         seed,
-        ..Options::default()
+        ..ModelOptions::default()
     };
     check::model(&mut Context::new(b.build().unwrap()), &options)
 }
@@ -280,7 +280,10 @@ fn a_joint_with_an_axis_fixed_in_space() {
         .mapped_node("hinge", [0.0; 3], Fixed.boxed(), &nodes)
         .unwrap();
     b.element("arm", body(), &[hinge]).unwrap();
-    let report = check::model(&mut Context::new(b.build().unwrap()), &Options::default());
+    let report = check::model(
+        &mut Context::new(b.build().unwrap()),
+        &ModelOptions::default(),
+    );
     assert_eq!(broken(&report), ["joint hinge (fixed)"], "{report}");
     let laws: Vec<&str> = report.failures().iter().map(|r| r.law.as_str()).collect();
     assert_eq!(laws, ["frames move rigidly with their parents"]);

@@ -111,7 +111,7 @@ fn nodal_loads() {
 fn line_loads() {
     for nodes in 2..=4 {
         for follower in [false, true] {
-            let amplitude = Box::new(sine());
+            let amplitude = sine();
             let load = LineLoad::new(&helix(nodes), [0.8, -1.4, 2.2], follower, amplitude);
             let mut load = load.unwrap();
             for interpolation in INTERPOLATIONS {

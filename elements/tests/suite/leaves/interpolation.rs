@@ -283,8 +283,7 @@ fn a_rigid_rotation_or_another_chart_changes_nothing_geodesic() {
             let positions: Vec<_> = nodes.iter().map(|n| n.X).collect();
             let turned: Vec<_> = nodes.iter().map(|n| n.turned(&Q)).collect();
             let wind = |i| {
-                let load =
-                    LineLoad::new(&positions, [0.3, 1.0, -0.4], true, Box::new(Constant(1.0)));
+                let load = LineLoad::new(&positions, [0.3, 1.0, -0.4], true, Constant(1.0));
                 load.unwrap().with_interpolation(i)
             };
             let beam = |i: Interpolation| i.beam(&positions, &frame, &massive(DAMPING)).unwrap();
@@ -380,7 +379,7 @@ fn laws_found(interpolation: Interpolation) -> Vec<String> {
     laid.unwrap();
     let report = check::model(
         &mut Context::new(b.build().unwrap()),
-        &check::Options::default(),
+        &check::ModelOptions::default(),
     );
     report.assert();
     let found = report

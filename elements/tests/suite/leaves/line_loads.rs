@@ -25,7 +25,7 @@ fn resultant(r: &[f64]) -> [f64; 6] {
 fn a_line_load_adds_up_to_force_times_length() {
     for nodes in 2..=4 {
         let positions = positions(nodes);
-        let load = LineLoad::new(&positions, FORCE, false, Box::new(Constant(1.0)));
+        let load = LineLoad::new(&positions, FORCE, false, Constant(1.0));
         let (r, _) = at_rest(&load.unwrap(), &vec![0.2; 6 * nodes]).unwrap();
         let expected = [1.5, -3.0, 6.0, 0.0, 0.0, 0.0];
         for (sum, f) in resultant(&r).iter().zip(expected) {
@@ -39,7 +39,7 @@ fn a_line_load_adds_up_to_force_times_length() {
             "{nodes} nodes: {moment}"
         );
     }
-    let one = LineLoad::new(&positions(2)[..1], FORCE, false, Box::new(Constant(1.0)));
+    let one = LineLoad::new(&positions(2)[..1], FORCE, false, Constant(1.0));
     assert_eq!(one.unwrap_err(), BeamError::Nodes(1));
 }
 
@@ -53,7 +53,7 @@ fn a_follower_line_load_turns_with_a_rigid_rotation() {
     ] {
         for nodes in 2..=4 {
             for interpolation in [Interpolation::Total, Interpolation::Geodesic] {
-                let load = LineLoad::new(&positions(nodes), FORCE, true, Box::new(Constant(2.0)));
+                let load = LineLoad::new(&positions(nodes), FORCE, true, Constant(2.0));
                 let load = load.unwrap().with_interpolation(interpolation);
                 let x = [[0.2; 3], psi].concat().repeat(nodes);
                 let (r, _) = at_rest(&load, &x).unwrap();

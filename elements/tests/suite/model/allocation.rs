@@ -46,8 +46,7 @@ fn nothing_is_allocated_after_the_first_evaluation() {
         for count in [2, 3] {
             let beam = Interpolation::Geodesic.beam(&positions[..count], &|_| frame, &section);
             let name = format!("geodesic {count} {}", section.damping.mass);
-            b.boxed_element(name, beam.unwrap(), &nodes[..count])
-                .unwrap();
+            b.element(name, beam.unwrap(), &nodes[..count]).unwrap();
         }
     }
     let offset = Offset([0.0, 0.3, 0.4]).boxed();
@@ -59,7 +58,7 @@ fn nothing_is_allocated_after_the_first_evaluation() {
     let load = NodalLoad::new(LoadKind::FollowerMoment, [1.0, 2.0, 3.0], Proportional(1.0));
     b.element("load", load, &[dependent]).unwrap();
     let body = RigidBody::new(2.0, Matrix3::identity(), Vector3::x()).unwrap();
-    let weight = body.weight([0.0, 0.0, -9.81], Box::new(Proportional(1.0)));
+    let weight = body.weight([0.0, 0.0, -9.81], Proportional(1.0));
     b.element("body", body, &[dependent]).unwrap();
     b.element("weight", weight, &[dependent]).unwrap();
     let ends = [b.position(nodes[1]), b.position(dependent)];
@@ -71,13 +70,8 @@ fn nothing_is_allocated_after_the_first_evaluation() {
         .unwrap();
     let ramp = Table::ramp(0.0, 1.0, 2.0).unwrap();
     let positions = [nodes[0], nodes[1], nodes[2]].map(|n| b.position(n));
-    let wind = LineLoad::new(&positions, [0.0, 1.0, 0.0], true, Box::new(ramp)).unwrap();
-    let turning = LineLoad::new(
-        &positions,
-        [0.0, 1.0, 0.0],
-        true,
-        Box::new(Proportional(1.0)),
-    );
+    let wind = LineLoad::new(&positions, [0.0, 1.0, 0.0], true, ramp).unwrap();
+    let turning = LineLoad::new(&positions, [0.0, 1.0, 0.0], true, Proportional(1.0));
     let turning = turning.unwrap().with_interpolation(Interpolation::Geodesic);
     b.element("wind", wind, &nodes[..3]).unwrap();
     b.element("geodesic wind", turning, &nodes[..3]).unwrap();
@@ -118,12 +112,7 @@ fn nothing_is_allocated_after_the_first_evaluation() {
         M: 3.0,
     };
     let mut all = |context: &mut dyn System| {
-        let rest = Point {
-            t: 0.5,
-            q: &q,
-            v: &[],
-            a: &[],
-        };
+        let rest = Point::statics(0.5, &q);
         let moving = Point {
             v: &v,
             a: &a,

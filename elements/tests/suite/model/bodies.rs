@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use nalgebra::{DVector, Matrix3, Matrix6, Vector3};
-use pullback_conformance::{self as check, Random, State};
+use pullback_conformance::{self as check, Random, TestState};
 use pullback_elements::body::{PointMass, RigidBody};
 use pullback_elements::model::{Context, Dof, ModelBuilder, NodeId};
 use pullback_elements::spring::{AxialSpring, Bushing};
@@ -26,7 +26,7 @@ fn model() -> (Context, [NodeId; 3]) {
         ("body 2", second, Vector3::zeros()),
     ] {
         let body = RigidBody::new(1.3, J, c).unwrap();
-        let weight = body.weight(g, Box::new(Constant(1.0)));
+        let weight = body.weight(g, Constant(1.0));
         b.element(name, body, &[node]).unwrap();
         b.element(format!("weight of {name}"), weight, &[node])
             .unwrap();
@@ -88,8 +88,8 @@ fn their_tangents_are_exact_also_astride_a_change_of_chart() {
         assert!((after - before).abs() < 1e-11 * before.abs().max(1.0));
         let t = 0.0;
         let states = [
-            ("at rest".to_owned(), State::statics(t, q.clone())),
-            ("moving".to_owned(), State { t, x: q, v, a }),
+            ("at rest".to_owned(), TestState::statics(t, q.clone())),
+            ("moving".to_owned(), TestState { t, x: q, v, a }),
         ];
         check::system("bodies and springs", &mut context, &states).assert();
     }
@@ -104,12 +104,7 @@ fn a_spring_without_length_is_named() {
     for (i, dof) in [Dof::X, Dof::Y, Dof::Z].into_iter().enumerate() {
         q[context.unknown(mass, dof).unwrap()] = gap[i];
     }
-    let at = Point {
-        t: 0.0,
-        q: &q,
-        v: &[],
-        a: &[],
-    };
+    let at = Point::statics(0.0, &q);
     let error = context
         .evaluate(at, Evaluation::residual(&mut vec![0.0; n]))
         .unwrap_err();

@@ -247,7 +247,7 @@ fn maps_read_inputs() {
     let ratio = b.input(2.0);
     let q = b.coordinates("q", &[Quantity::Other]).unwrap();
     let u = b.coordinates("u", &[Quantity::Other]).unwrap();
-    b.prescribe_coordinate(u, 0, Box::new(ratio));
+    b.prescribe_coordinate(u, 0, ratio);
     let x = b
         .mapped_coordinates("x", &[Quantity::Other], Ratio.boxed(), &[q, u])
         .unwrap();
@@ -260,12 +260,7 @@ fn maps_read_inputs() {
     let spring = CoordinateSpring::new(law).unwrap();
     b.element("spring", spring, &[x]).unwrap();
     let mut context = Context::new(b.build().unwrap());
-    let at = Point {
-        t: 0.0,
-        q: &[0.5],
-        v: &[],
-        a: &[],
-    };
+    let at = Point::statics(0.0, &[0.5]);
     for u in [2.0, 2.0, -1.0] {
         context.set_input(ratio, u);
         let mut r = [0.0];

@@ -110,12 +110,7 @@ fn coordinates(context: &Context, nodes: &[NodeId], values: &[[Vector3<f64>; 2]]
 }
 
 fn at(q: &[f64]) -> Point<'_> {
-    Point {
-        t: 0.0,
-        q,
-        v: &[],
-        a: &[],
-    }
+    Point::statics(0.0, q)
 }
 
 fn take(context: &Context, node: NodeId, dofs: [Dof; 3], from: &[f64]) -> Vector3<f64> {
@@ -276,7 +271,7 @@ fn the_way_a_node_is_stored_does_not_matter() {
         for k in 0..NODES - 1 {
             let beam =
                 Beam::along(&[position(k), position(k + 1)], &|_| frame, &coupled()).unwrap();
-            b.boxed_element(format!("beam {k}"), beam, &beam_nodes[k..k + 2])
+            b.element(format!("beam {k}"), beam, &beam_nodes[k..k + 2])
                 .unwrap();
         }
         let mut m = Context::new(b.build().unwrap());
@@ -349,8 +344,8 @@ fn partly_held_rotations_change_only_where_the_held_part_is_zero() {
         let ends = [0, 1].map(|k| b.node(format!("n{k}"), position(k).into()).unwrap());
         let frame = frame_along(&Vector3::x(), None);
         let beam = Beam::along(&[position(0), position(1)], &|_| frame, &coupled()).unwrap();
-        b.boxed_element("beam".to_owned(), beam, &ends).unwrap();
-        b.prescribe_boxed(ends[1], Dof::RX, held);
+        b.element("beam".to_owned(), beam, &ends).unwrap();
+        b.prescribe(ends[1], Dof::RX, held);
         b.prescribe(ends[1], Dof::RY, Constant(0.0));
         (Context::new(b.build().unwrap()), ends[1])
     };
@@ -399,7 +394,7 @@ fn reactions(angle: f64, changes: usize) {
     for k in 0..2 {
         let positions = [position(k), position(k + 1)];
         let beam = Beam::along(&positions, &|_| Matrix3::identity(), &coupled()).unwrap();
-        b.boxed_element(format!("beam {k}"), beam, &nodes[k..k + 2])
+        b.element(format!("beam {k}"), beam, &nodes[k..k + 2])
             .unwrap();
         for i in 0..3 {
             b.prescribe(nodes[k], Dof::TRANSLATIONS[i], Constant(displaced(k)[i]));

@@ -17,7 +17,7 @@ fn forces_of_an_accepted_state_do_not_depend_on_the_charts_to_come() {
     let ends = [0, 1].map(|k| b.node(format!("n{k}"), positions[k].into()).unwrap());
     let frame = frame_along(&Vector3::x(), None);
     let beam = Beam::along(&positions, &|_| frame, &coupled()).unwrap();
-    b.boxed_element("beam".to_owned(), beam, &ends).unwrap();
+    b.element("beam".to_owned(), beam, &ends).unwrap();
     let mut m = Context::new(b.build().unwrap());
     let turned = |angle: f64| {
         let mut q = vec![0.0; 12];
@@ -31,12 +31,7 @@ fn forces_of_an_accepted_state_do_not_depend_on_the_charts_to_come() {
     };
     let (mut before, mut now) = (turned(3.0), turned(3.3));
     fn at(q: &[f64]) -> Point<'_> {
-        Point {
-            t: 0.0,
-            q,
-            v: &[],
-            a: &[],
-        }
+        Point::statics(0.0, q)
     }
     m.start(0.0, &before);
     assert_eq!(

@@ -3,7 +3,7 @@
 
 use nalgebra::SVector;
 use pullback_elements::constraint::{Enforced, Multipliers};
-use pullback_elements::element::{Combined, Element, Motion, Response, Tangents};
+use pullback_elements::element::{Combined, CombinedTangents, Element, Motion, Response};
 use pullback_elements::model::{Context, ModelBuilder};
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::map::Map;
@@ -48,7 +48,7 @@ impl Combined for Fast {
         &self,
         at: &Motion<'_>,
         r: &mut [f64],
-        tangents: &mut Tangents<'_>,
+        tangents: &mut CombinedTangents<'_>,
     ) -> Result<(), DomainError> {
         let [Some((weights, S)), None, None] = tangents else {
             panic!("one combined tangent");

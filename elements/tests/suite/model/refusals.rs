@@ -143,7 +143,7 @@ fn coordinates_that_follow_from_coordinates_that_follow() {
         let both = b.mapped_coordinates("bead", &[Quantity::Length; 2], Box::new(map), &[q]);
         let pick = Linear::<2, 1>::pick(0, 0.8).boxed();
         let x = b.mapped_coordinates("bead x", &[Quantity::Length], pick, &[both.unwrap()]);
-        b.prescribe_coordinate(x.unwrap(), 0, Box::new(Constant(0.1)));
+        b.prescribe_coordinate(x.unwrap(), 0, Constant(0.1));
         says(b.build(), message);
     }
 }
@@ -246,12 +246,7 @@ fn nodes_that_nothing_holds_on_to() {
     let n = context.pattern().dim();
     assert_eq!(n, 12);
     let (q, mut r) = (vec![0.0; n], vec![0.0; n]);
-    let at = Point {
-        t: 0.0,
-        q: &q,
-        v: &[],
-        a: &[],
-    };
+    let at = Point::statics(0.0, &q);
     context.evaluate(at, Evaluation::residual(&mut r)).unwrap();
     // The force and its moment c × f about the parent, c = (0, 1, 0).
     assert_eq!(r[6..], [1.0, 2.0, 4.0, 4.0, 0.0, -1.0]);
@@ -296,12 +291,7 @@ impl Map<6, 6> for Bounded {
 fn points_outside_a_domain_are_refused_by_name() {
     fn evaluate(context: &mut Context, q: &[f64]) -> String {
         let mut r = vec![0.0; q.len()];
-        let at = Point {
-            t: 0.0,
-            q,
-            v: &[],
-            a: &[],
-        };
+        let at = Point::statics(0.0, q);
         let outcome = context.evaluate(at, Evaluation::residual(&mut r));
         outcome.map_or_else(|e: SystemError| e.to_string(), |()| "fine".to_owned())
     }

@@ -4,7 +4,7 @@
 
 use crate::support::{Coupling, Offset, Twin, TwoTurn, coupled, lay, section};
 use nalgebra::{DVector, Vector3};
-use pullback_conformance::{self as check, Random, State, dense};
+use pullback_conformance::{self as check, Random, TestState, dense};
 use pullback_elements::load::{LineLoad, LoadKind, NodalLoad};
 use pullback_elements::model::{BeamLine, Context, Dof, ModelBuilder, NodeId, StraightLine};
 use pullback_elements::time::{Constant, Proportional, Sine, TimeFunction};
@@ -55,13 +55,13 @@ fn frame_model(b: &mut ModelBuilder) -> [NodeId; 3] {
     }
     let own = [leg.nodes[0], leg.nodes[1]];
     let positions = own.map(|n| b.position(n));
-    let wind = LineLoad::new(&positions, [0.0, 2.0, 1.0], true, Box::new(sine(2.0))).unwrap();
+    let wind = LineLoad::new(&positions, [0.0, 2.0, 1.0], true, sine(2.0)).unwrap();
     b.element("wind", wind, &own).unwrap();
     [root, corner, tip]
 }
 
 /// States of a model's n unknowns near a configuration.
-fn around(context: &Context, q: &DVector<f64>, spread: f64) -> Vec<(String, State)> {
+fn around(context: &Context, q: &DVector<f64>, spread: f64) -> Vec<(String, TestState)> {
     let n = context.pattern().dim();
     let mut random = Random::new(5);
     let mut out = Vec::new();
@@ -70,12 +70,15 @@ fn around(context: &Context, q: &DVector<f64>, spread: f64) -> Vec<(String, Stat
         moved
             .iter_mut()
             .for_each(|x| *x += random.range(-spread, spread));
-        out.push((format!("{k}, at rest"), State::statics(0.6, moved.clone())));
+        out.push((
+            format!("{k}, at rest"),
+            TestState::statics(0.6, moved.clone()),
+        ));
         let (mut v, mut a) = (DVector::zeros(n), DVector::zeros(n));
         random.fill(v.as_mut_slice());
         random.fill(a.as_mut_slice());
         let (t, x) = (0.6, moved);
-        out.push((format!("{k}, moving"), State { t, x, v, a }));
+        out.push((format!("{k}, moving"), TestState { t, x, v, a }));
     }
     out
 }
@@ -207,7 +210,7 @@ fn chain(count: usize) -> (Context, Vec<NodeId>) {
         b.element("coupling", Coupling, pair).unwrap();
     }
     let positions = [b.position(nodes[0]), b.position(nodes[1])];
-    let wind = LineLoad::new(&positions, [0.0, 2.0, 1.0], true, Box::new(sine(2.0))).unwrap();
+    let wind = LineLoad::new(&positions, [0.0, 2.0, 1.0], true, sine(2.0)).unwrap();
     b.element("wind", wind, &nodes[..2]).unwrap();
     (Context::new(b.build().unwrap()), nodes)
 }
@@ -276,12 +279,7 @@ fn a_tangent_from_the_previous_iterate_differs_by_the_square_of_the_step() {
     random.direction(1.0, d.as_mut_slice());
     random.fill(q.as_mut_slice());
     let mut tangent = |previous: Option<&DVector<f64>>| {
-        let at = |q| Point {
-            t: 0.6,
-            q,
-            v: &[],
-            a: &[],
-        };
+        let at = |q| Point::statics(0.6, q);
         let (mut r, mut S) = (vec![0.0; n], vec![0.0; context.pattern().len()]);
         let out = Evaluation::with_tangent(&mut r, Weights::STATIC, &mut S);
         match previous {

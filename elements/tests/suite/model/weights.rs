@@ -85,7 +85,7 @@ fn weights_act_at_the_centre_of_mass() {
     let g = [0.0, 0.0, -9.81];
     let c = Vector3::new(0.3, -0.5, 0.8);
     let body = RigidBody::new(2.0, Matrix3::identity(), c).unwrap();
-    let weight = body.weight(g, Box::new(Constant(1.0)));
+    let weight = body.weight(g, Constant(1.0));
     assert!(weight.properties().load);
     let x = [0.1, 0.2, 0.3, 0.5, 1.1, -0.9];
     let r = residual(&weight, &x, &[]);
@@ -118,6 +118,6 @@ fn weights_act_at_the_centre_of_mass() {
     check::InCharts(&body).evaluate(&at, &mut out).unwrap();
     assert!((turning + r).amax() < 1e-13);
     let mass = PointMass::new(2.0).unwrap();
-    let r = residual(&mass.weight(g, Box::new(Constant(0.5))), &x, &[]);
+    let r = residual(&mass.weight(g, Constant(0.5)), &x, &[]);
     assert_eq!(r.as_slice(), [0.0, 0.0, -9.81, 0.0, 0.0, 0.0]);
 }

@@ -4,7 +4,7 @@
 
 use nalgebra::DMatrix;
 use pullback_integrators::linear_solver::{
-    AutoSolver, BlockLu, FaerCholesky, FaerLu, LinearSolver, Symmetry,
+    AutoSolver, BlockLu, FaerCholesky, FaerLu, LinearSolver, MatrixSymmetry,
 };
 use pullback_manifold::sparse::BlockPattern;
 
@@ -72,7 +72,7 @@ fn the_signs_of_pivots_are_those_of_eigenvalues() {
                     ("cholesky", Box::new(FaerCholesky::new())),
                 ];
                 for (name, mut solver) in solvers {
-                    solver.analyse(&pattern, Symmetry::Symmetric).unwrap();
+                    solver.analyse(&pattern, MatrixSymmetry::Symmetric).unwrap();
                     assert_eq!(solver.negative_pivots(&values), None, "{name}: no factors");
                     solver.factorise(&values).unwrap();
                     let count = solver.negative_pivots(&values);
@@ -100,7 +100,7 @@ fn interchanges_inside_a_block_keep_the_count() {
                 }
             });
             let mut solver = BlockLu::new();
-            solver.analyse(&pattern, Symmetry::Symmetric).unwrap();
+            solver.analyse(&pattern, MatrixSymmetry::Symmetric).unwrap();
             // Blocks that are singular by chance are not for this solver.
             if solver.factorise(&values).is_ok() && solver.smallest_pivot() > 1e-6 {
                 let count = solver.negative_pivots(&values);
@@ -117,12 +117,12 @@ fn an_unsymmetric_matrix_has_no_count() {
     let pattern = BlockPattern::new(&[3; 4], chain(4));
     let (values, _) = matrix(&pattern, |i, j| if i == j { 2.0 } else { 0.1 });
     let mut general = BlockLu::new();
-    general.analyse(&pattern, Symmetry::General).unwrap();
+    general.analyse(&pattern, MatrixSymmetry::General).unwrap();
     general.factorise(&values).unwrap();
     assert_eq!(general.negative_pivots(&values), None);
     let mut interchanging = FaerLu::new();
     interchanging
-        .analyse(&pattern, Symmetry::Symmetric)
+        .analyse(&pattern, MatrixSymmetry::Symmetric)
         .unwrap();
     interchanging.factorise(&values).unwrap();
     assert_eq!(interchanging.negative_pivots(&values), None);
@@ -144,7 +144,7 @@ fn saddle_points_that_need_interchanges_between_blocks_have_a_count() {
             }
         });
         let mut solver = AutoSolver::new();
-        solver.analyse(&pattern, Symmetry::Symmetric).unwrap();
+        solver.analyse(&pattern, MatrixSymmetry::Symmetric).unwrap();
         solver.factorise(&values).unwrap();
         let count = solver.negative_pivots(&values);
         assert_eq!(count, Some(negative(dense)), "seed {seed}");

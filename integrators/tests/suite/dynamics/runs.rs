@@ -5,7 +5,7 @@
 use crate::support::dynamics::*;
 use pullback_integrators::dynamics::{
     Adaptivity, DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, StepReport,
-    Tangent, integrate, start,
+    TangentUpdate, integrate, start,
 };
 use pullback_manifold::domain::{CHART_EDGE, DomainError};
 use pullback_manifold::sparse::BlockPattern;
@@ -215,7 +215,7 @@ fn newton_converges_quadratically_and_a_kept_tangent_linearly() {
     let mut system = Pendulum::new();
     // Nothing measures the forces of this system: it is solved down to rounding errors, by a kept
     // tangent with a contraction of 0.091 in log(ε)/log(0.091) = 15 corrections.
-    for (tangent, most) in [(Tangent::Every, 5), (Tangent::Once, 15)] {
+    for (tangent, most) in [(TangentUpdate::Every, 5), (TangentUpdate::Once, 15)] {
         let options = DynamicOptions {
             newton: NewtonOptions {
                 tangent,
@@ -234,7 +234,7 @@ fn newton_converges_quadratically_and_a_kept_tangent_linearly() {
         assert!(progress.summary.iterations <= most, "{history:?}");
         let first = history[0];
         let scaled: Vec<f64> = history.iter().map(|r| r / first).collect();
-        if tangent == Tangent::Every {
+        if tangent == TangentUpdate::Every {
             // rₖ₊₁ ≤ c rₖ² with a moderate c until rounding.
             for pair in scaled.windows(2).filter(|p| p[1] > 1e-14) {
                 assert!(pair[1] < 2.0 * pair[0] * pair[0], "{scaled:?}");

@@ -1,7 +1,7 @@
 //! The block solver allocates in `analyse` only.
 
 use allocation_counter::measure;
-use pullback_integrators::linear_solver::{AutoSolver, BlockLu, LinearSolver, Symmetry};
+use pullback_integrators::linear_solver::{AutoSolver, BlockLu, LinearSolver, MatrixSymmetry};
 use pullback_manifold::sparse::BlockPattern;
 
 #[test]
@@ -26,7 +26,7 @@ fn factorise_and_solve_do_not_allocate() {
         let mut solver = make();
         let mut analyse = || {
             solver
-                .analyse(&pattern, Symmetry::General)
+                .analyse(&pattern, MatrixSymmetry::General)
                 .expect("analyse");
         };
         assert!(measure(&mut analyse).count_total > 0, "the counter counts");

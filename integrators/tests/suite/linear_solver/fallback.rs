@@ -5,7 +5,7 @@
 
 use crate::support::linear_solver::*;
 use pullback_integrators::linear_solver::{
-    AutoSolver, BlockLu, Chosen, LinearError, LinearSolver, Symmetry,
+    AutoSolver, BlockLu, LinearError, LinearSolver, MatrixSymmetry, SolverKind,
 };
 use pullback_manifold::sparse::BlockPattern;
 
@@ -45,7 +45,7 @@ impl Case {
         let two_calls = solve(
             solver,
             &self.pattern,
-            Symmetry::General,
+            MatrixSymmetry::General,
             &self.values,
             &self.b,
         )
@@ -61,13 +61,14 @@ impl Case {
     /// Everybody's solver finds x, by the general LU, both ways and again.
     fn falls_back(&self) {
         let mut auto = AutoSolver::new();
-        auto.analyse(&self.pattern, Symmetry::General).unwrap();
+        auto.analyse(&self.pattern, MatrixSymmetry::General)
+            .unwrap();
         let mut harmless = self.values.clone();
         write(&self.pattern, &mut harmless, |r, c| {
             f64::from(u8::from(r == c))
         });
         auto.factorise(&harmless).unwrap();
-        assert_eq!(auto.active(), Some(Chosen::Block));
+        assert_eq!(auto.active(), Some(SolverKind::Block));
         let near = |found: &[f64]| {
             for (found, x) in found.iter().zip(&self.x) {
                 assert!((found - x).abs() < 1e-9 * x.abs(), "{found} instead of {x}");
@@ -77,11 +78,11 @@ impl Case {
             let mut found = self.b.clone();
             auto.factorise(&self.values).unwrap();
             auto.solve(Some(&self.values), &mut found).unwrap();
-            assert_eq!(auto.active(), Some(Chosen::Lu));
+            assert_eq!(auto.active(), Some(SolverKind::Lu));
             near(&found);
             let mut found = self.b.clone();
             auto.factorise_and_solve(&self.values, &mut found).unwrap();
-            assert_eq!(auto.active(), Some(Chosen::Lu));
+            assert_eq!(auto.active(), Some(SolverKind::Lu));
             near(&found);
         }
     }

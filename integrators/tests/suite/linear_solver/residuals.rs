@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::support::linear_solver::Random;
-use pullback_integrators::linear_solver::{BlockLu, LinearSolver, Symmetry};
+use pullback_integrators::linear_solver::{BlockLu, LinearSolver, MatrixSymmetry};
 use pullback_manifold::sparse::BlockPattern;
 
 /// Largest relative residual of a solution that needs no refinement, and of one that is returned at all.
@@ -55,7 +55,7 @@ fn residuals_that_are_not_computed_are_small() {
                 let values = values(pattern, dominance, &mut random);
                 let b: Vec<f64> = (0..pattern.dim()).map(|_| random.next()).collect();
                 let mut solver = BlockLu::new();
-                solver.analyse(pattern, Symmetry::General).unwrap();
+                solver.analyse(pattern, MatrixSymmetry::General).unwrap();
                 if solver.factorise(&values).is_err() {
                     continue;
                 }

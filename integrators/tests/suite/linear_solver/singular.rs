@@ -5,7 +5,7 @@
 use crate::support::linear_solver::*;
 use nalgebra::DVector;
 use pullback_integrators::linear_solver::{
-    AutoSolver, FaerCholesky, LinearError, LinearSolver, Symmetry, null_vector,
+    AutoSolver, FaerCholesky, LinearError, LinearSolver, MatrixSymmetry, null_vector,
 };
 use pullback_manifold::sparse::BlockPattern;
 
@@ -32,7 +32,7 @@ fn an_unsupported_chain_is_singular_and_its_mechanism_is_a_translation() {
     let mut random = Random(2);
     for nodes in [2, 10, 1000, 10_000] {
         let (pattern, values) = springs(nodes, &[], &mut random);
-        for symmetry in [Symmetry::General, Symmetry::Symmetric] {
+        for symmetry in [MatrixSymmetry::General, MatrixSymmetry::Symmetric] {
             for (name, mut solver) in solvers() {
                 solver.analyse(&pattern, symmetry).unwrap();
                 let error = solver.factorise(&values).unwrap_err();
@@ -61,7 +61,7 @@ fn an_unsupported_chain_is_singular_and_its_mechanism_is_a_translation() {
         for end in [0, nodes - 1] {
             let (pattern, values) = springs(nodes, &[end], &mut random);
             for (name, mut solver) in solvers() {
-                solver.analyse(&pattern, Symmetry::General).unwrap();
+                solver.analyse(&pattern, MatrixSymmetry::General).unwrap();
                 solver
                     .factorise(&values)
                     .unwrap_or_else(|e| panic!("{name}, {nodes}: {e}"));
@@ -83,7 +83,7 @@ fn a_vanishing_pivot_is_named_where_it_is_part_of_the_mechanism() {
             false => f64::from(u8::from(r == c)),
         });
         let mut auto = AutoSolver::new();
-        auto.analyse(&pattern, Symmetry::General).unwrap();
+        auto.analyse(&pattern, MatrixSymmetry::General).unwrap();
         auto.factorise(&values).unwrap_err()
     };
     // A chain that nothing holds: all of it moves, and its pivot vanishes at its other end.
@@ -132,7 +132,7 @@ fn a_zero_row_is_named_by_everybody() {
     let mut all = solvers();
     all.push(("cholesky", Box::new(FaerCholesky::new())));
     for (name, mut solver) in all {
-        solver.analyse(&pattern, Symmetry::Symmetric).unwrap();
+        solver.analyse(&pattern, MatrixSymmetry::Symmetric).unwrap();
         let error = solver.factorise(&values).unwrap_err();
         assert_eq!(error, LinearError::ZeroRow { unknown: 9 }, "{name}");
         // And recovers.
@@ -150,7 +150,7 @@ fn exactly_singular_matrices_with_which_faer_reports_success_are_detected() {
     let mut all = solvers();
     all.push(("cholesky", Box::new(FaerCholesky::new())));
     for (name, mut solver) in all {
-        solver.analyse(&pattern, Symmetry::Symmetric).unwrap();
+        solver.analyse(&pattern, MatrixSymmetry::Symmetric).unwrap();
         let error = solver.factorise(&[1.0, 1.0, 1.0, 1.0]).unwrap_err();
         assert!(
             matches!(
@@ -190,7 +190,7 @@ fn values_that_are_not_finite_are_named() {
         let mut values = good.clone();
         values[pattern.find(1, 0).unwrap() + 2] = bad;
         for (name, mut solver) in solvers() {
-            solver.analyse(&pattern, Symmetry::General).unwrap();
+            solver.analyse(&pattern, MatrixSymmetry::General).unwrap();
             let error = solver.factorise(&values).unwrap_err();
             let expected = LinearError::NonFinite {
                 what: "matrix",

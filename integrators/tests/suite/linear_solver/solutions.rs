@@ -5,8 +5,8 @@
 use crate::support::linear_solver::*;
 use nalgebra::DVector;
 use pullback_integrators::linear_solver::{
-    AutoSolver, BlockLu, Chosen, FaerCholesky, FaerLu, LinearError, LinearSolver, Symmetry,
-    null_vector,
+    AutoSolver, BlockLu, FaerCholesky, FaerLu, LinearError, LinearSolver, MatrixSymmetry,
+    SolverKind, null_vector,
 };
 use pullback_manifold::sparse::BlockPattern;
 
@@ -32,9 +32,9 @@ fn all_solvers_agree_with_a_dense_factorisation() {
                     .solve(&DVector::from_column_slice(&b))
                     .unwrap();
                 let symmetry = if symmetric {
-                    Symmetry::Symmetric
+                    MatrixSymmetry::Symmetric
                 } else {
-                    Symmetry::General
+                    MatrixSymmetry::General
                 };
                 let mut all = solvers();
                 all.push(("general", Box::new(BlockLu::new())));
@@ -43,7 +43,7 @@ fn all_solvers_agree_with_a_dense_factorisation() {
                 }
                 for (name, mut solver) in all {
                     let symmetry = if name == "general" {
-                        Symmetry::General
+                        MatrixSymmetry::General
                     } else {
                         symmetry
                     };
@@ -90,7 +90,7 @@ fn empty_blocks_take_no_part() {
         let x = solve(
             &mut *solver,
             &pattern,
-            Symmetry::General,
+            MatrixSymmetry::General,
             &values,
             &[6.0; 3],
         )
@@ -99,7 +99,7 @@ fn empty_blocks_take_no_part() {
     }
     let nothing = BlockPattern::new(&[], Vec::<[u32; 1]>::new());
     for (_, mut solver) in solvers() {
-        solve(&mut *solver, &nothing, Symmetry::General, &[], &[]).unwrap();
+        solve(&mut *solver, &nothing, MatrixSymmetry::General, &[], &[]).unwrap();
     }
 }
 
@@ -143,7 +143,13 @@ fn tip_error(elements: usize, l: f64, ei: f64, clamp_last: bool) -> Result<f64, 
     let mut b = vec![0.0; pattern.dim()];
     b[tip] = 1.0;
     let mut solver = BlockLu::new();
-    let x = solve(&mut solver, &pattern, Symmetry::Symmetric, &values, &b)?;
+    let x = solve(
+        &mut solver,
+        &pattern,
+        MatrixSymmetry::Symmetric,
+        &values,
+        &b,
+    )?;
     let length = l * elements as f64;
     Ok((x[tip] / (length.powi(3) / (3.0 * ei)) - 1.0).abs())
 }
@@ -175,9 +181,9 @@ fn a_long_cantilever_is_not_singular() {
     }
     let (pattern, values) = cantilever(10_000, 1.0, 1.0, false);
     let mut auto = AutoSolver::new();
-    auto.analyse(&pattern, Symmetry::Symmetric).unwrap();
+    auto.analyse(&pattern, MatrixSymmetry::Symmetric).unwrap();
     auto.factorise(&values).unwrap();
-    assert_eq!(auto.active(), Some(Chosen::Block));
+    assert_eq!(auto.active(), Some(SolverKind::Block));
 }
 
 #[test]
@@ -204,27 +210,34 @@ fn a_saddle_point_needs_the_fallback_and_gets_it() {
         .solve(&DVector::from_column_slice(&b))
         .unwrap();
     let mut block = BlockLu::new();
-    block.analyse(&pattern, Symmetry::Symmetric).unwrap();
+    block.analyse(&pattern, MatrixSymmetry::Symmetric).unwrap();
     assert!(matches!(
         block.factorise(&values),
         Err(LinearError::VanishingPivot { unknown: 3, .. })
     ));
     let mut auto = AutoSolver::new();
-    auto.analyse(&pattern, Symmetry::Symmetric).unwrap();
+    auto.analyse(&pattern, MatrixSymmetry::Symmetric).unwrap();
     for _ in 0..5 {
         auto.factorise(&values).unwrap();
-        assert_eq!(auto.active(), Some(Chosen::Lu));
+        assert_eq!(auto.active(), Some(SolverKind::Lu));
         let mut x = b.clone();
         auto.solve(Some(&values), &mut x).unwrap();
         let mut at_once = b.clone();
         auto.factorise_and_solve(&values, &mut at_once).unwrap();
-        assert_eq!(auto.active(), Some(Chosen::Lu));
+        assert_eq!(auto.active(), Some(SolverKind::Lu));
         for (k, e) in exact.iter().enumerate() {
             assert!((x[k] - e).abs() < 1e-10 && (at_once[k] - e).abs() < 1e-10);
         }
     }
     let mut cholesky = FaerCholesky::new();
-    let x = solve(&mut cholesky, &pattern, Symmetry::Symmetric, &values, &b).unwrap();
+    let x = solve(
+        &mut cholesky,
+        &pattern,
+        MatrixSymmetry::Symmetric,
+        &values,
+        &b,
+    )
+    .unwrap();
     assert!(!cholesky.is_positive_definite());
     assert!(
         x.iter()
@@ -244,7 +257,7 @@ fn a_saddle_point_needs_the_fallback_and_gets_it() {
         values
     };
     let mut auto = AutoSolver::new();
-    auto.analyse(&pattern, Symmetry::Symmetric).unwrap();
+    auto.analyse(&pattern, MatrixSymmetry::Symmetric).unwrap();
     let error = auto.factorise(&doubled).unwrap_err();
     assert!(
         matches!(
@@ -267,8 +280,8 @@ fn the_same_bits_twice() {
         let values = random_values(&pattern, &mut random, false, true, 1e3);
         let b: Vec<f64> = (0..pattern.dim()).map(|_| random.next()).collect();
         for ((_, mut one), (_, mut two)) in solvers().into_iter().zip(solvers()) {
-            let x = solve(&mut *one, &pattern, Symmetry::General, &values, &b).unwrap();
-            let y = solve(&mut *two, &pattern, Symmetry::General, &values, &b).unwrap();
+            let x = solve(&mut *one, &pattern, MatrixSymmetry::General, &values, &b).unwrap();
+            let y = solve(&mut *two, &pattern, MatrixSymmetry::General, &values, &b).unwrap();
             assert_eq!(x, y);
             // And factorising again changes nothing.
             one.factorise(&values).unwrap();
@@ -284,13 +297,16 @@ fn dense_grids_go_to_the_general_solver_and_chains_do_not() {
     let chain: Vec<[u32; 2]> = (1..200).map(|i| [i - 1, i]).collect();
     let mut block = BlockLu::new();
     block
-        .analyse(&BlockPattern::new(&[6; 200], &chain), Symmetry::General)
+        .analyse(
+            &BlockPattern::new(&[6; 200], &chain),
+            MatrixSymmetry::General,
+        )
         .unwrap();
     assert!(block.suits());
     // Per node 144 for the pivots and 2 × 432 for panel and update.
     assert!((block.flops() - (200.0 * 144.0 + 199.0 * 864.0)).abs() < 1e-6);
     block
-        .analyse(&BlockPattern::dense(500), Symmetry::General)
+        .analyse(&BlockPattern::dense(500), MatrixSymmetry::General)
         .unwrap();
     assert!(!block.suits());
 }
@@ -333,8 +349,8 @@ fn saddle_points_are_solved_in_any_unit() {
             let mut b = vec![0.0; 9];
             pattern.multiply_add(1.0, &values, &x, &mut b);
             let mut lu = FaerLu::new();
-            lu.analyse(&pattern, Symmetry::General).unwrap();
-            for symmetry in [Symmetry::Symmetric, Symmetry::General] {
+            lu.analyse(&pattern, MatrixSymmetry::General).unwrap();
+            for symmetry in [MatrixSymmetry::Symmetric, MatrixSymmetry::General] {
                 let mut auto = AutoSolver::new();
                 auto.analyse(&pattern, symmetry).unwrap();
                 let solvers: [&mut dyn LinearSolver; 2] = [&mut auto, &mut lu];
@@ -347,7 +363,7 @@ fn saddle_points_are_solved_in_any_unit() {
                     }
                 }
                 // Multipliers behind their nodes, the angle behind them: nothing is interchanged.
-                assert_eq!(auto.active(), Some(Chosen::Block));
+                assert_eq!(auto.active(), Some(SolverKind::Block));
             }
         }
     }

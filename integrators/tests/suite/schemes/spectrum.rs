@@ -5,8 +5,8 @@
 
 use pullback_integrators::dynamics::Scheme;
 use pullback_integrators::spectrum::{
-    FirstStep, Numbers, amplification, characteristic, closed_first_step, closed_form,
-    expansion as theory, logarithmic, point,
+    FirstStep, Numbers, accuracy, amplification, characteristic, closed_first_step, closed_form,
+    expansion as theory, logarithmic,
 };
 use serde_json::Value;
 
@@ -101,7 +101,7 @@ fn spectral_radius_elongation_and_damping_are_those_of_the_table() {
                 radius,
                 damping,
                 elongation,
-            } = point(&scheme(word), Omega).unwrap().numbers;
+            } = accuracy(&scheme(word), Omega).unwrap().numbers;
             let found = [radius, elongation.unwrap(), damping.unwrap()];
             for (k, found) in found.into_iter().enumerate() {
                 let known = row[k].as_f64().unwrap();
@@ -175,7 +175,7 @@ fn elongation_and_damping_leave_their_expansions_two_orders_higher() {
         let rest: Vec<[f64; 2]> = [0.2, 0.1, 0.05]
             .into_iter()
             .map(|Omega: f64| {
-                let numbers = point(&scheme, Omega).unwrap().numbers;
+                let numbers = accuracy(&scheme, Omega).unwrap().numbers;
                 [
                     numbers.elongation.unwrap() - kappa * Omega.powi(2),
                     numbers.damping.unwrap() - sigma * Omega.powi(3),
@@ -200,7 +200,7 @@ fn newmark_with_larger_gamma_damps_in_the_first_order() {
     let kappa = (48.0 * beta + 12.0 * gamma * gamma - 36.0 * gamma + 11.0) / 96.0;
     let rest = [0.04, 0.02, 0.01].map(|Omega: f64| {
         let scheme = Scheme::newmark(beta, gamma).unwrap();
-        let numbers = point(&scheme, Omega).unwrap().numbers;
+        let numbers = accuracy(&scheme, Omega).unwrap().numbers;
         [
             numbers.damping.unwrap() - 0.05 * Omega,
             numbers.elongation.unwrap() - kappa * Omega.powi(2),
@@ -218,12 +218,14 @@ fn newmark_with_larger_gamma_damps_in_the_first_order() {
 #[test]
 fn the_trapezoidal_rule_and_the_central_difference_keep_amplitudes() {
     for Omega in [0.1, 0.5, 1.0, 1.9] {
-        let trapezoidal = point(&Scheme::default(), Omega).unwrap().numbers;
+        let trapezoidal = accuracy(&Scheme::default(), Omega).unwrap().numbers;
         // tan(ω̄h/2) = Ω/2
         let elongation = Omega / (2.0 * (0.5 * Omega).atan()) - 1.0;
         assert!((trapezoidal.elongation.unwrap() - elongation).abs() < 1e-12);
         assert!((trapezoidal.radius - 1.0).abs() < 1e-14);
-        let explicit = point(&Scheme::central_difference(), Omega).unwrap().numbers;
+        let explicit = accuracy(&Scheme::central_difference(), Omega)
+            .unwrap()
+            .numbers;
         // sin(ω̄h/2) = Ω/2
         let elongation = Omega / (2.0 * (0.5 * Omega).asin()) - 1.0;
         assert!((explicit.elongation.unwrap() - elongation).abs() < 1e-12);
@@ -233,7 +235,9 @@ fn the_trapezoidal_rule_and_the_central_difference_keep_amplitudes() {
     let Omega = 2.1_f64;
     let b = 1.0 - 0.5 * Omega * Omega;
     let radius = -b + (b * b - 1.0).sqrt();
-    let found = point(&Scheme::central_difference(), Omega).unwrap().numbers;
+    let found = accuracy(&Scheme::central_difference(), Omega)
+        .unwrap()
+        .numbers;
     assert!((found.radius - radius).abs() < 1e-12);
     assert_eq!(found.elongation, None);
 }
@@ -242,7 +246,7 @@ fn the_trapezoidal_rule_and_the_central_difference_keep_amplitudes() {
 fn first_steps_overshoot_as_they_should() {
     // reference: first_step_overshoot, limits of large Ω.
     let Omega = 1e7;
-    let first = |word: &str| point(&scheme(word), Omega).unwrap().first_step;
+    let first = |word: &str| accuracy(&scheme(word), Omega).unwrap().first_step;
     let close = |found: f64, known: f64, what: &str| {
         assert!((found - known).abs() < 1e-12, "{what}: {found} {known}");
     };
@@ -274,7 +278,7 @@ fn first_steps_are_those_of_the_closed_form() {
     for word in WORDS.into_iter().chain(["tsitouras"]) {
         for Omega in [1e-3, 0.1, 1.0, 1.9, 10.0, 1e3, 1e7] {
             let scheme = scheme(word);
-            let steps = point(&scheme, Omega).unwrap().first_step;
+            let steps = accuracy(&scheme, Omega).unwrap().first_step;
             let closed = closed_first_step(&scheme, Omega).unwrap();
             let all = |step: FirstStep| step.from_rest.into_iter().chain(step.from_origin);
             for (found, known) in all(steps).zip(all(closed)) {
@@ -304,7 +308,7 @@ fn expansions_are_those_of_the_reference() {
 #[test]
 fn impossible_places_are_refused() {
     for Omega in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let error = point(&Scheme::default(), Omega).unwrap_err().to_string();
+        let error = accuracy(&Scheme::default(), Omega).unwrap_err().to_string();
         assert!(error.contains("option Omega"), "{error}");
     }
 }

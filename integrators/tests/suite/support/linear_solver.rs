@@ -4,7 +4,7 @@
 
 use nalgebra::DMatrix;
 use pullback_integrators::linear_solver::{
-    AutoSolver, BlockLu, FaerLu, LinearError, LinearSolver, Symmetry,
+    AutoSolver, BlockLu, FaerLu, LinearError, LinearSolver, MatrixSymmetry,
 };
 use pullback_manifold::sparse::BlockPattern;
 
@@ -135,7 +135,7 @@ pub fn solvers() -> Vec<(&'static str, Box<dyn LinearSolver>)> {
 pub fn solve(
     solver: &mut dyn LinearSolver,
     pattern: &BlockPattern,
-    symmetry: Symmetry,
+    symmetry: MatrixSymmetry,
     values: &[f64],
     b: &[f64],
 ) -> Result<Vec<f64>, LinearError> {
@@ -150,7 +150,7 @@ pub fn solve(
 pub fn solve_at_once(
     solver: &mut dyn LinearSolver,
     pattern: &BlockPattern,
-    symmetry: Symmetry,
+    symmetry: MatrixSymmetry,
     values: &[f64],
     b: &[f64],
 ) -> Result<Vec<f64>, LinearError> {

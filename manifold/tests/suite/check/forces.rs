@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use nalgebra::{DMatrix, DVector};
-use pullback_conformance::{self as check, Forces, Report, State};
+use pullback_conformance::{self as check, Forces, Report, TestState};
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError};
 
@@ -29,7 +29,7 @@ enum Law {
 }
 
 /// r = p(t) − ∇E(x) − |v|² v − m(x) a with E = (1 + x·x)², m = 1 + x·x.
-fn law(case: Law, s: &State) -> Option<Forces> {
+fn law(case: Law, s: &TestState) -> Option<Forces> {
     if case == Law::Nowhere {
         return None;
     }
@@ -122,7 +122,7 @@ impl System for Assembled {
 
     fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
         let vector = |x: &[f64]| DVector::from_column_slice(x);
-        let s = State {
+        let s = TestState {
             t: at.t,
             x: vector(at.q),
             v: vector(at.v),

@@ -330,7 +330,7 @@ fn pieces_are_those_of_formulas_and_no_branches_of_equations() {
             columns: &layout,
         };
         let x = nalgebra::DVector::zeros(1);
-        let state = check::State::statics(0.0, x);
+        let state = check::TestState::statics(0.0, x);
         check::pieces(&mut report, of, "there", &state, &mut check::Random::new(1));
         assert_eq!(report.failures().len(), usize::from(explicit), "{report}");
     }

@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use nalgebra::{DVector, SVector};
-use pullback_conformance::{Layout, Mapped, Random, Report, State, kinematics};
+use pullback_conformance::{Layout, Mapped, Random, Report, TestState, kinematics};
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::implicit::{Choice, Implicit, ImplicitMap};
 use pullback_manifold::map::{KinematicsMut, Parametrization};
@@ -66,7 +66,7 @@ fn laws(angle: f64, factor: f64, seed: u64) -> Report {
         rows: &Layout::plain(2),
         columns: &Layout::plain(1),
     };
-    let state = State { t: 0.0, x, v, a };
+    let state = TestState { t: 0.0, x, v, a };
     kinematics(&mut report, "", of, "there", &state, &mut Random::new(seed));
     report
 }

@@ -4,7 +4,7 @@
 
 use crate::support::{Offset, Revolute};
 use nalgebra::{DMatrix, DVector, SVector, Vector3};
-use pullback_conformance::{self as check, Forces, State};
+use pullback_conformance::{self as check, Forces, TestState};
 use pullback_manifold::map::{KinematicsMut, Map, Parametrization};
 use pullback_manifold::pullback::{self, Slot, Tangents};
 use pullback_manifold::scalar::Scalar;
@@ -122,7 +122,7 @@ fn positions() -> Vec<Position> {
 /// The pulled-back forces at (t, q, q̇, q̈); `combine` gives the tangent for some weights.
 fn pulled(
     positions: &mut [Position],
-    s: &State,
+    s: &TestState,
 ) -> (
     DVector<f64>,
     impl Fn(&[Position], Weights) -> DMatrix<f64> + use<>,
@@ -190,7 +190,7 @@ const ONE: [Weights; 3] = [
     Weights::MASS,
 ];
 
-fn forces(positions: &mut [Position], s: &State) -> Forces {
+fn forces(positions: &mut [Position], s: &TestState) -> Forces {
     let (r, combine) = pulled(positions, s);
     Forces {
         r,
@@ -273,7 +273,7 @@ fn identity_slots_and_absent_tangents_cost_nothing_and_change_nothing() {
         Position::new(Some(Offset([0.3, -0.4, 0.8]).boxed()), 0),
         Position::new(None, 1),
     ];
-    let state = State {
+    let state = TestState {
         t: 0.0,
         x: x.clone(),
         v,

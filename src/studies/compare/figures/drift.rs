@@ -1,7 +1,7 @@
 //! Drift of conserved quantities over time.
 
 use super::{ends, lasting, near, rounded};
-use crate::output::plot::{Curve, Division, Graph};
+use crate::output::plot::{AxisScale, Graph, PlotCurve};
 use crate::studies::compare::{Comparison, ComparisonRow};
 
 /// The value drawn of a run at a common time.
@@ -27,12 +27,12 @@ pub(super) fn drift(comparison: &Comparison) -> Vec<Graph> {
                 let drawn = rows.iter().filter(own).filter(|row| row.samples.len() > 1);
                 drawn.map(move |row| {
                     let label = lasting(comparison, &scheme.scheme);
-                    Curve::new(label, envelope(row, value)).colored(k)
+                    PlotCurve::new(label, envelope(row, value)).colored(k)
                 })
             });
             let description = [format!("time t,  h = {}", rounded(step)), name.clone()];
-            let division = [Division::Linear, Division::Logarithmic];
-            out.push(Graph::new(description, division, curves.collect()));
+            let scale = [AxisScale::Linear, AxisScale::Logarithmic];
+            out.push(Graph::new(description, scale, curves.collect()));
         }
     }
     out

@@ -46,15 +46,14 @@ pub(super) fn drift(out: &mut Page, c: &Comparison) {
 /// Quantities that are conserved because they are zero.
 fn zero(conserved: &Conserved, zero: Components) -> String {
     let both = |a: [bool; 3], zero: [bool; 3]| [0, 1, 2].map(|i| a[i] && zero[i]);
-    let [momentum, angular] = [conserved.momentum, conserved.angular_momentum];
-    let all = [
-        components("momentum", both(momentum, zero[0])),
-        components("angular momentum", both(angular, zero[1])),
-    ];
-    let all: Vec<String> = all.into_iter().flatten().collect();
-    match all.is_empty() {
-        true => String::new(),
-        false => format!(" Excluded, as zero in all runs: {}.", all.join(", ")),
+    let zero = Conserved {
+        energy: false,
+        momentum: both(conserved.momentum, zero[0]),
+        angular_momentum: both(conserved.angular_momentum, zero[1]),
+    };
+    match names(&zero).as_str() {
+        "" => String::new(),
+        names => format!(" Excluded, as zero in all runs: {names}."),
     }
 }
 
@@ -97,16 +96,20 @@ fn components(name: &str, which: [bool; 3]) -> Option<String> {
     }
 }
 
-/// Description of the conserved quantities of a motion.
-fn described(conserved: &Conserved) -> String {
+/// The names of conserved quantities.
+fn names(conserved: &Conserved) -> String {
     let all = [
         conserved.energy.then(|| "energy".to_owned()),
         components("momentum", conserved.momentum),
         components("angular momentum", conserved.angular_momentum),
     ];
-    let all: Vec<String> = all.into_iter().flatten().collect();
-    match all.is_empty() {
-        true => "The reference conserves neither energy nor momentum.".to_owned(),
-        false => format!("The reference conserves {}.", all.join(", ")),
+    all.into_iter().flatten().collect::<Vec<_>>().join(", ")
+}
+
+/// Description of the conserved quantities of a motion.
+fn described(conserved: &Conserved) -> String {
+    match names(conserved).as_str() {
+        "" => "The reference conserves neither energy nor momentum.".to_owned(),
+        names => format!("The reference conserves {names}."),
     }
 }

@@ -10,6 +10,7 @@ mod writer;
 use super::figures::Figure;
 use super::tables::short;
 use super::{Comparison, ComparisonRow, ErrorQuantity};
+use crate::terminal::plural;
 use writer::Page;
 
 pub(super) use writer::Format;
@@ -99,10 +100,9 @@ pub(super) fn escaped(text: &str) -> String {
 }
 
 fn head(out: &mut Page, c: &Comparison, command: Option<&str>) {
-    let (model, unknowns, to) = (escaped(&c.model), c.unknowns, c.to);
-    let s = if unknowns == 1 { "" } else { "s" };
+    let (model, unknowns, to) = (escaped(&c.model), plural(c.unknowns, "unknown"), c.to);
     let text = format!(
-        "Schemes of time integration compared on <code>{model}</code>: {unknowns} unknown{s}, time from 0 to {to}."
+        "Schemes of time integration compared on <code>{model}</code>: {unknowns}, time from 0 to {to}."
     );
     out.paragraph("", &text);
     if let Some(command) = command {

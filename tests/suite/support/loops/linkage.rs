@@ -88,7 +88,7 @@ pub fn balls(b: &mut ModelBuilder, by: Closure) -> (NodeId, Vector3<f64>) {
     let e = along.normalize();
     let J = Matrix3::identity() * 0.2 - e * e.transpose() * 0.15;
     let body = RigidBody::new(0.7, J, along * 0.5).unwrap();
-    let weight = body.weight(DOWN, Box::new(Constant(1.0)));
+    let weight = body.weight(DOWN, Constant(1.0));
     b.element("coupler", body, &[B.frame]).unwrap();
     b.element("its weight", weight, &[B.frame]).unwrap();
     let end = b.offset("coupler end", B.frame, Q).unwrap();

@@ -44,7 +44,7 @@ pub fn bar(
         .unwrap();
     let J = Matrix3::from_diagonal(&Vector3::new(0.0, 1.0, 1.0)) * (m * l * l / 12.0);
     let body = RigidBody::new(m, J, Vector3::new(0.5 * l, 0.0, 0.0)).unwrap();
-    let weight = body.weight(DOWN, Box::new(Constant(1.0)));
+    let weight = body.weight(DOWN, Constant(1.0));
     b.element(name.clone(), body, &[frame]).unwrap();
     b.element(format!("weight of {name}"), weight, &[frame])
         .unwrap();

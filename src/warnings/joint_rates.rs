@@ -12,7 +12,7 @@ const FAR: f64 = 0.2;
 
 /// The largest change of the rate of an angle in a step.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct Turn {
+pub(crate) struct RateChange {
     name: String,
     by: f64,
     t: f64,
@@ -20,14 +20,14 @@ pub(crate) struct Turn {
 
 /// Records the angles of joints from step to step.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Turns {
+pub(crate) struct JointRates {
     /// Unknowns that are single angles.
     angles: Vec<usize>,
     /// Their rates at the last step.
     last: Vec<f64>,
 }
 
-impl Turns {
+impl JointRates {
     /// Starts at a state.
     pub(crate) fn new(context: &Context, state: &State) -> Self {
         let mut angles = context.single_unknowns();
@@ -42,13 +42,13 @@ impl Turns {
         context: &Context,
         state: &State,
         h: f64,
-        furthest: &mut Option<Turn>,
+        furthest: &mut Option<RateChange>,
     ) {
         for (&i, last) in self.angles.iter().zip(&mut self.last) {
             let by = ((state.v[i] - *last) * h).abs();
             *last = state.v[i];
             if by > furthest.as_ref().map_or(FAR, |turn| turn.by) {
-                *furthest = Some(Turn {
+                *furthest = Some(RateChange {
                     name: context.name(i),
                     by,
                     t: state.t,
@@ -58,7 +58,7 @@ impl Turns {
     }
 }
 
-impl Turn {
+impl RateChange {
     /// The warning.
     pub(crate) fn warning(&self) -> String {
         format!(
