@@ -13,6 +13,7 @@
 
 #![allow(non_snake_case)]
 
+mod abilities;
 pub mod derived;
 mod erased;
 mod graph;
@@ -20,6 +21,7 @@ mod increment;
 mod linear;
 pub mod pose;
 
+pub use abilities::{Duplicate, MapState, Reparametrization, Segments};
 use erased::Erased;
 pub use erased::{KinematicsMut, Parametrization};
 pub use erased::{write_block, write_geometric_stiffness, write_kinematics, write_tangent};

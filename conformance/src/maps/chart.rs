@@ -6,7 +6,7 @@ use crate::report::Report;
 use crate::sample::{CLEARANCE, Random};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::chart::{Charted, RotationChart};
-use pullback_manifold::map::{Map, Parametrization};
+use pullback_manifold::map::{Map, Reparametrization};
 use pullback_manifold::so3;
 use std::f64::consts::TAU;
 

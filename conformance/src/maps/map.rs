@@ -1,7 +1,7 @@
 //! The laws of a map: all operators of a [`Map`] are derivatives of φ.
 
 use super::kinematics::{Mapped, kinematics};
-use super::pieces::pieces;
+use super::pieces::{freeze_piece, pieces};
 use crate::forces::TestState;
 use crate::layout::Layout;
 use crate::report::Report;
@@ -56,7 +56,7 @@ pub(crate) fn laws_behind_slices(
 ) {
     let d = map.dims().0;
     let mut one_piece = map.duplicate();
-    one_piece.freeze_piece(Some((TIME, q)));
+    freeze_piece(&mut *one_piece, Some((TIME, q)));
     let margin = one_piece.domain(TIME, q).unwrap_or(0.0);
     if margin.is_nan() || margin <= CLEARANCE {
         return;

@@ -12,4 +12,5 @@ pub use implicit::{implicit, rewriting};
 pub use kinematics::{Mapped, kinematics};
 pub(crate) use map::{TIME, laws_behind_slices, plain, short_name, within};
 pub use map::{map, parametrization};
+pub(crate) use pieces::freeze_piece;
 pub use pieces::pieces;

@@ -16,7 +16,7 @@ const SAME: f64 = 1e-10;
 const MEETING: [&str; 5] = ["x", "x_dot", "x_ddot", "B", "B_dot"];
 
 /// Checks that x, ẋ, ẍ, B and Ḃ are continuous where the next piece of a map begins, along every coordinate from a state
-/// ([`Parametrization::freeze_piece`](pullback_manifold::map::Parametrization::freeze_piece)). Maps that solve equations
+/// ([`MapState::freeze_piece`](pullback_manifold::map::MapState::freeze_piece)). Maps that solve equations
 /// are not checked: their pieces are those of the equations, and distant states are on another branch.
 pub fn pieces(report: &mut Report, of: Mapped<'_>, at: &str, s: &TestState, random: &mut Random) {
     if of.map.duplicate().implicit().is_some() {
@@ -34,15 +34,22 @@ pub fn pieces(report: &mut Report, of: Mapped<'_>, at: &str, s: &TestState, rand
         },
     };
     let mut here = of.map.duplicate();
-    here.freeze_piece(Some((s.t, s.x.as_slice())));
+    freeze_piece(&mut *here, Some((s.t, s.x.as_slice())));
     let mut any = of.map.duplicate();
-    any.freeze_piece(None);
+    freeze_piece(&mut *any, None);
     for (j, unit) in units.iter().enumerate() {
         for step in [STRIDE * unit, -STRIDE * unit] {
             if let Some(end) = seam.find([&*here, &*any], j, step) {
                 seam.compare(report, &*here, at, (j, end));
             }
         }
+    }
+}
+
+/// Freezes a map to the piece that holds at (t, q), or releases it.
+pub(crate) fn freeze_piece(map: &mut dyn Parametrization, at: Option<(f64, &[f64])>) {
+    if let Some(state) = map.state() {
+        state.freeze_piece(at);
     }
 }
 
@@ -124,8 +131,8 @@ impl Seam<'_> {
     ) {
         let s = self.state(end);
         let mut next = self.of.map.duplicate();
-        next.freeze_piece(None);
-        next.freeze_piece(Some((s.t, s.x.as_slice())));
+        freeze_piece(&mut *next, None);
+        freeze_piece(&mut *next, Some((s.t, s.x.as_slice())));
         let (gaps, sizes) = self.apart([here, &*next], end);
         let gaps = gaps[..MEETING.len()].concat();
         let allowed: Vec<f64> = sizes.iter().map(|s| SAME * s).collect();

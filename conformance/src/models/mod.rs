@@ -54,17 +54,17 @@ impl Default for ModelOptions {
 ///   dissipated.
 ///
 /// Errors are relative to the lengths, stiffnesses and frequencies of each component. Maps that reparametrize
-/// ([`Parametrization::reparametrizes`]) do so once, at the end, and the model keeps these coordinates.
+/// ([`Reparametrization`]) do so once, at the end, and the model keeps these coordinates.
 ///
 /// Maps that consist of several pieces keep the one that holds at each state, also beyond its ends
-/// ([`Parametrization::freeze_piece`]): the third derivative of a curve through points is smooth only between them.
+/// ([`MapState::freeze_piece`]): the third derivative of a curve through points is smooth only between them.
 ///
 /// Joints at the boundary of their domain, such as a slide at the end of its chain, are checked a little inside.
 ///
 /// The report on a model that cannot be evaluated at `options.q` is one failure with the reason.
 ///
-/// [`Parametrization::freeze_piece`]: pullback_manifold::map::Parametrization::freeze_piece
-/// [`Parametrization::reparametrizes`]: pullback_manifold::map::Parametrization::reparametrizes
+/// [`MapState::freeze_piece`]: pullback_manifold::map::MapState::freeze_piece
+/// [`Reparametrization`]: pullback_manifold::map::Reparametrization
 pub fn model(context: &mut Context, options: &ModelOptions) -> Report {
     // Random states violate the equations of multipliers.
     context.watch_equations(false);

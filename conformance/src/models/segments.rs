@@ -3,6 +3,7 @@
 use super::view::parent_state;
 use crate::block::Compared;
 use crate::elements::{Carrier, EXACT, FrameAt, carry};
+use crate::maps::freeze_piece;
 use crate::vectors::{dot, larger};
 use crate::{Layout, Mapped, Random, Report, TestState};
 use nalgebra::{DVector, Vector3};
@@ -140,6 +141,9 @@ pub(super) fn changes(context: &Context, n: u32, t: f64) -> Vec<[Side; 2]> {
     let Some(map) = context.map_of(node) else {
         return Vec::new();
     };
+    let Some(segments) = map.segments() else {
+        return Vec::new();
+    };
     let here = side(context, node, map.duplicate(), t, None);
     let mut all = Vec::new();
     for (j, &along) in here.coordinates.iter().enumerate() {
@@ -149,22 +153,30 @@ pub(super) fn changes(context: &Context, n: u32, t: f64) -> Vec<[Side; 2]> {
             let q = here.state.x.as_slice();
             let mut from = q.to_vec();
             from[j] -= sign * NUDGE;
-            let ahead = map.overshoot(NUDGE, [&from, &v], [q, &v]);
+            let ahead = segments.overshoot(NUDGE, [&from, &v], [q, &v]);
             let Some((late, segment)) = ahead.filter(|(late, _)| late.is_finite()) else {
                 continue;
             };
             let border = Some((along, q[j] - sign * late));
             let before = side(context, node, map.duplicate(), t, border);
             let mut next = map.duplicate();
-            next.enter(segment);
-            next.change_charts(t, before.state.x.as_slice());
+            if let Some(state) = next.state() {
+                state.enter(segment);
+            }
+            change_charts(&mut *next, &before.state);
             // It depends on other parents now, whose charts may have to change.
             let mut after = side(context, node, next, t, border);
-            after.map.change_charts(t, after.state.x.as_slice());
+            change_charts(&mut *after.map, &after.state);
             all.push([before, after]);
         }
     }
     all
+}
+
+fn change_charts(map: &mut dyn Parametrization, at: &TestState) {
+    if let Some(state) = map.state() {
+        state.change_charts(at.t, at.x.as_slice());
+    }
 }
 
 fn side(
@@ -174,7 +186,7 @@ fn side(
     t: f64,
     border: Option<(usize, f64)>,
 ) -> Side {
-    map.freeze_piece(None);
+    freeze_piece(&mut *map, None);
     let parents = node.parents(map.segment());
     let ranges = parents.iter().map(|&m| context.nodes()[m as usize].range());
     let coordinates: Vec<usize> = ranges.flatten().collect();

@@ -244,7 +244,9 @@ pub(super) fn unknowns(context: &Context) -> Vec<(usize, usize, Quantity)> {
 
 /// Whether a map may reparametrize.
 pub(super) fn reparametrizes(context: &Context) -> bool {
-    maps(context).any(|(_, map, _)| map.reparametrizes())
+    let mapped = context.mapped_nodes().iter();
+    let mut maps = mapped.filter_map(|&n| context.map_of(&context.nodes()[n as usize]));
+    maps.any(|map| map.duplicate().reparametrization().is_some())
 }
 
 /// Motion and energies of a model, which do not depend on charts, and its residual.

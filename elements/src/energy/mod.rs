@@ -110,11 +110,6 @@ pub trait EnergyElement<const N: usize>: Send + Sync {
         Properties::INTERNAL
     }
 
-    /// See [`Element::kinks`].
-    fn kinks(&self) -> Vec<f64> {
-        Vec::new()
-    }
-
     /// This element.
     fn into_element(self) -> ByEnergy<Self, N>
     where
@@ -153,8 +148,6 @@ pub fn inside_chart(Psi: &Vector3<f64>) -> Result<(), DomainError> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ByEnergy<E, const N: usize>(pub E);
 
-impl<E: EnergyElement<N>, const N: usize> ByEnergy<E, N> {}
-
 /// The entries of a slice; zeros if it is empty (in statics).
 fn vector<const N: usize>(from: &[f64]) -> SVector<f64, N> {
     SVector::from_fn(|i, _| from.get(i).copied().unwrap_or(0.0))
@@ -190,10 +183,6 @@ impl<E: EnergyElement<N>, const N: usize> Element for ByEnergy<E, N> {
             return 0.0;
         }
         local::power(&self.0, &vector(at.x), &vector(at.v))
-    }
-
-    fn kinks(&self) -> Vec<f64> {
-        self.0.kinks()
     }
 
     fn properties(&self) -> Properties {

@@ -134,13 +134,6 @@ impl<E: EnergyElement<D>, const D: usize, const N: usize> Element for Sampled<E,
         self.points.iter().map(of).sum()
     }
 
-    fn kinks(&self) -> Vec<f64> {
-        self.points
-            .iter()
-            .flat_map(|p| p.energies.kinks())
-            .collect()
-    }
-
     fn properties(&self) -> Properties {
         let points = self.points.iter().map(|p| p.energies.properties());
         points

@@ -8,8 +8,8 @@ use crate::blocks::{three, three_or_zero};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::domain::{CHART_EDGE, DomainError};
 use pullback_manifold::map::{
-    KinematicsMut, Map, MapGraph, Parametrization, Read, ToChart, ToPose, write_block,
-    write_geometric_stiffness, write_kinematics, write_tangent,
+    KinematicsMut, Map, MapGraph, MapState, Parametrization, Read, Segments, ToChart, ToPose,
+    write_block, write_geometric_stiffness, write_kinematics, write_tangent,
 };
 use pullback_manifold::system::ChartChanges;
 use std::f64::consts::TAU;
@@ -84,10 +84,6 @@ where
         (6 + D + if self.turns_freely { 3 } else { 0 }, 6)
     }
 
-    fn duplicate(&self) -> Box<dyn Parametrization> {
-        Box::new(self.clone())
-    }
-
     fn domain(&mut self, t: f64, q: &[f64]) -> Result<f64, DomainError> {
         let own = self.link.domain(t, q)?;
         match self.turns_freely {
@@ -95,10 +91,6 @@ where
             true => DomainError::within(own.min(TAU - three_or_zero(q, 6 + D).norm()), CHART_EDGE),
             false => Ok(own),
         }
-    }
-
-    fn freeze_piece(&mut self, at: Option<(f64, &[f64])>) {
-        self.link.freeze_piece(at);
     }
 
     fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
@@ -120,6 +112,16 @@ where
         self.link
             .write_stiffness((t, q), [&three_or_zero(f, 0), &moment], (K, n));
     }
+
+    fn state(&mut self) -> Option<&mut dyn MapState> {
+        Some(self)
+    }
+}
+
+impl<J: Joint<D>, const D: usize> MapState for JointMap<J, D> {
+    fn freeze_piece(&mut self, at: Option<(f64, &[f64])>) {
+        self.link.freeze_piece(at);
+    }
 }
 
 /// A joint along a chain of beam elements: its segment is part of its state.
@@ -128,14 +130,32 @@ impl Parametrization for Slide {
         (13, 6)
     }
 
-    fn duplicate(&self) -> Box<dyn Parametrization> {
-        Box::new(self.clone())
-    }
-
     fn domain(&mut self, t: f64, q: &[f64]) -> Result<f64, DomainError> {
         Map::domain(self, t, &SVector::from_column_slice(q))
     }
 
+    fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
+        write_tangent(self, t, q, x, B);
+    }
+
+    fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
+        write_kinematics(self, t, [q, v, a], out);
+    }
+
+    fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
+        write_geometric_stiffness(self, t, q, f, K);
+    }
+
+    fn state(&mut self) -> Option<&mut dyn MapState> {
+        Some(self)
+    }
+
+    fn segments(&self) -> Option<&dyn Segments> {
+        Some(self)
+    }
+}
+
+impl MapState for Slide {
     fn change_charts(&mut self, _t: f64, q: &[f64]) -> ChartChanges {
         let psi = [3, 9].map(|k| three(q, k));
         let on = self.chain.change_segments(q[12]);
@@ -143,15 +163,6 @@ impl Parametrization for Slide {
         let residual = self.turn.choose((!on).then_some(psi)) || on;
         let charts = usize::from(residual);
         ChartChanges { charts, residual }
-    }
-
-    fn segment(&self) -> usize {
-        self.chain.line()
-    }
-
-    fn overshoot(&self, h: f64, from: [&[f64]; 2], to: [&[f64]; 2]) -> Option<(f64, usize)> {
-        let [from, to] = [from, to].map(|[q, v]| [q[12], v[12]]);
-        self.chain.leaves(h, from, to)
     }
 
     fn enter(&mut self, segment: usize) {
@@ -165,16 +176,15 @@ impl Parametrization for Slide {
     fn restore(&mut self, saved: &[f64]) -> bool {
         matches!(*saved, [line] if self.chain.enter(line))
     }
+}
 
-    fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
-        write_tangent(self, t, q, x, B);
+impl Segments for Slide {
+    fn segment(&self) -> usize {
+        self.chain.line()
     }
 
-    fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
-        write_kinematics(self, t, [q, v, a], out);
-    }
-
-    fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
-        write_geometric_stiffness(self, t, q, f, K);
+    fn overshoot(&self, h: f64, from: [&[f64]; 2], to: [&[f64]; 2]) -> Option<(f64, usize)> {
+        let [from, to] = [from, to].map(|[q, v]| [q[12], v[12]]);
+        self.chain.leaves(h, from, to)
     }
 }

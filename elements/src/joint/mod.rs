@@ -157,7 +157,7 @@ pub trait Joint<const D: usize>: Send + Sync {
     }
 
     /// Freezes a pose with several pieces to the one at (t, q), or releases it; nothing by default. See
-    /// [`Parametrization::freeze_piece`](pullback_manifold::map::Parametrization::freeze_piece).
+    /// [`MapState::freeze_piece`](pullback_manifold::map::MapState::freeze_piece).
     fn freeze_piece(&mut self, at: Option<(f64, &SVector<f64, D>)>) {
         let _ = at;
     }

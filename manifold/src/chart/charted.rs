@@ -5,7 +5,8 @@
 use super::RotationChart;
 use crate::domain::{CHART_EDGE, DomainError};
 use crate::map::{
-    KinematicsMut, Map, Parametrization, write_geometric_stiffness, write_kinematics, write_tangent,
+    KinematicsMut, Map, MapState, Parametrization, Reparametrization, write_geometric_stiffness,
+    write_kinematics, write_tangent,
 };
 use crate::scalar::Scalar;
 use crate::so3::{self, Quaternion};
@@ -17,7 +18,7 @@ use std::f64::consts::TAU;
 ///
 /// Initial values are rotation vectors. The first converged state transforms them to the chart, with
 /// velocities and accelerations, and each one with ψ > π leads to the coordinates of the opposite
-/// quaternion. Only this map may use the coordinates c ([`Parametrization::reparametrizes`]).
+/// quaternion. Only this map may use the coordinates c ([`Reparametrization`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Charted<C, const D: usize> {
     chart: C,
@@ -59,11 +60,6 @@ impl<C: RotationChart, const D: usize> Map<D, D> for Charted<C, D> {
         let psi = so3::log_quaternion(&self.quaternion(q)).norm();
         DomainError::within(edge.min(TAU - psi), CHART_EDGE)
     }
-
-    /// Its coordinates belong to no frame.
-    fn is_objective(&self) -> bool {
-        false
-    }
 }
 
 /// From the present coordinates of a rotation to the better ones.
@@ -88,22 +84,47 @@ impl<C: RotationChart, const D: usize> Parametrization for Charted<C, D> {
         (D, D)
     }
 
-    fn duplicate(&self) -> Box<dyn Parametrization> {
-        Box::new(*self)
-    }
-
     fn domain(&mut self, t: f64, q: &[f64]) -> Result<f64, DomainError> {
         Map::domain(self, t, &SVector::from_column_slice(q))
     }
 
-    fn is_objective(&self) -> bool {
-        Map::is_objective(self)
+    fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
+        write_tangent(self, t, q, x, B);
     }
 
-    fn reparametrizes(&self) -> bool {
+    fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
+        write_kinematics(self, t, [q, v, a], out);
+    }
+
+    fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
+        write_geometric_stiffness(self, t, q, f, K);
+    }
+
+    fn state(&mut self) -> Option<&mut dyn MapState> {
+        Some(self)
+    }
+
+    fn reparametrization(&mut self) -> Option<&mut dyn Reparametrization> {
+        Some(self)
+    }
+}
+
+impl<C: RotationChart, const D: usize> MapState for Charted<C, D> {
+    /// Whether the coordinates are those of the chart already.
+    fn save(&self) -> Vec<f64> {
+        vec![f64::from(u8::from(self.entered))]
+    }
+
+    fn restore(&mut self, saved: &[f64]) -> bool {
+        let &[entered] = saved else {
+            return false;
+        };
+        self.entered = entered != 0.0;
         true
     }
+}
 
+impl<C: RotationChart, const D: usize> Reparametrization for Charted<C, D> {
     fn reparametrize(&mut self, t: f64, q: &mut [f64], v: &mut [f64], a: &mut [Vec<f64>]) -> bool {
         let opposite = self.quaternion(&SVector::from_column_slice(q)).w < 0.0;
         if self.entered && !opposite {
@@ -122,30 +143,5 @@ impl<C: RotationChart, const D: usize> Parametrization for Charted<C, D> {
         q[D - 3..].copy_from_slice(change.x.as_slice());
         self.entered = true;
         true
-    }
-
-    /// Whether the coordinates are those of the chart already.
-    fn save(&self) -> Vec<f64> {
-        vec![f64::from(u8::from(self.entered))]
-    }
-
-    fn restore(&mut self, saved: &[f64]) -> bool {
-        let &[entered] = saved else {
-            return false;
-        };
-        self.entered = entered != 0.0;
-        true
-    }
-
-    fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
-        write_tangent(self, t, q, x, B);
-    }
-
-    fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
-        write_kinematics(self, t, [q, v, a], out);
-    }
-
-    fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
-        write_geometric_stiffness(self, t, q, f, K);
     }
 }

@@ -3,6 +3,7 @@
 use super::core::{ImplicitChart, ImplicitMap, RANK, is_singular};
 use super::dense::{norm, product_tr};
 use super::{Choice, Unknown};
+use crate::map::Reparametrization;
 use crate::so3;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
@@ -209,35 +210,8 @@ impl ImplicitMap {
         if self.anchor.t == t && self.anchor.q == q {
             return true;
         }
-        self.h.change_charts(t, &self.work.y);
+        self.change_equation_charts(t);
         self.refresh(t, q)
-    }
-
-    /// Changes the chart at a converged state if needed, and makes the state the new start.
-    pub(super) fn settle(
-        &mut self,
-        t: f64,
-        q: &mut [f64],
-        v: &mut [f64],
-        a: &mut [Vec<f64>],
-    ) -> bool {
-        if !self.remember(t, q) || self.about.choice == Choice::Fixed {
-            return false;
-        }
-        let now = self.work.condition;
-        let turned = (self.about.rotations.iter()).any(|&k| norm(&self.x()[k..k + 3]) > PI);
-        if !turned && now <= self.good() {
-            return false;
-        }
-        if !turned {
-            let best = self.choose();
-            // The workspace holds the trial chart.
-            if now <= GAIN * best {
-                self.refresh(t, q);
-                return false;
-            }
-        }
-        self.change_chart(t, None, q, v, a)
     }
 
     /// Changes the chart at (q, p) in any case: to the unknowns `independent` as q, or to the
@@ -306,7 +280,7 @@ impl ImplicitMap {
         relative.for_each(|((dx, x), reference)| *dx = x - reference);
         product_tr([D, X, 1], &w.trial.L, &w.dx, &mut q[..D]);
         std::mem::swap(&mut self.chart, &mut w.trial);
-        self.h.change_charts(t, &w.y);
+        self.change_equation_charts(t);
         self.refresh(t, q)
     }
 
@@ -348,49 +322,27 @@ impl ImplicitMap {
             to[p + k..p + k + 3].copy_from_slice(turned.as_slice());
         }
     }
+}
 
-    /// State besides (q, p), as numbers: anchor, chart and sizes.
-    pub(super) fn state(&self) -> Vec<f64> {
-        let mut out = vec![self.anchor.t];
-        out.extend(&self.anchor.q);
-        out.extend(&self.anchor.x);
-        out.extend(&self.chart.L);
-        out.extend(self.chart.used.iter().map(|&u| f64::from(u8::from(u))));
-        out.extend(&self.sizes);
-        out.push(f64::from(u8::from(self.chart.independent.is_some())));
-        out
-    }
-
-    /// Restores the state from [`ImplicitMap::state`]; false, without a change, for anything else.
-    pub(super) fn set_state(&mut self, saved: &[f64]) -> bool {
-        let (p, X, M, D) = (self.p, self.X, self.M, self.D);
-        let before = self.state();
-        if saved.len() != before.len() || !saved.iter().all(|x| x.is_finite()) {
+impl Reparametrization for ImplicitMap {
+    /// Changes the chart if needed, and makes the state the new start.
+    fn reparametrize(&mut self, t: f64, q: &mut [f64], v: &mut [f64], a: &mut [Vec<f64>]) -> bool {
+        if !self.remember(t, q) || self.about.choice == Choice::Fixed {
             return false;
         }
-        let mut rest = saved;
-        let mut take = |n: usize| -> &[f64] {
-            let (head, tail) = rest.split_at(n);
-            rest = tail;
-            head
-        };
-        let t = take(1)[0];
-        let q = take(D + p).to_vec();
-        let x = take(X).to_vec();
-        self.chart.L.copy_from_slice(take(X * D));
-        for (used, x) in self.chart.used.iter_mut().zip(take(M)) {
-            *used = *x == 1.0;
+        let now = self.work.condition;
+        let turned = (self.about.rotations.iter()).any(|&k| norm(&self.x()[k..k + 3]) > PI);
+        if !turned && now <= self.good() {
+            return false;
         }
-        self.sizes.copy_from_slice(take(M));
-        let split = take(1)[0] == 1.0;
-        let L = &self.chart.L;
-        let picks = |j: usize| (0..X).find(|k| L[k + j * X] == 1.0);
-        self.chart.independent = split.then(|| (0..D).filter_map(picks).collect());
-        self.work.y[..p].copy_from_slice(&q[D..]);
-        self.work.y[p..].copy_from_slice(&x);
-        self.h.change_charts(t, &self.work.y);
-        let used = self.chart.used.iter().filter(|&&u| u).count();
-        let complete = (self.chart.independent.as_ref()).is_none_or(|k| k.len() == D);
-        used == X - D && complete && self.refresh(t, &q)
+        if !turned {
+            let best = self.choose();
+            // The workspace holds the trial chart.
+            if now <= GAIN * best {
+                self.refresh(t, q);
+                return false;
+            }
+        }
+        self.change_chart(t, None, q, v, a)
     }
 }

@@ -5,8 +5,7 @@ use super::{
     Choice, Description, Equation, Equations, EvaluationError, Implicit, ImplicitError, Unknown,
 };
 use crate::domain::DomainError;
-use crate::map::{KinematicsMut, Map, Parametrization};
-use crate::system::ChartChanges;
+use crate::map::{KinematicsMut, Map, MapState, Parametrization, Reparametrization};
 
 /// Limit of an implicit map in messages.
 const ALLOWED: &str = "the positions that its equations allow";
@@ -134,49 +133,10 @@ impl Parametrization for ImplicitMap {
         (self.D + self.p, self.X)
     }
 
-    fn duplicate(&self) -> Box<dyn Parametrization> {
-        Box::new(self.clone())
-    }
-
     fn domain(&mut self, t: f64, q: &[f64]) -> Result<f64, DomainError> {
         match self.solve(t, q) {
             Ok(()) => DomainError::within(1.0 / self.work.condition - RANK, ALLOWED),
             Err(error) => Err(DomainError::Undefined(advised(error))),
-        }
-    }
-
-    fn change_charts(&mut self, t: f64, q: &[f64]) -> ChartChanges {
-        self.remember(t, q);
-        if self.D == 0 {
-            // There are no other coordinates to choose.
-            self.settle(t, &mut q.to_vec(), &mut vec![0.0; q.len()], &mut []);
-        }
-        ChartChanges::default()
-    }
-
-    fn reparametrize(&mut self, t: f64, q: &mut [f64], v: &mut [f64], a: &mut [Vec<f64>]) -> bool {
-        self.settle(t, q, v, a)
-    }
-
-    fn reparametrizes(&self) -> bool {
-        self.D > 0 && self.about.choice != Choice::Fixed
-    }
-
-    fn save(&self) -> Vec<f64> {
-        self.state()
-    }
-
-    fn restore(&mut self, saved: &[f64]) -> bool {
-        self.set_state(saved)
-    }
-
-    fn freeze_piece(&mut self, at: Option<(f64, &[f64])>) {
-        let Some((t, q)) = at else {
-            return self.h.freeze_piece(None);
-        };
-        // If there is no solution, all conformance checks report it.
-        if self.solve(t, q).is_ok() {
-            self.h.freeze_piece(Some((t, &self.work.y)));
         }
     }
 
@@ -196,6 +156,15 @@ impl Parametrization for ImplicitMap {
 
     fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
         self.write_geometric_stiffness(t, q, f, K);
+    }
+
+    fn state(&mut self) -> Option<&mut dyn MapState> {
+        Some(self)
+    }
+
+    fn reparametrization(&mut self) -> Option<&mut dyn Reparametrization> {
+        let changes = self.D > 0 && self.about.choice != Choice::Fixed;
+        changes.then_some(self as _)
     }
 
     fn implicit(&mut self) -> Option<&mut ImplicitMap> {

@@ -42,6 +42,7 @@ mod error;
 mod map;
 mod names;
 mod start;
+mod state;
 mod walk;
 
 pub use self::core::ImplicitMap;

@@ -66,7 +66,7 @@ impl ImplicitMap {
         let y = core.work.y.clone();
         core.reserve();
         core.work.y = y;
-        core.h.change_charts(t, &core.work.y);
+        core.change_equation_charts(t);
         core.rank(t);
         if core.choose_first().is_infinite() {
             return Err(core.singular_start(X - rank));

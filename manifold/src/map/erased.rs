@@ -2,11 +2,9 @@
 
 #![allow(non_snake_case)]
 
-use super::Map;
+use super::{Duplicate, Map, MapState, Reparametrization, Segments};
 use crate::domain::DomainError;
 use crate::implicit::ImplicitMap;
-use crate::so3::VelocityKind;
-use crate::system::ChartChanges;
 use nalgebra::{SMatrix, SVector};
 
 /// Output of [`Parametrization::kinematics`]; matrices column by column, n×d.
@@ -46,11 +44,11 @@ pub fn write_block<const M: usize, const N: usize>(
 
 /// An object-safe [`Map`] of any dimensions: slices outside, fixed sizes and no heap inside.
 ///
-/// Implemented for every map by [`Map::boxed`], and by maps with a state of their own
+/// Implemented for every map by [`Map::boxed`], and by maps with abilities of their own
 /// ([`Increment`](super::Increment)) or sizes known only at run time
-/// ([`ImplicitMap`](crate::implicit::ImplicitMap)). Slices have the lengths of [`Parametrization::dims`];
-/// matrices are stored column by column.
-pub trait Parametrization: Send + Sync {
+/// ([`ImplicitMap`]). Slices have the lengths of [`Parametrization::dims`];
+/// matrices are stored column by column. A map without an ability gives `None`, the default.
+pub trait Parametrization: Duplicate + Send + Sync {
     /// Name of the map in reports; the name of its type by default.
     fn kind(&self) -> &'static str {
         std::any::type_name::<Self>()
@@ -58,9 +56,6 @@ pub trait Parametrization: Send + Sync {
 
     /// (d, n): number of coordinates q and number of embedding coordinates x.
     fn dims(&self) -> (usize, usize);
-
-    /// A copy, in the same charts.
-    fn duplicate(&self) -> Box<dyn Parametrization>;
 
     /// See [`Map::domain`]; infinite by default.
     ///
@@ -71,87 +66,9 @@ pub trait Parametrization: Send + Sync {
         Ok(f64::INFINITY)
     }
 
-    /// Changes the charts of the values (branch of a logarithm, segment of a curve) if another one is
-    /// better at q. Called at converged states only: within a step φ is one smooth function. Nothing by
-    /// default.
-    fn change_charts(&mut self, t: f64, q: &[f64]) -> ChartChanges {
-        let _ = (t, q);
-        ChartChanges::default()
-    }
-
     /// See [`Map::is_objective`].
     fn is_objective(&self) -> bool {
         true
-    }
-
-    /// Whether φ is linear in q, so that K_σ(f) vanishes and is not evaluated.
-    fn is_linear(&self) -> bool {
-        false
-    }
-
-    /// Changes the coordinates q to better ones: transforms them, their velocities and any number of
-    /// accelerations in place, and returns whether they changed; x, ẋ and ẍ stay the same to rounding.
-    /// Called at every converged state, and never between. Nothing by default; a map that overrides it
-    /// also overrides [`Parametrization::reparametrizes`].
-    fn reparametrize(&mut self, t: f64, q: &mut [f64], v: &mut [f64], a: &mut [Vec<f64>]) -> bool {
-        let _ = (t, q, v, a);
-        false
-    }
-
-    /// Whether [`Parametrization::reparametrize`] may change q: no other map or element may then use
-    /// these coordinates.
-    fn reparametrizes(&self) -> bool {
-        false
-    }
-
-    /// Kind of angular velocity that replaces the rates of the last three coordinates θ at present,
-    /// if any: Ω and Ω̇ are then stored as velocities and accelerations. The model converts them to
-    /// θ̇ and θ̈ before it evaluates the map ([`so3::Spin`](crate::so3::Spin)). None by default.
-    fn velocity_kind(&self) -> Option<VelocityKind> {
-        None
-    }
-
-    /// Amount by which a step of size h between two states (q, q̇) overshot the first change of
-    /// segment, in units of time, negative before it; and the new segment. Integrators end a step
-    /// there. `None` if there is no change ahead, and by default.
-    fn overshoot(&self, h: f64, from: [&[f64]; 2], to: [&[f64]; 2]) -> Option<(f64, usize)> {
-        let _ = (h, from, to);
-        None
-    }
-
-    /// Makes the next [`Parametrization::change_charts`] enter this segment, a result of
-    /// [`Parametrization::overshoot`].
-    fn enter(&mut self, segment: usize) {
-        let _ = segment;
-    }
-
-    /// Index of the set of parents that φ reads at present, for a map along a chain of elements; 0
-    /// for every other map.
-    fn segment(&self) -> usize {
-        0
-    }
-
-    /// Freezes a piecewise φ (the cubics of a spline) to the piece that holds at (t, q), also
-    /// beyond its ends; `None` releases it. Used by the conformance kit to compare derivatives with
-    /// differences of one smooth function. Nothing by default, for a smooth φ.
-    fn freeze_piece(&mut self, at: Option<(f64, &[f64])>) {
-        let _ = at;
-    }
-
-    /// State of the map besides the coordinates that cannot be found from them, for checkpoints.
-    fn save(&self) -> Vec<f64> {
-        Vec::new()
-    }
-
-    /// Restores the state from [`Parametrization::save`] of the same map; false, without a change,
-    /// if it belongs to another map.
-    fn restore(&mut self, saved: &[f64]) -> bool {
-        saved.is_empty()
-    }
-
-    /// The equations that it solves; `None` for an explicit map.
-    fn implicit(&mut self) -> Option<&mut ImplicitMap> {
-        None
     }
 
     /// Writes x (n) and B (n×d).
@@ -162,15 +79,49 @@ pub trait Parametrization: Send + Sync {
 
     /// Writes K_σ(f) (d×d).
     fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]);
+
+    /// What changes in the map between evaluations.
+    fn state(&mut self) -> Option<&mut dyn MapState> {
+        None
+    }
+
+    /// Changes of the coordinates.
+    fn reparametrization(&mut self) -> Option<&mut dyn Reparametrization> {
+        None
+    }
+
+    /// Segments with different parents.
+    fn segments(&self) -> Option<&dyn Segments> {
+        None
+    }
+
+    /// The equations that it solves; `None` for an explicit map.
+    fn implicit(&mut self) -> Option<&mut ImplicitMap> {
+        None
+    }
 }
 
-impl Clone for Box<dyn Parametrization> {
-    fn clone(&self) -> Self {
-        self.duplicate()
+impl dyn Parametrization + '_ {
+    /// Index of the set of parents that φ reads at present: [`Segments::segment`], or 0.
+    pub fn segment(&self) -> usize {
+        self.segments().map_or(0, Segments::segment)
+    }
+
+    /// [`MapState::save`]; empty without a state.
+    pub fn save(&self) -> Vec<f64> {
+        let mut copy = self.duplicate();
+        copy.state().map_or_else(Vec::new, |state| state.save())
+    }
+
+    /// [`MapState::restore`]; without a state, whether nothing is saved.
+    pub fn restore(&mut self, saved: &[f64]) -> bool {
+        self.state()
+            .map_or(saved.is_empty(), |state| state.restore(saved))
     }
 }
 
 /// A map behind slices.
+#[derive(Clone)]
 pub(super) struct Erased<M, const D: usize, const N: usize>(pub(super) M);
 
 impl<M, const D: usize, const N: usize> Parametrization for Erased<M, D, N>
@@ -183,10 +134,6 @@ where
 
     fn dims(&self) -> (usize, usize) {
         (D, N)
-    }
-
-    fn duplicate(&self) -> Box<dyn Parametrization> {
-        Box::new(Self(self.0.clone()))
     }
 
     fn domain(&mut self, t: f64, q: &[f64]) -> Result<f64, DomainError> {

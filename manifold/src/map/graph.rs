@@ -12,11 +12,12 @@
     reason = "orders of derivatives and matrices in slices are read by their indices"
 )]
 
-use super::{KinematicsMut, Parametrization};
+use super::{KinematicsMut, MapState, Parametrization};
 use crate::domain::DomainError;
 use crate::system::ChartChanges;
 
-/// Maps that read common inputs, and each other; its values are those of its last maps, the outputs.
+/// Maps that read common inputs, and each other; its values are those of its last maps, the outputs. It
+/// never changes their coordinates.
 #[derive(Clone, Default)]
 pub struct MapGraph {
     kind: Option<&'static str>,
@@ -44,7 +45,11 @@ impl MapGraph {
 
     /// Adds a map with the sources of its coordinates, and the number of each; returns what reads its values.
     /// Maps come before those that read them.
+    ///
+    /// # Panics
+    /// For a map with [`Segments`](super::Segments), which would read other sources on each of them.
     pub fn add(&mut self, map: Box<dyn Parametrization>, reads: Vec<(Read, usize)>) -> Read {
+        assert!(map.segments().is_none(), "a graph reads one segment");
         let (d, n) = map.dims();
         let sources: Vec<Vec<usize>> = (reads.iter())
             .map(|&(read, len)| match read {
@@ -155,8 +160,8 @@ impl Parametrization for MapGraph {
         (self.inputs, self.values)
     }
 
-    fn duplicate(&self) -> Box<dyn Parametrization> {
-        Box::new(self.clone())
+    fn is_objective(&self) -> bool {
+        self.links.iter().all(|link| link.map.is_objective())
     }
 
     /// The least margin of its maps.
@@ -172,31 +177,6 @@ impl Parametrization for MapGraph {
                 .tangent(t, &link.q[0], &mut link.x[0], &mut link.own[0]);
         }
         Ok(least)
-    }
-
-    /// Chooses the charts of each map, from the inputs outwards.
-    fn change_charts(&mut self, t: f64, y: &[f64]) -> ChartChanges {
-        let mut all = ChartChanges::default();
-        self.at.clear();
-        for k in 0..self.links.len() {
-            let (before, rest) = self.links.split_at_mut(k);
-            let link = &mut rest[0];
-            link.gather(before, [y, &[], &[]], 1);
-            all.charts += link.map.change_charts(t, &link.q[0]).charts;
-            link.map
-                .tangent(t, &link.q[0], &mut link.x[0], &mut link.own[0]);
-        }
-        all
-    }
-
-    fn freeze_piece(&mut self, at: Option<(f64, &[f64])>) {
-        if let Some((t, y)) = at {
-            self.evaluate(t, y, None);
-        }
-        self.at.clear();
-        for link in &mut self.links {
-            link.map.freeze_piece(at.map(|(t, _)| (t, &link.q[0][..])));
-        }
     }
 
     fn tangent(&mut self, t: f64, y: &[f64], h: &mut [f64], J: &mut [f64]) {
@@ -268,6 +248,61 @@ impl Parametrization for MapGraph {
                 }
             }
         }
+    }
+
+    fn state(&mut self) -> Option<&mut dyn MapState> {
+        Some(self)
+    }
+}
+
+impl MapState for MapGraph {
+    /// Chooses the charts of each map, from the inputs outwards.
+    fn change_charts(&mut self, t: f64, y: &[f64]) -> ChartChanges {
+        let mut all = ChartChanges::default();
+        self.at.clear();
+        for k in 0..self.links.len() {
+            let (before, rest) = self.links.split_at_mut(k);
+            let link = &mut rest[0];
+            link.gather(before, [y, &[], &[]], 1);
+            if let Some(state) = link.map.state() {
+                all.charts += state.change_charts(t, &link.q[0]).charts;
+            }
+            link.map
+                .tangent(t, &link.q[0], &mut link.x[0], &mut link.own[0]);
+        }
+        all
+    }
+
+    fn freeze_piece(&mut self, at: Option<(f64, &[f64])>) {
+        if let Some((t, y)) = at {
+            self.evaluate(t, y, None);
+        }
+        self.at.clear();
+        for link in &mut self.links {
+            if let Some(state) = link.map.state() {
+                state.freeze_piece(at.map(|(t, _)| (t, &link.q[0][..])));
+            }
+        }
+    }
+
+    /// The states of its maps, one after the other.
+    fn save(&self) -> Vec<f64> {
+        self.links.iter().flat_map(|link| link.map.save()).collect()
+    }
+
+    fn restore(&mut self, saved: &[f64]) -> bool {
+        let (mut links, mut rest) = (self.links.clone(), saved);
+        let restored = links.iter_mut().all(|link| {
+            let (own, others) = rest.split_at(link.map.save().len().min(rest.len()));
+            rest = others;
+            link.map.restore(own)
+        });
+        let complete = restored && rest.is_empty();
+        if complete {
+            self.links = links;
+            self.at.clear();
+        }
+        complete
     }
 }
 

@@ -3,7 +3,8 @@
 #![allow(non_snake_case)]
 
 use super::{
-    KinematicsMut, Map, Parametrization, write_geometric_stiffness, write_kinematics, write_tangent,
+    KinematicsMut, Map, MapState, Parametrization, Reparametrization, write_geometric_stiffness,
+    write_kinematics, write_tangent,
 };
 use crate::domain::{CHART_EDGE, DomainError};
 use crate::quotients::Quotients;
@@ -25,11 +26,11 @@ use std::f64::consts::{PI, TAU};
 /// ```
 ///
 /// the new velocities and accelerations are exact. Only this map may use the coordinates θ
-/// ([`Parametrization::reparametrizes`]): six coordinates of a frame, three lengths and three angles, or three
+/// ([`Reparametrization`]): six coordinates of a frame, three lengths and three angles, or three
 /// of a rotation alone, θ ↦ Ψ. D is 6 or 3 accordingly.
 ///
 /// With [`Increment::with_velocities`], the rates are angular velocities from the first converged
-/// state on ([`Parametrization::velocity_kind`]). With material ones, Ω and Ω̇ instead of θ̇ and θ̈, the updates
+/// state on ([`Reparametrization::velocity_kind`]). With material ones, Ω and Ω̇ instead of θ̇ and θ̈, the updates
 /// of the generalised-α family are those of the Lie-group method of Brüls, Cardona & Arnold 2012,
 ///
 /// ```text
@@ -101,11 +102,6 @@ impl<const D: usize> Map<D, D> for Increment<D> {
         let Psi = so3::log_quaternion(&self.turned(q)).norm();
         DomainError::within((PI - theta(q).norm()).min(TAU - Psi), CHART_EDGE)
     }
-
-    /// Its coordinates belong to no frame.
-    fn is_objective(&self) -> bool {
-        false
-    }
 }
 
 impl<const D: usize> Parametrization for Increment<D> {
@@ -113,18 +109,32 @@ impl<const D: usize> Parametrization for Increment<D> {
         (D, D)
     }
 
-    fn duplicate(&self) -> Box<dyn Parametrization> {
-        Box::new(*self)
-    }
-
     fn domain(&mut self, t: f64, q: &[f64]) -> Result<f64, DomainError> {
         Map::domain(self, t, &SVector::from_column_slice(q))
     }
 
-    fn is_objective(&self) -> bool {
-        Map::is_objective(self)
+    fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
+        write_tangent(self, t, q, x, B);
     }
 
+    fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
+        write_kinematics(self, t, [q, v, a], out);
+    }
+
+    fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
+        write_geometric_stiffness(self, t, q, f, K);
+    }
+
+    fn state(&mut self) -> Option<&mut dyn MapState> {
+        Some(self)
+    }
+
+    fn reparametrization(&mut self) -> Option<&mut dyn Reparametrization> {
+        Some(self)
+    }
+}
+
+impl<const D: usize> MapState for Increment<D> {
     /// The branch on which ψ ≤ π.
     fn change_charts(&mut self, _t: f64, q: &[f64]) -> ChartChanges {
         let beyond = self.turned(&SVector::from_column_slice(q)).w < 0.0;
@@ -135,14 +145,6 @@ impl<const D: usize> Parametrization for Increment<D> {
             charts: usize::from(beyond),
             residual: false,
         }
-    }
-
-    fn reparametrizes(&self) -> bool {
-        true
-    }
-
-    fn velocity_kind(&self) -> Option<VelocityKind> {
-        self.velocity_kind.filter(|_| self.centred)
     }
 
     /// Rₙ as a quaternion (w, v), and whether the chart has been centred.
@@ -163,7 +165,9 @@ impl<const D: usize> Parametrization for Increment<D> {
         }
         unit
     }
+}
 
+impl<const D: usize> Reparametrization for Increment<D> {
     fn reparametrize(&mut self, _t: f64, q: &mut [f64], v: &mut [f64], a: &mut [Vec<f64>]) -> bool {
         let three = |x: &[f64]| Vector3::new(x[D - 3], x[D - 2], x[D - 1]);
         let (theta, theta_dot) = (three(q), three(v));
@@ -200,15 +204,7 @@ impl<const D: usize> Parametrization for Increment<D> {
         true
     }
 
-    fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
-        write_tangent(self, t, q, x, B);
-    }
-
-    fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
-        write_kinematics(self, t, [q, v, a], out);
-    }
-
-    fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
-        write_geometric_stiffness(self, t, q, f, K);
+    fn velocity_kind(&self) -> Option<VelocityKind> {
+        self.velocity_kind.filter(|_| self.centred)
     }
 }

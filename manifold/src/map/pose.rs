@@ -17,7 +17,7 @@
 
 #![allow(non_snake_case)]
 
-use super::{KinematicsMut, Parametrization, write_block};
+use super::{KinematicsMut, MapState, Parametrization, write_block};
 use crate::domain::{CHART_EDGE, DomainError};
 use crate::quotients::{InverseQuotients, Quotients};
 use crate::so3::{self, Quaternion};
@@ -90,10 +90,6 @@ impl Parametrization for ToPose {
         (FRAME, FRAME)
     }
 
-    fn duplicate(&self) -> Box<dyn Parametrization> {
-        Box::new(*self)
-    }
-
     fn domain(&mut self, _t: f64, q: &[f64]) -> Result<f64, DomainError> {
         DomainError::within(EDGE - three(q, 3).norm(), CHART_EDGE)
     }
@@ -150,22 +146,9 @@ impl Parametrization for ToChart {
         (FRAME, FRAME)
     }
 
-    fn duplicate(&self) -> Box<dyn Parametrization> {
-        Box::new(*self)
-    }
-
     fn domain(&mut self, _t: f64, q: &[f64]) -> Result<f64, DomainError> {
         let margin = TAU - so3::log_quaternion(&self.turn(q)).norm();
         DomainError::within(margin, CHART_EDGE)
-    }
-
-    fn change_charts(&mut self, _t: f64, q: &[f64]) -> ChartChanges {
-        let changed = self.turn(q).w < 0.0;
-        self.opposite ^= changed;
-        ChartChanges {
-            charts: usize::from(changed),
-            residual: false,
-        }
     }
 
     fn tangent(&mut self, _t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
@@ -184,5 +167,20 @@ impl Parametrization for ToChart {
         let moment = -so3::C6(&three(f, 3), &-psi, &inverse) * T_inverse.transpose();
         K.fill(0.0);
         write_block(K, FRAME, [3, 3], &moment);
+    }
+
+    fn state(&mut self) -> Option<&mut dyn MapState> {
+        Some(self)
+    }
+}
+
+impl MapState for ToChart {
+    fn change_charts(&mut self, _t: f64, q: &[f64]) -> ChartChanges {
+        let changed = self.turn(q).w < 0.0;
+        self.opposite ^= changed;
+        ChartChanges {
+            charts: usize::from(changed),
+            residual: false,
+        }
     }
 }

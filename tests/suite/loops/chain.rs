@@ -88,7 +88,7 @@ fn a_chain_of_bars_closes() {
             let (mut b, ground) = grounded();
             let q = b.coordinates("q", &[Quantity::Angle; 3]).unwrap();
             let x = b
-                .mapped_coordinates("x", &[Quantity::Angle; 5], map.duplicate(), &[q])
+                .mapped_coordinates("x", &[Quantity::Angle; 5], Box::new(map.clone()), &[q])
                 .unwrap();
             let mut frame = ground;
             for k in 0..LINKS {

@@ -175,10 +175,6 @@ impl Parametrization for Halved {
         self.0.dims()
     }
 
-    fn duplicate(&self) -> Box<dyn Parametrization> {
-        Box::new(self.clone())
-    }
-
     fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
         self.0.tangent(t, q, x, B);
     }

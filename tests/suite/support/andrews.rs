@@ -14,7 +14,7 @@ use pullback::elements::time::Constant;
 use pullback::integrators::dynamics::{DynamicOptions, Progress, Scheme};
 use pullback::manifold::implicit::{Choice, Implicit, ImplicitMap};
 use pullback::manifold::jet::Taylor;
-use pullback::manifold::map::{Linear, Map, Parametrization};
+use pullback::manifold::map::{Linear, Map};
 use pullback::manifold::scalar::Scalar;
 use pullback::manifold::system::{Quantity, System};
 use pullback::studies::gallery::{self, CaseRow};
@@ -96,7 +96,7 @@ fn squeezer(map: &ImplicitMap) -> (Context, NodeId) {
     let mut b = ModelBuilder::new();
     let q = b.coordinates("q", &[Quantity::Angle]).unwrap();
     let x = b
-        .mapped_coordinates("x", &[Quantity::Angle; 7], map.duplicate(), &[q])
+        .mapped_coordinates("x", &[Quantity::Angle; 7], Box::new(map.clone()), &[q])
         .unwrap();
     let angles: [NodeId; 7] = std::array::from_fn(|k| {
         let pick = Linear::<7, 1>::pick(k, 0.0).boxed();

@@ -158,7 +158,7 @@ impl ModelBuilder {
     }
 
     /// As [`ModelBuilder::mapped_node`], for a map with several sets of parents
-    /// ([`Parametrization::segment`](pullback_manifold::map::Parametrization::segment) is the one in use).
+    /// ([`Segments::segment`](pullback_manifold::map::Segments::segment) is the one in use).
     ///
     /// # Errors
     /// As [`ModelBuilder::mapped_node`].
@@ -215,7 +215,7 @@ impl ModelBuilder {
     ///
     /// # Errors
     /// As [`ModelBuilder::mapped_node`]. A map that reparametrizes its coordinates
-    /// ([`Parametrization::reparametrizes`](pullback_manifold::map::Parametrization::reparametrizes)) must be their only
+    /// ([`Reparametrization`](pullback_manifold::map::Reparametrization)) must be their only
     /// user: otherwise [`ModelError::Reparametrized`] when the model is built.
     pub fn mapped_coordinates(
         &mut self,

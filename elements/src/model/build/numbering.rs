@@ -305,7 +305,7 @@ fn check_reparametrized(
         };
         // Parents after the first are parameters, which are not reparametrized.
         let first = d.initial_parents().iter().take(1);
-        for &m in first.filter(|_| d.map.reparametrizes()) {
+        for &m in first.filter(|_| d.reparametrizes) {
             let parent = &nodes[m as usize];
             // Created for the frame by the model itself.
             if parent.form == NodeForm::Increment {
@@ -379,7 +379,7 @@ fn refuse_mapped(nodes: &[Node], dependent: u32, coordinate: String) -> ModelErr
     while let Some(n) = waiting.pop() {
         let node = &nodes[n as usize];
         match node.mapped() {
-            Some(d) if d.map.reparametrizes() => {
+            Some(d) if d.reparametrizes => {
                 let solved = node.name.clone();
                 return ModelError::PrescribedSolved { coordinate, solved };
             }

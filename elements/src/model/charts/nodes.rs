@@ -155,7 +155,7 @@ impl Context {
             let reparametrized = later.into_iter().find_map(|(k, c)| {
                 let d = self.model.nodes[c.node as usize].mapped()?;
                 let a = &mut c.a[..accelerations.len()];
-                let map = &mut self.state.maps[d.index];
+                let map = self.state.maps[d.index].reparametrization()?;
                 let changed = map.reparametrize(t, &mut c.q, &mut c.v, a);
                 changed.then(|| (k, d.parents(&self.state.maps)[0]))
             });
@@ -197,7 +197,8 @@ impl Context {
             let (own, buffers) = (&mut self.work.local, &mut self.work.accelerations);
             let (x, x_dot) = (&mut own.q[..d.direct], &mut own.qv[..d.direct]);
             let x_ddot = &mut buffers[..accelerations.len()];
-            if !self.state.maps[d.index].reparametrize(t, x, x_dot, x_ddot) {
+            let map = self.state.maps[d.index].reparametrization();
+            if !map.is_some_and(|map| map.reparametrize(t, x, x_dot, x_ddot)) {
                 continue;
             }
             changed += 1;
@@ -321,6 +322,6 @@ fn by_increments(nodes: &[Node], node: &Node) -> bool {
 /// The map of a node if it may reparametrize its coordinates, increments excepted.
 fn reparametrizing(nodes: &[Node], n: u32) -> Option<&MappedNode> {
     let node = &nodes[n as usize];
-    let mapped = node.mapped().filter(|d| d.map.reparametrizes());
+    let mapped = node.mapped().filter(|d| d.reparametrizes);
     mapped.filter(|_| !by_increments(nodes, node))
 }

@@ -34,8 +34,10 @@ impl Context {
         self.collect_overshoots(from, to);
         for (n, by, segment) in &self.work.segment_changes.overshoots {
             let mapped = self.model.nodes[*n as usize].mapped();
-            if let Some(d) = mapped.filter(|_| *by >= since) {
-                self.state.maps[d.index].enter(*segment);
+            if let Some(d) = mapped.filter(|_| *by >= since)
+                && let Some(state) = self.state.maps[d.index].state()
+            {
+                state.enter(*segment);
             }
         }
     }
@@ -71,7 +73,8 @@ impl Context {
                 collect(parents, &self.model.spans, v, &mut local.qv);
                 let from = changes.from.each_ref().map(|all| &all[first..first + k]);
                 let to = [&local.q[..k], &local.qv[..k]];
-                let overshoot = self.state.maps[d.index].overshoot(h, from, to);
+                let map = self.state.maps[d.index].segments();
+                let overshoot = map.and_then(|map| map.overshoot(h, from, to));
                 changes
                     .overshoots
                     .extend(overshoot.map(|(by, segment)| (n, by, segment)));

@@ -184,7 +184,8 @@ pub(in crate::model) fn rotation_rate(
     map.tangent(0.0, &q[..n], &mut x[..n], &mut operator[..n * n]);
     let psi = Vector3::from_column_slice(&x[n - 3..n]);
     let Omega = so3::rotation(&psi).tr_mul(omega);
-    match map.velocity_kind() {
+    let velocities = map.reparametrization();
+    match velocities.and_then(|map| map.velocity_kind()) {
         None => {
             let B = Matrix3::from_fn(|i, j| operator[(n - 3 + j) * n + n - 3 + i]);
             let psi_dot = so3::tangent_inverse(&psi).tr_mul(omega);
@@ -204,22 +205,23 @@ impl Context {
     }
 
     /// Whether any rates are angular velocities at present.
-    pub(in crate::model) fn has_spins(&self) -> bool {
-        self.model
-            .spin_frames
-            .iter()
-            .any(|&n| self.spin_coordinates(n).is_some())
+    pub(in crate::model) fn has_spins(&mut self) -> bool {
+        let mut frames = 0..self.model.spin_frames.len();
+        frames.any(|k| self.spin_coordinates(self.model.spin_frames[k]).is_some())
     }
 
     /// The coordinates θ behind a frame whose rates are angular velocities at present, the frame's
     /// increments, and the kind of velocity.
-    fn spin_coordinates(&self, n: u32) -> Option<(Range<usize>, u32, VelocityKind)> {
+    fn spin_coordinates(&mut self, n: u32) -> Option<(Range<usize>, u32, VelocityKind)> {
         let Source::Mapped(d) = &self.model.nodes[n as usize].source else {
             return None;
         };
         let own = d.parents(&self.state.maps)[0];
         let end = self.model.spans[own as usize].range().end;
-        Some((end - 3..end, own, self.state.maps[d.index].velocity_kind()?))
+        let kind = self.state.maps[d.index]
+            .reparametrization()?
+            .velocity_kind()?;
+        Some((end - 3..end, own, kind))
     }
 
     /// Converts angular velocities to the rates of their rotation vectors, in the workspace.
@@ -318,9 +320,9 @@ impl Context {
         outcome
     }
 
-    fn turn_columns(&self, weights: Weights, [C, M]: &[Vec<f64>; 2], S: &mut [f64]) {
-        for &n in &self.model.spin_frames {
-            let Some((range, own, kind)) = self.spin_coordinates(n) else {
+    fn turn_columns(&mut self, weights: Weights, [C, M]: &[Vec<f64>; 2], S: &mut [f64]) {
+        for k in 0..self.model.spin_frames.len() {
+            let Some((range, own, kind)) = self.spin_coordinates(self.model.spin_frames[k]) else {
                 continue;
             };
             let w = &self.work;

@@ -21,6 +21,8 @@ pub(in crate::model) type Maps = [Box<dyn Parametrization>];
 pub(in crate::model) struct MappedNode {
     /// The map in its initial chart.
     pub map: Box<dyn Parametrization>,
+    /// Whether the map may change its coordinates, those of its first parent.
+    pub reparametrizes: bool,
     /// Parents for each segment of the map; most maps have one.
     pub segments: Vec<Vec<u32>>,
     /// Number of coordinates of the parents.
@@ -53,11 +55,12 @@ impl Operators {
 
 impl MappedNode {
     pub(in crate::model) fn new(
-        map: Box<dyn Parametrization>,
+        mut map: Box<dyn Parametrization>,
         segments: Vec<Vec<u32>>,
         direct: usize,
     ) -> Self {
         Self {
+            reparametrizes: map.reparametrization().is_some(),
             map,
             segments,
             direct,
@@ -164,12 +167,8 @@ impl Context {
             }
             let ElementWorkspace { q, K_sigma, .. } = &mut w.local;
             let K_sigma = &mut K_sigma[..d.direct * d.direct];
-            if map.is_linear() {
-                K_sigma.fill(0.0);
-            } else {
-                let k = collect(parents, &self.model.spans, &w.x, q);
-                map.geometric_stiffness(t, &q[..k], &w.r[node.range()], K_sigma);
-            }
+            let k = collect(parents, &self.model.spans, &w.x, q);
+            map.geometric_stiffness(t, &q[..k], &w.r[node.range()], K_sigma);
             let mut into = ScatterTarget {
                 values,
                 coupled: &mut w.coupled,
@@ -226,7 +225,10 @@ impl Context {
             // On a new segment the map has other parents, and may need other charts.
             for _ in 0..3 {
                 let len = collect(d.parents(maps), &self.model.spans, &w.x, &mut w.local.q);
-                let changes = maps[d.index].change_charts(t, &w.local.q[..len]);
+                let Some(state) = maps[d.index].state() else {
+                    break;
+                };
+                let changes = state.change_charts(t, &w.local.q[..len]);
                 if changes == ChartChanges::default() {
                     break;
                 }

@@ -335,7 +335,7 @@ impl Context {
     pub fn single_unknowns(&self) -> Vec<usize> {
         let chosen = |&n: &u32| {
             let mapped = self.model.nodes[n as usize].mapped();
-            let loops = mapped.filter(|d| d.map.reparametrizes())?;
+            let loops = mapped.filter(|d| d.reparametrizes)?;
             loops.parents(&self.state.maps).first().copied()
         };
         let of_loops: Vec<u32> = self.model.dependent.iter().filter_map(chosen).collect();

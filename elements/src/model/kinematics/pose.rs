@@ -9,7 +9,7 @@ use crate::model::kinematics::mapped_node::MappedNode;
 use crate::model::{Context, NONE, Node, NodeForm, Source};
 use nalgebra::Vector3;
 use pullback_manifold::map::pose::orientation;
-use pullback_manifold::map::{KinematicsMut, Parametrization, ToChart, ToPose};
+use pullback_manifold::map::{KinematicsMut, MapState, Parametrization, ToChart, ToPose};
 use pullback_manifold::so3;
 
 /// A node for the pose of a frame, at the end of all nodes.

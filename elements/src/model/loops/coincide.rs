@@ -116,10 +116,6 @@ impl Parametrization for CoincidePoses {
         (12, 6)
     }
 
-    fn duplicate(&self) -> Box<dyn Parametrization> {
-        Box::new(*self)
-    }
-
     fn tangent(&mut self, _t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
         self.write([q, &[], &[]], &mut [[x, B]]);
     }

@@ -22,14 +22,6 @@ impl Parametrization for Part {
         (self.of, self.len)
     }
 
-    fn duplicate(&self) -> Box<dyn Parametrization> {
-        Box::new(*self)
-    }
-
-    fn is_linear(&self) -> bool {
-        true
-    }
-
     fn tangent(&mut self, _t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
         x.copy_from_slice(&q[self.first..self.first + self.len]);
         B.fill(0.0);

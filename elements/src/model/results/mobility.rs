@@ -65,10 +65,7 @@ impl Model {
         self.reports.iter().filter_map(|report| {
             let d = self.nodes[report.map? as usize].mapped()?;
             let (all, x) = d.map.dims();
-            let own = d
-                .initial_parents()
-                .first()
-                .filter(|_| d.map.reparametrizes());
+            let own = d.initial_parents().first().filter(|_| d.reparametrizes);
             let free = own.map_or(0, |&n| self.nodes[n as usize].dim);
             let name = &self.nodes[report.closures.first()?.0 as usize].name;
             let closed = Closed {

@@ -54,7 +54,7 @@ impl Node {
     }
 
     /// Parents of its map on a segment
-    /// ([`Parametrization::segment`](pullback_manifold::map::Parametrization::segment)), as indices of
+    /// ([`Segments::segment`](pullback_manifold::map::Segments::segment)), as indices of
     /// [`Model::nodes`]; none without a map.
     pub fn parents(&self, segment: usize) -> &[u32] {
         self.mapped().map_or(&[], |d| &d.segments[segment])
@@ -185,14 +185,16 @@ impl Context {
     }
 
     /// Freezes every map to its piece at a state at rest, or releases it
-    /// ([`Parametrization::freeze_piece`](pullback_manifold::map::Parametrization::freeze_piece)).
+    /// ([`MapState::freeze_piece`](pullback_manifold::map::MapState::freeze_piece)).
     pub fn freeze_pieces(&mut self, at: Option<(f64, &[f64])>) {
         let known = at.is_none_or(|(t, q)| self.expand(at_rest(t, q)).is_ok());
         for &n in self.model.dependent.iter().filter(|_| known) {
             if let Some(d) = self.model.nodes[n as usize].mapped() {
                 let (w, maps) = (&mut self.work, &mut self.state.maps);
                 let len = collect(d.parents(maps), &self.model.spans, &w.x, &mut w.local.q);
-                maps[d.index].freeze_piece(at.map(|(t, _)| (t, &w.local.q[..len])));
+                if let Some(state) = maps[d.index].state() {
+                    state.freeze_piece(at.map(|(t, _)| (t, &w.local.q[..len])));
+                }
             }
         }
         self.work.known.forget();

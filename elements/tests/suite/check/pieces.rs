@@ -12,8 +12,8 @@ use pullback_elements::model::{Context, ModelBuilder, NodeId};
 use pullback_elements::time::Constant;
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::map::{
-    Kinematics, KinematicsMut, Map, Parametrization, derived, write_geometric_stiffness,
-    write_kinematics, write_tangent,
+    Kinematics, KinematicsMut, Map, MapState, Parametrization, Segments, derived,
+    write_geometric_stiffness, write_kinematics, write_tangent,
 };
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::system::{ChartChanges, Quantity};
@@ -73,24 +73,34 @@ impl Parametrization for Along {
         (13, 6)
     }
 
-    fn duplicate(&self) -> Box<dyn Parametrization> {
-        Box::new(self.clone())
-    }
-
     fn domain(&mut self, t: f64, q: &[f64]) -> Result<f64, DomainError> {
         Parametrization::domain(&mut self.0, t, q)
     }
 
+    fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
+        write_tangent(self, t, q, x, B);
+    }
+
+    fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
+        write_kinematics(self, t, [q, v, a], out);
+    }
+
+    fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
+        write_geometric_stiffness(self, t, q, f, K);
+    }
+
+    fn state(&mut self) -> Option<&mut dyn MapState> {
+        Some(self)
+    }
+
+    fn segments(&self) -> Option<&dyn Segments> {
+        Some(self)
+    }
+}
+
+impl MapState for Along {
     fn change_charts(&mut self, t: f64, q: &[f64]) -> ChartChanges {
         self.0.change_charts(t, q)
-    }
-
-    fn segment(&self) -> usize {
-        self.0.segment()
-    }
-
-    fn overshoot(&self, h: f64, from: [&[f64]; 2], to: [&[f64]; 2]) -> Option<(f64, usize)> {
-        self.0.overshoot(h, from, to)
     }
 
     fn enter(&mut self, segment: usize) {
@@ -106,17 +116,15 @@ impl Parametrization for Along {
     fn restore(&mut self, saved: &[f64]) -> bool {
         self.0.restore(saved)
     }
+}
 
-    fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
-        write_tangent(self, t, q, x, B);
+impl Segments for Along {
+    fn segment(&self) -> usize {
+        self.0.segment()
     }
 
-    fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
-        write_kinematics(self, t, [q, v, a], out);
-    }
-
-    fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
-        write_geometric_stiffness(self, t, q, f, K);
+    fn overshoot(&self, h: f64, from: [&[f64]; 2], to: [&[f64]; 2]) -> Option<(f64, usize)> {
+        self.0.overshoot(h, from, to)
     }
 }
 

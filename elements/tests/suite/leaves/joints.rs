@@ -10,7 +10,9 @@ use pullback_elements::joint::{
     Chain, Helical, Joint, JointCoordinate, JointMap, Offset, Planar, Pose, Revolute, Slide,
     Spherical, Universal,
 };
-use pullback_manifold::map::{KinematicsMut, Map, MapGraph, Parametrization, derived};
+use pullback_manifold::map::{
+    KinematicsMut, Map, MapGraph, MapState, Parametrization, Read, derived,
+};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::{self, Quaternion};
 use pullback_manifold::system::Quantity;
@@ -137,6 +139,14 @@ fn laws_hold_on_the_other_branch_too() {
     assert!(map.change_charts(0.0, &q).charts == 1);
     assert!((so3::complement(&before) - psi(&map)).norm() < 1e-14);
     check::parametrization(&map).assert();
+}
+
+#[test]
+#[should_panic(expected = "a graph reads one segment")]
+fn a_graph_refuses_a_slide() {
+    let chain = Chain::new(&[Vector3::zeros(), Vector3::x()], 0.5).unwrap();
+    let slide = Slide::new(chain, Interpolation::Total);
+    MapGraph::new(13).add(Box::new(slide), vec![(Read::Input(0), 13)]);
 }
 
 #[test]

@@ -7,7 +7,9 @@ use pullback_conformance::{self as check, Measure, Report};
 use pullback_manifold::chart::{RotationChart, RotationVector};
 use pullback_manifold::domain::{CHART_EDGE, DomainError};
 use pullback_manifold::implicit::{Choice, Implicit, ImplicitMap};
-use pullback_manifold::map::{Kinematics, KinematicsMut, Map, Parametrization, Tangent, derived};
+use pullback_manifold::map::{
+    Kinematics, KinematicsMut, Map, MapState, Parametrization, Tangent, derived,
+};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::Quaternion;
 
@@ -285,12 +287,8 @@ impl Parametrization for Leap {
         (1, 1)
     }
 
-    fn duplicate(&self) -> Box<dyn Parametrization> {
-        Box::new(self.clone())
-    }
-
-    fn freeze_piece(&mut self, at: Option<(f64, &[f64])>) {
-        self.kept = at.is_some_and(|(_, q)| q[0] <= 0.5);
+    fn state(&mut self) -> Option<&mut dyn MapState> {
+        Some(self)
     }
 
     fn implicit(&mut self) -> Option<&mut ImplicitMap> {
@@ -310,6 +308,12 @@ impl Parametrization for Leap {
 
     fn geometric_stiffness(&mut self, _: f64, _: &[f64], _: &[f64], K: &mut [f64]) {
         K[0] = 0.0;
+    }
+}
+
+impl MapState for Leap {
+    fn freeze_piece(&mut self, at: Option<(f64, &[f64])>) {
+        self.kept = at.is_some_and(|(_, q)| q[0] <= 0.5);
     }
 }
 

@@ -7,7 +7,7 @@ use nalgebra::{SMatrix, SVector, Vector2};
 use pullback_manifold::implicit::{
     Description, Equation, Implicit, ImplicitError, ImplicitMap, Unknown,
 };
-use pullback_manifold::map::{Map, Parametrization};
+use pullback_manifold::map::{Map, MapState, Parametrization, Reparametrization};
 use pullback_manifold::scalar::Scalar;
 
 const LINKS: usize = 5;

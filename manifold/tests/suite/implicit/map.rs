@@ -7,7 +7,7 @@ use nalgebra::{SVector, Vector2, Vector3};
 use pullback_conformance as check;
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::implicit::{Choice, Implicit, ImplicitError, ImplicitMap};
-use pullback_manifold::map::{KinematicsMut, Linear, Parametrization};
+use pullback_manifold::map::{KinematicsMut, Linear, Parametrization, Reparametrization};
 use pullback_manifold::scalar::Scalar;
 
 /// A four-bar linkage: absolute angles of crank, coupler, rocker; ground pivots `d` apart. The
@@ -198,10 +198,6 @@ struct Planted {
 impl Parametrization for Planted {
     fn dims(&self) -> (usize, usize) {
         self.map.dims()
-    }
-
-    fn duplicate(&self) -> Box<dyn Parametrization> {
-        Box::new(self.clone())
     }
 
     fn domain(&mut self, t: f64, q: &[f64]) -> Result<f64, DomainError> {

@@ -28,10 +28,6 @@ impl Parametrization for Steep {
         self.0.dims()
     }
 
-    fn duplicate(&self) -> Box<dyn Parametrization> {
-        Box::new(self.clone())
-    }
-
     fn domain(&mut self, t: f64, q: &[f64]) -> Result<f64, DomainError> {
         self.0.domain(t, q)
     }

@@ -2,7 +2,7 @@
 #![allow(non_snake_case, clippy::unwrap_used)]
 
 use nalgebra::{Matrix3, Vector3};
-use pullback_manifold::map::{Increment, Map, Parametrization};
+use pullback_manifold::map::{Increment, Map, MapState, Reparametrization};
 use pullback_manifold::quotients::Quotients;
 use pullback_manifold::so3::{Spin, T_dot_psi_dot, VelocityKind, rotation, tangent};
 
