@@ -2,13 +2,15 @@
 
 #![allow(non_snake_case)]
 
+use crate::constraint::Enforced;
 use crate::element::{
     Combined, CombinedTangents, Element, Motion, Properties, Response, SectionState,
 };
 use pullback_manifold::domain::DomainError;
 
 /// The sum of two elements with the same coordinates, such as a stiffness and an inertia with
-/// different integration points.
+/// different integration points. Both read poses or neither does, and at most one enforces equations:
+/// the evaluation of other sums is refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sum<A, B>(pub A, pub B);
 
@@ -18,10 +20,11 @@ impl<A: Element, B: Element> Element for Sum<A, B> {
     }
 
     fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
-        if self.0.properties().reads_poses != self.1.properties().reads_poses {
+        let both_enforce = self.0.enforced().is_some() && self.1.enforced().is_some();
+        if both_enforce || self.0.properties().reads_poses != self.1.properties().reads_poses {
             return Err(DomainError::Beyond {
-                limit: "what a sum can hold, elements that read poses or elements that do not: \
-                       add them to the model one by one",
+                limit: "what a sum can hold, elements that read poses or elements that do not, with one \
+                       set of equations: add them to the model one by one",
                 margin: 0.0,
             });
         }
@@ -32,6 +35,10 @@ impl<A: Element, B: Element> Element for Sum<A, B> {
     fn combined(&self) -> Option<&dyn Combined> {
         let both = self.0.combined().is_some() && self.1.combined().is_some();
         both.then_some(self)
+    }
+
+    fn enforced(&self) -> Option<&dyn Enforced> {
+        self.0.enforced().or_else(|| self.1.enforced())
     }
 
     fn energy(&self, at: &Motion<'_>) -> f64 {

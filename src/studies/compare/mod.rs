@@ -6,7 +6,7 @@
 //! ([`fit`]). Runs are distributed over threads, whose number affects only the times.
 //!
 //! ```
-//! use pullback::studies::compare::{Options, ErrorQuantity, Hooks, compare};
+//! use pullback::studies::compare::{ComparisonOptions, ErrorQuantity, Hooks, compare};
 //! use pullback::input;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
