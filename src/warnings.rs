@@ -217,7 +217,7 @@ pub(crate) fn massless(context: &mut Context, progress: &Progress) -> Option<Str
     let names = context.massless(state.t, &state.q, &state.v).ok()?;
     (!names.is_empty()).then(|| {
         format!(
-            "no mass acts on {}: they follow forces at once. Mass of lines is `rho` of a \
+            "no mass acts on {}: without mass a coordinate follows forces at once. Mass of lines is `rho` of a \
              material, or `mass` with A_rho and J beside a `stiffness`; angles of joints need bodies \
              with `inertia` (or lines), others any body",
             listed(&names)

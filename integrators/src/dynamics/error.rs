@@ -74,7 +74,7 @@ pub enum DynamicsError {
         "the scheme {scheme} has the spectral radius {rho:.6} at infinite frequencies: it does not \
          damp the oscillations that constraints enforced by multipliers ({multiplier}) bring in \
          (index 3; Arnold & Brüls 2007). Choose generalised-alpha, HHT or WBZ with a radius below \
-         1, such as generalised-alpha 0.8, or close the loop by a map"
+         1, such as ga:0.8, or close the loop by a map"
     )]
     Undamped {
         scheme: &'static str,

@@ -5,7 +5,7 @@ use crate::output::plot::{AxisScale, Graph, PlotCurve, PlotError, graphs};
 use pullback_integrators::dynamics::Scheme;
 use pullback_integrators::spectrum as integrator;
 
-const TITLE: &str = "Lines: closed forms; marks: by the steps that runs make";
+const TITLE: &str = "Lines: closed forms; marks: measured in steps";
 const EXPANDED: &str = "; broken: κ Ω² and σ Ω³ of theory";
 
 const LINEAR: AxisScale = AxisScale::Linear;

@@ -320,7 +320,7 @@ fn coordinates_without_mass_are_warned_of() {
     });
     let warnings = ran.unwrap().warnings;
     assert_eq!(warnings.len(), 1, "{warnings:?}");
-    let said = "no mass acts on P angle: they follow forces at once. Mass of";
+    let said = "no mass acts on P angle: without mass a coordinate follows forces at once.";
     assert!(warnings[0].starts_with(said), "{warnings:?}");
 }
 

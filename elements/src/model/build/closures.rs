@@ -98,7 +98,7 @@ impl ModelBuilder {
                         joint: name.clone(),
                         source,
                     })?;
-                    words = format!("joint {name}: closed by a penalty of {p}");
+                    words = format!("joint {name}: closed by a penalty of {p:e}");
                     Box::new(made.named(&EQUATIONS))
                 }
                 Closure::Map | Closure::Multipliers => {
