@@ -59,8 +59,6 @@ pub(in crate::model) struct Workspace {
     /// Forces exerted by elements, used if neither loads nor reactions are a scale.
     pub exerted: Scales,
     pub dead_loads: DeadLoads,
-    /// The elements that dissipated at the last evaluation of energies.
-    pub dampers: Vec<u32>,
 }
 
 /// Sum of the loads that depend on time only: a step evaluates them repeatedly at the same time.
@@ -174,7 +172,6 @@ impl Workspace {
                 r: zeros(total),
                 ..DeadLoads::default()
             },
-            dampers: Vec::with_capacity(elements.len()),
         }
     }
 }

@@ -5,13 +5,10 @@
 use crate::constraint::MAX_EQUATIONS;
 use crate::model::assembly::element_workspace::ElementWorkspace;
 use crate::model::assembly::residual::named;
-use crate::model::kinematics::free_coordinates::check_length;
 use crate::model::kinematics::pose::spatial;
-use crate::model::state::ElementState;
 use crate::model::{Context, ElementEntry, Node, Source};
 use nalgebra::Vector3;
 use pullback_manifold::system::{Energies, Point, SystemError};
-use std::sync::Arc;
 
 /// Linear and angular momentum, components in the global frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -86,8 +83,7 @@ impl Context {
         } = &mut out.energies;
         let (w, model) = (&mut self.work, &*self.model);
         w.r.fill(0.0);
-        w.dampers.clear();
-        for (k, (e, state)) in (model.elements.iter().zip(&self.state.elements)).enumerate() {
+        for (e, state) in model.elements.iter().zip(&self.state.elements) {
             let (local, switched) = (&mut w.local, state.switched);
             let n = e.element.dim();
             local.gather(e, &model.spans, &w.x);
@@ -104,11 +100,7 @@ impl Context {
                 *stored += energy;
             }
             if !statics {
-                let lost = e.element.dissipation(&motion);
-                if lost != 0.0 {
-                    w.dampers.push(k as u32);
-                }
-                *dissipated += lost;
+                *dissipated += e.element.dissipation(&motion);
                 // Its force is only needed at prescribed and mapped nodes.
                 let known =
                     (!momenta && !e.load && !e.held).then(|| e.element.kinetic_energy(&motion));
@@ -160,49 +152,22 @@ impl Context {
         Ok(out)
     }
 
-    /// The power of the elements that dissipated at the last evaluation of energies.
+    /// The power of all dampers, without forces and mass matrices.
     pub(in crate::model) fn evaluate_dissipation(
         &mut self,
         at: Point<'_>,
     ) -> Result<f64, SystemError> {
-        let model = Arc::clone(&self.model);
-        for (what, x) in [
-            ("coordinates q", at.q),
-            ("velocities v", at.v),
-            ("accelerations a", at.a),
-        ] {
-            check_length(what, model.coordinates.len(), x.len())?;
-        }
-        // Those on free coordinates read the unknowns, without an evaluation of maps.
-        let reads_unknowns =
-            |e: &ElementEntry, state: &ElementState| !(e.mapped || e.held || state.switched != 0);
-        let states = &self.state.elements;
-        let mut dampers = self.work.dampers.iter().map(|&k| k as usize);
-        if !dampers.all(|k| reads_unknowns(&model.elements[k], &states[k])) {
-            self.expand(at)?;
-        }
-        let (w, mut dissipated) = (&mut self.work, 0.0);
-        for &k in &w.dampers {
-            let (e, state) = (
-                &model.elements[k as usize],
-                &self.state.elements[k as usize],
-            );
-            let local = &mut w.local;
-            if reads_unknowns(e, state) {
-                let all = e
-                    .nodes
-                    .iter()
-                    .flat_map(|&n| model.spans[n as usize].range());
-                for (i, c) in all.enumerate() {
-                    let u = model.unknowns[c] as usize;
-                    (local.x[i], local.v[i], local.a[i]) = (at.q[u], at.v[u], at.a[u]);
-                }
-            } else {
-                local.gather(e, &model.spans, &w.x);
-                local.gather_rates(e, state.switched, &model.spans, Some([&w.v, &w.a]));
-                local.switch(e, state.switched, &model.nodes);
-            }
-            dissipated += e.element.dissipation(&local.motion(e, at.t, false));
+        self.expand(at)?;
+        let (w, model) = (&mut self.work, &*self.model);
+        let mut dissipated = 0.0;
+        for (e, state) in model.elements.iter().zip(&self.state.elements) {
+            let (local, switched) = (&mut w.local, state.switched);
+            local.gather(e, &model.spans, &w.x);
+            local.gather_rates(e, switched, &model.spans, w.moving.then_some([&w.v, &w.a]));
+            local.switch(e, switched, &model.nodes);
+            dissipated += e
+                .element
+                .dissipation(&local.motion(e, at.t, at.is_static()));
         }
         Ok(dissipated)
     }
