@@ -8,7 +8,7 @@ use pullback_elements::body::{PointMass, RigidBody};
 use pullback_elements::model::{Context, Dof, ModelBuilder, NodeId};
 use pullback_elements::spring::{AxialSpring, Bushing};
 use pullback_elements::time::Constant;
-use pullback_manifold::system::{Charts, Evaluation, Point, System};
+use pullback_manifold::system::{Charts, Energetics, Evaluation, Point, System};
 
 /// Two bodies joined by a bushing, one of them by a spring to a point mass, all in a gravity field.
 fn model() -> (Context, [NodeId; 3]) {
@@ -93,6 +93,23 @@ fn their_tangents_are_exact_also_astride_a_change_of_chart() {
         ];
         check::system("bodies and springs", &mut context, &states).assert();
     }
+}
+
+#[test]
+fn a_new_context_knows_the_power_of_dampers() {
+    let (mut context, [first, ..]) = model();
+    let n = context.initial().len();
+    let (q, mut v, a) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+    v[context.unknown_at(first, 0).unwrap()] = 2.0;
+    let at = Point {
+        t: 0.0,
+        q: &q,
+        v: &v,
+        a: &a,
+    };
+    // ẋᵀ D ẋ of the bushing with D = 0.3.
+    assert!((context.dissipation(at).unwrap() - 1.2).abs() < 1e-14);
+    assert!((context.energies(at).unwrap().dissipated - 1.2).abs() < 1e-14);
 }
 
 #[test]
