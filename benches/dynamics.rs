@@ -180,7 +180,7 @@ fn evaluation(beam: &dyn Element, ask: Ask) -> impl FnMut() {
                     C: 20.0,
                     M: 400.0,
                 };
-                let combined = beam.combined().expect("an element with a way of its own");
+                let combined = beam.abilities().combined.expect("a combined tangent");
                 combined.evaluate_combined(&at, weights, &mut r, &mut K)
             }
         }

@@ -66,7 +66,7 @@ fn run(element: &dyn Element, job: Job, motion: &[Vec<f64>; 3], out: &mut [Vec<f
         a: if moving { a } else { &[] },
         previous: None,
     };
-    if let (Job::Combined, Some(combined)) = (job, element.combined()) {
+    if let (Job::Combined, Some(combined)) = (job, element.abilities().combined) {
         let weights = Weights {
             K: 1.0,
             C: 20.0,

@@ -2,8 +2,10 @@
 
 #![allow(non_snake_case)]
 
-use crate::constraint::Enforced;
-use nalgebra::{Matrix3, Vector3};
+mod abilities;
+
+pub use abilities::{Abilities, Combined, CrossSections, ElementEnergies, SectionState};
+
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::system::Weights;
 use std::f64::consts::TAU;
@@ -83,57 +85,8 @@ impl Response<'_> {
     }
 }
 
-/// An element that forms the combined tangent of an integrator faster than its parts K, C and M.
-pub trait Combined {
-    /// Adds the residual to `r` and w.K·K + w.C·C + w.M·M to each matrix (n×n, column by column) with the
-    /// weights w, as [`Element::evaluate`] does. All are zero on entry.
-    ///
-    /// # Errors
-    /// As [`Element::evaluate`].
-    fn add(
-        &self,
-        at: &Motion<'_>,
-        r: &mut [f64],
-        tangents: &mut CombinedTangents<'_>,
-    ) -> Result<(), DomainError>;
-
-    /// Adds the residual to `r` and one combined tangent to `S`.
-    ///
-    /// # Errors
-    /// As [`Element::evaluate`].
-    #[inline]
-    fn evaluate_combined(
-        &self,
-        at: &Motion<'_>,
-        weights: Weights,
-        r: &mut [f64],
-        S: &mut [f64],
-    ) -> Result<(), DomainError> {
-        self.add(at, r, &mut [Some((weights, S)), None, None])
-    }
-}
-
 /// Largest rotation angle accepted: T is singular at 2π, T⁻¹ unbounded.
 pub(crate) const EDGE: f64 = std::f64::consts::TAU - 1e-3;
-
-/// State of one cross-section of an element, for output.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SectionState {
-    /// Position of the cross-section's centre in the reference configuration, global components.
-    pub reference: Vector3<f64>,
-    /// Current position, global components.
-    pub position: Vector3<f64>,
-    /// Current orientation R(Ψ)R₀: section axes e₁, e₂, e₃ as columns, global components.
-    pub frame: Matrix3<f64>,
-    /// Strains Γ (elongation and two shears), components in the section axes.
-    pub Gamma: Vector3<f64>,
-    /// Curvatures K (twist and two bendings) per unit length, components in the section axes.
-    pub K: Vector3<f64>,
-    /// Normal force and two shear forces, components in the section axes.
-    pub N: Vector3<f64>,
-    /// Torque and two bending moments, components in the section axes.
-    pub M: Vector3<f64>,
-}
 
 /// Properties of an element that hold at all motions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -206,27 +159,14 @@ pub trait Element: Send + Sync {
     /// [`DomainError`] if the motion is outside the element's domain.
     fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError>;
 
-    /// The combined tangent, if it can be formed faster than from its parts.
-    fn combined(&self) -> Option<&dyn Combined> {
-        None
+    /// Its properties at all motions; [`Properties::INTERNAL`] by default.
+    fn properties(&self) -> Properties {
+        Properties::INTERNAL
     }
 
-    /// Stored (strain or load) energy; zero for elements without one.
-    fn energy(&self, at: &Motion<'_>) -> f64 {
-        let _ = at;
-        0.0
-    }
-
-    /// Kinetic energy in motion, if it can be computed faster than ½ ẋ·M ẋ.
-    fn kinetic_energy(&self, at: &Motion<'_>) -> Option<f64> {
-        let _ = at;
-        None
-    }
-
-    /// Power lost in damping, ≥ 0; zero for elements without damping.
-    fn dissipation(&self, at: &Motion<'_>) -> f64 {
-        let _ = at;
-        0.0
+    /// Its optional abilities; none by default.
+    fn abilities(&self) -> Abilities<'_> {
+        Abilities::default()
     }
 
     /// Times at which its functions of time have a kink; none by default.
@@ -234,24 +174,9 @@ pub trait Element: Send + Sync {
         Vec::new()
     }
 
-    /// Its properties at all motions; [`Properties::INTERNAL`] by default.
-    fn properties(&self) -> Properties {
-        Properties::INTERNAL
-    }
-
     /// Name of its type, for reports.
     fn kind(&self) -> &'static str {
         std::any::type_name::<Self>()
-    }
-
-    /// The equations that it enforces on its coordinates, if any; none by default.
-    fn enforced(&self) -> Option<&dyn Enforced> {
-        None
-    }
-
-    /// Appends the states of its cross-sections for output; nothing by default.
-    fn section_states(&self, at: &Motion<'_>, out: &mut Vec<SectionState>) {
-        let _ = (at, out);
     }
 }
 

@@ -29,14 +29,14 @@ pub(crate) fn element_at(
 ) -> Report {
     // The energy of an element that has none is zero everywhere.
     let any = |of: &dyn Fn(&Motion<'_>) -> f64| states.iter().any(|(_, s)| of(&motion(s)) != 0.0);
-    let conservative = any(&|at| element.energy(at));
+    let conservative = any(&|at| element.abilities().energy(at));
     let symmetric = element.properties().symmetric;
     let mut report = forces_at(subject, layout, states, symmetric, |s| {
         let mut f = evaluate(element, s, Request::All)?;
-        f.energy = conservative.then(|| element.energy(&motion(s)));
+        f.energy = conservative.then(|| element.abilities().energy(&motion(s)));
         Some(f)
     });
-    let dissipative = any(&|at| element.dissipation(at));
+    let dissipative = any(&|at| element.abilities().dissipation(at));
     let mut random = Random::default();
     for (at, state) in states {
         if let Some(all) = evaluate(element, state, Request::All) {
@@ -206,7 +206,7 @@ impl One<'_> {
         if element.properties().dead {
             report.defect("a dead element has no tangent", at, sum.norm(), 0.0);
         }
-        let Some(combined) = element.combined() else {
+        let Some(combined) = element.abilities().combined else {
             return;
         };
         let (mut r, mut S) = (all.r.clone() * 0.0, sum.clone() * 0.0);
@@ -226,7 +226,7 @@ impl One<'_> {
     /// inertia only the sign is known, since gyroscopic forces also have power.
     fn dissipation(&self, report: &mut Report) {
         let (element, at, s, all) = (self.element, self.at, self.state, self.all);
-        let lost = element.dissipation(&motion(s));
+        let lost = element.abilities().dissipation(&motion(s));
         report.defect("dissipation >= 0", at, (-lost).max(0.0), 0.0);
         if s.is_static() {
             report.defect("no dissipation at rest", at, lost.abs(), 0.0);

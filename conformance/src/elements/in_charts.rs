@@ -1,7 +1,9 @@
 //! An element that reads poses, in the charts of its frames.
 
 use crate::vectors::add;
-use pullback_elements::element::{Element, Motion, Properties, Response};
+use pullback_elements::element::{
+    Abilities, Element, ElementEnergies, Motion, Properties, Response,
+};
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::map::{KinematicsMut, Parametrization, ToPose};
 use pullback_manifold::pullback::{Slot, Tangents, residual, tangent};
@@ -141,16 +143,13 @@ impl Element for InCharts<'_> {
         Ok(())
     }
 
-    fn energy(&self, at: &Motion<'_>) -> f64 {
-        self.0.energy(&Poses::of(at).motion(at))
-    }
-
-    fn kinetic_energy(&self, at: &Motion<'_>) -> Option<f64> {
-        self.0.kinetic_energy(&Poses::of(at).motion(at))
-    }
-
-    fn dissipation(&self, at: &Motion<'_>) -> f64 {
-        self.0.dissipation(&Poses::of(at).motion(at))
+    fn abilities(&self) -> Abilities<'_> {
+        Abilities {
+            combined: None,
+            energies: self.0.abilities().energies.is_some().then_some(self),
+            enforced: None,
+            sections: None,
+        }
     }
 
     fn kinks(&self) -> Vec<f64> {
@@ -166,5 +165,19 @@ impl Element for InCharts<'_> {
 
     fn kind(&self) -> &'static str {
         self.0.kind()
+    }
+}
+
+impl ElementEnergies for InCharts<'_> {
+    fn energy(&self, at: &Motion<'_>) -> f64 {
+        self.0.abilities().energy(&Poses::of(at).motion(at))
+    }
+
+    fn kinetic_energy(&self, at: &Motion<'_>) -> Option<f64> {
+        self.0.abilities().kinetic_energy(&Poses::of(at).motion(at))
+    }
+
+    fn dissipation(&self, at: &Motion<'_>) -> f64 {
+        self.0.abilities().dissipation(&Poses::of(at).motion(at))
     }
 }

@@ -124,10 +124,10 @@ fn power(report: &mut Report, one: &One<'_>, mass: &dyn Fn(&TestState) -> Option
         let there = one.moved(s.ahead(tau));
         let v = &s.v + &s.a * tau;
         let M = mass(&there)?;
-        Some(one.element.energy(&motion(&there)) + 0.5 * v.dot(&(M * &v)))
+        Some(one.element.abilities().energy(&motion(&there)) + 0.5 * v.dot(&(M * &v)))
     };
     let Some(now) = energy(0.0) else { return };
-    let lost = one.element.dissipation(&motion(s));
+    let lost = one.element.abilities().dissipation(&motion(s));
     let gain = -one.all.r.dot(&s.v) - lost;
     // The power of each group: its speed in units times the magnitude of its forces.
     let sizes = sizes(one.layout, s, one.all);

@@ -144,7 +144,7 @@ impl Component<&dyn Element> {
         let mut defects = self.layout.forces((&there - &here).as_slice());
         // A conservative load in a field may be objective in its forces and not in its energy.
         if !self.thing.properties().load {
-            let [a, b] = [s, &moved.state].map(|s| self.thing.energy(&motion(s)));
+            let [a, b] = [s, &moved.state].map(|s| self.thing.abilities().energy(&motion(s)));
             defects.push((a - b).abs());
             allowed.push(EXACT * (a.abs() + sizes.iter().sum::<f64>()));
         }

@@ -48,9 +48,9 @@ fn of_coordinates(found: &dyn Element, expected: &dyn Element) -> Report {
         if let (Some(found), Some(expected)) = (&f.r_t, &e.r_t) {
             near("r_t", (found - expected).norm(), expected.norm(), 0.0);
         }
-        let [a, b] = [found, expected].map(|e| e.energy(&motion(s)));
+        let [a, b] = [found, expected].map(|e| e.abilities().energy(&motion(s)));
         near("energy", (a - b).abs(), b.abs(), r * x);
-        let [a, b] = [found, expected].map(|e| e.dissipation(&motion(s)));
+        let [a, b] = [found, expected].map(|e| e.abilities().dissipation(&motion(s)));
         near("dissipation", (a - b).abs(), b.abs(), 0.0);
     }
     report

@@ -296,7 +296,7 @@ pub(super) fn silent_power(context: &mut Context, t: f64) -> f64 {
             a: &[],
             previous: None,
         };
-        if element.properties().load || element.energy(&rest) != 0.0 {
+        if element.properties().load || element.abilities().energy(&rest) != 0.0 {
             continue;
         }
         // Outside of a domain the previous evaluation has failed.

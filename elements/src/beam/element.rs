@@ -11,7 +11,10 @@ use super::shape::{gauss, lagrange};
 use super::strain::{Gradients, Law, Strained, extrapolated, strain_energy};
 use super::viscous::Viscous;
 use crate::blocks::three;
-use crate::element::{Combined, CombinedTangents, EDGE, Element, Motion, Response, SectionState};
+use crate::element::{
+    Abilities, Combined, CombinedTangents, CrossSections, EDGE, Element, ElementEnergies, Motion,
+    Response, SectionState,
+};
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::so3;
@@ -229,10 +232,17 @@ impl<const NN: usize, I: Rotations<NN>> Element for Beam<NN, I> {
         self.add(at, r, &mut tangents)
     }
 
-    fn combined(&self) -> Option<&dyn Combined> {
-        Some(self)
+    fn abilities(&self) -> Abilities<'_> {
+        Abilities {
+            combined: Some(self),
+            energies: Some(self),
+            sections: Some(self),
+            ..Abilities::default()
+        }
     }
+}
 
+impl<const NN: usize, I: Rotations<NN>> ElementEnergies for Beam<NN, I> {
     fn energy(&self, at: &Motion<'_>) -> f64 {
         let seen = self.rotations.seen(at.x, &[]);
         let line = |p| Self::line(p, seen.x.as_flattened());
@@ -279,7 +289,9 @@ impl<const NN: usize, I: Rotations<NN>> Element for Beam<NN, I> {
         let drag = rows.map(|(M, v)| v * M.iter().zip(at.v).map(|(m, v)| m * v).sum::<f64>());
         self.points().map(viscous).sum::<f64>() + drag.sum::<f64>()
     }
+}
 
+impl<const NN: usize, I: Rotations<NN>> CrossSections for Beam<NN, I> {
     fn section_states(&self, at: &Motion<'_>, out: &mut Vec<SectionState>) {
         let seen = self.rotations.seen(at.x, &[]);
         for p in self.points() {

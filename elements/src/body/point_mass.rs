@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use super::BodyError;
-use crate::element::{Element, Motion, Properties, Response};
+use crate::element::{Abilities, Element, ElementEnergies, Motion, Properties, Response};
 use crate::load::{LoadKind, NodalLoad};
 use crate::time::TimeFunction;
 use pullback_manifold::domain::DomainError;
@@ -64,9 +64,11 @@ impl Element for PointMass {
         }
     }
 
-    fn kinetic_energy(&self, at: &Motion<'_>) -> Option<f64> {
-        let squares = at.v.iter().take(3).map(|v| v * v);
-        Some(0.5 * self.m * squares.sum::<f64>())
+    fn abilities(&self) -> Abilities<'_> {
+        Abilities {
+            energies: Some(self),
+            ..Abilities::default()
+        }
     }
 
     fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
@@ -79,5 +81,12 @@ impl Element for PointMass {
             }
         }
         Ok(())
+    }
+}
+
+impl ElementEnergies for PointMass {
+    fn kinetic_energy(&self, at: &Motion<'_>) -> Option<f64> {
+        let squares = at.v.iter().take(3).map(|v| v * v);
+        Some(0.5 * self.m * squares.sum::<f64>())
     }
 }

@@ -5,7 +5,7 @@
 use super::BodyError;
 use crate::Asymmetry;
 use crate::blocks::{add_block, three};
-use crate::element::{Element, Motion, Properties, Response};
+use crate::element::{Abilities, Element, ElementEnergies, Motion, Properties, Response};
 use crate::inertia::{Inertia, centrifugal};
 use crate::load::EccentricForce;
 use crate::time::TimeFunction;
@@ -122,18 +122,11 @@ impl Element for RigidBody {
         }
     }
 
-    fn kinetic_energy(&self, at: &Motion<'_>) -> Option<f64> {
-        if at.v.is_empty() {
-            return Some(0.0);
+    fn abilities(&self) -> Abilities<'_> {
+        Abilities {
+            energies: Some(self),
+            ..Abilities::default()
         }
-        let (v, omega) = (three(at.v, 0), three(at.v, 3));
-        let turn = orientation(at.x);
-        let own = turn.conjugate().rotate(&omega);
-        let [s, J_omega] = [self.inertia.S, self.inertia.J * own].map(|u| turn.rotate(&u));
-        let energy = 0.5 * self.inertia.mass * v.norm_squared()
-            + v.dot(&omega.cross(&s))
-            + 0.5 * omega.dot(&J_omega);
-        Some(energy)
     }
 
     fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
@@ -172,5 +165,21 @@ impl Element for RigidBody {
             add_block(K, 6, 3, 3, &(skew(&x_ddot) * first - skew(&h)));
         }
         Ok(())
+    }
+}
+
+impl ElementEnergies for RigidBody {
+    fn kinetic_energy(&self, at: &Motion<'_>) -> Option<f64> {
+        if at.v.is_empty() {
+            return Some(0.0);
+        }
+        let (v, omega) = (three(at.v, 0), three(at.v, 3));
+        let turn = orientation(at.x);
+        let own = turn.conjugate().rotate(&omega);
+        let [s, J_omega] = [self.inertia.S, self.inertia.J * own].map(|u| turn.rotate(&u));
+        let energy = 0.5 * self.inertia.mass * v.norm_squared()
+            + v.dot(&omega.cross(&s))
+            + 0.5 * omega.dot(&J_omega);
+        Some(energy)
     }
 }

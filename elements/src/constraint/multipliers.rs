@@ -2,9 +2,9 @@
 
 #![allow(non_snake_case)]
 
-use super::{Enforced, NamedEquations, vectors};
+use super::{NamedEquations, vectors};
 use crate::blocks::add_block;
-use crate::element::{Element, Motion, Properties, Response};
+use crate::element::{Abilities, Element, Motion, Properties, Response};
 use nalgebra::SVector;
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::map::Map;
@@ -82,8 +82,11 @@ impl<H: Map<N, M> + 'static, const N: usize, const M: usize> Element for Multipl
         Ok(())
     }
 
-    fn enforced(&self) -> Option<&dyn Enforced> {
-        Some(&self.equations)
+    fn abilities(&self) -> Abilities<'_> {
+        Abilities {
+            enforced: Some(&self.equations),
+            ..Abilities::default()
+        }
     }
 
     fn properties(&self) -> Properties {

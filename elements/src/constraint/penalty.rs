@@ -2,9 +2,9 @@
 
 #![allow(non_snake_case)]
 
-use super::{Enforced, NamedEquations, vectors};
+use super::{NamedEquations, vectors};
 use crate::blocks::add_block;
-use crate::element::{Element, Motion, Properties, Response};
+use crate::element::{Abilities, Element, ElementEnergies, Motion, Properties, Response};
 use nalgebra::SVector;
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::map::Map;
@@ -124,6 +124,20 @@ impl<H: Map<N, M> + 'static, const N: usize, const M: usize> Element for Penalty
         Ok(())
     }
 
+    fn abilities(&self) -> Abilities<'_> {
+        Abilities {
+            energies: Some(self),
+            enforced: Some(&self.equations),
+            ..Abilities::default()
+        }
+    }
+
+    fn properties(&self) -> Properties {
+        self.equations.properties()
+    }
+}
+
+impl<H: Map<N, M> + 'static, const N: usize, const M: usize> ElementEnergies for Penalty<H, N, M> {
     fn energy(&self, at: &Motion<'_>) -> f64 {
         let [x, ..] = vectors::<N>(at);
         0.5 * self.stiffness.p * self.equations.h.phi(at.t, &x).norm_squared()
@@ -131,13 +145,5 @@ impl<H: Map<N, M> + 'static, const N: usize, const M: usize> Element for Penalty
 
     fn dissipation(&self, at: &Motion<'_>) -> f64 {
         self.stiffness.p * self.stiffness.tau * self.rate(at).norm_squared()
-    }
-
-    fn enforced(&self) -> Option<&dyn Enforced> {
-        Some(&self.equations)
-    }
-
-    fn properties(&self) -> Properties {
-        self.equations.properties()
     }
 }

@@ -34,7 +34,10 @@ pub use sampled::{EnergySample, Sampled};
 pub use spring::PolynomialSpring;
 pub use sum::Sum;
 
-use crate::element::{Combined, CombinedTangents, EDGE, Element, Motion, Properties, Response};
+use crate::element::{
+    Abilities, Combined, CombinedTangents, EDGE, Element, ElementEnergies, Motion, Properties,
+    Response,
+};
 use local::Local;
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::domain::DomainError;
@@ -170,10 +173,21 @@ impl<E: EnergyElement<N>, const N: usize> Element for ByEnergy<E, N> {
         Ok(())
     }
 
-    fn combined(&self) -> Option<&dyn Combined> {
-        Some(self)
+    fn abilities(&self) -> Abilities<'_> {
+        Abilities {
+            combined: Some(self),
+            energies: Some(self),
+            enforced: None,
+            sections: None,
+        }
     }
 
+    fn properties(&self) -> Properties {
+        self.0.properties()
+    }
+}
+
+impl<E: EnergyElement<N>, const N: usize> ElementEnergies for ByEnergy<E, N> {
     fn energy(&self, at: &Motion<'_>) -> f64 {
         self.0.potential(at.t, &vector(at.x))
     }
@@ -183,10 +197,6 @@ impl<E: EnergyElement<N>, const N: usize> Element for ByEnergy<E, N> {
             return 0.0;
         }
         local::power(&self.0, &vector(at.x), &vector(at.v))
-    }
-
-    fn properties(&self) -> Properties {
-        self.0.properties()
     }
 }
 

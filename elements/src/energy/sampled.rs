@@ -4,7 +4,9 @@
 
 use super::EnergyElement;
 use super::local::{self, Local};
-use crate::element::{Combined, CombinedTangents, Element, Motion, Properties, Response};
+use crate::element::{
+    Abilities, Combined, CombinedTangents, Element, ElementEnergies, Motion, Properties, Response,
+};
 use nalgebra::{SMatrix, SVector};
 use pullback_manifold::domain::DomainError;
 
@@ -114,10 +116,24 @@ impl<E: EnergyElement<D>, const D: usize, const N: usize> Element for Sampled<E,
         Ok(())
     }
 
-    fn combined(&self) -> Option<&dyn Combined> {
-        Some(self)
+    fn abilities(&self) -> Abilities<'_> {
+        Abilities {
+            combined: Some(self),
+            energies: Some(self),
+            enforced: None,
+            sections: None,
+        }
     }
 
+    fn properties(&self) -> Properties {
+        let points = self.points.iter().map(|p| p.energies.properties());
+        points
+            .reduce(Properties::sum)
+            .unwrap_or(Properties::INTERNAL)
+    }
+}
+
+impl<E: EnergyElement<D>, const D: usize, const N: usize> ElementEnergies for Sampled<E, D, N> {
     fn energy(&self, at: &Motion<'_>) -> f64 {
         let of =
             |p: &EnergySample<E, D, N>| p.weight * p.energies.potential(at.t, &p.position(at.x));
@@ -132,13 +148,6 @@ impl<E: EnergyElement<D>, const D: usize, const N: usize> Element for Sampled<E,
             p.weight * local::power(&p.energies, &p.position(at.x), &p.interpolated(at.v))
         };
         self.points.iter().map(of).sum()
-    }
-
-    fn properties(&self) -> Properties {
-        let points = self.points.iter().map(|p| p.energies.properties());
-        points
-            .reduce(Properties::sum)
-            .unwrap_or(Properties::INTERNAL)
     }
 }
 

@@ -2,9 +2,9 @@
 
 #![allow(non_snake_case)]
 
-use crate::constraint::Enforced;
 use crate::element::{
-    Combined, CombinedTangents, Element, Motion, Properties, Response, SectionState,
+    Abilities, Combined, CombinedTangents, CrossSections, Element, ElementEnergies, Motion,
+    Properties, Response, SectionState,
 };
 use pullback_manifold::domain::DomainError;
 
@@ -14,13 +14,20 @@ use pullback_manifold::domain::DomainError;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sum<A, B>(pub A, pub B);
 
+impl<A: Element, B: Element> Sum<A, B> {
+    fn both(&self) -> [Abilities<'_>; 2] {
+        [self.0.abilities(), self.1.abilities()]
+    }
+}
+
 impl<A: Element, B: Element> Element for Sum<A, B> {
     fn dim(&self) -> usize {
         self.0.dim()
     }
 
     fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
-        let both_enforce = self.0.enforced().is_some() && self.1.enforced().is_some();
+        let [a, b] = self.both();
+        let both_enforce = a.enforced.is_some() && b.enforced.is_some();
         if both_enforce || self.0.properties().reads_poses != self.1.properties().reads_poses {
             return Err(DomainError::Beyond {
                 limit: "what a sum can hold, elements that read poses or elements that do not, with one \
@@ -32,36 +39,20 @@ impl<A: Element, B: Element> Element for Sum<A, B> {
         self.1.evaluate(at, out)
     }
 
-    fn combined(&self) -> Option<&dyn Combined> {
-        let both = self.0.combined().is_some() && self.1.combined().is_some();
-        both.then_some(self)
-    }
-
-    fn enforced(&self) -> Option<&dyn Enforced> {
-        self.0.enforced().or_else(|| self.1.enforced())
-    }
-
-    fn energy(&self, at: &Motion<'_>) -> f64 {
-        self.0.energy(at) + self.1.energy(at)
-    }
-
-    fn kinetic_energy(&self, at: &Motion<'_>) -> Option<f64> {
-        Some(self.0.kinetic_energy(at)? + self.1.kinetic_energy(at)?)
-    }
-
-    fn dissipation(&self, at: &Motion<'_>) -> f64 {
-        self.0.dissipation(at) + self.1.dissipation(at)
+    fn abilities(&self) -> Abilities<'_> {
+        let [a, b] = self.both();
+        Abilities {
+            combined: a.combined.and(b.combined).is_some().then_some(self),
+            energies: a.energies.or(b.energies).is_some().then_some(self),
+            enforced: a.enforced.or(b.enforced),
+            sections: a.sections.or(b.sections).is_some().then_some(self),
+        }
     }
 
     fn kinks(&self) -> Vec<f64> {
         let mut kinks = self.0.kinks();
         kinks.extend(self.1.kinks());
         kinks
-    }
-
-    fn section_states(&self, at: &Motion<'_>, out: &mut Vec<SectionState>) {
-        self.0.section_states(at, out);
-        self.1.section_states(at, out);
     }
 
     fn properties(&self) -> Properties {
@@ -76,9 +67,34 @@ impl<A: Element, B: Element> Combined for Sum<A, B> {
         r: &mut [f64],
         tangents: &mut CombinedTangents<'_>,
     ) -> Result<(), DomainError> {
-        for part in [self.0.combined(), self.1.combined()].into_iter().flatten() {
+        for part in self.both().iter().filter_map(|e| e.combined) {
             part.add(at, r, tangents)?;
         }
         Ok(())
+    }
+}
+
+impl<A: Element, B: Element> ElementEnergies for Sum<A, B> {
+    fn energy(&self, at: &Motion<'_>) -> f64 {
+        let [a, b] = self.both();
+        a.energy(at) + b.energy(at)
+    }
+
+    fn kinetic_energy(&self, at: &Motion<'_>) -> Option<f64> {
+        let [a, b] = self.both();
+        Some(a.kinetic_energy(at)? + b.kinetic_energy(at)?)
+    }
+
+    fn dissipation(&self, at: &Motion<'_>) -> f64 {
+        let [a, b] = self.both();
+        a.dissipation(at) + b.dissipation(at)
+    }
+}
+
+impl<A: Element, B: Element> CrossSections for Sum<A, B> {
+    fn section_states(&self, at: &Motion<'_>, out: &mut Vec<SectionState>) {
+        let [a, b] = self.both();
+        a.section_states(at, out);
+        b.section_states(at, out);
     }
 }

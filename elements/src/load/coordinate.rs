@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use crate::element::{Element, Motion, Properties, Response};
+use crate::element::{Abilities, Element, ElementEnergies, Motion, Properties, Response};
 use crate::time::TimeFunction;
 use pullback_manifold::domain::DomainError;
 
@@ -38,8 +38,11 @@ impl Element for CoordinateForce {
         Ok(())
     }
 
-    fn energy(&self, at: &Motion<'_>) -> f64 {
-        -self.force.at(at.t, at.inputs)[0] * at.x[0]
+    fn abilities(&self) -> Abilities<'_> {
+        Abilities {
+            energies: Some(self),
+            ..Abilities::default()
+        }
     }
 
     fn kinks(&self) -> Vec<f64> {
@@ -52,5 +55,11 @@ impl Element for CoordinateForce {
             steady: self.force.constant().is_some(),
             ..Properties::LOAD
         }
+    }
+}
+
+impl ElementEnergies for CoordinateForce {
+    fn energy(&self, at: &Motion<'_>) -> f64 {
+        -self.force.at(at.t, at.inputs)[0] * at.x[0]
     }
 }

@@ -5,7 +5,7 @@
 use crate::beam::shape::{gauss, lagrange};
 use crate::beam::{BeamError, Geodesic, Interpolation, Rotations, Total};
 use crate::blocks::{add_block, three};
-use crate::element::{Element, Motion, Properties, Response};
+use crate::element::{Abilities, Element, ElementEnergies, Motion, Properties, Response};
 use crate::time::TimeFunction;
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::domain::DomainError;
@@ -145,15 +145,11 @@ impl Element for LineLoad {
         Ok(())
     }
 
-    fn energy(&self, at: &Motion<'_>) -> f64 {
-        if self.follower {
-            return 0.0;
+    fn abilities(&self) -> Abilities<'_> {
+        Abilities {
+            energies: Some(self),
+            ..Abilities::default()
         }
-        let nodes = at.x.chunks_exact(6).zip(&self.shares);
-        let work: f64 = nodes
-            .map(|(x, share)| share * self.force.dot(&three(x, 0)))
-            .sum();
-        -self.amplitude.at(at.t, at.inputs)[0] * work
     }
 
     fn kinks(&self) -> Vec<f64> {
@@ -167,5 +163,18 @@ impl Element for LineLoad {
             symmetric: !self.follower,
             ..Properties::LOAD
         }
+    }
+}
+
+impl ElementEnergies for LineLoad {
+    fn energy(&self, at: &Motion<'_>) -> f64 {
+        if self.follower {
+            return 0.0;
+        }
+        let nodes = at.x.chunks_exact(6).zip(&self.shares);
+        let work: f64 = nodes
+            .map(|(x, share)| share * self.force.dot(&three(x, 0)))
+            .sum();
+        -self.amplitude.at(at.t, at.inputs)[0] * work
     }
 }

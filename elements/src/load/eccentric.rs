@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use crate::blocks::add_block;
-use crate::element::{Element, Motion, Properties, Response};
+use crate::element::{Abilities, Element, ElementEnergies, Motion, Properties, Response};
 use crate::time::TimeFunction;
 use nalgebra::Vector3;
 use pullback_manifold::domain::DomainError;
@@ -64,10 +64,11 @@ impl Element for EccentricForce {
         Ok(())
     }
 
-    fn energy(&self, at: &Motion<'_>) -> f64 {
-        let d = Vector3::from_column_slice(&at.x[..3]);
-        let moved = d + orientation(at.x).rotate(&self.e) - self.e;
-        -self.amplitude.at(at.t, at.inputs)[0] * self.n.dot(&moved)
+    fn abilities(&self) -> Abilities<'_> {
+        Abilities {
+            energies: Some(self),
+            ..Abilities::default()
+        }
     }
 
     fn kinks(&self) -> Vec<f64> {
@@ -80,5 +81,13 @@ impl Element for EccentricForce {
             reads_poses: true,
             ..Properties::LOAD
         }
+    }
+}
+
+impl ElementEnergies for EccentricForce {
+    fn energy(&self, at: &Motion<'_>) -> f64 {
+        let d = Vector3::from_column_slice(&at.x[..3]);
+        let moved = d + orientation(at.x).rotate(&self.e) - self.e;
+        -self.amplitude.at(at.t, at.inputs)[0] * self.n.dot(&moved)
     }
 }

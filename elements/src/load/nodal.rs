@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use crate::blocks::add_block;
-use crate::element::{Element, Motion, Properties, Response};
+use crate::element::{Abilities, Element, ElementEnergies, Motion, Properties, Response};
 use crate::time::TimeFunction;
 use nalgebra::Vector3;
 use pullback_manifold::domain::DomainError;
@@ -81,14 +81,10 @@ impl Element for NodalLoad {
         Ok(())
     }
 
-    fn energy(&self, at: &Motion<'_>) -> f64 {
-        match self.which {
-            LoadKind::DeadForce => {
-                let d = Vector3::from_column_slice(&at.x[..3]);
-                -self.amplitude.at(at.t, at.inputs)[0] * self.vector.dot(&d)
-            }
-            // No potential.
-            _ => 0.0,
+    fn abilities(&self) -> Abilities<'_> {
+        Abilities {
+            energies: Some(self),
+            ..Abilities::default()
         }
     }
 
@@ -105,6 +101,19 @@ impl Element for NodalLoad {
             sees_rotations: !dead,
             reads_poses: !dead,
             ..Properties::LOAD
+        }
+    }
+}
+
+impl ElementEnergies for NodalLoad {
+    fn energy(&self, at: &Motion<'_>) -> f64 {
+        match self.which {
+            LoadKind::DeadForce => {
+                let d = Vector3::from_column_slice(&at.x[..3]);
+                -self.amplitude.at(at.t, at.inputs)[0] * self.vector.dot(&d)
+            }
+            // No potential.
+            _ => 0.0,
         }
     }
 }

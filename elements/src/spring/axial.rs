@@ -4,7 +4,9 @@
 
 use super::{SpringError, finite, not_negative};
 use crate::blocks::{add_block, three};
-use crate::element::{Element, Motion, Properties, Response, coincident};
+use crate::element::{
+    Abilities, Element, ElementEnergies, Motion, Properties, Response, coincident,
+};
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::domain::DomainError;
 
@@ -166,6 +168,22 @@ impl Element for AxialSpring {
         Ok(())
     }
 
+    fn abilities(&self) -> Abilities<'_> {
+        Abilities {
+            energies: Some(self),
+            ..Abilities::default()
+        }
+    }
+
+    fn properties(&self) -> Properties {
+        Properties {
+            sees_rotations: false,
+            ..Properties::INTERNAL
+        }
+    }
+}
+
+impl ElementEnergies for AxialSpring {
     fn energy(&self, at: &Motion<'_>) -> f64 {
         let (_, _, elongation) = self.between(at.x);
         0.5 * self.k * elongation.powi(2)
@@ -174,12 +192,5 @@ impl Element for AxialSpring {
     fn dissipation(&self, at: &Motion<'_>) -> f64 {
         self.stretched(at)
             .map_or(0.0, |s| self.c * s.l_dot * s.l_dot)
-    }
-
-    fn properties(&self) -> Properties {
-        Properties {
-            sees_rotations: false,
-            ..Properties::INTERNAL
-        }
     }
 }

@@ -6,7 +6,7 @@ use super::relative::RelativeMap;
 use super::{SpringError, finite};
 use crate::Asymmetry;
 use crate::blocks::add_block;
-use crate::element::{EDGE, Element, Motion, Response, overturned};
+use crate::element::{Abilities, EDGE, Element, ElementEnergies, Motion, Response, overturned};
 use nalgebra::{Matrix3, Matrix6, SVector, Vector3};
 use pullback_manifold::domain::DomainError;
 
@@ -151,6 +151,15 @@ impl Element for Bushing {
         Ok(())
     }
 
+    fn abilities(&self) -> Abilities<'_> {
+        Abilities {
+            energies: Some(self),
+            ..Abilities::default()
+        }
+    }
+}
+
+impl ElementEnergies for Bushing {
     fn energy(&self, at: &Motion<'_>) -> f64 {
         let y = self.relative.at(at.x).y;
         0.5 * y.dot(&(self.K * y))

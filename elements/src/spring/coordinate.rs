@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use super::{SpringError, finite, not_negative};
-use crate::element::{Element, Motion, Response};
+use crate::element::{Abilities, Element, ElementEnergies, Motion, Response};
 use pullback_manifold::domain::DomainError;
 
 /// The law of a [`CoordinateSpring`]: force −k (x − x₀) − k₃ (x − x₀)³ − c ẋ.
@@ -67,6 +67,15 @@ impl Element for CoordinateSpring {
         Ok(())
     }
 
+    fn abilities(&self) -> Abilities<'_> {
+        Abilities {
+            energies: Some(self),
+            ..Abilities::default()
+        }
+    }
+}
+
+impl ElementEnergies for CoordinateSpring {
     fn energy(&self, at: &Motion<'_>) -> f64 {
         let square = (at.x[0] - self.law.x0).powi(2);
         (0.5 * self.law.k + 0.25 * self.law.k3 * square) * square

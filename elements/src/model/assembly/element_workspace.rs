@@ -425,5 +425,9 @@ fn combined<'a>(
     rates: bool,
 ) -> Option<&'a dyn Combined> {
     let parts = statics || rates || e.mapped || state.switched != 0 || state.left_out != 0;
-    if parts { None } else { e.element.combined() }
+    if parts {
+        None
+    } else {
+        e.element.abilities().combined
+    }
 }

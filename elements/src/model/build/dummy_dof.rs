@@ -5,7 +5,7 @@
 
 #![allow(non_snake_case)]
 
-use crate::element::{Element, Motion, Response};
+use crate::element::{Abilities, Element, ElementEnergies, Motion, Response};
 use crate::model::loops::LoopReport;
 use crate::model::{ModelBuilder, ModelError, NodeForm};
 use pullback_manifold::domain::DomainError;
@@ -28,6 +28,15 @@ impl Element for DummyDof {
         Ok(())
     }
 
+    fn abilities(&self) -> Abilities<'_> {
+        Abilities {
+            energies: Some(self),
+            ..Abilities::default()
+        }
+    }
+}
+
+impl ElementEnergies for DummyDof {
     fn energy(&self, at: &Motion<'_>) -> f64 {
         0.5 * at.x[0] * at.x[0]
     }

@@ -104,7 +104,7 @@ impl ModelBuilder {
             dim: node.dim as u32,
         };
         let spans = nodes.iter().map(span).collect();
-        let is_enforced = |k: &usize| elements[*k].element.enforced().is_some();
+        let is_enforced = |k: &usize| elements[*k].element.abilities().enforced.is_some();
         let enforced = (0..elements.len()).filter(is_enforced).collect();
         let spin_frames = formulation::turning(&nodes).collect();
         let mut model = Model {

@@ -93,7 +93,7 @@ impl Context {
         let w = &mut self.work;
         for &k in &self.model.enforced {
             let (e, switched) = (&self.model.elements[k], self.state.elements[k].switched);
-            let Some(enforced) = e.element.enforced() else {
+            let Some(enforced) = e.element.abilities().enforced else {
                 continue;
             };
             w.local.gather(e, &self.model.spans, &w.x);
@@ -130,7 +130,7 @@ impl Context {
                 .gather_rates(e, switched, &model.spans, w.moving.then_some([&w.v, &w.a]));
             w.local.switch(e, switched, &model.nodes);
             let motion = w.local.motion(e, t, !w.moving);
-            let Some(enforced) = e.element.enforced() else {
+            let Some(enforced) = e.element.abilities().enforced else {
                 continue;
             };
             let (N, M) = enforced.dims();
@@ -174,7 +174,7 @@ impl Context {
         for &k in &self.model.enforced {
             let (e, state) = (&self.model.elements[k], &mut self.state.elements[k]);
             let (switched, left_out) = (state.switched, state.left_out);
-            let Some(enforced) = e.element.enforced() else {
+            let Some(enforced) = e.element.abilities().enforced else {
                 continue;
             };
             if left_out == 0 {
@@ -238,7 +238,7 @@ impl ElementWorkspace {
         t: f64,
         h: f64,
     ) {
-        let Some(enforced) = e.element.enforced() else {
+        let Some(enforced) = e.element.abilities().enforced else {
             return;
         };
         let n = e.element.dim();
@@ -270,7 +270,7 @@ impl ElementWorkspace {
 impl ElementEntry {
     /// Name of an enforced equation.
     pub(in crate::model) fn equation(&self, i: usize) -> String {
-        let enforced = self.element.enforced();
+        let enforced = self.element.abilities().enforced;
         enforced.map_or_else(String::new, |e| e.equation(i))
     }
 }

@@ -20,7 +20,7 @@ impl Omitted {
         if equations == 0 {
             return None;
         }
-        let (first, count) = e.element.enforced()?.dims();
+        let (first, count) = e.element.abilities().enforced?.dims();
         let mut lambda = [0.0; MAX_EQUATIONS];
         for i in (0..count).filter(|i| equations & (1 << i) != 0) {
             lambda[i] = std::mem::take(&mut x[first + i]);

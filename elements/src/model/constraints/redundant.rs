@@ -22,7 +22,7 @@ impl Model {
     /// The equations enforced by multipliers.
     fn counting(&self, all: &EnforcedEquations) -> Vec<usize> {
         let counts = |&(k, _): &(usize, usize)| {
-            let enforced = self.elements[k].element.enforced();
+            let enforced = self.elements[k].element.abilities().enforced;
             enforced.is_some_and(|e| e.penalty().is_none())
         };
         (0..all.of.len()).filter(|&i| counts(&all.of[i])).collect()

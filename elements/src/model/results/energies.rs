@@ -89,8 +89,8 @@ impl Context {
             local.gather(e, &model.spans, &w.x);
             local.gather_rates(e, switched, &model.spans, w.moving.then_some([&w.v, &w.a]));
             local.switch(e, switched, &model.nodes);
-            let motion = local.motion(e, at.t, statics);
-            let energy = e.element.energy(&motion);
+            let (abilities, motion) = (e.element.abilities(), local.motion(e, at.t, statics));
+            let energy = abilities.energy(&motion);
             if e.load {
                 out.load_potential += energy;
                 if e.steady {
@@ -100,10 +100,10 @@ impl Context {
                 *stored += energy;
             }
             if !statics {
-                *dissipated += e.element.dissipation(&motion);
+                *dissipated += abilities.dissipation(&motion);
                 // Its force is only needed at prescribed and mapped nodes.
                 let known =
-                    (!momenta && !e.load && !e.held).then(|| e.element.kinetic_energy(&motion));
+                    (!momenta && !e.load && !e.held).then(|| abilities.kinetic_energy(&motion));
                 if let Some(energy) = known.flatten() {
                     *kinetic += energy;
                     continue;
@@ -161,13 +161,14 @@ impl Context {
         let (w, model) = (&mut self.work, &*self.model);
         let mut dissipated = 0.0;
         for (e, state) in model.elements.iter().zip(&self.state.elements) {
+            let Some(energies) = e.element.abilities().energies else {
+                continue;
+            };
             let (local, switched) = (&mut w.local, state.switched);
             local.gather(e, &model.spans, &w.x);
             local.gather_rates(e, switched, &model.spans, w.moving.then_some([&w.v, &w.a]));
             local.switch(e, switched, &model.nodes);
-            dissipated += e
-                .element
-                .dissipation(&local.motion(e, at.t, at.is_static()));
+            dissipated += energies.dissipation(&local.motion(e, at.t, at.is_static()));
         }
         Ok(dissipated)
     }
@@ -206,7 +207,8 @@ impl Context {
                 .map_err(|error| named(error, &e.name))?;
             let n = e.element.dim();
             local.r[..n].copy_from_slice(&local.work[..n]);
-            if let Some(enforced) = e.element.enforced().filter(|e| e.penalty().is_none()) {
+            let enforced = e.element.abilities().enforced;
+            if let Some(enforced) = enforced.filter(|e| e.penalty().is_none()) {
                 // The momentum of a multiplier is the rate of its equation.
                 let (N, M) = enforced.dims();
                 let mut rates = [0.0; MAX_EQUATIONS];

@@ -56,7 +56,7 @@ struct Closed {
 impl Model {
     /// Element `k` if it enforces equations by multipliers.
     fn multiplied(&self, k: usize) -> Option<&dyn Enforced> {
-        let enforced = self.elements[k].element.enforced();
+        let enforced = self.elements[k].element.abilities().enforced;
         enforced.filter(|e| e.penalty().is_none())
     }
 

@@ -256,7 +256,8 @@ impl Context {
         let mut states = Vec::new();
         for (k, e) in self.model.elements.iter().enumerate() {
             let [x, ..] = self.element_motion(k);
-            e.element.section_states(&self.at_rest(t, &x), &mut states);
+            let abilities = e.element.abilities();
+            abilities.section_states(&self.at_rest(t, &x), &mut states);
             out.extend(states.drain(..).map(|s| (ElementId(k as u32), s)));
         }
         out
@@ -278,7 +279,7 @@ impl Context {
             .filter(|(_, e)| counts(e.element.properties()))
             .map(|(k, e)| {
                 let [x, ..] = self.element_motion(k);
-                e.element.energy(&self.at_rest(t, &x))
+                e.element.abilities().energy(&self.at_rest(t, &x))
             })
             .sum()
     }

@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, SVector, Vector3, Vector6};
 use pullback_conformance as check;
 use pullback_conformance::Random;
 use pullback_elements::body::{PointMass, RigidBody};
-use pullback_elements::element::{Element, Motion, Response};
+use pullback_elements::element::{Element, ElementEnergies, Motion, Response};
 use pullback_elements::inertia::Inertia;
 use pullback_manifold::domain::{CHART_EDGE, DomainError};
 use pullback_manifold::jet::{Grad, Taylor};
@@ -59,7 +59,7 @@ fn all(element: &dyn Element, x: &[f64], v: &[f64], a: &[f64]) -> Result<All, Do
 
 /// Kinetic energy of a body in charts.
 fn kinetic(body: &RigidBody, at: &Motion<'_>) -> f64 {
-    let energy = Element::kinetic_energy(&check::InCharts(body), at);
+    let energy = check::InCharts(body).abilities().kinetic_energy(at);
     energy.expect("of its own")
 }
 

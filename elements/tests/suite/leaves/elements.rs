@@ -6,7 +6,7 @@ use crate::support::{Coupling, at_rest, coupled, section};
 use nalgebra::{Matrix3, Vector3};
 use pullback_conformance as check;
 use pullback_elements::beam::{Beam, BeamError, Damping, Interpolation};
-use pullback_elements::element::{Element, Motion, Response};
+use pullback_elements::element::{Abilities, Element, ElementEnergies, Motion, Response};
 use pullback_elements::inertia::Inertia;
 use pullback_elements::load::{LineLoad, LoadKind, NodalLoad};
 use pullback_elements::model::frame_along;
@@ -176,13 +176,24 @@ impl Element for Wrong {
         Ok(())
     }
 
+    fn abilities(&self) -> Abilities<'_> {
+        Abilities {
+            combined: None,
+            energies: Some(self),
+            enforced: None,
+            sections: None,
+        }
+    }
+}
+
+impl ElementEnergies for Wrong {
     fn energy(&self, at: &Motion<'_>) -> f64 {
         let factor = if self.error == Error::Energy {
             1.001
         } else {
             1.0
         };
-        factor * self.beam.energy(at)
+        factor * self.beam.abilities().energy(at)
     }
 }
 

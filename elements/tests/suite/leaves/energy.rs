@@ -125,7 +125,7 @@ fn springs() {
         assert!((r[6 + k] + 11.6 * along[k]).abs() < 1e-13);
         assert!((r[k] - 11.6 * along[k]).abs() < 1e-13);
     }
-    let energy = element.energy(&rest(&x));
+    let energy = element.abilities().energy(&rest(&x));
     assert!((energy - (6.0 - 3.2 / 3.0 + 3.6)).abs() < 1e-13);
     x[6..9].copy_from_slice((positions()[0] - positions()[1]).as_slice());
     let error = residual(&element, &x).unwrap_err().to_string();
@@ -237,7 +237,7 @@ fn gravity_pulls_with_the_square_of_the_distance() {
     for (k, f) in [-2.4, 0.0, -3.2, 0.0, 0.0, 0.0].into_iter().enumerate() {
         assert!((r[k] - f).abs() < 1e-14, "{r:?}");
     }
-    assert!((element.energy(&rest(&[0.0; 6])) + 20.0).abs() < 1e-13);
+    assert!((element.abilities().energy(&rest(&[0.0; 6])) + 20.0).abs() < 1e-13);
     let there = [-3.0, 0.0, -4.0, 0.0, 0.0, 0.0];
     assert!(residual(&element, &there).is_err());
 }

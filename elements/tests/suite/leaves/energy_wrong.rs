@@ -6,7 +6,7 @@ use crate::support::strain_beam::FrameInertia;
 use nalgebra::{Matrix3, SVector, Vector3};
 use pullback_conformance as check;
 use pullback_elements::body::RigidBody;
-use pullback_elements::element::{Element, Motion, Response};
+use pullback_elements::element::{Abilities, Element, ElementEnergies, Motion, Response};
 use pullback_elements::energy::{EnergyElement, PolynomialSpring};
 use pullback_elements::spring::AxialSpring;
 use pullback_manifold::domain::DomainError;
@@ -45,6 +45,15 @@ impl Element for Drag {
         Ok(())
     }
 
+    fn abilities(&self) -> Abilities<'_> {
+        Abilities {
+            energies: Some(self),
+            ..Abilities::default()
+        }
+    }
+}
+
+impl ElementEnergies for Drag {
     fn dissipation(&self, at: &Motion<'_>) -> f64 {
         self.force * self.c * at.v.first().map_or(0.0, |v| v.powi(4))
     }
@@ -106,8 +115,13 @@ impl Element for SwappedSign {
         Ok(())
     }
 
-    fn energy(&self, at: &Motion<'_>) -> f64 {
-        self.0.energy(at)
+    fn abilities(&self) -> Abilities<'_> {
+        Abilities {
+            combined: None,
+            energies: self.0.abilities().energies,
+            enforced: None,
+            sections: None,
+        }
     }
 }
 

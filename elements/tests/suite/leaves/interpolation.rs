@@ -207,16 +207,16 @@ fn answer(element: &dyn Element, nodes: &[Node], near: &Vector3<f64>, other: boo
     let mut r = vec![0.0; x.len()];
     let mut out = response(&mut r);
     element.evaluate(&at, &mut out).unwrap();
-    let mut states = Vec::new();
-    element.section_states(&at, &mut states);
+    let (abilities, mut states) = (element.abilities(), Vec::new());
+    abilities.section_states(&at, &mut states);
     let forces = r.chunks(6).zip(&vectors).map(|(r, psi)| {
         // The covector of a spatial moment m is T m.
         let moment = so3::tangent_inverse(psi) * Vector3::from_column_slice(&r[3..]);
         [Vector3::from_column_slice(&r[..3]), moment]
     });
     Answer {
-        energy: element.energy(&at),
-        dissipation: element.dissipation(&at),
+        energy: abilities.energy(&at),
+        dissipation: abilities.dissipation(&at),
         forces: forces.collect(),
         states,
     }
@@ -419,7 +419,8 @@ fn nodes_may_turn_against_each_other_by_less_than_one_turn() {
     for alpha in [0.0, 1e-9, 1.0, PI - 1e-6, PI, PI + 1e-6, 5.0, TAU - 0.01] {
         let x = rolled(alpha);
         let mut states = Vec::new();
-        beam.section_states(&moving(&x, &[], &[]), &mut states);
+        let abilities = beam.abilities();
+        abilities.section_states(&moving(&x, &[], &[]), &mut states);
         let K = states[0].K;
         let error = (K - Vector3::new(0.0, 0.6, 0.8) * alpha).norm();
         assert!(error < 1e-12, "{alpha}: {K:?}");

@@ -41,10 +41,10 @@ fn beam_is_that_of_the_reference() {
         let expected = matrix(&row["K_int"]);
         assert!((&K - &expected).amax() < 1e-12 * expected.amax());
         let energy = row["strain_energy"].as_f64().expect("number");
-        assert!((beam.energy(&at) - energy).abs() < 1e-12 * energy);
+        assert!((beam.abilities().energy(&at) - energy).abs() < 1e-12 * energy);
         // Strains at the one integration point, in the section axes.
         let mut states = Vec::new();
-        beam.section_states(&at, &mut states);
+        beam.abilities().section_states(&at, &mut states);
         assert_eq!(states.len(), 1);
         let (Gamma, K) = (vector(&row["Gamma"]), vector(&row["K_curvature"]));
         for k in 0..3 {

@@ -7,7 +7,7 @@ use nalgebra::{DVector, Matrix3, Matrix6, SVector, Vector3, Vector6};
 use pullback_conformance as check;
 use pullback_conformance::Random;
 use pullback_elements::constraint::{Penalty, PenaltyStiffness};
-use pullback_elements::element::{Element, Motion, Response};
+use pullback_elements::element::{Abilities, Element, ElementEnergies, Motion, Response};
 use pullback_elements::energy::Sum;
 use pullback_elements::spring::{AxialSpring, Bushing, CoordinateLaw, CoordinateSpring};
 use pullback_manifold::domain::DomainError;
@@ -90,9 +90,8 @@ fn a_sum_enforces_the_equations_of_one_of_its_elements() {
     let held = Penalty::<_, 1, 1>::new(Linear::<1, 1>::ratio(1.0, -0.3), stiffness).unwrap();
     for sum in [&Sum(held, spring) as &dyn Element, &Sum(spring, held)] {
         let mut h = [0.0];
-        sum.enforced()
-            .unwrap()
-            .residual(&moving(&[0.8], &[]), &mut h);
+        let enforced = sum.abilities().enforced.unwrap();
+        enforced.residual(&moving(&[0.8], &[]), &mut h);
         assert!((h[0] - 0.5).abs() < 1e-15);
     }
     check::element(&Sum(held, spring)).assert();
@@ -113,6 +112,17 @@ impl Element for Boastful {
         self.0.evaluate(at, out)
     }
 
+    fn abilities(&self) -> Abilities<'_> {
+        Abilities {
+            combined: None,
+            energies: Some(self),
+            enforced: None,
+            sections: None,
+        }
+    }
+}
+
+impl ElementEnergies for Boastful {
     fn dissipation(&self, at: &Motion<'_>) -> f64 {
         self.1 * self.0.dissipation(at)
     }
@@ -187,12 +197,12 @@ fn springs_turn_with_a_moving_observer() {
         }
         let before = moving(x, v);
         let after = moving(&moved_x, &moved_v);
-        let energy = element.energy(&before);
+        let energy = element.abilities().energy(&before);
         assert!(energy > 0.0);
-        assert!((element.energy(&after) - energy).abs() < 1e-13 * energy);
-        let lost = element.dissipation(&before);
+        assert!((element.abilities().energy(&after) - energy).abs() < 1e-13 * energy);
+        let lost = element.abilities().dissipation(&before);
         assert!(lost > 0.0);
-        assert!((element.dissipation(&after) - lost).abs() < 1e-12 * lost);
+        assert!((element.abilities().dissipation(&after) - lost).abs() < 1e-12 * lost);
         let r = residual(&*element, x, v).unwrap();
         let found = residual(&*element, &moved_x, &moved_v).unwrap();
         for i in [0, 6] {

@@ -177,8 +177,8 @@ fn by_elements(values: &[[Vector3<f64>; 2]], order: usize) -> Physical {
         let mut r = vec![0.0; x.len()];
         let mut response = response(&mut r);
         beam.evaluate(&motion, &mut response).unwrap();
-        out.energy += beam.energy(&motion);
-        beam.section_states(&motion, &mut out.states);
+        out.energy += beam.abilities().energy(&motion);
+        beam.abilities().section_states(&motion, &mut out.states);
         for (k, (x, r)) in own.zip(x.chunks(6).zip(r.chunks(6))) {
             let psi = Vector3::from_column_slice(&x[3..]);
             out.forces[k][0] += Vector3::from_column_slice(&r[..3]);

@@ -2,8 +2,10 @@
 #![allow(non_snake_case, clippy::unwrap_used)]
 
 use nalgebra::SVector;
-use pullback_elements::constraint::{Enforced, Multipliers};
-use pullback_elements::element::{Combined, CombinedTangents, Element, Motion, Response};
+use pullback_elements::constraint::Multipliers;
+use pullback_elements::element::{
+    Abilities, Combined, CombinedTangents, Element, Motion, Response,
+};
 use pullback_elements::model::{Context, ModelBuilder};
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::map::Map;
@@ -34,12 +36,13 @@ impl Element for Fast {
         self.0.evaluate(at, out)
     }
 
-    fn combined(&self) -> Option<&dyn Combined> {
-        Some(self)
-    }
-
-    fn enforced(&self) -> Option<&dyn Enforced> {
-        self.0.enforced()
+    fn abilities(&self) -> Abilities<'_> {
+        Abilities {
+            combined: Some(self),
+            energies: None,
+            enforced: self.0.abilities().enforced,
+            sections: None,
+        }
     }
 }
 

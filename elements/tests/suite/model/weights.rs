@@ -77,7 +77,7 @@ fn a_motor_turns_its_coordinate() {
     let motor = CoordinateForce::new(Constant(2.5));
     assert!(motor.properties().load);
     assert_eq!(residual(&motor, &[0.4], &[])[0], 2.5);
-    assert_eq!(motor.energy(&moving(&[0.4], &[])), -1.0);
+    assert_eq!(motor.abilities().energy(&moving(&[0.4], &[])), -1.0);
 }
 
 #[test]
@@ -96,7 +96,8 @@ fn weights_act_at_the_centre_of_mass() {
     assert!((moment - arm.cross(&n)).norm() < 1e-13);
     // m g times the height the centre of mass gains.
     let height = 0.3 + (arm - c).z;
-    let energy = check::InCharts(&weight).energy(&moving(&x, &[]));
+    let in_charts = check::InCharts(&weight);
+    let energy = in_charts.abilities().energy(&moving(&x, &[]));
     assert!((energy - 2.0 * 9.81 * height).abs() < 1e-13);
     // A free body in the field falls with g and does not begin to turn: r = weight − M a = 0.
     let mut turning = DVector::zeros(6);
