@@ -8,6 +8,9 @@ const SAFE: f64 = 0.1;
 const SMALL: f64 = 1e-6;
 /// A correction with no effect, relative to the largest of its step.
 const NOTHING: f64 = 1e-9;
+/// Bound of κ, the part of a first correction that it leaves relative to its square, in the scales of the
+/// coordinates.
+const CURVED: f64 = 100.0;
 /// Residuals that fall by less than this factor stagnate.
 const FALL: f64 = 0.1;
 /// The same for corrections in a time step, whose first corrections are small.
@@ -51,6 +54,13 @@ impl ConvergencePredictor {
         };
         let (before, last) = match history {
             [.., before, last] if before.damping * last.damping > 0.0 => (before, last),
+            [first] if first.damping == 1.0 => {
+                return Self {
+                    before: (first.residual, first.ratio),
+                    next: first.ratio * (CURVED * first.correction).min(1.0),
+                    ..unknown
+                };
+            }
             _ => return unknown,
         };
         let ratio = last.correction / before.correction;

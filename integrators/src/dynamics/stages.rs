@@ -5,6 +5,10 @@ use super::step::Stepper;
 use super::{Predictor, Scheme, State};
 use std::ops::Range;
 
+/// Largest change of velocities by accelerations in a step, relative to the velocities, with which these
+/// predict coordinates.
+const SMOOTH: f64 = 0.02;
+
 #[derive(Clone)]
 pub(super) struct StageState {
     pub state: State,
@@ -66,9 +70,13 @@ impl Stepper {
         let filter = scheme.filter();
         let (done, rest) = self.stages.split_at_mut(group.start);
         let origin = done.last().map_or(state, |stage| &stage.state);
-        let velocity = self.options.predictor == Predictor::Velocity;
+        let factors = match self.options.predictor {
+            Predictor::Keep => [0.0; 2],
+            Predictor::Velocity if is_smooth(origin, h, &self.inverse_scale) => [1.0, 0.5],
+            Predictor::Velocity => [1.0, 0.0],
+        };
+        let shift = |h: f64, v: f64, a: f64| h * (factors[0] * v + factors[1] * h * a);
         if let ([row], Some(inverse), [stage]) = (rows, &group.inverse, &mut *rest) {
-            let shift = if velocity { h } else { 0.0 };
             return predict_one(step, row, inverse[0][0], shift, &mut stage.state);
         }
         for c in 0..state.q.len() {
@@ -83,10 +91,7 @@ impl Stepper {
                 }
                 known[0][i] = row.c * h * state.v[c] + h * h * sums[0];
                 known[1][i] = state.v[c] + h * sums[1];
-                let shift = match velocity {
-                    true => (rest[i].state.t - origin.t) * origin.v[c],
-                    false => 0.0,
-                };
+                let shift = shift(rest[i].state.t - origin.t, origin.v[c], origin.a[c]);
                 target[i] = origin.q[c] - state.q[c] + shift;
             }
             let mut y = [origin.algorithmic[c]; STAGES];
@@ -155,19 +160,35 @@ impl Stepper {
 }
 
 /// Predicts the only stage of a scheme, as most schemes have: the general rule in one pass.
-fn predict_one(step: Attempt<'_>, row: &Stage, inverse: f64, shift: f64, out: &mut State) {
+fn predict_one(
+    step: Attempt<'_>,
+    row: &Stage,
+    inverse: f64,
+    shift: impl Fn(f64, f64, f64) -> f64,
+    out: &mut State,
+) {
     let (given, h, filter) = (step.state, step.h, step.scheme.filter());
     let old = given.v.iter().zip(&given.a).zip(&given.algorithmic);
     let rates = out.v.iter_mut().zip(&mut out.a).zip(&mut out.algorithmic);
     let positions = out.q.iter_mut().zip(&given.q);
     for (((q, q_old), ((v, a), y)), ((v_old, a_old), y_old)) in positions.zip(rates).zip(old) {
-        let target = shift * v_old;
+        let target = shift(h, *v_old, *a_old);
         let known = row.c * h * v_old + h * h * row.q[0] * y_old;
         *y = inverse * (target - known) / (h * h);
         *q = q_old + target;
         *v = v_old + h * (row.v[0] * y_old + row.v[1] * *y);
         *a = filter[0] * *y + filter[1] * y_old + filter[2] * a_old;
     }
+}
+
+/// Whether accelerations change velocities little in a step: they are then smooth, not oscillations of the
+/// scheme.
+fn is_smooth(state: &State, h: f64, inverse_scale: &[f64]) -> bool {
+    let largest = |x: &[f64]| {
+        let sizes = x.iter().zip(inverse_scale).map(|(x, s)| (x * s).abs());
+        sizes.fold(0.0, f64::max)
+    };
+    h * largest(&state.a) <= SMOOTH * largest(&state.v)
 }
 
 /// Change of the motion of a stage by an unknown of its group.

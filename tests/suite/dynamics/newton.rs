@@ -319,3 +319,33 @@ fn going_on_with_the_velocity_needs_extrapolated_stresses_in_the_struck_cantilev
         assert_eq!(reached(model, &options, predictor), 30.0);
     }
 }
+
+#[test]
+fn a_smooth_step_of_a_rigid_mechanism_takes_one_iteration() {
+    // Without the accelerations in the prediction it takes two.
+    let taken = |predictor| {
+        let (mut context, first, mut options) =
+            motion_of(include_str!("../../../benches/models/ur5.toml"));
+        options.newton.predictor = predictor;
+        options.to = 1.1;
+        let (mut progress, mut iterations) = (Progress::new(first), Vec::new());
+        let seen = &mut |_: &mut Context, step: &StepReport<'_>| {
+            if step.progress.state.t > 1.0 {
+                iterations.push(step.iterations);
+            }
+            ControlFlow::Continue(())
+        };
+        integrate(&mut context, &mut progress, &options, seen).unwrap();
+        let factorisations = progress.summary.factorisations;
+        (iterations, factorisations)
+    };
+    let (smooth, factorisations) = taken(Predictor::Velocity);
+    assert!(
+        smooth.len() >= 99 && smooth.iter().all(|i| *i == 1),
+        "{smooth:?}"
+    );
+    // Converged states need no tangent, nor do corrections after the first one of most steps.
+    assert!(factorisations < 1200, "{factorisations}");
+    let (kept, _) = taken(Predictor::Keep);
+    assert!(kept.iter().all(|i| *i >= 2), "{kept:?}");
+}
