@@ -14,6 +14,7 @@ pub use abilities::{Charts, Energetics, Events};
 
 use crate::domain::DomainError;
 use crate::sparse::BlockPattern;
+use std::ops::Range;
 
 /// Time and state at which a system is evaluated. In statics, t is the load parameter, and v and a
 /// are empty.
@@ -72,6 +73,15 @@ impl Weights {
         C: 0.0,
         M: 1.0,
     };
+
+    /// Which of K, C and M are needed: K alone at rest, M alone, or all.
+    pub fn needed(&self, at_rest: bool) -> Range<usize> {
+        match at_rest {
+            true => 0..1,
+            false if self.K == 0.0 && self.C == 0.0 => 2..3,
+            false => 0..3,
+        }
+    }
 
     /// Whether only the stiffness K is needed.
     pub fn is_static(&self) -> bool {

@@ -52,8 +52,17 @@ impl Parent {
     /// A vector and its rates in the fixed frame, from components in the axes of the parent.
     #[inline]
     fn carry(&self, u: &Rates<Vector3<f64>>) -> Rates<Vector3<f64>> {
+        let zero = Vector3::zeros();
+        // Most axes are constant in the parent, and most joints have none for some of them.
+        let constant = u[1] == zero && u[2] == zero;
+        if constant && u[0] == zero {
+            return [zero; 3];
+        }
         let [omega, omega_dot] = &self.omega;
-        let [u, u_dot, u_ddot] = [0, 1, 2].map(|k| self.R * u[k]);
+        let [u, u_dot, u_ddot] = match constant {
+            true => [self.R * u[0], zero, zero],
+            false => u.map(|u| self.R * u),
+        };
         let rate = omega.cross(&u) + u_dot;
         let second = omega_dot.cross(&u) + omega.cross(&(rate + u_dot)) + u_ddot;
         [u, rate, second]

@@ -4,26 +4,43 @@ use crate::model::kinematics::mapped_node::MappedNode;
 use crate::model::{ElementEntry, NONE, Node, Source};
 
 /// The nodes coupled with a mapped node before it is pulled back to its parents: those of its elements,
-/// and of all that depends on it. Each block is K, C and M, one after the other.
+/// and of all that depends on it.
+///
+/// Its tangents are three matrices by columns, each for K, C and M: its own block, n×n; its rows at the
+/// coordinates of all partners, n×`width`; and the transpose of its columns there.
 #[derive(Clone, Default)]
 pub(in crate::model) struct Coupled {
     /// Own nodes, and mapped nodes that are pulled back later, ascending.
     pub partners: Vec<Partner>,
+    /// Number of coordinates of all partners.
+    pub width: usize,
     /// Whether an element can exert a force on it, and an unknown moves it.
     pub loaded: bool,
-    /// First value of its own block.
-    pub diagonal: usize,
-    /// First of the positions at its parents.
-    pub first_position: usize,
+    /// First value of its own block, of its rows and of its columns.
+    pub own: usize,
+    pub rows: usize,
+    pub columns: usize,
+    /// Number of its first piece, and of the coordinates of each parent.
+    pub first_piece: usize,
+    pub parents: Vec<usize>,
 }
 
-/// A node coupled with a mapped one.
+/// A node coupled with a mapped one: the first of its coordinates among those of all partners, and their number.
 #[derive(Clone, Copy)]
 pub(in crate::model) struct Partner {
     pub node: u32,
-    /// First value of the mapped node's rows and the partner's columns, and of the transposed block.
+    pub first: usize,
+    pub dim: usize,
+}
+
+/// The position of a block among the tangents of mapped nodes: its first value, and the distances between
+/// rows, between columns, and between K, C and M.
+#[derive(Clone, Copy)]
+pub(in crate::model) struct CoupledBlock {
+    pub start: usize,
     pub row: usize,
     pub column: usize,
+    pub order: usize,
 }
 
 /// The couplings of all mapped nodes, by [`MappedNode::index`], and the nodes that no unknown moves.
@@ -86,23 +103,23 @@ impl Couplings {
         self.arrange(nodes, dependent)
     }
 
-    /// Arranges the blocks, those of parents first; returns the number of their values.
+    /// Arranges the tangents, those of parents first; returns the number of their values.
     fn arrange(&mut self, nodes: &[Node], dependent: &[u32]) -> usize {
         let mut len = 0;
         for (coupled, &n) in self.0.iter_mut().zip(dependent) {
             if !coupled.loaded {
                 continue;
             }
-            let dim = nodes[n as usize].dim;
-            coupled.diagonal = len;
-            len += 3 * dim * dim;
+            coupled.width = 0;
             for partner in &mut coupled.partners {
-                let other = &nodes[partner.node as usize];
-                let size = dim * other.dim;
-                partner.row = len;
-                partner.column = len + 3 * size;
-                len = partner.column + 3 * size;
+                partner.first = coupled.width;
+                coupled.width += partner.dim;
             }
+            let dim = nodes[n as usize].dim;
+            coupled.own = len;
+            coupled.rows = coupled.own + 3 * dim * dim;
+            coupled.columns = coupled.rows + 3 * dim * coupled.width;
+            len = coupled.columns + 3 * dim * coupled.width;
         }
         len
     }
@@ -127,8 +144,8 @@ impl Couplings {
                 };
                 let partners = &mut self.0[owner].partners;
                 if let Err(at) = partners.binary_search_by_key(&node, |p| p.node) {
-                    let (row, column) = (0, 0);
-                    partners.insert(at, Partner { node, row, column });
+                    let (first, dim) = (0, nodes[node as usize].dim);
+                    partners.insert(at, Partner { node, first, dim });
                 }
             }
         }
@@ -139,20 +156,35 @@ impl Couplings {
         self.1[n as usize]
     }
 
-    /// First value of the rows of node `i` and the columns of node `j`, one of them mapped; `None` if
-    /// they are not coupled.
-    pub(in crate::model) fn position(&self, nodes: &[Node], i: u32, j: u32) -> Option<usize> {
+    /// The block with the rows of node `i` and the columns of node `j`, one of them mapped; `None` if they are
+    /// not coupled.
+    pub(in crate::model) fn block(&self, nodes: &[Node], i: u32, j: u32) -> Option<CoupledBlock> {
         let (owner, partner) = owner(nodes, i, j)?;
         let coupled = &self.0[owner];
         if i == j {
-            return coupled.loaded.then_some(coupled.diagonal);
+            let n = nodes[i as usize].dim;
+            return coupled.loaded.then_some(CoupledBlock {
+                start: coupled.own,
+                row: 1,
+                column: n,
+                order: n * n,
+            });
         }
         let found = coupled.partners.binary_search_by_key(&partner, |p| p.node);
-        let found = &coupled.partners[found.ok()?];
-        Some(if partner == j {
-            found.row
+        let (first, width) = (coupled.partners[found.ok()?].first, coupled.width);
+        let is_row = partner == j;
+        let (node, start) = if is_row {
+            (i, coupled.rows)
         } else {
-            found.column
+            (j, coupled.columns)
+        };
+        let n = nodes[node as usize].dim;
+        let [row, column] = if is_row { [1, n] } else { [n, 1] };
+        Some(CoupledBlock {
+            start: start + first * n,
+            row,
+            column,
+            order: n * width,
         })
     }
 }

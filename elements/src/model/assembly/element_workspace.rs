@@ -196,10 +196,14 @@ impl ElementWorkspace {
             self.C[..n * n].fill(0.0);
             self.M[..n * n].fill(0.0);
         }
+        // Enforced equations have rates of their stiffness as a mass.
+        let alone = !rates
+            && weights.is_some_and(|w| w.needed(statics).start == 2)
+            && e.element.abilities().enforced.is_none();
         let mut out = Response {
             r,
-            K: tangent.then_some(&mut self.K[..n * n]),
-            C: moving.then_some(&mut self.C[..n * n]),
+            K: (tangent && !alone).then_some(&mut self.K[..n * n]),
+            C: (moving && !alone).then_some(&mut self.C[..n * n]),
             M: moving.then_some(&mut self.M[..n * n]),
             r_t: rates.then_some(&mut self.r_t[..n]),
         };

@@ -188,12 +188,8 @@ impl Context {
                 w.scatter_map.scatter(k, e, spans, &local.S, values);
                 continue;
             }
-            let mut into = ScatterTarget {
-                values,
-                coupled: &mut w.coupled,
-                weights: [weights.K, weights.C, weights.M],
-            };
-            let tangents = &local.tangents(e)[..if statics { 1 } else { 3 }];
+            let mut into = ScatterTarget::new(values, &mut w.coupled, weights, statics);
+            let tangents = local.tangents(e);
             w.scatter_map
                 .scatter_mapped(k, e, &model.nodes, tangents, &mut into);
         }

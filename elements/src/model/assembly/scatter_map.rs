@@ -2,7 +2,8 @@
 
 #![allow(non_snake_case)]
 
-use crate::model::assembly::couplings::Couplings;
+use crate::model::assembly::couplings::{CoupledBlock, Couplings};
+use crate::model::assembly::pull_back::Piece;
 use crate::model::kinematics::mapped_node::Maps;
 use crate::model::{ElementEntry, NONE, Node, Source, Span};
 use pullback_manifold::sparse::BlockPattern;
@@ -18,12 +19,13 @@ pub(in crate::model) struct ScatterMap {
     pub rows: Vec<u32>,
     /// Per node: index of its block in the pattern, [`NONE`] if all is prescribed.
     pub blocks: Vec<u32>,
-    /// Per element, consecutively: the position of each pair of blocks, column by column; then
-    /// those of mapped nodes.
+    /// Per element, consecutively: the position of each pair of blocks, column by column.
     pub positions: Vec<BlockPosition>,
     /// Per element: its first position.
     first_positions: Vec<usize>,
     pub couplings: Couplings,
+    /// Positions of the tangents that mapped nodes pass to their parents.
+    pub(super) pieces: Vec<Piece>,
     /// Per value: whether an element writes the block that begins here.
     written: Vec<bool>,
     /// Values that no element writes.
@@ -51,25 +53,31 @@ impl ScatterMap {
     }
 
     /// Makes room for any segments, so that a change of segment allocates nothing; returns the number of
-    /// values of the blocks of mapped nodes.
+    /// values of the blocks of mapped nodes, and of scratch to pull them back.
     pub(in crate::model) fn arrange(
         &mut self,
         nodes: &[Node],
         dependent: &[u32],
         elements: &[ElementEntry],
-    ) -> usize {
+    ) -> [usize; 2] {
         let (couplings, blocks) = (&mut self.couplings, &self.blocks);
         let len = couplings.find(nodes, dependent, elements, blocks, |d| &d.segments);
-        let mut room: usize = elements.iter().map(|e| e.nodes.len().pow(2)).sum();
-        for (coupled, &n) in couplings.0.iter().zip(dependent) {
-            if let Source::Mapped(d) = &nodes[n as usize].source {
+        let positions: usize = elements.iter().map(|e| e.nodes.len().pow(2)).sum();
+        let (mut pieces, mut scratch) = (0, 0);
+        for (coupled, &n) in couplings.0.iter_mut().zip(dependent) {
+            let node = &nodes[n as usize];
+            if let Source::Mapped(d) = &node.source {
                 let parents = d.segments.iter().map(Vec::len).max().unwrap_or(0);
-                room += parents * (parents + 2 * coupled.partners.len());
+                coupled.parents.reserve_exact(parents);
+                pieces += parents * (parents + 2 * coupled.partners.len());
+                // Vectors and matrices of the pull-back.
+                scratch = scratch.max(3 * (1 + node.dim) * d.direct);
             }
         }
-        self.positions.reserve_exact(room);
+        self.positions.reserve_exact(positions);
+        self.pieces.reserve_exact(pieces);
         self.first_positions.reserve_exact(elements.len());
-        len
+        [len, scratch]
     }
 
     /// Finds the positions of all blocks of elements and of mapped nodes.
@@ -100,6 +108,7 @@ impl ScatterMap {
                 }
             }
         }
+        self.pieces.clear();
         for (k, &n) in dependent.iter().enumerate() {
             let Source::Mapped(d) = &nodes[n as usize].source else {
                 continue;
@@ -107,22 +116,21 @@ impl ScatterMap {
             if !self.couplings.0[k].loaded {
                 continue;
             }
-            self.couplings.0[k].first_position = self.positions.len();
             let parents = d.parents(maps);
-            for partner in 0..self.couplings.0[k].partners.len() {
-                let j = self.couplings.0[k].partners[partner].node;
-                for &p in parents {
-                    self.locate_block(nodes, [p, j], pattern, false);
-                }
-                for &p in parents {
-                    self.locate_block(nodes, [j, p], pattern, false);
-                }
+            let partners = std::mem::take(&mut self.couplings.0[k].partners);
+            let first_piece = self.pieces.len();
+            for partner in &partners {
+                self.locate_pieces(nodes, parents, partner.node, false, pattern);
+                self.locate_pieces(nodes, parents, partner.node, true, pattern);
             }
-            for &j in parents {
-                for &i in parents {
-                    self.locate_block(nodes, [i, j], pattern, false);
-                }
+            for &other in parents {
+                self.locate_pieces(nodes, parents, other, false, pattern);
             }
+            let coupled = &mut self.couplings.0[k];
+            (coupled.partners, coupled.first_piece) = (partners, first_piece);
+            coupled.parents.clear();
+            let dims = parents.iter().map(|&p| nodes[p as usize].dim);
+            coupled.parents.extend(dims);
         }
         let all = (0..pattern.blocks()).flat_map(|j| pattern.column(j));
         self.unwritten.clear();
@@ -142,19 +150,59 @@ impl ScatterMap {
     ) {
         let mut first = false;
         let start = if nodes[i as usize].is_own() && nodes[j as usize].is_own() {
-            let [row, column] = [i, j].map(|n| self.blocks[n as usize]);
-            let found = (row != NONE && column != NONE)
-                .then(|| pattern.find(row as usize, column as usize))
-                .flatten();
+            let found = self.pattern_block(i, j, pattern);
             if let Some(start) = found.filter(|_| writes) {
                 first = !std::mem::replace(&mut self.written[start], true);
             }
             found
         } else {
-            self.couplings.position(nodes, i, j)
+            self.couplings.block(nodes, i, j).map(|block| block.start)
         };
         let start = start.map_or(NONE, |start| start as u32);
         self.positions.push(BlockPosition { start, first });
+    }
+
+    /// First value of the block with the rows of own node i and the columns of own node j.
+    fn pattern_block(&self, i: u32, j: u32, pattern: &BlockPattern) -> Option<usize> {
+        let [row, column] = [i, j].map(|n| self.blocks[n as usize]);
+        (row != NONE && column != NONE)
+            .then(|| pattern.find(row as usize, column as usize))
+            .flatten()
+    }
+
+    /// Adds the pieces of all parents with another node: their rows and its columns or, `transposed`, the other
+    /// way round.
+    fn locate_pieces(
+        &mut self,
+        nodes: &[Node],
+        parents: &[u32],
+        other: u32,
+        transposed: bool,
+        pattern: &BlockPattern,
+    ) {
+        let mut first = 0;
+        for &p in parents {
+            let [parent, node] = [p, other].map(|n| &nodes[n as usize]);
+            let [i, j] = if transposed { [other, p] } else { [p, other] };
+            let own = parent.is_own() && node.is_own();
+            let block = if own {
+                let rows = &self.rows[nodes[i as usize].range()];
+                let height = rows.iter().filter(|&&r| r != NONE).count();
+                let start = self.pattern_block(i, j, pattern);
+                start.map(|start| CoupledBlock {
+                    start,
+                    row: 1,
+                    column: height,
+                    order: 0,
+                })
+            } else {
+                self.couplings.block(nodes, i, j)
+            };
+            let own = own.then(|| [parent.first as u32, node.first as u32]);
+            let part = [first, parent.dim];
+            self.pieces.push(Piece::new(part, block, transposed, own));
+            first += parent.dim;
+        }
     }
 
     /// Clears the values that no element writes; [`ScatterMap::scatter`] of all elements then fills

@@ -38,9 +38,9 @@ pub(in crate::model) struct Workspace {
     pub operators: Operators,
     /// Positions of tangents in the present segments.
     pub scatter_map: ScatterMap,
-    /// Tangents at mapped nodes, and scratch for blocks of them.
+    /// Tangents at mapped nodes, and scratch to pull them back.
     pub coupled: Vec<f64>,
-    pub columns: Vec<f64>,
+    pub scratch: Vec<f64>,
     pub local: ElementWorkspace,
     /// Accelerations of a map's coordinates during a reparametrization.
     pub accelerations: Vec<Vec<f64>>,
@@ -121,7 +121,7 @@ impl Workspace {
     pub(in crate::model) fn new(
         nodes: &[Node],
         elements: &[ElementEntry],
-        [operators, coupled]: [usize; 2],
+        [operators, coupled, scratch]: [usize; 3],
         scatter_map: ScatterMap,
         length: f64,
         levers: [f64; 2],
@@ -132,7 +132,6 @@ impl Workspace {
             Source::Mapped(d) => d.direct,
         };
         let parents = nodes.iter().map(direct).max().unwrap_or(0);
-        let width = nodes.iter().map(|n| n.dim).max().unwrap_or(0);
         let n = elements.iter().map(|e| e.element.dim()).max().unwrap_or(0);
         let zeros = |len: usize| vec![0.0; len];
         let mut scales = Scales {
@@ -157,7 +156,7 @@ impl Workspace {
             operators: Operators::new(operators),
             scatter_map,
             coupled: zeros(coupled),
-            columns: zeros(2 * parents * parents.max(width)),
+            scratch: zeros(scratch),
             local: ElementWorkspace::new(n, parents),
             accelerations: Vec::new(),
             parts: [Vec::new(), Vec::new()],

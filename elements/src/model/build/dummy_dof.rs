@@ -29,10 +29,7 @@ impl Element for DummyDof {
     }
 
     fn abilities(&self) -> Abilities<'_> {
-        Abilities {
-            energies: Some(self),
-            ..Abilities::default()
-        }
+        Abilities::of_energies(self)
     }
 }
 

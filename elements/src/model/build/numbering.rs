@@ -86,7 +86,7 @@ impl ModelBuilder {
             e.held = e.nodes.iter().any(held);
             e.mapped = e.nodes.iter().any(|&n| !nodes[n as usize].is_own());
         }
-        let coupled = scatter_map.arrange(&nodes, &dependent, &elements);
+        let [coupled, scratch] = scatter_map.arrange(&nodes, &dependent, &elements);
 
         prescribed.sort_unstable_by_key(|p| p.coordinate);
         let turned = |n: &usize| {
@@ -97,7 +97,7 @@ impl ModelBuilder {
         let sizes: Vec<f64> = nodes.iter().flat_map(|n| magnitudes(n, length)).collect();
         let magnitudes = coordinates.iter().map(|&c| sizes[c]).collect();
         let levers = levers(&nodes, &elements, extent);
-        let sizes = [operators, coupled];
+        let sizes = [operators, coupled, scratch];
         let work = Workspace::new(&nodes, &elements, sizes, scatter_map, length, levers);
         let span = |node: &Node| Span {
             first: node.first as u32,

@@ -4,8 +4,8 @@
 #![allow(non_snake_case)]
 
 use crate::model::assembly::element_workspace::ElementWorkspace;
-use crate::model::assembly::scatter::{PulledNode, ScatterTarget};
-use crate::model::assembly::scatter_map::ScatterMap;
+use crate::model::assembly::pull_back::Operator;
+use crate::model::assembly::scatter::ScatterTarget;
 use crate::model::assembly::workspace::Workspace;
 use crate::model::kinematics::node_entries::{collect, distribute};
 use crate::model::{Context, Node, NodeForm, Source, Span};
@@ -165,39 +165,24 @@ impl Context {
             if d.direct == 0 || !w.scatter_map.couplings.0[d.index].loaded {
                 continue;
             }
+            let mut into = ScatterTarget::new(values, &mut w.coupled, weights, statics);
             let ElementWorkspace { q, K_sigma, .. } = &mut w.local;
             let K_sigma = &mut K_sigma[..d.direct * d.direct];
-            let k = collect(parents, &self.model.spans, &w.x, q);
-            map.geometric_stiffness(t, &q[..k], &w.r[node.range()], K_sigma);
-            let mut into = ScatterTarget {
-                values,
-                coupled: &mut w.coupled,
-                weights: [weights.K, weights.C, weights.M],
-            };
+            match into.needed.start {
+                0 => {
+                    let k = collect(parents, &self.model.spans, &w.x, q);
+                    map.geometric_stiffness(t, &q[..k], &w.r[node.range()], K_sigma);
+                }
+                _ => K_sigma.fill(0.0),
+            }
             let Operators { B, B_dot, B_ddot } = &w.operators;
             let range = d.local..d.local + node.dim * d.direct;
-            let link = PulledNode {
-                node: n,
-                index: d.index,
-                parents,
-                B: [B, B_dot, B_ddot].map(|B| &B[range.clone()]),
-            };
-            let (nodes, orders) = (&self.model.nodes, if statics { 1 } else { 3 });
-            let map = &w.scatter_map;
+            let B = [B, B_dot, B_ddot].map(|B| &B[range.clone()]);
+            let nodes = &self.model.nodes;
             let of_poses = [n, parents[0]].map(|n| nodes[n as usize].form == NodeForm::Pose);
-            let pull_back = match of_poses {
-                [true, true] => ScatterMap::pull_back_link,
-                _ => ScatterMap::pull_back,
-            };
-            pull_back(
-                map,
-                &link,
-                nodes,
-                K_sigma,
-                orders,
-                &mut into,
-                &mut w.columns,
-            );
+            let operator = Operator::new(node.dim, B, of_poses == [true; 2]);
+            let (map, work) = (&w.scatter_map, &mut w.scratch);
+            map.pull_back(d.index, operator, K_sigma, &mut into, work);
         }
     }
 
