@@ -23,7 +23,16 @@ pub struct Abilities<'a> {
     pub sections: Option<&'a dyn CrossSections>,
 }
 
-impl Abilities<'_> {
+impl<'a> Abilities<'a> {
+    /// Those of an element with energies alone.
+    #[must_use]
+    pub fn of_energies(energies: &'a dyn ElementEnergies) -> Self {
+        Self {
+            energies: Some(energies),
+            ..Self::default()
+        }
+    }
+
     /// [`ElementEnergies::energy`]; zero without energies.
     pub fn energy(&self, at: &Motion<'_>) -> f64 {
         self.energies.map_or(0.0, |e| e.energy(at))

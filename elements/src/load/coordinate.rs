@@ -39,10 +39,7 @@ impl Element for CoordinateForce {
     }
 
     fn abilities(&self) -> Abilities<'_> {
-        Abilities {
-            energies: Some(self),
-            ..Abilities::default()
-        }
+        Abilities::of_energies(self)
     }
 
     fn kinks(&self) -> Vec<f64> {

@@ -146,10 +146,7 @@ impl Element for LineLoad {
     }
 
     fn abilities(&self) -> Abilities<'_> {
-        Abilities {
-            energies: Some(self),
-            ..Abilities::default()
-        }
+        Abilities::of_energies(self)
     }
 
     fn kinks(&self) -> Vec<f64> {

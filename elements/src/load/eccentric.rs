@@ -65,10 +65,7 @@ impl Element for EccentricForce {
     }
 
     fn abilities(&self) -> Abilities<'_> {
-        Abilities {
-            energies: Some(self),
-            ..Abilities::default()
-        }
+        Abilities::of_energies(self)
     }
 
     fn kinks(&self) -> Vec<f64> {

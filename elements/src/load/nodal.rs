@@ -82,10 +82,7 @@ impl Element for NodalLoad {
     }
 
     fn abilities(&self) -> Abilities<'_> {
-        Abilities {
-            energies: Some(self),
-            ..Abilities::default()
-        }
+        Abilities::of_energies(self)
     }
 
     fn kinks(&self) -> Vec<f64> {

@@ -169,10 +169,7 @@ impl Element for AxialSpring {
     }
 
     fn abilities(&self) -> Abilities<'_> {
-        Abilities {
-            energies: Some(self),
-            ..Abilities::default()
-        }
+        Abilities::of_energies(self)
     }
 
     fn properties(&self) -> Properties {

@@ -68,10 +68,7 @@ impl Element for CoordinateSpring {
     }
 
     fn abilities(&self) -> Abilities<'_> {
-        Abilities {
-            energies: Some(self),
-            ..Abilities::default()
-        }
+        Abilities::of_energies(self)
     }
 }
 
