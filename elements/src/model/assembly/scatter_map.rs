@@ -198,7 +198,7 @@ impl ScatterMap {
             } else {
                 self.couplings.block(nodes, i, j)
             };
-            let own = own.then(|| [parent.first as u32, node.first as u32]);
+            let own = own.then_some([parent.first as u32, node.first as u32]);
             let part = [first, parent.dim];
             self.pieces.push(Piece::new(part, block, transposed, own));
             first += parent.dim;
