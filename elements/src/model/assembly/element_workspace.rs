@@ -196,7 +196,7 @@ impl ElementWorkspace {
             self.C[..n * n].fill(0.0);
             self.M[..n * n].fill(0.0);
         }
-        // Enforced equations have rates of their stiffness as a mass.
+        // Enforced equations take h_x from K as their mass: `raise_to_accelerations`.
         let alone = !rates
             && weights.is_some_and(|w| w.needed(statics).start == 2)
             && e.element.abilities().enforced.is_none();
