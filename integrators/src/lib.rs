@@ -9,6 +9,7 @@
 //!   by one step routine; steps end at kinks, are halved after a failure, and may follow an error
 //!   estimate.
 //! - [`spectrum`]: numerical damping and dispersion of schemes, measured and in closed form.
+//! - [`linearization`]: K, C and M about a state, and their modes.
 //! - [`linear_solver`]: block elimination on the node graph with sparse LU and Cholesky behind it.
 
 #![warn(clippy::unwrap_used)]
@@ -18,6 +19,7 @@ mod convergence;
 pub mod dynamics;
 mod failure;
 pub mod linear_solver;
+pub mod linearization;
 mod rounding;
 pub mod spectrum;
 pub mod statics;

@@ -154,19 +154,79 @@ impl BlockPattern {
     /// y ← y + α A x for the matrix of this pattern with the given values.
     pub fn multiply_add(&self, alpha: f64, values: &[f64], x: &[f64], y: &mut [f64]) {
         for j in 0..self.blocks() {
+            let x = &x[self.unknowns(j)];
             for (i, range) in self.column(j) {
-                let rows = self.unknowns(i);
-                let height = rows.len();
-                let y = &mut y[rows];
-                for (column, &xj) in values[range]
-                    .chunks_exact(height.max(1))
-                    .zip(&x[self.unknowns(j)])
-                {
-                    for (yi, aij) in y.iter_mut().zip(column) {
-                        *yi += alpha * aij * xj;
-                    }
+                let (block, y) = (&values[range], &mut y[self.unknowns(i)]);
+                match y.len() {
+                    6 => add_block::<6>(alpha, block, x, y),
+                    _ => add_columns(alpha, block, x, y),
                 }
             }
         }
+    }
+}
+
+impl BlockPattern {
+    /// y ← y + A x for a symmetric matrix, of which only one of each pair of blocks is read.
+    pub fn multiply_add_symmetric(&self, values: &[f64], x: &[f64], y: &mut [f64]) {
+        for j in 0..self.blocks() {
+            let column = self.unknowns(j);
+            for (i, range) in self.column(j).filter(|(i, _)| *i >= j) {
+                let (block, rows) = (&values[range], self.unknowns(i));
+                if i > j {
+                    let (x, y) = (&x[rows.clone()], &mut y[column.clone()]);
+                    match rows.len() {
+                        6 => add_transposed::<6>(block, x, y),
+                        height => {
+                            for (entries, y) in block.chunks_exact(height.max(1)).zip(y) {
+                                *y += entries.iter().zip(x).map(|(a, x)| a * x).sum::<f64>();
+                            }
+                        }
+                    }
+                }
+                let x = &x[column.clone()];
+                match rows.len() {
+                    6 => add_block::<6>(1.0, block, x, &mut y[rows]),
+                    _ => add_columns(1.0, block, x, &mut y[rows]),
+                }
+            }
+        }
+    }
+}
+
+/// y ← y + Aᵀ x for a block of height H.
+fn add_transposed<const H: usize>(block: &[f64], x: &[f64], y: &mut [f64]) {
+    let Some(x) = x.first_chunk::<H>() else {
+        return;
+    };
+    for (column, y) in block.as_chunks::<H>().0.iter().zip(y) {
+        // Two sums, which a processor adds at the same time.
+        let mut sums = [0.0; 2];
+        for k in 0..H {
+            sums[k % 2] += column[k] * x[k];
+        }
+        *y += sums[0] + sums[1];
+    }
+}
+
+/// y ← y + α A x for a block of any height.
+fn add_columns(alpha: f64, block: &[f64], x: &[f64], y: &mut [f64]) {
+    for (column, &x) in block.chunks_exact(y.len().max(1)).zip(x) {
+        for (y, a) in y.iter_mut().zip(column) {
+            *y += alpha * a * x;
+        }
+    }
+}
+
+/// y ← y + α A x for a block of height H.
+fn add_block<const H: usize>(alpha: f64, block: &[f64], x: &[f64], y: &mut [f64]) {
+    let mut sum = [0.0; H];
+    for (column, x) in block.as_chunks::<H>().0.iter().zip(x) {
+        for k in 0..H {
+            sum[k] += column[k] * x;
+        }
+    }
+    for (y, sum) in y.iter_mut().zip(sum) {
+        *y += alpha * sum;
     }
 }

@@ -70,7 +70,12 @@ fn begin(pattern: &BlockPattern, values: &[f64], scales: &mut [f64], largest: &m
 }
 
 /// Calls with row, column and value of each entry.
-fn for_each(pattern: &BlockPattern, values: &[f64], mut with: impl FnMut(usize, usize, f64)) {
+#[inline(always)]
+pub(crate) fn for_each(
+    pattern: &BlockPattern,
+    values: &[f64],
+    mut with: impl FnMut(usize, usize, f64),
+) {
     for j in 0..pattern.blocks() {
         for (i, range) in pattern.column(j) {
             for_each_of_block(pattern, [i, j], &values[range], &mut with);

@@ -50,6 +50,8 @@ impl StaticAnalysis for LoadRun {
             options: *options,
             summary: StaticSummary {
                 t: options.from,
+                // Without a range there is only the equilibrium at the start.
+                finished: options.from == options.to,
                 ..StaticSummary::default()
             },
             start: q.clone(),

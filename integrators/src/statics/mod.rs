@@ -22,6 +22,7 @@ pub use crate::failure::{Cause, Cost, FailedStep, StepParameter};
 pub use error::StaticsError;
 pub(crate) use options::refused;
 pub use options::{ArcLengthOptions, Event, StaticNewtonOptions, StaticOptions};
+pub(crate) use stability::enforced_equations;
 pub use steps::{LoadSteps, PathSteps, Steps, equilibrium, solve_statics, trace_path};
 
 use steps::Problem;

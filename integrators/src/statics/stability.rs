@@ -9,6 +9,7 @@
 
 use super::Problem;
 use super::newton::Newton;
+use pullback_manifold::sparse::BlockPattern;
 
 impl Newton {
     /// Number of unstable directions at the state evaluated and factorised last.
@@ -20,11 +21,18 @@ impl Newton {
             return None;
         }
         let negative = problem.solver.negative_pivots(&self.S)?;
-        let diagonal = system.pattern().diagonal().enumerate();
-        // A multiplier with a redundant equation has a diagonal entry and no others.
-        let enforced =
-            |&(i, k): &(usize, usize)| self.S[k] == 0.0 && system.coordinate_info(i).is_multiplier;
-        let equations = diagonal.filter(enforced).count();
-        negative.checked_sub(equations)
+        let is_multiplier = |i: usize| system.coordinate_info(i).is_multiplier;
+        negative.checked_sub(enforced_equations(system.pattern(), &self.S, is_multiplier))
     }
+}
+
+/// Number of equations with multipliers in a tangent.
+pub(crate) fn enforced_equations(
+    pattern: &BlockPattern,
+    S: &[f64],
+    is_multiplier: impl Fn(usize) -> bool,
+) -> usize {
+    // A multiplier with a redundant equation has a diagonal entry and no others.
+    let enforced = |&(i, k): &(usize, usize)| S[k] == 0.0 && is_multiplier(i);
+    pattern.diagonal().enumerate().filter(enforced).count()
 }

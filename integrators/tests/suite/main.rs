@@ -2,6 +2,7 @@
 
 mod dynamics;
 mod linear_solver;
+mod linearization;
 mod schemes;
 mod statics;
 mod support;

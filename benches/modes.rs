@@ -1,0 +1,99 @@
+//! Modes: in factorisations of the same matrix, and a linearised rotating blade.
+//!
+//! `cargo bench --bench modes` prints the table.
+
+#![allow(non_snake_case, missing_docs)]
+
+use nalgebra::Matrix3;
+use pullback::elements::model::BeamLine;
+use pullback::integrators::linear_solver::{AutoSolver, LinearSolver, MatrixSymmetry};
+use pullback::integrators::linearization::{Linearized, ModeOptions, linearize, modes};
+use pullback::manifold::system::Point;
+use pullback::prelude::*;
+use std::error::Error;
+use std::time::Instant;
+
+fn section() -> Result<Section, Box<dyn Error>> {
+    let section = Section::diagonal(1e6, [4e5; 2], 80.0, [100.0, 150.0])?;
+    let inertia = Matrix3::from_diagonal(&[2.5e-4, 1e-4, 1.5e-4].into());
+    Ok(section.with_mass(1.0, inertia))
+}
+
+/// A frame of `bays` by `stories` cells, `elements` in each column and girder, clamped at the ground.
+fn frame(bays: usize, stories: usize, elements: usize) -> Result<Context, Box<dyn Error>> {
+    let mut b = ModelBuilder::new();
+    let mut nodes = Vec::new();
+    for j in 0..=stories {
+        for i in 0..=bays {
+            let node = b.node(format!("{i}.{j}"), [i as f64, 0.0, j as f64])?;
+            if j == 0 {
+                b.support(node, &Dof::ALL);
+            }
+            nodes.push(node);
+        }
+    }
+    let line = BeamLine {
+        elements,
+        order: 1,
+        section: section()?,
+    };
+    let at = |i: usize, j: usize| nodes[j * (bays + 1) + i];
+    for j in 0..stories {
+        for i in 0..=bays {
+            let girder = (i < bays).then(|| [at(i, j + 1), at(i + 1, j + 1)]);
+            for ends in [Some([at(i, j), at(i, j + 1)]), girder]
+                .into_iter()
+                .flatten()
+            {
+                let axis = StraightLine {
+                    from: b.position(ends[0]),
+                    to: b.position(ends[1]),
+                    second: None,
+                    twist: 0.0,
+                };
+                let name = format!("{} {}", b.node_name(ends[0]), b.node_name(ends[1]));
+                b.line(&name, &axis, ends, &line)?;
+            }
+        }
+    }
+    Ok(Context::new(b.build()?))
+}
+
+/// Seconds of a factorisation, as the search makes them.
+fn factorisation(lin: &Linearized) -> Result<f64, Box<dyn Error>> {
+    let mut solver = AutoSolver::new();
+    solver.analyse(&lin.pattern, MatrixSymmetry::Symmetric)?;
+    let mut best = f64::INFINITY;
+    for _ in 0..5 {
+        let start = Instant::now();
+        solver.factorise(&lin.K)?;
+        best = best.min(start.elapsed().as_secs_f64());
+    }
+    Ok(best)
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    println!("ten lowest modes            unknowns  factorisations made  time in factorisations");
+    for (name, mut context) in [
+        ("beam", frame(0, 1, 16_667)?),
+        ("frame of 20 by 20", frame(20, 20, 20)?),
+    ] {
+        let q = vec![0.0; context.initial().len()];
+        let lin = linearize(&mut context, Point::statics(0.0, &q))?;
+        let unit = factorisation(&lin)?;
+        let mut best = f64::INFINITY;
+        let mut made = 0;
+        for _ in 0..3 {
+            let start = Instant::now();
+            let found = modes(&lin, &ModeOptions::lowest(10))?;
+            best = best.min(start.elapsed().as_secs_f64());
+            made = found.factorisations;
+        }
+        println!(
+            "{name:26}  {:8}  {made:19}  {:22.1}",
+            lin.dim(),
+            best / unit
+        );
+    }
+    Ok(())
+}

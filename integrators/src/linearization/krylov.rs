@@ -1,0 +1,164 @@
+//! Krylov subspaces of an operator that is applied to one vector at a time.
+//!
+//! The vectors wait in the order in which they came: each is multiplied by the operator, and the part of
+//! the product that is new is appended (band Arnoldi method; Ruhe 1979, Math. Comp. 33). A start vector may
+//! be added at any time, as a second copy of a repeated eigenvalue needs one; with all unit
+//! vectors at the beginning the method is dense. The inner product xᵀ G y may be semi-definite: vectors
+//! without length are dropped, and with them infinite eigenvalues of a pencil with the singular mass
+//! matrix G (Nour-Omid, Parlett, Ericsson & Jensen 1987, Math. Comp. 48).
+
+#![allow(non_snake_case)]
+
+use super::ritz::{RitzPair, ritz_pairs};
+use std::collections::VecDeque;
+
+/// Square of the length that a product must keep to count as a new direction, relative to its own.
+const NEW: f64 = 1e-26;
+/// The same for start vectors, whose lengths may have cancelled.
+const INDEPENDENT: f64 = 1e-14;
+/// Square of the part removed in a pass that needs no other one, relative to what is left.
+const SMALL: f64 = 1e-26;
+/// Most passes: two suffice unless a vector vanishes.
+const PASSES: usize = 3;
+
+/// An orthonormal basis, and the operator in it.
+pub(super) struct Krylov {
+    basis: Vec<Vec<f64>>,
+    /// Column j: coefficients of A vⱼ in the basis.
+    columns: Vec<Vec<f64>>,
+    /// G v of the vectors that wait.
+    waiting: VecDeque<Vec<f64>>,
+}
+
+impl Krylov {
+    /// An empty basis.
+    pub fn new() -> Self {
+        Self {
+            basis: Vec::new(),
+            columns: Vec::new(),
+            waiting: VecDeque::new(),
+        }
+    }
+
+    /// Number of vectors that have been multiplied.
+    pub fn len(&self) -> usize {
+        self.columns.len()
+    }
+
+    /// Whether the basis is invariant: nothing is left to multiply.
+    pub fn is_exhausted(&self) -> bool {
+        self.columns.len() == self.basis.len()
+    }
+
+    /// Adds a start vector; false if the basis contains it.
+    pub fn add(&mut self, w: Vec<f64>, gram: &dyn Fn(&[f64]) -> Vec<f64>) -> bool {
+        let before = self.basis.len();
+        let none = vec![0.0; before];
+        self.append(w, none, gram, INDEPENDENT);
+        self.basis.len() > before
+    }
+
+    /// The next vector v to multiply, and G v.
+    pub fn next(&self) -> Option<(&[f64], &[f64])> {
+        Some((self.basis.get(self.columns.len())?, self.waiting.front()?))
+    }
+
+    /// Takes the product of the operator and [`Krylov::next`]; of a symmetric operator, the coefficients of earlier
+    /// vectors are known.
+    pub fn take(
+        &mut self,
+        mut product: Vec<f64>,
+        gram: &dyn Fn(&[f64]) -> Vec<f64>,
+        symmetric: bool,
+    ) {
+        let j = self.columns.len();
+        let mut known = vec![0.0; self.basis.len()];
+        if let (true, Some(Gv)) = (symmetric, self.waiting.front()) {
+            for (known, column) in known.iter_mut().zip(&self.columns) {
+                *known = column.get(j).copied().unwrap_or(0.0);
+            }
+            known[j] = dot(&product, Gv);
+            for (v, known) in self.basis.iter().zip(&known) {
+                if *known != 0.0 {
+                    add(&mut product, -known, v);
+                }
+            }
+        }
+        let column = self.append(product, known, gram, NEW);
+        self.columns.push(column);
+        self.waiting.pop_front();
+    }
+
+    /// Orthogonalises a vector, less the part of it with known coefficients, and appends what is left; returns
+    /// all coefficients.
+    fn append(
+        &mut self,
+        mut w: Vec<f64>,
+        mut coefficients: Vec<f64>,
+        gram: &dyn Fn(&[f64]) -> Vec<f64>,
+        least: f64,
+    ) -> Vec<f64> {
+        let mut Gw = gram(&w);
+        let mut left = dot(&w, &Gw);
+        let whole = left + dot(&coefficients, &coefficients);
+        for _ in 0..PASSES {
+            let mut removed = 0.0;
+            for (v, c) in self.basis.iter().zip(&mut coefficients) {
+                let part = dot(v, &Gw);
+                removed += part * part;
+                *c += part;
+                add(&mut w, -part, v);
+            }
+            // The next pass removes what this one leaves by rounding errors.
+            if removed <= SMALL * left {
+                break;
+            }
+            Gw = gram(&w);
+            left = dot(&w, &Gw);
+        }
+        if left > least * whole {
+            let length = left.sqrt();
+            w.iter_mut().chain(&mut Gw).for_each(|x| *x /= length);
+            self.basis.push(w);
+            self.waiting.push_back(Gw);
+            coefficients.push(length);
+        }
+        coefficients
+    }
+
+    /// Eigenvalues of the operator within the basis, the largest first; `None` if the dense solver fails.
+    pub fn ritz(&self, symmetric: bool) -> Option<Vec<RitzPair>> {
+        ritz_pairs(&self.columns, symmetric)
+    }
+
+    /// The vector with these coefficients in the basis.
+    pub fn combine(&self, coefficients: impl Iterator<Item = f64>) -> Vec<f64> {
+        let mut x = vec![0.0; self.basis.first().map_or(0, Vec::len)];
+        for (v, c) in self.basis.iter().zip(coefficients) {
+            add(&mut x, c, v);
+        }
+        x
+    }
+}
+
+/// xᵀ y.
+pub(super) fn dot(x: &[f64], y: &[f64]) -> f64 {
+    // Four sums, which a processor adds at the same time.
+    let (xs, x_rest) = x.as_chunks::<4>();
+    let (ys, y_rest) = y.as_chunks::<4>();
+    let mut sums = [0.0; 4];
+    for (x, y) in xs.iter().zip(ys) {
+        for k in 0..4 {
+            sums[k] += x[k] * y[k];
+        }
+    }
+    let rest: f64 = x_rest.iter().zip(y_rest).map(|(x, y)| x * y).sum();
+    sums.iter().sum::<f64>() + rest
+}
+
+/// x ← x + α y.
+pub(super) fn add(x: &mut [f64], alpha: f64, y: &[f64]) {
+    for (x, y) in x.iter_mut().zip(y) {
+        *x += alpha * y;
+    }
+}

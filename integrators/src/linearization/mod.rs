@@ -1,0 +1,211 @@
+//! Linear equations of motion about a state, and their modes.
+//!
+//! ```text
+//! M δq̈ + C δq̇ + K δq = (∂r/∂u) δu
+//! ```
+//!
+//! K, C and M are the exact tangents of the system at the state: at rest, in a motion, or in a relative
+//! equilibrium, where centrifugal and gyroscopic terms are part of K and C. Constraints are linearised with
+//! them. Maps leave independent coordinates, and multipliers are unknowns without mass, so that the modes
+//! are those in the null space of h_x in both cases.
+//!
+//! - [`linearize`] evaluates the matrices.
+//! - [`modes`] finds frequencies, damping and shapes by shift and invert, counted by Sylvester's law of
+//!   inertia.
+
+#![allow(non_snake_case)]
+
+mod inputs;
+mod krylov;
+mod modes;
+mod random;
+mod ritz;
+mod search;
+mod shift_invert;
+mod steady;
+
+pub use modes::{Mode, ModeOptions, Modes, ModesError, Selection, modes, modes_while};
+pub use steady::SteadyMotion;
+
+use crate::abilities::events;
+use crate::linear_solver::scaling::for_each;
+use crate::rounding::largest;
+use pullback_manifold::sparse::BlockPattern;
+use pullback_manifold::system::{
+    CoordinateInfo, Evaluation, Point, Quantity, System, SystemError, Weights,
+};
+use thiserror::Error;
+
+/// The linear equations of motion of a system about a state.
+#[derive(Clone, Debug)]
+pub struct Linearized {
+    /// Pattern of the matrices.
+    pub pattern: BlockPattern,
+    /// K = −∂r/∂q, values in the pattern.
+    pub K: Vec<f64>,
+    /// C = −∂r/∂q̇.
+    pub C: Vec<f64>,
+    /// M = −∂r/∂q̈.
+    pub M: Vec<f64>,
+    /// Column by column ∂r/∂u of the inputs of the system.
+    pub r_u: Vec<Vec<f64>>,
+    /// The coordinates: quantities, multipliers.
+    pub coordinates: Vec<CoordinateInfo>,
+    /// Their names.
+    pub names: Vec<String>,
+}
+
+/// Error of a linearisation.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum LinearizationError {
+    /// The system cannot be evaluated at the state.
+    #[error(transparent)]
+    System(#[from] SystemError),
+    /// The state satisfies no equations of motion.
+    #[error(
+        "the state is not in balance: the {quantity} of {name} is {residual:.3e}, which is {ratio:.1e} of the \
+         largest applied or reaction {quantity}; solve for equilibrium, or for consistent accelerations, first"
+    )]
+    Unbalanced {
+        /// The coordinate with the largest residual.
+        name: String,
+        /// Force, moment or residual.
+        quantity: &'static str,
+        /// Its residual.
+        residual: f64,
+        /// The residual relative to the largest force or moment.
+        ratio: f64,
+    },
+}
+
+/// Largest residual of a state in balance, relative to the forces.
+const BALANCED: f64 = 1e-4;
+
+/// Linearises a system about a state that satisfies its equations of motion.
+///
+/// At a static point, which has no velocities, K is the static tangent, and C and M are those at rest.
+///
+/// # Errors
+/// [`LinearizationError`] if the system cannot be evaluated, or the state is not in balance.
+pub fn linearize(system: &mut dyn System, at: Point<'_>) -> Result<Linearized, LinearizationError> {
+    let (n, len) = (system.pattern().dim(), system.pattern().len());
+    let zeros = vec![0.0; n];
+    let moving = match at.is_static() {
+        true => Point {
+            v: &zeros,
+            a: &zeros,
+            ..at
+        },
+        false => at,
+    };
+    let mut r = vec![0.0; n];
+    let mut tangent = |at: Point<'_>, K: f64, C: f64, M: f64| -> Result<Vec<f64>, SystemError> {
+        let (weights, mut S) = (Weights { K, C, M }, vec![0.0; len]);
+        system.evaluate(at, Evaluation::with_tangent(&mut r, weights, &mut S))?;
+        Ok(S)
+    };
+    let M = tangent(moving, 0.0, 0.0, 1.0)?;
+    let C = tangent(moving, 0.0, 1.0, 0.0)?;
+    let K = tangent(at, 1.0, 0.0, 0.0)?;
+    balanced(system, &r)?;
+    Ok(Linearized {
+        r_u: inputs::input_columns(system, at)?,
+        pattern: system.pattern().clone(),
+        K,
+        C,
+        M,
+        coordinates: (0..n).map(|i| system.coordinate_info(i)).collect(),
+        names: (0..n).map(|i| system.name(i)).collect(),
+    })
+}
+
+/// Refuses residuals that are not small beside the forces; without forces there is no measure.
+fn balanced(system: &dyn System, r: &[f64]) -> Result<(), LinearizationError> {
+    let quantities: Vec<Quantity> = (0..r.len())
+        .map(|i| system.coordinate_info(i).quantity)
+        .collect();
+    let worst = largest(&quantities, r, [0.0; 3]);
+    let measures = system.scales().measures();
+    for quantity in Quantity::ALL {
+        let (residual, measure) = (worst[quantity.index()], measures[quantity.index()]);
+        // The evaluation was finite.
+        if measure > 0.0 && residual > BALANCED * measure {
+            let at = |i: &usize| quantities[*i] == quantity && r[*i].abs() >= residual;
+            return Err(LinearizationError::Unbalanced {
+                name: (0..r.len())
+                    .find(at)
+                    .map_or_else(String::new, |i| system.name(i)),
+                quantity: quantity.conjugate(),
+                residual,
+                ratio: residual / measure,
+            });
+        }
+    }
+    Ok(())
+}
+
+impl Linearized {
+    /// Number of coordinates.
+    pub fn dim(&self) -> usize {
+        self.pattern.dim()
+    }
+
+    /// Entries of a matrix with these values: row, column, value; column by column in each block.
+    pub fn triplets<'a>(
+        &'a self,
+        values: &'a [f64],
+    ) -> impl Iterator<Item = (usize, usize, f64)> + 'a {
+        let p = &self.pattern;
+        let blocks = (0..p.blocks()).flat_map(|j| p.column(j).map(move |(i, range)| (i, j, range)));
+        blocks.flat_map(move |(i, j, range)| {
+            let pairs = p
+                .unknowns(j)
+                .flat_map(move |c| p.unknowns(i).map(move |r| (r, c)));
+            pairs
+                .zip(&values[range])
+                .map(|((r, c), value)| (r, c, *value))
+        })
+    }
+
+    /// A x for a matrix with these values.
+    fn product(&self, values: &[f64], x: &[f64], symmetric: bool) -> Vec<f64> {
+        let mut y = vec![0.0; x.len()];
+        match symmetric {
+            true => self.pattern.multiply_add_symmetric(values, x, &mut y),
+            false => self.pattern.multiply_add(1.0, values, x, &mut y),
+        }
+        y
+    }
+
+    /// Whether a matrix is symmetric but for rounding errors.
+    fn is_symmetric(&self, values: &[f64]) -> bool {
+        let p = &self.pattern;
+        let mut largest = vec![0.0_f64; self.dim()];
+        for_each(p, values, |r, _, value| {
+            largest[r] = largest[r].max(value.abs())
+        });
+        let roots: Vec<f64> = largest.iter().map(|x| x.sqrt()).collect();
+        let mut symmetric = true;
+        for j in 0..p.blocks() {
+            let columns = p.unknowns(j);
+            for (i, range) in p.column(j).filter(|(i, _)| *i >= j) {
+                let rows = p.unknowns(i);
+                let Some(other) = p.find(j, i) else {
+                    return false;
+                };
+                let entries = values[range].chunks_exact(rows.len().max(1));
+                for (c, column) in entries.enumerate() {
+                    for (r, a) in column.iter().enumerate() {
+                        let b = values[other + c + r * columns.len()];
+                        let scale = roots[rows.start + r] * roots[columns.start + c];
+                        symmetric &= (a - b).abs() <= SYMMETRIC * scale;
+                    }
+                }
+            }
+        }
+        symmetric
+    }
+}
+
+/// Largest difference of a pair of entries that counts as rounding, relative to their rows.
+const SYMMETRIC: f64 = 1e-11;

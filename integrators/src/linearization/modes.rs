@@ -1,0 +1,319 @@
+//! Frequencies, damping and shapes of the modes of a linearised system.
+
+#![allow(non_snake_case)]
+
+use super::Linearized;
+use super::search::Search;
+use super::shift_invert::Order;
+use crate::linear_solver::LinearError;
+use crate::linear_solver::scaling::{self, for_each};
+use num_complex::Complex64;
+use std::f64::consts::TAU;
+use std::ops::ControlFlow;
+use thiserror::Error;
+
+/// Which modes to find.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Selection {
+    /// Those nearest to a circular frequency, in the order of its distance; the lowest ones for zero.
+    Nearest {
+        /// Number of modes.
+        count: usize,
+        /// Circular frequency ω.
+        omega: f64,
+    },
+    /// All with a circular frequency in this range. Unstable modes without oscillation have none.
+    Range([f64; 2]),
+}
+
+/// Options of [`modes`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ModeOptions {
+    /// Which modes to find.
+    pub selection: Selection,
+    /// Whether C, damping and gyroscopic terms, is left out.
+    pub undamped: bool,
+}
+
+impl ModeOptions {
+    /// The lowest modes, with the damping of the system.
+    pub fn lowest(count: usize) -> Self {
+        Self {
+            selection: Selection::Nearest { count, omega: 0.0 },
+            undamped: false,
+        }
+    }
+}
+
+/// A mode: δq = Re(φ e^(λ t)).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mode {
+    /// λ, with Im λ ≥ 0: of a conjugate pair, one. A real λ > 0 is a mode that grows without oscillation.
+    pub eigenvalue: Complex64,
+    /// φ, coordinate by coordinate, with φᴴ M φ = 1 and its largest component real and positive.
+    pub shape: Vec<Complex64>,
+    /// Length of (K + λ C + λ² M) φ, relative to the sum of the three terms' bounds, in scaled coordinates.
+    pub residual: f64,
+}
+
+impl Mode {
+    /// Circular frequency |λ|: of the undamped vibration, if the mode is one.
+    pub fn omega(&self) -> f64 {
+        self.eigenvalue.norm()
+    }
+
+    /// Frequency of the oscillation, Im λ / 2π.
+    pub fn frequency(&self) -> f64 {
+        self.eigenvalue.im / TAU
+    }
+
+    /// Damping ratio −Re λ / |λ|, from −1 (grows) to 1 (decays without oscillation); zero for λ = 0.
+    pub fn damping_ratio(&self) -> f64 {
+        match self.omega() {
+            0.0 => 0.0,
+            // No negative zero.
+            omega => 0.0 - self.eigenvalue.re / omega,
+        }
+    }
+}
+
+/// Modes of a system, and how many there are.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Modes {
+    /// The modes, by growing |λ|.
+    pub modes: Vec<Mode>,
+    /// Number of eigenvalues in the region searched, by Sylvester's law of inertia: all of them were found.
+    /// `None` for a problem with damping or with matrices that are not symmetric, where no such count exists.
+    pub counted: Option<usize>,
+    /// Whether the system has no other modes.
+    pub complete: bool,
+    /// Number of factorisations.
+    pub factorisations: usize,
+}
+
+/// Error of [`modes`].
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum ModesError {
+    /// The options have no meaning.
+    #[error("{0}")]
+    Options(String),
+    /// No coordinate has mass.
+    #[error(
+        "no coordinate has mass: there are no vibrations. Give sections or bodies their inertia"
+    )]
+    NoMass,
+    /// A coordinate with a negative mass.
+    #[error("the mass of {name} is negative ({mass:.3e})")]
+    NegativeMass {
+        /// The coordinate.
+        name: String,
+        /// Its entry on the diagonal of M.
+        mass: f64,
+    },
+    /// The shifted stiffness cannot be factorised, whatever the shift.
+    #[error("K − σ M is singular for every shift σ: {error}; the coordinate is {name}")]
+    Singular {
+        /// Error of the last factorisation.
+        error: LinearError,
+        /// A coordinate without mass and stiffness.
+        name: String,
+    },
+    /// The linear solver failed.
+    #[error(transparent)]
+    Linear(#[from] LinearError),
+    /// The iteration did not converge.
+    #[error(
+        "{converged} modes converged in a Krylov subspace of dimension {dimension}, fewer than requested; ask for \
+         fewer modes, or for a narrower range"
+    )]
+    NotConverged {
+        /// Number of converged modes.
+        converged: usize,
+        /// Dimension of the subspace.
+        dimension: usize,
+    },
+    /// The observer ended the search.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+/// The modes of a linearised system.
+///
+/// Without damping, of K φ = ω² M φ. With it, of (K + λ C + λ² M) φ = 0, which holds for gyroscopic terms
+/// as well. Symmetric problems are counted by Sylvester's law of inertia, and repeated frequencies are
+/// found as often as they occur.
+///
+/// # Errors
+/// [`ModesError`].
+pub fn modes(lin: &Linearized, options: &ModeOptions) -> Result<Modes, ModesError> {
+    modes_while(lin, options, &mut |_| ControlFlow::Continue(()))
+}
+
+/// As [`modes`], with an observer that is told the dimension of the Krylov subspace and may end the search.
+///
+/// # Errors
+/// [`ModesError`].
+pub fn modes_while(
+    lin: &Linearized,
+    options: &ModeOptions,
+    observer: &mut dyn FnMut(usize) -> ControlFlow<()>,
+) -> Result<Modes, ModesError> {
+    check(lin, options)?;
+    Search::new(lin, options)?.run(observer)
+}
+
+fn check(lin: &Linearized, options: &ModeOptions) -> Result<(), ModesError> {
+    let refuse = |text: String| Err(ModesError::Options(text));
+    match options.selection {
+        Selection::Nearest { count: 0, .. } => {
+            return refuse("the number of modes must be at least 1".to_owned());
+        }
+        Selection::Nearest { omega, .. } if !(omega >= 0.0 && omega.is_finite()) => {
+            return refuse(format!(
+                "the circular frequency must be zero or positive, and is {omega}"
+            ));
+        }
+        Selection::Range([from, to]) if !(0.0 <= from && from < to && to.is_finite()) => {
+            return refuse(format!(
+                "a range of circular frequencies grows from zero or above; it is from {from} to {to}"
+            ));
+        }
+        _ => {}
+    }
+    if lin.M.iter().all(|m| *m == 0.0) {
+        return Err(ModesError::NoMass);
+    }
+    let negative = |(_, k): &(usize, usize)| lin.M[*k] < 0.0;
+    if let Some((i, k)) = lin.pattern.diagonal().enumerate().find(negative) {
+        return Err(ModesError::NegativeMass {
+            name: lin.names[i].clone(),
+            mass: lin.M[k],
+        });
+    }
+    Ok(())
+}
+
+/// Rounding errors of φᵀ K φ in units of those of its terms.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
+/// Makes modes of eigenvectors: their eigenvalues, scale and residual.
+pub(super) struct Finish<'a> {
+    lin: &'a Linearized,
+    order: Order,
+    symmetric: bool,
+    scales: Vec<f64>,
+    norms: [f64; 3],
+}
+
+impl<'a> Finish<'a> {
+    /// `scales` make the shifted matrix one of entries of order one.
+    pub fn new(lin: &'a Linearized, order: Order, symmetric: bool, scales: Vec<f64>) -> Self {
+        let norm = |values: &[f64]| scaling::norm(&lin.pattern, values, &scales);
+        Self {
+            norms: [norm(&lin.K), norm(&lin.C), norm(&lin.M)],
+            lin,
+            order,
+            symmetric,
+            scales,
+        }
+    }
+
+    /// A mode of an eigenvector of any length, and the eigenvalue of the search: ω² or λ.
+    pub fn mode(&self, mut shape: Vec<Complex64>, found: Complex64) -> Mode {
+        let lin = self.lin;
+        let with_C = self.order == Order::Quadratic;
+        let none = Vec::new();
+        let images = [
+            self.product(&lin.K, &shape),
+            if with_C {
+                self.product(&lin.C, &shape)
+            } else {
+                none
+            },
+            self.product(&lin.M, &shape),
+        ];
+        let form = |image: &[Complex64]| -> Complex64 {
+            shape.iter().zip(image).map(|(x, y)| x.conj() * y).sum()
+        };
+        let mass = form(&images[2]).re;
+        let eigenvalue = match (self.order, self.symmetric) {
+            (Order::Quadratic, _) => found,
+            // The quotient's error is the square of the eigenvector's.
+            (Order::Squares, true) => (-form(&images[0]) / mass).sqrt(),
+            (Order::Squares, false) => (-found).sqrt(),
+        };
+        let eigenvalue = match eigenvalue {
+            value if self.is_rigid(&shape, value.norm_sqr() * mass) => Complex64::ZERO,
+            value if value.im < 0.0 => -value,
+            value => value,
+        };
+        let residual = self.residual(&shape, &images, eigenvalue);
+        let weight = |i: &usize| shape[*i].norm_sqr() / (self.scales[*i] * self.scales[*i]);
+        let first = (0..shape.len()).max_by(|i, j| weight(i).total_cmp(&weight(j)));
+        let largest = first.map_or(Complex64::ONE, |i| shape[i]);
+        let factor = largest.conj() / (largest.norm() * mass.sqrt());
+        shape.iter_mut().for_each(|x| *x *= factor);
+        Mode {
+            // No negative zero.
+            eigenvalue: eigenvalue + Complex64::ZERO,
+            shape,
+            residual,
+        }
+    }
+
+    /// Whether rounding errors of K give a rigid mode of this shape φ as large an eigenvalue, times φᴴ M φ.
+    fn is_rigid(&self, shape: &[Complex64], stiffness: f64) -> bool {
+        let squares = shape.iter().zip(&self.scales);
+        let square: f64 = squares.map(|(x, s)| x.norm_sqr() / (s * s)).sum();
+        if stiffness > ROUNDING * self.norms[0] * square {
+            return false;
+        }
+        let sizes: Vec<f64> = shape.iter().map(|x| x.norm()).collect();
+        let mut sum = 0.0;
+        for_each(&self.lin.pattern, &self.lin.K, |r, c, K| {
+            sum += K.abs() * sizes[r] * sizes[c];
+        });
+        stiffness <= ROUNDING * sum
+    }
+
+    /// Length of (K + λ C + λ² M) φ, relative to the bounds of the three terms.
+    fn residual(
+        &self,
+        shape: &[Complex64],
+        images: &[Vec<Complex64>; 3],
+        eigenvalue: Complex64,
+    ) -> f64 {
+        let factors = [Complex64::ONE, eigenvalue, eigenvalue * eigenvalue];
+        let mut r = vec![Complex64::ZERO; shape.len()];
+        let mut bound = 0.0;
+        for ((image, factor), norm) in images.iter().zip(factors).zip(self.norms) {
+            for (r, y) in r.iter_mut().zip(image) {
+                *r += factor * y;
+            }
+            if !image.is_empty() {
+                bound += factor.norm() * norm;
+            }
+        }
+        let scaled = r.iter().zip(&self.scales);
+        let square: f64 = scaled.map(|(r, s)| r.norm_sqr() * s * s).sum();
+        let scaled = shape.iter().zip(&self.scales);
+        let length: f64 = scaled.map(|(x, s)| x.norm_sqr() / (s * s)).sum();
+        (square / length).sqrt() / bound
+    }
+
+    /// A x for a complex vector.
+    fn product(&self, values: &[f64], x: &[Complex64]) -> Vec<Complex64> {
+        let part = |pick: fn(&Complex64) -> f64| {
+            let x: Vec<f64> = x.iter().map(pick).collect();
+            match x.iter().all(|x| *x == 0.0) {
+                true => x,
+                false => self.lin.product(values, &x, self.symmetric),
+            }
+        };
+        let (re, im) = (part(|x| x.re), part(|x| x.im));
+        re.into_iter()
+            .zip(im)
+            .map(|(re, im)| Complex64::new(re, im))
+            .collect()
+    }
+}

@@ -1,0 +1,309 @@
+//! The search for modes by shift and invert in a Krylov subspace.
+
+#![allow(non_snake_case)]
+
+use super::Linearized;
+use super::krylov::{Krylov, dot};
+use super::modes::{Finish, Mode, ModeOptions, Modes, ModesError, Selection};
+use super::random::Random;
+use super::ritz::RitzPair;
+use super::shift_invert::{Order, ShiftInvert};
+use crate::linear_solver::LinearError;
+use num_complex::Complex64;
+use std::ops::ControlFlow;
+
+mod selection;
+mod start;
+
+use selection::squares;
+
+/// Up to this size of the operator all unit vectors are start vectors, a dense method.
+const DENSE: usize = 120;
+/// Steps between two looks at the eigenvalues.
+const LOOK: usize = 2;
+/// Most changes of the shift.
+const SHIFTS: usize = 12;
+/// Most halvings of a range towards the modes in it.
+const HALVINGS: usize = 24;
+/// The radius that is counted, relative to the distance of the last mode from the shift.
+const MARGIN: f64 = 1e-3;
+
+/// The search, with its operator and options.
+pub(super) struct Search<'a> {
+    lin: &'a Linearized,
+    selection: Selection,
+    order: Order,
+    symmetric: bool,
+    operator: ShiftInvert<'a>,
+    factorisations: usize,
+    /// ω² of the modes selected: the first shift without damping.
+    middle: f64,
+    /// Weights of the inner product if M is not used.
+    weights: Vec<f64>,
+    random: Random,
+}
+
+impl<'a> Search<'a> {
+    /// A search before its first factorisation.
+    pub fn new(lin: &'a Linearized, options: &ModeOptions) -> Result<Self, ModesError> {
+        let order = match options.undamped || lin.C.iter().all(|c| *c == 0.0) {
+            true => Order::Squares,
+            false => Order::Quadratic,
+        };
+        let symmetric =
+            order == Order::Squares && lin.is_symmetric(&lin.K) && lin.is_symmetric(&lin.M);
+        Ok(Self {
+            lin,
+            selection: options.selection,
+            order,
+            symmetric,
+            operator: ShiftInvert::new(lin, order, symmetric)?,
+            factorisations: 0,
+            middle: match options.selection {
+                Selection::Nearest { omega, .. } => omega * omega,
+                Selection::Range(_) => 0.0,
+            },
+            weights: Vec::new(),
+            random: Random(0),
+        })
+    }
+
+    /// Finds the modes.
+    pub fn run(
+        mut self,
+        observer: &mut dyn FnMut(usize) -> ControlFlow<()>,
+    ) -> Result<Modes, ModesError> {
+        let mut expected = self.number_in_range()?;
+        if expected == Some(0) {
+            return Ok(self.report(Vec::new(), expected, false));
+        }
+        let mut shift = self.first_shift()?;
+        let mut krylov = Krylov::new();
+        self.start(&mut krylov)?;
+        let mut shifts = 0;
+        loop {
+            let pairs = self.advance(&mut krylov, observer)?;
+            if let Some(other) = self
+                .better_shift(&pairs, krylov.is_exhausted())
+                .filter(|_| shifts < SHIFTS)
+            {
+                shifts += 1;
+                shift = self.factorise_near(other)?;
+                krylov = Krylov::new();
+                self.start(&mut krylov)?;
+                continue;
+            }
+            let converged = self.converged(&pairs);
+            let wanted = self.wanted(&pairs[..converged], expected);
+            let limit = 200 + 8 * wanted.unwrap_or(converged);
+            let Some(wanted) = wanted.or_else(|| krylov.is_exhausted().then_some(converged)) else {
+                if krylov.len() > limit {
+                    let dimension = krylov.len();
+                    return Err(ModesError::NotConverged {
+                        converged,
+                        dimension,
+                    });
+                }
+                continue;
+            };
+            // Of a repeated frequency, a Krylov subspace holds one mode for each start vector.
+            let missing = match self.symmetric && wanted > 0 {
+                true => self.missing(&pairs, converged, wanted, &mut expected)?,
+                false => 0,
+            };
+            if self.operator.shift() != shift {
+                self.factorise(shift)?;
+            }
+            if self.add_starts(&mut krylov, missing)? {
+                continue;
+            }
+            let complete = krylov.is_exhausted() && converged == pairs.len();
+            let modes = self.modes(&krylov, &pairs[..converged])?;
+            return Ok(self.report(modes, expected, complete));
+        }
+    }
+
+    fn report(&self, modes: Vec<Mode>, counted: Option<usize>, complete: bool) -> Modes {
+        Modes {
+            complete: complete && modes.len() < self.requested(),
+            modes,
+            counted,
+            factorisations: self.factorisations,
+        }
+    }
+
+    /// Number of modes requested, if it is a number.
+    fn requested(&self) -> usize {
+        match self.selection {
+            Selection::Nearest { count, .. } => count,
+            Selection::Range(_) => usize::MAX,
+        }
+    }
+
+    fn factorise(&mut self, shift: f64) -> Result<(), LinearError> {
+        self.factorisations += 1;
+        self.operator.factorise(shift)
+    }
+
+    /// Factorises at a shift, or beside it if it is an eigenvalue; returns the shift.
+    fn factorise_near(&mut self, shift: f64) -> Result<f64, ModesError> {
+        let mut error = None;
+        for part in [0.0, 1e-9, 1e-6, 1e-3] {
+            let near = shift * (1.0 + part);
+            match self.factorise(near) {
+                Ok(()) => return Ok(near),
+                Err(LinearError::NonFinite { what, unknown }) => {
+                    return Err(LinearError::NonFinite { what, unknown }.into());
+                }
+                Err(other) => error = Some(other),
+            }
+        }
+        let error = error.unwrap_or(LinearError::NotReady { call: "factorise" });
+        let name = match &error {
+            LinearError::ZeroRow { unknown }
+            | LinearError::VanishingPivot { unknown, .. }
+            | LinearError::Singular { unknown, .. } => self.lin.names[*unknown].clone(),
+            _ => "unknown".to_owned(),
+        };
+        Err(ModesError::Singular { error, name })
+    }
+
+    /// Number of eigenvalues in the range, if there is one and they can be counted. The shift is set to the middle
+    /// of the part of the range that holds them.
+    fn number_in_range(&mut self) -> Result<Option<usize>, ModesError> {
+        let Selection::Range(range) = self.selection else {
+            return Ok(None);
+        };
+        let [mut from, mut to] = squares(range);
+        self.middle = 0.5 * (from + to);
+        let (below, up_to) = match self.symmetric {
+            true => (self.below(from)?, self.below(to)?),
+            false => (None, None),
+        };
+        let (Some(below), Some(up_to)) = (below, up_to) else {
+            return Ok(None);
+        };
+        let count = up_to.saturating_sub(below);
+        for _ in 0..HALVINGS {
+            match self.below(self.middle)? {
+                Some(half) if half == below => from = self.middle,
+                Some(half) if half == up_to => to = self.middle,
+                _ => break,
+            }
+            self.middle = 0.5 * (from + to);
+        }
+        Ok(Some(count))
+    }
+
+    /// Number of eigenvalues below a limit, if they can be counted.
+    fn below(&mut self, limit: f64) -> Result<Option<usize>, ModesError> {
+        self.factorise_near(limit)?;
+        Ok(self.operator.below())
+    }
+
+    /// Some more steps, all if the method is dense; returns the eigenvalues of the operator.
+    fn advance(
+        &mut self,
+        krylov: &mut Krylov,
+        observer: &mut dyn FnMut(usize) -> ControlFlow<()>,
+    ) -> Result<Vec<RitzPair>, ModesError> {
+        let gram = self.gram();
+        let first = match self.selection {
+            Selection::Nearest { count, .. } => count + 8,
+            Selection::Range(_) => 8,
+        };
+        let end = match self.weights.len() {
+            size if size <= DENSE => usize::MAX,
+            _ => (krylov.len() + LOOK).max(first),
+        };
+        while krylov.len() < end {
+            let Some((v, Gv)) = krylov.next() else {
+                break;
+            };
+            let product = self.operator.apply(v, self.symmetric.then_some(Gv))?;
+            krylov.take(product, &gram, self.symmetric);
+            if observer(krylov.len()).is_break() {
+                return Err(ModesError::Interrupted);
+            }
+        }
+        let dimension = krylov.len();
+        krylov.ritz(self.symmetric).ok_or(ModesError::NotConverged {
+            converged: 0,
+            dimension,
+        })
+    }
+
+    /// Number of eigenvalues near the shift beyond the pairs found.
+    fn missing(
+        &mut self,
+        pairs: &[RitzPair],
+        converged: usize,
+        wanted: usize,
+        expected: &mut Option<usize>,
+    ) -> Result<usize, ModesError> {
+        if let Selection::Range(_) = self.selection {
+            let inside = self.inside(&pairs[..converged]);
+            return Ok(expected.map_or(0, |expected| expected.saturating_sub(inside)));
+        }
+        let shift = self.operator.shift();
+        let radius = pairs[wanted - 1].theta.norm().recip() * (1.0 + MARGIN);
+        let near = pairs[..converged]
+            .iter()
+            .filter(|p| p.theta.norm() * radius >= 1.0);
+        let found = near.count();
+        let (below, up_to) = (self.below(shift - radius)?, self.below(shift + radius)?);
+        *expected = up_to
+            .zip(below)
+            .map(|(up_to, below)| up_to.saturating_sub(below));
+        Ok(expected.map_or(0, |expected| expected.saturating_sub(found)))
+    }
+
+    /// The modes of converged pairs, as selected.
+    fn modes(&mut self, krylov: &Krylov, pairs: &[RitzPair]) -> Result<Vec<Mode>, ModesError> {
+        let finish = Finish::new(self.lin, self.order, self.symmetric, self.scales());
+        let n = self.lin.dim();
+        let mut chosen: Vec<&RitzPair> = pairs
+            .iter()
+            .filter(|p| self.is_upper(p) && self.is_in_range(p))
+            .collect();
+        if let Selection::Nearest { count, omega } = self.selection {
+            if self.order == Order::Quadratic {
+                let distance = |p: &RitzPair| (self.eigenvalue(p).norm() - omega).abs();
+                chosen.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+            }
+            chosen.truncate(count);
+        }
+        let mut modes: Vec<Mode> = Vec::with_capacity(chosen.len());
+        for pair in chosen {
+            // One product more reduces the error, and leaves no part without mass or velocity.
+            let mut image = |part: fn(&Complex64) -> f64| {
+                let coefficients = pair.vector.iter().map(part);
+                match coefficients.clone().all(|x| x == 0.0) {
+                    true => Ok(vec![0.0; self.weights.len()]),
+                    false => self.operator.apply(&krylov.combine(coefficients), None),
+                }
+            };
+            let (mut re, mut im) = (image(|x| x.re)?, image(|x| x.im)?);
+            let shape = re.drain(..n).zip(im.drain(..n));
+            let shape = shape.map(|(re, im)| Complex64::new(re, im)).collect();
+            let mode = finish.mode(shape, self.eigenvalue(pair));
+            if !self.repeats(&modes, &mode) {
+                modes.push(mode);
+            }
+        }
+        modes.sort_by(|a, b| a.omega().total_cmp(&b.omega()));
+        Ok(modes)
+    }
+
+    /// Whether a mode at rest was found before: with velocities, λ = 0 occurs twice for each.
+    fn repeats(&self, modes: &[Mode], mode: &Mode) -> bool {
+        if self.order == Order::Squares || mode.eigenvalue != Complex64::ZERO {
+            return false;
+        }
+        let real = |mode: &Mode| mode.shape.iter().map(|x| x.re).collect::<Vec<f64>>();
+        let Mx = self.lin.product(&self.lin.M, &real(mode), false);
+        let rigid = modes.iter().filter(|m| m.eigenvalue == Complex64::ZERO);
+        let squares = rigid.map(|m| dot(&real(m), &Mx).powi(2));
+        squares.sum::<f64>() > 0.99
+    }
+}

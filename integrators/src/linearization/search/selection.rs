@@ -1,0 +1,119 @@
+//! Which eigenvalues of the operator belong to the modes selected, and when they are enough.
+
+use super::{Order, RitzPair, Search, Selection};
+use num_complex::Complex64;
+
+/// Largest residual of a converged eigenvalue of the operator, relative to it.
+const CONVERGED: f64 = 1e-10;
+/// The same, relative to the largest eigenvalue: rounding errors of the solver.
+const FLOOR: f64 = 1e-15;
+/// Ratio of the eigenvalues of the operator above which another shift is taken.
+const SPREAD: f64 = 1e9;
+
+impl Search<'_> {
+    /// ω² or λ of an eigenvalue of the operator.
+    pub(super) fn eigenvalue(&self, pair: &RitzPair) -> Complex64 {
+        self.operator.shift() + pair.theta.inv()
+    }
+
+    /// A shift that suits the modes better: nearer to them, or farther from a rigid one that drowns them.
+    pub(super) fn better_shift(&self, pairs: &[RitzPair], exhausted: bool) -> Option<f64> {
+        let Selection::Nearest { count, omega: 0.0 } = self.selection else {
+            return None;
+        };
+        let shift = self.operator.shift();
+        let largest = pairs.first()?.theta.norm();
+        let k = self.position(pairs, count).min(pairs.len() - 1);
+        let last = self.eigenvalue(&pairs[k]).norm();
+        let square = match self.order {
+            Order::Squares => -0.25 * last,
+            Order::Quadratic => 0.5 * last,
+        };
+        let drowned = shift == 0.0 && largest > SPREAD * pairs[k].theta.norm() && !exhausted;
+        let far = shift != 0.0 && square.abs() < 0.1 * shift.abs() && last > 1e-9 * shift.abs();
+        ((drowned || far) && square.is_finite()).then_some(square)
+    }
+
+    /// Position of the pair that makes `count` modes, counting conjugate pairs once.
+    pub(super) fn position(&self, pairs: &[RitzPair], count: usize) -> usize {
+        let mut upper = pairs.iter().enumerate().filter(|(_, p)| self.is_upper(p));
+        upper.nth(count - 1).map_or(pairs.len(), |(k, _)| k)
+    }
+
+    /// Whether a pair is one of those with Im λ ≥ 0.
+    pub(super) fn is_upper(&self, pair: &RitzPair) -> bool {
+        self.order == Order::Squares || pair.theta.im <= 0.0
+    }
+
+    /// Number of converged eigenvalues, from the largest of the operator on. Those of infinite eigenvalues
+    /// are zero, and end the list.
+    pub(super) fn converged(&self, pairs: &[RitzPair]) -> usize {
+        let largest = pairs.first().map_or(0.0, |p| p.theta.norm());
+        let small = |p: &RitzPair| {
+            let size = p.theta.norm();
+            p.residual <= CONVERGED * size + FLOOR * largest && size > 1e-13 * largest
+        };
+        pairs.iter().take_while(|p| small(p)).count()
+    }
+
+    /// Number of the converged pairs that are needed, if they are enough.
+    pub(super) fn wanted(&self, converged: &[RitzPair], expected: Option<usize>) -> Option<usize> {
+        let reach = converged
+            .last()
+            .map(|p| self.eigenvalue(p).norm())
+            .unwrap_or(0.0);
+        match (self.selection, self.order) {
+            (Selection::Nearest { count, omega }, order) => {
+                let k = self.position(converged, count) + 1;
+                // Nearest to a frequency, of the lowest ones up to twice its distance.
+                let nearest = order == Order::Squares || omega == 0.0 || {
+                    let mut far: Vec<f64> = (converged.iter().filter(|p| self.is_upper(p)))
+                        .map(|p| (self.eigenvalue(p).norm() - omega).abs())
+                        .collect();
+                    far.sort_by(f64::total_cmp);
+                    far.get(count - 1).is_some_and(|d| omega + d < reach)
+                };
+                (k <= converged.len() && nearest).then_some(k)
+            }
+            (Selection::Range([_, to]), Order::Quadratic) => {
+                (reach > to).then_some(converged.len())
+            }
+            (Selection::Range([from, to]), Order::Squares) => match expected {
+                Some(expected) => (self.inside(converged) >= expected).then_some(converged.len()),
+                None => {
+                    let radius = 0.5 * (to * to - from * from);
+                    let last = converged.last()?.theta.norm();
+                    (last * radius < 1.0).then_some(converged.len())
+                }
+            },
+        }
+    }
+
+    pub(super) fn is_in_range(&self, pair: &RitzPair) -> bool {
+        let Selection::Range([from, to]) = self.selection else {
+            return true;
+        };
+        let value = self.eigenvalue(pair);
+        match self.order {
+            Order::Squares => {
+                let [from, to] = squares([from, to]);
+                (from..=to).contains(&value.re)
+            }
+            Order::Quadratic => (from..=to).contains(&value.norm()),
+        }
+    }
+
+    /// Number of pairs in the range.
+    pub(super) fn inside(&self, pairs: &[RitzPair]) -> usize {
+        pairs.iter().filter(|p| self.is_in_range(p)).count()
+    }
+}
+
+/// A range of ω². Rigid modes, zero but for rounding errors, lie in a range from zero.
+pub(super) fn squares([from, to]: [f64; 2]) -> [f64; 2] {
+    let square = to * to;
+    match from > 0.0 {
+        true => [from * from, square],
+        false => [-1e-9 * square, square],
+    }
+}

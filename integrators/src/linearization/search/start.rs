@@ -1,0 +1,133 @@
+//! The first shift, the inner product, and start vectors.
+
+use super::{DENSE, Krylov, ModesError, Order, Search, Selection, dot};
+use crate::linear_solver::LinearError;
+use crate::linear_solver::scaling::{self, for_each};
+
+impl<'a> Search<'a> {
+    /// A first shift, factorised.
+    pub(super) fn first_shift(&mut self) -> Result<f64, ModesError> {
+        let middle = match self.order {
+            Order::Squares => self.middle,
+            Order::Quadratic => 0.0,
+        };
+        if middle != 0.0 || self.factorise(0.0).is_err() {
+            // Beyond the spectrum of a rigid structure: K + |σ| M is positive definite.
+            let largest = self.largest_square();
+            let away = match self.order {
+                Order::Squares => -largest,
+                Order::Quadratic => largest.sqrt(),
+            };
+            let shift = self.factorise_near(if middle == 0.0 { away } else { middle })?;
+            self.weigh()?;
+            return Ok(shift);
+        }
+        self.weigh()?;
+        Ok(0.0)
+    }
+
+    /// The least K_ii / M_ii: an upper bound of the lowest ω² of a symmetric system.
+    fn largest_square(&self) -> f64 {
+        let diagonal = self.lin.pattern.diagonal();
+        let ratios = diagonal.map(|k| self.lin.K[k] / self.lin.M[k]);
+        let least = ratios
+            .filter(|x| *x > 0.0 && x.is_finite())
+            .fold(f64::INFINITY, f64::min);
+        if least.is_finite() { least } else { 1.0 }
+    }
+
+    /// Scales of the shifted matrix.
+    pub(super) fn scales(&self) -> Vec<f64> {
+        let n = self.lin.dim();
+        let (mut scales, mut work) = (vec![1.0; n], vec![0.0; n]);
+        let values = self.operator.values();
+        // It was factorised: no row is zero.
+        let _ = scaling::scales(&self.lin.pattern, values, &mut scales, &mut work);
+        scales
+    }
+
+    /// Weights of the coordinates on which the operator depends, in scaled coordinates.
+    pub(super) fn weigh(&mut self) -> Result<(), LinearError> {
+        let lin = self.lin;
+        let (mut by_C, mut by_M) = (vec![0.0_f64; lin.dim()], vec![0.0_f64; lin.dim()]);
+        for_each(&lin.pattern, &lin.C, |_, c, value| by_C[c] += value.abs());
+        for_each(&lin.pattern, &lin.M, |_, c, value| by_M[c] += value.abs());
+        let scales = self.scales();
+        let weight = |i: usize, reads: bool| if reads { scales[i].powi(-2) } else { 0.0 };
+        let n = lin.dim();
+        self.weights = match self.order {
+            Order::Squares => (0..n).map(|i| weight(i, by_M[i] > 0.0)).collect(),
+            Order::Quadratic => {
+                let first = (0..n).map(|i| weight(i, by_C[i] + by_M[i] > 0.0));
+                let square = self.lowest_square()?;
+                let second = (0..n).map(|i| weight(i, by_M[i] > 0.0) / square);
+                first.chain(second).collect()
+            }
+        };
+        Ok(())
+    }
+
+    /// An estimate of |λ|² of the modes nearest to the shift: two steps of the power method.
+    fn lowest_square(&mut self) -> Result<f64, LinearError> {
+        let n = self.lin.dim();
+        let mut x = vec![0.0; 2 * n];
+        x[n..].fill_with(|| self.random.next());
+        let mut square = 1.0;
+        for _ in 0..2 {
+            let mut y = self.operator.apply(&x, None)?;
+            let Mx = self.lin.product(&self.lin.M, &x[n..], false);
+            square = dot(&Mx, &x[n..]) / dot(&Mx, &y[..n]).abs();
+            y.rotate_right(n);
+            y[..n].fill(0.0);
+            x = y;
+        }
+        Ok(square)
+    }
+
+    /// The inner product of the search: M if the problem is symmetric.
+    pub(super) fn gram(&self) -> impl Fn(&[f64]) -> Vec<f64> + use<'a> {
+        let (lin, symmetric) = (self.lin, self.symmetric);
+        let weights = self.weights.clone();
+        move |x| match symmetric {
+            true => lin.product(&lin.M, x, true),
+            false => x.iter().zip(&weights).map(|(x, w)| w * x).collect(),
+        }
+    }
+
+    /// Start vectors: all unit vectors if there are few, else one.
+    pub(super) fn start(&mut self, krylov: &mut Krylov) -> Result<(), ModesError> {
+        let size = self.weights.len();
+        let few = match self.selection {
+            Selection::Nearest { count, .. } => size <= DENSE.max(4 * count),
+            Selection::Range(_) => size <= DENSE,
+        };
+        if !few {
+            self.add_starts(krylov, 1)?;
+            return Ok(());
+        }
+        let gram = self.gram();
+        for i in 0..size {
+            let mut unit = vec![0.0; size];
+            unit[i] = 1.0;
+            krylov.add(unit, &gram);
+        }
+        Ok(())
+    }
+
+    /// Adds pseudo-random start vectors in the range of the operator; false if the basis holds them.
+    pub(super) fn add_starts(
+        &mut self,
+        krylov: &mut Krylov,
+        count: usize,
+    ) -> Result<bool, ModesError> {
+        let mut added = false;
+        for _ in 0..count {
+            let random = &mut self.random;
+            let scaled = |w: &f64| random.next() * if *w > 0.0 { w.sqrt().recip() } else { 0.0 };
+            let vector: Vec<f64> = self.weights.iter().map(scaled).collect();
+            let vector = self.operator.apply(&vector, None)?;
+            added |= krylov.add(vector, &self.gram());
+        }
+        Ok(added)
+    }
+}

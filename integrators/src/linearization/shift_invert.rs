@@ -1,0 +1,108 @@
+//! The inverse of a shifted pencil, whose largest eigenvalues belong to the modes nearest to the shift.
+
+use super::Linearized;
+use crate::linear_solver::{AutoSolver, LinearError, LinearSolver, MatrixSymmetry};
+
+/// Order of an eigenvalue problem in its eigenvalue.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Order {
+    /// (K − σ M) x = 0 of the squares σ = ω², without C.
+    Squares,
+    /// (K + s C + s² M) x = 0, with vectors (x, s x).
+    Quadratic,
+}
+
+/// The operator (K − σ M)⁻¹ M, or that of the companion form of K + s C + s² M, with eigenvalues
+/// θ = 1/(λ − shift).
+pub(super) struct ShiftInvert<'a> {
+    lin: &'a Linearized,
+    order: Order,
+    shift: f64,
+    solver: AutoSolver,
+    values: Vec<f64>,
+}
+
+impl<'a> ShiftInvert<'a> {
+    /// The operator before its factorisation.
+    ///
+    /// # Errors
+    /// [`LinearError`] of the analysis of the pattern.
+    pub fn new(lin: &'a Linearized, order: Order, symmetric: bool) -> Result<Self, LinearError> {
+        let mut solver = AutoSolver::new();
+        let symmetry = match symmetric {
+            true => MatrixSymmetry::Symmetric,
+            false => MatrixSymmetry::General,
+        };
+        solver.analyse(&lin.pattern, symmetry)?;
+        Ok(Self {
+            lin,
+            order,
+            shift: 0.0,
+            solver,
+            values: lin.K.clone(),
+        })
+    }
+
+    /// Factorises at a shift.
+    ///
+    /// # Errors
+    /// [`LinearError`] if the shift is an eigenvalue.
+    pub fn factorise(&mut self, shift: f64) -> Result<(), LinearError> {
+        let (c, m) = match self.order {
+            Order::Squares => (0.0, -shift),
+            Order::Quadratic => (shift, shift * shift),
+        };
+        self.shift = shift;
+        let matrices = self.lin.K.iter().zip(&self.lin.C).zip(&self.lin.M);
+        for (s, ((K, C), M)) in self.values.iter_mut().zip(matrices) {
+            *s = K + c * C + m * M;
+        }
+        self.solver.factorise(&self.values)
+    }
+
+    /// Number of eigenvalues below the shift of the last factorisation, of a symmetric pencil with a mass
+    /// matrix that is not negative; `None` if unknown.
+    ///
+    /// By Sylvester's law of inertia it is the number of negative eigenvalues of K − σ M, less one for each
+    /// equation with a multiplier.
+    pub fn below(&mut self) -> Option<usize> {
+        let negative = self.solver.negative_pivots(&self.values)?;
+        let is_multiplier = |i: usize| self.lin.coordinates[i].is_multiplier;
+        let equations =
+            crate::statics::enforced_equations(&self.lin.pattern, &self.values, is_multiplier);
+        negative.checked_sub(equations)
+    }
+
+    /// The shift.
+    pub fn shift(&self) -> f64 {
+        self.shift
+    }
+
+    /// The matrix of the last factorisation.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// The product of the operator and a vector x; `Mx` is M x, if it is known.
+    ///
+    /// # Errors
+    /// [`LinearError`] of a solution that is not accurate.
+    pub fn apply(&mut self, x: &[f64], Mx: Option<&[f64]>) -> Result<Vec<f64>, LinearError> {
+        let (lin, s, n) = (self.lin, self.shift, self.lin.dim());
+        if self.order == Order::Squares {
+            let mut y = Mx.map_or_else(|| lin.product(&lin.M, x, false), <[f64]>::to_vec);
+            self.solver.solve(Some(&self.values), &mut y)?;
+            return Ok(y);
+        }
+        // −(K + s C + s² M) x' = M v + (C + s M) x,  v' = x + s x'.
+        let (x, v) = x.split_at(n);
+        let mut y = vec![0.0; n];
+        let sum: Vec<f64> = x.iter().zip(v).map(|(x, v)| v + s * x).collect();
+        lin.pattern.multiply_add(-1.0, &lin.M, &sum, &mut y);
+        lin.pattern.multiply_add(-1.0, &lin.C, x, &mut y);
+        self.solver.solve(Some(&self.values), &mut y)?;
+        let v: Vec<f64> = x.iter().zip(&y).map(|(x, y)| x + s * y).collect();
+        y.extend(v);
+        Ok(y)
+    }
+}

@@ -1,0 +1,69 @@
+//! Steady motion: equilibrium relative to frames in prescribed motion.
+
+use super::events;
+use super::inputs::derivative;
+use pullback_manifold::sparse::BlockPattern;
+use pullback_manifold::system::{CoordinateInfo, Evaluation, Point, Scales, System, SystemError};
+
+/// A system at one instant of its prescribed motion, with all coordinates at rest: q̇ = q̈ = 0.
+///
+/// Where the coordinates are relative to a frame that rotates with a constant speed, an equilibrium of this
+/// system is a steady rotation. Its load parameter is the value of an input, such as the speed: statics
+/// finds the equilibria ([`equilibrium`](crate::statics::equilibrium)), and
+/// [`linearize`](super::linearize) at velocities and accelerations of zero their matrices K, C and M.
+pub struct SteadyMotion<'a> {
+    system: &'a mut dyn System,
+    t: f64,
+    input: usize,
+    zeros: Vec<f64>,
+}
+
+impl<'a> SteadyMotion<'a> {
+    /// The system at time `t`, with the input of this number as its load parameter.
+    pub fn new(system: &'a mut dyn System, t: f64, input: impl Into<usize>) -> Self {
+        Self {
+            zeros: vec![0.0; system.pattern().dim()],
+            system,
+            t,
+            input: input.into(),
+        }
+    }
+}
+
+impl System for SteadyMotion<'_> {
+    fn pattern(&self) -> &BlockPattern {
+        self.system.pattern()
+    }
+
+    fn evaluate(&mut self, at: Point<'_>, mut out: Evaluation<'_>) -> Result<(), SystemError> {
+        let still = Point {
+            t: self.t,
+            q: at.q,
+            v: &self.zeros,
+            a: &self.zeros,
+        };
+        let r_t = out.r_t.take();
+        if let Some(previous) = &mut out.previous {
+            previous.t = self.t;
+        }
+        if let Some(r_t) = r_t {
+            r_t.copy_from_slice(&derivative(&mut *self.system, still, self.input, at.t)?);
+        }
+        if let Some(input) = events(&mut *self.system).inputs().get_mut(self.input) {
+            *input = at.t;
+        }
+        self.system.evaluate(still, out)
+    }
+
+    fn scales(&self) -> Scales {
+        self.system.scales()
+    }
+
+    fn coordinate_info(&self, i: usize) -> CoordinateInfo {
+        self.system.coordinate_info(i)
+    }
+
+    fn name(&self, i: usize) -> String {
+        self.system.name(i)
+    }
+}

@@ -1,0 +1,158 @@
+//! Modes of systems with exact eigenvalues, and of those without modes.
+
+#![allow(non_snake_case)]
+
+use pullback_integrators::linearization::{
+    Linearized, ModeOptions, ModesError, Selection, modes, modes_while,
+};
+use pullback_manifold::sparse::BlockPattern;
+use pullback_manifold::system::CoordinateInfo;
+use std::ops::ControlFlow;
+
+/// Masses of one between n + 1 springs of one, fixed at both ends, with C = α M + β K.
+fn chain(n: usize, alpha: f64, beta: f64) -> Linearized {
+    let pairs: Vec<[u32; 2]> = (1..n as u32).map(|i| [i - 1, i]).collect();
+    let pattern = BlockPattern::new(&vec![1; n], pairs);
+    let (mut K, mut M) = (vec![0.0; pattern.len()], vec![0.0; pattern.len()]);
+    for j in 0..n {
+        for (i, range) in pattern.column(j) {
+            K[range.start] = if i == j { 2.0 } else { -1.0 };
+            M[range.start] = if i == j { 1.0 } else { 0.0 };
+        }
+    }
+    let C = K
+        .iter()
+        .zip(&M)
+        .map(|(K, M)| alpha * M + beta * K)
+        .collect();
+    Linearized {
+        K,
+        C,
+        M,
+        r_u: Vec::new(),
+        coordinates: vec![CoordinateInfo::default(); n],
+        names: (0..n).map(|i| format!("mass {i}")).collect(),
+        pattern,
+    }
+}
+
+/// ω of mode k.
+fn omega(n: usize, k: usize) -> f64 {
+    2.0 * (0.5 * k as f64 * std::f64::consts::PI / (n as f64 + 1.0)).sin()
+}
+
+fn all(range: [f64; 2]) -> ModeOptions {
+    ModeOptions {
+        selection: Selection::Range(range),
+        undamped: false,
+    }
+}
+
+#[test]
+fn damped_modes_of_a_chain() {
+    for n in [5, 40, 300] {
+        let (alpha, beta) = (1e-3, 0.3);
+        let found = modes(&chain(n, alpha, beta), &ModeOptions::lowest(5)).unwrap();
+        assert_eq!((found.modes.len(), found.counted), (5, None));
+        for (k, mode) in found.modes.iter().enumerate() {
+            let omega = omega(n, k + 1);
+            let zeta = 0.5 * (alpha / omega + beta * omega);
+            assert!(
+                (mode.omega() / omega - 1.0).abs() < 1e-12,
+                "{n}: {}",
+                mode.eigenvalue
+            );
+            assert!(
+                (mode.damping_ratio() / zeta - 1.0).abs() < 1e-10,
+                "{n}: {}",
+                mode.eigenvalue
+            );
+            assert!(mode.residual < 1e-12, "{n}: {}", mode.residual);
+        }
+    }
+}
+
+#[test]
+fn modes_in_a_range_are_counted() {
+    let n = 2000;
+    let inside = |range: [f64; 2]| {
+        let all = (1..=n).map(|k| omega(n, k));
+        all.filter(|omega| (range[0]..range[1]).contains(omega))
+            .count()
+    };
+    for range in [[0.5, 0.51], [1.9999, 2.1], [0.0, 0.01]] {
+        let found = modes(&chain(n, 0.0, 0.0), &all(range)).unwrap();
+        assert_eq!(found.counted, Some(inside(range)));
+        assert_eq!(found.modes.len(), inside(range));
+    }
+    let empty = modes(&chain(n, 0.0, 0.0), &all([2.1, 3.0])).unwrap();
+    assert_eq!((empty.modes.len(), empty.counted), (0, Some(0)));
+    let damped = modes(&chain(n, 0.0, 0.2), &all([0.0, 0.02])).unwrap();
+    assert_eq!(damped.modes.len(), inside([0.0, 0.02]));
+}
+
+#[test]
+fn more_modes_than_freedoms() {
+    let found = modes(&chain(3, 0.0, 0.0), &ModeOptions::lowest(10)).unwrap();
+    assert!(found.complete && found.modes.len() == 3 && found.counted == Some(3));
+    let damped = modes(&chain(3, 0.0, 0.1), &ModeOptions::lowest(10)).unwrap();
+    assert!(damped.complete && damped.modes.len() == 3);
+}
+
+#[test]
+fn coordinates_without_mass() {
+    // Every second mass is zero: springs of one half between the others.
+    let mut lin = chain(401, 0.0, 0.0);
+    let diagonal: Vec<usize> = lin.pattern.diagonal().collect();
+    for k in diagonal.iter().step_by(2) {
+        lin.M[*k] = 0.0;
+    }
+    let found = modes(&lin, &ModeOptions::lowest(6)).unwrap();
+    assert_eq!(found.counted, Some(6));
+    for (k, mode) in found.modes.iter().enumerate() {
+        let exact = omega(200, k + 1) / 2.0_f64.sqrt();
+        assert!(
+            (mode.omega() / exact - 1.0).abs() < 1e-12,
+            "{}",
+            mode.eigenvalue
+        );
+    }
+}
+
+#[test]
+fn systems_and_requests_without_modes() {
+    let refused = |lin: &Linearized, options: &ModeOptions| modes(lin, options).unwrap_err();
+    let mut lin = chain(4, 0.0, 0.0);
+    assert!(matches!(
+        refused(&lin, &ModeOptions::lowest(0)),
+        ModesError::Options(_)
+    ));
+    assert!(matches!(
+        refused(&lin, &all([2.0, 1.0])),
+        ModesError::Options(_)
+    ));
+    lin.M[0] = -1.0;
+    let error = refused(&lin, &ModeOptions::lowest(1)).to_string();
+    assert!(error.contains("mass 0"), "{error}");
+    lin.M.fill(0.0);
+    assert_eq!(refused(&lin, &ModeOptions::lowest(1)), ModesError::NoMass);
+}
+
+#[test]
+fn a_system_without_stiffness_has_zero_frequencies() {
+    let mut lin = chain(4, 0.0, 0.0);
+    lin.K.fill(0.0);
+    let found = modes(&lin, &ModeOptions::lowest(4)).unwrap();
+    assert!(found.modes.iter().all(|mode| mode.omega() == 0.0) && found.modes.len() == 4);
+}
+
+#[test]
+fn an_observer_ends_the_search() {
+    let lin = chain(2000, 0.0, 0.0);
+    let mut stop = |dimension| match dimension < 3 {
+        true => ControlFlow::Continue(()),
+        false => ControlFlow::Break(()),
+    };
+    let ended = modes_while(&lin, &ModeOptions::lowest(5), &mut stop);
+    assert_eq!(ended.unwrap_err(), ModesError::Interrupted);
+}

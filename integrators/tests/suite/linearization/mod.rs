@@ -1,0 +1,3 @@
+//! Modes of linear systems.
+
+mod chain;
