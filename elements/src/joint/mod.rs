@@ -16,6 +16,7 @@
 //! | [`Prismatic`] | the displacement along an axis | Shabana 2013, 3.3 |
 //! | [`Planar`] | two displacements in a plane, the angle about its normal | Shabana 2013, 3.3 |
 //! | [`Helical`] | the angle of a screw | Shabana 2013, 3.3 |
+//! | [`Free`] | three displacements and a rotation vector relative to the parent | Shabana 2013, 3.3 |
 //! | [`OnCurve`] | the parameter of a space curve ([`Spline`], or any [`Curve`]), and all rotations | |
 //! | [`OnSurface`] | two parameters of a surface ([`Quadric`], or any [`Surface`]), and all rotations | |
 //! | [`ModelBuilder::gear`](crate::model::ModelBuilder::gear) | none: it couples coordinates of two joints | Shabana 2013, 3.3 |
@@ -23,6 +24,7 @@
 mod axes;
 mod constant_velocity;
 mod cylindrical;
+mod free;
 mod gear;
 mod helical;
 mod link;
@@ -42,6 +44,7 @@ mod universal;
 pub use axes::AxisError;
 pub use constant_velocity::ConstantVelocity;
 pub use cylindrical::Cylindrical;
+pub use free::Free;
 pub use gear::GearError;
 pub use helical::Helical;
 pub use map::JointMap;

@@ -1,7 +1,7 @@
 //! Joints in a model: the child of each, and nodes for its coordinates.
 
 use super::shape::Chain;
-use super::{Joint, JointMap, Offset, Slide};
+use super::{Free, Joint, JointMap, Offset, Slide};
 use crate::beam::Interpolation;
 use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
@@ -82,6 +82,28 @@ impl ModelBuilder {
     ) -> Result<NodeId, ModelError> {
         let c = Vector3::from(position) - self.position(parent);
         self.add_joint_frame(name, parent, Offset { c }, &[])
+    }
+
+    /// Adds a frame node whose six coordinates, the node `name coordinates`, are relative to another frame: see
+    /// [`Free`].
+    ///
+    /// # Errors
+    /// As [`ModelBuilder::mapped_node`].
+    pub fn relative_node(
+        &mut self,
+        name: impl Into<String>,
+        parent: NodeId,
+        position: [f64; 3],
+    ) -> Result<JointNodes, ModelError> {
+        let name = name.into();
+        let joint = Free {
+            c: Vector3::from(position) - self.position(parent),
+        };
+        let quantities = joint.coordinates().map(|(_, quantity)| quantity);
+        let own = self.coordinates(format!("{name} coordinates"), &quantities)?;
+        let frame = self.add_joint_frame(name, parent, joint, &[own])?;
+        let coordinates = vec![own];
+        Ok(JointNodes { frame, coordinates })
     }
 
     /// Adds a frame node `name` that slides along the two-node beam elements between `chain`'s nodes,

@@ -107,6 +107,34 @@ impl ModelBuilder {
             nodes.push(self.node(format!("{name}/{k}"), at(k as f64).0.into())?);
         }
         nodes.push(to);
+        let elements = self.line_through(name, axis, &nodes, line, interpolation)?;
+        Ok(BeamLineNodes { nodes, elements })
+    }
+
+    /// Adds beam elements along `axis` through existing nodes, from its start to its end.
+    ///
+    /// # Errors
+    /// [`ModelError`] with the name of the line or the element.
+    pub fn line_through(
+        &mut self,
+        name: &str,
+        axis: &dyn ReferenceCurve,
+        nodes: &[NodeId],
+        line: &BeamLine,
+        interpolation: Interpolation,
+    ) -> Result<Vec<ElementId>, ModelError> {
+        if nodes.len() != line.elements * line.order + 1 {
+            return Err(ModelError::Line {
+                line: name.to_owned(),
+                problem: format!(
+                    "{} elements of order {} need {} nodes, and have {}",
+                    line.elements,
+                    line.order,
+                    line.elements * line.order + 1,
+                    nodes.len()
+                ),
+            });
+        }
         let mut elements = Vec::with_capacity(line.elements);
         for e in 0..line.elements {
             let first = e * line.order;
@@ -123,6 +151,6 @@ impl ModelBuilder {
                 })?;
             elements.push(self.element(element_name, beam, &own)?);
         }
-        Ok(BeamLineNodes { nodes, elements })
+        Ok(elements)
     }
 }

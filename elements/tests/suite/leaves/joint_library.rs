@@ -60,6 +60,8 @@ fn every_joint_of_the_library_obeys_the_laws_of_a_map() {
     check::joint(&joint::Cylindrical::new(axis).unwrap()).assert();
     check::joint(&joint::Prismatic::new(axis).unwrap()).assert();
     check::joint(&joint::Planar::new(axis, [1.0, 1.0, 1.0]).unwrap()).assert();
+    let c = Vector3::new(0.3, -0.2, 0.5);
+    check::joint(&joint::Free { c }).assert();
     check::joint(&joint::Helical::new(axis, 0.7).unwrap()).assert();
     check::joint(&joint::OnCurve::new(Helix)).assert();
     check::joint(&joint::OnSurface::new(Saddle)).assert();

@@ -1,0 +1,259 @@
+//! Modes of straight beams against the exact solutions of Timoshenko's equations.
+#![allow(clippy::unwrap_used, non_snake_case)]
+
+use crate::support::beams::straight;
+use nalgebra::{Matrix3, Matrix4};
+use pullback::integrators::linearization::{
+    Linearized, ModeOptions, Modes, Selection, linearize, modes,
+};
+use pullback::manifold::system::Point;
+use pullback::prelude::*;
+
+/// A beam along x of length 1: stiffness in stretching, shear, torsion and bending, inertia per length.
+#[derive(Clone, Copy)]
+pub struct Beam {
+    pub EA: f64,
+    pub GA: f64,
+    pub GJ: f64,
+    pub EI: [f64; 2],
+    pub A_rho: f64,
+    pub I_rho: [f64; 2],
+}
+
+pub const BEAM: Beam = Beam {
+    EA: 400.0,
+    GA: 150.0,
+    GJ: 0.8,
+    EI: [1.0, 1.7],
+    A_rho: 1.0,
+    I_rho: [2.5e-3, 4.25e-3],
+};
+
+impl Beam {
+    pub fn section(&self) -> Section {
+        let section = Section::diagonal(self.EA, [self.GA; 2], self.GJ, self.EI).unwrap();
+        let [I2, I3] = self.I_rho;
+        section.with_mass(
+            self.A_rho,
+            Matrix3::from_diagonal(&[I2 + I3, I2, I3].into()),
+        )
+    }
+
+    /// Elements of order three, clamped at the first node or free.
+    pub fn context(&self, elements: usize, order: usize, clamped: bool) -> Context {
+        let mut b = ModelBuilder::new();
+        let ends = [("A", 0.0), ("B", 1.0)].map(|(name, x)| b.node(name, [x, 0.0, 0.0]).unwrap());
+        let line = BeamLine {
+            elements,
+            order,
+            section: self.section(),
+        };
+        let axis = straight(&b, ends);
+        b.line("beam", &axis, ends, &line).unwrap();
+        if clamped {
+            b.support(ends[0], &Dof::ALL);
+        }
+        Context::new(b.build().unwrap())
+    }
+
+    /// Determinant of the free end of a clamped beam that vibrates with ω in bending about axis `k`, by the
+    /// exponential of w' = Q/GA + φ, φ' = M/EI, Q' = −Aρ ω² w, M' = −Q − Iρ ω² φ.
+    fn clamped_free(&self, k: usize, omega: f64) -> f64 {
+        let square = omega * omega;
+        let A = Matrix4::new(
+            0.0,
+            1.0,
+            1.0 / self.GA,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            1.0 / self.EI[k],
+            -self.A_rho * square,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            -self.I_rho[k] * square,
+            -1.0,
+            0.0,
+        );
+        let end = A.exp().fixed_view::<2, 2>(2, 2).into_owned();
+        end.determinant()
+    }
+
+    /// The lowest frequencies of the clamped beam, sorted.
+    pub fn frequencies(&self, count: usize) -> Vec<f64> {
+        let mut all = Vec::new();
+        for k in 0..2 {
+            let f = |omega| self.clamped_free(k, omega);
+            let grid = (0..4000).map(|i| 0.05 * f64::from(i));
+            for a in grid {
+                let b = a + 0.05;
+                if f(a) * f(b) < 0.0 {
+                    all.push(bisect(&f, a, b));
+                }
+            }
+        }
+        let I_polar = self.I_rho[0] + self.I_rho[1];
+        for n in 0..count {
+            let kappa = (n as f64 + 0.5) * std::f64::consts::PI;
+            all.push(kappa * (self.EA / self.A_rho).sqrt());
+            all.push(kappa * (self.GJ / I_polar).sqrt());
+        }
+        all.sort_by(f64::total_cmp);
+        all.truncate(count);
+        all
+    }
+}
+
+fn bisect(f: &dyn Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
+    for _ in 0..80 {
+        let m = 0.5 * (a + b);
+        if f(a) * f(m) <= 0.0 { b = m } else { a = m }
+    }
+    0.5 * (a + b)
+}
+
+pub fn linear(context: &mut Context) -> Linearized {
+    let q = vec![0.0; context.initial().len()];
+    linearize(context, Point::statics(0.0, &q)).unwrap()
+}
+
+pub fn omegas(found: &Modes) -> Vec<f64> {
+    found.modes.iter().map(|m| m.omega()).collect()
+}
+
+#[test]
+fn modes_of_a_cantilever() {
+    let exact = BEAM.frequencies(10);
+    let errors = [8, 16].map(|elements| {
+        let lin = linear(&mut BEAM.context(elements, 3, true));
+        let found = modes(&lin, &ModeOptions::lowest(10)).unwrap();
+        assert_eq!(found.counted, Some(10));
+        let pairs = found.modes.iter().zip(&exact);
+        let worst = pairs
+            .clone()
+            .map(|(mode, exact)| (mode.omega() / exact - 1.0).abs());
+        let residual = pairs
+            .clone()
+            .map(|(mode, _)| mode.residual)
+            .fold(0.0, f64::max);
+        assert!(residual < 1e-12, "{residual}");
+        worst.collect::<Vec<f64>>()
+    });
+    // Frequencies converge with twice the order of the elements.
+    for k in [3, 6, 8] {
+        let order = (errors[0][k] / errors[1][k]).log2();
+        assert!((order - 6.0).abs() < 0.2, "mode {}: order {order}", k + 1);
+    }
+    assert!(errors[1].iter().all(|e| *e < 1e-6), "{errors:?}");
+}
+
+#[test]
+fn modes_of_a_free_beam() {
+    for elements in [2, 16, 64] {
+        let lin = linear(&mut BEAM.context(elements, 3, false));
+        let found = modes(&lin, &ModeOptions::lowest(8)).unwrap();
+        let omegas = omegas(&found);
+        assert_eq!(found.counted, Some(8));
+        assert!(
+            omegas[..6].iter().all(|omega| *omega <= 1e-7 * omegas[6]),
+            "{omegas:?}"
+        );
+        assert!(omegas[6] > 20.0);
+        assert!(found.factorisations <= 20, "{}", found.factorisations);
+    }
+}
+
+#[test]
+fn all_modes_in_a_range() {
+    let exact: Vec<f64> = BEAM.frequencies(40);
+    let lin = linear(&mut BEAM.context(32, 3, true));
+    for range in [[20.0, 60.0], [0.0, 5.0], [100.0, 200.0]] {
+        let inside = |x: &&f64| (range[0]..range[1]).contains(*x);
+        let inside: Vec<&f64> = exact.iter().filter(inside).collect();
+        let options = ModeOptions {
+            selection: Selection::Range(range),
+            undamped: false,
+        };
+        let found = modes(&lin, &options).unwrap();
+        assert_eq!(found.counted, Some(inside.len()));
+        assert_eq!(found.modes.len(), inside.len());
+        for (mode, exact) in found.modes.iter().zip(inside) {
+            assert!((mode.omega() / exact - 1.0).abs() < 1e-5);
+        }
+    }
+    let options = ModeOptions {
+        selection: Selection::Nearest {
+            count: 4,
+            omega: 50.0,
+        },
+        undamped: false,
+    };
+    let nearest = omegas(&modes(&lin, &options).unwrap());
+    assert!(
+        (nearest[0] / exact[5] - 1.0).abs() < 1e-5 && nearest.len() == 4,
+        "{nearest:?}"
+    );
+}
+
+#[test]
+fn double_frequencies_are_found_twice() {
+    let round = Beam {
+        EI: [1.0; 2],
+        I_rho: [2.5e-3; 2],
+        ..BEAM
+    };
+    for elements in [4, 64] {
+        let lin = linear(&mut round.context(elements, 3, true));
+        let found = modes(&lin, &ModeOptions::lowest(5)).unwrap();
+        assert!(found.counted >= Some(5));
+        let omegas = omegas(&found);
+        for k in [0, 2] {
+            assert!((omegas[k + 1] / omegas[k] - 1.0).abs() < 1e-9, "{omegas:?}");
+        }
+        assert!(omegas[2] > 4.0 * omegas[0]);
+    }
+}
+
+/// A small vibration in the shape of a mode has its frequency.
+#[test]
+fn a_small_motion_has_the_frequency_of_its_mode() {
+    let mut context = BEAM.context(8, 3, true);
+    let lin = linear(&mut context);
+    let mode = &modes(&lin, &ModeOptions::lowest(1)).unwrap().modes[0];
+    let shape: Vec<f64> = mode.shape.iter().map(|x| x.re).collect();
+    let largest = shape.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    let q: Vec<f64> = shape.iter().map(|x| 1e-6 * x / largest).collect();
+    let period = std::f64::consts::TAU / mode.omega();
+    let (step, watched) = (
+        period / 400.0,
+        q.iter().position(|x| x.abs() > 5e-7).unwrap(),
+    );
+    let state = start(&context, 0.0, &q, &[]).unwrap();
+    let options = DynamicOptions::new(10.0 * period, step);
+    let mut run = Simulation::new(&mut context, state, &options).unwrap();
+    let mut before = [0.0, q[watched]];
+    let mut zeros = Vec::new();
+    while let Some(step) = run.step().unwrap() {
+        let now = [step.progress.state.t, step.progress.state.q[watched]];
+        if before[1] * now[1] < 0.0 {
+            zeros.push(before[0] - before[1] * (now[0] - before[0]) / (now[1] - before[1]));
+        }
+        before = now;
+    }
+    let n = zeros.len() - 1;
+    let found = 2.0 * (zeros[n] - zeros[0]) / n as f64;
+    assert!((found / period - 1.0).abs() < 1e-4, "{found} {period}");
+}
+
+#[test]
+fn a_state_out_of_balance_is_refused() {
+    let mut context = BEAM.context(4, 1, true);
+    let mut q = vec![0.0; context.initial().len()];
+    q[1] = 0.1;
+    // Without loads and reactions nothing measures the residual; the clamp is a reaction.
+    let error = linearize(&mut context, Point::statics(0.0, &q)).unwrap_err();
+    assert!(error.to_string().contains("not in balance"), "{error}");
+}

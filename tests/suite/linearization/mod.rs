@@ -1,0 +1,5 @@
+//! Linearised equations of motion and their modes.
+
+mod beams;
+mod linkages;
+mod rotating;
