@@ -101,6 +101,8 @@ pub mod input;
 #[cfg(feature = "cli")]
 pub mod method;
 #[cfg(feature = "cli")]
+pub mod modes;
+#[cfg(feature = "cli")]
 pub mod output;
 #[cfg(feature = "cli")]
 pub mod probe;

@@ -1,6 +1,7 @@
 //! A run: model file in, results out.
 
 use crate::input::{self, InputError, Job, ModelFile, Plan, Start};
+use crate::modes::{self, ModelModes, ModelModesError};
 use crate::output::{
     Checkpoint, Directory, Ending, OutputError, RecordError, Recorder, ResumeError, Setting,
     is_complete,
@@ -9,6 +10,7 @@ use crate::solve::{Advance, Counts, Ended, SolveError, begin, solve};
 use crate::warnings;
 use pullback_elements::model::Context;
 use pullback_integrators::dynamics::{DynamicsError, Progress};
+use pullback_integrators::linearization::{ModeOptions, ModesError};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
@@ -58,6 +60,8 @@ pub struct Outcome {
     pub directory: PathBuf,
     /// Names of the files.
     pub files: Vec<String>,
+    /// The modes at its end, if they were requested and found.
+    pub modes: Option<ModelModes>,
 }
 
 /// Default directory of the results of a model file: `model.out` beside it.
@@ -120,6 +124,7 @@ pub fn run_job(
         mut context,
         start,
         plan,
+        modes,
         probes,
         geometry,
         file,
@@ -162,11 +167,25 @@ pub fn run_job(
     }
     let rows = recorder.rows.len();
     let t = recorder.rows.last().map_or(plan.start(), |row| row.t);
-    let ending = match unevaluated {
+    let mut ending = match unevaluated {
         Some(message) => Ending::Failed { message },
         None => ending(&ended, t),
     };
-    let (written, warnings) = recorder.finish(&ending, ended.counts)?;
+    let mut found = None;
+    if let Some(options) = modes.filter(|_| ending == Ending::Complete) {
+        match find_modes(&mut context, &progress, &options, &mut recorder, observer)? {
+            Ok(modes) => found = Some(modes),
+            Err(ModelModesError::Modes(ModesError::Interrupted)) => {
+                ending = Ending::Interrupted { t };
+            }
+            Err(error) => {
+                let message = error.to_string();
+                ending = Ending::Failed { message };
+            }
+        }
+    }
+    let (written, mut warnings) = recorder.finish(&ending, ended.counts)?;
+    warnings.extend(found.iter().flat_map(|found| found.warnings.clone()));
     Ok(Outcome {
         ending,
         failure: ended.failure,
@@ -178,6 +197,7 @@ pub fn run_job(
         directory: written.path().to_owned(),
         files: written.files().to_vec(),
         notes,
+        modes: found,
     })
 }
 
@@ -202,6 +222,24 @@ fn solve_recorded(
         Some(error) => Err(error),
         None => Ok((ended, None)),
     }
+}
+
+/// Finds and writes the modes at the end of an analysis.
+fn find_modes(
+    context: &mut Context,
+    progress: &Progress,
+    options: &ModeOptions,
+    recorder: &mut Recorder<'_>,
+    observer: &mut dyn FnMut(&Advance<'_>) -> ControlFlow<()>,
+) -> Result<Result<ModelModes, ModelModesError>, RecordError> {
+    let at = progress.state.point();
+    let found = modes::find(context, at, options, &mut |dimension| {
+        observer(&Advance::search(progress, dimension))
+    });
+    if let Ok(modes) = &found {
+        recorder.write_modes(context, at, modes)?;
+    }
+    Ok(found)
 }
 
 /// The last checkpoint of a job.
@@ -232,7 +270,7 @@ fn notes(context: &Context, plan: &Plan) -> Vec<String> {
 }
 
 /// The state in which a motion begins, or resumes from a checkpoint; nothing in statics.
-fn initial_progress(
+pub(crate) fn initial_progress(
     context: &mut Context,
     plan: &Plan,
     initial: &Start,

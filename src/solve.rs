@@ -83,6 +83,23 @@ impl Advance<'_> {
     }
 }
 
+impl<'a> Advance<'a> {
+    /// A step of the search for modes at the end of an analysis.
+    pub(crate) fn search(progress: &'a Progress, dimension: usize) -> Self {
+        Self {
+            number: progress.summary.steps,
+            t: progress.state.t,
+            step_size: 0.0,
+            iterations: dimension,
+            residuals: &[],
+            chart_changes: 0,
+            event: None,
+            unstable: None,
+            progress: Some(progress),
+        }
+    }
+}
+
 impl<'a> From<&Step<'a>> for Advance<'a> {
     fn from(step: &Step<'a>) -> Self {
         Self {
@@ -232,7 +249,8 @@ pub fn begin(
     })
 }
 
-/// Runs the analysis of the plan, a motion from the state of `progress`; `observer` is called at every
+/// Runs the analysis of the plan, a motion from the state of `progress`, and leaves the state reached there;
+/// `observer` is called at every
 /// converged step, with the model in its configuration, and may stop the analysis.
 pub fn solve(
     context: &mut Context,
@@ -267,13 +285,17 @@ pub fn solve(
             };
         }
     };
+    progress.state.q = q;
     match statics {
-        Ok(summary) => Ended {
-            counts: Counts::of_statics(&summary),
-            finished: summary.finished,
-            step_limit,
-            failure: None,
-        },
+        Ok(summary) => {
+            progress.state.t = summary.t;
+            Ended {
+                counts: Counts::of_statics(&summary),
+                finished: summary.finished,
+                step_limit,
+                failure: None,
+            }
+        }
         Err(error) => {
             let failure = SolveError::from(error);
             if let Some(step) = failure.step() {

@@ -1,5 +1,6 @@
 //! Progress display and interrupts of the program.
 
+use crate::modes::ModelModes;
 use crate::solve::{Advance, Counts};
 use crate::studies::gallery::CaseRow;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -155,6 +156,28 @@ pub fn plural(count: usize, thing: &str) -> String {
         1 => format!("1 {thing}"),
         n => format!("{n} {thing}s"),
     }
+}
+
+/// A table of modes.
+pub fn modes(found: &ModelModes) -> String {
+    let mut out = "\nmode     frequency  damping ratio  residual\n".to_owned();
+    for (k, mode) in found.modes.iter().enumerate() {
+        let (number, mode) = (k + 1, &mode.mode);
+        let (frequency, zeta) = (mode.frequency(), mode.damping_ratio());
+        let _ = writeln!(
+            out,
+            "{number:4}  {frequency:12.6e}  {zeta:13.3e}  {:8.1e}",
+            mode.residual
+        );
+    }
+    if let Some(counted) = found.counted {
+        let _ = writeln!(
+            out,
+            "none is missing: {} by Sylvester's law of inertia",
+            plural(counted, "eigenvalue")
+        );
+    }
+    out
 }
 
 /// Statistics of an analysis, in lines.

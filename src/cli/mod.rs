@@ -2,6 +2,7 @@
 
 mod compare;
 pub mod gallery;
+mod linearize;
 mod spectrum;
 
 use crate::input::{InputError, Plan, Registry};
@@ -61,6 +62,11 @@ enum Command {
     /// Prints a table; with --out it writes spectrum.json, spectrum.csv and figures too. Exit code
     /// 0: complete; 2: an argument is refused, or the files cannot be written.
     Spectrum(spectrum::SpectrumArguments),
+    /// Writes the linear equations of motion M q̈ + C q̇ + K q = (∂r/∂u) u about the state at the end of the analysis.
+    ///
+    /// K, C, M and ∂r/∂u in Matrix Market format, and the names of the coordinates. Exit code 0: complete; 1: the
+    /// analysis failed, or the state is not in balance; 2: the model is refused or the files cannot be written.
+    Linearize(linearize::LinearizeArguments),
     /// Prints the JSON Schema of the model file.
     Schema,
     /// Computes the built-in cases and compares them with published or exact results.
@@ -131,6 +137,7 @@ pub fn run(registry: &Registry, arguments: impl IntoIterator<Item = OsString>) -
         Command::Run(args) => run_model(registry, args),
         Command::Check(args) => check(registry, &args),
         Command::Compare(args) => compare::compare(registry, args, &command_line),
+        Command::Linearize(args) => linearize::linearize(registry, &args),
         Command::Spectrum(args) => spectrum::spectrum(args, &command_line),
         Command::Schema => {
             json("the schema", &registry.schema()).map_or_else(|code| code, |text| print(&text))
@@ -229,8 +236,12 @@ fn report(outcome: &Outcome, quiet: bool) -> u8 {
     match &outcome.ending {
         Ending::Complete if quiet => 0,
         Ending::Complete => code.max(print(&format!(
-            "complete: {reached} in {directory}\n{}",
-            terminal::counts(&outcome.counts)
+            "complete: {reached} in {directory}\n{}{}",
+            terminal::counts(&outcome.counts),
+            outcome
+                .modes
+                .as_ref()
+                .map_or_else(String::new, terminal::modes)
         ))),
         Ending::Interrupted { .. } => {
             tell(format_args!("interrupted: {kept}"));

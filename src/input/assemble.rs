@@ -10,6 +10,7 @@ use crate::probe::Probe;
 use nalgebra::{Matrix3, Vector3};
 use pullback_elements::beam::Interpolation;
 use pullback_elements::model::{Context, ElementId, Formulation, ModelError, NodeId};
+use pullback_integrators::linearization::ModeOptions;
 
 /// A model and its analysis as a model file describes them, ready to run.
 pub struct Job {
@@ -21,6 +22,8 @@ pub struct Job {
     pub start: Start,
     /// The analysis.
     pub plan: Plan,
+    /// The modes to find at its end.
+    pub modes: Option<ModeOptions>,
     /// The quantities to record.
     pub probes: Vec<Probe>,
     /// Lines and supports, for figures and ParaView.
@@ -80,8 +83,8 @@ pub(super) fn assemble(
     check_contents(at, &file)?;
     let mut assembly = Assembly::new(at, &file);
     // An unknown scheme is refused at its position in the file, when the analysis is read.
-    let own = match &file.analysis {
-        Analysis::Dynamic(d) => d.scheme.method().ok().map(|m| m.formulation()),
+    let own = match file.analysis.stepwise() {
+        Some(Analysis::Dynamic(d)) => d.scheme.method().ok().map(|m| m.formulation()),
         _ => None,
     };
     let formulation = formulation.or(own).unwrap_or_default();
@@ -89,19 +92,22 @@ pub(super) fn assemble(
     assembly.add_parts(registry)?;
     let model = std::mem::take(&mut assembly.builder).build();
     let model = model.map_err(|error| assembly.locate(error))?;
-    let dynamic = matches!(file.analysis, Analysis::Dynamic(_));
-    if !dynamic {
-        // A structure without supports is allowed in dynamics.
+    let dynamic = file.analysis.is_dynamic();
+    if !dynamic && file.analysis.stepwise().is_some() {
+        // A structure without supports is allowed in dynamics, and has modes.
         (model.check_supports()).map_err(|error| assembly.locate(error))?;
     }
     if formulation != Formulation::Total && model.increments() == 0 {
         let message = "no rotation in this model is free as a whole, so that all formulations of \
                        rotations are the same: take the scheme without the prefix"
             .to_owned();
-        let scheme = at.at("analysis").at("dynamic").at("scheme");
+        let scheme = settings::location(at.at("analysis"), &file.analysis)
+            .at("dynamic")
+            .at("scheme");
         return Err(scheme.refuse(InputProblem::Scheme { message }));
     }
     let plan = settings::plan(&assembly, &model)?;
+    let modes = settings::modes(at, &file.analysis)?;
     let scale = file.output.deformation_scale;
     at.at("output").positive("deformation_scale", scale)?;
     if !dynamic {
@@ -117,6 +123,7 @@ pub(super) fn assemble(
         title: file.title.clone(),
         context,
         plan,
+        modes,
         probes,
         geometry,
         file,

@@ -8,7 +8,9 @@ use super::parts::Assembly;
 use super::{InputError, InputProblem, Location};
 use pullback_elements::model::{Model, NodeId};
 use pullback_integrators::dynamics::{self as integrator, Adaptivity, DynamicOptions, Scheme};
+use pullback_integrators::linearization::{ModeOptions, Selection};
 use pullback_integrators::statics::{ArcLengthOptions, Event, StaticNewtonOptions, StaticOptions};
+use std::f64::consts::TAU;
 
 /// Largest number of steps accepted.
 const MOST_STEPS: f64 = 1e9;
@@ -68,12 +70,64 @@ impl Plan {
 }
 
 pub(super) fn plan(assembly: &Assembly<'_>, model: &Model) -> Result<Plan, InputError> {
-    let (at, nodes) = (assembly.at("analysis"), &assembly.nodes);
-    match &assembly.file.analysis {
-        Analysis::Static(s) => load_steps(&at.at("static"), s).map(Plan::Static),
-        Analysis::ArcLength(a) => path(&at.at("arc_length"), model, nodes, a),
-        Analysis::Dynamic(d) => dynamic(&at.at("dynamic"), d).map(Plan::Dynamic),
+    let analysis = &assembly.file.analysis;
+    let at = location(assembly.at("analysis"), analysis);
+    match analysis.stepwise() {
+        Some(Analysis::Static(s)) => load_steps(&at.at("static"), s).map(Plan::Static),
+        Some(Analysis::ArcLength(a)) => path(&at.at("arc_length"), model, &assembly.nodes, a),
+        Some(Analysis::Dynamic(d)) => dynamic(&at.at("dynamic"), d).map(Plan::Dynamic),
+        Some(Analysis::Modes(_)) => Err(at.at("modes").refuse_key(InputProblem::UnknownKey {
+            found: "modes".to_owned(),
+            known: ["static", "arc_length", "dynamic"]
+                .map(str::to_owned)
+                .into(),
+        })),
+        None => Ok(Plan::Static(StaticOptions {
+            to: 0.0,
+            ..StaticOptions::default()
+        })),
     }
+}
+
+/// Location of the analysis that is solved step by step.
+pub(super) fn location<'a>(at: Location<'a>, analysis: &Analysis) -> Location<'a> {
+    match analysis {
+        Analysis::Modes(_) => at.at("modes").at("after"),
+        _ => at,
+    }
+}
+
+/// The modes to find at the end of the analysis.
+pub(super) fn modes(
+    at: &Location<'_>,
+    analysis: &Analysis,
+) -> Result<Option<ModeOptions>, InputError> {
+    let Analysis::Modes(m) = analysis else {
+        return Ok(None);
+    };
+    let at = at.at("analysis").at("modes");
+    at.positive("count", m.count as f64)?;
+    if !(m.near >= 0.0 && m.near.is_finite()) {
+        return Err(at.range("near", m.near, "a frequency, zero or positive"));
+    }
+    let selection = match m.range {
+        Some([from, to]) if !(0.0 <= from && from < to && to.is_finite()) => {
+            return Err(at.range(
+                "range",
+                to,
+                "two frequencies, zero or positive, the smaller one first",
+            ));
+        }
+        Some(range) => Selection::Range(range.map(|f| TAU * f)),
+        None => Selection::Nearest {
+            count: m.count,
+            omega: TAU * m.near,
+        },
+    };
+    Ok(Some(ModeOptions {
+        selection,
+        undamped: m.undamped,
+    }))
 }
 
 fn dynamic(at: &Location<'_>, d: &Dynamic) -> Result<DynamicPlan, InputError> {
@@ -241,7 +295,11 @@ fn load_steps(at: &Location<'_>, s: &Static) -> Result<StaticOptions, InputError
 
 /// Writes defaults that depend on other keys into the settings that a run reports.
 pub(super) fn fill_in(plan: &Plan, analysis: &mut Analysis) {
-    if let (Plan::Static(options), Analysis::Static(s)) = (plan, analysis) {
+    if let Analysis::Modes(modes) = analysis {
+        if let Some(after) = &mut modes.after {
+            fill_in(plan, after);
+        }
+    } else if let (Plan::Static(options), Analysis::Static(s)) = (plan, analysis) {
         s.min_step = Some(options.min_step);
         if s.steps.is_none() {
             s.first_step = Some(options.first_step);

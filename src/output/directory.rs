@@ -258,6 +258,15 @@ pub(super) fn is_grid(name: &str) -> bool {
     step.is_some_and(|digits| digits.len() >= 4 && digits.bytes().all(|b| b.is_ascii_digit()))
 }
 
+/// Whether a file name is that of a mode's figure or grids.
+fn is_mode(name: &str) -> bool {
+    let inner = name.strip_prefix("mode_").and_then(|n| n.rsplit_once('.'));
+    inner.is_some_and(|(digits, kind)| {
+        let number = digits.bytes().all(|b| b.is_ascii_digit() || b == b'_');
+        number && ["svg", "pvd", "vtu"].contains(&kind)
+    })
+}
+
 /// Whether a file name is that of an unfinished file of a killed program.
 fn is_temporary(name: &str, ours: &dyn Fn(&str) -> bool) -> bool {
     let inner = name.strip_prefix('.').and_then(|n| n.rsplit_once('.'));
@@ -267,11 +276,14 @@ fn is_temporary(name: &str, ours: &dyn Fn(&str) -> bool) -> bool {
 /// Whether a file name belongs to a run's results.
 fn is_result(name: &str) -> bool {
     is_grid(name)
+        || is_mode(name)
         || [
             super::results::NAME,
             super::checkpoint::NAME,
             super::log::NAME,
             "history.csv",
+            "modes.csv",
+            "modes.json",
             "steps.pvd",
             "deformed.svg",
             "history.svg",

@@ -1,6 +1,7 @@
 //! Records converged steps and writes the results.
 
 mod finish;
+mod modes;
 
 use super::checkpoint::{self, Checkpoint, Record};
 use super::directory::{Directory, OutputError, encoding};

@@ -6,6 +6,7 @@ mod dynamics;
 mod formulations;
 mod independent;
 mod joints;
+mod linearization;
 mod loops;
 mod pages;
 mod program;

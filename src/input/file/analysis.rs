@@ -14,6 +14,23 @@ pub enum Analysis {
     ArcLength(ArcLength),
     /// Motion in time.
     Dynamic(Dynamic),
+    /// Frequencies, damping and shapes of small vibrations about a state.
+    Modes(ModalAnalysis),
+}
+
+impl Analysis {
+    /// The analysis that is solved step by step: for modes, that which leads to their state, if any.
+    pub fn stepwise(&self) -> Option<&Self> {
+        match self {
+            Self::Modes(modes) => modes.after.as_deref(),
+            own => Some(own),
+        }
+    }
+
+    /// Whether it is, or begins with, a motion in time.
+    pub fn is_dynamic(&self) -> bool {
+        matches!(self.stepwise(), Some(Self::Dynamic(_)))
+    }
 }
 
 impl Default for Analysis {
@@ -143,6 +160,37 @@ pub struct Coordinate {
     pub dof: DofName,
     /// The value.
     pub value: f64,
+}
+
+/// Modes of the linear equations of motion about a state of equilibrium or of motion.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct ModalAnalysis {
+    /// Number of modes.
+    #[schemars(range(min = 1))]
+    pub count: usize,
+    /// The modes nearest to this frequency, in cycles per unit of time; by default the lowest ones.
+    pub near: f64,
+    /// Instead of `count` and `near`: all modes with a frequency in this range, in cycles per unit of time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub range: Option<[f64; 2]>,
+    /// Leaves out C: damping and gyroscopic terms.
+    pub undamped: bool,
+    /// The analysis at whose end the modes are found; by default none: the modes are those at load parameter 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub after: Option<Box<Analysis>>,
+}
+
+impl Default for ModalAnalysis {
+    fn default() -> Self {
+        Self {
+            count: 10,
+            near: 0.0,
+            range: None,
+            undamped: false,
+            after: None,
+        }
+    }
 }
 
 /// Motion in time from the initial conditions. Steps are equal between kinks of prescribed

@@ -1,6 +1,6 @@
 //! Initial values of joints, and their effect on attached nodes.
 
-use crate::input::file::{Acts, Analysis, ModelFile};
+use crate::input::file::{Acts, ModelFile};
 use crate::input::parts::Assembly;
 use crate::input::{InputError, InputProblem, Location};
 use pullback_elements::model::{Context, NodeId};
@@ -23,7 +23,7 @@ pub(super) fn start(
             geared(&at, assembly.file, &name, "value")?;
         }
     }
-    if !matches!(assembly.file.analysis, Analysis::Dynamic(_)) {
+    if !assembly.file.analysis.is_dynamic() {
         return Ok(());
     }
     // Where a map cannot be evaluated at the start, the analysis says so.

@@ -70,6 +70,12 @@ impl Shapes {
         out
     }
 
+    /// The largest displacement of a point from another configuration of the same model.
+    pub fn distance(&self, other: &Self) -> f64 {
+        let pairs = self.points().zip(other.points());
+        pairs.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
+    }
+
     /// The largest extent along an axis.
     pub fn extent(&self) -> f64 {
         let along = |k: usize| {
@@ -181,11 +187,13 @@ fn plots(extents: [f64; 3]) -> Vec<Plot> {
     ]
 }
 
-/// A figure of the reference, intermediate and last shapes, as SVG text.
+/// A figure of the reference, intermediate and last shapes, as SVG text; `label` is the name of the last one in
+/// the legend.
 pub(crate) fn deformed(
     title: Option<&str>,
     reference: &Shapes,
     shapes: &[(f64, Shapes)],
+    label: Option<&str>,
 ) -> Result<String, PlotError> {
     let chosen = between(shapes.len()).chain(shapes.len().checked_sub(1));
     let drawn = std::iter::once(reference).chain(chosen.map(|k| &shapes[k].1));
@@ -199,7 +207,7 @@ pub(crate) fn deformed(
         let ends = plots.iter().map(|(_, corner, size)| corner[k] + size[k]);
         ends.max().unwrap_or(0)
     });
-    let entries = entries(reference, shapes);
+    let entries = entries(reference, shapes, label);
     let head = if title.is_some() { 34 } else { 0 };
     let top = head + legend_height(legend_rows(&entries, width - EDGE[0]));
     // The plane views share one scale; the isometric one has its own.
@@ -234,14 +242,19 @@ fn between(count: usize) -> impl Iterator<Item = usize> {
     (1..=wanted).map(move |k| k * (count - 1) / (wanted + 1))
 }
 
-fn entries(reference: &Shapes, shapes: &[(f64, Shapes)]) -> Vec<(String, Mark)> {
+fn entries(
+    reference: &Shapes,
+    shapes: &[(f64, Shapes)],
+    label: Option<&str>,
+) -> Vec<(String, Mark)> {
     let mut out = vec![("reference".to_owned(), Mark::Line(PALE, 3))];
     if between(shapes.len()).next().is_some() {
         out.push(("intermediate states".to_owned(), Mark::Line(PALE_BLUE, 2)));
     }
     if let Some((t, _)) = shapes.last() {
-        let t = tick(*t, 0.1);
-        out.push((format!("deformed, t = {t}"), Mark::Line(PALETTE[0], 5)));
+        let deformed = || format!("deformed, t = {}", tick(*t, 0.1));
+        let label = label.map_or_else(deformed, str::to_owned);
+        out.push((label, Mark::Line(PALETTE[0], 5)));
     }
     if !reference.bodies.is_empty() {
         out.push(("centre of mass".to_owned(), Mark::Dot(PALETTE[1])));

@@ -60,7 +60,7 @@ impl Recorder<'_> {
     fn write_figures(&mut self, ending: &Ending) -> Result<(), OutputError> {
         self.record.shapes.extend(self.record.latest.take());
         let title = self.figure_title(ending, true);
-        let shape = plot::deformed(title.as_deref(), &self.reference, &self.record.shapes);
+        let shape = plot::deformed(title.as_deref(), &self.reference, &self.record.shapes, None);
         let shape = shape.map_err(drawing("deformed.svg"))?;
         self.directory.write("deformed.svg", &shape)?;
         let shapes = self.record.shapes.iter().map(|(_, shapes)| shapes);

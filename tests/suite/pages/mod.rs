@@ -6,6 +6,7 @@ mod adding_an_element;
 mod adding_an_integrator;
 mod embedding;
 mod joint_pictures;
+mod modes;
 mod readme;
 mod theory;
 mod tutorial;

@@ -6,6 +6,7 @@ mod dynamic;
 mod figures;
 mod gallery_command;
 mod incomplete;
+mod modes;
 mod mutations;
 mod probes;
 mod progress;

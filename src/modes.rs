@@ -1,0 +1,129 @@
+//! Modes of a model about a state.
+
+use nalgebra::Vector3;
+use num_complex::Complex64;
+use pullback_elements::model::Context;
+use pullback_integrators::linearization::{
+    LinearizationError, Mode, ModeOptions, ModesError, Selection, linearize, modes_while,
+};
+use pullback_integrators::significant;
+use pullback_manifold::system::{Point, SystemError};
+use std::f64::consts::TAU;
+use std::ops::ControlFlow;
+
+/// The modes of a model about a state.
+#[derive(Clone, Debug)]
+pub struct ModelModes {
+    /// By growing |λ|.
+    pub modes: Vec<ModelMode>,
+    /// Names of the coordinates of their shapes.
+    pub names: Vec<String>,
+    /// Number of eigenvalues in the region searched, by Sylvester's law of inertia; `None` with damping.
+    pub counted: Option<usize>,
+    /// What a user should know of the search.
+    pub warnings: Vec<String>,
+}
+
+/// A mode, and its share in the motion of the whole model.
+#[derive(Clone, Debug)]
+pub struct ModelMode {
+    /// The mode.
+    pub mode: Mode,
+    /// Linear momentum of the model that moves with velocities φ, global components: the participation factors
+    /// of translations of the ground.
+    pub participation: [Complex64; 3],
+}
+
+impl ModelMode {
+    /// Effective masses |Γ|² of the mode for translations along the axes.
+    pub fn effective_mass(&self) -> [f64; 3] {
+        self.participation.map(|gamma| gamma.norm_sqr())
+    }
+}
+
+/// Why there are no modes.
+#[derive(Debug, thiserror::Error)]
+pub enum ModelModesError {
+    /// The state cannot be linearised.
+    #[error(transparent)]
+    Linearization(#[from] LinearizationError),
+    /// The search failed.
+    #[error("modes: {0}")]
+    Modes(#[from] ModesError),
+    /// A range without modes.
+    #[error("no mode has a frequency between {} and {}", significant(.0[0]), significant(.0[1]))]
+    None([f64; 2]),
+}
+
+impl From<SystemError> for ModelModesError {
+    fn from(error: SystemError) -> Self {
+        LinearizationError::from(error).into()
+    }
+}
+
+/// The modes of a model about a state, with an observer that may end the search.
+///
+/// # Errors
+/// [`ModelModesError`].
+pub fn find(
+    context: &mut Context,
+    at: Point<'_>,
+    options: &ModeOptions,
+    observer: &mut dyn FnMut(usize) -> ControlFlow<()>,
+) -> Result<ModelModes, ModelModesError> {
+    let lin = linearize(context, at)?;
+    let found = modes_while(&lin, options, observer)?;
+    let mut warnings = Vec::new();
+    match options.selection {
+        Selection::Range(range) if found.modes.is_empty() => {
+            return Err(ModelModesError::None(range.map(|omega| omega / TAU)));
+        }
+        Selection::Nearest { count, .. } if found.complete => warnings.push(format!(
+            "the model has {} modes, fewer than count = {count}",
+            found.modes.len()
+        )),
+        _ => {}
+    }
+    if lin.K.iter().all(|k| *k == 0.0) {
+        warnings.push("nothing in the model is elastic: all frequencies are zero".to_owned());
+    }
+    let modes = found.modes.into_iter().map(|mode| {
+        let participation = participation(context, at, &mode)?;
+        Ok(ModelMode {
+            mode,
+            participation,
+        })
+    });
+    Ok(ModelModes {
+        modes: modes.collect::<Result<_, SystemError>>()?,
+        names: lin.names,
+        counted: found.counted,
+        warnings,
+    })
+}
+
+/// Linear momentum with the velocities of a mode beside those of the state.
+fn participation(
+    context: &mut Context,
+    at: Point<'_>,
+    mode: &Mode,
+) -> Result<[Complex64; 3], SystemError> {
+    let zeros = vec![0.0; at.q.len()];
+    let still = if at.is_static() { &zeros[..] } else { at.v };
+    let mut momentum = |part: &dyn Fn(&Complex64) -> f64| -> Result<Vector3<f64>, SystemError> {
+        let v: Vec<f64> = still
+            .iter()
+            .zip(&mode.shape)
+            .map(|(v, x)| v + part(x))
+            .collect();
+        let at = Point {
+            v: &v,
+            a: &zeros,
+            ..at
+        };
+        Ok(context.energies_and_momentum(at)?.momentum.linear)
+    };
+    let before = momentum(&|_| 0.0)?;
+    let (re, im) = (momentum(&|x| x.re)? - before, momentum(&|x| x.im)? - before);
+    Ok([0, 1, 2].map(|k| Complex64::new(re[k], im[k])))
+}

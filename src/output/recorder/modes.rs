@@ -1,0 +1,166 @@
+//! The modes at the end of a run: tables, figures, and ParaView files of their vibration.
+
+use super::Recorder;
+use crate::modes::{ModelMode, ModelModes};
+use crate::output::directory::{OutputError, drawing};
+use crate::output::plot::{self, Shapes};
+use crate::output::vtu::{VtuFrame, collection, grid};
+use crate::probe::Answers;
+use num_complex::Complex64;
+use pullback_elements::model::Context;
+use pullback_integrators::significant;
+use pullback_manifold::system::Point;
+use serde_json::json;
+use std::f64::consts::TAU;
+use std::fmt::Write;
+
+/// Columns of `modes.csv`.
+const COLUMNS: &str = "mode,frequency,damping_ratio,re,im,residual,\
+                       participation_x,participation_y,participation_z,\
+                       effective_mass_x,effective_mass_y,effective_mass_z\n";
+/// Modes that are drawn.
+const DRAWN: usize = 24;
+/// ParaView files of a period.
+const PHASES: usize = 12;
+/// Largest displacement of a mode as drawn, relative to the extent of the model.
+const AMPLITUDE: f64 = 0.1;
+/// Largest angle of a mode as drawn, in radians.
+const LARGEST_ANGLE: f64 = 0.5;
+
+impl Recorder<'_> {
+    /// Writes the modes about a state; the model is left in another configuration.
+    pub fn write_modes(
+        &mut self,
+        context: &mut Context,
+        at: Point<'_>,
+        modes: &ModelModes,
+    ) -> Result<(), OutputError> {
+        let mut csv = COLUMNS.to_owned();
+        for (k, mode) in modes.modes.iter().enumerate() {
+            let m = &mode.mode;
+            let _ = write!(csv, "{},{:?},{:?}", k + 1, m.frequency(), m.damping_ratio());
+            let numbers = [m.eigenvalue.re, m.eigenvalue.im, m.residual];
+            let shares = mode.participation.map(|gamma| gamma.re);
+            for x in numbers
+                .into_iter()
+                .chain(shares)
+                .chain(mode.effective_mass())
+            {
+                let _ = write!(csv, ",{x:?}");
+            }
+            csv.push('\n');
+        }
+        self.directory.write("modes.csv", &csv)?;
+        let part = |pick: fn(&Complex64) -> f64, m: &ModelMode| -> Vec<f64> {
+            m.mode.shape.iter().map(pick).collect()
+        };
+        let entries = modes.modes.iter().map(|m| {
+            json!({
+                "frequency": m.mode.frequency(),
+                "damping_ratio": m.mode.damping_ratio(),
+                "eigenvalue": [m.mode.eigenvalue.re, m.mode.eigenvalue.im],
+                "residual": m.mode.residual,
+                "participation": m.participation.map(|x| [x.re, x.im]),
+                "effective_mass": m.effective_mass(),
+                "shape": [part(|x| x.re, m), part(|x| x.im, m)],
+            })
+        });
+        let all = json!({
+            "counted": modes.counted,
+            "coordinates": modes.names,
+            "modes": entries.collect::<Vec<_>>(),
+        });
+        self.directory.write_json("modes.json", &all)?;
+        for (k, mode) in modes.modes.iter().enumerate().take(DRAWN) {
+            self.draw_mode(context, at, k + 1, mode)?;
+        }
+        Ok(())
+    }
+
+    /// A figure of a mode, and a period of its vibration; nothing where its shape leaves the domain of a joint.
+    fn draw_mode(
+        &mut self,
+        context: &mut Context,
+        at: Point<'_>,
+        number: usize,
+        mode: &ModelMode,
+    ) -> Result<(), OutputError> {
+        let Some(scale) = self.drawn_scale(context, at, mode) else {
+            return Ok(());
+        };
+        let geometry = self.setting.geometry;
+        let output = &self.setting.file.output;
+        let factor = |phase: f64| Complex64::from_polar(scale, phase);
+        let mut shapes = Vec::new();
+        for phase in [TAU / 2.0, 0.0] {
+            let Some(context) = displace(context, at, mode, factor(phase)) else {
+                return Ok(());
+            };
+            shapes.push((phase, Shapes::of(context, geometry, 1.0)));
+        }
+        let mut frames = Vec::new();
+        if output.paraview_every != Some(0) {
+            for k in 0..PHASES {
+                let phase = TAU * k as f64 / PHASES as f64;
+                let Some(context) = displace(context, at, mode, factor(phase)) else {
+                    return Ok(());
+                };
+                let file = format!("mode_{number:02}_{k:02}.vtu");
+                let text = grid(context, geometry, &Answers::of(context, at.t), None);
+                self.directory.write(&file, &text)?;
+                frames.push(VtuFrame {
+                    t: k as f64 / PHASES as f64,
+                    file,
+                });
+            }
+            self.directory
+                .write(&format!("mode_{number:02}.pvd"), &collection(&frames))?;
+        }
+        if output.figures && displace(context, at, mode, Complex64::ZERO).is_some() {
+            let state = Shapes::of(context, geometry, 1.0);
+            let title = format!(
+                "mode {number}, frequency {}, damping ratio {}",
+                significant(mode.mode.frequency()),
+                significant(mode.mode.damping_ratio())
+            );
+            let name = format!("mode_{number:02}.svg");
+            let figure = plot::deformed(Some(&title), &state, &shapes, Some("mode, both extremes"));
+            self.directory
+                .write(&name, &figure.map_err(drawing(&name))?)?;
+        }
+        Ok(())
+    }
+
+    /// The factor of a shape with which its displacements are a tenth of the model, and its angles moderate.
+    fn drawn_scale(&self, context: &mut Context, at: Point<'_>, mode: &ModelMode) -> Option<f64> {
+        let geometry = self.setting.geometry;
+        let largest = mode.mode.shape.iter().map(|x| x.norm()).fold(0.0, f64::max);
+        let small = 1e-6 / largest;
+        let state = Shapes::of(displace(context, at, mode, Complex64::ZERO)?, geometry, 1.0);
+        let extent = state.extent();
+        let moved = [Complex64::from(small), Complex64::new(0.0, small)].map(|factor| {
+            let context = displace(context, at, mode, factor)?;
+            Some(Shapes::of(context, geometry, 1.0).distance(&state) / small)
+        });
+        let rate = moved.into_iter().flatten().fold(0.0, f64::max);
+        let scale = (AMPLITUDE * extent / rate).min(LARGEST_ANGLE / largest);
+        Some(scale).filter(|scale| scale.is_finite() && *scale > 0.0)
+    }
+}
+
+/// The model displaced from its state by the real part of a shape times a factor.
+fn displace<'a>(
+    context: &'a mut Context,
+    at: Point<'_>,
+    mode: &ModelMode,
+    factor: Complex64,
+) -> Option<&'a Context> {
+    let shape = mode.mode.shape.iter();
+    let q: Vec<f64> =
+        at.q.iter()
+            .zip(shape)
+            .map(|(q, x)| q + (x * factor).re)
+            .collect();
+    context.configure(Point::statics(at.t, &q)).ok()?;
+    Some(context)
+}

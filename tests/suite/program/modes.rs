@@ -1,0 +1,164 @@
+//! `[analysis.modes]` and `pullback linearize`.
+#![allow(clippy::unwrap_used, non_snake_case)]
+
+use crate::support::program::{MODEL, command, directory, program, write};
+use pullback::input::assemble_text;
+use std::f64::consts::TAU;
+
+/// A bar of two masses 3 and 1 between springs 2 and 1 along x, from the ground.
+const MASSES: &str = r#"
+[nodes]
+ground = [0, 0, 0]
+a = [1, 0, 0]
+b = [2, 0, 0]
+[[bodies]]
+name = "a"
+node = "a"
+mass = 3
+[[bodies]]
+name = "b"
+node = "b"
+mass = 1
+[[springs]]
+name = "first"
+nodes = ["ground", "a"]
+stiffness = 2
+[[springs]]
+name = "second"
+nodes = ["a", "b"]
+stiffness = 1
+[[supports]]
+node = "ground"
+fix = "all"
+[[supports]]
+node = "a"
+fix = ["y", "z", "rx", "ry", "rz"]
+[[supports]]
+node = "b"
+fix = ["y", "z", "rx", "ry", "rz"]
+"#;
+
+fn run(name: &str, model: &str) -> (std::path::PathBuf, std::process::Output) {
+    let out = directory(name);
+    let ran = program(&[&write(&out, model)]);
+    (out.join("model.out"), ran)
+}
+
+/// Frequencies of 3ẍ₁ + 3x₁ − x₂ = 0, ẍ₂ + x₂ − x₁ = 0: 3s² − 6s + 2 = 0 in s = ω².
+fn exact() -> [f64; 2] {
+    [-1.0, 1.0].map(|sign: f64| (1.0 + sign / 3.0_f64.sqrt()).sqrt() / TAU)
+}
+
+#[test]
+fn modes_of_two_masses() {
+    let (out, ran) = run(
+        "two masses",
+        &format!("{MASSES}\n[analysis.modes]\ncount = 5\n"),
+    );
+    let said = String::from_utf8_lossy(&ran.stderr);
+    assert!(ran.status.success(), "{said}");
+    assert!(
+        said.contains("the model has 2 modes, fewer than count = 5"),
+        "{said}"
+    );
+    let table = std::fs::read_to_string(out.join("modes.csv")).unwrap();
+    let rows: Vec<Vec<f64>> = (table.lines().skip(1))
+        .map(|row| row.split(',').map(|x| x.parse().unwrap()).collect())
+        .collect();
+    let mut mass = 0.0;
+    for (row, exact) in rows.iter().zip(exact()) {
+        assert!((row[1] / exact - 1.0).abs() < 1e-14, "{row:?} {exact}");
+        mass += row[9];
+    }
+    // All mass moves with the two modes.
+    assert!(rows.len() == 2 && (mass - 4.0).abs() < 1e-12, "{mass}");
+    let json = std::fs::read_to_string(out.join("modes.json")).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["modes"].as_array().unwrap().len(), 2);
+    for file in ["mode_01.svg", "mode_02.pvd", "mode_02_11.vtu"] {
+        assert!(out.join(file).is_file(), "{file}");
+    }
+}
+
+#[test]
+fn a_range_without_modes_is_an_error() {
+    let text = format!("{MASSES}\n[analysis.modes]\nrange = [10, 20]\n");
+    let (_, ran) = run("no modes", &text);
+    let said = String::from_utf8_lossy(&ran.stderr);
+    assert_eq!(ran.status.code(), Some(1));
+    assert!(
+        said.contains("no mode has a frequency between 10 and 20"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_model_without_mass_has_no_modes() {
+    let text = MODEL.replace(
+        "[analysis.static]\nsteps = 4",
+        "[analysis.modes]\nafter = { static = { steps = 4 } }",
+    );
+    let (_, ran) = run("no mass", &text);
+    let said = String::from_utf8_lossy(&ran.stderr);
+    assert_eq!(ran.status.code(), Some(1));
+    assert!(said.contains("no coordinate has mass"), "{said}");
+}
+
+#[test]
+fn settings_of_modes_are_checked() {
+    for (keys, problem) in [
+        ("count = 0", "count"),
+        ("near = -1.0", "near"),
+        ("range = [2, 1]", "range"),
+        ("after = { modes = {} }", "modes"),
+        ("number = 3", "number"),
+    ] {
+        let text = format!("{MASSES}\n[analysis.modes]\n{keys}\n");
+        let error = assemble_text("model.toml", &text).err().unwrap();
+        let said = error.report(false);
+        assert!(said.contains(problem), "{keys}: {said}");
+    }
+}
+
+/// The triplets of a Matrix Market file, as a full matrix.
+fn read(path: &std::path::Path) -> Vec<Vec<f64>> {
+    let text = std::fs::read_to_string(path).unwrap();
+    let mut lines = text.lines();
+    assert_eq!(
+        lines.next(),
+        Some("%%MatrixMarket matrix coordinate real general")
+    );
+    let numbers =
+        |line: &str| -> Vec<f64> { line.split(' ').map(|x| x.parse().unwrap()).collect() };
+    let size = numbers(lines.next().unwrap());
+    let mut full = vec![vec![0.0; size[1] as usize]; size[0] as usize];
+    let mut count = 0;
+    for line in lines {
+        let entry = numbers(line);
+        full[entry[0] as usize - 1][entry[1] as usize - 1] = entry[2];
+        count += 1;
+    }
+    assert_eq!(count, size[2] as usize);
+    full
+}
+
+#[test]
+fn matrices_of_two_masses() {
+    let out = directory("matrices");
+    let model = write(&out, &format!("{MASSES}\n[analysis.modes]\n"));
+    let ran = command("linearize", &[&model]);
+    assert!(
+        ran.status.success(),
+        "{}",
+        String::from_utf8_lossy(&ran.stderr)
+    );
+    let matrix = |name: &str| read(&out.join("model.linear").join(name));
+    assert_eq!(matrix("K.mtx"), [[3.0, -1.0], [-1.0, 1.0]]);
+    assert_eq!(matrix("M.mtx"), [[3.0, 0.0], [0.0, 1.0]]);
+    assert_eq!(matrix("C.mtx"), [[0.0, 0.0], [0.0, 0.0]]);
+    let names = std::fs::read_to_string(out.join("model.linear/coordinates.txt")).unwrap();
+    assert_eq!(
+        names,
+        "node a, displacement along e1\nnode b, displacement along e1\n"
+    );
+}
