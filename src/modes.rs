@@ -1,5 +1,6 @@
 //! Modes of a model about a state.
 
+use crate::terminal::plural;
 use nalgebra::Vector3;
 use num_complex::Complex64;
 use pullback_elements::model::Context;
@@ -79,13 +80,20 @@ pub fn find(
             return Err(ModelModesError::None(range.map(|omega| omega / TAU)));
         }
         Selection::Nearest { count, .. } if found.complete => warnings.push(format!(
-            "the model has {} modes, fewer than count = {count}",
-            found.modes.len()
+            "the model has {}, fewer than count = {count}",
+            plural(found.modes.len(), "mode")
         )),
         _ => {}
     }
     if lin.K.iter().all(|k| *k == 0.0) {
         warnings.push("nothing in the model is elastic: all frequencies are zero".to_owned());
+    }
+    if at.v.iter().chain(at.a).any(|x| *x != 0.0) {
+        warnings.push(format!(
+            "the state moves: its equations are frozen at time {}, and growth or decay of a mode there is none of \
+             the motion; only a steady motion, at rest in its coordinates, has modes of its own",
+            significant(at.t)
+        ));
     }
     let modes = found.modes.into_iter().map(|mode| {
         let participation = participation(context, at, &mode)?;

@@ -64,7 +64,7 @@ pub enum LinearizationError {
     /// The state satisfies no equations of motion.
     #[error(
         "the state is not in balance: the {quantity} of {name} is {residual:.3e}, which is {ratio:.1e} of the \
-         largest applied or reaction {quantity}; solve for equilibrium, or for consistent accelerations, first"
+         largest {quantity} of loads, reactions and inertia; solve for equilibrium, or for consistent accelerations, first"
     )]
     Unbalanced {
         /// The coordinate with the largest residual.
@@ -73,7 +73,7 @@ pub enum LinearizationError {
         quantity: &'static str,
         /// Its residual.
         residual: f64,
-        /// The residual relative to the largest force or moment.
+        /// The residual relative to the largest force or moment of loads, reactions and inertia.
         ratio: f64,
     },
 }
@@ -107,8 +107,7 @@ pub fn linearize(system: &mut dyn System, at: Point<'_>) -> Result<Linearized, L
     let M = tangent(moving, 0.0, 0.0, 1.0)?;
     let C = tangent(moving, 0.0, 1.0, 0.0)?;
     let K = tangent(at, 1.0, 0.0, 0.0)?;
-    balanced(system, &r)?;
-    Ok(Linearized {
+    let lin = Linearized {
         r_u: inputs::input_columns(system, at)?,
         pattern: system.pattern().clone(),
         K,
@@ -116,32 +115,9 @@ pub fn linearize(system: &mut dyn System, at: Point<'_>) -> Result<Linearized, L
         M,
         coordinates: (0..n).map(|i| system.coordinate_info(i)).collect(),
         names: (0..n).map(|i| system.name(i)).collect(),
-    })
-}
-
-/// Refuses residuals that are not small beside the forces; without forces there is no measure.
-fn balanced(system: &dyn System, r: &[f64]) -> Result<(), LinearizationError> {
-    let quantities: Vec<Quantity> = (0..r.len())
-        .map(|i| system.coordinate_info(i).quantity)
-        .collect();
-    let worst = largest(&quantities, r, [0.0; 3]);
-    let measures = system.scales().measures();
-    for quantity in Quantity::ALL {
-        let (residual, measure) = (worst[quantity.index()], measures[quantity.index()]);
-        // The evaluation was finite.
-        if measure > 0.0 && residual > BALANCED * measure {
-            let at = |i: &usize| quantities[*i] == quantity && r[*i].abs() >= residual;
-            return Err(LinearizationError::Unbalanced {
-                name: (0..r.len())
-                    .find(at)
-                    .map_or_else(String::new, |i| system.name(i)),
-                quantity: quantity.conjugate(),
-                residual,
-                ratio: residual / measure,
-            });
-        }
-    }
-    Ok(())
+    };
+    lin.check_balance(&r, moving, system.scales().measures())?;
+    Ok(lin)
 }
 
 impl Linearized {
@@ -165,6 +141,41 @@ impl Linearized {
                 .zip(&values[range])
                 .map(|((r, c), value)| (r, c, *value))
         })
+    }
+
+    /// Refuses residuals that are not small beside loads, reactions and forces of inertia; without any of these there is
+    /// no measure.
+    fn check_balance(
+        &self,
+        r: &[f64],
+        at: Point<'_>,
+        loads: [f64; 3],
+    ) -> Result<(), LinearizationError> {
+        let mut inertia = vec![0.0; self.dim()];
+        for_each(&self.pattern, &self.M, |r, c, M| {
+            inertia[r] += (M * at.a[c]).abs()
+        });
+        for_each(&self.pattern, &self.C, |r, c, C| {
+            inertia[r] += (C * at.v[c]).abs()
+        });
+        let quantities: Vec<Quantity> = self.coordinates.iter().map(|c| c.quantity).collect();
+        let worst = largest(&quantities, r, [0.0; 3]);
+        let measures = largest(&quantities, &inertia, loads);
+        for quantity in Quantity::ALL {
+            let (residual, measure) = (worst[quantity.index()], measures[quantity.index()]);
+            // The evaluation was finite.
+            if measure > 0.0 && residual > BALANCED * measure {
+                let at = |i: &usize| quantities[*i] == quantity && r[*i].abs() >= residual;
+                let name = (0..r.len()).find(at).map(|i| self.names[i].clone());
+                return Err(LinearizationError::Unbalanced {
+                    name: name.unwrap_or_default(),
+                    quantity: quantity.conjugate(),
+                    residual,
+                    ratio: residual / measure,
+                });
+            }
+        }
+        Ok(())
     }
 
     /// A x for a matrix with these values.

@@ -91,13 +91,10 @@ impl Recorder<'_> {
         let geometry = self.setting.geometry;
         let output = &self.setting.file.output;
         let factor = |phase: f64| Complex64::from_polar(scale, phase);
-        let mut shapes = Vec::new();
-        for phase in [TAU / 2.0, 0.0] {
-            let Some(context) = displace(context, at, mode, factor(phase)) else {
-                return Ok(());
-            };
-            shapes.push((phase, Shapes::of(context, geometry, 1.0)));
-        }
+        let Some(displaced) = displace(context, at, mode, factor(0.0)) else {
+            return Ok(());
+        };
+        let shapes = [(0.0, Shapes::of(displaced, geometry, 1.0))];
         let mut frames = Vec::new();
         if output.paraview_every != Some(0) {
             for k in 0..PHASES {
@@ -124,7 +121,7 @@ impl Recorder<'_> {
                 significant(mode.mode.damping_ratio())
             );
             let name = format!("mode_{number:02}.svg");
-            let figure = plot::deformed(Some(&title), &state, &shapes, Some("mode, both extremes"));
+            let figure = plot::deformed(Some(&title), &state, &shapes, Some("mode"));
             self.directory
                 .write(&name, &figure.map_err(drawing(&name))?)?;
         }
