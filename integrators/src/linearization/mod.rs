@@ -12,9 +12,12 @@
 //! - [`linearize`] evaluates the matrices.
 //! - [`modes`] finds frequencies, damping and shapes by shift and invert, counted by Sylvester's law of
 //!   inertia.
+//! - [`buckling`] finds critical loads by linear extrapolation of the static tangent.
+//! - [`SteadyMotion`] makes the equilibrium relative to a rotating frame a problem of statics.
 
 #![allow(non_snake_case)]
 
+mod buckling;
 mod inputs;
 mod krylov;
 mod modes;
@@ -24,6 +27,7 @@ mod search;
 mod shift_invert;
 mod steady;
 
+pub use buckling::{BucklingError, BucklingMode, buckling};
 pub use modes::{Mode, ModeOptions, Modes, ModesError, Selection, modes, modes_while};
 pub use steady::SteadyMotion;
 

@@ -159,7 +159,24 @@ pub fn modes_while(
     observer: &mut dyn FnMut(usize) -> ControlFlow<()>,
 ) -> Result<Modes, ModesError> {
     check(lin, options)?;
-    Search::new(lin, options)?.run(observer)
+    let search = Search::new(lin, options)?;
+    let (order, symmetric) = search.kind();
+    let found = search.run(observer)?;
+    let finish = Finish::new(lin, order, symmetric, found.scales);
+    let mut modes: Vec<Mode> = Vec::with_capacity(found.vectors.len());
+    for (vector, eigenvalue) in found.vectors {
+        let mode = finish.mode(vector, eigenvalue);
+        if !finish.repeats(&modes, &mode) {
+            modes.push(mode);
+        }
+    }
+    modes.sort_by(|a, b| a.omega().total_cmp(&b.omega()));
+    Ok(Modes {
+        modes,
+        counted: found.counted,
+        complete: found.complete,
+        factorisations: found.factorisations,
+    })
 }
 
 fn check(lin: &Linearized, options: &ModeOptions) -> Result<(), ModesError> {
@@ -197,7 +214,7 @@ fn check(lin: &Linearized, options: &ModeOptions) -> Result<(), ModesError> {
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// Makes modes of eigenvectors: their eigenvalues, scale and residual.
-pub(super) struct Finish<'a> {
+struct Finish<'a> {
     lin: &'a Linearized,
     order: Order,
     symmetric: bool,
@@ -207,7 +224,7 @@ pub(super) struct Finish<'a> {
 
 impl<'a> Finish<'a> {
     /// `scales` make the shifted matrix one of entries of order one.
-    pub fn new(lin: &'a Linearized, order: Order, symmetric: bool, scales: Vec<f64>) -> Self {
+    fn new(lin: &'a Linearized, order: Order, symmetric: bool, scales: Vec<f64>) -> Self {
         let norm = |values: &[f64]| scaling::norm(&lin.pattern, values, &scales);
         Self {
             norms: [norm(&lin.K), norm(&lin.C), norm(&lin.M)],
@@ -219,7 +236,7 @@ impl<'a> Finish<'a> {
     }
 
     /// A mode of an eigenvector of any length, and the eigenvalue of the search: ω² or λ.
-    pub fn mode(&self, mut shape: Vec<Complex64>, found: Complex64) -> Mode {
+    fn mode(&self, mut shape: Vec<Complex64>, found: Complex64) -> Mode {
         let lin = self.lin;
         let with_C = self.order == Order::Quadratic;
         let none = Vec::new();
@@ -259,6 +276,20 @@ impl<'a> Finish<'a> {
             shape,
             residual,
         }
+    }
+
+    /// Whether a mode at rest was found before: with velocities, λ = 0 occurs twice for each.
+    fn repeats(&self, modes: &[Mode], mode: &Mode) -> bool {
+        if self.order == Order::Squares || mode.eigenvalue != Complex64::ZERO {
+            return false;
+        }
+        let Mx = self.product(&self.lin.M, &mode.shape);
+        let rigid = modes.iter().filter(|m| m.eigenvalue == Complex64::ZERO);
+        let parts = rigid.map(|m| {
+            let terms = m.shape.iter().zip(&Mx).map(|(x, y)| x.conj() * y);
+            terms.sum::<Complex64>().norm_sqr()
+        });
+        parts.sum::<f64>() > 0.99
     }
 
     /// Whether rounding errors of K give a rigid mode of this shape φ as large an eigenvalue, times φᴴ M φ.

@@ -3,8 +3,8 @@
 #![allow(non_snake_case)]
 
 use super::Linearized;
-use super::krylov::{Krylov, dot};
-use super::modes::{Finish, Mode, ModeOptions, Modes, ModesError, Selection};
+use super::krylov::Krylov;
+use super::modes::{ModeOptions, ModesError, Selection};
 use super::random::Random;
 use super::ritz::RitzPair;
 use super::shift_invert::{Order, ShiftInvert};
@@ -33,7 +33,7 @@ pub(super) struct Search<'a> {
     lin: &'a Linearized,
     selection: Selection,
     order: Order,
-    symmetric: bool,
+    inner: Inner,
     operator: ShiftInvert<'a>,
     factorisations: usize,
     /// ω² of the modes selected: the first shift without damping.
@@ -52,14 +52,33 @@ impl<'a> Search<'a> {
         };
         let symmetric =
             order == Order::Squares && lin.is_symmetric(&lin.K) && lin.is_symmetric(&lin.M);
+        let inner = match symmetric {
+            true => Inner::Mass,
+            false => Inner::Coordinates,
+        };
+        Self::with(lin, options.selection, order, inner)
+    }
+
+    /// A search for the eigenvalues σ of K − σ M nearest to zero, where K is positive definite and M may be indefinite.
+    pub fn indefinite(lin: &'a Linearized, count: usize) -> Result<Self, ModesError> {
+        let selection = Selection::Nearest { count, omega: 0.0 };
+        Self::with(lin, selection, Order::Squares, Inner::Stiffness)
+    }
+
+    fn with(
+        lin: &'a Linearized,
+        selection: Selection,
+        order: Order,
+        inner: Inner,
+    ) -> Result<Self, ModesError> {
         Ok(Self {
             lin,
-            selection: options.selection,
+            selection,
             order,
-            symmetric,
-            operator: ShiftInvert::new(lin, order, symmetric)?,
+            inner,
+            operator: ShiftInvert::new(lin, order, inner != Inner::Coordinates)?,
             factorisations: 0,
-            middle: match options.selection {
+            middle: match selection {
                 Selection::Nearest { omega, .. } => omega * omega,
                 Selection::Range(_) => 0.0,
             },
@@ -72,7 +91,7 @@ impl<'a> Search<'a> {
     pub fn run(
         mut self,
         observer: &mut dyn FnMut(usize) -> ControlFlow<()>,
-    ) -> Result<Modes, ModesError> {
+    ) -> Result<Found, ModesError> {
         let mut expected = self.number_in_range()?;
         if expected == Some(0) {
             return Ok(self.report(Vec::new(), expected, false));
@@ -98,19 +117,18 @@ impl<'a> Search<'a> {
             let limit = 200 + 8 * wanted.unwrap_or(converged);
             let Some(wanted) = wanted.or_else(|| krylov.is_exhausted().then_some(converged)) else {
                 if krylov.len() > limit {
-                    let dimension = krylov.len();
-                    return Err(ModesError::NotConverged {
-                        converged,
-                        dimension,
-                    });
+                    return Err(not_converged(converged, &krylov));
                 }
                 continue;
             };
             // Of a repeated frequency, a Krylov subspace holds one mode for each start vector.
-            let missing = match self.symmetric && wanted > 0 {
+            let missing = match self.is_symmetric() && wanted > 0 {
                 true => self.missing(&pairs, converged, wanted, &mut expected)?,
                 false => 0,
             };
+            if missing > 0 && krylov.len() > limit {
+                return Err(not_converged(converged, &krylov));
+            }
             if self.operator.shift() != shift {
                 self.factorise(shift)?;
             }
@@ -118,18 +136,39 @@ impl<'a> Search<'a> {
                 continue;
             }
             let complete = krylov.is_exhausted() && converged == pairs.len();
-            let modes = self.modes(&krylov, &pairs[..converged])?;
-            return Ok(self.report(modes, expected, complete));
+            let vectors = self.vectors(&krylov, &pairs[..converged])?;
+            return Ok(self.report(vectors, expected, complete));
         }
     }
 
-    fn report(&self, modes: Vec<Mode>, counted: Option<usize>, complete: bool) -> Modes {
-        Modes {
-            complete: complete && modes.len() < self.requested(),
-            modes,
+    fn report(
+        self,
+        vectors: Vec<(Vec<Complex64>, Complex64)>,
+        counted: Option<usize>,
+        complete: bool,
+    ) -> Found {
+        Found {
+            complete: complete && vectors.len() < self.requested(),
+            vectors,
             counted,
             factorisations: self.factorisations,
+            scales: self.scales(),
         }
+    }
+
+    /// Whether K is positive definite.
+    pub fn is_definite(&mut self) -> Result<bool, ModesError> {
+        Ok(self.below(0.0)? == Some(0))
+    }
+
+    /// Its order, and whether it is symmetric.
+    pub fn kind(&self) -> (Order, bool) {
+        (self.order, self.is_symmetric())
+    }
+
+    /// Whether the operator is self-adjoint in the inner product.
+    fn is_symmetric(&self) -> bool {
+        self.inner != Inner::Coordinates
     }
 
     /// Number of modes requested, if it is a number.
@@ -176,7 +215,7 @@ impl<'a> Search<'a> {
         };
         let [mut from, mut to] = squares(range);
         self.middle = 0.5 * (from + to);
-        let (below, up_to) = match self.symmetric {
+        let (below, up_to) = match self.is_symmetric() {
             true => (self.below(from)?, self.below(to)?),
             false => (None, None),
         };
@@ -220,17 +259,15 @@ impl<'a> Search<'a> {
             let Some((v, Gv)) = krylov.next() else {
                 break;
             };
-            let product = self.operator.apply(v, self.symmetric.then_some(Gv))?;
-            krylov.take(product, &gram, self.symmetric);
+            let Mv = (self.inner == Inner::Mass).then_some(Gv);
+            let product = self.operator.apply(v, Mv)?;
+            krylov.take(product, &gram, self.is_symmetric());
             if observer(krylov.len()).is_break() {
                 return Err(ModesError::Interrupted);
             }
         }
-        let dimension = krylov.len();
-        krylov.ritz(self.symmetric).ok_or(ModesError::NotConverged {
-            converged: 0,
-            dimension,
-        })
+        let pairs = krylov.ritz(self.is_symmetric());
+        pairs.ok_or_else(|| not_converged(0, krylov))
     }
 
     /// Number of eigenvalues near the shift beyond the pairs found.
@@ -252,16 +289,20 @@ impl<'a> Search<'a> {
             .filter(|p| p.theta.norm() * radius >= 1.0);
         let found = near.count();
         let (below, up_to) = (self.below(shift - radius)?, self.below(shift + radius)?);
-        *expected = up_to
-            .zip(below)
-            .map(|(up_to, below)| up_to.saturating_sub(below));
+        *expected = up_to.zip(below).map(|(up_to, below)| match self.inner {
+            // Eigenvalues of both signs, from zero on.
+            Inner::Stiffness => up_to + below,
+            _ => up_to.saturating_sub(below),
+        });
         Ok(expected.map_or(0, |expected| expected.saturating_sub(found)))
     }
 
-    /// The modes of converged pairs, as selected.
-    fn modes(&mut self, krylov: &Krylov, pairs: &[RitzPair]) -> Result<Vec<Mode>, ModesError> {
-        let finish = Finish::new(self.lin, self.order, self.symmetric, self.scales());
-        let n = self.lin.dim();
+    /// The eigenvectors of converged pairs, as selected, and their eigenvalues.
+    fn vectors(
+        &mut self,
+        krylov: &Krylov,
+        pairs: &[RitzPair],
+    ) -> Result<Vec<(Vec<Complex64>, Complex64)>, ModesError> {
         let mut chosen: Vec<&RitzPair> = pairs
             .iter()
             .filter(|p| self.is_upper(p) && self.is_in_range(p))
@@ -273,7 +314,7 @@ impl<'a> Search<'a> {
             }
             chosen.truncate(count);
         }
-        let mut modes: Vec<Mode> = Vec::with_capacity(chosen.len());
+        let mut vectors = Vec::with_capacity(chosen.len());
         for pair in chosen {
             // One product more reduces the error, and leaves no part without mass or velocity.
             let mut image = |part: fn(&Complex64) -> f64| {
@@ -283,27 +324,42 @@ impl<'a> Search<'a> {
                     false => self.operator.apply(&krylov.combine(coefficients), None),
                 }
             };
-            let (mut re, mut im) = (image(|x| x.re)?, image(|x| x.im)?);
-            let shape = re.drain(..n).zip(im.drain(..n));
-            let shape = shape.map(|(re, im)| Complex64::new(re, im)).collect();
-            let mode = finish.mode(shape, self.eigenvalue(pair));
-            if !self.repeats(&modes, &mode) {
-                modes.push(mode);
-            }
+            let (re, im) = (image(|x| x.re)?, image(|x| x.im)?);
+            let both = re.into_iter().zip(im).take(self.lin.dim());
+            let vector = both.map(|(re, im)| Complex64::new(re, im)).collect();
+            vectors.push((vector, self.eigenvalue(pair)));
         }
-        modes.sort_by(|a, b| a.omega().total_cmp(&b.omega()));
-        Ok(modes)
+        Ok(vectors)
     }
+}
 
-    /// Whether a mode at rest was found before: with velocities, λ = 0 occurs twice for each.
-    fn repeats(&self, modes: &[Mode], mode: &Mode) -> bool {
-        if self.order == Order::Squares || mode.eigenvalue != Complex64::ZERO {
-            return false;
-        }
-        let real = |mode: &Mode| mode.shape.iter().map(|x| x.re).collect::<Vec<f64>>();
-        let Mx = self.lin.product(&self.lin.M, &real(mode), false);
-        let rigid = modes.iter().filter(|m| m.eigenvalue == Complex64::ZERO);
-        let squares = rigid.map(|m| dot(&real(m), &Mx).powi(2));
-        squares.sum::<f64>() > 0.99
+fn not_converged(converged: usize, krylov: &Krylov) -> ModesError {
+    ModesError::NotConverged {
+        converged,
+        dimension: krylov.len(),
     }
+}
+
+/// The inner product of a search.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Inner {
+    /// M, if the problem is symmetric.
+    Mass,
+    /// K, if M is indefinite.
+    Stiffness,
+    /// A sum over scaled coordinates.
+    Coordinates,
+}
+
+/// Eigenvectors of any length, and their eigenvalues ω² or λ.
+pub(super) struct Found {
+    pub vectors: Vec<(Vec<Complex64>, Complex64)>,
+    /// See [`Modes`](super::Modes).
+    pub counted: Option<usize>,
+    /// Whether there are no others.
+    pub complete: bool,
+    /// Number of factorisations.
+    pub factorisations: usize,
+    /// They make the shifted matrix one of entries of order one.
+    pub scales: Vec<f64>,
 }

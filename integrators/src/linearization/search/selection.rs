@@ -1,6 +1,6 @@
 //! Which eigenvalues of the operator belong to the modes selected, and when they are enough.
 
-use super::{Order, RitzPair, Search, Selection};
+use super::{Inner, Order, RitzPair, Search, Selection};
 use num_complex::Complex64;
 
 /// Largest residual of a converged eigenvalue of the operator, relative to it.
@@ -21,6 +21,9 @@ impl Search<'_> {
         let Selection::Nearest { count, omega: 0.0 } = self.selection else {
             return None;
         };
+        if self.inner == Inner::Stiffness {
+            return None;
+        }
         let shift = self.operator.shift();
         let largest = pairs.first()?.theta.norm();
         let k = self.position(pairs, count).min(pairs.len() - 1);

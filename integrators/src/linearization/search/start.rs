@@ -1,8 +1,9 @@
 //! The first shift, the inner product, and start vectors.
 
-use super::{DENSE, Krylov, ModesError, Order, Search, Selection, dot};
+use super::{DENSE, Inner, Krylov, ModesError, Order, Search, Selection};
 use crate::linear_solver::LinearError;
 use crate::linear_solver::scaling::{self, for_each};
+use crate::linearization::krylov::dot;
 
 impl<'a> Search<'a> {
     /// A first shift, factorised.
@@ -86,11 +87,12 @@ impl<'a> Search<'a> {
 
     /// The inner product of the search: M if the problem is symmetric.
     pub(super) fn gram(&self) -> impl Fn(&[f64]) -> Vec<f64> + use<'a> {
-        let (lin, symmetric) = (self.lin, self.symmetric);
+        let (lin, inner) = (self.lin, self.inner);
         let weights = self.weights.clone();
-        move |x| match symmetric {
-            true => lin.product(&lin.M, x, true),
-            false => x.iter().zip(&weights).map(|(x, w)| w * x).collect(),
+        move |x| match inner {
+            Inner::Mass => lin.product(&lin.M, x, true),
+            Inner::Stiffness => lin.product(&lin.K, x, true),
+            Inner::Coordinates => x.iter().zip(&weights).map(|(x, w)| w * x).collect(),
         }
     }
 

@@ -1,0 +1,133 @@
+//! Linear buckling: critical loads by linear extrapolation of the tangent.
+
+#![allow(non_snake_case)]
+
+use super::modes::ModesError;
+use super::search::Search;
+use super::{Linearized, linearize};
+use crate::linear_solver::{AutoSolver, LinearError, LinearSolver, MatrixSymmetry};
+use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
+use std::ops::ControlFlow;
+use thiserror::Error;
+
+/// A critical point of the linear extrapolation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BucklingMode {
+    /// Critical value of the load parameter.
+    pub load: f64,
+    /// Buckling shape ψ, with ψᵀ K ψ = 1 for the tangent K at the state.
+    pub shape: Vec<f64>,
+}
+
+/// Error of [`buckling`].
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum BucklingError {
+    /// The state cannot be linearised.
+    #[error(transparent)]
+    Linearization(#[from] super::LinearizationError),
+    /// The tangent is not symmetric.
+    #[error(
+        "the tangent is not symmetric, so that no potential decides on stability: moments and follower loads may \
+         lead to flutter, which `modes` finds"
+    )]
+    Asymmetric,
+    /// The state is unstable, or a mechanism.
+    #[error(
+        "the equilibrium from which critical loads are extrapolated is not stable; begin at a smaller load"
+    )]
+    Unstable,
+    /// The loads do not change the tangent.
+    #[error("the load parameter does not change the stiffness: nothing buckles")]
+    NoLoad,
+    /// The linear solver failed.
+    #[error(transparent)]
+    Linear(#[from] LinearError),
+    /// The search failed.
+    #[error(transparent)]
+    Search(#[from] ModesError),
+}
+
+impl From<SystemError> for BucklingError {
+    fn from(error: SystemError) -> Self {
+        super::LinearizationError::from(error).into()
+    }
+}
+
+/// Largest change of a coordinate, relative to its scale, in the differences of tangents.
+const CHANGE: f64 = 1e-3;
+
+/// The critical loads nearest to that of a stable equilibrium, by growing distance from it; below it as well.
+///
+/// K(t) ≈ K + (t − t₀) K_t is singular there, where K_t is the derivative of the tangent along the equilibrium path,
+/// from differences of the fourth order. The loads are exact where the tangent is linear in the load, as with a
+/// straight column, and an estimate elsewhere.
+///
+/// # Errors
+/// [`BucklingError`].
+pub fn buckling(
+    system: &mut dyn System,
+    at: Point<'_>,
+    count: usize,
+) -> Result<Vec<BucklingMode>, BucklingError> {
+    let mut lin = linearize(system, Point::statics(at.t, at.q))?;
+    if !lin.is_symmetric(&lin.K) {
+        return Err(BucklingError::Asymmetric);
+    }
+    let rate = path_rate(system, &lin, at)?;
+    let units = lin.pattern.units().iter().zip(&rate);
+    let sizes = units
+        .filter(|(unit, _)| **unit > 0.0)
+        .map(|(unit, x)| (x / unit).abs());
+    let fastest = sizes.fold(0.0, f64::max);
+    let h = if fastest > 0.0 { CHANGE / fastest } else { 1.0 };
+    lin.M.fill(0.0);
+    for (s, weight) in [(-2.0, 1.0), (-1.0, -8.0), (1.0, 8.0), (2.0, -1.0)] {
+        let q: Vec<f64> = at.q.iter().zip(&rate).map(|(q, x)| q + s * h * x).collect();
+        let (mut r, mut K) = (vec![0.0; q.len()], vec![0.0; lin.pattern.len()]);
+        let near = Point::statics(at.t + s * h, &q);
+        system.evaluate(
+            near,
+            Evaluation::with_tangent(&mut r, Weights::STATIC, &mut K),
+        )?;
+        for (M, K) in lin.M.iter_mut().zip(K) {
+            *M -= weight / (12.0 * h) * K;
+        }
+    }
+    if lin.M.iter().all(|x| *x == 0.0) {
+        return Err(BucklingError::NoLoad);
+    }
+    let mut search = Search::indefinite(&lin, count)?;
+    if !search.is_definite()? {
+        return Err(BucklingError::Unstable);
+    }
+    let found = search.run(&mut |_| ControlFlow::Continue(()))?;
+    let modes = found.vectors.into_iter().map(|(vector, _)| {
+        let shape: Vec<f64> = vector.iter().map(|x| x.re).collect();
+        let form = |values: &[f64]| super::krylov::dot(&shape, &lin.product(values, &shape, true));
+        let (stiffness, change) = (form(&lin.K), form(&lin.M));
+        BucklingMode {
+            load: at.t + stiffness / change,
+            shape: shape.iter().map(|x| x / stiffness.sqrt()).collect(),
+        }
+    });
+    Ok(modes.collect())
+}
+
+/// dq/dt along the equilibrium path: K dq/dt = ∂r/∂t.
+fn path_rate(
+    system: &mut dyn System,
+    lin: &Linearized,
+    at: Point<'_>,
+) -> Result<Vec<f64>, BucklingError> {
+    let (mut r, mut rate) = (vec![0.0; lin.dim()], vec![0.0; lin.dim()]);
+    let out = Evaluation {
+        r_t: Some(&mut rate),
+        ..Evaluation::residual(&mut r)
+    };
+    system.evaluate(Point::statics(at.t, at.q), out)?;
+    let mut solver = AutoSolver::new();
+    solver.analyse(&lin.pattern, MatrixSymmetry::Symmetric)?;
+    let solved = solver.factorise(&lin.K);
+    solved.and_then(|()| solver.solve(Some(&lin.K), &mut rate))?;
+    Ok(rate)
+}

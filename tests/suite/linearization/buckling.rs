@@ -1,0 +1,103 @@
+//! Critical loads by linear extrapolation against exact solutions.
+#![allow(clippy::unwrap_used, non_snake_case)]
+
+use pullback::input::{Plan, assemble_text};
+use pullback::integrators::linearization::{BucklingError, BucklingMode, buckling};
+use pullback::integrators::statics::equilibrium;
+use pullback::manifold::system::Point;
+use std::f64::consts::PI;
+
+/// Critical loads of a model file from its state at load parameter `from`.
+fn critical(text: &str, from: f64, count: usize) -> Result<Vec<BucklingMode>, BucklingError> {
+    let mut job = assemble_text("model.toml", text).unwrap();
+    let mut q = vec![0.0; job.context.initial().len()];
+    if let (Plan::Static(options), true) = (&mut job.plan, from > 0.0) {
+        options.to = from;
+        q = equilibrium(&mut job.context, options).unwrap();
+    }
+    buckling(&mut job.context, Point::statics(from, &q), count)
+}
+
+fn line(stiffness: &str, elements: usize, order: usize, rest: &str) -> String {
+    format!(
+        r#"
+        [sections.main]
+        stiffness = {{ {stiffness} }}
+        [nodes]
+        A = [0, 0, 0]
+        B = [1, 0, 0]
+        [[lines]]
+        name = "line"
+        from = "A"
+        to = "B"
+        elements = {elements}
+        order = {order}
+        section = "main"
+        {rest}
+        "#
+    )
+}
+
+fn assert_near(found: f64, exact: f64, tolerance: f64) {
+    assert!((found / exact - 1.0).abs() < tolerance, "{found} {exact}");
+}
+
+/// With EA = GA the equation of a pinned column is EI φ″ + P φ = 0; elements of order one make its critical loads
+/// 4 EI/h² tan²(kπh/2L).
+#[test]
+fn a_pinned_column_in_both_planes() {
+    let pinned = r#"
+        [[supports]]
+        node = "A"
+        fix = ["x", "y", "z"]
+        [[supports]]
+        node = "B"
+        fix = ["y", "z", "rx"]
+        [[loads]]
+        node = "B"
+        force = [-1, 0, 0]
+    "#;
+    let stiffness = "EA = 1e4, GA = [1e4, 1e4], GJ = 10.0, EI = [3.0, 1.0]";
+    let n = 16.0;
+    let load = |EI: f64, k: f64| 4.0 * EI * n * n * (k * PI / (2.0 * n)).tan().powi(2);
+    let exact = [load(1.0, 1.0), load(3.0, 1.0), load(1.0, 2.0)];
+    for from in [0.0, 5.0] {
+        let found = critical(&line(stiffness, 16, 1, pinned), from, 3).unwrap();
+        for (mode, exact) in found.iter().zip(exact) {
+            assert_near(mode.load, exact, 1e-6);
+        }
+    }
+    let beyond = critical(&line(stiffness, 16, 1, pinned), 12.0, 1);
+    assert_eq!(beyond, Err(BucklingError::Unstable));
+}
+
+const CLAMPED: &str = "[[supports]]\nnode = \"A\"\nfix = \"all\"\n";
+
+/// P L²/√(EI GJ) of a narrow cantilever with a force at its tip, across the plane of its large stiffness.
+#[test]
+fn lateral_buckling_of_a_cantilever() {
+    let load = format!("{CLAMPED}[[loads]]\nnode = \"B\"\nforce = [0, 0, -1]\n");
+    let stiffness = "EA = 1e8, GA = [1e8, 1e8], GJ = 0.25, EI = [1e7, 1.0]";
+    let found = critical(&line(stiffness, 12, 3, &load), 0.0, 2).unwrap();
+    for mode in found {
+        assert_near(mode.load.abs(), 4.012599343578901 * 0.5, 1e-5);
+    }
+}
+
+/// q L³/EI of a column under its own weight.
+#[test]
+fn a_column_under_its_own_weight() {
+    let load = format!("{CLAMPED}[[loads]]\nline = \"line\"\nforce_per_length = [-1, 0, 0]\n");
+    let stiffness = "EA = 1e7, GA = [1e7, 1e7], GJ = 1.0, EI = [1.0, 2.0]";
+    let found = critical(&line(stiffness, 12, 3, &load), 0.0, 2).unwrap();
+    assert_near(found[0].load, 7.837347438943484, 1e-5);
+    assert_near(found[1].load, 2.0 * 7.837347438943484, 1e-5);
+}
+
+#[test]
+fn follower_loads_are_refused() {
+    let load = format!("{CLAMPED}[[loads]]\nnode = \"B\"\nforce = [0, 0, -1]\nfollower = true\n");
+    let stiffness = "EA = 1e4, GA = [1e4, 1e4], GJ = 1.0, EI = [1.0, 1.0]";
+    let refused = critical(&line(stiffness, 4, 1, &load), 0.5, 1);
+    assert_eq!(refused, Err(BucklingError::Asymmetric));
+}
