@@ -1,14 +1,15 @@
-//! Modes of a model about a state.
+//! Modes and critical loads of a model.
 
 use crate::terminal::plural;
 use nalgebra::Vector3;
 use num_complex::Complex64;
 use pullback_elements::model::Context;
 use pullback_integrators::linearization::{
-    LinearizationError, Mode, ModeOptions, ModesError, Selection, linearize, modes_while,
+    BucklingError, BucklingMode, LinearizationError, Mode, ModeOptions, ModesError, Selection,
+    buckling, linearize, modes_while,
 };
 use pullback_integrators::significant;
-use pullback_manifold::system::{Point, SystemError};
+use pullback_manifold::system::{Point, System, SystemError};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
@@ -51,6 +52,9 @@ pub enum ModelModesError {
     /// The search failed.
     #[error("modes: {0}")]
     Modes(#[from] ModesError),
+    /// No critical loads.
+    #[error("buckling: {0}")]
+    Buckling(#[from] BucklingError),
     /// A range without modes.
     #[error("no mode has a frequency between {} and {}", significant(.0[0]), significant(.0[1]))]
     None([f64; 2]),
@@ -134,4 +138,39 @@ fn participation(
     let before = momentum(&|_| 0.0)?;
     let (re, im) = (momentum(&|x| x.re)? - before, momentum(&|x| x.im)? - before);
     Ok([0, 1, 2].map(|k| Complex64::new(re[k], im[k])))
+}
+
+/// Critical loads of a model, nearest to that of an equilibrium.
+#[derive(Clone, Debug)]
+pub struct CriticalLoads {
+    /// The loads with their shapes, by growing distance.
+    pub modes: Vec<BucklingMode>,
+    /// Names of the coordinates of their shapes.
+    pub names: Vec<String>,
+}
+
+/// What is found at the end of the steps of an analysis.
+#[derive(Clone, Debug)]
+pub enum Eigenvalues {
+    /// Modes of vibration.
+    Modes(ModelModes),
+    /// Critical loads.
+    Critical(CriticalLoads),
+}
+
+/// The critical loads extrapolated from an equilibrium.
+///
+/// # Errors
+/// [`BucklingError`].
+pub fn critical_loads(
+    context: &mut Context,
+    at: Point<'_>,
+    count: usize,
+) -> Result<CriticalLoads, BucklingError> {
+    Ok(CriticalLoads {
+        modes: buckling(context, at, count)?,
+        names: (0..context.pattern().dim())
+            .map(|i| context.name(i))
+            .collect(),
+    })
 }

@@ -1,7 +1,7 @@
 //! A run: model file in, results out.
 
-use crate::input::{self, InputError, Job, ModelFile, Plan, Start};
-use crate::modes::{self, ModelModes, ModelModesError};
+use crate::input::{self, EigenvaluePlan, InputError, Job, ModelFile, Plan, Start};
+use crate::modes::{self, Eigenvalues, ModelModesError};
 use crate::output::{
     Checkpoint, Directory, Ending, OutputError, RecordError, Recorder, ResumeError, Setting,
     is_complete,
@@ -10,7 +10,7 @@ use crate::solve::{Advance, Counts, Ended, SolveError, begin, solve};
 use crate::warnings;
 use pullback_elements::model::Context;
 use pullback_integrators::dynamics::{DynamicsError, Progress};
-use pullback_integrators::linearization::{ModeOptions, ModesError};
+use pullback_integrators::linearization::ModesError;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
@@ -60,8 +60,8 @@ pub struct Outcome {
     pub directory: PathBuf,
     /// Names of the files.
     pub files: Vec<String>,
-    /// The modes at its end, if they were requested and found.
-    pub modes: Option<ModelModes>,
+    /// Modes or critical loads at its end, if they were requested and found.
+    pub eigenvalues: Option<Eigenvalues>,
 }
 
 /// Default directory of the results of a model file: `model.out` beside it.
@@ -124,7 +124,7 @@ pub fn run_job(
         mut context,
         start,
         plan,
-        modes,
+        eigenvalues,
         probes,
         geometry,
         file,
@@ -172,20 +172,13 @@ pub fn run_job(
         None => ending(&ended, t),
     };
     let mut found = None;
-    if let Some(options) = modes.filter(|_| ending == Ending::Complete) {
-        match find_modes(&mut context, &progress, &options, &mut recorder, observer)? {
-            Ok(modes) => found = Some(modes),
-            Err(ModelModesError::Modes(ModesError::Interrupted)) => {
-                ending = Ending::Interrupted { t };
-            }
-            Err(error) => {
-                let message = error.to_string();
-                ending = Ending::Failed { message };
-            }
-        }
+    if let (Some(wanted), Ending::Complete) = (eigenvalues, &ending) {
+        (found, ending) = find(&mut context, &progress, wanted, &mut recorder, observer)?;
     }
     let (written, mut warnings) = recorder.finish(&ending, ended.counts)?;
-    warnings.extend(found.iter().flat_map(|found| found.warnings.clone()));
+    if let Some(Eigenvalues::Modes(modes)) = &found {
+        warnings.extend(modes.warnings.iter().cloned());
+    }
     Ok(Outcome {
         ending,
         failure: ended.failure,
@@ -197,7 +190,7 @@ pub fn run_job(
         directory: written.path().to_owned(),
         files: written.files().to_vec(),
         notes,
-        modes: found,
+        eigenvalues: found,
     })
 }
 
@@ -224,22 +217,35 @@ fn solve_recorded(
     }
 }
 
-/// Finds and writes the modes at the end of an analysis.
-fn find_modes(
+/// Finds and writes modes or critical loads at the end of an analysis; without them, why the run has not ended with them.
+fn find(
     context: &mut Context,
     progress: &Progress,
-    options: &ModeOptions,
+    wanted: EigenvaluePlan,
     recorder: &mut Recorder<'_>,
     observer: &mut dyn FnMut(&Advance<'_>) -> ControlFlow<()>,
-) -> Result<Result<ModelModes, ModelModesError>, RecordError> {
+) -> Result<(Option<Eigenvalues>, Ending), RecordError> {
     let at = progress.state.point();
-    let found = modes::find(context, at, options, &mut |dimension| {
-        observer(&Advance::search(progress, dimension))
-    });
-    if let Ok(modes) = &found {
-        recorder.write_modes(context, at, modes)?;
-    }
-    Ok(found)
+    let found = match wanted {
+        EigenvaluePlan::Modes(options) => {
+            let mut search = |dimension| observer(&Advance::search(progress, dimension));
+            modes::find(context, at, &options, &mut search).map(Eigenvalues::Modes)
+        }
+        EigenvaluePlan::Buckling(count) => modes::critical_loads(context, at, count)
+            .map(Eigenvalues::Critical)
+            .map_err(ModelModesError::from),
+    };
+    let ending = match found {
+        Ok(found) => {
+            recorder.write_eigenvalues(context, at, &found)?;
+            return Ok((Some(found), Ending::Complete));
+        }
+        Err(ModelModesError::Modes(ModesError::Interrupted)) => Ending::Interrupted { t: at.t },
+        Err(error) => Ending::Failed {
+            message: error.to_string(),
+        },
+    };
+    Ok((None, ending))
 }
 
 /// The last checkpoint of a job.

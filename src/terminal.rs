@@ -1,6 +1,6 @@
 //! Progress display and interrupts of the program.
 
-use crate::modes::ModelModes;
+use crate::modes::{Eigenvalues, ModelModes};
 use crate::solve::{Advance, Counts};
 use crate::studies::gallery::CaseRow;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -158,8 +158,21 @@ pub fn plural(count: usize, thing: &str) -> String {
     }
 }
 
-/// A table of modes.
-pub fn modes(found: &ModelModes) -> String {
+/// A table of modes or critical loads.
+pub fn eigenvalues(found: &Eigenvalues) -> String {
+    match found {
+        Eigenvalues::Modes(found) => modes(found),
+        Eigenvalues::Critical(found) => {
+            let mut out = "\nmode  critical load parameter\n".to_owned();
+            for (k, mode) in found.modes.iter().enumerate() {
+                let _ = writeln!(out, "{:4}  {:23.9e}", k + 1, mode.load);
+            }
+            out
+        }
+    }
+}
+
+fn modes(found: &ModelModes) -> String {
     let mut out = "\nmode     frequency  damping ratio  residual\n".to_owned();
     for (k, mode) in found.modes.iter().enumerate() {
         let (number, mode) = (k + 1, &mode.mode);

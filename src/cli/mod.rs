@@ -239,9 +239,9 @@ fn report(outcome: &Outcome, quiet: bool) -> u8 {
             "complete: {reached} in {directory}\n{}{}",
             terminal::counts(&outcome.counts),
             outcome
-                .modes
+                .eigenvalues
                 .as_ref()
-                .map_or_else(String::new, terminal::modes)
+                .map_or_else(String::new, terminal::eigenvalues)
         ))),
         Ending::Interrupted { .. } => {
             tell(format_args!("interrupted: {kept}"));

@@ -1,5 +1,6 @@
 //! Assembles the whole model: names, references, and the order of construction.
 
+use super::eigenvalues::{self, EigenvaluePlan};
 use super::file::{Analysis, Joint, ModelFile};
 use super::initial::Start;
 use super::joints::Registry;
@@ -10,7 +11,6 @@ use crate::probe::Probe;
 use nalgebra::{Matrix3, Vector3};
 use pullback_elements::beam::Interpolation;
 use pullback_elements::model::{Context, ElementId, Formulation, ModelError, NodeId};
-use pullback_integrators::linearization::ModeOptions;
 
 /// A model and its analysis as a model file describes them, ready to run.
 pub struct Job {
@@ -22,8 +22,8 @@ pub struct Job {
     pub start: Start,
     /// The analysis.
     pub plan: Plan,
-    /// The modes to find at its end.
-    pub modes: Option<ModeOptions>,
+    /// What to find at its end.
+    pub eigenvalues: Option<EigenvaluePlan>,
     /// The quantities to record.
     pub probes: Vec<Probe>,
     /// Lines and supports, for figures and ParaView.
@@ -93,7 +93,8 @@ pub(super) fn assemble(
     let model = std::mem::take(&mut assembly.builder).build();
     let model = model.map_err(|error| assembly.locate(error))?;
     let dynamic = file.analysis.is_dynamic();
-    if !dynamic && file.analysis.stepwise().is_some() {
+    let floats = dynamic || matches!(&file.analysis, Analysis::Modes(m) if m.after.is_none());
+    if !floats {
         // A structure without supports is allowed in dynamics, and has modes.
         (model.check_supports()).map_err(|error| assembly.locate(error))?;
     }
@@ -107,7 +108,7 @@ pub(super) fn assemble(
         return Err(scheme.refuse(InputProblem::Scheme { message }));
     }
     let plan = settings::plan(&assembly, &model)?;
-    let modes = settings::modes(at, &file.analysis)?;
+    let eigenvalues = eigenvalues::plan(at, &file.analysis)?;
     let scale = file.output.deformation_scale;
     at.at("output").positive("deformation_scale", scale)?;
     if !dynamic {
@@ -123,7 +124,7 @@ pub(super) fn assemble(
         title: file.title.clone(),
         context,
         plan,
-        modes,
+        eigenvalues,
         probes,
         geometry,
         file,

@@ -4,6 +4,7 @@
 
 mod advice;
 mod assemble;
+mod eigenvalues;
 mod error;
 mod file;
 mod initial;
@@ -16,6 +17,7 @@ mod schema;
 mod settings;
 
 pub use assemble::{BodyGeometry, Geometry, Job, LineGeometry};
+pub use eigenvalues::EigenvaluePlan;
 pub use error::{InputError, InputProblem};
 pub use file::*;
 pub use initial::Start;

@@ -1,16 +1,15 @@
 //! The analysis of the file as options of the solver.
 
 use super::file::{
-    Analysis, ArcLength, Direction, Dynamic, NewtonSettings, Predictor, Static, Stop, TangentRule,
+    Analysis, ArcLength, BucklingAnalysis, Direction, Dynamic, ModalAnalysis, NewtonSettings,
+    Predictor, Static, Stop, TangentRule,
 };
 use super::names::Names;
 use super::parts::Assembly;
 use super::{InputError, InputProblem, Location};
 use pullback_elements::model::{Model, NodeId};
 use pullback_integrators::dynamics::{self as integrator, Adaptivity, DynamicOptions, Scheme};
-use pullback_integrators::linearization::{ModeOptions, Selection};
 use pullback_integrators::statics::{ArcLengthOptions, Event, StaticNewtonOptions, StaticOptions};
-use std::f64::consts::TAU;
 
 /// Largest number of steps accepted.
 const MOST_STEPS: f64 = 1e9;
@@ -76,12 +75,8 @@ pub(super) fn plan(assembly: &Assembly<'_>, model: &Model) -> Result<Plan, Input
         Some(Analysis::Static(s)) => load_steps(&at.at("static"), s).map(Plan::Static),
         Some(Analysis::ArcLength(a)) => path(&at.at("arc_length"), model, &assembly.nodes, a),
         Some(Analysis::Dynamic(d)) => dynamic(&at.at("dynamic"), d).map(Plan::Dynamic),
-        Some(Analysis::Modes(_)) => Err(at.at("modes").refuse_key(InputProblem::UnknownKey {
-            found: "modes".to_owned(),
-            known: ["static", "arc_length", "dynamic"]
-                .map(str::to_owned)
-                .into(),
-        })),
+        Some(Analysis::Modes(_)) => Err(unknown(&at, "modes", &STEPWISE)),
+        Some(Analysis::Buckling(_)) => Err(unknown(&at, "buckling", &STEPWISE)),
         None => Ok(Plan::Static(StaticOptions {
             to: 0.0,
             ..StaticOptions::default()
@@ -89,45 +84,23 @@ pub(super) fn plan(assembly: &Assembly<'_>, model: &Model) -> Result<Plan, Input
     }
 }
 
+/// The analyses that make steps.
+const STEPWISE: [&str; 3] = ["static", "arc_length", "dynamic"];
+
+pub(super) fn unknown(at: &Location<'_>, found: &str, known: &[&str]) -> InputError {
+    at.at(found).refuse_key(InputProblem::UnknownKey {
+        found: found.to_owned(),
+        known: known.iter().map(|&key| key.to_owned()).collect(),
+    })
+}
+
 /// Location of the analysis that is solved step by step.
 pub(super) fn location<'a>(at: Location<'a>, analysis: &Analysis) -> Location<'a> {
     match analysis {
         Analysis::Modes(_) => at.at("modes").at("after"),
+        Analysis::Buckling(_) => at.at("buckling").at("after"),
         _ => at,
     }
-}
-
-/// The modes to find at the end of the analysis.
-pub(super) fn modes(
-    at: &Location<'_>,
-    analysis: &Analysis,
-) -> Result<Option<ModeOptions>, InputError> {
-    let Analysis::Modes(m) = analysis else {
-        return Ok(None);
-    };
-    let at = at.at("analysis").at("modes");
-    at.positive("count", m.count as f64)?;
-    if !(m.near >= 0.0 && m.near.is_finite()) {
-        return Err(at.range("near", m.near, "a frequency, zero or positive"));
-    }
-    let selection = match m.range {
-        Some([from, to]) if !(0.0 <= from && from < to && to.is_finite()) => {
-            return Err(at.range(
-                "range",
-                to,
-                "two frequencies, zero or positive, the smaller one first",
-            ));
-        }
-        Some(range) => Selection::Range(range.map(|f| TAU * f)),
-        None => Selection::Nearest {
-            count: m.count,
-            omega: TAU * m.near,
-        },
-    };
-    Ok(Some(ModeOptions {
-        selection,
-        undamped: m.undamped,
-    }))
 }
 
 fn dynamic(at: &Location<'_>, d: &Dynamic) -> Result<DynamicPlan, InputError> {
@@ -295,11 +268,15 @@ fn load_steps(at: &Location<'_>, s: &Static) -> Result<StaticOptions, InputError
 
 /// Writes defaults that depend on other keys into the settings that a run reports.
 pub(super) fn fill_in(plan: &Plan, analysis: &mut Analysis) {
-    if let Analysis::Modes(modes) = analysis {
-        if let Some(after) = &mut modes.after {
-            fill_in(plan, after);
-        }
-    } else if let (Plan::Static(options), Analysis::Static(s)) = (plan, analysis) {
+    let analysis = match analysis {
+        Analysis::Modes(ModalAnalysis { after, .. })
+        | Analysis::Buckling(BucklingAnalysis { after, .. }) => match after {
+            Some(after) => &mut **after,
+            None => return,
+        },
+        own => own,
+    };
+    if let (Plan::Static(options), Analysis::Static(s)) = (plan, analysis) {
         s.min_step = Some(options.min_step);
         if s.steps.is_none() {
             s.first_step = Some(options.first_step);

@@ -282,6 +282,8 @@ fn is_result(name: &str) -> bool {
             super::checkpoint::NAME,
             super::log::NAME,
             "history.csv",
+            "buckling.csv",
+            "buckling.json",
             "modes.csv",
             "modes.json",
             "steps.pvd",

@@ -132,8 +132,11 @@ impl<'a> Search<'a> {
             if self.operator.shift() != shift {
                 self.factorise(shift)?;
             }
-            if self.add_starts(&mut krylov, missing)? {
-                continue;
+            if missing > 0 {
+                if self.add_starts(&mut krylov, missing)? {
+                    continue;
+                }
+                return Err(not_converged(converged, &krylov));
             }
             let complete = krylov.is_exhausted() && converged == pairs.len();
             let vectors = self.vectors(&krylov, &pairs[..converged])?;

@@ -16,13 +16,16 @@ pub enum Analysis {
     Dynamic(Dynamic),
     /// Frequencies, damping and shapes of small vibrations about a state.
     Modes(ModalAnalysis),
+    /// Critical loads and shapes of buckling, extrapolated linearly from an equilibrium.
+    Buckling(BucklingAnalysis),
 }
 
 impl Analysis {
-    /// The analysis that is solved step by step: for modes, that which leads to their state, if any.
+    /// The analysis that is solved step by step: for modes and buckling, that which leads to their state, if any.
     pub fn stepwise(&self) -> Option<&Self> {
         match self {
             Self::Modes(modes) => modes.after.as_deref(),
+            Self::Buckling(buckling) => buckling.after.as_deref(),
             own => Some(own),
         }
     }
@@ -188,6 +191,28 @@ impl Default for ModalAnalysis {
             near: 0.0,
             range: None,
             undamped: false,
+            after: None,
+        }
+    }
+}
+
+/// Critical loads and shapes of buckling: the static stiffness at an equilibrium, extrapolated linearly in the load
+/// parameter, is singular.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct BucklingAnalysis {
+    /// Number of critical loads, nearest to that of the equilibrium, in both directions.
+    #[schemars(range(min = 1))]
+    pub count: usize,
+    /// The static analysis at whose end the equilibrium is; by default none: it is that at load parameter 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub after: Option<Box<Analysis>>,
+}
+
+impl Default for BucklingAnalysis {
+    fn default() -> Self {
+        Self {
+            count: 4,
             after: None,
         }
     }

@@ -1,7 +1,8 @@
-//! The modes at the end of a run: tables, figures, and ParaView files of their vibration.
+//! The modes or critical loads at the end of a run: tables, figures, and ParaView files of their vibration.
 
 use super::Recorder;
-use crate::modes::{ModelMode, ModelModes};
+use crate::input::Geometry;
+use crate::modes::{CriticalLoads, Eigenvalues, ModelMode, ModelModes};
 use crate::output::directory::{OutputError, drawing};
 use crate::output::plot::{self, Shapes};
 use crate::output::vtu::{VtuFrame, collection, grid};
@@ -9,7 +10,7 @@ use crate::probe::Answers;
 use num_complex::Complex64;
 use pullback_elements::model::Context;
 use pullback_integrators::significant;
-use pullback_manifold::system::Point;
+use pullback_manifold::system::{Point, Quantity, System};
 use serde_json::json;
 use std::f64::consts::TAU;
 use std::fmt::Write;
@@ -28,8 +29,48 @@ const AMPLITUDE: f64 = 0.1;
 const LARGEST_ANGLE: f64 = 0.5;
 
 impl Recorder<'_> {
-    /// Writes the modes about a state; the model is left in another configuration.
-    pub fn write_modes(
+    /// Writes modes or critical loads at a state; the model is left in another configuration.
+    pub fn write_eigenvalues(
+        &mut self,
+        context: &mut Context,
+        at: Point<'_>,
+        found: &Eigenvalues,
+    ) -> Result<(), OutputError> {
+        match found {
+            Eigenvalues::Modes(modes) => self.write_modes(context, at, modes),
+            Eigenvalues::Critical(loads) => self.write_critical_loads(context, at, loads),
+        }
+    }
+
+    fn write_critical_loads(
+        &mut self,
+        context: &mut Context,
+        at: Point<'_>,
+        loads: &CriticalLoads,
+    ) -> Result<(), OutputError> {
+        let mut csv = "mode,load\n".to_owned();
+        for (k, mode) in loads.modes.iter().enumerate() {
+            // Writing to a string cannot fail.
+            let _ = writeln!(csv, "{},{:?}", k + 1, mode.load);
+        }
+        self.directory.write("buckling.csv", &csv)?;
+        let entries = loads.modes.iter();
+        let entries = entries.map(|mode| json!({ "load": mode.load, "shape": mode.shape }));
+        let all = json!({
+            "coordinates": loads.names,
+            "modes": entries.collect::<Vec<_>>(),
+        });
+        self.directory.write_json("buckling.json", &all)?;
+        for (k, mode) in loads.modes.iter().enumerate().take(DRAWN) {
+            let title = format!("buckling at load parameter {}", significant(mode.load));
+            let shape: Vec<Complex64> = mode.shape.iter().map(|x| Complex64::from(*x)).collect();
+            self.draw(context, at, (k + 1, &title), &shape)?;
+        }
+        Ok(())
+    }
+
+    /// Writes the modes about a state.
+    fn write_modes(
         &mut self,
         context: &mut Context,
         at: Point<'_>,
@@ -72,26 +113,32 @@ impl Recorder<'_> {
         });
         self.directory.write_json("modes.json", &all)?;
         for (k, mode) in modes.modes.iter().enumerate().take(DRAWN) {
-            self.draw_mode(context, at, k + 1, mode)?;
+            let title = format!(
+                "mode {}, frequency {}, damping ratio {}",
+                k + 1,
+                significant(mode.mode.frequency()),
+                significant(mode.mode.damping_ratio())
+            );
+            self.draw(context, at, (k + 1, &title), &mode.mode.shape)?;
         }
         Ok(())
     }
 
-    /// A figure of a mode, and a period of its vibration; nothing where its shape leaves the domain of a joint.
-    fn draw_mode(
+    /// A figure of a shape, and a period of its vibration; nothing where it leaves the domain of a joint.
+    fn draw(
         &mut self,
         context: &mut Context,
         at: Point<'_>,
-        number: usize,
-        mode: &ModelMode,
+        (number, title): (usize, &str),
+        shape: &[Complex64],
     ) -> Result<(), OutputError> {
-        let Some(scale) = self.drawn_scale(context, at, mode) else {
+        let geometry = self.setting.geometry;
+        let Some(scale) = drawn_scale(context, geometry, at, shape) else {
             return Ok(());
         };
-        let geometry = self.setting.geometry;
         let output = &self.setting.file.output;
         let factor = |phase: f64| Complex64::from_polar(scale, phase);
-        let Some(displaced) = displace(context, at, mode, factor(0.0)) else {
+        let Some(displaced) = displace(context, at, shape, factor(0.0)) else {
             return Ok(());
         };
         let shapes = [(0.0, Shapes::of(displaced, geometry, 1.0))];
@@ -99,7 +146,7 @@ impl Recorder<'_> {
         if output.paraview_every != Some(0) {
             for k in 0..PHASES {
                 let phase = TAU * k as f64 / PHASES as f64;
-                let Some(context) = displace(context, at, mode, factor(phase)) else {
+                let Some(context) = displace(context, at, shape, factor(phase)) else {
                     return Ok(());
                 };
                 let file = format!("mode_{number:02}_{k:02}.vtu");
@@ -113,46 +160,52 @@ impl Recorder<'_> {
             self.directory
                 .write(&format!("mode_{number:02}.pvd"), &collection(&frames))?;
         }
-        if output.figures && displace(context, at, mode, Complex64::ZERO).is_some() {
+        if output.figures && displace(context, at, shape, Complex64::ZERO).is_some() {
             let state = Shapes::of(context, geometry, 1.0);
-            let title = format!(
-                "mode {number}, frequency {}, damping ratio {}",
-                significant(mode.mode.frequency()),
-                significant(mode.mode.damping_ratio())
-            );
             let name = format!("mode_{number:02}.svg");
-            let figure = plot::deformed(Some(&title), &state, &shapes, Some("mode"));
+            let figure = plot::deformed(Some(title), &state, &shapes, Some("mode"));
             self.directory
                 .write(&name, &figure.map_err(drawing(&name))?)?;
         }
         Ok(())
     }
+}
 
-    /// The factor of a shape with which its displacements are a tenth of the model, and its angles moderate.
-    fn drawn_scale(&self, context: &mut Context, at: Point<'_>, mode: &ModelMode) -> Option<f64> {
-        let geometry = self.setting.geometry;
-        let largest = mode.mode.shape.iter().map(|x| x.norm()).fold(0.0, f64::max);
-        let small = 1e-6 / largest;
-        let state = Shapes::of(displace(context, at, mode, Complex64::ZERO)?, geometry, 1.0);
-        let extent = state.extent();
-        let moved = [Complex64::from(small), Complex64::new(0.0, small)].map(|factor| {
-            let context = displace(context, at, mode, factor)?;
-            Some(Shapes::of(context, geometry, 1.0).distance(&state) / small)
-        });
-        let rate = moved.into_iter().flatten().fold(0.0, f64::max);
-        let scale = (AMPLITUDE * extent / rate).min(LARGEST_ANGLE / largest);
-        Some(scale).filter(|scale| scale.is_finite() && *scale > 0.0)
-    }
+/// The factor of a shape with which its displacements are a tenth of the model, and its angles moderate.
+fn drawn_scale(
+    context: &mut Context,
+    geometry: &Geometry,
+    at: Point<'_>,
+    shape: &[Complex64],
+) -> Option<f64> {
+    let largest = |pick: &dyn Fn(usize) -> bool| {
+        let chosen = shape.iter().enumerate().filter(|(i, _)| pick(*i));
+        chosen.map(|(_, x)| x.norm()).fold(0.0, f64::max)
+    };
+    let angle = largest(&|i| context.coordinate_info(i).quantity == Quantity::Angle);
+    let small = 1e-6 / largest(&|_| true);
+    let state = Shapes::of(
+        displace(context, at, shape, Complex64::ZERO)?,
+        geometry,
+        1.0,
+    );
+    let moved = [Complex64::from(small), Complex64::new(0.0, small)].map(|factor| {
+        let context = displace(context, at, shape, factor)?;
+        Some(Shapes::of(context, geometry, 1.0).distance(&state) / small)
+    });
+    let rate = moved.into_iter().flatten().fold(0.0, f64::max);
+    let scale = (AMPLITUDE * state.extent() / rate).min(LARGEST_ANGLE / angle);
+    Some(scale).filter(|scale| scale.is_finite() && *scale > 0.0)
 }
 
 /// The model displaced from its state by the real part of a shape times a factor.
 fn displace<'a>(
     context: &'a mut Context,
     at: Point<'_>,
-    mode: &ModelMode,
+    shape: &[Complex64],
     factor: Complex64,
 ) -> Option<&'a Context> {
-    let shape = mode.mode.shape.iter();
+    let shape = shape.iter();
     let q: Vec<f64> =
         at.q.iter()
             .zip(shape)

@@ -2,5 +2,6 @@
 
 mod beams;
 mod buckling;
+mod inputs;
 mod linkages;
 mod rotating;

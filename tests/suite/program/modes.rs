@@ -118,6 +118,73 @@ fn settings_of_modes_are_checked() {
         let said = error.report(false);
         assert!(said.contains(problem), "{keys}: {said}");
     }
+    let after = "after = { dynamic = { to = 1, step = 0.1 } }";
+    let text = format!("{MASSES}\n[analysis.buckling]\n{after}\n");
+    let said = assemble_text("model.toml", &text)
+        .err()
+        .unwrap()
+        .report(false);
+    assert!(said.contains("unknown key or word `dynamic`"), "{said}");
+}
+
+/// A pinned column of elements of order one with EA = GA: 4 EI/h² tan²(πh/2L).
+const COLUMN: &str = r#"
+[sections.main]
+stiffness = { EA = 1e4, GA = [1e4, 1e4], GJ = 10.0, EI = [3.0, 1.0] }
+[nodes]
+A = [0, 0, 0]
+B = [1, 0, 0]
+[[lines]]
+name = "column"
+from = "A"
+to = "B"
+elements = 8
+section = "main"
+[[supports]]
+node = "A"
+fix = ["x", "y", "z"]
+[[supports]]
+node = "B"
+fix = ["y", "z", "rx"]
+[[loads]]
+node = "B"
+force = [-1, 0, 0]
+"#;
+
+#[test]
+fn critical_loads_of_a_column() {
+    for after in ["", "after = { static = { to = 4.0 } }"] {
+        let text = format!("{COLUMN}\n[analysis.buckling]\ncount = 2\n{after}\n");
+        let (out, ran) = run("buckling", &text);
+        assert!(
+            ran.status.success(),
+            "{}",
+            String::from_utf8_lossy(&ran.stderr)
+        );
+        let table = std::fs::read_to_string(out.join("buckling.csv")).unwrap();
+        let loads = table
+            .lines()
+            .skip(1)
+            .map(|row| row.split(',').nth(1).unwrap().parse());
+        let loads: Vec<f64> = loads.map(Result::unwrap).collect();
+        for (load, EI) in loads.iter().zip([1.0, 3.0]) {
+            let exact = 256.0 * EI * (std::f64::consts::PI / 16.0).tan().powi(2);
+            assert!((load / exact - 1.0).abs() < 1e-6, "{load} {exact}");
+        }
+        assert!(loads.len() == 2 && out.join("mode_02.svg").is_file());
+    }
+}
+
+#[test]
+fn an_unstable_equilibrium_has_no_critical_loads() {
+    let after = "after = { static = { to = 12.0 } }";
+    let (_, ran) = run(
+        "unstable",
+        &format!("{COLUMN}\n[analysis.buckling]\n{after}\n"),
+    );
+    let said = String::from_utf8_lossy(&ran.stderr);
+    assert_eq!(ran.status.code(), Some(1));
+    assert!(said.contains("is not stable"), "{said}");
 }
 
 /// The triplets of a Matrix Market file, as a full matrix.

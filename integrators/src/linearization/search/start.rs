@@ -14,10 +14,10 @@ impl<'a> Search<'a> {
         };
         if middle != 0.0 || self.factorise(0.0).is_err() {
             // Beyond the spectrum of a rigid structure: K + |σ| M is positive definite.
-            let largest = self.largest_square();
+            let bound = self.upper_bound();
             let away = match self.order {
-                Order::Squares => -largest,
-                Order::Quadratic => largest.sqrt(),
+                Order::Squares => -bound,
+                Order::Quadratic => bound.sqrt(),
             };
             let shift = self.factorise_near(if middle == 0.0 { away } else { middle })?;
             self.weigh()?;
@@ -28,7 +28,7 @@ impl<'a> Search<'a> {
     }
 
     /// The least K_ii / M_ii: an upper bound of the lowest ω² of a symmetric system.
-    fn largest_square(&self) -> f64 {
+    fn upper_bound(&self) -> f64 {
         let diagonal = self.lin.pattern.diagonal();
         let ratios = diagonal.map(|k| self.lin.K[k] / self.lin.M[k]);
         let least = ratios
