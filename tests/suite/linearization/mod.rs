@@ -2,6 +2,7 @@
 
 mod beams;
 mod buckling;
+mod flutter;
 mod inputs;
 mod linkages;
 mod rotating;
