@@ -175,10 +175,7 @@ pub fn run_job(
     if let (Some(wanted), Ending::Complete) = (eigenvalues, &ending) {
         (found, ending) = find(&mut context, &progress, wanted, &mut recorder, observer)?;
     }
-    let (written, mut warnings) = recorder.finish(&ending, ended.counts)?;
-    if let Some(Eigenvalues::Modes(modes)) = &found {
-        warnings.extend(modes.warnings.iter().cloned());
-    }
+    let (written, warnings) = recorder.finish(&ending, ended.counts)?;
     Ok(Outcome {
         ending,
         failure: ended.failure,
@@ -331,7 +328,7 @@ fn record(
     Ok(())
 }
 
-fn ending(ended: &Ended, t: f64) -> Ending {
+pub(crate) fn ending(ended: &Ended, t: f64) -> Ending {
     if let Some(failure) = &ended.failure {
         return Ending::Failed {
             message: failure.to_string(),

@@ -1,11 +1,11 @@
 //! `pullback linearize`.
 
-use super::{FAILED, complain, print, refuse};
+use super::{FAILED, INTERRUPTED, complain, print, refuse};
 use crate::input::{Plan, Registry};
-use crate::output::{Directory, OutputError};
-use crate::run::{RunError, initial_progress};
+use crate::output::{Directory, Ending, OutputError};
+use crate::run::{RunError, ending, initial_progress};
 use crate::solve::solve;
-use crate::terminal::{self, plural};
+use crate::terminal::{self, plural, tell};
 use pullback_integrators::linearization::{Linearized, linearize as linearized};
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -56,12 +56,22 @@ pub(super) fn linearize(registry: &Registry, args: &LinearizeArguments) -> u8 {
     let ended = solve(&mut job.context, plan, &mut progress, &mut |_, _| {
         terminal::flow()
     });
-    if let Some(failure) = ended.failure {
-        refuse(failure);
-        return FAILED;
-    }
-    if !ended.finished {
-        return super::INTERRUPTED;
+    match ending(&ended, progress.state.t) {
+        Ending::Interrupted { .. } => {
+            tell("interrupted: nothing is written");
+            return INTERRUPTED;
+        }
+        Ending::StepLimit { max_steps, .. } => {
+            refuse(format!(
+                "no stop was reached within max_steps = {max_steps}"
+            ));
+            return FAILED;
+        }
+        Ending::Failed { message } => {
+            refuse(message);
+            return FAILED;
+        }
+        Ending::Complete | Ending::Running => {}
     }
     let lin = match linearized(&mut job.context, progress.state.point()) {
         Ok(lin) => lin,

@@ -1,7 +1,7 @@
 //! `[analysis.modes]` and `pullback linearize`.
 #![allow(clippy::unwrap_used, non_snake_case)]
 
-use crate::support::program::{MODEL, command, directory, program, write};
+use crate::support::program::{MODEL, command, directory, program, results, write};
 use pullback::input::assemble_text;
 use std::f64::consts::TAU;
 
@@ -61,6 +61,8 @@ fn modes_of_two_masses() {
         said.contains("the model has 2 modes, fewer than count = 5"),
         "{said}"
     );
+    let warnings = results(&out)["warnings"].to_string();
+    assert!(warnings.contains("the model has 2 modes"), "{warnings}");
     let table = std::fs::read_to_string(out.join("modes.csv")).unwrap();
     let rows: Vec<Vec<f64>> = (table.lines().skip(1))
         .map(|row| row.split(',').map(|x| x.parse().unwrap()).collect())
@@ -207,6 +209,16 @@ fn read(path: &std::path::Path) -> Vec<Vec<f64>> {
     }
     assert_eq!(count, size[2] as usize);
     full
+}
+
+#[test]
+fn matrices_at_the_end_of_a_path_that_does_not_end() {
+    let out = directory("no end");
+    let path = "[analysis.arc_length]\nmax_steps = 1\n";
+    let ran = command("linearize", &[&write(&out, &format!("{COLUMN}\n{path}"))]);
+    let said = String::from_utf8_lossy(&ran.stderr);
+    assert_eq!(ran.status.code(), Some(1));
+    assert!(said.contains("within max_steps = 1"), "{said}");
 }
 
 #[test]
