@@ -20,6 +20,7 @@ pub mod dynamics;
 mod failure;
 pub mod linear_solver;
 pub mod linearization;
+mod random;
 mod rounding;
 pub mod spectrum;
 pub mod statics;

@@ -1,8 +1,8 @@
 //! The analysis of the file as options of the solver.
 
 use super::file::{
-    Analysis, ArcLength, BucklingAnalysis, Direction, Dynamic, ModalAnalysis, NewtonSettings,
-    Predictor, Static, Stop, TangentRule,
+    Analysis, ArcLength, Branch, BucklingAnalysis, Direction, Dynamic, ModalAnalysis,
+    NewtonSettings, Predictor, Static, Stop, TangentRule,
 };
 use super::names::Names;
 use super::parts::Assembly;
@@ -315,6 +315,11 @@ fn path(
             names.push(name);
         }
     }
+    let switch_branch = a.branch == Branch::Switch;
+    if switch_branch && !events.contains(&(Event::Bifurcation, false)) {
+        events.push((Event::Bifurcation, false));
+        names.push("bifurcation".to_owned());
+    }
     let options = ArcLengthOptions {
         from: a.from,
         first_step: a.first_step,
@@ -324,6 +329,7 @@ fn path(
         load_scale: a.load_scale,
         target_iterations: a.target_iterations,
         events,
+        switch_branch,
         forward: a.direction == Direction::Forward,
         newton: newton(&at.at("newton"), &a.newton)?,
     };
@@ -339,6 +345,7 @@ fn event(
 ) -> Result<(Event, String), InputError> {
     Ok(match stop {
         Stop::TurningPoint => (Event::TurningPoint, "turning_point".to_owned()),
+        Stop::Bifurcation => (Event::Bifurcation, "bifurcation".to_owned()),
         Stop::Load(load) => (Event::Load(*load), format!("load = {load}")),
         Stop::Coordinate(c) => {
             let (dof, value) = (c.dof.key(), c.value);

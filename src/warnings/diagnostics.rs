@@ -186,8 +186,9 @@ impl Diagnostics {
         } else {
             [
                 "limit point or bifurcation",
-                "would leave this path. To follow the branch that it takes, add a small imperfection \
-                 (a lateral load, nodes off the line) and take a smaller `max_step`",
+                "would leave this path. To follow the branch that it takes, use arc-length steps with \
+                 `branch = \"switch\"`, or add a small imperfection (a lateral load, nodes off the line) \
+                 and take a smaller `max_step`",
             ]
         };
         let mut out = format!(

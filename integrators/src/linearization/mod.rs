@@ -21,7 +21,6 @@ mod buckling;
 mod inputs;
 mod krylov;
 mod modes;
-mod random;
 mod ritz;
 mod search;
 mod shift_invert;

@@ -5,10 +5,10 @@
 use super::Linearized;
 use super::krylov::Krylov;
 use super::modes::{ModeOptions, ModesError, Selection};
-use super::random::Random;
 use super::ritz::RitzPair;
 use super::shift_invert::{Order, ShiftInvert};
 use crate::linear_solver::LinearError;
+use crate::random::Random;
 use num_complex::Complex64;
 use std::ops::ControlFlow;
 

@@ -17,6 +17,12 @@ pub enum StaticsError {
     /// The linear solver cannot analyse the pattern.
     #[error("the linear solver cannot take this model: {source}")]
     Analysis { source: LinearError },
+    /// Bifurcations of a system without a potential.
+    #[error(
+        "bifurcations are found by the number of unstable directions, which only symmetric tangents have: moments \
+         and follower loads have no potential"
+    )]
+    Asymmetric,
     /// A step failed down to the smallest step size.
     #[error("{0}")]
     Step(Box<FailedStep>),

@@ -6,10 +6,23 @@
 //! the event, converged, and on the same path.
 
 use super::arc_length::{Norm, Position, SHARPEST_BEND};
+use super::critical::{CriticalKind, PathDirection};
 use super::newton::Newton;
-use super::{ArcLengthOptions, Event, Iteration, Problem};
+use super::{Event, Iteration, Problem};
 use crate::failure::Cause;
 use pullback_manifold::system::System;
+
+/// A converged step along the path.
+#[derive(Clone, Copy)]
+pub(super) struct PathStep<'a> {
+    pub at: &'a Position,
+    pub next: &'a Position,
+    /// Its length.
+    pub ds: f64,
+    pub norm: &'a Norm,
+    /// Unstable directions at its ends.
+    pub unstable: [Option<usize>; 2],
+}
 
 /// An event found within a step.
 pub(super) struct Located {
@@ -17,6 +30,8 @@ pub(super) struct Located {
     /// Distance from the step's start.
     pub s: f64,
     pub position: Position,
+    /// The path that crosses this one at a bifurcation.
+    pub branch: Option<PathDirection>,
     /// Linear solutions to find it.
     pub iterations: usize,
     /// History of the iterations there.
@@ -24,10 +39,34 @@ pub(super) struct Located {
     pub unstable: Option<usize>,
 }
 
-/// Value of the event function at a position: zero at the event.
+impl PathStep<'_> {
+    /// Whether an event lies within the step, its end included.
+    fn passes(&self, event: Event) -> bool {
+        let [before, after] = [self.at, self.next].map(|p| event_value(event, p));
+        let crosses = |a: f64, b: f64| a * b < 0.0 || (b == 0.0 && a != 0.0);
+        match (event, self.unstable) {
+            (Event::Bifurcation, [Some(a), Some(b)]) => {
+                let turns = crosses(self.at.d_lambda, self.next.d_lambda);
+                a.abs_diff(b) > usize::from(turns)
+            }
+            // An event that cannot be evaluated (NaN) is ignored; one at the start was reported with
+            // the step before.
+            _ => crosses(before, after),
+        }
+    }
+
+    /// The cosine between the tangents at the start and at a position.
+    fn bend(&self, position: &Position) -> f64 {
+        let start = (&self.at.dq[..], self.at.d_lambda);
+        self.norm.dot(start, (&position.dq, position.d_lambda))
+    }
+}
+
+/// Value of the event function at a position: zero at the event. Bifurcations have none.
 fn event_value(event: Event, position: &Position) -> f64 {
     match event {
         Event::TurningPoint => position.d_lambda,
+        Event::Bifurcation => f64::NAN,
         Event::Load(load) => position.lambda - load,
         Event::Coordinate { unknown, value } => {
             position.q.get(unknown).map_or(f64::NAN, |q| q - value)
@@ -39,67 +78,36 @@ fn event_value(event: Event, position: &Position) -> f64 {
 fn describe(system: &dyn System, event: Event) -> String {
     match event {
         Event::TurningPoint => "a turning point".to_owned(),
+        Event::Bifurcation => "a bifurcation".to_owned(),
         Event::Load(load) => format!("load parameter {load}"),
         Event::Coordinate { unknown, value } => format!("{} = {value}", system.name(unknown)),
     }
 }
 
 /// Change of an event function, relative to its change over the step, that counts as zero.
-///
-/// At a turning point K is singular and λ has no slope: 1e-7 there leaves λ exact to round-off
-/// and K solvable.
-fn resolution(event: Event) -> f64 {
-    match event {
-        Event::TurningPoint => 1e-7,
-        Event::Load(_) | Event::Coordinate { .. } => 1e-12,
-    }
-}
+const RESOLUTION: f64 = 1e-12;
+/// Largest value of an event function, relative to its size, at which the event counts as found.
+const LARGEST_MISS: f64 = 1e-9;
 
-/// Largest value of an event function at which the event counts as found.
-///
-/// At a turning point the error of λ is the square of its slope.
-fn largest_miss(event: Event, newton: &Newton, options: &ArcLengthOptions) -> f64 {
-    match event {
-        Event::TurningPoint => 1e-5 * options.load_scale,
-        Event::Load(load) => 1e-9 * (load.abs() + options.load_scale),
-        Event::Coordinate { unknown, value } => {
-            1e-9 * (value.abs() + 1.0 / newton.inverse_scale[unknown])
-        }
-    }
-}
+/// A bifurcation at the start of a step, relative to its length, where the step before could not count.
+const START: f64 = 1e-6;
 
-/// The events of a step (start, end, distance), in order.
+/// The events of a step, in order.
 pub(super) fn locate(
     newton: &mut Newton,
     problem: &mut Problem<'_>,
-    step: (&Position, &Position, f64),
-    norm: &Norm,
-    options: &ArcLengthOptions,
+    step: PathStep<'_>,
+    events: &[(Event, bool)],
 ) -> Result<Vec<Located>, Cause> {
-    let (at, next, _) = step;
     let mut found = Vec::new();
-    for (index, &(event, _)) in options.events.iter().enumerate() {
-        let (fa, fb) = (event_value(event, at), event_value(event, next));
-        // An event that cannot be evaluated (NaN) is ignored; one at the start was reported with
-        // the step before.
-        if fa * fb < 0.0 || (fb == 0.0 && fa != 0.0) {
-            let mut one = find(newton, problem, step, norm, event)?;
-            let missed =
-                event_value(event, &one.position).abs() > largest_miss(event, newton, options);
-            let position = &mut one.position;
-            if event != Event::TurningPoint {
-                position.dq.copy_from_slice(&at.dq);
-                position.d_lambda = at.d_lambda;
-                // If the tangent is singular, its direction is unknown.
-                if newton.tangent(problem, position, norm).is_ok() {
-                    one.unstable = newton.unstable(problem);
+    for (index, &(event, _)) in events.iter().enumerate() {
+        if step.passes(event) {
+            let mut one = match event {
+                Event::TurningPoint | Event::Bifurcation => {
+                    find_critical(newton, problem, step, event)?
                 }
-            }
-            let bend = norm.dot((&at.dq, at.d_lambda), (&position.dq, position.d_lambda));
-            if missed || bend < SHARPEST_BEND {
-                let position = describe(problem.system, event);
-                return Err(Cause::Unlocated { position });
-            }
+                Event::Load(_) | Event::Coordinate { .. } => find(newton, problem, step, event)?,
+            };
             one.index = index;
             found.push(one);
         }
@@ -108,24 +116,101 @@ pub(super) fn locate(
     Ok(found)
 }
 
-/// Regula falsi with the Illinois modification; returns the best trial, even if the last bit cannot
-/// be resolved.
+fn unlocated(problem: &Problem<'_>, event: Event) -> Cause {
+    let position = describe(problem.system, event);
+    Cause::Unlocated { position }
+}
+
+/// A critical point by its extended system.
+fn find_critical(
+    newton: &mut Newton,
+    problem: &mut Problem<'_>,
+    step: PathStep<'_>,
+    event: Event,
+) -> Result<Located, Cause> {
+    let PathStep { at, next, norm, .. } = step;
+    // The slope of the load is zero at a turning point, where the path has the direction of ψ.
+    let (part, shape, kind) = match event {
+        Event::TurningPoint => (
+            at.d_lambda / (at.d_lambda - next.d_lambda),
+            Some(&next.dq[..]),
+            CriticalKind::Limit,
+        ),
+        _ => (0.5, None, CriticalKind::Bifurcation),
+    };
+    let between = |a: f64, b: f64| a + part * (b - a);
+    let q: Vec<f64> = (at.q.iter().zip(&next.q))
+        .map(|(a, b)| between(*a, *b))
+        .collect();
+    let guess = (&q[..], between(at.lambda, next.lambda));
+    let point = newton.critical_point(problem, guess, shape);
+    let point = point.map_err(|_| unlocated(problem, event))?;
+    // Unit tangents forward along the step.
+    let start = (&at.dq[..], at.d_lambda);
+    let mut paths = point.paths.iter().map(|path| {
+        let length = norm.dot((&path.dq, path.dt), (&path.dq, path.dt)).sqrt();
+        let cosine = norm.dot(start, (&path.dq, path.dt)) / length;
+        let sense = cosine.signum() / length;
+        let dq = path.dq.iter().map(|dq| sense * dq).collect();
+        (
+            cosine.abs(),
+            PathDirection {
+                dq,
+                dt: sense * path.dt,
+            },
+        )
+    });
+    let (mut along, mut branch) = (paths.next(), paths.next());
+    if let (Some(a), Some(b)) = (&along, &branch)
+        && a.0 < b.0
+    {
+        std::mem::swap(&mut along, &mut branch);
+    }
+    let Some((_, along)) = along.filter(|_| point.kind == kind) else {
+        return Err(unlocated(problem, event));
+    };
+    let position = Position {
+        q: point.q,
+        lambda: point.t,
+        dq: along.dq,
+        d_lambda: along.dt,
+    };
+    let moved: Vec<f64> = position.q.iter().zip(&at.q).map(|(q, q0)| q - q0).collect();
+    let s = norm.dot(start, (&moved, position.lambda - at.lambda));
+    let within = s > -START * step.ds && s <= step.ds && !norm.strays(at, &position, s);
+    if !within || step.bend(&position) < SHARPEST_BEND {
+        return Err(unlocated(problem, event));
+    }
+    Ok(Located {
+        index: 0,
+        s,
+        position,
+        branch: branch.map(|(_, path)| path),
+        iterations: newton.iterations(),
+        history: newton.history.clone(),
+        unstable: None,
+    })
+}
+
+/// The equilibrium where an event function is zero, by regula falsi with the Illinois modification, from the best trial
+/// if the last bit cannot be resolved.
 fn find(
     newton: &mut Newton,
     problem: &mut Problem<'_>,
-    (at, next, ds): (&Position, &Position, f64),
-    norm: &Norm,
+    step: PathStep<'_>,
     event: Event,
 ) -> Result<Located, Cause> {
+    let PathStep { at, ds, norm, .. } = step;
     let (mut a, mut fa) = (0.0, event_value(event, at));
-    let (mut b, mut fb) = (ds, event_value(event, next));
+    let (mut b, mut fb) = (ds, event_value(event, step.next));
     let size = fa.abs().max(fb.abs());
     let mut trial = at.clone();
     let mut least = f64::INFINITY;
     let mut best = Located {
         index: 0,
         s: ds,
-        position: next.clone(),
+        position: step.next.clone(),
+        branch: None,
         iterations: 0,
         history: Vec::new(),
         unstable: None,
@@ -137,8 +222,6 @@ fn find(
         } else {
             (a * fb - b * fa) / (fb - fa)
         };
-        trial.dq.copy_from_slice(&at.dq);
-        trial.d_lambda = at.d_lambda;
         if let Err(failure) = newton.advance(problem, at, s, norm, &mut trial) {
             if least.is_finite() {
                 break;
@@ -146,17 +229,12 @@ fn find(
             return Err(failure);
         }
         best.iterations += newton.iterations();
-        let history = newton.history.clone();
-        // At the turning point itself the tangent is singular.
-        if event == Event::TurningPoint && newton.tangent(problem, &mut trial, norm).is_err() {
-            break;
-        }
         let f = event_value(event, &trial);
         if f.abs() < least {
             least = f.abs();
             best.s = s;
             best.position.clone_from(&trial);
-            best.history = history;
+            best.history.clone_from(&newton.history);
         }
         if f * fb < 0.0 {
             (a, fa) = (b, fb);
@@ -164,9 +242,21 @@ fn find(
             fa *= 0.5;
         }
         (b, fb) = (s, f);
-        if least <= resolution(event) * size || (b - a).abs() <= 1e-13 * ds {
+        if least <= RESOLUTION * size || (b - a).abs() <= 1e-13 * ds {
             break;
         }
+    }
+    // If the tangent is singular, its direction is unknown.
+    if newton.tangent(problem, &mut best.position, norm).is_ok() {
+        best.unstable = newton.unstable(problem);
+    }
+    let size = match event {
+        Event::Coordinate { unknown, value } => value.abs() + 1.0 / newton.inverse_scale[unknown],
+        Event::Load(load) => load.abs() + 1.0 / norm.load.sqrt(),
+        Event::TurningPoint | Event::Bifurcation => 0.0,
+    };
+    if least > LARGEST_MISS * size || step.bend(&best.position) < SHARPEST_BEND {
+        return Err(unlocated(problem, event));
     }
     Ok(best)
 }

@@ -7,6 +7,7 @@
 #![allow(non_snake_case)]
 
 mod arc_length;
+mod critical;
 mod error;
 mod fixed_load;
 mod load_run;
@@ -19,6 +20,7 @@ mod start;
 mod steps;
 
 pub use crate::failure::{Cause, Cost, FailedStep, StepParameter};
+pub use critical::{CriticalKind, CriticalPoint, PathDirection, critical_point};
 pub use error::StaticsError;
 pub(crate) use options::refused;
 pub use options::{ArcLengthOptions, Event, StaticNewtonOptions, StaticOptions};

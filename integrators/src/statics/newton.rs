@@ -57,12 +57,12 @@ pub(super) struct Newton {
     quantities: Vec<Quantity>,
     pub history: Vec<Iteration>,
     pub cost: Cost,
-    test: ResidualTest,
+    pub test: ResidualTest,
     /// Whether there are gaps of multipliers.
     has_gaps: bool,
     /// Number of predictions in the history, made before any residual was known.
     predicted: usize,
-    options: StaticNewtonOptions,
+    pub options: StaticNewtonOptions,
 }
 
 impl Newton {
@@ -179,6 +179,14 @@ impl Newton {
         let work = [&mut self.trial[..], &mut self.simplified[..]];
         predictor.is_stagnation(residual, self.test.allowed, true)
             && is_rounding(system, &self.S, q, &self.r, work)
+    }
+
+    /// Whether the residual evaluated last is within the tolerance, or rounding.
+    pub(super) fn is_balanced(&mut self, system: &dyn System, q: &[f64]) -> bool {
+        let residual = self.largest(&self.r);
+        let work = [&mut self.trial[..], &mut self.simplified[..]];
+        self.test.ratio(residual, system.scales().measures()) <= 1.0
+            || is_rounding(system, &self.S, q, &self.r, work)
     }
 
     /// Iterates (q, λ) from their present values; if `history` is not empty, a first linear

@@ -52,6 +52,8 @@ impl StaticOptions {
 pub enum Event {
     /// The load has a maximum or minimum.
     TurningPoint,
+    /// Another path crosses: one direction more or less is unstable, or several are, at a symmetric tangent.
+    Bifurcation,
     /// The load parameter passes a value.
     Load(f64),
     /// A coordinate passes a value.
@@ -82,6 +84,9 @@ pub struct ArcLengthOptions {
     pub target_iterations: usize,
     /// Events to locate and report, each with whether it ends the path.
     pub events: Vec<(Event, bool)>,
+    /// Whether the path goes on along the one that crosses it at the first [`Event::Bifurcation`] among the events:
+    /// towards growing loads, or where its largest displacement is positive.
+    pub switch_branch: bool,
     /// Direction of the load at the start: true for growing.
     pub forward: bool,
     /// Newton's method.
@@ -99,6 +104,7 @@ impl Default for ArcLengthOptions {
             load_scale: 1.0,
             target_iterations: 5,
             events: vec![(Event::Load(1.0), true)],
+            switch_branch: false,
             forward: true,
             newton: StaticNewtonOptions::default(),
         }

@@ -1,12 +1,15 @@
 //! The engine of path following: steps along the path, their events, and their size.
 
 use super::arc_length::{Norm, Position, SHARPEST_BEND};
-use super::locate::{Located, locate};
+use super::critical::PathDirection;
+use super::locate::{Located, PathStep, locate};
 use super::newton::Newton;
 use super::options::check;
 use super::start::begin;
 use super::steps::StaticAnalysis;
-use super::{ArcLengthOptions, Converged, Iteration, PathSummary, Problem, StaticsError, Step};
+use super::{
+    ArcLengthOptions, Converged, Event, Iteration, PathSummary, Problem, StaticsError, Step,
+};
 use crate::abilities::change_charts;
 use crate::failure::Cause;
 use pullback_manifold::system::ChartChanges;
@@ -26,6 +29,8 @@ pub struct PathRun {
     phase: Phase,
     /// Whether the tangent at the present position is known.
     fresh: bool,
+    /// Unstable directions at the present position.
+    unstable: Option<usize>,
     /// Changes of chart not reported yet.
     changes: usize,
     /// The equilibrium reported last.
@@ -83,6 +88,10 @@ impl StaticAnalysis for PathRun {
             ("load_scale", options.load_scale),
         ];
         check(&numbers, &options.newton)?;
+        let counts = |(event, _): &(Event, bool)| *event == Event::Bifurcation;
+        if options.events.iter().any(counts) && !problem.system.is_symmetric() {
+            return Err(StaticsError::Asymmetric);
+        }
         let newton = Newton::new(problem, &options.newton)?;
         let n = newton.r.len();
         q.resize(n, 0.0);
@@ -108,6 +117,7 @@ impl StaticAnalysis for PathRun {
             ds: options.first_step,
             phase: Phase::Begin,
             fresh: false,
+            unstable: None,
             changes: 0,
             reached: Reached::default(),
             options: options.clone(),
@@ -207,7 +217,9 @@ impl PathRun {
         let at = &mut self.at;
         let changed = change_charts(problem.system, at.lambda, &mut at.q, &mut at.dq, &mut []);
         self.changes += changed.charts;
-        (self.newton.tangent(problem, at, &self.norm)).map_err(off_path)
+        (self.newton.tangent(problem, at, &self.norm)).map_err(off_path)?;
+        self.unstable = self.newton.unstable(problem);
+        Ok(())
     }
 
     /// A step from the present position, with its tangent and the events within it.
@@ -227,7 +239,14 @@ impl PathRun {
             return Err(Cause::OffPath);
         }
         let unstable = newton.unstable(problem);
-        let located = locate(newton, problem, (at, next, ds), norm, &self.options)?;
+        let step = PathStep {
+            at,
+            next,
+            ds,
+            norm,
+            unstable: [self.unstable, unstable],
+        };
+        let located = locate(newton, problem, step, &self.options.events)?;
         Ok(Converging {
             moved: !located.is_empty(),
             unreported: iterations + located.iter().map(|l| l.iterations).sum::<usize>(),
@@ -274,7 +293,7 @@ impl PathRun {
         step.unreported -= spent;
         let summary = &mut self.out.summary;
         summary.iterations += spent;
-        let Position { q, lambda, .. } = found.position;
+        let Position { q, lambda, .. } = found.position.clone();
         self.out.events.push((found.index, lambda));
         let newton = &mut self.newton;
         newton
@@ -298,16 +317,42 @@ impl PathRun {
         };
         summary.t = lambda;
         summary.finished = last;
-        self.phase = match last {
-            true => Phase::End,
-            false => Phase::Report(step),
+        self.phase = match (last, found.branch) {
+            (true, _) => Phase::End,
+            (false, Some(branch)) if self.options.switch_branch => {
+                self.switch(found.position, branch);
+                Phase::Advance
+            }
+            (false, _) => Phase::Report(step),
         };
         Ok(())
+    }
+
+    /// Goes on from a bifurcation along the path that crosses the present one.
+    fn switch(&mut self, position: Position, mut branch: PathDirection) {
+        let largest = (branch.dq.iter()).max_by(|x, y| x.abs().total_cmp(&y.abs()));
+        let shape = largest.map_or(0.0, |x| x.abs() / self.norm.load.sqrt());
+        let sense = match branch.dt.abs() > SYMMETRIC * shape {
+            true => branch.dt.signum(),
+            false => largest.map_or(1.0, |x| x.signum()),
+        };
+        branch.dq.iter_mut().for_each(|x| *x *= sense);
+        self.at = Position {
+            dq: branch.dq,
+            d_lambda: sense * branch.dt,
+            ..position
+        };
+        self.ds = self.ds.min(self.options.first_step);
+        self.fresh = true;
+        self.unstable = None;
+        self.options.switch_branch = false;
     }
 
     /// Accepts and reports the end of a converged step.
     fn accept(&mut self, problem: &mut Problem<'_>, step: Converging) {
         std::mem::swap(&mut self.at, &mut self.next);
+        // Where nothing is known, the count before is the best one.
+        self.unstable = step.unstable.or(self.unstable);
         let (at, summary) = (&self.at, &mut self.out.summary);
         summary.iterations += step.iterations;
         summary.t = at.lambda;
@@ -339,6 +384,9 @@ impl PathRun {
         self.ds = (self.ds * ease.clamp(0.5, straightness)).min(self.options.max_step);
     }
 }
+
+/// Largest slope of the load along a branch that counts as rounding.
+const SYMMETRIC: f64 = 1e-6;
 
 /// A correction that diverges along a path has left it.
 fn off_path(failure: Cause) -> Cause {

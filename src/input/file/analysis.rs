@@ -109,6 +109,8 @@ pub struct ArcLength {
     pub stop: Vec<Stop>,
     /// These are located and recorded without stopping.
     pub record: Vec<Stop>,
+    /// The path beyond the first bifurcation.
+    pub branch: Branch,
     /// Newton's method.
     pub newton: NewtonSettings,
 }
@@ -126,6 +128,7 @@ impl Default for ArcLength {
             direction: Direction::Forward,
             stop: vec![Stop::Load(1.0)],
             record: Vec::new(),
+            branch: Branch::Keep,
             newton: NewtonSettings::default(),
         }
     }
@@ -141,12 +144,24 @@ pub enum Direction {
     Backward,
 }
 
+/// The path beyond a bifurcation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Branch {
+    /// The same path.
+    Keep,
+    /// The one that crosses it.
+    Switch,
+}
+
 /// An event on the path, located to round-off.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Stop {
     /// The load has a maximum or minimum.
     TurningPoint,
+    /// Another path crosses.
+    Bifurcation,
     /// The load parameter crosses this value.
     Load(f64),
     /// A coordinate crosses a value.

@@ -18,8 +18,8 @@ mod section;
 mod time;
 
 pub use analysis::{
-    Adaptive, Analysis, ArcLength, BucklingAnalysis, Coordinate, Direction, Dynamic, DynamicNewton,
-    ModalAnalysis, NewtonSettings, Output, Predictor, Static, Stop, TangentRule,
+    Adaptive, Analysis, ArcLength, Branch, BucklingAnalysis, Coordinate, Direction, Dynamic,
+    DynamicNewton, ModalAnalysis, NewtonSettings, Output, Predictor, Static, Stop, TangentRule,
 };
 pub use body::{Body, Bushing, Six, Spring, Tensor};
 pub use initial::Initial;

@@ -3,7 +3,9 @@
 
 use pullback::input::{Plan, assemble_text};
 use pullback::integrators::linearization::{BucklingError, BucklingMode, buckling};
-use pullback::integrators::statics::equilibrium;
+use pullback::integrators::statics::{
+    CriticalKind, StaticNewtonOptions, critical_point, equilibrium,
+};
 use pullback::manifold::system::Point;
 use std::f64::consts::PI;
 
@@ -16,6 +18,24 @@ fn critical(text: &str, from: f64, count: usize) -> Result<Vec<BucklingMode>, Bu
         q = equilibrium(&mut job.context, options).unwrap();
     }
     buckling(&mut job.context, Point::statics(from, &q), count)
+}
+
+/// Finds the critical point of a mode directly, from nine tenths of its load: the same where the path is straight.
+fn assert_direct(text: &str, mode: &BucklingMode, tolerance: f64) {
+    let mut job = assemble_text("model.toml", text).unwrap();
+    let Plan::Static(options) = &mut job.plan else {
+        unreachable!()
+    };
+    options.to = 0.9 * mode.load;
+    let q = equilibrium(&mut job.context, options).unwrap();
+    let at = Point::statics(options.to, &q);
+    let newton = StaticNewtonOptions::default();
+    let point = critical_point(&mut job.context, at, Some(&mode.shape), &newton).unwrap();
+    assert_eq!(point.kind, CriticalKind::Bifurcation);
+    assert_near(point.t, mode.load, tolerance);
+    let corrections = &point.corrections;
+    assert!(corrections.len() <= 6, "{corrections:?}");
+    assert!(corrections[2] < corrections[1].powf(1.5), "{corrections:?}");
 }
 
 fn line(stiffness: &str, elements: usize, order: usize, rest: &str) -> String {
@@ -67,6 +87,10 @@ fn a_pinned_column_in_both_planes() {
             assert_near(mode.load, exact, 1e-6);
         }
     }
+    let text = line(stiffness, 16, 1, pinned);
+    for mode in critical(&text, 0.0, 3).unwrap() {
+        assert_direct(&text, &mode, 1e-9);
+    }
     let beyond = critical(&line(stiffness, 16, 1, pinned), 12.0, 1);
     assert_eq!(beyond, Err(BucklingError::Unstable));
 }
@@ -81,6 +105,7 @@ fn lateral_buckling_of_a_cantilever() {
     let found = critical(&line(stiffness, 12, 3, &load), 0.0, 2).unwrap();
     for mode in found {
         assert_near(mode.load.abs(), 4.012599343578901 * 0.5, 1e-5);
+        assert_direct(&line(stiffness, 12, 3, &load), &mode, 1e-6);
     }
 }
 
@@ -92,6 +117,9 @@ fn a_column_under_its_own_weight() {
     let found = critical(&line(stiffness, 12, 3, &load), 0.0, 2).unwrap();
     assert_near(found[0].load, 7.837347438943484, 1e-5);
     assert_near(found[1].load, 2.0 * 7.837347438943484, 1e-5);
+    for mode in &found {
+        assert_direct(&line(stiffness, 12, 3, &load), mode, 1e-6);
+    }
 }
 
 #[test]

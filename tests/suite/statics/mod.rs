@@ -2,6 +2,7 @@
 
 mod convergence;
 mod corrections;
+mod critical;
 mod energies;
 mod equilibrium;
 mod program;

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use crate::support::statics::{Scalar, TIGHT};
+use crate::support::statics::{LIMIT, Scalar, TIGHT, truss};
 use pullback_integrators::statics::{
     ArcLengthOptions, Cause, Event, LoadSteps, PathSteps, StaticOptions, StaticsError, Step,
     solve_statics, trace_path,
@@ -11,23 +11,9 @@ use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError};
 use std::ops::ControlFlow;
 
-/// Shallow two-bar truss of von Mises, height 1, with Green's strain: λ P = w (w − 1)(w − 2).
-///
-/// It snaps at w = 1 ∓ 1/√3 with f = ±2/(3√3).
-fn truss() -> Scalar {
-    Scalar::new(1.0, |w| {
-        [
-            w * (w - 1.0) * (w - 2.0),
-            (w - 1.0) * (w - 2.0) + w * (w - 2.0) + w * (w - 1.0),
-        ]
-    })
-}
-
 fn ignore<Y: ?Sized>(_: &mut Y, _: &Step<'_>) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
-
-const LIMIT: f64 = 0.384_900_179_459_750_5; // 2/(3√3)
 
 fn trace(q: &mut Vec<f64>, options: &ArcLengthOptions) -> Vec<(usize, f64, f64)> {
     let options = &ArcLengthOptions {

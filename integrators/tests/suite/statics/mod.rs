@@ -1,4 +1,5 @@
 //! Equilibria and paths.
 
+mod critical;
 mod equilibrium;
 mod newton_damping;

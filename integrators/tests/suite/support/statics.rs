@@ -77,3 +77,18 @@ pub const TIGHT: StaticNewtonOptions = StaticNewtonOptions {
     full_corrections: 6,
     smallest_damping: 0.1,
 };
+
+/// Shallow two-bar truss of von Mises, height 1, with Green's strain: λ P = w (w − 1)(w − 2).
+///
+/// It snaps at w = 1 ∓ 1/√3 with f = ±2/(3√3).
+pub fn truss() -> Scalar {
+    Scalar::new(1.0, |w| {
+        [
+            w * (w - 1.0) * (w - 2.0),
+            (w - 1.0) * (w - 2.0) + w * (w - 2.0) + w * (w - 1.0),
+        ]
+    })
+}
+
+/// Its limit load, 2/(3√3).
+pub const LIMIT: f64 = 0.384_900_179_459_750_5;

@@ -1,7 +1,7 @@
 //! Start vectors.
 
 /// Numbers between −½ and ½ by SplitMix64 (Steele, Lea & Flood 2014), the same in every search.
-pub(super) struct Random(pub u64);
+pub(crate) struct Random(pub u64);
 
 impl Random {
     /// The next one.

@@ -1,0 +1,433 @@
+//! Critical points of an equilibrium path, found directly by an extended system.
+//!
+//! K is singular at a limit or bifurcation point. With one coordinate k held, e its unit vector, it is
+//! regular there, and the bordered system
+//!
+//! ```text
+//! ⎡K   e⎤ ⎡ψ⎤   ⎡0⎤
+//! ⎣eᵀ  0⎦ ⎣g⎦ = ⎣1⎦
+//! ```
+//!
+//! gives the shape ψ and −g, the stiffness against a force at k alone. K is singular where g = 0, and ψ is
+//! its null vector then (Griewank & Reddien 1984; Govaerts 2000, Numerical Methods for Bifurcations of
+//! Dynamical Equilibria, chapters 3 and 4). All other coordinates follow from q_k and t by equilibrium with k
+//! held (Lyapunov and Schmidt), which leaves two unknowns:
+//!
+//! | point | equations |
+//! |---|---|
+//! | limit point | μ = 0, g = 0 |
+//! | bifurcation | g = 0, h = 0, and μ = 0 is satisfied |
+//!
+//! with the reaction μ at k, g = −∂μ/∂q_k and h = −∂μ/∂t = φᵀ ∂r/∂t. Both are regular, and Newton's method converges
+//! quadratically. The derivatives of g and h are second derivatives of φᵀr along ψ and w, where w is dq/dt with
+//! k held. Those at a bifurcation give the directions of its paths.
+
+use super::newton::Newton;
+use super::{Iteration, Problem, StaticNewtonOptions, StaticSummary, StaticsError};
+use crate::failure::Cause;
+use crate::random::Random;
+use pullback_manifold::system::{Point, System};
+
+/// Limit or bifurcation point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CriticalKind {
+    /// The load has a maximum or minimum on the path: ψᵀ ∂r/∂t ≠ 0.
+    Limit,
+    /// Paths cross.
+    Bifurcation,
+}
+
+/// Direction of a path: (dq, dt).
+#[derive(Clone, Debug, PartialEq)]
+pub struct PathDirection {
+    /// Change of the coordinates.
+    pub dq: Vec<f64>,
+    /// Change of the load parameter.
+    pub dt: f64,
+}
+
+/// An equilibrium with a singular tangent.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CriticalPoint {
+    /// Limit or bifurcation point.
+    pub kind: CriticalKind,
+    /// Critical load parameter.
+    pub t: f64,
+    /// Coordinates.
+    pub q: Vec<f64>,
+    /// Null vector ψ of the tangent; its largest component is the scale of that coordinate.
+    pub shape: Vec<f64>,
+    /// Directions of the paths through the point, the one with the least part of ψ first, each with a largest
+    /// component of one scale: ψ itself at a limit point, two at a bifurcation, none if the point is isolated.
+    pub paths: Vec<PathDirection>,
+    /// The largest correction of each iteration, relative to the scales of coordinates or to the load.
+    pub corrections: Vec<f64>,
+}
+
+/// The critical point near a state with charts as they are.
+///
+/// The coordinate that is held is the largest of `shape`, such as a [buckling
+/// shape](crate::linearization::buckling), or of an estimate of the null vector at the state.
+///
+/// # Errors
+/// [`StaticsError::Step`] if Newton's method finds no simple critical point.
+pub fn critical_point(
+    system: &mut dyn System,
+    at: Point<'_>,
+    shape: Option<&[f64]>,
+    options: &StaticNewtonOptions,
+) -> Result<CriticalPoint, StaticsError> {
+    super::options::check(&[], options)?;
+    let solver = &mut crate::linear_solver::AutoSolver::new();
+    let problem = &mut Problem { system, solver };
+    let mut newton = Newton::new(problem, options)?;
+    newton
+        .critical_point(problem, (at.q, at.t), shape)
+        .map_err(|cause| {
+            let summary = StaticSummary {
+                t: at.t,
+                ..StaticSummary::default()
+            };
+            StaticsError::Step(newton.fail(problem, cause, &summary, at.t))
+        })
+}
+
+/// The tangent with a spring at the held coordinate k, factorised, and its results.
+struct Held {
+    k: usize,
+    /// Index of the diagonal entry of k among the values.
+    entry: usize,
+    /// Least stiffness of the spring; g does not depend on it.
+    spring: f64,
+    values: Vec<f64>,
+    /// Displacement of k under a unit force at k, of the tangent with the spring.
+    compliance: f64,
+    /// ψ, with ψ_k = 1.
+    psi: PathDirection,
+    g: f64,
+}
+
+impl Held {
+    /// Factorises the tangent that was evaluated last.
+    fn update(&mut self, newton: &mut Newton, problem: &mut Problem<'_>) -> Result<(), Cause> {
+        self.values.copy_from_slice(&newton.S);
+        let spring = self.spring.max(2.0 * newton.S[self.entry].abs());
+        self.values[self.entry] += spring;
+        newton.cost.factorisations += 1;
+        let psi = &mut self.psi.dq;
+        psi.fill(0.0);
+        psi[self.k] = 1.0;
+        let solver = &mut *problem.solver;
+        let solved = solver.factorise(&self.values);
+        let solved = solved.and_then(|()| solver.solve(Some(&self.values), psi));
+        solved.map_err(Cause::linear)?;
+        self.compliance = psi[self.k];
+        self.g = spring - 1.0 / self.compliance;
+        psi.iter_mut().for_each(|x| *x /= self.compliance);
+        Ok(())
+    }
+
+    /// Displacements under a force with k held, and the reaction there, φᵀ force.
+    fn solve(
+        &self,
+        problem: &mut Problem<'_>,
+        force: &[f64],
+        dt: f64,
+    ) -> Result<(PathDirection, f64), Cause> {
+        let mut dq = force.to_vec();
+        let solved = problem.solver.solve(Some(&self.values), &mut dq);
+        solved.map_err(Cause::linear)?;
+        let at_k = dq[self.k];
+        for (x, psi) in dq.iter_mut().zip(&self.psi.dq) {
+            *x -= at_k * psi;
+        }
+        Ok((PathDirection { dq, dt }, at_k / self.compliance))
+    }
+}
+
+/// The equations of an equilibrium with k held: −μ = φᵀr, h, dq/dt = w, and second derivatives of φᵀr.
+struct Equations {
+    phi_r: f64,
+    h: f64,
+    w: PathDirection,
+    psi_psi: f64,
+    psi_w: f64,
+    w_w: f64,
+}
+
+/// Largest change of a coordinate, relative to its scale, or of the load, relative to the load, in differences of tangents.
+const CHANGE: f64 = 1e-4;
+/// Correction, relative to the scales of coordinates or to the load, at which an iteration ends.
+const EXACT: f64 = 1e-9;
+/// The same for equilibrium with k held, which is found before each correction.
+const BALANCED: f64 = f64::EPSILON;
+/// Factor below which corrections still decrease.
+const DECREASE: f64 = 0.5;
+
+impl Newton {
+    /// See [`critical_point`].
+    pub(super) fn critical_point(
+        &mut self,
+        problem: &mut Problem<'_>,
+        guess: (&[f64], f64),
+        shape: Option<&[f64]>,
+    ) -> Result<CriticalPoint, Cause> {
+        self.history.clear();
+        self.test.first = [0.0; 3];
+        self.evaluate(problem, None, guess.0, guess.1)
+            .map_err(Cause::System)?;
+        let estimate = match shape {
+            Some(shape) => shape.to_vec(),
+            None => self.null_vector(problem)?,
+        };
+        let relative = |i: &usize| (estimate[*i] * self.inverse_scale[*i]).abs();
+        let largest = (0..estimate.len()).max_by(|i, j| relative(i).total_cmp(&relative(j)));
+        let k = largest.ok_or(Cause::Diverged)?;
+        let entry = problem.system.pattern().diagonal().nth(k);
+        let entry = entry.ok_or(Cause::Diverged)?;
+        let spring = self.S[entry].abs();
+        let mut held = Held {
+            k,
+            entry,
+            spring: if spring > 0.0 { spring } else { 1.0 },
+            values: self.S.clone(),
+            compliance: 0.0,
+            psi: PathDirection {
+                dq: vec![0.0; estimate.len()],
+                dt: 0.0,
+            },
+            g: 0.0,
+        };
+        held.update(self, problem)?;
+        let (w, h) = held.solve(problem, &self.r_lambda, 1.0)?;
+        // The tangent of the path is w − (h/g) ψ.
+        let likely = match (h / held.g).abs() * self.size(&held.psi.dq) > self.size(&w.dq) {
+            true => CriticalKind::Limit,
+            false => CriticalKind::Bifurcation,
+        };
+        let other = match likely {
+            CriticalKind::Limit => CriticalKind::Bifurcation,
+            CriticalKind::Bifurcation => CriticalKind::Limit,
+        };
+        let found = self.extended(problem, guess, &mut held, likely);
+        found.or_else(|cause| {
+            let found = self.extended(problem, guess, &mut held, other);
+            found.map_err(|_| cause)
+        })
+    }
+
+    /// Newton's method for one kind of point.
+    fn extended(
+        &mut self,
+        problem: &mut Problem<'_>,
+        guess: (&[f64], f64),
+        held: &mut Held,
+        kind: CriticalKind,
+    ) -> Result<CriticalPoint, Cause> {
+        let (mut q, mut t) = (guess.0.to_vec(), guess.1);
+        let mut corrections: Vec<f64> = Vec::new();
+        let mut load = t.abs();
+        loop {
+            let eq = self.equations(problem, &mut q, t, held, kind)?;
+            let on_path = [eq.h, held.g, -eq.phi_r];
+            let singular = [eq.psi_w, eq.psi_psi, -held.g];
+            let crossing = [eq.w_w, eq.psi_w, -eq.h];
+            let [first, second] = match kind {
+                CriticalKind::Limit => [on_path, singular],
+                CriticalKind::Bifurcation => [singular, crossing],
+            };
+            let determinant = first[0] * second[1] - first[1] * second[0];
+            let dt = (first[2] * second[1] - first[1] * second[2]) / determinant;
+            let along = (first[0] * second[2] - first[2] * second[0]) / determinant;
+            for ((dq, w), psi) in self.dq.iter_mut().zip(&eq.w.dq).zip(&held.psi.dq) {
+                *dq = dt * w + along * psi;
+            }
+            load = load.max(dt.abs());
+            let relative = if dt == 0.0 { 0.0 } else { (dt / load).abs() };
+            let correction = self.size(&self.dq).max(relative);
+            if !correction.is_finite() {
+                return Err(Cause::Diverged);
+            }
+            let last = corrections.last().copied();
+            corrections.push(correction);
+            q.iter_mut().zip(&self.dq).for_each(|(q, dq)| *q += dq);
+            t += dt;
+            let stagnates = |last: f64| last < EXACT.sqrt() && correction > DECREASE * last;
+            if last.is_some_and(|last| correction <= EXACT || stagnates(last)) {
+                self.hold(problem, &mut q, t, held)?;
+                if !self.is_balanced(problem.system, &q) {
+                    return Err(Cause::Diverged);
+                }
+                let scale = self.size(&held.psi.dq);
+                return Ok(CriticalPoint {
+                    kind,
+                    t,
+                    q,
+                    shape: held.psi.dq.iter().map(|x| x / scale).collect(),
+                    paths: self.paths(&eq, held, kind),
+                    corrections,
+                });
+            }
+            if corrections.len() > self.options.max_iterations {
+                return Err(Cause::TooManyIterations);
+            }
+        }
+    }
+
+    /// Equilibrium with k held, from `q`; its tangent is evaluated and factorised.
+    fn hold(
+        &mut self,
+        problem: &mut Problem<'_>,
+        q: &mut [f64],
+        t: f64,
+        held: &mut Held,
+    ) -> Result<(), Cause> {
+        let (mut last, mut previous) = (f64::INFINITY, q.to_vec());
+        for iteration in 0..=self.options.max_iterations {
+            let from = (iteration > 0).then_some((t, &previous[..]));
+            self.evaluate(problem, from, q, t).map_err(Cause::System)?;
+            held.update(self, problem)?;
+            let (x, _) = held.solve(problem, &self.r, 0.0)?;
+            let correction = self.size(&x.dq);
+            let found = correction <= BALANCED
+                || (correction < EXACT.sqrt() && correction > DECREASE * last);
+            let residual = self.largest(&self.r);
+            let measures = problem.system.scales().measures();
+            self.history.push(Iteration {
+                residual,
+                ratio: self.test.ratio(residual, measures),
+                correction,
+                damping: if found { 0.0 } else { 1.0 },
+            });
+            if found {
+                return Ok(());
+            }
+            if !correction.is_finite() {
+                return Err(Cause::Diverged);
+            }
+            last = correction;
+            previous.copy_from_slice(q);
+            q.iter_mut().zip(&x.dq).for_each(|(q, x)| *q += x);
+        }
+        Err(Cause::TooManyIterations)
+    }
+
+    /// Finds the equilibrium with k held, and evaluates everything there.
+    fn equations(
+        &mut self,
+        problem: &mut Problem<'_>,
+        q: &mut [f64],
+        t: f64,
+        held: &mut Held,
+        kind: CriticalKind,
+    ) -> Result<Equations, Cause> {
+        self.hold(problem, q, t, held)?;
+        let (_, phi_r) = held.solve(problem, &self.r, 0.0)?;
+        let (w, h) = held.solve(problem, &self.r_lambda, 1.0)?;
+        let mut second = |along: &PathDirection, with: &[&PathDirection]| {
+            let mut out = [0.0; 2];
+            let changes = self.second(problem, (q, t), along, with)?;
+            for (out, change) in out.iter_mut().zip(changes) {
+                *out = held.solve(problem, &change, 0.0)?.1;
+            }
+            Ok(out)
+        };
+        let [psi_psi, psi_w] = second(&held.psi, &[&held.psi, &w])?;
+        let [w_w, _] = match kind {
+            CriticalKind::Limit => [0.0; 2],
+            CriticalKind::Bifurcation => second(&w, &[&w])?,
+        };
+        Ok(Equations {
+            phi_r,
+            h,
+            w,
+            psi_psi,
+            psi_w,
+            w_w,
+        })
+    }
+
+    /// Second derivatives of r in one direction and each of some others, by central differences of tangents.
+    fn second(
+        &mut self,
+        problem: &mut Problem<'_>,
+        (q, t): (&[f64], f64),
+        along: &PathDirection,
+        with: &[&PathDirection],
+    ) -> Result<Vec<Vec<f64>>, Cause> {
+        let load = if t == 0.0 { 1.0 } else { t.abs() };
+        let step = CHANGE / self.size(&along.dq).max(along.dt.abs() / load);
+        let mut changes = vec![vec![0.0; q.len()]; with.len()];
+        for sign in [1.0, -1.0] {
+            let s = sign * step;
+            let near: Vec<f64> = q.iter().zip(&along.dq).map(|(q, dq)| q + s * dq).collect();
+            self.evaluate(problem, None, &near, t + s * along.dt)
+                .map_err(Cause::System)?;
+            let weight = 1.0 / (2.0 * s);
+            for (change, direction) in changes.iter_mut().zip(with) {
+                let pattern = problem.system.pattern();
+                pattern.multiply_add(-weight, &self.S, &direction.dq, change);
+                for (change, r_t) in change.iter_mut().zip(&self.r_lambda) {
+                    *change += weight * direction.dt * r_t;
+                }
+            }
+        }
+        Ok(changes)
+    }
+
+    /// Directions of the paths through a point: s ψ + τ w, where
+    /// s² φᵀr″ψψ + 2 s τ φᵀr″ψw + τ² φᵀr″ww = 0 at a bifurcation.
+    fn paths(&self, eq: &Equations, held: &Held, kind: CriticalKind) -> Vec<PathDirection> {
+        let direction = |s: f64, tau: f64| {
+            let parts = held.psi.dq.iter().zip(&eq.w.dq);
+            let dq: Vec<f64> = parts.map(|(psi, w)| s * psi + tau * w).collect();
+            let length = self.size(&dq).max(f64::MIN_POSITIVE);
+            PathDirection {
+                dq: dq.iter().map(|x| x / length).collect(),
+                dt: tau / length,
+            }
+        };
+        if kind == CriticalKind::Limit {
+            return vec![direction(1.0, 0.0)];
+        }
+        // ψ as large as w, so that the coefficients are comparable.
+        let unit = self.size(&eq.w.dq).max(f64::MIN_POSITIVE) / self.size(&held.psi.dq);
+        let (a, b, c) = (unit * unit * eq.psi_psi, unit * eq.psi_w, eq.w_w);
+        let discriminant = b * b - a * c;
+        if discriminant.is_nan() || discriminant < 0.0 {
+            return Vec::new();
+        }
+        let sum = -(b + discriminant.sqrt().copysign(b));
+        let mut roots = [(sum, a), (c, sum)];
+        roots.sort_by(|x, y| (x.0 * y.1).abs().total_cmp(&(y.0 * x.1).abs()));
+        roots.map(|(s, tau)| direction(unit * s, tau)).to_vec()
+    }
+
+    /// A vector that the tangent evaluated last almost annihilates, by inverse iteration.
+    fn null_vector(&mut self, problem: &mut Problem<'_>) -> Result<Vec<f64>, Cause> {
+        let mut values = self.S.clone();
+        let solver = &mut *problem.solver;
+        self.cost.factorisations += 1;
+        if solver.factorise(&values).is_err() {
+            let entries: Vec<usize> = problem.system.pattern().diagonal().collect();
+            let largest = values.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+            let shift = SHIFT * if largest > 0.0 { largest } else { 1.0 };
+            entries.into_iter().for_each(|k| values[k] += shift);
+            solver.factorise(&values).map_err(Cause::linear)?;
+        }
+        let mut random = Random(1);
+        let mut x: Vec<f64> = self.r.iter().map(|_| random.next()).collect();
+        for _ in 0..INVERSE_ITERATIONS {
+            let size = self.size(&x);
+            for (x, s) in x.iter_mut().zip(&self.inverse_scale) {
+                *x *= s * s / size;
+            }
+            solver.solve(Some(&values), &mut x).map_err(Cause::linear)?;
+        }
+        Ok(x)
+    }
+}
+
+/// Shift of an exactly singular tangent, relative to its largest entry.
+const SHIFT: f64 = 1e-10;
+const INVERSE_ITERATIONS: usize = 3;

@@ -1,0 +1,136 @@
+//! Limit points of beams found directly, and the path of a column beyond its bifurcation.
+
+#![allow(clippy::unwrap_used, non_snake_case)]
+
+use crate::support::closures::failure;
+use crate::support::laboratory::model;
+use crate::support::program::{directory, history, number, ran, results};
+use pullback::input::{Plan, job};
+use pullback::integrators::statics::{
+    CriticalKind, StaticNewtonOptions, critical_point, trace_path,
+};
+use pullback::manifold::system::Point;
+use std::f64::consts::FRAC_PI_2;
+use std::ops::ControlFlow;
+
+/// From the last step before it, in five iterations. Values by independent shooting: S11 and S12.
+#[test]
+fn limit_points_directly() {
+    for (name, elements, exact, tolerance) in [
+        ("lee_frame", 1, 18546.558 / 20000.0, 1e-5),
+        ("deep_arch", 3, 897.2891 / 1000.0, 1e-6),
+    ] {
+        let mut file = model(&format!("{name}.toml"));
+        for line in &mut file.lines {
+            line.elements *= elements;
+        }
+        let mut job = job(name, &file).unwrap();
+        let Plan::Path(options, _) = &mut job.plan else {
+            unreachable!()
+        };
+        options.events.clear();
+        let (mut before, mut q) = ((0.0, Vec::new()), Vec::new());
+        trace_path(&mut job.context, &mut q, options, &mut |_, step| {
+            if step.t < before.0 {
+                return ControlFlow::Break(());
+            }
+            before = (step.t, step.q.to_vec());
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+        let at = Point::statics(before.0, &before.1);
+        let options = StaticNewtonOptions::default();
+        let point = critical_point(&mut job.context, at, None, &options).unwrap();
+        assert_eq!(point.kind, CriticalKind::Limit);
+        let error = point.t / exact - 1.0;
+        assert!(error.abs() < tolerance, "{name}: {} {error}", point.t);
+        let corrections = &point.corrections;
+        assert!(corrections.len() <= 5, "{name}: {corrections:?}");
+        // Quadratic: with the change of the path's length over its own square.
+        for pair in corrections.windows(2) {
+            let most = 10.0 * pair[0] * pair[0] + 1e-7;
+            assert!(pair[1] <= most, "{name}: {corrections:?}");
+        }
+    }
+}
+
+/// A pinned column with EA = GA and a force of 20 t; EI = 1 in the plane of its motion.
+const COLUMN: &str = r#"
+    [sections.main]
+    stiffness = { EA = 1e4, GA = [1e4, 1e4], GJ = 10.0, EI = [3.0, 1.0] }
+    [nodes]
+    A = [0, 0, 0]
+    B = [1, 0, 0]
+    [[lines]]
+    name = "column"
+    from = "A"
+    to = "B"
+    elements = 8
+    order = 3
+    section = "main"
+    [[supports]]
+    node = "A"
+    fix = ["x", "y", "z", "rx", "ry"]
+    [[supports]]
+    node = "B"
+    fix = ["y", "z", "rx", "ry"]
+    [[loads]]
+    node = "B"
+    force = [-20, 0, 0]
+    [[probes]]
+    name = "end"
+    quantity = "displacement"
+    node = "B"
+    [analysis.arc_length]
+    branch = "switch"
+    stop = [{ load = 0.9 }]
+    max_step = 0.05
+"#;
+
+/// Complete elliptic integrals K and E, by the arithmetic-geometric mean (Abramowitz & Stegun 17.6).
+fn elliptic(k: f64) -> [f64; 2] {
+    let (mut a, mut b, mut c) = (1.0, (1.0 - k * k).sqrt(), k);
+    let (mut sum, mut weight) = (0.5 * c * c, 0.5);
+    for _ in 0..8 {
+        (a, b, c) = (0.5 * (a + b), (a * b).sqrt(), 0.5 * (a - b));
+        weight *= 2.0;
+        sum += weight * c * c;
+    }
+    let K = FRAC_PI_2 / a;
+    [K, K * (1.0 - sum)]
+}
+
+/// With EA = GA the column is Euler's elastica: P = 4 K²(k), with its end turned by 2 arcsin k and shortened by
+/// 2 (1 − E/K) + P/EA.
+#[test]
+fn a_column_follows_the_elastica() {
+    let out = ran(&directory("critical_elastica"), COLUMN);
+    let rows = history(&out);
+    let found = rows
+        .iter()
+        .position(|r| r["event"] == "bifurcation")
+        .unwrap();
+    let load = 20.0 * number(&rows[found], "t") / std::f64::consts::PI.powi(2);
+    assert!((load - 1.0).abs() < 1e-6, "{load}");
+    assert!(rows.len() > found + 10, "{}", rows.len());
+    for row in &rows[found + 1..] {
+        let angle = number(row, "largest_rotation");
+        let [K, E] = elliptic((0.5 * angle).sin());
+        let P = 4.0 * K * K;
+        assert!(
+            (20.0 * number(row, "t") / P - 1.0).abs() < 1e-5,
+            "{angle} {P}"
+        );
+        let shortening = 2.0 * (1.0 - E / K) + P / 1e4;
+        assert!((number(row, "end.x") + shortening).abs() < 1e-5, "{angle}");
+        assert_eq!(row["unstable"], "0", "{angle}");
+    }
+    assert_eq!(results(&out)["warnings"], serde_json::json!([]));
+}
+
+#[test]
+fn followers_have_no_count_of_unstable_directions() {
+    let text = COLUMN.replace("[-20, 0, 0]", "[-20, 0, 0]\nfollower = true");
+    let said = failure("critical_follower", &text);
+    assert!(said.contains("follower loads have no potential"), "{said}");
+}
