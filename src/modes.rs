@@ -4,9 +4,11 @@ use crate::terminal::plural;
 use nalgebra::Vector3;
 use num_complex::Complex64;
 use pullback_elements::model::Context;
+use pullback_elements::time::Input;
 use pullback_integrators::linearization::{
-    BucklingError, BucklingMode, LinearizationError, Mode, ModeOptions, ModesError, Selection,
-    buckling, linearize, modes_while,
+    BucklingError, BucklingMode, CampbellDiagram, CampbellError, CampbellOptions,
+    LinearizationError, Mode, ModeOptions, ModesError, Selection, buckling, campbell, linearize,
+    modes_while,
 };
 use pullback_integrators::significant;
 use pullback_manifold::system::{Point, System, SystemError};
@@ -55,9 +57,24 @@ pub enum ModelModesError {
     /// No critical loads.
     #[error("buckling: {0}")]
     Buckling(#[from] BucklingError),
+    /// No Campbell diagram.
+    #[error("Campbell diagram: {0}")]
+    Campbell(#[from] CampbellError),
     /// A range without modes.
     #[error("no mode has a frequency between {} and {}", significant(.0[0]), significant(.0[1]))]
     None([f64; 2]),
+}
+
+impl ModelModesError {
+    /// Whether the observer has ended the search.
+    pub fn is_interruption(&self) -> bool {
+        let interrupted = ModesError::Interrupted;
+        match self {
+            Self::Modes(error) => *error == interrupted,
+            Self::Campbell(CampbellError::Modes { source, .. }) => *source == interrupted,
+            _ => false,
+        }
+    }
 }
 
 impl From<SystemError> for ModelModesError {
@@ -149,6 +166,41 @@ pub struct CriticalLoads {
     pub names: Vec<String>,
 }
 
+/// Modes of a model over the speed of a steady rotation.
+#[derive(Clone, Debug)]
+pub struct ModelCampbell {
+    /// The diagram.
+    pub diagram: CampbellDiagram,
+    /// The modes at the last speed.
+    pub last: ModelModes,
+    /// The coordinates there.
+    pub q: Vec<f64>,
+}
+
+/// The Campbell diagram of a model from its coordinates at rest.
+///
+/// # Errors
+/// [`ModelModesError`].
+pub fn campbell_diagram(
+    context: &mut Context,
+    mut q: Vec<f64>,
+    speed: Input,
+    options: &CampbellOptions,
+    observer: &mut dyn FnMut() -> ControlFlow<()>,
+) -> Result<ModelCampbell, ModelModesError> {
+    let diagram = campbell(context, speed, &mut q, options, &mut |_| observer())?;
+    let zeros = vec![0.0; q.len()];
+    let at = Point {
+        t: options.t,
+        q: &q,
+        v: &zeros,
+        a: &zeros,
+    };
+    let lowest = ModeOptions::lowest(options.count);
+    let last = find(context, at, &lowest, &mut |_| observer())?;
+    Ok(ModelCampbell { diagram, last, q })
+}
+
 /// What is found at the end of the steps of an analysis.
 #[derive(Clone, Debug)]
 pub enum Eigenvalues {
@@ -156,6 +208,8 @@ pub enum Eigenvalues {
     Modes(ModelModes),
     /// Critical loads.
     Critical(CriticalLoads),
+    /// Modes over a speed.
+    Campbell(ModelCampbell),
 }
 
 /// The critical loads extrapolated from an equilibrium.

@@ -10,7 +10,6 @@ use crate::solve::{Advance, Counts, Ended, SolveError, begin, solve};
 use crate::warnings;
 use pullback_elements::model::Context;
 use pullback_integrators::dynamics::{DynamicsError, Progress};
-use pullback_integrators::linearization::ModesError;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
@@ -228,6 +227,12 @@ fn find(
             let mut search = |dimension| observer(&Advance::search(progress, dimension));
             modes::find(context, at, &options, &mut search).map(Eigenvalues::Modes)
         }
+        EigenvaluePlan::Campbell(speed, options) => {
+            let q = at.q.to_vec();
+            let mut search = || observer(&Advance::search(progress, at.q.len()));
+            modes::campbell_diagram(context, q, speed, &options, &mut search)
+                .map(Eigenvalues::Campbell)
+        }
         EigenvaluePlan::Buckling(count) => modes::critical_loads(context, at, count)
             .map(Eigenvalues::Critical)
             .map_err(ModelModesError::from),
@@ -237,7 +242,7 @@ fn find(
             recorder.write_eigenvalues(context, at, &found)?;
             return Ok((Some(found), Ending::Complete));
         }
-        Err(ModelModesError::Modes(ModesError::Interrupted)) => Ending::Interrupted { t: at.t },
+        Err(error) if error.is_interruption() => Ending::Interrupted { t: at.t },
         Err(error) => Ending::Failed {
             message: error.to_string(),
         },

@@ -4,6 +4,7 @@ use crate::modes::{Eigenvalues, ModelModes};
 use crate::solve::{Advance, Counts};
 use crate::studies::gallery::CaseRow;
 use indicatif::{ProgressBar, ProgressStyle};
+use pullback_integrators::linearization::{CampbellDiagram, Mode};
 use std::fmt::{Display, Write};
 use std::io::{self, Write as _};
 use std::ops::ControlFlow;
@@ -162,6 +163,7 @@ pub fn plural(count: usize, thing: &str) -> String {
 pub fn eigenvalues(found: &Eigenvalues) -> String {
     match found {
         Eigenvalues::Modes(found) => modes(found),
+        Eigenvalues::Campbell(found) => campbell(&found.diagram),
         Eigenvalues::Critical(found) => {
             let mut out = "\nmode  critical load parameter\n".to_owned();
             for (k, mode) in found.modes.iter().enumerate() {
@@ -170,6 +172,27 @@ pub fn eigenvalues(found: &Eigenvalues) -> String {
             out
         }
     }
+}
+
+/// Frequencies at the first and the last speed.
+fn campbell(diagram: &CampbellDiagram) -> String {
+    let number = |mode: Option<&Mode>, value: fn(&Mode) -> f64| match mode {
+        Some(mode) => format!("{:.6e}", value(mode)),
+        None => "-".to_owned(),
+    };
+    let mut out = "\nline  first frequency  last frequency  damping ratio\n".to_owned();
+    for (k, line) in diagram.lines.iter().enumerate() {
+        let [first, last] = [line.first(), line.last()].map(|mode| mode.and_then(Option::as_ref));
+        let _ = writeln!(
+            out,
+            "{:4}  {:>15}  {:>14}  {:>13}",
+            k + 1,
+            number(first, Mode::frequency),
+            number(last, Mode::frequency),
+            number(last, Mode::damping_ratio)
+        );
+    }
+    out
 }
 
 fn modes(found: &ModelModes) -> String {

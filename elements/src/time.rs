@@ -77,6 +77,17 @@ impl TimeFunction for Input {
     }
 }
 
+/// f(t) = Ω t, where Ω is an input: a rotation with a constant speed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SteadyRotation(pub Input);
+
+impl TimeFunction for SteadyRotation {
+    fn at(&self, t: f64, inputs: &[f64]) -> [f64; 3] {
+        let [speed, ..] = self.0.at(t, inputs);
+        [speed * t, speed, 0.0]
+    }
+}
+
 /// f(t) = slope · t for all t, like a load parameter in statics.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Proportional(pub f64);

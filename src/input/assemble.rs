@@ -108,7 +108,7 @@ pub(super) fn assemble(
         return Err(scheme.refuse(InputProblem::Scheme { message }));
     }
     let plan = settings::plan(&assembly, &model)?;
-    let eigenvalues = eigenvalues::plan(at, &file.analysis)?;
+    let eigenvalues = eigenvalues::plan(&assembly)?;
     let scale = file.output.deformation_scale;
     at.at("output").positive("deformation_scale", scale)?;
     if !dynamic {

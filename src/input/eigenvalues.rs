@@ -1,26 +1,28 @@
 //! Modes and critical loads of the file as options of the solver.
 
-use super::file::{Analysis, ModalAnalysis};
+use super::file::{Analysis, CampbellAnalysis, ModalAnalysis};
+use super::parts::Assembly;
 use super::settings::unknown;
-use super::{InputError, Location};
-use pullback_integrators::linearization::{ModeOptions, Selection};
+use super::{InputError, InputProblem, Location};
+use pullback_elements::time::Input;
+use pullback_integrators::linearization::{CampbellOptions, ModeOptions, Selection};
+use pullback_integrators::statics::StaticOptions;
 use std::f64::consts::TAU;
 
 /// What is found at the end of the steps.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub enum EigenvaluePlan {
     /// Modes.
     Modes(ModeOptions),
     /// This many critical loads.
     Buckling(usize),
+    /// Modes over a speed, an input.
+    Campbell(Input, CampbellOptions),
 }
 
 /// What to find at the end of the steps of an analysis.
-pub(super) fn plan(
-    at: &Location<'_>,
-    analysis: &Analysis,
-) -> Result<Option<EigenvaluePlan>, InputError> {
-    let at = at.at("analysis");
+pub(super) fn plan(assembly: &Assembly<'_>) -> Result<Option<EigenvaluePlan>, InputError> {
+    let (at, analysis) = (assembly.at("analysis"), &assembly.file.analysis);
     match analysis {
         Analysis::Modes(m) => {
             mode_options(&at.at("modes"), m).map(|m| Some(EigenvaluePlan::Modes(m)))
@@ -34,9 +36,47 @@ pub(super) fn plan(
             }
             Ok(Some(EigenvaluePlan::Buckling(b.count)))
         }
+        Analysis::Campbell(c) => {
+            let at = at.at("campbell");
+            let speed = assembly.speed.ok_or_else(|| {
+                let joints = assembly.file.joints.iter();
+                at.at("joint").refuse(InputProblem::UnknownName {
+                    what: "joint",
+                    name: c.joint.clone(),
+                    known: joints.map(|joint| joint.name.clone()).collect(),
+                })
+            })?;
+            Ok(Some(EigenvaluePlan::Campbell(speed, speeds(&at, c)?)))
+        }
         _ => Ok(None),
     }
 }
+
+fn speeds(at: &Location<'_>, c: &CampbellAnalysis) -> Result<CampbellOptions, InputError> {
+    at.positive("count", c.count as f64)?;
+    at.positive("steps", c.steps as f64)?;
+    for (key, speed) in [("from", c.from), ("to", c.to)] {
+        if !speed.is_finite() {
+            return Err(at.range(key, speed, "a speed in radians per unit of time"));
+        }
+    }
+    if c.steps > MOST_SPEEDS {
+        return Err(at.range("steps", c.steps as f64, "at most 100000 steps"));
+    }
+    let steps = if c.from == c.to { 0 } else { c.steps };
+    let part = |k: usize| k as f64 / steps.max(1) as f64;
+    Ok(CampbellOptions {
+        t: 0.0,
+        speeds: (0..=steps)
+            .map(|k| c.from + part(k) * (c.to - c.from))
+            .collect(),
+        count: c.count,
+        statics: StaticOptions::default(),
+    })
+}
+
+/// Most speeds of a diagram; more are taken for a typing error.
+const MOST_SPEEDS: usize = 100_000;
 
 fn mode_options(at: &Location<'_>, m: &ModalAnalysis) -> Result<ModeOptions, InputError> {
     at.positive("count", m.count as f64)?;

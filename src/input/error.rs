@@ -179,6 +179,10 @@ pub enum InputProblem {
          to nodes that stay where they are drawn"
     )]
     DrawnApart { line: String, node: String },
+    #[error(
+        "joint \"{joint}\" cannot rotate with a constant speed: type `{kind}` does not release one angle"
+    )]
+    NoRotation { joint: String, kind: String },
     #[error("initial conditions belong to a dynamic analysis")]
     InitialStatics,
     #[error("{message}")]

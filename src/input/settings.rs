@@ -77,6 +77,7 @@ pub(super) fn plan(assembly: &Assembly<'_>, model: &Model) -> Result<Plan, Input
         Some(Analysis::Dynamic(d)) => dynamic(&at.at("dynamic"), d).map(Plan::Dynamic),
         Some(Analysis::Modes(_)) => Err(unknown(&at, "modes", &STEPWISE)),
         Some(Analysis::Buckling(_)) => Err(unknown(&at, "buckling", &STEPWISE)),
+        Some(Analysis::Campbell(_)) => Err(unknown(&at, "campbell", &STEPWISE)),
         None => Ok(Plan::Static(StaticOptions {
             to: 0.0,
             ..StaticOptions::default()

@@ -1,5 +1,6 @@
 //! Records converged steps and writes the results.
 
+mod campbell;
 mod finish;
 mod modes;
 

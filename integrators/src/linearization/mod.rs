@@ -13,11 +13,13 @@
 //! - [`modes`] finds frequencies, damping and shapes by shift and invert, counted by Sylvester's law of
 //!   inertia.
 //! - [`buckling`] finds critical loads by linear extrapolation of the static tangent.
+//! - [`campbell`] follows modes over the speed of a rotation.
 //! - [`SteadyMotion`] makes the equilibrium relative to a rotating frame a problem of statics.
 
 #![allow(non_snake_case)]
 
 mod buckling;
+mod campbell;
 mod inputs;
 mod krylov;
 mod modes;
@@ -27,12 +29,13 @@ mod shift_invert;
 mod steady;
 
 pub use buckling::{BucklingError, BucklingMode, buckling};
+pub use campbell::{CampbellDiagram, CampbellError, CampbellOptions, campbell};
 pub use modes::{Mode, ModeOptions, Modes, ModesError, Selection, modes, modes_while};
 pub use steady::SteadyMotion;
 
 use crate::abilities::events;
 use crate::linear_solver::scaling::for_each;
-use crate::rounding::largest;
+use crate::rounding::{is_rounding, largest};
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{
     CoordinateInfo, Evaluation, Point, Quantity, System, SystemError, Weights,
@@ -119,7 +122,10 @@ pub fn linearize(system: &mut dyn System, at: Point<'_>) -> Result<Linearized, L
         coordinates: (0..n).map(|i| system.coordinate_info(i)).collect(),
         names: (0..n).map(|i| system.name(i)).collect(),
     };
-    lin.check_balance(&r, moving, system.scales().measures())?;
+    let (mut sizes, mut floor) = (vec![0.0; n], vec![0.0; n]);
+    if !is_rounding(system, &lin.K, at.q, &r, [&mut sizes, &mut floor]) {
+        lin.check_balance(&r, moving, system.scales().measures())?;
+    }
     Ok(lin)
 }
 

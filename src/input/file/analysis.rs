@@ -18,6 +18,8 @@ pub enum Analysis {
     Modes(ModalAnalysis),
     /// Critical loads and shapes of buckling, extrapolated linearly from an equilibrium.
     Buckling(BucklingAnalysis),
+    /// Modes over the speed of a steady rotation.
+    Campbell(CampbellAnalysis),
 }
 
 impl Analysis {
@@ -26,6 +28,7 @@ impl Analysis {
         match self {
             Self::Modes(modes) => modes.after.as_deref(),
             Self::Buckling(buckling) => buckling.after.as_deref(),
+            Self::Campbell(_) => None,
             own => Some(own),
         }
     }
@@ -231,6 +234,36 @@ impl Default for BucklingAnalysis {
             after: None,
         }
     }
+}
+
+/// Modes over the speed of a steady rotation: a revolute joint rotates with a constant speed, and everything else is at
+/// rest in its coordinates.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CampbellAnalysis {
+    /// Revolute joint that rotates.
+    pub joint: String,
+    /// First speed, in radians per unit of time.
+    #[serde(default)]
+    pub from: f64,
+    /// Last speed; the modes there are written as well.
+    pub to: f64,
+    /// Number of steps between them.
+    #[serde(default = "twenty")]
+    #[schemars(range(min = 1))]
+    pub steps: usize,
+    /// Number of modes, from the lowest one at the first speed on.
+    #[serde(default = "six")]
+    #[schemars(range(min = 1))]
+    pub count: usize,
+}
+
+fn twenty() -> usize {
+    20
+}
+
+fn six() -> usize {
+    6
 }
 
 /// Motion in time from the initial conditions. Steps are equal between kinks of prescribed

@@ -26,6 +26,9 @@ pub struct Line {
     /// How rotations are interpolated between the nodes of an element.
     #[serde(default, skip_serializing_if = "Interpolation::is_total")]
     pub interpolation: Interpolation,
+    /// Node to whose frame the coordinates of the inner nodes are relative: a hub that rotates. By default they are
+    /// displacements and rotations from the reference configuration.
+    pub relative_to: Option<String>,
     /// Circular arc instead of a straight line.
     pub arc: Option<Arc>,
     /// Direction of the section axis E2 at the start (its part normal to the line counts). By

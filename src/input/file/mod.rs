@@ -18,8 +18,9 @@ mod section;
 mod time;
 
 pub use analysis::{
-    Adaptive, Analysis, ArcLength, Branch, BucklingAnalysis, Coordinate, Direction, Dynamic,
-    DynamicNewton, ModalAnalysis, NewtonSettings, Output, Predictor, Static, Stop, TangentRule,
+    Adaptive, Analysis, ArcLength, Branch, BucklingAnalysis, CampbellAnalysis, Coordinate,
+    Direction, Dynamic, DynamicNewton, ModalAnalysis, NewtonSettings, Output, Predictor, Static,
+    Stop, TangentRule,
 };
 pub use body::{Body, Bushing, Six, Spring, Tensor};
 pub use initial::Initial;

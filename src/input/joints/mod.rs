@@ -8,7 +8,7 @@ pub use registry::{BoxedError, Registry, Site};
 pub(super) use registry::JointType;
 
 use super::advice::RENAMED;
-use super::file::{Acts, Joint};
+use super::file::{Acts, Analysis, Joint};
 use super::parts::{Assembly, function, prescribed_function};
 use super::{InputError, InputProblem, Location, plain};
 use pullback_elements::beam::Interpolation;
@@ -16,6 +16,7 @@ use pullback_elements::joint::{AxisError, JointNodes};
 use pullback_elements::load::CoordinateForce;
 use pullback_elements::model::{ModelBuilder, ModelError, NodeId};
 use pullback_elements::spring::{CoordinateLaw, CoordinateSpring};
+use pullback_elements::time::SteadyRotation;
 use registry::Refusal;
 
 /// A joint of the file with its location there.
@@ -127,6 +128,11 @@ impl Assembly<'_> {
         let single = (coordinates.into_iter()).filter(|&n| self.builder.dim(n) == 1);
         let single: Vec<NodeId> = single.collect();
         acts(&entry, &mut self.builder, &single)?;
+        if let Analysis::Campbell(campbell) = &self.file.analysis
+            && campbell.joint == joint.name
+        {
+            self.rotate(&entry, &single)?;
+        }
         self.nodes.add(joint.name.clone(), frame);
         for &coordinate in &single {
             // A single coordinate has the name of the joint.
@@ -136,6 +142,28 @@ impl Assembly<'_> {
             };
             self.joint_coordinates.add(name, coordinate);
         }
+        Ok(())
+    }
+}
+
+impl Assembly<'_> {
+    /// Makes the angle of a revolute joint one of steady rotation.
+    fn rotate(&mut self, entry: &Entry<'_>, coordinates: &[NodeId]) -> Result<(), InputError> {
+        let joint = entry.joint;
+        let &[angle] = coordinates else {
+            let (kind, joint) = (joint.kind.clone(), joint.name.clone());
+            let at = self.at("analysis").at("campbell").at("joint");
+            return Err(at.refuse(InputProblem::NoRotation { joint, kind }));
+        };
+        if let Some(key) = joint.acts().given().next() {
+            return Err(entry.at.at(key).refuse_key(InputProblem::PrescribedJoint {
+                joint: joint.name.clone(),
+                key,
+            }));
+        }
+        let speed = self.builder.input(0.0);
+        (self.builder).prescribe_coordinate(angle, 0, SteadyRotation(speed));
+        self.speed = Some(speed);
         Ok(())
     }
 }

@@ -18,6 +18,13 @@ struct Offset {
 #[derive(Deserialize, JsonSchema)]
 struct Weld {}
 
+/// Releases all displacements and rotations: a node whose coordinates are relative to its parent.
+#[derive(Deserialize, JsonSchema)]
+struct Free {
+    /// Position of the node of the joint, global like that of a node.
+    position: [f64; 3],
+}
+
 /// Releases the angle about an axis, any number of turns.
 #[derive(Deserialize, JsonSchema)]
 struct Revolute {
@@ -141,6 +148,9 @@ pub(super) fn add_to(registry: Registry) -> Registry {
         .joint("weld", |at, _: Weld| {
             let position = at.builder.position(at.parent);
             at.builder.offset(at.name, at.parent, position.into())
+        })
+        .joint("free", |at, keys: Free| {
+            at.builder.relative_node(at.name, at.parent, keys.position)
         })
         .joint("revolute", |at, keys: Revolute| {
             made(at.join(joint::Revolute::new(keys.axis)?))

@@ -43,9 +43,20 @@ impl Assembly<'_> {
             order: line.order,
             section,
         };
+        let parent = (line.relative_to.as_ref())
+            .map(|name| self.nodes.find(&at.at("relative_to"), name))
+            .transpose()?;
+        let ends = [from, to];
         let made = self
             .builder
-            .line_with(&line.name, axis.as_ref(), [from, to], &mesh, interpolation)
+            .line_relative(
+                &line.name,
+                axis.as_ref(),
+                ends,
+                &mesh,
+                interpolation,
+                parent,
+            )
             .map_err(|error| at.refuse(error))?;
         let intervals = (made.nodes.len() - 1) as f64;
         let frames = (0..made.nodes.len())

@@ -15,6 +15,7 @@ use super::{InputError, InputProblem, Location};
 use pullback_elements::beam::Section;
 use pullback_elements::constraint::PenaltyStiffness;
 use pullback_elements::model::{Closure, ModelBuilder, NodeId};
+use pullback_elements::time::Input;
 
 /// A model under construction, with the parts that others refer to by name.
 pub(super) struct Assembly<'a> {
@@ -30,6 +31,8 @@ pub(super) struct Assembly<'a> {
     /// Nodes of released coordinates, by the name of their joint.
     pub joint_coordinates: Names<NodeId>,
     pub geometry: Geometry,
+    /// The speed of the joint of a Campbell diagram.
+    pub speed: Option<Input>,
 }
 
 /// A part whose nodes do not exist yet.
@@ -53,6 +56,7 @@ impl<'a> Assembly<'a> {
                 "joint with a released coordinate (a node of one coordinate)",
             ),
             geometry: Geometry::default(),
+            speed: None,
         }
     }
 
@@ -144,7 +148,8 @@ impl<'a> Assembly<'a> {
         match part {
             Part::Line(k) => {
                 let line = &self.file.lines[k];
-                self.nodes.knows(&line.from) && self.nodes.knows(&line.to)
+                let mut needed = [&line.from, &line.to].into_iter().chain(&line.relative_to);
+                needed.all(|name| self.nodes.knows(name))
             }
             Part::Joint(k) => {
                 let joint = &self.file.joints[k];
@@ -169,6 +174,8 @@ impl<'a> Assembly<'a> {
                     let (at, line) = (self.at("lines").at(k), &file.lines[k]);
                     wanted.push((at.at("from"), &line.from));
                     wanted.push((at.at("to"), &line.to));
+                    wanted
+                        .extend((line.relative_to.iter()).map(|name| (at.at("relative_to"), name)));
                 }
                 Part::Joint(k) => {
                     let at = self.at("joints").at(k).at("parent");

@@ -38,6 +38,11 @@ impl Recorder<'_> {
     ) -> Result<(), OutputError> {
         match found {
             Eigenvalues::Modes(modes) => self.write_modes(context, at, modes),
+            Eigenvalues::Campbell(found) => {
+                self.write_campbell(found)?;
+                let at = Point { q: &found.q, ..at };
+                self.write_modes(context, at, &found.last)
+            }
             Eigenvalues::Critical(loads) => self.write_critical_loads(context, at, loads),
         }
     }

@@ -2,6 +2,7 @@
 
 mod beams;
 mod buckling;
+mod campbell;
 mod flutter;
 mod inputs;
 mod linkages;

@@ -120,7 +120,7 @@ const BLADE: Beam = Beam {
 
 /// Flap of a clamped blade without hub, w'''' − η² (T w')' = μ² w, T = (1 − x²)/2: power series, 60 digits;
 /// Wright, Smith, Thresher & Wang 1982. Lag: μ² − η².
-const FLAP: [(f64, [f64; 2]); 3] = [
+pub(super) const FLAP: [(f64, [f64; 2]); 3] = [
     (0.0, [3.516015268500151, 22.03449156466677]),
     (2.0, [4.13731957303, 22.6149219565]),
     (6.0, [7.360373019310019, 26.8090816785]),

@@ -66,6 +66,23 @@ impl ModelBuilder {
         line: &BeamLine,
         interpolation: Interpolation,
     ) -> Result<BeamLineNodes, ModelError> {
+        self.line_relative(name, axis, [from, to], line, interpolation, None)
+    }
+
+    /// As [`ModelBuilder::line_with`], with inner nodes whose coordinates are relative to another frame, if one
+    /// is given: see [`ModelBuilder::relative_node`].
+    ///
+    /// # Errors
+    /// As [`ModelBuilder::line`].
+    pub fn line_relative(
+        &mut self,
+        name: &str,
+        axis: &dyn ReferenceCurve,
+        [from, to]: [NodeId; 2],
+        line: &BeamLine,
+        interpolation: Interpolation,
+        parent: Option<NodeId>,
+    ) -> Result<BeamLineNodes, ModelError> {
         let fail = |problem: String| ModelError::Line {
             line: name.to_owned(),
             problem,
@@ -104,7 +121,11 @@ impl ModelBuilder {
         let at = |k: f64| axis.at(k / intervals as f64);
         let mut nodes = vec![from];
         for k in 1..intervals {
-            nodes.push(self.node(format!("{name}/{k}"), at(k as f64).0.into())?);
+            let (inner, position) = (format!("{name}/{k}"), at(k as f64).0.into());
+            nodes.push(match parent {
+                None => self.node(inner, position)?,
+                Some(parent) => self.relative_node(inner, parent, position)?.frame,
+            });
         }
         nodes.push(to);
         let elements = self.line_through(name, axis, &nodes, line, interpolation)?;

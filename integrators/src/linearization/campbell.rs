@@ -1,0 +1,326 @@
+//! Modes over the speed of a rotation: the Campbell diagram.
+//!
+//! At each speed a relative equilibrium is found and linearised. Modes of successive speeds are one line where their
+//! shapes agree best by the modal assurance criterion with the inner product of M (Allemang & Brown 1982),
+//!
+//! ```text
+//! MAC = |φᴴ M χ|² / (φᴴ M φ · χᴴ M χ)
+//! ```
+//!
+//! which follows them through crossings; speeds in between are added where shapes change fast, as in veerings.
+
+#![allow(non_snake_case)]
+
+use super::modes::{Mode, ModeOptions, ModesError, modes_while};
+use super::{LinearizationError, Linearized, SteadyMotion, linearize};
+use crate::rounding::largest;
+use crate::significant;
+use crate::statics::{StaticOptions, StaticsError, solve_statics};
+use num_complex::Complex64;
+use pullback_manifold::system::{Point, Quantity, System};
+use std::ops::ControlFlow;
+use thiserror::Error;
+
+/// What a Campbell diagram shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CampbellOptions {
+    /// Time, at which frames have turned by zero: that of loads which depend on it.
+    pub t: f64,
+    /// Speeds Ω, in an order in which each follows from the one before.
+    pub speeds: Vec<f64>,
+    /// Number of modes at the first speed; the last one with all that have the same eigenvalue.
+    pub count: usize,
+    /// Smallest step in Ω between equilibria, and Newton's method.
+    pub statics: StaticOptions,
+}
+
+/// Modes over the speed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CampbellDiagram {
+    /// Speeds.
+    pub speeds: Vec<f64>,
+    /// The modes of the first speed, by growing |λ|, each with its continuation: `None` where it is not among the
+    /// lowest modes, or with another eigenvalue at that speed, any more.
+    pub lines: Vec<Vec<Option<Mode>>>,
+}
+
+/// Error of [`campbell`].
+#[derive(Debug, Error)]
+pub enum CampbellError {
+    /// No relative equilibrium at a speed.
+    #[error("no relative equilibrium is found at a speed of {}: {source}", significant(*.speed))]
+    Equilibrium {
+        /// The speed.
+        speed: f64,
+        /// The reason.
+        source: StaticsError,
+    },
+    /// The equations depend on the angle.
+    #[error(
+        "at a speed of {} the equations of {name} change as the frame turns: loads that are fixed in space or depend \
+         on time, or a rotor that is not symmetric about its axis on parts that do not rotate. The coefficients are \
+         periodic then, and stability needs Floquet theory", significant(*.speed)
+    )]
+    Periodic {
+        /// The speed.
+        speed: f64,
+        /// A coordinate whose equation changes.
+        name: String,
+    },
+    /// The equilibrium cannot be linearised.
+    #[error("at a speed of {}: {source}", significant(*.speed))]
+    Linearization {
+        /// The speed.
+        speed: f64,
+        /// The reason.
+        source: LinearizationError,
+    },
+    /// The search for modes failed.
+    #[error("at a speed of {}: {source}", significant(*.speed))]
+    Modes {
+        /// The speed.
+        speed: f64,
+        /// The reason.
+        source: ModesError,
+    },
+}
+
+/// Modes beyond those of the lines that are found at each speed, so that lines may cross.
+const SPARE: usize = 6;
+/// Least agreement of shapes at successive speeds.
+const SIMILAR: f64 = 0.8;
+/// Least agreement of shapes that are one line.
+const SAME: f64 = 0.2;
+/// Largest number of times that a step in speed is halved where shapes change fast.
+const HALVINGS: usize = 5;
+/// Distance of eigenvalues that count as repeated, relative to their size.
+const REPEATED: f64 = 1e-6;
+/// Largest change of residuals and matrices during a turn that counts as rounding, relative to their rows.
+const STEADY: f64 = 1e-7;
+
+/// Modes over the speeds of an input Ω, from coordinates `q` of an equilibrium at rest; `q` ends as that of the last speed.
+///
+/// Frames turn by the angle Ω (t − `options.t`). The observer is called before each speed and may end the search.
+///
+/// # Errors
+/// [`CampbellError`], with the speed.
+pub fn campbell(
+    system: &mut dyn System,
+    input: impl Into<usize>,
+    q: &mut Vec<f64>,
+    options: &CampbellOptions,
+    observer: &mut dyn FnMut(f64) -> ControlFlow<()>,
+) -> Result<CampbellDiagram, CampbellError> {
+    let Some(&first) = options.speeds.first() else {
+        return Ok(CampbellDiagram {
+            speeds: Vec::new(),
+            lines: Vec::new(),
+        });
+    };
+    let mut sweep = Sweep {
+        system,
+        input: input.into(),
+        q,
+        options,
+        observer,
+        speed: 0.0,
+        lines: Vec::new(),
+    };
+    let (found, _) = sweep.modes_at(first)?;
+    // A group of repeated eigenvalues is not cut.
+    let last = found.len().min(options.count).saturating_sub(1);
+    let repeated = groups(&found.iter().collect::<Vec<_>>());
+    let count = repeated.get(last).and_then(|group| group.last());
+    let count = count.map_or(0, |k| k + 1);
+    sweep.lines = found.into_iter().take(count).map(Some).collect();
+    let mut rows = vec![sweep.lines.clone()];
+    for &speed in &options.speeds[1..] {
+        sweep.advance(speed, HALVINGS)?;
+        rows.push(sweep.lines.clone());
+    }
+    let line = |k: usize| rows.iter().map(|row| row[k].clone()).collect();
+    Ok(CampbellDiagram {
+        speeds: options.speeds.clone(),
+        lines: (0..rows[0].len()).map(line).collect(),
+    })
+}
+
+/// A sweep over speeds.
+struct Sweep<'a> {
+    system: &'a mut dyn System,
+    input: usize,
+    q: &'a mut Vec<f64>,
+    options: &'a CampbellOptions,
+    observer: &'a mut dyn FnMut(f64) -> ControlFlow<()>,
+    /// The present speed.
+    speed: f64,
+    /// The modes there.
+    lines: Vec<Option<Mode>>,
+}
+
+impl Sweep<'_> {
+    /// Continues all lines to a speed, over speeds in between where shapes change fast.
+    fn advance(&mut self, to: f64, halvings: usize) -> Result<(), CampbellError> {
+        let (from, q) = (self.speed, self.q.clone());
+        let (found, lin) = self.modes_at(to)?;
+        let (lines, least) = continued(&self.lines, found, &lin);
+        if least >= SIMILAR || halvings == 0 {
+            self.lines = lines;
+            return Ok(());
+        }
+        (self.speed, *self.q) = (from, q);
+        self.advance(0.5 * (from + to), halvings - 1)?;
+        self.advance(to, halvings - 1)
+    }
+
+    /// The modes about the relative equilibrium of a speed.
+    fn modes_at(&mut self, speed: f64) -> Result<(Vec<Mode>, Linearized), CampbellError> {
+        let failed = |source| CampbellError::Modes { speed, source };
+        if (self.observer)(speed).is_break() {
+            return Err(failed(ModesError::Interrupted));
+        }
+        let t = self.options.t;
+        let statics = StaticOptions {
+            from: self.speed,
+            to: speed,
+            first_step: (speed - self.speed)
+                .abs()
+                .max(self.options.statics.min_step),
+            max_step: f64::MAX,
+            ..self.options.statics
+        };
+        let mut steady = SteadyMotion::new(&mut *self.system, t, self.input);
+        let solved = solve_statics(&mut steady, self.q, &statics, &mut |_, _| {
+            ControlFlow::Continue(())
+        });
+        solved.map_err(|source| CampbellError::Equilibrium { speed, source })?;
+        self.speed = speed;
+        let failed_at = |source| CampbellError::Linearization { speed, source };
+        let zeros = vec![0.0; self.q.len()];
+        let mut at = Point {
+            t,
+            q: self.q,
+            v: &zeros,
+            a: &zeros,
+        };
+        let lin = linearize(&mut *self.system, at).map_err(failed_at)?;
+        if speed != 0.0 {
+            // After a turn by one radian.
+            at.t += speed.recip();
+            match linearize(&mut *self.system, at) {
+                Ok(turned) => lin.compare(&turned),
+                Err(LinearizationError::Unbalanced { name, .. }) => Err(name),
+                Err(source) => return Err(failed_at(source)),
+            }
+            .map_err(|name| CampbellError::Periodic { speed, name })?;
+        }
+        let options = ModeOptions::lowest(self.options.count + SPARE);
+        let found = modes_while(&lin, &options, &mut |_| (self.observer)(speed)).map_err(failed)?;
+        Ok((found.modes, lin))
+    }
+}
+
+impl Linearized {
+    /// The name of a coordinate whose equation is another one, if there is any.
+    fn compare(&self, other: &Self) -> Result<(), String> {
+        let n = self.dim();
+        let quantities: Vec<Quantity> = self.coordinates.iter().map(|c| c.quantity).collect();
+        for (own, other) in [
+            (&self.K, &other.K),
+            (&self.C, &other.C),
+            (&self.M, &other.M),
+        ] {
+            let (mut size, mut change) = (vec![0.0_f64; n], vec![0.0_f64; n]);
+            let entries = self.triplets(own).zip(self.triplets(other));
+            for ((r, c, own), (_, _, other)) in entries {
+                let unit = self.pattern.units()[c];
+                let unit = if unit > 0.0 { unit } else { 1.0 };
+                size[r] = size[r].max((own * unit).abs());
+                change[r] = change[r].max(((own - other) * unit).abs());
+            }
+            let most = largest(&quantities, &size, [0.0; 3]);
+            let changed = |r: &usize| change[*r] > STEADY * most[quantities[*r].index()];
+            if let Some(r) = (0..n).find(changed) {
+                return Err(self.names[r].clone());
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Continues lines by modes at the next speed; with the least agreement of shapes.
+fn continued(
+    lines: &[Option<Mode>],
+    found: Vec<Mode>,
+    lin: &Linearized,
+) -> (Vec<Option<Mode>>, f64) {
+    let symmetric = lin.is_symmetric(&lin.M);
+    let product = |shape: &[Complex64]| -> Vec<Complex64> {
+        let part = |pick: fn(&Complex64) -> f64| -> Vec<f64> { shape.iter().map(pick).collect() };
+        let re = lin.product(&lin.M, &part(|x| x.re), symmetric);
+        let im = lin.product(&lin.M, &part(|x| x.im), symmetric);
+        let pairs = re.into_iter().zip(im);
+        pairs.map(|(re, im)| Complex64::new(re, im)).collect()
+    };
+    let dot = |x: &[Complex64], y: &[Complex64]| -> Complex64 {
+        x.iter().zip(y).map(|(x, y)| x.conj() * y).sum()
+    };
+    let sizes: Vec<f64> = found
+        .iter()
+        .map(|mode| dot(&mode.shape, &product(&mode.shape)).re)
+        .collect();
+    let own: Vec<usize> = (0..lines.len()).filter(|&i| lines[i].is_some()).collect();
+    let before: Vec<&Mode> = lines.iter().flatten().collect();
+    let mac: Vec<Vec<f64>> = before
+        .iter()
+        .map(|mode| {
+            let image = product(&mode.shape);
+            let size = dot(&mode.shape, &image).re;
+            let pairs = found.iter().zip(&sizes);
+            pairs
+                .map(|(other, other_size)| {
+                    dot(&other.shape, &image).norm_sqr() / (size * other_size)
+                })
+                .collect()
+        })
+        .collect();
+    // Shapes of repeated eigenvalues are any ones in their space.
+    let (groups_before, groups) = (groups(&before), groups(&found.iter().collect::<Vec<_>>()));
+    let agreement = |i: usize, j: usize| -> f64 {
+        let (rows, columns) = (&groups_before[i], &groups[j]);
+        let sum: f64 = rows
+            .iter()
+            .map(|&k| columns.iter().map(|&l| mac[k][l]).sum::<f64>())
+            .sum();
+        sum / rows.len().min(columns.len()) as f64
+    };
+    let mut pairs: Vec<(f64, usize, usize)> = (0..before.len())
+        .flat_map(|i| (0..found.len()).map(move |j| (i, j)))
+        .map(|(i, j)| (agreement(i, j), i, j))
+        .collect();
+    pairs.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut out: Vec<Option<Mode>> = vec![None; lines.len()];
+    let (mut taken, mut least) = (vec![false; found.len()], 1.0_f64);
+    let mut open = vec![true; before.len()];
+    for (agreement, i, j) in pairs {
+        if agreement >= SAME && open[i] && !taken[j] {
+            (open[i], taken[j]) = (false, true);
+            least = least.min(agreement);
+            out[own[i]] = Some(found[j].clone());
+        }
+    }
+    if open.contains(&true) {
+        least = 0.0;
+    }
+    (out, least)
+}
+
+/// For each mode all modes with the same eigenvalue.
+fn groups(modes: &[&Mode]) -> Vec<Vec<usize>> {
+    let same = |i: usize, j: usize| {
+        let (a, b) = (modes[i].eigenvalue, modes[j].eigenvalue);
+        (a - b).norm() <= REPEATED * a.norm().max(b.norm())
+    };
+    let all = |i: usize| (0..modes.len()).filter(|&j| same(i, j)).collect();
+    (0..modes.len()).map(all).collect()
+}

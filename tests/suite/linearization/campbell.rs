@@ -1,0 +1,161 @@
+//! Modes over the speed of a rotation, by model files.
+#![allow(clippy::unwrap_used, non_snake_case)]
+
+use super::rotating::FLAP;
+use crate::support::closures::failure;
+use crate::support::program::{directory, ran, read};
+use std::f64::consts::TAU;
+
+const BLADE: &str = include_str!("../../../examples/models/rotating_blade.toml");
+
+/// Circular frequencies over the speed.
+fn diagram(name: &str, text: &str) -> Vec<(f64, Vec<f64>)> {
+    let csv = read(ran(&directory(name), text).join("campbell.csv"));
+    let row = |line: &str| {
+        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        let frequencies = cells[1..].chunks(2).map(|pair| TAU * pair[0]);
+        (cells[0], frequencies.collect())
+    };
+    csv.lines().skip(1).map(row).collect()
+}
+
+fn assert_near(found: f64, exact: f64, tolerance: f64) {
+    assert!((found / exact - 1.0).abs() < tolerance, "{found} {exact}");
+}
+
+/// With equal stiffnesses flap lies above lag at all speeds.
+#[test]
+fn a_blade_in_flap_and_lag() {
+    let rows = diagram("campbell_blade", BLADE);
+    assert_eq!(rows.len(), 25);
+    for (speed, flap) in FLAP {
+        let (_, found) = rows.iter().find(|row| row.0 == speed).unwrap();
+        let lag = flap.map(|mu| (mu * mu - speed * speed).sqrt());
+        let mut exact = vec![lag[0], flap[0], lag[1], flap[1]];
+        let mut found = found[..4].to_vec();
+        exact.sort_by(f64::total_cmp);
+        found.sort_by(f64::total_cmp);
+        for (found, exact) in found.into_iter().zip(exact) {
+            assert_near(found, exact, 1e-6);
+        }
+    }
+}
+
+/// The lag of a blade with twice the stiffness in its plane is crossed by its flap, which stays one line.
+#[test]
+fn lines_cross() {
+    let text = BLADE.replace("EI = [1.0, 1.0]", "EI = [1.0, 2.0]");
+    let rows = diagram("campbell_crossing", &text);
+    assert!(rows[0].1[0] < rows[0].1[1], "flap first");
+    assert!(rows[12].1[0] > rows[12].1[1], "flap above lag");
+    for (speed, flap) in FLAP {
+        let (_, found) = rows.iter().find(|row| row.0 == speed).unwrap();
+        assert_near(found[0], flap[0], 1e-6);
+    }
+    // Each line is smooth: its second differences are small.
+    for k in 0..5 {
+        for three in rows.windows(3) {
+            let [a, b, c] = [&three[0].1, &three[1].1, &three[2].1].map(|row| row[k]);
+            assert!((a - 2.0 * b + c).abs() < 0.3, "line {k} at {}", three[1].0);
+        }
+    }
+}
+
+/// A disc that spins at the end of a massless shaft which does not.
+const DISC: &str = r#"
+    [sections.shaft]
+    stiffness = { EA = 1e5, GA = [1e5, 1e5], GJ = 1e4, EI = [1.0, 1.0] }
+    [nodes]
+    wall = [0, 0, 0]
+    end = [1, 0, 0]
+    [[supports]]
+    node = "wall"
+    fix = "all"
+    [[lines]]
+    name = "shaft"
+    from = "wall"
+    to = "end"
+    elements = 2
+    order = 3
+    section = "shaft"
+    [[joints]]
+    name = "spindle"
+    type = "revolute"
+    parent = "end"
+    axis = [1, 0, 0]
+    [[bodies]]
+    name = "disc"
+    node = "spindle"
+    mass = 1.0
+    inertia = [0.2, 0.1, 0.1]
+    [analysis.campbell]
+    joint = "spindle"
+    to = 30
+    steps = 10
+    count = 4
+"#;
+
+/// With the flexibilities of a cantilever and G = J_p Ω ω − J_t ω²,
+/// (1 − δ₁₁ m ω²)(1 + δ₂₂ G) + δ₁₂² m ω² G = 0, for backward whirl with ω < 0 (Den Hartog 1956, section 6.8).
+#[test]
+fn whirl_of_an_overhung_disc() {
+    let rows = diagram("campbell_disc", DISC);
+    let (m, J_p, J_t) = (1.0, 0.2, 0.1);
+    let (d11, d12, d22) = (1.0 / 3.0 + 1e-5, 0.5, 1.0);
+    for (speed, found) in &rows {
+        let f = |omega: f64| {
+            let G = J_p * speed * omega - J_t * omega * omega;
+            let inertia = m * omega * omega;
+            (1.0 - d11 * inertia) * (1.0 + d22 * G) + d12 * d12 * inertia * G
+        };
+        // The error of a root by Newton's method.
+        let error = |omega: f64| {
+            let h = 1e-4 * omega;
+            f(omega) / ((f(omega + h) - f(omega - h)) / (2.0 * h)) / omega
+        };
+        let mut senses = 0;
+        for omega in found {
+            let [forward, backward] = [error(*omega).abs(), error(-omega).abs()];
+            assert!(
+                forward.min(backward) < 1e-6,
+                "{speed} {omega} {forward} {backward}"
+            );
+            senses += usize::from(forward < backward);
+        }
+        assert!(*speed == 0.0 || senses == 2, "two forward, two backward");
+    }
+    // The four lines are all different at speed.
+    let last = &rows[10].1;
+    assert!(
+        (0..3).all(|k| (k + 1..4).all(|l| (last[k] - last[l]).abs() > 1e-3)),
+        "{last:?}"
+    );
+}
+
+#[test]
+fn periodic_coefficients_are_refused() {
+    let disc = DISC.replace("[0.2, 0.1, 0.1]", "[0.2, 0.1, 0.12]");
+    let gravity = "[[loads]]\ngravity = [0, -1, 0]\ntime = { constant = 1 }\n";
+    let blade = format!("{BLADE}\n{gravity}");
+    for (name, text) in [("campbell_unsymmetric", disc), ("campbell_gravity", blade)] {
+        let said = failure(name, &text);
+        assert!(said.contains("needs Floquet theory"), "{said}");
+    }
+}
+
+#[test]
+fn joints_that_do_not_rotate_are_refused() {
+    let unknown = failure(
+        "campbell_unknown",
+        &DISC.replace("joint = \"spindle\"", "joint = \"axle\""),
+    );
+    assert!(unknown.contains("spindle"), "{unknown}");
+    let other = DISC
+        .replace("\"revolute\"\n", "\"spherical\"\n")
+        .replace("axis = [1, 0, 0]", "");
+    let other = failure("campbell_spherical", &other);
+    assert!(other.contains("does not release one angle"), "{other}");
+    let driven = DISC.replace("axis = [1, 0, 0]", "axis = [1, 0, 0]\nspring = { k = 1 }");
+    let driven = failure("campbell_driven", &driven);
+    assert!(driven.contains("spring"), "{driven}");
+}
