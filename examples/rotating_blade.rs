@@ -3,21 +3,10 @@
 use nalgebra::Matrix3;
 use pullback::elements::beam::Interpolation;
 use pullback::elements::joint::Revolute;
-use pullback::elements::time::{Input, TimeFunction};
+use pullback::elements::time::{Input, SteadyRotation};
 use pullback::integrators::linearization::{ModeOptions, SteadyMotion, linearize, modes};
 use pullback::manifold::system::Point;
 use pullback::prelude::*;
-
-/// The angle u t of an input u, the speed.
-#[derive(Clone, Copy, Debug)]
-struct Rotation(Input);
-
-impl TimeFunction for Rotation {
-    fn at(&self, t: f64, inputs: &[f64]) -> [f64; 3] {
-        let [speed, ..] = self.0.at(t, inputs);
-        [speed * t, speed, 0.0]
-    }
-}
 
 /// A blade along x, clamped to a hub at its root, which rotates about z.
 fn model() -> Result<(Model, Input), pullback::Failure> {
@@ -26,7 +15,7 @@ fn model() -> Result<(Model, Input), pullback::Failure> {
     builder.support(ground, &Dof::ALL);
     let hub = builder.attach("hub", ground, Revolute::new([0.0, 0.0, 1.0])?)?;
     let speed = builder.input(0.0);
-    builder.prescribe_coordinate(hub.coordinates[0], 0, Rotation(speed));
+    builder.prescribe_coordinate(hub.coordinates[0], 0, SteadyRotation(speed));
 
     // Slender: almost no stretching, shear and rotary inertia.
     let section = Section::diagonal(1e8, [2e7; 2], 1e4, [1.0, 1.0])?
@@ -38,22 +27,15 @@ fn model() -> Result<(Model, Input), pullback::Failure> {
     };
     // The coordinates of the blade are relative to the hub.
     let root = builder.offset("root", hub.frame, [0.0; 3])?;
-    let mut nodes = vec![root];
-    for k in 1..=24 {
-        let position = [f64::from(k) / 24.0, 0.0, 0.0];
-        nodes.push(
-            builder
-                .relative_node(format!("blade {k}"), hub.frame, position)?
-                .frame,
-        );
-    }
+    let tip = builder.relative_node("tip", hub.frame, [1.0, 0.0, 0.0])?;
     let axis = StraightLine {
         from: builder.position(root),
-        to: builder.position(nodes[24]),
+        to: builder.position(tip.frame),
         second: None,
         twist: 0.0,
     };
-    builder.line_through("blade", &axis, &nodes, &line, Interpolation::Total)?;
+    let (ends, rotations) = ([root, tip.frame], Interpolation::Total);
+    builder.line_relative("blade", &axis, ends, &line, rotations, Some(hub.frame))?;
     Ok((builder.build()?, speed))
 }
 

@@ -6,6 +6,7 @@ use crate::input::{self, Analysis, InputError, ModelFile};
 use crate::output::plot::{Panel, PlotCurve, panels};
 use pullback_elements::model::{Context, Dof, NodeId, NodeState};
 use pullback_integrators::dynamics::DynamicsError;
+use pullback_integrators::linearization::CampbellError;
 use pullback_integrators::statics::{
     ArcLengthOptions, Event, StaticOptions, StaticsError, Step, solve_statics, trace_path,
 };
@@ -50,6 +51,8 @@ pub enum CaseProblem {
     Solve(#[from] StaticsError),
     #[error(transparent)]
     Motion(#[from] DynamicsError),
+    #[error(transparent)]
+    Campbell(#[from] CampbellError),
     #[error("{0}")]
     Setup(&'static str),
     #[error("there is no node {0}")]

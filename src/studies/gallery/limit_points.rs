@@ -136,3 +136,36 @@ pub(super) fn deep_arch(report: &mut CaseReport) -> Result<(), CaseProblem> {
     report.compare(what, curved[0], 897.3, 0.5, source);
     Ok(())
 }
+
+/// A column beyond its critical load.
+pub(super) fn column(report: &mut CaseReport) -> Result<(), CaseProblem> {
+    const EXACT: &str = "exact: the elastica, P L²/EI = 4 K(k)², by elliptic integrals";
+    const FORCE: f64 = 20.0;
+    let file = report.model("column")?;
+    let end = ArcLengthOptions {
+        switch_branch: true,
+        max_step: 0.05,
+        events: vec![
+            (Event::Bifurcation, false),
+            (Event::Load(18.0 / FORCE), true),
+        ],
+        ..ArcLengthOptions::default()
+    };
+    let head = report.build(&file, "head")?.trace(&end)?;
+    let middle = report.build(&file, "column/12")?.trace(&end)?;
+    let critical = head.iter().find(|r| r.event == Some(0));
+    let critical = critical.map_or(f64::NAN, |r| FORCE * r.t);
+    let exact = std::f64::consts::PI.powi(2);
+    report.compare("critical load", critical, exact, 1e-6 * exact, EXACT);
+    let last = |records: &[StepRecord]| records.last().map(|r| r.state.d);
+    let shortening = last(&head).map_or(f64::NAN, |d| -d.z);
+    let deflection = last(&middle).map_or(f64::NAN, |d| d.x.abs());
+    // 2 (1 − E/K) + P/EA and k/K.
+    for (quantity, found, exact) in [
+        ("shortening at the load 18", shortening, 0.847976419806),
+        ("deflection at the load 18", deflection, 0.402632385551),
+    ] {
+        report.compare(quantity, found, exact, 1e-5, EXACT);
+    }
+    Ok(())
+}

@@ -19,6 +19,7 @@ mod squeezer;
 mod struck;
 mod swings;
 mod tops;
+mod vibration;
 
 use case::CaseReport;
 pub use case::{Case, CaseError, CaseProblem, CaseRow};
@@ -43,6 +44,8 @@ pub const CASES: &[Case] = &[
     Case::new("shear-flexible", planar::shear_flexible),
     Case::new("lee-frame", limit_points::lee_frame),
     Case::new("deep-arch", limit_points::deep_arch),
+    Case::new("column", limit_points::column),
+    Case::new("rotating-blade", vibration::blade),
     Case::new("bending-torsion", spatial::bending_torsion),
     Case::new("follower", planar::follower),
     Case::new("objectivity", bend45::objectivity),

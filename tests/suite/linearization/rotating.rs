@@ -5,23 +5,12 @@ use super::beams::{Beam, omegas};
 use crate::support::beams::straight;
 use pullback::elements::beam::Interpolation;
 use pullback::elements::joint::Revolute;
-use pullback::elements::time::{Input, TimeFunction};
+use pullback::elements::time::{Input, SteadyRotation};
 use pullback::integrators::linearization::{
     Linearized, ModeOptions, SteadyMotion, linearize, modes,
 };
 use pullback::manifold::system::Point;
 use pullback::prelude::*;
-
-/// The angle u t of an input u, the speed.
-#[derive(Clone, Copy, Debug)]
-struct Rotation(Input);
-
-impl TimeFunction for Rotation {
-    fn at(&self, t: f64, inputs: &[f64]) -> [f64; 3] {
-        let [speed, ..] = self.0.at(t, inputs);
-        [speed * t, speed, 0.0]
-    }
-}
 
 /// A beam of length 1 along x on a hub that rotates about an axis, held at some of the relative coordinates
 /// of its ends.
@@ -39,7 +28,7 @@ impl Rotor {
             .attach("hub", ground, Revolute::new(axis).unwrap())
             .unwrap();
         let speed = b.input(0.0);
-        b.prescribe_coordinate(joint.coordinates[0], 0, Rotation(speed));
+        b.prescribe_coordinate(joint.coordinates[0], 0, SteadyRotation(speed));
         let line = BeamLine {
             elements,
             order: 3,

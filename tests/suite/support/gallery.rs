@@ -69,6 +69,8 @@ const STATICS: &[Bound] = &[
     ("deep-arch", "crown displacement along e1 at load", 2, 2e-7),
     ("deep-arch", "turning points", 1, 0.0),
     ("deep-arch", "published", 3, 6e-4),
+    ("column", "exact", 3, 1e-5),
+    ("rotating-blade", "published", 12, 1e-6),
     ("bending-torsion", "rotation matrix of the tip", 8, 1e-9),
     (
         "bending-torsion",
