@@ -15,7 +15,7 @@ use super::modes::{Mode, ModeOptions, ModesError, modes_while};
 use super::{LinearizationError, Linearized, SteadyMotion, linearize};
 use crate::rounding::largest;
 use crate::significant;
-use crate::statics::{StaticOptions, StaticsError, solve_statics};
+use crate::statics::{StaticOptions, StaticsError, equilibrium_from};
 use num_complex::Complex64;
 use pullback_manifold::system::{Point, Quantity, System};
 use std::ops::ControlFlow;
@@ -190,10 +190,8 @@ impl Sweep<'_> {
             ..self.options.statics
         };
         let mut steady = SteadyMotion::new(&mut *self.system, t, self.input);
-        let solved = solve_statics(&mut steady, self.q, &statics, &mut |_, _| {
-            ControlFlow::Continue(())
-        });
-        solved.map_err(|source| CampbellError::Equilibrium { speed, source })?;
+        *self.q = equilibrium_from(&mut steady, std::mem::take(self.q), &statics)
+            .map_err(|source| CampbellError::Equilibrium { speed, source })?;
         self.speed = speed;
         let failed_at = |source| CampbellError::Linearization { speed, source };
         let zeros = vec![0.0; self.q.len()];

@@ -14,6 +14,7 @@
 //!   inertia.
 //! - [`buckling`] finds critical loads by linear extrapolation of the static tangent.
 //! - [`campbell`] follows modes over the speed of a rotation.
+//! - [`stability_limit`] finds the load at which a mode begins to grow, such as flutter.
 //! - [`SteadyMotion`] makes the equilibrium relative to a rotating frame a problem of statics.
 
 #![allow(non_snake_case)]
@@ -26,11 +27,13 @@ mod modes;
 mod ritz;
 mod search;
 mod shift_invert;
+mod stability;
 mod steady;
 
 pub use buckling::{BucklingError, BucklingMode, buckling};
 pub use campbell::{CampbellDiagram, CampbellError, CampbellOptions, campbell};
 pub use modes::{Mode, ModeOptions, Modes, ModesError, Selection, modes, modes_while};
+pub use stability::{StabilityError, StabilityLimit, stability_limit};
 pub use steady::SteadyMotion;
 
 use crate::abilities::events;

@@ -25,6 +25,7 @@ pub use error::StaticsError;
 pub(crate) use options::refused;
 pub use options::{ArcLengthOptions, Event, StaticNewtonOptions, StaticOptions};
 pub(crate) use stability::enforced_equations;
+pub(crate) use steps::equilibrium_from;
 pub use steps::{LoadSteps, PathSteps, Steps, equilibrium, solve_statics, trace_path};
 
 use steps::Problem;

@@ -173,11 +173,20 @@ pub fn equilibrium(
     system: &mut dyn System,
     options: &StaticOptions,
 ) -> Result<Vec<f64>, StaticsError> {
+    equilibrium_from(system, Vec::new(), options)
+}
+
+/// The equilibrium at the end of the load range, from the coordinates `q` at its start.
+pub(crate) fn equilibrium_from(
+    system: &mut dyn System,
+    q: Vec<f64>,
+    options: &StaticOptions,
+) -> Result<Vec<f64>, StaticsError> {
     let mut problem = Problem {
         system,
         solver: &mut AutoSolver::new(),
     };
-    let mut run = LoadRun::new(&mut problem, Vec::new(), options)?;
+    let mut run = LoadRun::new(&mut problem, q, options)?;
     while run.next(&mut problem)? {}
     Ok(run.q().to_vec())
 }

@@ -3,21 +3,16 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::support::closures::{GROUND, arm, hinge};
-use num_complex::Complex64;
 use pullback::input::assemble_text;
-use pullback::integrators::linearization::{ModeOptions, linearize, modes};
-use pullback::manifold::system::Point;
+use pullback::integrators::linearization::{StabilityError, StabilityLimit, stability_limit};
+use pullback::integrators::statics::StaticOptions;
 
-/// The two eigenvalues λ under a force P, with springs of stiffness 1, dampers, and rods of length 1.
-fn eigenvalues(force: f64, damping: f64) -> [Complex64; 2] {
+/// Load and frequency at which it begins to flutter, with springs of stiffness 1, dampers, and rods of length 1.
+fn flutter(damping: f64) -> StabilityLimit {
     let spring = format!("spring = {{ k = 1.0, c = {damping:?} }}");
     let mass = |node: &str, mass: f64| {
         format!("[[bodies]]\nname = \"mass of {node}\"\nnode = \"{node}\"\nmass = {mass:?}\n")
     };
-    let load = format!(
-        "[[loads]]\nnode = \"b\"\nforce = [{:?}, 0, 0]\nfollower = true\ntime = {{ constant = 1 }}\n",
-        -force
-    );
     let text = [
         GROUND,
         "[analysis.modes]\n",
@@ -27,48 +22,66 @@ fn eigenvalues(force: f64, damping: f64) -> [Complex64; 2] {
         &arm("b", "B", [2.0, 0.0, 0.0]),
         &mass("a", 2.0),
         &mass("b", 1.0),
-        &load,
+        "[[loads]]\nnode = \"b\"\nforce = [-1, 0, 0]\nfollower = true\n",
     ]
     .concat();
     let mut context = assemble_text("model.toml", &text).unwrap().context;
-    let lin = linearize(&mut context, Point::statics(0.0, &[0.0; 2])).unwrap();
-    let found = modes(&lin, &ModeOptions::lowest(2)).unwrap();
-    assert_eq!((found.modes.len(), found.counted), (2, None));
-    [0, 1].map(|k| found.modes[k].eigenvalue)
-}
-
-/// A zero of a function between two values of different signs, by bisection.
-fn zero(f: impl Fn(f64) -> f64, mut from: f64, mut to: f64) -> f64 {
-    let sign = f(from).signum();
-    assert!(sign != f(to).signum());
-    for _ in 0..60 {
-        let middle = 0.5 * (from + to);
-        match f(middle).signum() == sign {
-            true => from = middle,
-            false => to = middle,
-        }
-    }
-    0.5 * (from + to)
+    let options = StaticOptions::default();
+    stability_limit(&mut context, &[0.0; 2], [1.0, 3.0], 2, &options).unwrap()
 }
 
 #[test]
 fn two_frequencies_meet() {
-    // (ω₁² − ω₂²)² changes its sign.
-    let discriminant = |force| {
-        let [a, b] = eigenvalues(force, 0.0).map(|x| x * x);
-        ((a - b) * (a - b)).re
-    };
+    let found = flutter(0.0);
     let exact = 3.5 - 2.0_f64.sqrt();
-    let found = zero(discriminant, 1.0, 3.0);
-    assert!((found / exact - 1.0).abs() < 1e-10, "{found} {exact}");
+    assert!((found.t / exact - 1.0).abs() < 1e-10, "{} {exact}", found.t);
+    assert!(found.mode.frequency() > 0.0, "{:?}", found.mode.eigenvalue);
 }
 
 #[test]
 fn small_dampers_destabilise() {
-    let growth = |force| {
-        let [a, b] = eigenvalues(force, 1e-4);
-        a.re.max(b.re)
-    };
-    let found = zero(growth, 1.0, 2.0);
+    let found = flutter(1e-4).t;
     assert!((found / (41.0 / 28.0) - 1.0).abs() < 1e-6, "{found}");
+}
+
+/// Beck's column, a cantilever under a force that follows its tip: flutter at P L²/EI = 20.0509536 with
+/// ω L² √(m/EI) = 11.0155576 (Beck 1952; roots of the characteristic equation with 9 digits).
+#[test]
+fn a_column_flutters_under_a_follower_force() {
+    let text = r#"
+        [sections.main]
+        stiffness = { EA = 1e7, GA = [1e7, 1e7], GJ = 1.0, EI = [4.0, 1.0] }
+        mass = { A_rho = 1.0, J = [2e-8, 1e-8, 1e-8] }
+        [nodes]
+        A = [0, 0, 0]
+        B = [1, 0, 0]
+        [[lines]]
+        name = "line"
+        from = "A"
+        to = "B"
+        elements = 6
+        order = 3
+        section = "main"
+        [[supports]]
+        node = "A"
+        fix = "all"
+        [[loads]]
+        node = "B"
+        force = [-1, 0, 0]
+        follower = true
+        [analysis.modes]
+    "#;
+    let mut context = assemble_text("model.toml", text).unwrap().context;
+    let q = vec![0.0; context.initial().len()];
+    let options = StaticOptions::default();
+    let mut limit = |range| stability_limit(&mut context, &q, range, 6, &options);
+    let found = limit([0.0, 30.0]).unwrap();
+    assert!((found.t / 20.0509536 - 1.0).abs() < 1e-5, "{}", found.t);
+    let omega = found.mode.omega();
+    assert!((omega / 11.0155576 - 1.0).abs() < 1e-5, "{omega}");
+    assert!(matches!(limit([0.0, 10.0]), Err(StabilityError::Stable(_))));
+    assert!(matches!(
+        limit([0.0; 2].map(|_| 25.0)),
+        Err(StabilityError::Unstable(_))
+    ));
 }
