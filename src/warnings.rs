@@ -65,7 +65,7 @@ fn has(own: bool, context: &Context, joint: &Joint) -> bool {
 /// Supports and joints whose prescribed motion has a value (0) or a rate (1) at the start.
 fn prescribed(file: &ModelFile, order: usize) -> impl Iterator<Item = (String, Option<&Joint>)> {
     let off = move |time: &Time| {
-        time.function()
+        time.function(&file.inputs)
             .is_ok_and(|f| f.at(BEFORE_START, &[])[order] != 0.0)
     };
     let supports = file.supports.iter().filter(move |s| {

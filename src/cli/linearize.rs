@@ -1,17 +1,35 @@
 //! `pullback linearize`.
 
 use super::{FAILED, INTERRUPTED, complain, print, refuse};
-use crate::input::{Plan, Registry};
+use crate::input::{Job, Plan, Registry};
 use crate::output::{Directory, Ending, OutputError};
+use crate::probe::{Answers, Probe};
 use crate::run::{RunError, ending, initial_progress};
 use crate::solve::solve;
 use crate::terminal::{self, plural, tell};
-use pullback_integrators::linearization::{Linearized, linearize as linearized};
+use pullback_elements::model::Context;
+use pullback_integrators::linearization::{
+    Linearized, StateSpace, linearize as linearized, output_derivatives,
+};
+use pullback_manifold::system::Point;
 use std::fmt::Write;
 use std::path::PathBuf;
 
 /// The files, by which an earlier run is recognised.
-const FILES: [&str; 5] = ["K.mtx", "C.mtx", "M.mtx", "inputs.mtx", "coordinates.txt"];
+const FILES: [&str; 12] = [
+    "K.mtx",
+    "C.mtx",
+    "M.mtx",
+    "inputs.mtx",
+    "coordinates.txt",
+    "inputs.txt",
+    "outputs.txt",
+    "state_A.mtx",
+    "state_B.mtx",
+    "state_C.mtx",
+    "state_D.mtx",
+    "state_basis.mtx",
+];
 
 /// Arguments of `pullback linearize`.
 #[derive(clap::Args)]
@@ -24,6 +42,9 @@ pub(super) struct LinearizeArguments {
     /// Directory of the matrices; `MODEL.linear` beside the model file by default.
     #[arg(long)]
     out: Option<PathBuf>,
+    /// Also writes the first-order form: A, B, C and D, with the probes as outputs.
+    #[arg(long)]
+    first_order: bool,
 }
 
 /// Solves up to the state, and writes the matrices; returns the exit code.
@@ -80,7 +101,18 @@ pub(super) fn linearize(registry: &Registry, args: &LinearizeArguments) -> u8 {
             return FAILED;
         }
     };
-    match write(&lin, &out) {
+    let first_order = match args.first_order {
+        false => None,
+        true => match first_order(&mut job, &lin, progress.state.point()) {
+            Ok(found) => Some(found),
+            Err(error) => {
+                refuse(error);
+                return FAILED;
+            }
+        },
+    };
+    let inputs = job.file.inputs.keys().cloned().collect::<Vec<_>>();
+    match write(&lin, &inputs, first_order.as_ref(), &out) {
         Ok(()) => print(&format!(
             "{}, {} in {}\n",
             plural(lin.dim(), "coordinate"),
@@ -91,7 +123,35 @@ pub(super) fn linearize(registry: &Registry, args: &LinearizeArguments) -> u8 {
     }
 }
 
-fn write(lin: &Linearized, out: &std::path::Path) -> Result<(), OutputError> {
+/// Names of outputs, and the matrices of the first-order form.
+type FirstOrder = (Vec<String>, StateSpace);
+
+/// The first-order form with the probes as outputs.
+fn first_order(job: &mut Job, lin: &Linearized, at: Point<'_>) -> Result<FirstOrder, String> {
+    let probes = &mut job.probes;
+    let names = probes.iter().flat_map(Probe::columns).collect();
+    let derivatives = output_derivatives(&mut job.context, at, |context: &mut Context, at| {
+        context.configure(at)?;
+        let balance = context.energies_and_momentum(at)?;
+        let mut answers = Answers::of(context, at.t);
+        answers.motion = Some((balance, 0.0));
+        let mut values = Vec::new();
+        for probe in &mut *probes {
+            probe.record(context, &answers, &mut values);
+        }
+        Ok(values)
+    });
+    let derivatives = derivatives.map_err(|error| error.to_string())?;
+    let space = lin.state_space(&derivatives);
+    Ok((names, space.map_err(|error| error.to_string())?))
+}
+
+fn write(
+    lin: &Linearized,
+    inputs: &[String],
+    first_order: Option<&FirstOrder>,
+    out: &std::path::Path,
+) -> Result<(), OutputError> {
     let mut directory = Directory::open_for(out, &FILES)?;
     let n = lin.dim();
     for (name, values) in ["K.mtx", "C.mtx", "M.mtx"]
@@ -105,7 +165,30 @@ fn write(lin: &Linearized, out: &std::path::Path) -> Result<(), OutputError> {
     let entries = columns.flat_map(|(c, r_u)| r_u.iter().enumerate().map(move |(r, x)| (r, c, *x)));
     let entries = entries.filter(|(_, _, x)| *x != 0.0);
     directory.write("inputs.mtx", &matrix_market([n, lin.r_u.len()], entries))?;
-    directory.write("coordinates.txt", &(lin.names.join("\n") + "\n"))
+    let lines = |names: &[String]| {
+        names
+            .iter()
+            .fold(String::new(), |text, name| text + name + "\n")
+    };
+    directory.write("coordinates.txt", &lines(&lin.names))?;
+    directory.write("inputs.txt", &lines(inputs))?;
+    let Some((outputs, space)) = first_order else {
+        return Ok(());
+    };
+    directory.write("outputs.txt", &lines(outputs))?;
+    for (name, matrix) in [
+        ("state_A.mtx", &space.A),
+        ("state_B.mtx", &space.B),
+        ("state_C.mtx", &space.C),
+        ("state_D.mtx", &space.D),
+        ("state_basis.mtx", &space.N),
+    ] {
+        let rows = matrix.nrows();
+        let entries = matrix.iter().enumerate().filter(|(_, x)| **x != 0.0);
+        let entries = entries.map(|(k, x)| (k % rows, k / rows, *x));
+        directory.write(name, &matrix_market([rows, matrix.ncols()], entries))?;
+    }
+    Ok(())
 }
 
 /// A sparse matrix in Matrix Market exchange format (Boisvert, Pozo & Remington 1996, NISTIR 5935).

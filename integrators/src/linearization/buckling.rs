@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case)]
 
+use super::inputs::central;
 use super::modes::ModesError;
 use super::search::Search;
 use super::{Linearized, linearize};
@@ -80,19 +81,14 @@ pub fn buckling(
         .map(|(unit, x)| (x / unit).abs());
     let fastest = sizes.fold(0.0, f64::max);
     let h = if fastest > 0.0 { CHANGE / fastest } else { 1.0 };
-    lin.M.fill(0.0);
-    for (s, weight) in [(-2.0, 1.0), (-1.0, -8.0), (1.0, 8.0), (2.0, -1.0)] {
-        let q: Vec<f64> = at.q.iter().zip(&rate).map(|(q, x)| q + s * h * x).collect();
+    let change = central(h, |s| {
+        let q: Vec<f64> = at.q.iter().zip(&rate).map(|(q, x)| q + s * x).collect();
         let (mut r, mut K) = (vec![0.0; q.len()], vec![0.0; lin.pattern.len()]);
-        let near = Point::statics(at.t + s * h, &q);
-        system.evaluate(
-            near,
-            Evaluation::with_tangent(&mut r, Weights::STATIC, &mut K),
-        )?;
-        for (M, K) in lin.M.iter_mut().zip(K) {
-            *M -= weight / (12.0 * h) * K;
-        }
-    }
+        let out = Evaluation::with_tangent(&mut r, Weights::STATIC, &mut K);
+        system.evaluate(Point::statics(at.t + s, &q), out)?;
+        Ok(K)
+    })?;
+    lin.M = change.into_iter().map(|K| -K).collect();
     if lin.M.iter().all(|x| *x == 0.0) {
         return Err(BucklingError::NoLoad);
     }

@@ -28,12 +28,14 @@ mod ritz;
 mod search;
 mod shift_invert;
 mod stability;
+mod state_space;
 mod steady;
 
 pub use buckling::{BucklingError, BucklingMode, buckling};
 pub use campbell::{CampbellDiagram, CampbellError, CampbellOptions, campbell};
 pub use modes::{Mode, ModeOptions, Modes, ModesError, Selection, modes, modes_while};
 pub use stability::{StabilityError, StabilityLimit, stability_limit};
+pub use state_space::{OutputDerivatives, StateSpace, StateSpaceError, output_derivatives};
 pub use steady::SteadyMotion;
 
 use crate::abilities::events;

@@ -47,7 +47,7 @@ impl System for SteadyMotion<'_> {
             previous.t = self.t;
         }
         if let Some(r_t) = r_t {
-            r_t.copy_from_slice(&derivative(&mut *self.system, still, self.input, at.t)?);
+            r_t.copy_from_slice(&derivative(&mut *self.system, still, (self.input, at.t))?);
         }
         if let Some(input) = events(&mut *self.system).inputs().get_mut(self.input) {
             *input = at.t;

@@ -4,6 +4,7 @@ use pullback_elements::time::{self as function, TimeFunction, TimeFunctionError}
 use pullback_elements::time::{Constant, Proportional, Table};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// A function f(t) of the load parameter in statics, of time in dynamics: a factor for loads, the
 /// value itself for prescribed coordinates.
@@ -27,6 +28,8 @@ pub enum Time {
     Table(Vec<[f64; 2]>),
     /// f(t) = offset + amplitude · sin(omega t + phase).
     Sine(Sine),
+    /// The value of an input, by its name; it is constant unless changed from outside.
+    Input(String),
 }
 
 /// From 0 at `start` to `value` at `end`, constant outside.
@@ -102,11 +105,14 @@ pub struct Sine {
 }
 
 impl Time {
-    /// The function of the model.
+    /// The function of the model, with inputs as constants.
     ///
     /// # Errors
     /// [`TimeFunctionError`] for numbers that are not finite and times that do not increase.
-    pub fn function(&self) -> Result<Box<dyn TimeFunction>, TimeFunctionError> {
+    pub fn function(
+        &self,
+        inputs: &BTreeMap<String, f64>,
+    ) -> Result<Box<dyn TimeFunction>, TimeFunctionError> {
         Ok(match self {
             Self::Constant(value) => Box::new(Constant(*value)),
             Self::Proportional(slope) => Box::new(Proportional(*slope)),
@@ -121,6 +127,7 @@ impl Time {
                 phase: s.phase,
                 offset: s.offset,
             }),
+            Self::Input(name) => Box::new(Constant(inputs.get(name).copied().unwrap_or(0.0))),
         })
     }
 }

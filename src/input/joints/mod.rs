@@ -9,6 +9,7 @@ pub(super) use registry::JointType;
 
 use super::advice::RENAMED;
 use super::file::{Acts, Analysis, Joint};
+use super::names::Names;
 use super::parts::{Assembly, function, prescribed_function};
 use super::{InputError, InputProblem, Location, plain};
 use pullback_elements::beam::Interpolation;
@@ -16,7 +17,7 @@ use pullback_elements::joint::{AxisError, JointNodes};
 use pullback_elements::load::CoordinateForce;
 use pullback_elements::model::{ModelBuilder, ModelError, NodeId};
 use pullback_elements::spring::{CoordinateLaw, CoordinateSpring};
-use pullback_elements::time::SteadyRotation;
+use pullback_elements::time::{Input, SteadyRotation};
 use registry::Refusal;
 
 /// A joint of the file with its location there.
@@ -127,7 +128,7 @@ impl Assembly<'_> {
             (made.make)(&joint.keys, &mut site).map_err(|refusal| entry.refused(refusal))?;
         let single = (coordinates.into_iter()).filter(|&n| self.builder.dim(n) == 1);
         let single: Vec<NodeId> = single.collect();
-        acts(&entry, &mut self.builder, &single)?;
+        acts(&entry, &mut self.builder, &self.inputs, &single)?;
         if let Analysis::Campbell(campbell) = &self.file.analysis
             && campbell.joint == joint.name
         {
@@ -192,6 +193,7 @@ fn attached_to(
 fn acts(
     entry: &Entry<'_>,
     builder: &mut ModelBuilder,
+    inputs: &Names<Input>,
     released: &[NodeId],
 ) -> Result<(), InputError> {
     let Entry { at, joint, .. } = entry;
@@ -200,7 +202,7 @@ fn acts(
         if !joint.coordinates.is_empty() {
             return Err(entry.useless(&["coordinates"]));
         }
-        return act(at, builder, &joint.name, &own, node);
+        return act(at, (builder, inputs), &joint.name, &own, node);
     }
     if let Some(key) = own.given().next() {
         return Err(entry.useless(&[key]));
@@ -221,7 +223,7 @@ fn acts(
                 known: names.map(str::to_owned).collect(),
             })
         })?;
-        act(&at, builder, &full, acts, node)?;
+        act(&at, (builder, inputs), &full, acts, node)?;
     }
     Ok(())
 }
@@ -258,7 +260,7 @@ fn chain(
 /// Adds spring, actuator and prescribed motion of the released coordinate `name`.
 fn act(
     at: &Location<'_>,
-    builder: &mut ModelBuilder,
+    (builder, inputs): (&mut ModelBuilder, &Names<Input>),
     name: &str,
     acts: &Acts,
     coordinate: NodeId,
@@ -274,7 +276,7 @@ fn act(
             let joint = name.to_owned();
             return Err((at.at(key)).refuse_key(InputProblem::PrescribedJoint { joint, key }));
         }
-        let prescribed = prescribed_function(&at.at("prescribed"), time)?;
+        let prescribed = prescribed_function(&at.at("prescribed"), inputs, time)?;
         builder.prescribe_coordinate(coordinate, 0, prescribed);
     }
     if let Some(s) = acts.spring {
@@ -295,7 +297,7 @@ fn act(
     }
     if let Some(time) = &acts.actuator {
         let at = at.at("actuator");
-        let actuator = CoordinateForce::new(function(&at, time)?);
+        let actuator = CoordinateForce::new(function(&at, inputs, time)?);
         builder
             .element(format!("actuator of {name}"), actuator, &[coordinate])
             .map_err(|error| at.refuse(error))?;

@@ -4,14 +4,16 @@ use super::Assembly;
 use super::bodies::PlacedBody;
 use crate::input::assemble::LineGeometry;
 use crate::input::file::{Body, DofName, Initial, Load, ModelFile, Time};
+use crate::input::names::Names;
 use crate::input::{InputError, InputProblem, Location};
 use nalgebra::Vector3;
 use pullback_elements::element::Element;
 use pullback_elements::load::{EccentricForce, LineLoad, LoadKind, NodalLoad};
 use pullback_elements::model::{ModelBuilder, ModelError, NodeId};
-use pullback_elements::time::{Constant, TimeFunction};
-use std::collections::HashSet;
+use pullback_elements::time::{Constant, Input, TimeFunction};
+use std::collections::{BTreeMap, HashSet};
 use std::ops::Range;
+use std::rc::Rc;
 
 impl Assembly<'_> {
     /// Adds the supports: prescribes coordinates.
@@ -33,7 +35,7 @@ impl Assembly<'_> {
                     let (node, dof) = (support.node.clone(), dof.key());
                     return Err(at.refuse(InputProblem::PrescribedTwice { node, dof }));
                 }
-                let function = prescribed_function(&at, &time)?;
+                let function = prescribed_function(&at, &self.inputs, &time)?;
                 self.builder.prescribe(node, dof.dof(), function);
             }
             if taken.len() == before {
@@ -69,6 +71,7 @@ impl Assembly<'_> {
                 name: format!("load {}", k + 1),
                 load,
                 time: load.time.as_ref().unwrap_or(&usual),
+                inputs: Rc::clone(&self.inputs),
             };
             entry.apply(self, bodies)?;
         }
@@ -103,19 +106,24 @@ fn turning(file: &ModelFile) -> HashSet<&String> {
 /// The function of a load.
 pub(in crate::input) fn function(
     at: &Location<'_>,
+    inputs: &Names<Input>,
     time: &Time,
 ) -> Result<Box<dyn TimeFunction>, InputError> {
-    time.function().map_err(|error| at.refuse(error))
+    match time {
+        Time::Input(name) => Ok(Box::new(inputs.find(&at.at("input"), name)?)),
+        own => (own.function(&BTreeMap::new())).map_err(|error| at.refuse(error)),
+    }
 }
 
 /// The function of a prescribed coordinate, which must not jump.
 pub(in crate::input) fn prescribed_function(
     at: &Location<'_>,
+    inputs: &Names<Input>,
     time: &Time,
 ) -> Result<Box<dyn TimeFunction>, InputError> {
     match time {
         Time::Pulse(_) => Err(at.refuse(InputProblem::Jump)),
-        _ => function(at, time),
+        _ => function(at, inputs, time),
     }
 }
 
@@ -125,11 +133,12 @@ struct Entry<'a> {
     name: String,
     load: &'a Load,
     time: &'a Time,
+    inputs: Rc<Names<Input>>,
 }
 
 impl Entry<'_> {
     fn amplitude(&self) -> Result<Box<dyn TimeFunction>, InputError> {
-        function(&self.at.at("time"), self.time)
+        function(&self.at.at("time"), &self.inputs, self.time)
     }
 
     /// Adds the load.

@@ -16,6 +16,7 @@ use pullback_elements::beam::Section;
 use pullback_elements::constraint::PenaltyStiffness;
 use pullback_elements::model::{Closure, ModelBuilder, NodeId};
 use pullback_elements::time::Input;
+use std::rc::Rc;
 
 /// A model under construction, with the parts that others refer to by name.
 pub(super) struct Assembly<'a> {
@@ -31,6 +32,7 @@ pub(super) struct Assembly<'a> {
     /// Nodes of released coordinates, by the name of their joint.
     pub joint_coordinates: Names<NodeId>,
     pub geometry: Geometry,
+    pub inputs: Rc<Names<Input>>,
     /// The speed of the joint of a Campbell diagram.
     pub speed: Option<Input>,
 }
@@ -56,6 +58,7 @@ impl<'a> Assembly<'a> {
                 "joint with a released coordinate (a node of one coordinate)",
             ),
             geometry: Geometry::default(),
+            inputs: Rc::new(Names::new("input")),
             speed: None,
         }
     }
@@ -67,6 +70,7 @@ impl<'a> Assembly<'a> {
 
     /// Adds all parts of the file.
     pub fn add_parts(&mut self, registry: &Registry) -> Result<(), InputError> {
+        self.add_inputs();
         self.add_sections()?;
         self.add_nodes()?;
         check_names(self)?;
@@ -76,6 +80,15 @@ impl<'a> Assembly<'a> {
         self.add_springs()?;
         self.add_supports()?;
         self.add_loads(&bodies)
+    }
+
+    /// Adds the inputs in the order of their names.
+    fn add_inputs(&mut self) {
+        let mut inputs = Names::new("input");
+        for (name, value) in &self.file.inputs {
+            inputs.add(name.clone(), self.builder.input(*value));
+        }
+        self.inputs = Rc::new(inputs);
     }
 
     /// Adds the nodes in the order in which the file names them.

@@ -6,7 +6,7 @@ use pullback::integrators::linearization::{ModeOptions, Modes, linearize, modes}
 use pullback::manifold::system::Point;
 
 /// A linkage of the gallery without its loads, with a spring in each joint of one coordinate.
-fn sprung(name: &str) -> ModelFile {
+pub(super) fn sprung(name: &str) -> ModelFile {
     let path = format!("{}/examples/models/{name}.toml", env!("CARGO_MANIFEST_DIR"));
     let mut file = parse(name, &std::fs::read_to_string(path).unwrap()).unwrap();
     file.loads.clear();

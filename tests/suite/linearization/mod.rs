@@ -7,3 +7,4 @@ mod flutter;
 mod inputs;
 mod linkages;
 mod rotating;
+mod state_space;

@@ -13,6 +13,13 @@ fn its_code_is_the_example() {
         "examples/rotating_blade.rs",
         true,
     );
+    hold(
+        "docs/modes.md",
+        "```rust\n",
+        3..6,
+        "examples/cart_pole.rs",
+        true,
+    );
 }
 
 #[test]

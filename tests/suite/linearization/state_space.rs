@@ -1,0 +1,195 @@
+//! First-order form, with probes as outputs.
+#![allow(clippy::unwrap_used, non_snake_case)]
+
+use super::linkages::sprung;
+use crate::support::closures::{GROUND, angle, arm, hinge};
+use crate::support::program::{command, directory, ended, read, succeeded, write};
+use nalgebra::{Complex, DMatrix};
+use pullback::elements::model::Context;
+use pullback::input::{Closure, ModelFile, Time, job};
+use pullback::integrators::linearization::{linearize, output_derivatives};
+use pullback::manifold::system::Point;
+use std::path::Path;
+
+/// A matrix of a file in Matrix Market format.
+fn matrix(path: &Path) -> DMatrix<f64> {
+    let text = read(path);
+    let mut lines = text.lines().skip(1).map(|line| {
+        let numbers = line.split(' ').map(|x| x.parse::<f64>().unwrap());
+        numbers.collect::<Vec<_>>()
+    });
+    let size = lines.next().unwrap();
+    let mut out = DMatrix::zeros(size[0] as usize, size[1] as usize);
+    for entry in lines {
+        out[(entry[0] as usize - 1, entry[1] as usize - 1)] = entry[2];
+    }
+    out
+}
+
+const PENDULUM: &str = r#"
+    [[bodies]]
+    name = "bob"
+    node = "tip"
+    mass = 1.5
+    [[loads]]
+    gravity = [0, -9.81, 0]
+    [inputs]
+    torque = 0.0
+    [analysis.dynamic]
+    to = 0.01
+    step = 0.01
+    [[probes]]
+    name = "tip x"
+    quantity = "acceleration"
+    node = "tip"
+    component = "x"
+    [[probes]]
+    name = "tension"
+    quantity = "joint_force"
+    joint = "hinge"
+    component = "y"
+    [[probes]]
+    name = "energy"
+    quantity = "kinetic_energy"
+"#;
+
+fn pendulum(acts: &str) -> String {
+    [
+        GROUND,
+        &hinge("hinge", "ground", acts),
+        &arm("tip", "hinge", [0.0, -2.0, 0.0]),
+        PENDULUM,
+        &angle("hinge"),
+    ]
+    .concat()
+}
+
+const MASSLESS: &str = r#"
+    [nodes]
+    ground = [0, 0, 0]
+    light = [1, 0, 0]
+    [[springs]]
+    name = "spring"
+    nodes = ["ground", "light"]
+    stiffness = 1
+    [[supports]]
+    node = "ground"
+    fix = "all"
+    [[supports]]
+    node = "light"
+    fix = ["y", "z"]
+    [analysis.modes]
+"#;
+
+/// m l² θ̈ = −m g l θ − c θ̇ + u; the tip is at x = l θ.
+#[test]
+fn a_pendulum_with_a_motor() {
+    let acts = "actuator = { input = \"torque\" }\nspring = { k = 0, c = 0.3 }";
+    let out = directory("state_space");
+    let model = write(&out, &pendulum(acts));
+    let ran = command(
+        "linearize",
+        &[
+            &model,
+            "--at".as_ref(),
+            "0.01".as_ref(),
+            "--first-order".as_ref(),
+        ],
+    );
+    succeeded(&ran);
+    let of = |name: &str| matrix(&out.join("model.linear").join(name));
+    let (m, g, l, c) = (1.5, 9.81, 2.0, 0.3);
+    let (k, c, b) = (g / l, c / (m * l * l), 1.0 / (m * l * l));
+    let names = read(out.join("model.linear/outputs.txt"));
+    assert_eq!(names, "tip x\ntension\nenergy\nhinge\n");
+    assert_eq!(read(out.join("model.linear/inputs.txt")), "torque\n");
+    for (name, exact) in [
+        (
+            "state_A.mtx",
+            DMatrix::from_row_slice(2, 2, &[0.0, 1.0, -k, -c]),
+        ),
+        ("state_B.mtx", DMatrix::from_row_slice(2, 1, &[0.0, b])),
+        (
+            "state_C.mtx",
+            DMatrix::from_row_slice(4, 2, &[-k * l, -c * l, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
+        ),
+        (
+            "state_D.mtx",
+            DMatrix::from_row_slice(4, 1, &[b * l, 0.0, 0.0, 0.0]),
+        ),
+    ] {
+        let found = of(name);
+        assert_eq!(found.shape(), exact.shape(), "{name}");
+        assert!((&found - &exact).amax() < 1e-9, "{name}: {found} {exact}");
+    }
+}
+
+#[test]
+fn bad_inputs_and_missing_masses_are_refused() {
+    let model = write(
+        &directory("state_unknown"),
+        &pendulum("actuator = { input = \"torqe\" }"),
+    );
+    let said = ended(&command("linearize", &[&model]), 2);
+    assert!(said.contains("torqe") && said.contains("torque"), "{said}");
+    let model = write(&directory("state_massless"), MASSLESS);
+    let said = ended(
+        &command("linearize", &[&model, "--first-order".as_ref()]),
+        1,
+    );
+    assert!(said.contains("without inertia"), "{said}");
+}
+
+/// D + C (s − A)⁻¹ B of a motor in the first joint and the positions, velocities and accelerations of a node.
+fn transfer(
+    file: &ModelFile,
+    closure: Option<Closure>,
+    node: &str,
+    s: Complex<f64>,
+) -> Vec<Complex<f64>> {
+    let mut file = file.clone();
+    for joint in file.joints.iter_mut().filter(|j| j.child.is_some()) {
+        joint.closure = closure;
+    }
+    file.inputs.insert("torque".to_owned(), 0.0);
+    file.joints[0].actuator = Some(Time::Input("torque".to_owned()));
+    let mut job = job("linkage", &file).unwrap();
+    let q = job.context.initial().to_vec();
+    let at = Point::statics(0.0, &q);
+    let lin = linearize(&mut job.context, at).unwrap();
+    let node = job.context.find(node).unwrap();
+    let outputs = output_derivatives(&mut job.context, at, |context: &mut Context, at| {
+        context.configure(at)?;
+        let state = context.node_state(node);
+        let parts = [state.position, state.velocity, state.acceleration];
+        Ok(parts.iter().flat_map(|x| [x.x, x.y]).collect())
+    });
+    let space = lin.state_space(&outputs.unwrap()).unwrap();
+    let n = space.A.nrows();
+    let complex = |A: &DMatrix<f64>| A.map(|x| Complex::new(x, 0.0));
+    let shifted = DMatrix::identity(n, n) * s - complex(&space.A);
+    let x = shifted.lu().solve(&complex(&space.B)).unwrap();
+    let y = complex(&space.C) * x + complex(&space.D);
+    y.column(0).iter().copied().collect()
+}
+
+#[test]
+fn transfer_functions_by_map_and_multipliers() {
+    for (name, node) in [("four_bar", "tip"), ("slider_crank", "pin")] {
+        let file = sprung(name);
+        let nodes: Vec<_> = file.joints.iter().map(|j| j.name.clone()).collect();
+        let node = nodes.iter().find(|n| *n == node).unwrap_or(&nodes[1]);
+        let s = Complex::new(0.3, 2.1);
+        let map = transfer(&file, None, node, s);
+        let multipliers = transfer(&file, Some(Closure::Multipliers), node, s);
+        let size = map.iter().fold(0.0_f64, |most, y| most.max(y.norm()));
+        assert!(size > 0.0, "{name}: nothing moves");
+        for (k, (a, b)) in map.iter().zip(&multipliers).enumerate() {
+            assert!((a - b).norm() < 1e-8 * size, "{name} {k}: {a} {b}");
+        }
+        // Velocities are s times positions, accelerations s times velocities.
+        for k in 0..4 {
+            assert!((map[k + 2] - s * map[k]).norm() < 1e-8 * size, "{name} {k}");
+        }
+    }
+}
