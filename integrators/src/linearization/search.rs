@@ -19,8 +19,9 @@ use selection::squares;
 
 /// Up to this size of the operator all unit vectors are start vectors, a dense method.
 const DENSE: usize = 120;
-/// Steps between two looks at the eigenvalues.
+/// Steps between two looks at the eigenvalues; with damping, whose dense eigenvalues cost more than steps, as a part of the basis.
 const LOOK: usize = 2;
+const LOOK_DAMPED: usize = 3;
 /// Most changes of the shift.
 const SHIFTS: usize = 12;
 /// Most halvings of a range towards the modes in it.
@@ -256,7 +257,8 @@ impl<'a> Search<'a> {
         };
         let end = match self.weights.len() {
             size if size <= DENSE => usize::MAX,
-            _ => (krylov.len() + LOOK).max(first),
+            _ if self.is_symmetric() => (krylov.len() + LOOK).max(first),
+            _ => (krylov.len() + krylov.len() / LOOK_DAMPED).max(first),
         };
         while krylov.len() < end {
             let Some((v, Gv)) = krylov.next() else {
@@ -270,7 +272,8 @@ impl<'a> Search<'a> {
             }
         }
         let pairs = krylov.ritz(self.is_symmetric());
-        pairs.ok_or_else(|| not_converged(0, krylov))
+        let pairs = pairs.ok_or_else(|| not_converged(0, krylov))?;
+        Ok(self.without_wandering(pairs))
     }
 
     /// Number of eigenvalues near the shift beyond the pairs found.

@@ -61,6 +61,23 @@ fn lines_cross() {
     }
 }
 
+/// Among the converged Ritz values of a fine mesh at speed some are no approximations.
+#[test]
+fn many_modes_of_a_fine_mesh() {
+    let text = BLADE.replace("elements = 8", "elements = 24");
+    let text = text
+        .replace("steps = 24", "steps = 2")
+        .replace("count = 5", "count = 10");
+    let rows = diagram("campbell_fine", &text);
+    assert!(rows.iter().all(|row| row.1.len() == 10), "none is lost");
+    let mut found = rows[1].1.clone();
+    found.sort_by(f64::total_cmp);
+    let (speed, flap) = FLAP[2];
+    assert_eq!(rows[1].0, speed);
+    assert_near(found[1], flap[0], 1e-5);
+    assert_near(found[3], flap[1], 1e-5);
+}
+
 /// A disc that spins at the end of a massless shaft which does not.
 const DISC: &str = r#"
     [sections.shaft]

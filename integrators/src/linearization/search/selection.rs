@@ -7,6 +7,10 @@ use num_complex::Complex64;
 const CONVERGED: f64 = 1e-10;
 /// The same, relative to the largest eigenvalue: rounding errors of the solver.
 const FLOOR: f64 = 1e-15;
+/// Residual, relative to the eigenvalue of the operator, of a pair that is no approximation although this many smaller ones have
+/// converged.
+const WANDERING: f64 = 1e-2;
+const INNER: usize = 4;
 /// Ratio of the eigenvalues of the operator above which another shift is taken.
 const SPREAD: f64 = 1e9;
 
@@ -52,11 +56,22 @@ impl Search<'_> {
     /// are zero, and end the list.
     pub(super) fn converged(&self, pairs: &[RitzPair]) -> usize {
         let largest = pairs.first().map_or(0.0, |p| p.theta.norm());
-        let small = |p: &RitzPair| {
-            let size = p.theta.norm();
-            p.residual <= CONVERGED * size + FLOOR * largest && size > 1e-13 * largest
-        };
-        pairs.iter().take_while(|p| small(p)).count()
+        let small = |p: &&RitzPair| is_converged(p, largest);
+        pairs.iter().take_while(small).count()
+    }
+
+    /// The pairs without those that are no approximations. Outer eigenvalues converge first; where the operator is not normal,
+    /// one with a large residual may wander among them.
+    pub(super) fn without_wandering(&self, mut pairs: Vec<RitzPair>) -> Vec<RitzPair> {
+        let largest = pairs.first().map_or(0.0, |p| p.theta.norm());
+        let converged: Vec<bool> = pairs.iter().map(|p| is_converged(p, largest)).collect();
+        let mut inner = converged.iter().filter(|x| **x).count();
+        let mut known = converged.iter();
+        pairs.retain(|p| {
+            inner -= usize::from(known.next() == Some(&true));
+            self.is_symmetric() || inner < INNER || p.residual < WANDERING * p.theta.norm()
+        });
+        pairs
     }
 
     /// Number of the converged pairs that are needed, if they are enough.
@@ -119,4 +134,10 @@ pub(super) fn squares([from, to]: [f64; 2]) -> [f64; 2] {
         true => [from * from, square],
         false => [-1e-9 * square, square],
     }
+}
+
+/// Whether a pair has converged, given the largest eigenvalue of the operator.
+fn is_converged(pair: &RitzPair, largest: f64) -> bool {
+    let size = pair.theta.norm();
+    pair.residual <= CONVERGED * size + FLOOR * largest && size > 1e-13 * largest
 }
