@@ -94,22 +94,18 @@ pub(super) fn linearize(registry: &Registry, args: &LinearizeArguments) -> u8 {
         }
         Ending::Complete | Ending::Running => {}
     }
-    let lin = match linearized(&mut job.context, progress.state.point()) {
-        Ok(lin) => lin,
-        Err(error) => {
-            refuse(error);
+    let at = progress.state.point();
+    let found = linearized(&mut job.context, at).map_err(|error| error.to_string());
+    let found = found.and_then(|lin| {
+        let first_order = args.first_order.then(|| first_order(&mut job, &lin, at));
+        Ok((first_order.transpose()?, lin))
+    });
+    let (first_order, lin) = match found {
+        Ok(found) => found,
+        Err(message) => {
+            refuse(message);
             return FAILED;
         }
-    };
-    let first_order = match args.first_order {
-        false => None,
-        true => match first_order(&mut job, &lin, progress.state.point()) {
-            Ok(found) => Some(found),
-            Err(error) => {
-                refuse(error);
-                return FAILED;
-            }
-        },
     };
     let inputs = job.file.inputs.keys().cloned().collect::<Vec<_>>();
     match write(&lin, &inputs, first_order.as_ref(), &out) {

@@ -252,36 +252,9 @@ fn continued(
     found: Vec<Mode>,
     lin: &Linearized,
 ) -> (Vec<Option<Mode>>, f64) {
-    let symmetric = lin.is_symmetric(&lin.M);
-    let product = |shape: &[Complex64]| -> Vec<Complex64> {
-        let part = |pick: fn(&Complex64) -> f64| -> Vec<f64> { shape.iter().map(pick).collect() };
-        let re = lin.product(&lin.M, &part(|x| x.re), symmetric);
-        let im = lin.product(&lin.M, &part(|x| x.im), symmetric);
-        let pairs = re.into_iter().zip(im);
-        pairs.map(|(re, im)| Complex64::new(re, im)).collect()
-    };
-    let dot = |x: &[Complex64], y: &[Complex64]| -> Complex64 {
-        x.iter().zip(y).map(|(x, y)| x.conj() * y).sum()
-    };
-    let sizes: Vec<f64> = found
-        .iter()
-        .map(|mode| dot(&mode.shape, &product(&mode.shape)).re)
-        .collect();
     let own: Vec<usize> = (0..lines.len()).filter(|&i| lines[i].is_some()).collect();
     let before: Vec<&Mode> = lines.iter().flatten().collect();
-    let mac: Vec<Vec<f64>> = before
-        .iter()
-        .map(|mode| {
-            let image = product(&mode.shape);
-            let size = dot(&mode.shape, &image).re;
-            let pairs = found.iter().zip(&sizes);
-            pairs
-                .map(|(other, other_size)| {
-                    dot(&other.shape, &image).norm_sqr() / (size * other_size)
-                })
-                .collect()
-        })
-        .collect();
+    let mac = assurance(&before, &found, lin);
     // Shapes of repeated eigenvalues are any ones in their space.
     let (groups_before, groups) = (groups(&before), groups(&found.iter().collect::<Vec<_>>()));
     let agreement = |i: usize, j: usize| -> f64 {
@@ -311,6 +284,38 @@ fn continued(
         least = 0.0;
     }
     (out, least)
+}
+
+/// The modal assurance criterion of each mode with each of others.
+fn assurance(before: &[&Mode], found: &[Mode], lin: &Linearized) -> Vec<Vec<f64>> {
+    let symmetric = lin.is_symmetric(&lin.M);
+    let product = |shape: &[Complex64]| -> Vec<Complex64> {
+        let part = |pick: fn(&Complex64) -> f64| -> Vec<f64> { shape.iter().map(pick).collect() };
+        let re = lin.product(&lin.M, &part(|x| x.re), symmetric);
+        let im = lin.product(&lin.M, &part(|x| x.im), symmetric);
+        let pairs = re.into_iter().zip(im);
+        pairs.map(|(re, im)| Complex64::new(re, im)).collect()
+    };
+    let dot = |x: &[Complex64], y: &[Complex64]| -> Complex64 {
+        x.iter().zip(y).map(|(x, y)| x.conj() * y).sum()
+    };
+    let sizes: Vec<f64> = found
+        .iter()
+        .map(|mode| dot(&mode.shape, &product(&mode.shape)).re)
+        .collect();
+    before
+        .iter()
+        .map(|mode| {
+            let image = product(&mode.shape);
+            let size = dot(&mode.shape, &image).re;
+            let pairs = found.iter().zip(&sizes);
+            pairs
+                .map(|(other, other_size)| {
+                    dot(&other.shape, &image).norm_sqr() / (size * other_size)
+                })
+                .collect()
+        })
+        .collect()
 }
 
 /// For each mode all modes with the same eigenvalue.

@@ -22,10 +22,13 @@
 //! quadratically. The derivatives of g and h are second derivatives of φᵀr along ψ and w, where w is dq/dt with
 //! k held. Those at a bifurcation give the directions of its paths.
 
+mod held;
+
 use super::newton::Newton;
 use super::{Iteration, Problem, StaticNewtonOptions, StaticSummary, StaticsError};
 use crate::failure::Cause;
 use crate::random::Random;
+use held::Held;
 use pullback_manifold::system::{Point, System};
 
 /// Limit or bifurcation point.
@@ -92,59 +95,6 @@ pub fn critical_point(
         })
 }
 
-/// The tangent with a spring at the held coordinate k, factorised, and its results.
-struct Held {
-    k: usize,
-    /// Index of the diagonal entry of k among the values.
-    entry: usize,
-    /// Least stiffness of the spring; g does not depend on it.
-    spring: f64,
-    values: Vec<f64>,
-    /// Displacement of k under a unit force at k, of the tangent with the spring.
-    compliance: f64,
-    /// ψ, with ψ_k = 1.
-    psi: PathDirection,
-    g: f64,
-}
-
-impl Held {
-    /// Factorises the tangent that was evaluated last.
-    fn update(&mut self, newton: &mut Newton, problem: &mut Problem<'_>) -> Result<(), Cause> {
-        self.values.copy_from_slice(&newton.S);
-        let spring = self.spring.max(2.0 * newton.S[self.entry].abs());
-        self.values[self.entry] += spring;
-        newton.cost.factorisations += 1;
-        let psi = &mut self.psi.dq;
-        psi.fill(0.0);
-        psi[self.k] = 1.0;
-        let solver = &mut *problem.solver;
-        let solved = solver.factorise(&self.values);
-        let solved = solved.and_then(|()| solver.solve(Some(&self.values), psi));
-        solved.map_err(Cause::linear)?;
-        self.compliance = psi[self.k];
-        self.g = spring - 1.0 / self.compliance;
-        psi.iter_mut().for_each(|x| *x /= self.compliance);
-        Ok(())
-    }
-
-    /// Displacements under a force with k held, and the reaction there, φᵀ force.
-    fn solve(
-        &self,
-        problem: &mut Problem<'_>,
-        force: &[f64],
-        dt: f64,
-    ) -> Result<(PathDirection, f64), Cause> {
-        let mut dq = force.to_vec();
-        let solved = problem.solver.solve(Some(&self.values), &mut dq);
-        solved.map_err(Cause::linear)?;
-        let at_k = dq[self.k];
-        for (x, psi) in dq.iter_mut().zip(&self.psi.dq) {
-            *x -= at_k * psi;
-        }
-        Ok((PathDirection { dq, dt }, at_k / self.compliance))
-    }
-}
-
 /// The equations of an equilibrium with k held: −μ = φᵀr, h, dq/dt = w, and second derivatives of φᵀr.
 struct Equations {
     phi_r: f64,
@@ -183,21 +133,7 @@ impl Newton {
         let relative = |i: &usize| (estimate[*i] * self.inverse_scale[*i]).abs();
         let largest = (0..estimate.len()).max_by(|i, j| relative(i).total_cmp(&relative(j)));
         let k = largest.ok_or(Cause::Diverged)?;
-        let entry = problem.system.pattern().diagonal().nth(k);
-        let entry = entry.ok_or(Cause::Diverged)?;
-        let spring = self.S[entry].abs();
-        let mut held = Held {
-            k,
-            entry,
-            spring: if spring > 0.0 { spring } else { 1.0 },
-            values: self.S.clone(),
-            compliance: 0.0,
-            psi: PathDirection {
-                dq: vec![0.0; estimate.len()],
-                dt: 0.0,
-            },
-            g: 0.0,
-        };
+        let mut held = Held::at(k, self, problem).ok_or(Cause::Diverged)?;
         held.update(self, problem)?;
         let (w, h) = held.solve(problem, &self.r_lambda, 1.0)?;
         // The tangent of the path is w − (h/g) ψ.

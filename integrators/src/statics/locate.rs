@@ -55,6 +55,24 @@ impl PathStep<'_> {
         }
     }
 
+    /// Unit tangents of paths forward along the step, that of its own path first.
+    fn oriented(&self, paths: &[PathDirection]) -> (Option<PathDirection>, Option<PathDirection>) {
+        let start = (&self.at.dq[..], self.at.d_lambda);
+        let oriented = |path: &PathDirection| {
+            let own = (&path.dq[..], path.dt);
+            let length = self.norm.dot(own, own).sqrt();
+            let cosine = self.norm.dot(start, own) / length;
+            let sense = cosine.signum() / length;
+            let dq = path.dq.iter().map(|dq| sense * dq).collect();
+            let dt = sense * path.dt;
+            (cosine.abs(), PathDirection { dq, dt })
+        };
+        let mut all: Vec<_> = paths.iter().map(oriented).collect();
+        all.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut all = all.into_iter().map(|(_, path)| path);
+        (all.next(), all.next())
+    }
+
     /// The cosine between the tangents at the start and at a position.
     fn bend(&self, position: &Position) -> f64 {
         let start = (&self.at.dq[..], self.at.d_lambda);
@@ -86,7 +104,7 @@ fn describe(system: &dyn System, event: Event) -> String {
 
 /// Change of an event function, relative to its change over the step, that counts as zero.
 const RESOLUTION: f64 = 1e-12;
-/// Largest value of an event function, relative to its size, at which the event counts as found.
+/// Largest value of an event function at which the event counts as found, relative to its size.
 const LARGEST_MISS: f64 = 1e-9;
 
 /// A bifurcation at the start of a step, relative to its length, where the step before could not count.
@@ -106,8 +124,18 @@ pub(super) fn locate(
                 Event::TurningPoint | Event::Bifurcation => {
                     find_critical(newton, problem, step, event)?
                 }
-                Event::Load(_) | Event::Coordinate { .. } => find(newton, problem, step, event)?,
+                Event::Load(_) | Event::Coordinate { .. } => {
+                    let mut one = find(newton, problem, step, event)?;
+                    // If the tangent is singular, its direction is unknown.
+                    if (newton.tangent(problem, &mut one.position, step.norm)).is_ok() {
+                        one.unstable = newton.unstable(problem);
+                    }
+                    one
+                }
             };
+            if step.bend(&one.position) < SHARPEST_BEND {
+                return Err(unlocated(problem, event));
+            }
             one.index = index;
             found.push(one);
         }
@@ -145,28 +173,8 @@ fn find_critical(
     let guess = (&q[..], between(at.lambda, next.lambda));
     let point = newton.critical_point(problem, guess, shape);
     let point = point.map_err(|_| unlocated(problem, event))?;
-    // Unit tangents forward along the step.
-    let start = (&at.dq[..], at.d_lambda);
-    let mut paths = point.paths.iter().map(|path| {
-        let length = norm.dot((&path.dq, path.dt), (&path.dq, path.dt)).sqrt();
-        let cosine = norm.dot(start, (&path.dq, path.dt)) / length;
-        let sense = cosine.signum() / length;
-        let dq = path.dq.iter().map(|dq| sense * dq).collect();
-        (
-            cosine.abs(),
-            PathDirection {
-                dq,
-                dt: sense * path.dt,
-            },
-        )
-    });
-    let (mut along, mut branch) = (paths.next(), paths.next());
-    if let (Some(a), Some(b)) = (&along, &branch)
-        && a.0 < b.0
-    {
-        std::mem::swap(&mut along, &mut branch);
-    }
-    let Some((_, along)) = along.filter(|_| point.kind == kind) else {
+    let (along, branch) = step.oriented(&point.paths);
+    let Some(along) = along.filter(|_| point.kind == kind) else {
         return Err(unlocated(problem, event));
     };
     let position = Position {
@@ -176,16 +184,17 @@ fn find_critical(
         d_lambda: along.dt,
     };
     let moved: Vec<f64> = position.q.iter().zip(&at.q).map(|(q, q0)| q - q0).collect();
+    let start = (&at.dq[..], at.d_lambda);
     let s = norm.dot(start, (&moved, position.lambda - at.lambda));
     let within = s > -START * step.ds && s <= step.ds && !norm.strays(at, &position, s);
-    if !within || step.bend(&position) < SHARPEST_BEND {
+    if !within {
         return Err(unlocated(problem, event));
     }
     Ok(Located {
         index: 0,
         s,
         position,
-        branch: branch.map(|(_, path)| path),
+        branch,
         iterations: newton.iterations(),
         history: newton.history.clone(),
         unstable: None,
@@ -246,17 +255,18 @@ fn find(
             break;
         }
     }
-    // If the tangent is singular, its direction is unknown.
-    if newton.tangent(problem, &mut best.position, norm).is_ok() {
-        best.unstable = newton.unstable(problem);
+    match least <= largest_miss(newton, event, norm) {
+        true => Ok(best),
+        false => Err(unlocated(problem, event)),
     }
+}
+
+/// Largest value of an event function at which the event counts as found.
+fn largest_miss(newton: &Newton, event: Event, norm: &Norm) -> f64 {
     let size = match event {
         Event::Coordinate { unknown, value } => value.abs() + 1.0 / newton.inverse_scale[unknown],
         Event::Load(load) => load.abs() + 1.0 / norm.load.sqrt(),
         Event::TurningPoint | Event::Bifurcation => 0.0,
     };
-    if least > LARGEST_MISS * size || step.bend(&best.position) < SHARPEST_BEND {
-        return Err(unlocated(problem, event));
-    }
-    Ok(best)
+    LARGEST_MISS * size
 }

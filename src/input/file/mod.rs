@@ -8,6 +8,7 @@
 
 mod analysis;
 mod body;
+mod eigenvalues;
 mod initial;
 mod joint;
 mod line;
@@ -18,11 +19,11 @@ mod section;
 mod time;
 
 pub use analysis::{
-    Adaptive, Analysis, ArcLength, Branch, BucklingAnalysis, CampbellAnalysis, Coordinate,
-    Direction, Dynamic, DynamicNewton, ModalAnalysis, NewtonSettings, Output, Predictor, Static,
-    Stop, TangentRule,
+    Adaptive, Analysis, ArcLength, Branch, Coordinate, Direction, Dynamic, DynamicNewton,
+    NewtonSettings, Output, Predictor, Static, Stop, TangentRule,
 };
 pub use body::{Body, Bushing, Six, Spring, Tensor};
+pub use eigenvalues::{BucklingAnalysis, CampbellAnalysis, ModalAnalysis};
 pub use initial::Initial;
 pub use joint::{Acts, Closure, Gear, Joint, JointSpring};
 pub use line::{Arc, Interpolation, Line};

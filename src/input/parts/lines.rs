@@ -18,20 +18,7 @@ impl Assembly<'_> {
         let from = self.nodes.find(&at.at("from"), &line.from)?;
         let to = self.nodes.find(&at.at("to"), &line.to)?;
         let section = self.sections.find(&at.at("section"), &line.section)?;
-        let counts = [
-            (
-                "elements",
-                line.elements,
-                MOST_ELEMENTS,
-                "a count from 1 to 1000000",
-            ),
-            ("order", line.order, 3, "1, 2 or 3"),
-        ];
-        for (key, value, most, expected) in counts {
-            if value == 0 || value > most {
-                return Err(at.range(key, value as f64, expected));
-            }
-        }
+        check_counts(&at, line)?;
         let interpolation = match line.interpolation {
             file::Interpolation::Total => Interpolation::Total,
             file::Interpolation::Geodesic => Interpolation::Geodesic,
@@ -90,6 +77,25 @@ impl Assembly<'_> {
         });
         Ok(())
     }
+}
+
+/// Refuses numbers of elements, and orders, that are none.
+fn check_counts(at: &Location<'_>, line: &Line) -> Result<(), InputError> {
+    let counts = [
+        (
+            "elements",
+            line.elements,
+            MOST_ELEMENTS,
+            "a count from 1 to 1000000",
+        ),
+        ("order", line.order, 3, "1, 2 or 3"),
+    ];
+    for (key, value, most, expected) in counts {
+        if value == 0 || value > most {
+            return Err(at.range(key, value as f64, expected));
+        }
+    }
+    Ok(())
 }
 
 /// The axis of a line, checked so that it has a direction everywhere.

@@ -372,10 +372,11 @@ fn functions_of_t_are_documented_as_they_are() {
     let reference = include_str!("../../../docs/model_file.md");
     let rows = reference.lines().filter_map(|l| l.strip_prefix("| `{ "));
     let functions: Vec<&str> = rows.filter_map(|l| l.split('`').next()).collect();
-    assert_eq!(functions.len(), 8);
+    assert_eq!(functions.len(), 9);
     let load = "moment = [0, 0, 3.141592653589793]";
     for function in functions {
         let text = with(load, &format!("{load}\ntime = {{ {function}"));
+        let text = format!("{text}\n[inputs]\ntorque = 0.5\n");
         assemble_text("", &text)
             .map_err(|e| format!("{function}: {e}"))
             .unwrap();
