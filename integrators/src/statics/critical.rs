@@ -25,7 +25,7 @@
 mod held;
 
 use super::newton::Newton;
-use super::{Iteration, Problem, StaticNewtonOptions, StaticSummary, StaticsError};
+use super::{Iteration, Problem, StaticNewtonOptions, StaticsError};
 use crate::failure::Cause;
 use crate::random::Random;
 use held::Held;
@@ -73,7 +73,7 @@ pub struct CriticalPoint {
 /// shape](crate::linearization::buckling), or of an estimate of the null vector at the state.
 ///
 /// # Errors
-/// [`StaticsError::Step`] if Newton's method finds no simple critical point.
+/// [`StaticsError::NoCriticalPoint`] if Newton's method finds no simple critical point.
 pub fn critical_point(
     system: &mut dyn System,
     at: Point<'_>,
@@ -87,11 +87,13 @@ pub fn critical_point(
     newton
         .critical_point(problem, (at.q, at.t), shape)
         .map_err(|cause| {
-            let summary = StaticSummary {
-                t: at.t,
-                ..StaticSummary::default()
+            let reason = match cause {
+                Cause::System(error) => error.to_string(),
+                Cause::Linear { error, .. } => error.to_string(),
+                Cause::TooManyIterations => "corrections do not become small".to_owned(),
+                _ => "corrections grow".to_owned(),
             };
-            StaticsError::Step(newton.fail(problem, cause, &summary, at.t))
+            StaticsError::NoCriticalPoint { t: at.t, reason }
         })
 }
 

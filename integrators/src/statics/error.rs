@@ -23,6 +23,12 @@ pub enum StaticsError {
          and follower loads have no potential"
     )]
     Asymmetric,
+    /// [`critical_point`](super::critical_point) has not converged.
+    #[error(
+        "no simple critical point is found from load parameter {}: {reason}; begin nearer to it, or give its shape",
+        crate::significant(*t)
+    )]
+    NoCriticalPoint { t: f64, reason: String },
     /// A step failed down to the smallest step size.
     #[error("{0}")]
     Step(Box<FailedStep>),

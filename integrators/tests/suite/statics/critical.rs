@@ -188,7 +188,8 @@ fn a_system_without_critical_points_says_so() {
     let mut options = StaticNewtonOptions::default();
     let at = Point::statics(0.0, &[0.0]);
     let mut spring = crate::support::statics::Scalar::new(1.0, |w| [w, 1.0]);
-    assert!(critical_point(&mut spring, at, None, &options).is_err());
+    let none = critical_point(&mut spring, at, None, &options);
+    assert!(matches!(none, Err(StaticsError::NoCriticalPoint { .. })));
     options.relative = 0.0;
     let refused = critical_point(&mut spring, at, None, &options);
     assert!(matches!(refused, Err(StaticsError::Option { .. })));
