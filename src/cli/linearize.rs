@@ -1,7 +1,7 @@
 //! `pullback linearize`.
 
 use super::{FAILED, INTERRUPTED, complain, print, refuse};
-use crate::input::{Job, Plan, Registry};
+use crate::input::{Analysis, Job, Plan, Registry};
 use crate::output::{Directory, Ending, OutputError};
 use crate::probe::{Answers, Probe};
 use crate::run::{RunError, ending, initial_progress};
@@ -107,7 +107,10 @@ pub(super) fn linearize(registry: &Registry, args: &LinearizeArguments) -> u8 {
             return FAILED;
         }
     };
-    let inputs = job.file.inputs.keys().cloned().collect::<Vec<_>>();
+    let mut inputs = job.file.inputs.keys().cloned().collect::<Vec<_>>();
+    if let Analysis::Campbell(campbell) = &job.file.analysis {
+        inputs.push(format!("speed of {}", campbell.joint));
+    }
     match write(&lin, &inputs, first_order.as_ref(), &out) {
         Ok(()) => print(&format!(
             "{}, {} in {}\n",

@@ -66,7 +66,6 @@ pub fn stability_limit(
             to: t,
             first_step: step.min(options.first_step),
             min_step: step.min(options.min_step),
-            max_step: options.max_step,
             ..*options
         };
         let q = equilibrium_from(system, q.to_vec(), &options)?;

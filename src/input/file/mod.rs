@@ -74,8 +74,8 @@ pub struct ModelFile {
     /// Loads on nodes and lines.
     #[serde(default)]
     pub loads: Vec<Load>,
-    /// Values by name that loads and prescribed coordinates read, and that can be changed from outside: inputs of
-    /// [linear equations](crate::integrators::linearization), of a controller.
+    /// Values by name that loads, actuators and prescribed coordinates read; a program that embeds the library may
+    /// change them.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub inputs: BTreeMap<String, f64>,
     /// Initial conditions of a dynamic analysis; at rest in the reference configuration by default.
