@@ -26,6 +26,8 @@ pub enum InputProblem {
         byte: usize,
         line: usize,
     },
+    #[error("cannot read shapes from {}: {message}", path.display())]
+    Shapes { path: PathBuf, message: String },
     #[error("the model file is empty")]
     Empty,
     #[error("{0}")]

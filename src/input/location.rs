@@ -2,6 +2,7 @@
 
 use super::{InputError, InputProblem};
 use std::ops::Range;
+use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -138,6 +139,11 @@ impl Location<'_> {
             true => Ok(()),
             false => Err(self.range(key, value, "a positive number")),
         }
+    }
+
+    /// The directory of the file.
+    pub fn directory(&self) -> &Path {
+        Path::new(self.text.name).parent().unwrap_or(Path::new(""))
     }
 
     /// Position of the key in the text, in bytes.

@@ -7,6 +7,7 @@ mod assemble;
 mod eigenvalues;
 mod error;
 mod file;
+mod imperfection;
 mod initial;
 mod joints;
 mod location;

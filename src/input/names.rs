@@ -30,6 +30,10 @@ impl<T: Copy> Names<T> {
         self.things.get(name).copied()
     }
 
+    pub(super) fn iter(&self) -> impl Iterator<Item = &String> {
+        self.order.iter()
+    }
+
     pub(super) fn add(&mut self, name: String, thing: T) {
         self.order.push(name.clone());
         self.things.insert(name, thing);

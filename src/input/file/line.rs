@@ -1,4 +1,4 @@
-//! Lines of beam elements.
+//! Lines of beam elements, and their imperfections.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -66,6 +66,22 @@ pub struct Arc {
     pub axis: [f64; 3],
     /// Angle turned from start to end in degrees, positive about `axis` by the right-hand rule.
     pub angle_deg: f64,
+}
+
+/// A shape of buckling or vibration that displaces the reference configuration: nodes are moved, sections of lines
+/// turned, without strains. Joints, springs and bodies keep their axes.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Imperfection {
+    /// `buckling.json` or `modes.json` of a run of a model with the same nodes and lines; a relative path begins at the
+    /// directory of the model file.
+    pub shapes: String,
+    /// Number of the mode there.
+    #[serde(default = "one")]
+    #[schemars(range(min = 1))]
+    pub mode: usize,
+    /// Largest displacement of a node; negative for the opposite one.
+    pub amplitude: f64,
 }
 
 fn one() -> usize {

@@ -26,7 +26,7 @@ pub use body::{Body, Bushing, Six, Spring, Tensor};
 pub use eigenvalues::{BucklingAnalysis, CampbellAnalysis, ModalAnalysis};
 pub use initial::Initial;
 pub use joint::{Acts, Closure, Gear, Joint, JointSpring};
-pub use line::{Arc, Interpolation, Line};
+pub use line::{Arc, Imperfection, Interpolation, Line};
 pub use load::{DofName, Fix, Group, Load, PrescribedMotion, Support};
 pub use probe::{Probe, ProbeQuantity};
 pub use scheme::SchemeName;
@@ -53,6 +53,9 @@ pub struct ModelFile {
     /// nodes of lines (`line/1`, `line/2`, ...).
     #[serde(default)]
     pub nodes: BTreeMap<String, [f64; 3]>,
+    /// Geometric imperfections: the reference configuration is displaced by shapes of an earlier run.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub imperfections: Vec<Imperfection>,
     /// Lines of beam elements between nodes.
     #[serde(default)]
     pub lines: Vec<Line>,

@@ -3,10 +3,13 @@
 use super::Assembly;
 use crate::input::assemble::LineGeometry;
 use crate::input::file::{self, Arc, Line};
+use crate::input::imperfection::Displaced;
 use crate::input::{InputError, InputProblem, Location};
 use nalgebra::{Unit, Vector3};
 use pullback_elements::beam::{self, Interpolation};
-use pullback_elements::model::{BeamLine, CircularArc, ModelError, ReferenceCurve, StraightLine};
+use pullback_elements::model::{
+    BeamLine, CircularArc, ModelError, NodeId, ReferenceCurve, StraightLine,
+};
 
 /// Most elements of a line; more are taken for a typing error.
 const MOST_ELEMENTS: usize = 1_000_000;
@@ -23,8 +26,7 @@ impl Assembly<'_> {
             file::Interpolation::Total => Interpolation::Total,
             file::Interpolation::Geodesic => Interpolation::Geodesic,
         };
-        let positions = [self.builder.position(from), self.builder.position(to)];
-        let axis = axis(&at, line, positions)?;
+        let axis = self.axis(&at, line, [from, to])?;
         let mesh = BeamLine {
             elements: line.elements,
             order: line.order,
@@ -76,6 +78,36 @@ impl Assembly<'_> {
             elements: made.elements,
         });
         Ok(())
+    }
+}
+
+impl Assembly<'_> {
+    /// The axis of a line between two nodes, with the imperfections of the file.
+    fn axis(
+        &self,
+        at: &Location<'_>,
+        line: &Line,
+        ends: [NodeId; 2],
+    ) -> Result<Box<dyn ReferenceCurve>, InputError> {
+        let positions = ends.map(|node| self.builder.position(node));
+        if self.offsets.is_none() {
+            return axis(at, line, positions);
+        }
+        let intervals = line.elements * line.order;
+        let names = (1..intervals).map(|k| format!("{}/{k}", line.name));
+        let names = [line.from.clone()].into_iter().chain(names);
+        let names = names.chain([line.to.clone()]);
+        let offsets = names.map(|name| self.offset(&at.at("name"), &name));
+        let offsets: Vec<_> = offsets.collect::<Result<_, _>>()?;
+        let perfect = [
+            positions[0] - offsets[0][0],
+            positions[1] - offsets[intervals][0],
+        ];
+        Ok(Box::new(Displaced {
+            curve: axis(at, line, perfect)?,
+            offsets,
+            order: line.order,
+        }))
     }
 }
 

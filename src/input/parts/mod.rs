@@ -9,9 +9,11 @@ pub(super) use loads::{function, prescribed_function};
 
 use super::assemble::{Geometry, LineGeometry};
 use super::file::{self, Joint, ModelFile};
+use super::imperfection::{self, Offset};
 use super::joints::Registry;
 use super::names::{Names, check_names, usable_name};
 use super::{InputError, InputProblem, Location};
+use nalgebra::Vector3;
 use pullback_elements::beam::Section;
 use pullback_elements::constraint::PenaltyStiffness;
 use pullback_elements::model::{Closure, ModelBuilder, NodeId};
@@ -35,6 +37,8 @@ pub(super) struct Assembly<'a> {
     pub inputs: Rc<Names<Input>>,
     /// The speed of the joint of a Campbell diagram.
     pub speed: Option<Input>,
+    /// Displacements and rotations of the reference configuration by node, if there are imperfections.
+    pub offsets: Option<Names<Offset>>,
 }
 
 /// A part whose nodes do not exist yet.
@@ -60,6 +64,15 @@ impl<'a> Assembly<'a> {
             geometry: Geometry::default(),
             inputs: Rc::new(Names::new("input")),
             speed: None,
+            offsets: None,
+        }
+    }
+
+    /// The displacement and rotation of a node of the reference configuration by imperfections.
+    pub fn offset(&self, at: &Location<'_>, node: &str) -> Result<Offset, InputError> {
+        match &self.offsets {
+            Some(offsets) => offsets.find(at, node),
+            None => Ok(Offset::default()),
         }
     }
 
@@ -72,9 +85,11 @@ impl<'a> Assembly<'a> {
     pub fn add_parts(&mut self, registry: &Registry) -> Result<(), InputError> {
         self.add_inputs();
         self.add_sections()?;
+        self.offsets = imperfection::offsets(&self.root, self.file)?;
         self.add_nodes()?;
         check_names(self)?;
         self.add_lines_and_joints(registry)?;
+        self.check_offsets()?;
         let bodies = self.add_bodies()?;
         self.geometry.links = links(self).collect();
         self.add_springs()?;
@@ -102,9 +117,21 @@ impl<'a> Assembly<'a> {
                 let (what, name) = ("node", name.clone());
                 return Err(at.refuse_key(InputProblem::Name { what, name }));
             }
-            let id = self.builder.node(name.clone(), position);
+            let [moved, _] = self.offset(&at, name)?;
+            let position = Vector3::from(position) + moved;
+            let id = self.builder.node(name.clone(), position.into());
             let id = id.map_err(|error| at.refuse(error))?;
             self.nodes.add(name.clone(), id);
+        }
+        Ok(())
+    }
+
+    /// Refuses shapes with nodes that the model lacks: its lines have other elements.
+    fn check_offsets(&self) -> Result<(), InputError> {
+        let names = self.offsets.iter().flat_map(Names::iter);
+        for name in names {
+            self.nodes
+                .find(&self.at("imperfections").at(0).at("shapes"), name)?;
         }
         Ok(())
     }

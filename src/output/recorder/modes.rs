@@ -7,11 +7,13 @@ use crate::output::directory::{OutputError, drawing};
 use crate::output::plot::{self, Shapes};
 use crate::output::vtu::{VtuFrame, collection, grid};
 use crate::probe::Answers;
+use nalgebra::Vector3;
 use num_complex::Complex64;
 use pullback_elements::model::Context;
 use pullback_integrators::significant;
 use pullback_manifold::system::{Point, Quantity, System};
 use serde_json::json;
+use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
@@ -59,11 +61,14 @@ impl Recorder<'_> {
             let _ = writeln!(csv, "{},{:?}", k + 1, mode.load);
         }
         self.directory.write("buckling.csv", &csv)?;
-        let entries = loads.modes.iter();
-        let entries = entries.map(|mode| json!({ "load": mode.load, "shape": mode.shape }));
+        let mut entries = Vec::new();
+        for mode in &loads.modes {
+            let nodes = node_offsets(context, at, &mode.shape);
+            entries.push(json!({ "load": mode.load, "shape": mode.shape, "nodes": nodes }));
+        }
         let all = json!({
             "coordinates": loads.names,
-            "modes": entries.collect::<Vec<_>>(),
+            "modes": entries,
         });
         self.directory.write_json("buckling.json", &all)?;
         for (k, mode) in loads.modes.iter().enumerate().take(DRAWN) {
@@ -102,14 +107,16 @@ impl Recorder<'_> {
             m.mode.shape.iter().map(pick).collect()
         };
         let entries = modes.modes.iter().map(|m| {
+            let real = part(|x| x.re, m);
             json!({
+                "nodes": node_offsets(context, at, &real),
                 "frequency": m.mode.frequency(),
                 "damping_ratio": m.mode.damping_ratio(),
                 "eigenvalue": [m.mode.eigenvalue.re, m.mode.eigenvalue.im],
                 "residual": m.mode.residual,
                 "participation": m.participation.map(|x| [x.re, x.im]),
                 "effective_mass": m.effective_mass(),
-                "shape": [part(|x| x.re, m), part(|x| x.im, m)],
+                "shape": [real, part(|x| x.im, m)],
             })
         });
         let all = json!({
@@ -175,6 +182,32 @@ impl Recorder<'_> {
         }
         Ok(())
     }
+}
+
+/// Displacement and rotation of each frame by a shape, in linear approximation; nothing where they are undefined.
+fn node_offsets(
+    context: &mut Context,
+    at: Point<'_>,
+    shape: &[f64],
+) -> Option<BTreeMap<String, [[f64; 3]; 2]>> {
+    let zero = vec![0.0; shape.len()];
+    // The velocities with q̇ = φ less those of prescribed motion.
+    let mut rates = |v: &[f64]| {
+        let point = Point { v, a: &zero, ..at };
+        context.configure(point).ok()?;
+        let frames = context.frames();
+        let rates = frames.map(|(id, name)| {
+            let state = context.node_state(id);
+            (name.to_owned(), [state.velocity, state.omega])
+        });
+        Some(rates.collect::<BTreeMap<_, _>>())
+    };
+    let (moved, mut still) = (rates(shape)?, rates(&zero)?);
+    let offset = |(name, [d, theta]): (String, [Vector3<f64>; 2])| {
+        let [d_0, theta_0] = still.remove(&name)?;
+        Some((name, [(d - d_0).into(), (theta - theta_0).into()]))
+    };
+    moved.into_iter().map(offset).collect()
 }
 
 /// The factor of a shape with which its displacements are a tenth of the model, and its angles moderate.

@@ -5,6 +5,7 @@ mod corrections;
 mod critical;
 mod energies;
 mod equilibrium;
+mod imperfections;
 mod program;
 mod stability;
 mod units;
