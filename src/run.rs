@@ -1,5 +1,9 @@
 //! A run: model file in, results out.
 
+mod memory;
+
+pub use memory::{Recorded, record_job};
+
 use crate::input::{self, EigenvaluePlan, InputError, Job, ModelFile, Plan, Start};
 use crate::modes::{self, Eigenvalues, ModelModesError};
 use crate::output::{
@@ -152,27 +156,27 @@ pub fn run_job(
         notes: &notes,
     };
     let mut recorder = Recorder::new(setting, directory, probes, &context, warnings)?;
-    match (&plan, checkpoint) {
-        (Plan::Dynamic(_), Some(checkpoint)) => {
-            recorder.resume(&mut context, checkpoint, &progress)?;
-        }
-        (Plan::Dynamic(_), None) => recorder.start_motion(&mut context, &progress)?,
-        _ => recorder.start(&mut context)?,
+    match checkpoint {
+        Some(checkpoint) => recorder.resume(&mut context, checkpoint, &progress)?,
+        None => recorder.start(&mut context, &progress)?,
     }
     let (ended, unevaluated) =
         solve_recorded(&mut context, &plan, &mut progress, &mut recorder, observer)?;
     if matches!(plan, Plan::Dynamic(_)) {
         recorder.checkpoint(&context, &progress)?;
     }
-    let rows = recorder.rows.len();
-    let t = recorder.rows.last().map_or(plan.start(), |row| row.t);
+    let rows = &recorder.recording.rows;
+    let (rows, t) = (rows.len(), rows.last().map_or(plan.start(), |row| row.t));
     let mut ending = match unevaluated {
         Some(message) => Ending::Failed { message },
         None => ending(&ended, t),
     };
     let mut found = None;
     if let (Some(wanted), Ending::Complete) = (eigenvalues, &ending) {
-        (found, ending) = find(&mut context, &progress, wanted, &mut recorder, observer)?;
+        (found, ending) = find(&mut context, &progress, wanted, observer);
+        if let Some(found) = &found {
+            recorder.write_eigenvalues(&mut context, progress.state.point(), found)?;
+        }
     }
     let (written, warnings) = recorder.finish(&ending, ended.counts)?;
     Ok(Outcome {
@@ -213,14 +217,13 @@ fn solve_recorded(
     }
 }
 
-/// Finds and writes modes or critical loads at the end of an analysis; without them, why the run has not ended with them.
+/// Finds modes or critical loads at the end of an analysis; without them, why the run has not ended with them.
 fn find(
     context: &mut Context,
     progress: &Progress,
     wanted: EigenvaluePlan,
-    recorder: &mut Recorder<'_>,
     observer: &mut dyn FnMut(&Advance<'_>) -> ControlFlow<()>,
-) -> Result<(Option<Eigenvalues>, Ending), RecordError> {
+) -> (Option<Eigenvalues>, Ending) {
     let at = progress.state.point();
     let found = match wanted {
         EigenvaluePlan::Modes(options) => {
@@ -237,17 +240,14 @@ fn find(
             .map(Eigenvalues::Critical)
             .map_err(ModelModesError::from),
     };
-    let ending = match found {
-        Ok(found) => {
-            recorder.write_eigenvalues(context, at, &found)?;
-            return Ok((Some(found), Ending::Complete));
+    match found {
+        Ok(found) => (Some(found), Ending::Complete),
+        Err(error) if error.is_interruption() => (None, Ending::Interrupted { t: at.t }),
+        Err(error) => {
+            let message = error.to_string();
+            (None, Ending::Failed { message })
         }
-        Err(error) if error.is_interruption() => Ending::Interrupted { t: at.t },
-        Err(error) => Ending::Failed {
-            message: error.to_string(),
-        },
-    };
-    Ok((None, ending))
+    }
 }
 
 /// The last checkpoint of a job.

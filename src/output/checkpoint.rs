@@ -5,8 +5,8 @@ use super::directory::{self, OutputError};
 use super::history::HistoryRow;
 use super::log::{self, Extent};
 use super::plot::Shapes;
+use super::recording::Seen;
 use super::vtu::VtuFrame;
-use crate::warnings::RateChange;
 use pullback_elements::model::{Context, SavedState};
 use pullback_integrators::dynamics::Progress;
 use pullback_manifold::system::System;
@@ -34,14 +34,8 @@ pub(super) struct Record {
     pub pending: Option<(VtuFrame, String)>,
     /// Number of rows per shape.
     pub stride: usize,
-    /// Iterations and chart changes since the last row.
-    pub since: [usize; 2],
-    /// Largest rotation angle of any node so far.
-    pub largest_rotation: f64,
-    /// Warnings at the start.
-    pub warnings: Vec<String>,
-    /// Largest change of a joint's rate in a step, if steps do not resolve it.
-    pub turn: Option<RateChange>,
+    /// What is known of all steps.
+    pub seen: Seen,
     /// Wall-clock time spent.
     pub seconds: f64,
 }

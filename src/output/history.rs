@@ -60,17 +60,90 @@ pub(crate) struct HistoryRow {
     pub probes: Vec<f64>,
 }
 
+/// The numbers of a history.
+#[derive(Clone, Debug)]
+pub struct History {
+    /// Names of the columns: those of `history.csv` but for `row` and `event`, which are no numbers.
+    pub columns: Vec<String>,
+    /// Located events by row.
+    pub events: Vec<Option<String>>,
+    /// Row by row.
+    values: Vec<f64>,
+}
+
+impl History {
+    pub(super) fn new(probes: Vec<String>, rows: &[HistoryRow]) -> Self {
+        let names = COLUMNS
+            .iter()
+            .filter(|name| !["row", "event"].contains(name));
+        let names = names
+            .chain(more_columns(rows))
+            .map(|name| (*name).to_owned());
+        let moving = rows.iter().any(|row| row.motion.is_some());
+        let mut values = Vec::new();
+        for row in rows {
+            let [force, moment] = row.residual;
+            values.extend([
+                row.step as f64,
+                row.t,
+                row.step_size,
+                row.iterations as f64,
+                force,
+                moment,
+                row.ratio,
+                row.correction,
+                row.chart_changes as f64,
+                row.largest_rotation,
+                row.strain_energy,
+            ]);
+            if !moving {
+                values.push(row.unstable.map_or(f64::NAN, |n| n as f64));
+            }
+            values.extend(row.motion.iter().flatten().chain(&row.probes));
+        }
+        Self {
+            columns: names.chain(probes).collect(),
+            events: rows.iter().map(|row| row.event.clone()).collect(),
+            values,
+        }
+    }
+
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.events.len()
+    }
+
+    /// Whether there are no rows.
+    pub fn is_empty(&self) -> bool {
+        self.events.is_empty()
+    }
+
+    /// The values of a column, in the order of the rows.
+    pub fn column(&self, k: usize) -> impl DoubleEndedIterator<Item = f64> {
+        let rows = self.values.chunks_exact(self.columns.len().max(1));
+        rows.filter_map(move |row| row.get(k).copied())
+    }
+
+    /// The number of a column.
+    pub fn find(&self, name: &str) -> Option<usize> {
+        self.columns.iter().position(|column| column == name)
+    }
+}
+
+/// The columns that depend on the analysis.
+fn more_columns(rows: &[HistoryRow]) -> &'static [&'static str] {
+    match rows.iter().any(|row| row.motion.is_some()) {
+        true => &DYNAMIC_COLUMNS,
+        false => &STATIC_COLUMNS,
+    }
+}
+
 /// The whole file.
 pub(super) fn csv(probes: &[String], rows: &[HistoryRow]) -> String {
     let mut out = COLUMNS.join(",");
     let moving = rows.iter().any(|row| row.motion.is_some());
-    let more: &[&str] = if moving {
-        &DYNAMIC_COLUMNS
-    } else {
-        &STATIC_COLUMNS
-    };
     out += ",";
-    out += &more.join(",");
+    out += &more_columns(rows).join(",");
     for probe in probes {
         out += ",";
         out += probe;

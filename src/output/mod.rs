@@ -11,6 +11,7 @@ mod log;
 mod panels;
 pub mod plot;
 mod recorder;
+mod recording;
 mod results;
 mod vtu;
 
@@ -19,8 +20,9 @@ pub use checkpoint::ResumeError;
 pub use directory::OutputError;
 pub(crate) use directory::{Directory, drawing};
 pub(crate) use history::HistoryRow;
-pub use history::{COLUMNS, DYNAMIC_COLUMNS, STATIC_COLUMNS};
+pub use history::{COLUMNS, DYNAMIC_COLUMNS, History, STATIC_COLUMNS};
 pub use recorder::RecordError;
 pub(crate) use recorder::{Recorder, Setting};
+pub(crate) use recording::Recording;
 pub use results::Ending;
 pub(crate) use results::is_complete;

@@ -6,24 +6,15 @@ use crate::output::panels::panels;
 use crate::output::plot::{self, Shapes};
 use crate::output::results::{Ending, NAME, Results};
 use crate::solve::Counts;
-use crate::warnings::{RateChange, unbalanced};
 use serde::ser::Error;
 
 impl Recorder<'_> {
-    /// The warnings so far, of a complete run or not.
-    fn warnings(&self, ending: &Ending) -> Vec<String> {
-        let seen = self.diagnostics.warnings(*ending == Ending::Complete);
-        let turn = self.record.turn.as_ref().map(RateChange::warning);
-        let balance = unbalanced(&self.statistics.counts).map(str::to_owned);
-        let warnings = self.record.warnings.iter().cloned();
-        warnings.chain(seen).chain(turn).chain(balance).collect()
-    }
-
     /// Writes `result.json`; returns its warnings.
     pub(super) fn write_results(&mut self, ending: &Ending) -> Result<Vec<String>, OutputError> {
-        let warnings = self.warnings(ending);
+        let warnings = self.recording.warnings(ending);
+        self.statistics.counts = self.recording.counts;
         self.statistics.seconds = self.seconds();
-        self.statistics.largest_rotation = self.record.largest_rotation;
+        self.statistics.largest_rotation = self.recording.seen.largest_rotation;
         let files = self.directory.files().to_vec();
         // TOML has no null: keys that are absent stay absent.
         let settings = toml::Table::try_from(self.setting.file).map_err(Error::custom);
@@ -67,7 +58,12 @@ impl Recorder<'_> {
         let extents = shapes.chain([&self.reference]).map(Shapes::extent);
         let length = extents.fold(0.0, f64::max);
         let title = self.figure_title(ending, false);
-        let panels = panels(self.setting.plan, &self.probes, &self.rows, length);
+        let panels = panels(
+            self.setting.plan,
+            &self.recording.probes,
+            &self.recording.rows,
+            length,
+        );
         let history = plot::panels(title.as_deref(), &panels).map_err(drawing("history.svg"))?;
         self.directory.write("history.svg", &history)
     }
@@ -78,10 +74,10 @@ impl Recorder<'_> {
         ending: &Ending,
         counts: Counts,
     ) -> Result<(Directory, Vec<String>), OutputError> {
-        self.statistics.counts = counts;
+        self.recording.counts = counts;
         self.write_pending()?;
         self.write_history()?;
-        if self.setting.file.output.figures && !self.rows.is_empty() {
+        if self.setting.file.output.figures && !self.recording.rows.is_empty() {
             self.write_figures(ending)?;
         }
         let warnings = self.write_results(ending)?;

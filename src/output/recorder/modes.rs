@@ -86,7 +86,10 @@ impl Recorder<'_> {
         at: Point<'_>,
         modes: &ModelModes,
     ) -> Result<(), OutputError> {
-        self.record.warnings.extend(modes.warnings.iter().cloned());
+        self.recording
+            .seen
+            .warnings
+            .extend(modes.warnings.iter().cloned());
         let mut csv = COLUMNS.to_owned();
         for (k, mode) in modes.modes.iter().enumerate() {
             let m = &mode.mode;

@@ -1,0 +1,103 @@
+//! A run in memory: no files are written.
+
+use super::{RunError, ending, find, first_warnings, initial_progress, notes};
+use crate::input::Job;
+use crate::modes::Eigenvalues;
+use crate::output::{Ending, History, RecordError, Recording};
+use crate::solve::{Advance, Counts, solve};
+use pullback_elements::model::Context;
+use pullback_manifold::system::SystemError;
+use std::ops::ControlFlow;
+use std::path::Path;
+
+/// A run in memory.
+#[derive(Debug)]
+pub struct Recorded {
+    /// How it ended.
+    pub ending: Ending,
+    /// Statistics of the analysis.
+    pub counts: Counts,
+    /// Name of the parameter: load parameter or time.
+    pub parameter: &'static str,
+    /// The history: converged steps and located events.
+    pub history: History,
+    /// Warnings.
+    pub warnings: Vec<String>,
+    /// Notes on the model.
+    pub notes: Vec<String>,
+    /// Modes or critical loads at its end, if they were requested and found.
+    pub eigenvalues: Option<Eigenvalues>,
+}
+
+/// Runs an assembled job without writing files. `each_row` is called at each row, with the model in its configuration;
+/// `observer` after each converged step, and may stop the run.
+///
+/// # Errors
+/// [`RunError::Start`], [`RunError::Input`]. A failure of the solver is the ending of a run that has the
+/// converged steps.
+pub fn record_job(
+    job: Job,
+    each_row: &mut dyn FnMut(&Context),
+    observer: &mut dyn FnMut(&Advance<'_>) -> ControlFlow<()>,
+) -> Result<Recorded, RunError> {
+    let Job {
+        mut context,
+        start,
+        plan,
+        eigenvalues,
+        probes,
+        file,
+        ..
+    } = job;
+    let notes = notes(&context, &plan);
+    let mut progress = initial_progress(&mut context, &plan, &start, None, Path::new(""))?;
+    let warnings = first_warnings(&mut context, &file, &plan, &progress);
+    let mut recording = Recording::new(&plan, probes, warnings);
+    let unevaluated = |error: SystemError| RunError::Record(error.into());
+    if recording
+        .start(&mut context, &progress)
+        .map_err(unevaluated)?
+        .is_some()
+    {
+        each_row(&context);
+    }
+    let mut failed = None;
+    let ended = solve(&mut context, &plan, &mut progress, &mut |context, step| {
+        match recording.take(context, step) {
+            Ok(Some(_)) => each_row(context),
+            Ok(None) => {}
+            Err(error) => {
+                failed = Some(RecordError::from(error));
+                return ControlFlow::Break(());
+            }
+        }
+        observer(step)
+    });
+    let t = recording.rows.last().map_or(plan.start(), |row| row.t);
+    let mut ending = match failed {
+        Some(error) => Ending::Failed {
+            message: error.to_string(),
+        },
+        None => ending(&ended, t),
+    };
+    let mut found = None;
+    if let (Some(wanted), Ending::Complete) = (eigenvalues, &ending) {
+        (found, ending) = find(&mut context, &progress, wanted, observer);
+    }
+    if let Some(Eigenvalues::Modes(modes)) = &found {
+        recording
+            .seen
+            .warnings
+            .extend(modes.warnings.iter().cloned());
+    }
+    recording.counts = ended.counts;
+    Ok(Recorded {
+        warnings: recording.warnings(&ending),
+        counts: ended.counts,
+        parameter: plan.parameter(),
+        history: recording.history(),
+        ending,
+        notes,
+        eigenvalues: found,
+    })
+}
