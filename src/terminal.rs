@@ -48,7 +48,20 @@ impl ProgressLine {
     pub fn until(&mut self, to: f64) {
         self.to = Some(to);
         self.bar.set_length(WHOLE);
-        self.style("{spinner} {elapsed_precise} [{bar:20}] {msg}");
+        self.style("{spinner} {elapsed_precise} [{bar:20}] {percent} %, {eta} left  {msg}");
+    }
+
+    /// Adds a bar with the time left to the line, for runs of which some are done.
+    pub fn count(&mut self, runs: usize, done: usize) {
+        self.bar.set_length(runs as u64);
+        self.bar.set_position(done as u64);
+        self.bar.reset_eta();
+        self.style("{spinner} {elapsed_precise} [{bar:20}] {pos} of {len} runs, {eta} left");
+    }
+
+    /// Shows that one more run is done.
+    pub fn one(&self) {
+        self.bar.inc(1);
     }
 
     /// Shows a converged step.

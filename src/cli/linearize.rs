@@ -1,5 +1,6 @@
 //! `pullback linearize`.
 
+use super::parameters::ModelArguments;
 use super::{FAILED, INTERRUPTED, complain, print, refuse};
 use crate::input::{Analysis, Job, Plan, Registry};
 use crate::output::{Directory, Ending, OutputError};
@@ -34,8 +35,8 @@ const FILES: [&str; 12] = [
 /// Arguments of `pullback linearize`.
 #[derive(clap::Args)]
 pub(super) struct LinearizeArguments {
-    /// Model file (TOML; see docs/model_file.md).
-    model: PathBuf,
+    #[command(flatten)]
+    file: ModelArguments,
     /// Load parameter or time of the state, instead of the end of the analysis.
     #[arg(long, allow_hyphen_values = true)]
     at: Option<f64>,
@@ -49,7 +50,7 @@ pub(super) struct LinearizeArguments {
 
 /// Solves up to the state, and writes the matrices; returns the exit code.
 pub(super) fn linearize(registry: &Registry, args: &LinearizeArguments) -> u8 {
-    let mut job = match registry.load(&args.model) {
+    let mut job = match args.file.load(registry) {
         Ok(job) => job,
         Err(error) => return complain(&error),
     };
@@ -66,7 +67,7 @@ pub(super) fn linearize(registry: &Registry, args: &LinearizeArguments) -> u8 {
     let out = args
         .out
         .clone()
-        .unwrap_or_else(|| args.model.with_extension("linear"));
+        .unwrap_or_else(|| args.file.model.with_extension("linear"));
     let plan = &job.plan;
     let started = initial_progress(&mut job.context, plan, &job.start, None, &out);
     let mut progress = match started {

@@ -3,7 +3,9 @@
 mod compare;
 pub mod gallery;
 mod linearize;
+mod parameters;
 mod spectrum;
+mod sweep;
 
 use crate::input::{InputError, Plan, Registry};
 use crate::output::Ending;
@@ -11,6 +13,7 @@ use crate::run::{Outcome, RunError, default_directory, run_job};
 use crate::solve::Advance;
 use crate::terminal::{self, ProgressLine, tell};
 use clap::{Parser, Subcommand};
+use parameters::ModelArguments;
 use pullback_integrators::significant;
 use std::ffi::OsString;
 use std::io::{self, IsTerminal, Write};
@@ -67,6 +70,13 @@ enum Command {
     /// K, C, M and ∂r/∂u in Matrix Market format, and the names of the coordinates. Exit code 0: complete; 1: the
     /// analysis failed, or the state is not in balance; 2: the model is refused or the files cannot be written.
     Linearize(linearize::LinearizeArguments),
+    /// Runs a model file with many values of its parameters, several runs at a time.
+    ///
+    /// Writes sweep.csv: a row for each run with the values, its outcome, and what is kept of each probe; frequencies and critical
+    /// loads of an analysis that finds them. A run that fails is a row with its message. A sweep that was stopped goes on
+    /// with the same command. Exit code 0: complete; 1: no run came to its end; 2: the model or an argument is
+    /// refused, or the rows cannot be written; 130: interrupted.
+    Sweep(sweep::SweepArguments),
     /// Prints the JSON Schema of the model file.
     Schema,
     /// Computes the built-in cases and compares them with published or exact results.
@@ -85,8 +95,8 @@ enum Command {
 
 #[derive(clap::Args)]
 struct RunArguments {
-    /// Model file (TOML; see docs/model_file.md).
-    model: PathBuf,
+    #[command(flatten)]
+    file: ModelArguments,
     /// Directory of the results; `MODEL.out` beside the model file by default.
     #[arg(long)]
     out: Option<PathBuf>,
@@ -101,8 +111,8 @@ struct RunArguments {
 
 #[derive(clap::Args)]
 struct CheckArguments {
-    /// Model file (TOML; see docs/model_file.md).
-    model: PathBuf,
+    #[command(flatten)]
+    file: ModelArguments,
     /// Seed of the random states and directions.
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -138,6 +148,7 @@ pub fn run(registry: &Registry, arguments: impl IntoIterator<Item = OsString>) -
         Command::Check(args) => check(registry, &args),
         Command::Compare(args) => compare::compare(registry, args, &command_line),
         Command::Linearize(args) => linearize::linearize(registry, &args),
+        Command::Sweep(args) => sweep::sweep(registry, args),
         Command::Spectrum(args) => spectrum::spectrum(args, &command_line),
         Command::Schema => {
             json("the schema", &registry.schema()).map_or_else(|code| code, |text| print(&text))
@@ -181,15 +192,15 @@ fn complain(error: &InputError) -> u8 {
 
 fn run_model(registry: &Registry, args: RunArguments) -> u8 {
     let RunArguments {
-        model,
+        file,
         out,
         resume,
         quiet,
     } = args;
-    let directory = out.unwrap_or_else(|| default_directory(&model));
-    let source = model.display().to_string();
+    let directory = out.unwrap_or_else(|| default_directory(&file.model));
+    let source = file.model.display().to_string();
     let mut progress = ProgressLine::new(quiet);
-    let job = registry.load(&model).map_err(RunError::from);
+    let job = file.load(registry).map_err(RunError::from);
     if let Ok(Plan::Dynamic(motion)) = job.as_ref().map(|job| &job.plan) {
         progress.until(motion.options.to);
     }
@@ -263,7 +274,7 @@ fn report(outcome: &Outcome, quiet: bool) -> u8 {
 
 fn check(registry: &Registry, args: &CheckArguments) -> u8 {
     let mut notes = String::new();
-    let report = match registry.load(&args.model) {
+    let report = match args.file.load(registry) {
         Ok(mut job) => {
             if job.context.mapped_frames().next().is_some() {
                 notes = job.context.descriptions().join("\n") + "\n";

@@ -120,6 +120,9 @@ impl InputProblem {
             | Self::UnknownName {
                 name: found, known, ..
             } => Some(suggestion(found, known)),
+            Self::Parameter { found, known, .. } if !known.is_empty() => {
+                Some(suggestion(found, known))
+            }
             Self::Range { expected, .. } | Self::ProbeComponent { expected, .. } => {
                 Some(format!("expected {expected}"))
             }
@@ -153,6 +156,9 @@ impl InputProblem {
             } => "make the two entries equal",
             Self::LoadTarget { load: "force", .. } => {
                 "on a line use force_per_length = [fx, fy, fz]; a force needs a node"
+            }
+            Self::Path { .. } => {
+                "keys, numbers of entries from 0 and names, with points between them, such as loads.0.force.2"
             }
             Self::Empty => "describe at least [nodes] and [[lines]], [[bodies]] or [[springs]]",
             Self::Number { .. } => "numbers must be finite and below 1e100; choose other units",

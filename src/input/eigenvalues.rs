@@ -20,6 +20,20 @@ pub enum EigenvaluePlan {
     Campbell(Input, CampbellOptions),
 }
 
+impl EigenvaluePlan {
+    /// Name and number of the values found, where the number is known.
+    pub(crate) fn columns(&self) -> (&'static str, usize) {
+        match self {
+            Self::Modes(options) => match options.selection {
+                Selection::Nearest { count, .. } => ("frequency", count),
+                Selection::Range(_) => ("frequency", 0),
+            },
+            Self::Buckling(count) => ("load", *count),
+            Self::Campbell(..) => ("", 0),
+        }
+    }
+}
+
 /// What to find at the end of the steps of an analysis.
 pub(super) fn plan(assembly: &Assembly<'_>) -> Result<Option<EigenvaluePlan>, InputError> {
     let (at, analysis) = (assembly.at("analysis"), &assembly.file.analysis);

@@ -28,6 +28,15 @@ pub enum InputProblem {
     },
     #[error("cannot read shapes from {}: {message}", path.display())]
     Shapes { path: PathBuf, message: String },
+    #[error("\"{path}\" is no path of a parameter")]
+    Path { path: String },
+    #[error("{}", missing(path, within, found))]
+    Parameter {
+        path: String,
+        within: String,
+        found: String,
+        known: Vec<String>,
+    },
     #[error("the model file is empty")]
     Empty,
     #[error("{0}")]
@@ -229,6 +238,15 @@ pub enum InputProblem {
 }
 
 /// Items joined by commas.
+fn missing(path: &str, within: &str, found: &str) -> String {
+    match (within, found) {
+        (_, "") => {
+            format!("{path} is a whole part of the model, not a parameter: name a key of it")
+        }
+        _ => format!("{path} is no parameter of the model: {within} has no {found}"),
+    }
+}
+
 fn list(words: &[&'static str]) -> String {
     match words {
         [] => "none".to_owned(),

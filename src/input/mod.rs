@@ -12,6 +12,7 @@ mod initial;
 mod joints;
 mod location;
 mod names;
+mod parameters;
 mod parts;
 mod probes;
 mod schema;
@@ -23,6 +24,7 @@ pub use error::{InputError, InputProblem};
 pub use file::*;
 pub use initial::Start;
 pub use joints::{BoxedError, Registry, Site};
+pub use parameters::with_parameters;
 pub use schema::schema;
 pub use settings::{DynamicPlan, Plan};
 
@@ -39,6 +41,19 @@ impl Registry {
     /// [`InputError`] for anything that is wrong with it.
     pub fn load(&self, path: &Path) -> Result<Job, InputError> {
         let text = read(path)?;
+        self.assemble_text(&path.display().to_string(), &text)
+    }
+
+    /// As [`Registry::load`], with other values of parameters: see [`with_parameters`].
+    ///
+    /// # Errors
+    /// As [`Registry::load`] and [`with_parameters`].
+    pub fn load_with(
+        &self,
+        path: &Path,
+        parameters: &[(String, String)],
+    ) -> Result<Job, InputError> {
+        let text = with_parameters(&read(path)?, parameters.iter().map(|(p, v)| (p, v)))?;
         self.assemble_text(&path.display().to_string(), &text)
     }
 
@@ -116,7 +131,7 @@ pub fn job_in(name: &str, file: &ModelFile, formulation: Formulation) -> Result<
 }
 
 /// The text of a file.
-fn read(path: &Path) -> Result<String, InputError> {
+pub(crate) fn read(path: &Path) -> Result<String, InputError> {
     let bytes = std::fs::read(path).map_err(|source| {
         InputError::whole(InputProblem::Unreadable {
             path: path.to_owned(),

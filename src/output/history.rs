@@ -65,6 +65,8 @@ pub(crate) struct HistoryRow {
 pub struct History {
     /// Names of the columns: those of `history.csv` but for `row` and `event`, which are no numbers.
     pub columns: Vec<String>,
+    /// Number of columns before those of the probes.
+    general: usize,
     /// Located events by row.
     pub events: Vec<Option<String>>,
     /// Row by row.
@@ -76,9 +78,10 @@ impl History {
         let names = COLUMNS
             .iter()
             .filter(|name| !["row", "event"].contains(name));
-        let names = names
-            .chain(more_columns(rows))
-            .map(|name| (*name).to_owned());
+        let names = names.chain(more_columns(rows));
+        let mut columns: Vec<String> = names.map(|name| (*name).to_owned()).collect();
+        let general = columns.len();
+        columns.extend(probes);
         let moving = rows.iter().any(|row| row.motion.is_some());
         let mut values = Vec::new();
         for row in rows {
@@ -102,10 +105,16 @@ impl History {
             values.extend(row.motion.iter().flatten().chain(&row.probes));
         }
         Self {
-            columns: names.chain(probes).collect(),
+            columns,
+            general,
             events: rows.iter().map(|row| row.event.clone()).collect(),
             values,
         }
+    }
+
+    /// The columns of the probes.
+    pub fn probes(&self) -> std::ops::Range<usize> {
+        self.general..self.columns.len()
     }
 
     /// Number of rows.

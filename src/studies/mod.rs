@@ -4,3 +4,4 @@ pub mod compare;
 pub mod gallery;
 pub mod general;
 pub mod spectrum;
+pub mod sweep;

@@ -14,4 +14,5 @@ mod resume;
 mod run;
 mod schema;
 mod shapes;
+mod sweep;
 mod weight;

@@ -1,0 +1,133 @@
+//! `pullback sweep`.
+
+use super::{FAILED, INTERRUPTED, complain, parameters, print, refuse};
+use crate::input::{self, Registry, with_parameters};
+use crate::studies::sweep::{Axis, Reduction, Sweep, SweepTable};
+use crate::terminal::{self, ProgressLine, plural, tell};
+use std::collections::HashSet;
+use std::num::NonZeroUsize;
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+
+/// Arguments of `pullback sweep`.
+#[derive(clap::Args)]
+pub(super) struct SweepArguments {
+    /// Model file (TOML; see docs/model_file.md).
+    model: PathBuf,
+    /// A parameter and its values: PATH=linspace(FROM,TO,COUNT), PATH=geomspace(FROM,TO,COUNT) or PATH=[A,B,...].
+    /// Of several parameters all combinations are run.
+    #[arg(
+        long,
+        value_name = "PATH=VALUES",
+        required = true,
+        allow_hyphen_values = true
+    )]
+    over: Vec<Axis>,
+    /// Another value of a parameter, the same in all runs.
+    #[arg(long = "set", value_name = "PATH=VALUE", value_parser = parameters::assignment, allow_hyphen_values = true)]
+    set: Vec<(String, String)>,
+    /// What is kept of each probe: last, max, min or at(T); several by repetition or with commas.
+    #[arg(long, default_value = "last", value_delimiter = ',')]
+    keep: Vec<Reduction>,
+    /// Runs at a time; by default as many as there are processors.
+    #[arg(long)]
+    workers: Option<NonZeroUsize>,
+    /// Directory of the results; `MODEL.sweep` beside the model file by default. A sweep that was stopped goes on there.
+    #[arg(long)]
+    out: Option<PathBuf>,
+    /// Prints errors only.
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+/// Runs a sweep; returns the exit code.
+pub(super) fn sweep(registry: &Registry, args: SweepArguments) -> u8 {
+    let out = (args.out).unwrap_or_else(|| args.model.with_extension("sweep"));
+    let text = input::read(&args.model).and_then(|text| with_parameters(&text, args.set));
+    let text = match text {
+        Ok(text) => text,
+        Err(error) => return complain(&error),
+    };
+    let sweep = Sweep {
+        model: args.model.display().to_string(),
+        text,
+        axes: args.over,
+        reductions: args.keep,
+    };
+    let columns = match sweep.columns(registry) {
+        Ok(columns) => columns,
+        Err(error) => return complain(&error),
+    };
+    let mut table = match SweepTable::open(&sweep, &columns, &out) {
+        Ok(table) => table,
+        Err(error) => return refuse(error),
+    };
+    let done: HashSet<usize> = table.rows().iter().map(|row| row.run).collect();
+    let runs: Vec<usize> = (0..sweep.len()).filter(|run| !done.contains(run)).collect();
+    let mut progress = ProgressLine::new(args.quiet);
+    progress.count(sweep.len(), done.len());
+    let threads = args
+        .workers
+        .or_else(|| std::thread::available_parallelism().ok());
+    let mut unsaved = None;
+    let swept = sweep.run(
+        registry,
+        &runs,
+        threads.map_or(1, NonZeroUsize::get),
+        &mut |row| {
+            let added = table.add(row);
+            progress.one();
+            match added {
+                Ok(()) => ControlFlow::Continue(()),
+                Err(error) => {
+                    unsaved = Some(error);
+                    ControlFlow::Break(())
+                }
+            }
+        },
+        &terminal::flow,
+    );
+    progress.clear();
+    if let Some(error) = unsaved {
+        return refuse(error);
+    }
+    match swept.map(|()| table.finish()) {
+        Err(error) => complain(&error),
+        Ok(Err(error)) => refuse(error),
+        Ok(Ok(rows)) => {
+            let failed = rows.iter().filter(|row| row.outcome != "complete");
+            let first = failed.clone().next();
+            let count = failed.count();
+            if let Some(row) = first {
+                tell(format_args!(
+                    "warning: {count} of {} did not end as planned, the first one, run {}: {}",
+                    plural(rows.len(), "run"),
+                    row.run,
+                    row.outcome
+                ));
+            }
+            if rows.len() < sweep.len() {
+                tell(format_args!(
+                    "interrupted: {} of {} kept in {}; the same command goes on from there",
+                    rows.len(),
+                    plural(sweep.len(), "run"),
+                    out.display()
+                ));
+                return INTERRUPTED;
+            }
+            let code = if count == rows.len() && count > 0 {
+                FAILED
+            } else {
+                0
+            };
+            match args.quiet {
+                true => code,
+                false => code.max(print(&format!(
+                    "{} in {}\n",
+                    plural(rows.len(), "run"),
+                    out.join("sweep.csv").display()
+                ))),
+            }
+        }
+    }
+}

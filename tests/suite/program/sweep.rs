@@ -1,0 +1,253 @@
+//! Parameters by path, and sweeps over them.
+
+#![allow(clippy::unwrap_used)]
+
+use crate::support::program::{directory, ended, history, number, program_in, read, succeeded};
+use pullback::input::{assemble_text, with_parameters};
+use std::path::Path;
+
+/// A cantilever with a small force at its tip.
+const CANTILEVER: &str = r#"
+[sections.rod] # steel
+stiffness = { EA = 1e6, GA = [4e5, 5e5], GJ = 1.0, EI = [2.0, 3.0] }
+[nodes]
+root = [0, 0, 0] # held
+tip = [2, 0, 0]
+[[lines]]
+name = "beam"
+from = "root"
+to = "tip"
+elements = 4
+order = 2
+section = "rod"
+[[supports]]
+node = "root"
+fix = "all"
+[[loads]]
+node = "tip"
+force = [0, 0, 1e-6]
+[[probes]]
+name = "tip"
+quantity = "displacement"
+node = "tip"
+component = "z"
+"#;
+
+fn written(name: &str) -> std::path::PathBuf {
+    let directory = directory(name);
+    std::fs::write(directory.join("beam.toml"), CANTILEVER).unwrap();
+    directory
+}
+
+/// The table of a sweep without its wall-clock times.
+fn table(path: &Path) -> Vec<Vec<String>> {
+    let text = read(path);
+    let head = text.lines().next().unwrap();
+    let seconds = head.split(',').position(|name| name == "seconds");
+    let cells = |line: &str| -> Vec<String> {
+        let cells = line.split(',').enumerate();
+        let cells = cells.filter(|(k, _)| Some(*k) != seconds);
+        cells.map(|(_, cell)| cell.to_owned()).collect()
+    };
+    text.lines().map(cells).collect()
+}
+
+#[test]
+fn a_parameter_is_a_key_an_entry_or_a_part_by_name() {
+    let with = |path: &str, value: &str| with_parameters(CANTILEVER, [(path, value)]).unwrap();
+    for (path, value, line) in [
+        ("loads.0.force.2", "-500", "force = [0, 0, -500]"),
+        ("lines.beam.elements", "7", "elements = 7"),
+        ("nodes.root", "[1, 0, 0]", "root = [1, 0, 0] # held"),
+        ("sections.rod.stiffness.EI.1", "9.5", "EI = [2.0, 9.5] }"),
+        ("lines.0.section", "other", "section = \"other\""),
+    ] {
+        let text = with(path, value);
+        assert!(text.contains(line), "{text}");
+        assert!(text.contains("# steel"), "{text}");
+    }
+    // What is missing is added.
+    let text = with("analysis.static.max_step", "0.5");
+    let file = assemble_text("beam.toml", &text).unwrap().file;
+    let analysis = serde_json::to_value(&file.analysis).unwrap();
+    assert_eq!(analysis["static"]["max_step"], 0.5);
+}
+
+#[test]
+fn unknown_parameters_are_refused_with_those_there_are() {
+    let directory = written("parameters_refused");
+    for (set, message, help) in [
+        ("loads.7.force.2=1", "loads has no 7", "`0`"),
+        (
+            "lines.bean.elements=5",
+            "lines has no bean",
+            "did you mean `beam`?",
+        ),
+        (
+            "sections.rid.damping=5",
+            "sections has no rid",
+            "did you mean `rod`?",
+        ),
+        (
+            "nodes.tap=[0,0,0]",
+            "nodes has no tap",
+            "did you mean `tip`?",
+        ),
+        (
+            "loads.0.forc.2=1",
+            "unknown key or word `forc`",
+            "did you mean `force`?",
+        ),
+        ("loads.0.force.2.1=1", "loads.0.force.2 has no 1", ""),
+        ("loads.0=1", "loads.0 is a whole part of the model", ""),
+        (
+            "a..b=1",
+            "\"a..b\" is no path of a parameter",
+            "such as loads.0.force.2",
+        ),
+        ("lines.0.elements=many", "invalid type", "a whole number"),
+        ("=1", "is no path", ""),
+        ("loads", "give PATH=VALUE", ""),
+    ] {
+        let said = ended(
+            &program_in(&directory, &format!("run beam.toml --set {set}")),
+            2,
+        );
+        assert!(
+            said.contains(message) && said.contains(help),
+            "{set}: {said}"
+        );
+        assert!(!directory.join("beam.out").exists());
+    }
+}
+
+/// A small deflection is P L³/3EI + P L/GA (Timoshenko): over two stiffnesses, in one thread and in two; and as a run
+/// with the same parameters.
+#[test]
+fn a_sweep_is_a_row_for_each_run() {
+    let directory = written("sweep_rows");
+    let over = "--over sections.rod.stiffness.EI.0=linspace(1,3,3) \
+                --over loads.0.force.2=[1e-6,2e-6] --keep last,max,min,at(0.5)";
+    for (workers, out) in [(1, "one"), (2, "two")] {
+        let line = format!("sweep beam.toml {over} --workers {workers} --out {out}");
+        succeeded(&program_in(&directory, &line));
+    }
+    let rows = table(&directory.join("one/sweep.csv"));
+    assert_eq!(rows, table(&directory.join("two/sweep.csv")));
+    let head = "run,sections.rod.stiffness.EI.0,loads.0.force.2,outcome,t,\
+                tip.last,tip.max,tip.min,tip.at(0.5)";
+    assert_eq!(rows[0].join(","), head);
+    assert_eq!(rows.len(), 7);
+    let mut k = 0;
+    for stiffness in ["1.0", "2.0", "3.0"] {
+        for force in ["1e-6", "2e-6"] {
+            k += 1;
+            let row = &rows[k];
+            assert_eq!(
+                row[..5],
+                [&(k - 1).to_string(), stiffness, force, "complete", "1.0"]
+            );
+            let value = |k: usize| row[k].parse::<f64>().unwrap();
+            let (stiffness, force): (f64, f64) =
+                (stiffness.parse().unwrap(), force.parse().unwrap());
+            let exact = force * (8.0 / (3.0 * stiffness) + 2.0 / 5e5);
+            for (column, exact) in [(5, exact), (6, exact), (7, 0.0), (8, 0.5 * exact)] {
+                assert!(
+                    (value(column) - exact).abs() < 1e-9 * force,
+                    "{row:?}, {exact}"
+                );
+            }
+        }
+    }
+    let set = "--set sections.rod.stiffness.EI.0=3.0 --set loads.0.force.2=2e-6";
+    succeeded(&program_in(&directory, &format!("run beam.toml {set}")));
+    let last = history(&directory.join("beam.out")).pop().unwrap();
+    assert_eq!(number(&last, "tip"), rows[6][5].parse::<f64>().unwrap());
+}
+
+/// Runs that fail or are refused are rows; a sweep that was stopped, within a line, makes the rows that are missing.
+#[test]
+fn a_stopped_sweep_goes_on() {
+    let directory = written("sweep_goes_on");
+    let line = "sweep beam.toml --over lines.0.elements=[1,2,0,3,4] --quiet";
+    let said = succeeded(&program_in(&directory, line));
+    assert!(
+        said.contains("1 of 5 runs did not end as planned"),
+        "{said}"
+    );
+    let path = directory.join("beam.sweep/sweep.csv");
+    let whole = read(&path);
+    let rows = table(&path);
+    assert!(whole.contains("elements = 0 is out of range"), "{whole}");
+    let kept: Vec<&str> = whole.lines().take(3).collect();
+    std::fs::write(&path, format!("{}\n2,0,\"cut", kept.join("\n"))).unwrap();
+    succeeded(&program_in(&directory, line));
+    assert_eq!(table(&path), rows);
+    // What was kept is not run again.
+    assert!(read(&path).starts_with(&kept.join("\n")));
+    let other = line.replace("3,4]", "3,5]");
+    let said = ended(&program_in(&directory, &other), 2);
+    assert!(
+        said.contains("holds another sweep") && said.contains("--out"),
+        "{said}"
+    );
+    assert_eq!(table(&path), rows);
+}
+
+#[test]
+fn sweeps_are_refused_before_the_first_run() {
+    let directory = written("sweep_refused");
+    for (arguments, message) in [
+        ("--over lines.0.element=[1]", "did you mean `elements`?"),
+        ("--over lines.1.elements=[1]", "lines has no 1"),
+        ("--over lines.0.elements", "a parameter is PATH=VALUES"),
+        (
+            "--over lines.0.elements=linspace(1,2)",
+            "a range is linspace(FROM,TO,COUNT)",
+        ),
+        (
+            "--over lines.0.elements=geomspace(-1,2,3)",
+            "a range is linspace",
+        ),
+        (
+            "--over lines.0.elements=7",
+            "values are linspace(FROM,TO,COUNT)",
+        ),
+        (
+            "--over lines.0.elements=[1] --keep mean",
+            "last, max, min or at(T)",
+        ),
+        ("--over lines.0.elements=[1] --workers 0", "--workers"),
+        ("", "--over"),
+    ] {
+        let line = format!("sweep beam.toml {arguments}");
+        let said = ended(&program_in(&directory, line.trim()), 2);
+        assert!(said.contains(message), "{arguments}: {said}");
+        assert!(!directory.join("beam.sweep").exists());
+    }
+}
+
+/// The first frequency of a slender cantilever over its stiffness is a column.
+#[test]
+fn frequencies_of_a_sweep() {
+    let directory = directory("sweep_modes");
+    let mass = "mass = { A_rho = 1.0, J = [1e-9, 1e-9, 1e-9] }\n";
+    let text = CANTILEVER.replace("stiffness = {", &format!("{mass}stiffness = {{"));
+    let text = format!("{text}\n[analysis.modes]\ncount = 1\n");
+    std::fs::write(directory.join("beam.toml"), text).unwrap();
+    let line =
+        "sweep beam.toml --over sections.rod.stiffness.EI.0=[0.01,0.04] --set lines.0.elements=16";
+    succeeded(&program_in(&directory, line));
+    let rows = table(&directory.join("beam.sweep/sweep.csv"));
+    assert_eq!(rows[0].last().unwrap(), "frequency_1");
+    let frequency = |k: usize| rows[k].last().unwrap().parse::<f64>().unwrap();
+    // 3.516015 √(EI/m)/L².
+    for (k, stiffness) in [(1, 0.01_f64), (2, 0.04)] {
+        let exact = 3.516015268500151 * stiffness.sqrt() / 4.0 / std::f64::consts::TAU;
+        assert!(
+            (frequency(k) / exact - 1.0).abs() < 1e-4,
+            "{}",
+            frequency(k) / exact
+        );
+    }
+}
