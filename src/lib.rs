@@ -103,6 +103,8 @@ pub mod method;
 #[cfg(feature = "cli")]
 pub mod modes;
 #[cfg(feature = "cli")]
+pub mod motion;
+#[cfg(feature = "cli")]
 pub mod output;
 #[cfg(feature = "cli")]
 pub mod probe;

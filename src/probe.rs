@@ -6,6 +6,8 @@ use crate::input::ProbeQuantity;
 use nalgebra::Vector3;
 use pullback_elements::element::SectionState;
 use pullback_elements::model::{Context, ElementId, EnergiesAndMomentum, NodeId, Reaction};
+use pullback_integrators::dynamics::Progress;
+use pullback_manifold::system::SystemError;
 use std::f64::consts::TAU;
 
 /// The object of a probe.
@@ -46,6 +48,7 @@ pub struct Probe {
 }
 
 /// The quantities of a model at one step, evaluated once for all probes.
+#[derive(Default)]
 pub(crate) struct Answers {
     /// Strains and forces at all integration points.
     pub sections: Vec<(ElementId, SectionState)>,
@@ -69,6 +72,16 @@ impl Answers {
             load_potential: context.load_potential(t),
             motion: None,
         }
+    }
+
+    /// Evaluates a model at the present state of a motion.
+    pub fn of_motion(context: &mut Context, progress: &Progress) -> Result<Self, SystemError> {
+        let balance = context.energies_and_momentum(progress.state.point())?;
+        let defect = progress.summary.energy.map_or(0.0, |e| e.defect());
+        Ok(Self {
+            motion: Some((balance, defect)),
+            ..Self::of(context, progress.state.t)
+        })
     }
 
     /// A scalar of the whole model.
@@ -124,6 +137,21 @@ impl Probe {
     /// Restores that rotation vector.
     pub(crate) fn restore(&mut self, memory: [f64; 3]) {
         self.continued = memory.into();
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Whether the configuration of the model has its value: no forces and energies are needed.
+    pub(crate) fn is_kinematic(&self) -> bool {
+        use ProbeQuantity as Q;
+        match &self.target {
+            Target::Joint(_) => true,
+            Target::Node(..) => !matches!(self.quantity, Q::reaction_force | Q::reaction_moment),
+            Target::Element(_) | Target::Whole => false,
+        }
     }
 
     /// Heads of its columns.

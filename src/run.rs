@@ -2,7 +2,7 @@
 
 mod memory;
 
-pub use memory::{Recorded, record_job};
+pub use memory::{ReachError, Recorded, reach, record_job};
 
 use crate::input::{self, EigenvaluePlan, InputError, Job, ModelFile, Plan, Start};
 use crate::modes::{self, Eigenvalues, ModelModesError};

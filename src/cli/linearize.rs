@@ -2,11 +2,10 @@
 
 use super::parameters::ModelArguments;
 use super::{FAILED, INTERRUPTED, complain, print, refuse};
-use crate::input::{Analysis, Job, Plan, Registry};
-use crate::output::{Directory, Ending, OutputError};
+use crate::input::{Analysis, Job, Registry};
+use crate::output::{Directory, OutputError};
 use crate::probe::{Answers, Probe};
-use crate::run::{RunError, ending, initial_progress};
-use crate::solve::solve;
+use crate::run::{ReachError, RunError, reach};
 use crate::terminal::{self, plural, tell};
 use pullback_elements::model::Context;
 use pullback_integrators::linearization::{
@@ -54,47 +53,21 @@ pub(super) fn linearize(registry: &Registry, args: &LinearizeArguments) -> u8 {
         Ok(job) => job,
         Err(error) => return complain(&error),
     };
-    match (&mut job.plan, args.at) {
-        (_, None) => {}
-        (Plan::Static(options), Some(at)) => options.to = at,
-        (Plan::Dynamic(plan), Some(at)) => plan.options.to = at,
-        (Plan::Path(..), Some(_)) => {
-            return refuse(
-                "--at: a path may pass a load several times; end it there by `stop` instead",
-            );
-        }
-    }
-    let out = args
-        .out
-        .clone()
-        .unwrap_or_else(|| args.file.model.with_extension("linear"));
-    let plan = &job.plan;
-    let started = initial_progress(&mut job.context, plan, &job.start, None, &out);
-    let mut progress = match started {
+    let progress = match reach(&mut job, args.at, &mut |_| terminal::flow()) {
         Ok(progress) => progress,
-        Err(RunError::Input(error)) => return complain(&error),
-        Err(error) => return refuse(error),
-    };
-    let ended = solve(&mut job.context, plan, &mut progress, &mut |_, _| {
-        terminal::flow()
-    });
-    match ending(&ended, progress.state.t) {
-        Ending::Interrupted { .. } => {
+        Err(ReachError::Run(RunError::Input(error))) => return complain(&error),
+        Err(ReachError::Interrupted) => {
             tell("interrupted: nothing is written");
             return INTERRUPTED;
         }
-        Ending::StepLimit { max_steps, .. } => {
-            refuse(format!(
-                "no stop was reached within max_steps = {max_steps}"
-            ));
+        Err(error @ ReachError::Path) => return refuse(format!("--at: {error}")),
+        Err(ReachError::Run(error)) => return refuse(error),
+        Err(error @ ReachError::Failed(_)) => {
+            refuse(error);
             return FAILED;
         }
-        Ending::Failed { message } => {
-            refuse(message);
-            return FAILED;
-        }
-        Ending::Complete | Ending::Running => {}
-    }
+    };
+    let out = (args.out.clone()).unwrap_or_else(|| args.file.model.with_extension("linear"));
     let at = progress.state.point();
     let found = linearized(&mut job.context, at).map_err(|error| error.to_string());
     let found = found.and_then(|lin| {

@@ -69,7 +69,7 @@ impl<'a> Recording<'a> {
     ) -> Result<Answers, SystemError> {
         self.counts = Counts::of_motion(&progress.summary);
         self.joint_rates = JointRates::new(context, &progress.state);
-        moving(context, progress)
+        Answers::of_motion(context, progress)
     }
 
     /// Records the initial state of a motion. In statics records the reference configuration if nothing acts on it at the
@@ -132,7 +132,7 @@ impl<'a> Recording<'a> {
         }
         let row = self.row(step);
         let answers = match step.progress {
-            Some(progress) => moving(context, progress)?,
+            Some(progress) => Answers::of_motion(context, progress)?,
             None => {
                 let answers = Answers::of(context, step.t);
                 let first = step.residuals.first().filter(|_| step.number == 0);
@@ -225,15 +225,4 @@ impl<'a> Recording<'a> {
         let warnings = self.seen.warnings.iter().cloned();
         warnings.chain(found).chain(turn).chain(balance).collect()
     }
-}
-
-/// The answers of a model at the present state of a motion.
-fn moving(context: &mut Context, progress: &Progress) -> Result<Answers, SystemError> {
-    let t = progress.state.t;
-    let balance = context.energies_and_momentum(progress.state.point())?;
-    let defect = progress.summary.energy.map_or(0.0, |e| e.defect());
-    Ok(Answers {
-        motion: Some((balance, defect)),
-        ..Answers::of(context, t)
-    })
 }

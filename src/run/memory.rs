@@ -1,11 +1,12 @@
 //! A run in memory: no files are written.
 
 use super::{RunError, ending, find, first_warnings, initial_progress, notes};
-use crate::input::Job;
+use crate::input::{Job, Plan};
 use crate::modes::Eigenvalues;
 use crate::output::{Ending, History, RecordError, Recording};
 use crate::solve::{Advance, Counts, solve};
 use pullback_elements::model::Context;
+use pullback_integrators::dynamics::Progress;
 use pullback_manifold::system::SystemError;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -100,4 +101,52 @@ pub fn record_job(
         notes,
         eigenvalues: found,
     })
+}
+
+/// Why a job has not reached a state.
+#[derive(Debug, thiserror::Error)]
+pub enum ReachError {
+    /// The motion cannot begin.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// A path passes loads several times.
+    #[error("a path may pass a load several times; end it there by `stop` instead")]
+    Path,
+    /// The observer stopped the analysis.
+    #[error("interrupted")]
+    Interrupted,
+    /// The analysis failed, or did not reach its end.
+    #[error("{0}")]
+    Failed(String),
+}
+
+/// Solves a job up to a load parameter or time, by default to the end of its analysis, and leaves its model there;
+/// returns the progress, whose state is the one reached.
+///
+/// # Errors
+/// [`ReachError`].
+pub fn reach(
+    job: &mut Job,
+    at: Option<f64>,
+    observer: &mut dyn FnMut(&Advance<'_>) -> ControlFlow<()>,
+) -> Result<Progress, ReachError> {
+    match (&mut job.plan, at) {
+        (_, None) => {}
+        (Plan::Static(options), Some(at)) => options.to = at,
+        (Plan::Dynamic(plan), Some(at)) => plan.options.to = at,
+        (Plan::Path(..), Some(_)) => return Err(ReachError::Path),
+    }
+    let plan = &job.plan;
+    let mut progress = initial_progress(&mut job.context, plan, &job.start, None, Path::new(""))?;
+    let ended = solve(&mut job.context, plan, &mut progress, &mut |_, step| {
+        observer(step)
+    });
+    match ending(&ended, progress.state.t) {
+        Ending::Complete | Ending::Running => Ok(progress),
+        Ending::Interrupted { .. } => Err(ReachError::Interrupted),
+        Ending::StepLimit { max_steps, .. } => Err(ReachError::Failed(format!(
+            "no stop was reached within max_steps = {max_steps}"
+        ))),
+        Ending::Failed { message } => Err(ReachError::Failed(message)),
+    }
 }

@@ -143,6 +143,23 @@ where
         events(&mut *self.system).inputs()[input.into()] = value;
     }
 
+    /// Sets the size of the steps from the next one on; adaptive steps begin with it.
+    ///
+    /// # Errors
+    /// As [`Simulation::new`].
+    pub fn set_step(&mut self, step: f64) -> Result<(), DynamicsError> {
+        let options = DynamicOptions {
+            step,
+            min_step: self.run.options.min_step.min(step),
+            ..self.run.options
+        };
+        let mut progress = self.progress.clone();
+        progress.next_step = step;
+        self.run = MotionRun::new(&mut *self.system, &mut self.solver, &mut progress, &options)?;
+        self.progress = progress;
+        Ok(())
+    }
+
     /// A copy of everything that the next step depends on.
     pub fn save(&self) -> Snapshot<S::Target>
     where
