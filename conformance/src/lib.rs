@@ -1,16 +1,4 @@
-//! The conformance kit: checks all laws of a map, chart, element, joint, model or scheme in one line.
-//!
-//! ```
-//! # use pullback_conformance as check;
-//! # use pullback_elements::load::{LoadKind, NodalLoad};
-//! # use pullback_elements::time::Constant;
-//! # use pullback_integrators::dynamics::Scheme;
-//! # use pullback_manifold::chart::Complement;
-//! check::map(&Complement).assert();
-//! check::element(&NodalLoad::new(LoadKind::FollowerForce, [1.0, 2.0, 3.0], Constant(2.0))).assert();
-//! check::scheme(&Scheme::chung_hulbert(0.8)?).assert();
-//! # Ok::<(), pullback_integrators::dynamics::DynamicsError>(())
-//! ```
+#![doc = include_str!("../README.md")]
 //!
 //! | verb | for | laws |
 //! |---|---|---|

@@ -1,4 +1,6 @@
-//! Elements, loads and models of flexible multibody systems on top of `pullback-manifold`.
+#![doc = include_str!("../README.md")]
+//!
+//! # Contents
 //!
 //! - [`element::Element`] is the one trait of everything that contributes to the residual: beams,
 //!   loads, and user elements. One evaluation gives residual and tangents.

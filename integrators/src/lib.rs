@@ -1,8 +1,7 @@
-//! Solvers for the systems of `pullback-manifold`: statics, dynamics, and their linear algebra.
+#![doc = include_str!("../README.md")]
 //!
-//! Solvers do not depend on elements: a [`System`](pullback_manifold::system::System) is a residual,
-//! a combined tangent in a fixed pattern, and changes of chart after converged steps.
-//!
+//! # Contents
+//! - [`System`](pullback_manifold::system::System), in `pullback-manifold`: what is solved.
 //! - [`statics`]: load stepping that halves and grows its steps, and path following through limit
 //!   points with located events.
 //! - [`dynamics`]: Newmark, HHT, WBZ and generalised-α, composite, Runge-Kutta and explicit schemes

@@ -1,7 +1,6 @@
-//! Manifolds, charts and maps: the mathematics under `pullback`.
+#![doc = include_str!("../README.md")]
 //!
-//! The one idea: **a holonomic constraint is a map** x = φ(t, q) from coordinates q into the
-//! coordinates x of ordinary elements. Four abstractions carry it:
+//! Four abstractions carry the idea:
 //!
 //! | | trait | what its author writes |
 //! |---|---|---|

@@ -12,11 +12,13 @@ use crate::output::Ending;
 use crate::run::{Outcome, RunError, default_directory, run_job};
 use crate::solve::Advance;
 use crate::terminal::{self, ProgressLine, tell};
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
+use clap_complete::Shell;
 use parameters::ModelArguments;
 use pullback_integrators::significant;
 use std::ffi::OsString;
 use std::io::{self, IsTerminal, Write};
+use std::iter;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -79,6 +81,13 @@ enum Command {
     Sweep(sweep::SweepArguments),
     /// Prints the JSON Schema of the model file.
     Schema,
+    /// Prints the completion script of a shell.
+    Completions {
+        /// Name of the shell.
+        shell: Shell,
+    },
+    /// Prints the manual pages of the program and its commands, for `man -l -`.
+    Man,
     /// Computes the built-in cases and compares them with published or exact results.
     #[command(after_help = gallery::cases())]
     Gallery {
@@ -153,8 +162,25 @@ pub fn run(registry: &Registry, arguments: impl IntoIterator<Item = OsString>) -
         Command::Schema => {
             json("the schema", &registry.schema()).map_or_else(|code| code, |text| print(&text))
         }
+        Command::Completions { shell } => {
+            let mut text = Vec::new();
+            clap_complete::generate(shell, &mut Arguments::command(), "pullback", &mut text);
+            print(&String::from_utf8_lossy(&text))
+        }
+        Command::Man => manual().map_or_else(refuse, |text| print(&String::from_utf8_lossy(&text))),
         Command::Gallery { cases, json, out } => gallery::gallery(&cases, json, out.as_deref()),
     }
+}
+
+/// The manual pages of the program and of its commands, one after another.
+fn manual() -> io::Result<Vec<u8>> {
+    let mut program = Arguments::command().disable_help_subcommand(true);
+    program.build();
+    let mut text = Vec::new();
+    for command in iter::once(&program).chain(program.get_subcommands()) {
+        clap_mangen::Man::new(command.clone()).render(&mut text)?;
+    }
+    Ok(text)
 }
 
 /// Prints to standard output; a closed pipe (`| head`) is no failure.

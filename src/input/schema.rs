@@ -25,6 +25,7 @@ impl Registry {
             .map(|(name, made, keys)| alternative(joint, name, made, &keys))
             .collect();
         *joint = json!({ "description": joint["description"], "oneOf": all });
+        root["$id"] = json!("urn:pullback:model");
         root
     }
 }

@@ -14,7 +14,7 @@ use pullback_manifold::system::Quantity;
 /// halves the angle between the shafts is one of symmetry: the condition for equal speeds. The
 /// tilt must stay below 2π.
 ///
-#[doc = include_str!("../../../docs/images/joints/constant_velocity.svg")]
+#[doc = include_str!("../../images/constant_velocity.svg")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstantVelocity {
     across: [Vector3<f64>; 2],

@@ -8,7 +8,7 @@ use pullback_manifold::system::Quantity;
 
 /// d_s = d_m + R_m u e, R_s = R_m R(φ e): parents (frame, displacement u, angle φ).
 ///
-#[doc = include_str!("../../../docs/images/joints/cylindrical.svg")]
+#[doc = include_str!("../../images/cylindrical.svg")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cylindrical {
     axis: Vector3<f64>,

@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 
 /// d_s = d_m + R_m (c + u) − c, R_s = R_m R(θ): parents (frame, displacement u, rotation vector θ).
 ///
-#[doc = include_str!("../../../docs/images/joints/free.svg")]
+#[doc = include_str!("../../images/free.svg")]
 ///
 /// What rotates with the parent is at rest in these coordinates, so that its
 /// mass, damping and stiffness are constant.

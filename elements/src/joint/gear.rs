@@ -21,8 +21,8 @@ impl ModelBuilder {
     /// −z₁/z₂, or z₁/z₂ if one of them is an internal gear; equal angles have the ratio 1. From an angle to
     /// a displacement the ratio is the radius of the pinion of a rack, negative for a rack on its other side.
     ///
-    #[doc = include_str!("../../../docs/images/joints/gear.svg")]
-    #[doc = include_str!("../../../docs/images/joints/rack.svg")]
+    #[doc = include_str!("../../images/gear.svg")]
+    #[doc = include_str!("../../images/rack.svg")]
     ///
     /// The node that was added later becomes a mapped one, x = r q of the earlier one. Actuators, springs
     /// and inertias may act on both; only the earlier one can be prescribed. Gears may form trains, and a

@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 
 /// d_s = d_m + R_m (p φ/2π) e, R_s = R_m R(φ e): parents (frame, angle φ).
 ///
-#[doc = include_str!("../../../docs/images/joints/helical.svg")]
+#[doc = include_str!("../../images/helical.svg")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Helical {
     axis: Vector3<f64>,

@@ -70,7 +70,7 @@ impl ModelBuilder {
 
     /// Adds a frame node fixed to `parent`, with its reference `position`, which may be that of the parent.
     ///
-    #[doc = include_str!("../../../docs/images/joints/weld.svg")]
+    #[doc = include_str!("../../images/weld.svg")]
     ///
     /// # Errors
     /// As [`ModelBuilder::mapped_node`].

@@ -6,7 +6,7 @@ use pullback_manifold::scalar::Scalar;
 
 /// d_s = d_m + (R_m − I) c, Ψ_s = Ψ_m (\[M04\] 4.1.2): parents (frame).
 ///
-#[doc = include_str!("../../../docs/images/joints/offset.svg")]
+#[doc = include_str!("../../images/offset.svg")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Offset {
     /// Vector from the parent to the child in the reference configuration, global components.

@@ -28,7 +28,7 @@ pub trait Curve: Send + Sync {
 
 /// d_s = d_m + R_m x(s) − x(0): the coordinate is the parameter s.
 ///
-#[doc = include_str!("../../../docs/images/joints/on_curve.svg")]
+#[doc = include_str!("../../images/on_curve.svg")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OnCurve<C> {
     curve: C,

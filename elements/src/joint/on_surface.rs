@@ -21,7 +21,7 @@ pub trait Surface: Send + Sync {
 
 /// d_s = d_m + R_m x(u, v) − x(0, 0): the coordinates are the parameters u and v.
 ///
-#[doc = include_str!("../../../docs/images/joints/on_surface.svg")]
+#[doc = include_str!("../../images/on_surface.svg")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OnSurface<F> {
     surface: F,

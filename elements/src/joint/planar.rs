@@ -8,7 +8,7 @@ use pullback_manifold::system::Quantity;
 
 /// d_s = d_m + R_m (u a + v b), R_s = R_m R(φ n): parents (frame, displacements u, v, angle φ).
 ///
-#[doc = include_str!("../../../docs/images/joints/planar.svg")]
+#[doc = include_str!("../../images/planar.svg")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Planar {
     across: [Vector3<f64>; 2],

@@ -7,7 +7,7 @@ use pullback_manifold::system::Quantity;
 
 /// d_s = d_m + R_m u e, R_s = R_m: parents (frame, displacement u).
 ///
-#[doc = include_str!("../../../docs/images/joints/prismatic.svg")]
+#[doc = include_str!("../../images/prismatic.svg")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prismatic {
     axis: Vector3<f64>,

@@ -8,7 +8,7 @@ use pullback_manifold::system::Quantity;
 
 /// d_s = d_m, R_s = R_m R(φ e): parents (frame, angle φ); \[M04\] 4.1.4.
 ///
-#[doc = include_str!("../../../docs/images/joints/revolute.svg")]
+#[doc = include_str!("../../images/revolute.svg")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Revolute {
     axis: Vector3<f64>,

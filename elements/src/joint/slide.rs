@@ -17,7 +17,7 @@ use std::f64::consts::TAU;
 /// the frame passes from one element to the next; beyond the ends of the chain the joint is outside its
 /// domain. For a closed ring the chain repeats its nodes as often as the frame may pass.
 ///
-#[doc = include_str!("../../../docs/images/joints/slide.svg")]
+#[doc = include_str!("../../images/slide.svg")]
 #[derive(Clone, Debug, PartialEq)]
 pub struct Slide {
     /// The beams' axes in the reference configuration.

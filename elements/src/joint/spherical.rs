@@ -10,7 +10,7 @@ use pullback_manifold::scalar::Scalar;
 /// coordinates are the child's own rotation vector, in global components and not relative to the parent, and
 /// the chart changes at ψ > π.
 ///
-#[doc = include_str!("../../../docs/images/joints/spherical.svg")]
+#[doc = include_str!("../../images/spherical.svg")]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Spherical;
 

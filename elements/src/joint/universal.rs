@@ -12,7 +12,7 @@ use pullback_manifold::system::Quantity;
 /// description; at β = ±90° with axes at right angles a shaft across both would be locked, which a
 /// loop of such shafts shows as a singular tangent.
 ///
-#[doc = include_str!("../../../docs/images/joints/universal.svg")]
+#[doc = include_str!("../../images/universal.svg")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Universal {
     axes: [Vector3<f64>; 2],

@@ -8,7 +8,7 @@ fn the_page_shows_every_picture() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let page = std::fs::read_to_string(root.join("docs/joints.md")).unwrap();
     let mut pictures = 0;
-    for entry in std::fs::read_dir(root.join("docs/images/joints")).unwrap() {
+    for entry in std::fs::read_dir(root.join("elements/images")).unwrap() {
         let path = entry.unwrap().path();
         if path.extension().is_none_or(|e| e != "svg") {
             continue;
@@ -16,7 +16,7 @@ fn the_page_shows_every_picture() {
         pictures += 1;
         let name = path.file_stem().unwrap().to_str().unwrap();
         assert!(
-            page.contains(&format!("![](images/joints/{name}.svg)")),
+            page.contains(&format!("![](../elements/images/{name}.svg)")),
             "{name}"
         );
         assert!(
@@ -32,7 +32,7 @@ fn the_page_shows_every_picture() {
         let mut files = files.map(|file| file.unwrap().path());
         let shown = files.any(|file| {
             let text = std::fs::read_to_string(file).unwrap_or_default();
-            text.contains(&format!("images/joints/{name}.svg"))
+            text.contains(&format!("images/{name}.svg"))
         });
         assert!(shown, "{name} is not in the documentation of the library");
     }

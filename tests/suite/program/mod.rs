@@ -14,5 +14,6 @@ mod resume;
 mod run;
 mod schema;
 mod shapes;
+mod shell;
 mod sweep;
 mod weight;
