@@ -2,12 +2,12 @@
 
 use super::{FAILED, INTERRUPTED, complain, parameters, print, refuse};
 use crate::input::{self, Registry, with_parameters};
-use crate::studies::sweep::{Axis, Reduction, Sweep, SweepTable};
+use crate::studies::sweep::{Axis, Reduction, Sweep, SweepRow, SweepTable};
 use crate::terminal::{self, ProgressLine, plural, tell};
 use std::collections::HashSet;
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `pullback sweep`.
 #[derive(clap::Args)]
@@ -66,27 +66,20 @@ pub(super) fn sweep(registry: &Registry, args: SweepArguments) -> u8 {
     let runs: Vec<usize> = (0..sweep.len()).filter(|run| !done.contains(run)).collect();
     let mut progress = ProgressLine::new(args.quiet);
     progress.count(sweep.len(), done.len());
-    let threads = args
-        .workers
-        .or_else(|| std::thread::available_parallelism().ok());
+    let processors = std::thread::available_parallelism().ok();
+    let threads = args.workers.or(processors).map_or(1, NonZeroUsize::get);
     let mut unsaved = None;
-    let swept = sweep.run(
-        registry,
-        &runs,
-        threads.map_or(1, NonZeroUsize::get),
-        &mut |row| {
-            let added = table.add(row);
-            progress.one();
-            match added {
-                Ok(()) => ControlFlow::Continue(()),
-                Err(error) => {
-                    unsaved = Some(error);
-                    ControlFlow::Break(())
-                }
+    let mut each = |row| {
+        progress.one();
+        match table.add(row) {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(error) => {
+                unsaved = Some(error);
+                ControlFlow::Break(())
             }
-        },
-        &terminal::flow,
-    );
+        }
+    };
+    let swept = sweep.run(registry, &runs, threads, &mut each, &terminal::flow);
     progress.clear();
     if let Some(error) = unsaved {
         return refuse(error);
@@ -94,40 +87,41 @@ pub(super) fn sweep(registry: &Registry, args: SweepArguments) -> u8 {
     match swept.map(|()| table.finish()) {
         Err(error) => complain(&error),
         Ok(Err(error)) => refuse(error),
-        Ok(Ok(rows)) => {
-            let failed = rows.iter().filter(|row| row.outcome != "complete");
-            let first = failed.clone().next();
-            let count = failed.count();
-            if let Some(row) = first {
-                tell(format_args!(
-                    "warning: {count} of {} did not end as planned, the first one, run {}: {}",
-                    plural(rows.len(), "run"),
-                    row.run,
-                    row.outcome
-                ));
-            }
-            if rows.len() < sweep.len() {
-                tell(format_args!(
-                    "interrupted: {} of {} kept in {}; the same command goes on from there",
-                    rows.len(),
-                    plural(sweep.len(), "run"),
-                    out.display()
-                ));
-                return INTERRUPTED;
-            }
-            let code = if count == rows.len() && count > 0 {
-                FAILED
-            } else {
-                0
-            };
-            match args.quiet {
-                true => code,
-                false => code.max(print(&format!(
-                    "{} in {}\n",
-                    plural(rows.len(), "run"),
-                    out.join("sweep.csv").display()
-                ))),
-            }
-        }
+        Ok(Ok(rows)) => report(&rows, sweep.len(), &out, args.quiet),
+    }
+}
+
+/// Tells how a sweep ended; returns the exit code.
+fn report(rows: &[SweepRow], all: usize, out: &Path, quiet: bool) -> u8 {
+    let failed = || rows.iter().filter(|row| row.outcome != "complete");
+    let count = failed().count();
+    if let Some(row) = failed().next() {
+        tell(format_args!(
+            "warning: {count} of {} did not end as planned, the first one, run {}: {}",
+            plural(rows.len(), "run"),
+            row.run,
+            row.outcome
+        ));
+    }
+    if rows.len() < all {
+        tell(format_args!(
+            "interrupted: {} of {} kept in {}; the same command goes on from there",
+            rows.len(),
+            plural(all, "run"),
+            out.display()
+        ));
+        return INTERRUPTED;
+    }
+    let code = match count > 0 && count == rows.len() {
+        true => FAILED,
+        false => 0,
+    };
+    match quiet {
+        true => code,
+        false => code.max(print(&format!(
+            "{} in {}\n",
+            plural(rows.len(), "run"),
+            out.join("sweep.csv").display()
+        ))),
     }
 }

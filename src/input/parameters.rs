@@ -122,7 +122,7 @@ impl Path<'_> {
     }
 }
 
-/// Replaces a value in its place, comments included.
+/// Replaces a value, and keeps the comments beside it.
 fn replace(old: &mut Value, new: Value) {
     let decor = old.decor().clone();
     *old = new;

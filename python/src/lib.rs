@@ -1,0 +1,302 @@
+//! The native part of the Python package: models as texts, results as NumPy arrays.
+//!
+//! Classes, plots and tables are Python (`pullback/__init__.py`).
+
+mod eigenvalues;
+mod motion;
+mod sweep;
+
+use eigenvalues::{eigenvalues, modal};
+use numpy::PyArray1;
+use pullback::check;
+use pullback::elements::model::Context;
+use pullback::input::{self, Job, Plan, Registry};
+use pullback::integrators::linearization::{ModeOptions, Selection, linearize};
+use pullback::manifold::system::Point;
+use pullback::modes;
+use pullback::output::Ending;
+use pullback::run::{ReachError, Recorded, RunError, reach, record_job, run_job};
+use pullback::solve::Advance;
+use pyo3::create_exception;
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::f64::consts::TAU;
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+create_exception!(
+    pullback,
+    ModelError,
+    PyValueError,
+    "A model is refused; the message has the line of the model file and the cure."
+);
+create_exception!(
+    pullback,
+    AnalysisError,
+    PyRuntimeError,
+    "An analysis failed. `result` holds what has converged, where there is any."
+);
+
+/// Time between two looks at signals.
+const LOOK: Duration = Duration::from_millis(50);
+
+fn assemble(text: &str, name: &str) -> PyResult<Job> {
+    input::assemble_text(name, text).map_err(|error| ModelError::new_err(error.report(false)))
+}
+
+fn failed(error: impl std::fmt::Display) -> PyErr {
+    AnalysisError::new_err(error.to_string())
+}
+
+/// Looks at signals from time to time, and tells a Python function of the progress.
+struct Watch<'a> {
+    last: Instant,
+    tell: Option<&'a Py<PyAny>>,
+    raised: Option<PyErr>,
+}
+
+impl<'a> Watch<'a> {
+    fn new(tell: Option<&'a Py<PyAny>>) -> Self {
+        let (last, raised) = (Instant::now(), None);
+        Self { last, tell, raised }
+    }
+
+    fn step(&mut self, t: f64) -> ControlFlow<()> {
+        if self.last.elapsed() < LOOK {
+            return ControlFlow::Continue(());
+        }
+        self.last = Instant::now();
+        let looked = Python::attach(|py| {
+            py.check_signals()?;
+            self.tell
+                .map_or(Ok(()), |tell| tell.call1(py, (t,)).map(drop))
+        });
+        match looked {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(error) => {
+                self.raised = Some(error);
+                ControlFlow::Break(())
+            }
+        }
+    }
+}
+
+/// Refuses a text that is no model; returns its title, the end of its motion (not a number in statics), and the names
+/// of its inputs.
+#[pyfunction]
+fn inspect(py: Python<'_>, text: &str, name: &str) -> PyResult<(Option<String>, f64, Vec<String>)> {
+    py.detach(|| {
+        let job = assemble(text, name)?;
+        let end = match &job.plan {
+            Plan::Dynamic(plan) => plan.options.to,
+            _ => f64::NAN,
+        };
+        Ok((job.title, end, job.file.inputs.into_keys().collect()))
+    })
+}
+
+/// The text with other values of parameters.
+#[pyfunction]
+fn with_parameters(text: &str, parameters: Vec<(String, String)>) -> PyResult<String> {
+    input::with_parameters(text, parameters)
+        .map_err(|error| ModelError::new_err(error.report(false)))
+}
+
+/// The JSON Schema of the model file, as a text.
+#[pyfunction]
+fn schema() -> String {
+    Registry::standard().schema().to_string()
+}
+
+/// Runs a model in memory.
+#[pyfunction]
+fn run<'py>(
+    py: Python<'py>,
+    text: &str,
+    name: &str,
+    tell: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let mut poses: Vec<f64> = Vec::new();
+    let mut nodes: Vec<String> = Vec::new();
+    let mut watch = Watch::new(tell.as_ref());
+    let recorded = py.detach(|| -> PyResult<Recorded> {
+        let job = assemble(text, name)?;
+        nodes.extend(job.context.frames().map(|(_, name)| name.to_owned()));
+        let mut each_row = |context: &Context| {
+            for (id, _) in context.frames() {
+                let state = context.node_state(id);
+                poses.extend(state.position.iter().chain(state.psi.iter()));
+            }
+        };
+        let recorded = record_job(job, &mut each_row, &mut |step: &Advance<'_>| {
+            watch.step(step.t)
+        });
+        recorded.map_err(|error| match error {
+            RunError::Input(error) => ModelError::new_err(error.report(false)),
+            error => failed(error),
+        })
+    })?;
+    let out = PyDict::new(py);
+    let history = PyDict::new(py);
+    for (k, column) in recorded.history.columns.iter().enumerate() {
+        history.set_item(column, array(py, recorded.history.column(k).collect()))?;
+    }
+    out.set_item("history", history)?;
+    out.set_item("events", &recorded.history.events)?;
+    out.set_item("poses", array(py, poses))?;
+    out.set_item("nodes", nodes)?;
+    out.set_item("parameter", recorded.parameter)?;
+    out.set_item("warnings", &recorded.warnings)?;
+    out.set_item("notes", &recorded.notes)?;
+    out.set_item("steps", recorded.counts.steps)?;
+    out.set_item("iterations", recorded.counts.iterations)?;
+    let (ending, message) = match &recorded.ending {
+        Ending::Complete | Ending::Running => ("complete", String::new()),
+        Ending::Interrupted { .. } => ("interrupted", String::new()),
+        Ending::StepLimit { max_steps, .. } => {
+            let message = format!("no stop was reached within max_steps = {max_steps}");
+            ("step_limit", message)
+        }
+        Ending::Failed { message } => ("failed", message.clone()),
+    };
+    out.set_item("ending", ending)?;
+    out.set_item("message", message)?;
+    out.set_item("raised", watch.raised)?;
+    if let Some(found) = &recorded.eigenvalues {
+        out.set_item("eigenvalues", eigenvalues(py, found)?)?;
+    }
+    Ok(out)
+}
+
+/// Runs a model file with all its files in a directory.
+#[pyfunction]
+fn write(py: Python<'_>, text: &str, name: &str, out: &str) -> PyResult<(bool, String)> {
+    let mut watch = Watch::new(None);
+    let outcome = py.detach(|| {
+        let job = assemble(text, name)?;
+        let mut observer = |step: &Advance<'_>| watch.step(step.t);
+        run_job(job, name, Path::new(out), false, &mut observer).map_err(failed)
+    })?;
+    match (watch.raised, outcome.ending) {
+        (Some(error), _) => Err(error),
+        (None, Ending::Failed { message }) => Ok((false, message)),
+        (None, ending) => Ok((ending == Ending::Complete, String::new())),
+    }
+}
+
+fn array(py: Python<'_>, values: Vec<f64>) -> Bound<'_, PyArray1<f64>> {
+    PyArray1::from_vec(py, values)
+}
+
+/// Solves a model up to a state, and does something there.
+fn at_state<T: Send>(
+    py: Python<'_>,
+    (text, name, at): (&str, &str, Option<f64>),
+    then: impl FnOnce(&mut Job, Point<'_>) -> PyResult<T> + Send,
+) -> PyResult<T> {
+    let mut watch = Watch::new(None);
+    let found = py.detach(|| {
+        let mut job = assemble(text, name)?;
+        let reached = reach(&mut job, at, &mut |step| watch.step(step.t));
+        match reached {
+            Ok(progress) => then(&mut job, progress.state.point()).map(Some),
+            Err(ReachError::Interrupted) => Ok(None),
+            Err(error) => Err(failed(error)),
+        }
+    })?;
+    found.ok_or_else(|| watch.raised.unwrap_or_else(|| failed("interrupted")))
+}
+
+/// The linear equations of motion about a state: rows, columns and values of K, C and M, columns of ∂r/∂u, and names.
+#[pyfunction]
+fn linear<'py>(
+    py: Python<'py>,
+    text: &str,
+    name: &str,
+    at: Option<f64>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (lin, inputs) = at_state(py, (text, name, at), |job, at| {
+        let lin = linearize(&mut job.context, at).map_err(failed)?;
+        let inputs: Vec<String> = job.file.inputs.keys().cloned().collect();
+        Ok((lin, inputs))
+    })?;
+    let out = PyDict::new(py);
+    for (name, values) in [("K", &lin.K), ("C", &lin.C), ("M", &lin.M)] {
+        let entries = || lin.triplets(values).filter(|(_, _, x)| *x != 0.0);
+        let rows: Vec<i64> = entries().map(|(r, _, _)| r as i64).collect();
+        let columns: Vec<i64> = entries().map(|(_, c, _)| c as i64).collect();
+        let values = entries().map(|(_, _, x)| x).collect();
+        let triplets = (
+            PyArray1::from_vec(py, rows),
+            PyArray1::from_vec(py, columns),
+            array(py, values),
+        );
+        out.set_item(name, triplets)?;
+    }
+    let columns = lin.r_u.iter().take(inputs.len());
+    out.set_item(
+        "r_u",
+        columns
+            .map(|r_u| array(py, r_u.clone()))
+            .collect::<Vec<_>>(),
+    )?;
+    out.set_item("inputs", inputs)?;
+    out.set_item("coordinates", lin.names)?;
+    Ok(out)
+}
+
+/// Modes about a state.
+#[pyfunction]
+fn find_modes<'py>(
+    py: Python<'py>,
+    text: &str,
+    name: &str,
+    at: Option<f64>,
+    count: usize,
+    near: f64,
+    undamped: bool,
+) -> PyResult<Bound<'py, PyDict>> {
+    if count == 0 || !(near >= 0.0 && near.is_finite()) {
+        let message = "count is 1 or more, and near a frequency, zero or positive";
+        return Err(PyValueError::new_err(message));
+    }
+    let found = at_state(py, (text, name, at), |job, at| {
+        let selection = Selection::Nearest {
+            count,
+            omega: TAU * near,
+        };
+        let options = ModeOptions {
+            selection,
+            undamped,
+        };
+        let mut watch = Watch::new(None);
+        let found = modes::find(&mut job.context, at, &options, &mut |_| watch.step(at.t));
+        found.map_err(|error| watch.raised.unwrap_or_else(|| failed(error)))
+    })?;
+    modal(py, &found)
+}
+
+/// Verifies a model; its rows as JSON, and whether all are well.
+#[pyfunction]
+fn verify(py: Python<'_>, text: &str, name: &str, seed: u64) -> PyResult<(String, bool)> {
+    py.detach(|| {
+        let report = check::job(&mut assemble(text, name)?, seed);
+        let rows = serde_json::to_string(&check::entries(&report));
+        Ok((rows.map_err(failed)?, report.is_ok()))
+    })
+}
+
+#[pymodule]
+mod _pullback {
+    #[pymodule_export]
+    use super::motion::{PyMotion, PySaved};
+    #[pymodule_export]
+    use super::sweep::sweep;
+    #[pymodule_export]
+    use super::{
+        AnalysisError, ModelError, find_modes, inspect, linear, run, schema, verify,
+        with_parameters, write,
+    };
+}

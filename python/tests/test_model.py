@@ -1,0 +1,161 @@
+"""Models: texts, dictionaries, parameters, refusals."""
+
+import pickle
+
+import numpy as np
+import pullback as pb
+import pytest
+
+CANTILEVER = """
+[sections.rod]
+stiffness = { EA = 1e6, GA = [4e5, 5e5], GJ = 1.0, EI = [2.0, 3.0] }
+[nodes]
+root = [0, 0, 0]
+tip = [2, 0, 0]
+[[lines]]
+name = "beam"
+from = "root"
+to = "tip"
+elements = 4
+order = 2
+section = "rod"
+[[supports]]
+node = "root"
+fix = "all"
+[[loads]]
+node = "tip"
+force = [0, 0, 1e-3]
+[[probes]]
+name = "tip"
+quantity = "displacement"
+node = "tip"
+[[probes]]
+name = "energy"
+quantity = "strain_energy"
+"""
+
+
+def builder() -> pb.ModelBuilder:
+    m = pb.ModelBuilder()
+    m.section("rod", stiffness={"EA": 1e6, "GA": [4e5, 5e5], "GJ": 1.0, "EI": [2.0, 3.0]})
+    m.node("root", [0, 0, 0])
+    m.node("tip", np.array([2.0, 0.0, 0.0]))
+    m.line("beam", from_="root", to="tip", elements=4, order=2, section="rod")
+    m.support(node="root", fix="all")
+    m.load(node="tip", force=[0, 0, 1e-3])
+    m.probe("tip", "displacement", node="tip")
+    m.probe("energy", "strain_energy")
+    return m
+
+
+def test_a_small_deflection_is_that_of_timoshenko():
+    """w = P L³/3EI + P L/GA, and half the work of the force is strain energy."""
+    force = 1e-3
+    exact = force * (8 / (3 * 2.0) + 2 / 5e5)
+    for model in (pb.Model.from_toml(CANTILEVER), builder().build()):
+        result = model.run()
+        assert result.complete and result.parameter == "load parameter"
+        assert result["tip"].shape == (len(result.t), 3)
+        assert result["tip"][-1, 2] == pytest.approx(exact, rel=1e-6)
+        assert result["energy"][-1] == pytest.approx(force * exact / 2, rel=1e-6)
+        assert result.position("tip")[-1] == pytest.approx([2, 0, exact], rel=1e-6, abs=1e-12)
+        assert result.positions.shape == (len(result.t), len(result.nodes), 3)
+        assert result.rotation("root") == pytest.approx(0)
+
+
+def test_other_parameters():
+    model = pb.Model.from_toml(CANTILEVER)
+    double = model.with_({"loads.0.force.2": 2e-3, "sections.rod.stiffness.EI": np.array([4.0, 3.0])})
+    exact = 2e-3 * (8 / (3 * 4.0) + 2 / 5e5)
+    assert double.run()["tip.z"][-1] == pytest.approx(exact, rel=1e-6)
+    assert "EI = [4.0, 3.0]" in double.to_toml()
+
+
+def test_a_model_is_a_value():
+    model = pb.Model.from_toml(CANTILEVER)
+    copy = pickle.loads(pickle.dumps(model))
+    assert copy == model and hash(copy) == hash(model)
+    assert copy != model.with_({"loads.0.force.2": 1})
+    assert np.array_equal(copy.run()["tip"], model.run()["tip"])
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (CANTILEVER.replace('to = "tip"', 'to = "tap"'), "did you mean `tip`?"),
+        (CANTILEVER.replace("elements = 4", "elements = 0"), "elements = 0 is out of range"),
+        ("nodes = 3", "model:1:9"),
+        ("", "the model file is empty"),
+    ],
+)
+def test_a_refusal_has_the_line_and_the_cure(text, said):
+    with pytest.raises(pb.ModelError, match=".*") as refused:
+        pb.Model.from_toml(text)
+    assert said in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("path", "said"),
+    [
+        ("loads.1.force", "loads has no 1"),
+        ("nodes.tap", "did you mean `tip`?"),
+        ("lines.beam.element", "did you mean `elements`?"),
+        ("a..b", "is no path of a parameter"),
+    ],
+)
+def test_unknown_parameters_are_refused(path, said):
+    with pytest.raises(pb.ModelError) as refused:
+        pb.Model.from_toml(CANTILEVER).with_({path: 1})
+    assert said in str(refused.value)
+
+
+def test_bad_values():
+    model = pb.Model.from_toml(CANTILEVER)
+    with pytest.raises(pb.ModelError):
+        model.with_({"loads.0.force": [0, 0]})
+    with pytest.raises(pb.ModelError):
+        model.with_({"loads.0.force.2": float("nan")})
+    with pytest.raises(TypeError):
+        model.with_({"loads.0.force": object()})
+    bad = builder()
+    bad.load(node="tip", force=[0, 0, float("inf")])
+    with pytest.raises(pb.ModelError):
+        bad.build()
+    with pytest.raises(KeyError, match="tip"):
+        model.run()["tap"]
+    with pytest.raises(KeyError, match="root"):
+        model.run().position("tap")
+
+
+def test_an_analysis_without_end_keeps_what_has_converged():
+    path = "[analysis.arc_length]\nmax_steps = 3\nstop = [{ load = 1e9 }]\n"
+    model = pb.Model.from_toml(CANTILEVER + path)
+    with pytest.raises(pb.AnalysisError, match="max_steps = 3") as failed:
+        model.run()
+    result = failed.value.result
+    assert result.ending == "step_limit" and len(result.t) == 4
+    assert result["tip.z"][-1] > 0
+    assert model.run(check=False).message == str(failed.value)
+
+
+def test_check_and_schema():
+    rows = pb.Model.from_toml(CANTILEVER).check()
+    assert {"component", "property"} <= set(rows[0])
+    assert "lines" in pb.schema()["properties"]
+
+
+def test_files(tmp_path):
+    pb.Model.from_toml(CANTILEVER).write(tmp_path / "out")
+    assert (tmp_path / "out" / "history.csv").read_text().startswith("row,step,event,t")
+
+
+def test_tables_and_figures():
+    pytest.importorskip("pandas")
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    result = pb.Model.from_toml(CANTILEVER).run()
+    assert list(result.frame()["tip.z"]) == list(result["tip.z"])
+    assert len(result.plot("tip", "energy").axes) == 2
+    animation = result.animate()
+    animation._draw_frame(0)
+    animation.to_jshtml()
