@@ -7,6 +7,7 @@ mod figures;
 mod gallery_command;
 mod incomplete;
 mod modes;
+mod motion;
 mod mutations;
 mod probes;
 mod progress;
