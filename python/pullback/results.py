@@ -53,8 +53,8 @@ class Result:
         poses = found["poses"].reshape(len(self.events), len(self.nodes), 2, 3)
         self.positions, self.rotations = poses[:, :, 0], poses[:, :, 1]
         self.eigenvalues: dict[str, Any] | None = found.get("eigenvalues")
-        modal = self.eigenvalues is not None and "shapes_re" in self.eigenvalues
-        self.modes: Modes | None = Modes(self.eigenvalues) if modal else None
+        modal = self.eigenvalues or {}
+        self.modes: Modes | None = Modes(modal) if "shapes_re" in modal else None
 
     @property
     def complete(self) -> bool:
@@ -70,7 +70,7 @@ class Result:
         """A probe or another column, of shape (rows,), or (rows, 3) for a probe of a vector."""
         if name in self.history:
             return self.history[name]
-        parts = [self.history.get(f"{name}.{axis}") for axis in self._axes(name)]
+        parts = [self.history[f"{name}.{axis}"] for axis in self._axes(name)]
         if len(parts) != 3:
             known = ", ".join(self.history)
             raise KeyError(f"there is no probe or column {name!r}; there are: {known}")

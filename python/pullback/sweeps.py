@@ -68,9 +68,9 @@ def sweep(
     arguments = ((model._text, model._name), axes, list(keep))
     if client is None:
         threads = workers or os.cpu_count() or 1
-        names, rows = _pullback.sweep(*arguments, None, threads)
+        names, rows = _pullback.sweep(*arguments, runs=None, workers=threads)
     else:
-        names, _ = _pullback.sweep(*arguments, [], 1)
+        names, _ = _pullback.sweep(*arguments, runs=[], workers=1)
         parts = [part.tolist() for part in np.array_split(np.arange(count), min(count, PARTS))]
         futures = client.map(_part, parts, arguments=arguments, pure=False)
         rows = [row for part in client.gather(futures) for row in part]
@@ -84,4 +84,4 @@ def sweep(
 
 def _part(runs: list[int], arguments: tuple[Any, ...]) -> list[Any]:
     """Some runs of a sweep, on a worker of Dask."""
-    return _pullback.sweep(*arguments, runs, 1)[1]
+    return _pullback.sweep(*arguments, runs=runs, workers=1)[1]
