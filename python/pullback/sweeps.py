@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from . import Model
 
 
+# Model and its name, axes, reductions.
+_Sweep = tuple[tuple[str, str], list[tuple[str, list[str]]], list[str]]
+
 # Parts of a sweep on Dask: a lost worker's part is made again.
 PARTS = 256
 
@@ -82,6 +85,6 @@ def sweep(
     return SweepTable(columns, table)
 
 
-def _part(runs: list[int], arguments: tuple[Any, ...]) -> list[Any]:
+def _part(runs: list[int], arguments: _Sweep) -> list[Any]:
     """Some runs of a sweep, on a worker of Dask."""
     return _pullback.sweep(*arguments, runs=runs, workers=1)[1]
