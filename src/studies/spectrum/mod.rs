@@ -1,7 +1,7 @@
 //! Spectra of schemes, for `pullback spectrum`.
 //!
 //! [`run`] measures them from the steps of the integrator and adds the closed forms of theory
-//! ([`pullback_integrators::spectrum`]); [`table`], [`csv`] and [`figures`] format them, and
+//! ([`pullback_integrators::spectrum`]); [`table`], [`csv()`] and [`figures`] format them, and
 //! [`write()`] writes them to a directory.
 
 #![allow(non_snake_case)]
