@@ -87,7 +87,11 @@ impl Motion {
     /// # Errors
     /// [`MotionError::Dynamics`]; the motion is then at the last accepted step.
     pub fn step(&mut self) -> Result<bool, MotionError> {
-        Ok(self.simulation.step()?.is_some())
+        let stepped = self.simulation.step()?.is_some();
+        for probe in &mut self.probes {
+            probe.follow(self.simulation.system());
+        }
+        Ok(stepped)
     }
 
     /// Sets the size of the steps from the next one on.

@@ -129,6 +129,13 @@ impl Probe {
         }
     }
 
+    /// Continues a rotation over a step that is not recorded.
+    pub(crate) fn follow(&mut self, context: &Context) {
+        if let (ProbeQuantity::rotation, Target::Node(node, _)) = (self.quantity, &self.target) {
+            self.continued = continue_rotation(&self.continued, &context.node_state(*node).psi);
+        }
+    }
+
     /// Rotation vector at the last step, for a checkpoint.
     pub(crate) fn save(&self) -> [f64; 3] {
         self.continued.into()

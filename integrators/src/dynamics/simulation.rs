@@ -148,6 +148,9 @@ where
     /// # Errors
     /// As [`Simulation::new`].
     pub fn set_step(&mut self, step: f64) -> Result<(), DynamicsError> {
+        if step == self.run.options.step && step == self.progress.next_step {
+            return Ok(());
+        }
         let options = DynamicOptions {
             step,
             min_step: self.run.options.min_step.min(step),
