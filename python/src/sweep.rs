@@ -24,15 +24,11 @@ pub(super) fn sweep(
 ) -> PyResult<(Vec<String>, Vec<Row>)> {
     let (text, name) = model;
     let keep = keep.iter().map(|word| word.parse());
-    let axes = axes.into_iter();
-    let sweep = Sweep {
-        model: name,
-        text,
-        axes: axes.map(|(path, values)| Axis { path, values }).collect(),
-        reductions: keep
-            .collect::<Result<_, SweepError>>()
-            .map_err(|error| PyValueError::new_err(error.to_string()))?,
-    };
+    let axes = axes.into_iter().map(|(path, values)| Axis { path, values });
+    let sweep = keep
+        .collect::<Result<_, SweepError>>()
+        .and_then(|reductions| Sweep::new(name, text, axes.collect(), reductions))
+        .map_err(|error| PyValueError::new_err(error.to_string()))?;
     let runs = runs.unwrap_or_else(|| (0..sweep.len()).collect());
     let mut watch = Watch::new(None);
     let (columns, rows) = py.detach(|| {

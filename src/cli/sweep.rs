@@ -48,11 +48,10 @@ pub(super) fn sweep(registry: &Registry, args: SweepArguments) -> u8 {
         Ok(text) => text,
         Err(error) => return complain(&error),
     };
-    let sweep = Sweep {
-        model: args.model.display().to_string(),
-        text,
-        axes: args.over,
-        reductions: args.keep,
+    let model = args.model.display().to_string();
+    let sweep = match Sweep::new(model, text, args.over, args.keep) {
+        Ok(sweep) => sweep,
+        Err(error) => return refuse(error),
     };
     let columns = match sweep.columns(registry) {
         Ok(columns) => columns,

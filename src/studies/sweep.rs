@@ -213,6 +213,39 @@ impl Reduction {
 }
 
 impl Sweep {
+    /// A sweep over axes that have values, each parameter once.
+    ///
+    /// # Errors
+    /// [`SweepError`], also for more than ten million runs.
+    pub fn new(
+        model: String,
+        text: String,
+        axes: Vec<Axis>,
+        reductions: Vec<Reduction>,
+    ) -> Result<Self, SweepError> {
+        let paths = || axes.iter().map(|axis| &axis.path);
+        let twice = |(k, path)| paths().take(k).any(|other| other == path);
+        let refused = axes.iter().enumerate().find_map(|(k, axis)| {
+            let expected = match axis.values[..] {
+                [] => "a parameter has one value or more",
+                _ if twice((k, &axis.path)) => "a parameter has all its values in one list",
+                _ => return None,
+            };
+            Some((axis.path.clone(), expected))
+        });
+        let sweep = Self {
+            model,
+            text,
+            axes,
+            reductions,
+        };
+        let many = (sweep.len().to_string(), "a sweep has at most 10000000 runs");
+        match refused.or((sweep.len() > MOST_RUNS).then_some(many)) {
+            Some((text, expected)) => Err(SweepError { text, expected }),
+            None => Ok(sweep),
+        }
+    }
+
     /// Number of runs.
     pub fn len(&self) -> usize {
         let counts = self.axes.iter().map(|axis| axis.values.len());

@@ -80,7 +80,11 @@ impl SweepTable {
         let named = reader.headers().is_ok_and(|names| names == self.names);
         let records = reader.into_records().filter(|_| named).flatten();
         let row = |record: csv::StringRecord| {
-            let run = record.get(0)?.parse().ok()?;
+            let run = record
+                .get(0)?
+                .parse()
+                .ok()
+                .filter(|run| *run < sweep.len())?;
             let first = 1 + sweep.axes.len();
             let number = |k: usize| match record.get(k)? {
                 "" => Some(f64::NAN),

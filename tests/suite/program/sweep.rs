@@ -218,6 +218,18 @@ fn sweeps_are_refused_before_the_first_run() {
             "last, max, min or at(T)",
         ),
         ("--over lines.0.elements=[1] --workers 0", "--workers"),
+        (
+            "--over lines.0.elements=[]",
+            "a parameter has one value or more",
+        ),
+        (
+            "--over lines.0.elements=[1] --over lines.0.elements=[2]",
+            "all its values in one list",
+        ),
+        (
+            "--over nodes.tip.0=linspace(1,2,10000) --over nodes.tip.1=linspace(1,2,10000)",
+            "at most 10000000 runs",
+        ),
         ("", "--over"),
     ] {
         let line = format!("sweep beam.toml {arguments}");
