@@ -160,8 +160,10 @@ pub fn run_job(
         Some(checkpoint) => recorder.resume(&mut context, checkpoint, &progress)?,
         None => recorder.start(&mut context, &progress)?,
     }
+    let mut each =
+        |context: &mut Context, step: &Advance<'_>| record(&mut recorder, context, &plan, step);
     let (ended, unevaluated) =
-        solve_recorded(&mut context, &plan, &mut progress, &mut recorder, observer)?;
+        solve_recorded(&mut context, &plan, &mut progress, &mut each, observer)?;
     if matches!(plan, Plan::Dynamic(_)) {
         recorder.checkpoint(&context, &progress)?;
     }
@@ -199,12 +201,12 @@ fn solve_recorded(
     context: &mut Context,
     plan: &Plan,
     progress: &mut Progress,
-    recorder: &mut Recorder<'_>,
+    record: &mut dyn FnMut(&mut Context, &Advance<'_>) -> Result<(), RecordError>,
     observer: &mut dyn FnMut(&Advance<'_>) -> ControlFlow<()>,
 ) -> Result<(Ended, Option<String>), RecordError> {
     let mut unrecorded = None;
     let ended = solve(context, plan, progress, &mut |context, step| {
-        if let Err(error) = record(recorder, context, plan, step) {
+        if let Err(error) = record(context, step) {
             unrecorded = Some(error);
             return ControlFlow::Break(());
         }

@@ -1,13 +1,12 @@
 //! A run in memory: no files are written.
 
-use super::{RunError, ending, find, first_warnings, initial_progress, notes};
+use super::{RunError, ending, find, first_warnings, initial_progress, notes, solve_recorded};
 use crate::input::{Job, Plan};
 use crate::modes::Eigenvalues;
 use crate::output::{Ending, History, RecordError, Recording};
 use crate::solve::{Advance, Counts, solve};
 use pullback_elements::model::Context;
 use pullback_integrators::dynamics::Progress;
-use pullback_manifold::system::SystemError;
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -54,31 +53,21 @@ pub fn record_job(
     let mut progress = initial_progress(&mut context, &plan, &start, None, Path::new(""))?;
     let warnings = first_warnings(&mut context, &file, &plan, &progress);
     let mut recording = Recording::new(&plan, probes, warnings);
-    let unevaluated = |error: SystemError| RunError::Record(error.into());
-    if recording
-        .start(&mut context, &progress)
-        .map_err(unevaluated)?
-        .is_some()
-    {
+    let start = recording.start(&mut context, &progress);
+    if start.map_err(RecordError::from)?.is_some() {
         each_row(&context);
     }
-    let mut failed = None;
-    let ended = solve(&mut context, &plan, &mut progress, &mut |context, step| {
-        match recording.take(context, step) {
-            Ok(Some(_)) => each_row(context),
-            Ok(None) => {}
-            Err(error) => {
-                failed = Some(RecordError::from(error));
-                return ControlFlow::Break(());
-            }
+    let mut each = |context: &mut Context, step: &Advance<'_>| {
+        if recording.take(context, step)?.is_some() {
+            each_row(context);
         }
-        observer(step)
-    });
+        Ok(())
+    };
+    let (ended, unevaluated) =
+        solve_recorded(&mut context, &plan, &mut progress, &mut each, observer)?;
     let t = recording.rows.last().map_or(plan.start(), |row| row.t);
-    let mut ending = match failed {
-        Some(error) => Ending::Failed {
-            message: error.to_string(),
-        },
+    let mut ending = match unevaluated {
+        Some(message) => Ending::Failed { message },
         None => ending(&ended, t),
     };
     let mut found = None;

@@ -70,6 +70,41 @@ fn step_sizes_change_and_copies_repeat() {
     assert!(motion.step().unwrap());
 }
 
+/// A rotation about a fixed axis counts its turns, whether or not its probe is read at each step.
+#[test]
+fn turns_are_counted_between_readings() {
+    let text = r#"
+        [nodes]
+        ground = [0, 0, 0]
+        [[supports]]
+        node = "ground"
+        fix = "all"
+        [[joints]]
+        name = "wheel"
+        type = "revolute"
+        parent = "ground"
+        axis = [0, 0, 1]
+        rate = 10.0
+        [[bodies]]
+        name = "disc"
+        node = "wheel"
+        mass = 1.0
+        inertia = [1.0, 1.0, 2.0]
+        [[probes]]
+        name = "turn"
+        quantity = "rotation"
+        node = "wheel"
+        component = "z"
+        [analysis.dynamic]
+        to = 3.0
+        step = 0.01
+    "#;
+    let mut motion = Motion::new(assemble_text("wheel.toml", text).unwrap()).unwrap();
+    while motion.step().unwrap() {}
+    let turn = motion.probe("turn").unwrap()[0];
+    assert!((turn - 30.0).abs() < 1e-9, "{turn}");
+}
+
 #[test]
 fn unknown_names_and_static_models_are_refused() {
     let mut motion = pendulum();
