@@ -1,6 +1,7 @@
 //! Critical loads by linear extrapolation against exact solutions.
 #![allow(clippy::unwrap_used, non_snake_case)]
 
+use crate::support::beams::line;
 use pullback::input::{Plan, assemble_text};
 use pullback::integrators::linearization::{BucklingError, BucklingMode, buckling};
 use pullback::integrators::statics::{
@@ -36,26 +37,6 @@ fn assert_direct(text: &str, mode: &BucklingMode, tolerance: f64) {
     let corrections = &point.corrections;
     assert!(corrections.len() <= 6, "{corrections:?}");
     assert!(corrections[2] < corrections[1].powf(1.5), "{corrections:?}");
-}
-
-fn line(stiffness: &str, elements: usize, order: usize, rest: &str) -> String {
-    format!(
-        r#"
-        [sections.main]
-        stiffness = {{ {stiffness} }}
-        [nodes]
-        A = [0, 0, 0]
-        B = [1, 0, 0]
-        [[lines]]
-        name = "line"
-        from = "A"
-        to = "B"
-        elements = {elements}
-        order = {order}
-        section = "main"
-        {rest}
-        "#
-    )
 }
 
 fn assert_near(found: f64, exact: f64, tolerance: f64) {

@@ -2,29 +2,9 @@
 
 #![allow(clippy::unwrap_used)]
 
+use crate::support::beams::line;
 use crate::support::program::{directory, ran, read, refusal, results};
 use serde_json::Value;
-
-/// A line of twelve elements from A to B, with more of the file.
-fn model(stiffness: &str, rest: &str) -> String {
-    format!(
-        r#"
-        [sections.main]
-        stiffness = {{ {stiffness} }}
-        [nodes]
-        A = [0, 0, 0]
-        B = [1, 0, 0]
-        [[lines]]
-        name = "line"
-        from = "A"
-        to = "B"
-        elements = 12
-        order = 3
-        section = "main"
-        {rest}
-        "#
-    )
-}
 
 const STIFF_COLUMN: &str = "EA = 1e8, GA = [1e8, 1e8], GJ = 10.0, EI = [3.0, 1.0]";
 const COLUMN: &str = r#"
@@ -54,8 +34,8 @@ const CANTILEVER: &str = r#"
 #[test]
 fn a_small_imperfection_grows_with_the_load() {
     for (name, text, amplitude) in [
-        ("column", model(STIFF_COLUMN, COLUMN), 1e-6),
-        ("cantilever", model(NARROW, CANTILEVER), -1e-4),
+        ("column", line(STIFF_COLUMN, 12, 3, COLUMN), 1e-6),
+        ("cantilever", line(NARROW, 12, 3, CANTILEVER), -1e-4),
     ] {
         let directory = directory(&format!("imperfection_{name}"));
         let out = ran(
@@ -104,7 +84,7 @@ fn a_small_imperfection_grows_with_the_load() {
 #[test]
 fn other_shapes_are_refused() {
     let directory = directory("imperfection_refused");
-    let text = model(STIFF_COLUMN, COLUMN);
+    let text = line(STIFF_COLUMN, 12, 3, COLUMN);
     let out = ran(
         &directory,
         &format!("{text}\n[analysis.modes]\ncount = 1\n").replace(

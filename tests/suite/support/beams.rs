@@ -43,3 +43,24 @@ pub fn beam_with(
     let laid = b.line_with(name, &axis, ends, &line, interpolation);
     laid.unwrap().nodes
 }
+
+/// A model file with a line from A to B, of length one along e1, and more of the file.
+pub fn line(stiffness: &str, elements: usize, order: usize, rest: &str) -> String {
+    format!(
+        r#"
+        [sections.main]
+        stiffness = {{ {stiffness} }}
+        [nodes]
+        A = [0, 0, 0]
+        B = [1, 0, 0]
+        [[lines]]
+        name = "line"
+        from = "A"
+        to = "B"
+        elements = {elements}
+        order = {order}
+        section = "main"
+        {rest}
+        "#
+    )
+}
