@@ -47,6 +47,7 @@ impl ModelMode {
 
 /// Why there are no modes.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ModelModesError {
     /// The state cannot be linearised.
     #[error(transparent)]

@@ -31,6 +31,7 @@ pub struct Motion {
 
 /// Why a motion cannot begin, or a name means nothing in it.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum MotionError {
     /// The model file is refused.
     #[error(transparent)]

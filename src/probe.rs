@@ -2,12 +2,12 @@
 
 #![allow(non_snake_case)]
 
-use crate::input::ProbeQuantity;
+use crate::input::{Dimension, ProbeQuantity};
 use nalgebra::Vector3;
 use pullback_elements::element::SectionState;
 use pullback_elements::model::{Context, ElementId, EnergiesAndMomentum, NodeId, Reaction};
 use pullback_integrators::dynamics::Progress;
-use pullback_manifold::system::SystemError;
+use pullback_manifold::system::{Quantity, SystemError};
 use std::f64::consts::TAU;
 
 /// The object of a probe.
@@ -18,7 +18,7 @@ pub(crate) enum Target {
     /// An element.
     Element(ElementId),
     /// The coordinate that a joint releases.
-    Joint(NodeId),
+    Joint(NodeId, Quantity),
     /// The whole model.
     Whole,
 }
@@ -151,11 +151,21 @@ impl Probe {
         &self.name
     }
 
+    /// Its dimension.
+    pub(crate) fn dimension(&self) -> Dimension {
+        let [force, length, time, angle] = self.quantity.dimension();
+        match self.target {
+            Target::Joint(_, Quantity::Length) => [force, length + 1, time, angle],
+            Target::Joint(_, Quantity::Angle) => [force, length, time, angle + 1],
+            _ => [force, length, time, angle],
+        }
+    }
+
     /// Whether the configuration of the model has its value: no forces and energies are needed.
     pub(crate) fn is_kinematic(&self) -> bool {
         use ProbeQuantity as Q;
         match &self.target {
-            Target::Joint(_) => true,
+            Target::Joint(..) => true,
             Target::Node(..) => !matches!(self.quantity, Q::reaction_force | Q::reaction_moment),
             Target::Element(_) | Target::Whole => false,
         }
@@ -177,7 +187,7 @@ impl Probe {
             ProbeComponent::One(k) => out.push(v[k]),
             ProbeComponent::Norm => out.push(v.norm()),
             ProbeComponent::Whole => out.push(match &self.target {
-                Target::Joint(node) => {
+                Target::Joint(node, _) => {
                     let rate = match self.quantity {
                         ProbeQuantity::joint_rate => 1,
                         ProbeQuantity::joint_acceleration => 2,
@@ -192,7 +202,7 @@ impl Probe {
 
     fn vector(&mut self, context: &Context, answers: &Answers) -> Vector3<f64> {
         match &self.target {
-            Target::Joint(_) => Vector3::zeros(),
+            Target::Joint(..) => Vector3::zeros(),
             Target::Whole => {
                 let momentum = answers.motion.unwrap_or_default().0.momentum;
                 match self.quantity {

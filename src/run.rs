@@ -19,6 +19,7 @@ use std::path::{Path, PathBuf};
 
 /// Why a run has no results.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum RunError {
     /// The model file is refused; nothing has been written.
     #[error(transparent)]

@@ -15,6 +15,7 @@ use std::ops::ControlFlow;
 
 /// Failure of an analysis.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum SolveError {
     /// In statics.
     #[error(transparent)]

@@ -33,6 +33,7 @@ pub struct Inertia {
 /// Error of an inertia.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "each message says what its variant is")]
+#[non_exhaustive]
 pub enum InertiaError {
     #[error("inertia needs finite numbers, got {what} = {value}")]
     NotFinite { what: &'static str, value: f64 },

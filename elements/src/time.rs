@@ -33,6 +33,7 @@ impl<F: TimeFunction + 'static> From<F> for Box<dyn TimeFunction> {
 /// Error of a time function.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "each message says what its variant is")]
+#[non_exhaustive]
 pub enum TimeFunctionError {
     #[error("a time function needs finite numbers, got {0}")]
     NotFinite(f64),

@@ -11,6 +11,7 @@ use std::fmt;
 
 /// The parameter that a step advances.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum StepParameter {
     /// The load parameter of statics.
     Load,
@@ -20,6 +21,7 @@ pub enum StepParameter {
 
 /// The cause of a failed step.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Cause {
     /// The system cannot be evaluated there.
     System(SystemError),

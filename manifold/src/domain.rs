@@ -7,6 +7,7 @@ pub const CHART_EDGE: &str = "the domain of its chart (it moved or turned too fa
 
 /// Why a point is outside of a domain.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum DomainError {
     /// It is beyond this limit.
     #[error("it left {limit}")]

@@ -250,6 +250,7 @@ pub struct Symmetry {
 
 /// Error of an evaluation. An integrator treats it as a failed trial step.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SystemError {
     /// The coordinates are outside the domain of a chart, map or element.
     #[error("{}", why.of(what))]

@@ -17,28 +17,35 @@ import json
 import math
 import os
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from . import _pullback
 from ._pullback import AnalysisError, ModelError, SavedMotion
+from .progress import Progress
 from .results import Modes, Result
+from .studies import Comparison, Order, Spectrum, compare, spectrum
 from .sweeps import SweepTable, sweep
 
 __all__ = [
     "AnalysisError",
+    "Comparison",
     "Linearized",
     "Model",
     "ModelBuilder",
     "ModelError",
     "Modes",
+    "Order",
     "Result",
     "SavedMotion",
     "Simulation",
+    "Spectrum",
     "SweepTable",
+    "compare",
     "schema",
+    "spectrum",
     "sweep",
 ]
 
@@ -115,8 +122,8 @@ class Model:
         its `result`; with check=False the result is returned, and says so. After Ctrl-C, KeyboardInterrupt is raised,
         also with a `result`.
         """
-        with _Progress(self.end if progress else math.nan) as bar:
-            found = _pullback.run(self._text, self._name, bar)
+        with Progress(self.end if progress else math.nan) as show:
+            found = _pullback.run(self._text, self._name, show)
         result = Result(found)
         for warning in result.warnings:
             warnings.warn(warning, stacklevel=2)
@@ -376,31 +383,6 @@ class Linearized:
             for rows, columns, values in (found[name] for name in "KCM")
         )
         self.r_u = np.array(found["r_u"]).reshape(len(self.inputs), n).T
-
-
-class _Progress:
-    """A line with the part of a motion that is done and the time left, on a terminal."""
-
-    def __init__(self, end: float) -> None:
-        import sys
-        import time
-
-        self._end, self._clock, self._out = end, time.monotonic, sys.stderr
-        self._start = self._clock()
-        self._shown = end > 0 and self._out.isatty()
-
-    def __enter__(self) -> Callable[[float], None] | None:
-        return self._show if self._shown else None
-
-    def _show(self, t: float) -> None:
-        part = min(max(t / self._end, 1e-9), 1.0)
-        left = (self._clock() - self._start) * (1 / part - 1)
-        self._out.write(f"\r{100 * part:5.1f} %, {left:.0f} s left ")
-        self._out.flush()
-
-    def __exit__(self, *_: object) -> None:
-        if self._shown:
-            self._out.write("\r" + " " * 40 + "\r")
 
 
 def schema() -> dict[str, Any]:

@@ -41,10 +41,37 @@ def find_modes(
     text: str, name: str, at: float | None, count: int, near: float, undamped: bool
 ) -> dict[str, Any]: ...
 def verify(text: str, name: str, seed: int) -> tuple[str, bool]: ...
-def sweep(
-    model: tuple[str, str],
-    axes: list[tuple[str, list[str]]],
-    keep: list[str],
-    runs: list[int] | None,
-    workers: int,
-) -> tuple[list[str], list[tuple[int, list[str], str, float, float, list[float]]]]: ...
+def compare(
+    text: str,
+    name: str,
+    schemes: list[str],
+    steps: list[float],
+    *,
+    reference: str | None,
+    workers: int | None,
+    timed: bool,
+    out: str | None,
+    tell: Callable[[float], object] | None,
+) -> str: ...
+def spectra(schemes: list[str], range: tuple[float, float]) -> str: ...
+
+# Run, parameters, outcome, load parameter or time, seconds, values.
+_Row = tuple[int, list[str], str, float, float, list[float]]
+
+class Sweep:
+    """One model with many values of its parameters."""
+
+    columns: list[str]
+    def __init__(
+        self, model: tuple[str, str], axes: list[tuple[str, list[str]]], keep: list[str]
+    ) -> None: ...
+    def __len__(self) -> int: ...
+    def open(self, directory: str) -> SavedTable: ...
+    def run(self, runs: list[int], workers: int, each: Callable[[list[_Row]], object]) -> None: ...
+
+class SavedTable:
+    """The rows of a sweep in a directory."""
+
+    def rows(self) -> list[_Row]: ...
+    def add(self, rows: list[_Row]) -> None: ...
+    def finish(self) -> None: ...

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 import os
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -10,13 +11,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _pullback
+from .progress import Progress
 
 if TYPE_CHECKING:
     from . import Model
 
 
 # Model and its name, axes, reductions.
-_Sweep = tuple[tuple[str, str], list[tuple[str, list[str]]], list[str]]
+_Arguments = tuple[tuple[str, str], list[tuple[str, list[str]]], list[str]]
 
 # Parts of a sweep on Dask: a lost worker's part is made again.
 PARTS = 256
@@ -55,6 +57,8 @@ def sweep(
     keep: Sequence[str] = ("last",),
     workers: int | None = None,
     client: Any = None,
+    out: str | os.PathLike[str] | None = None,
+    progress: bool = False,
 ) -> SweepTable:
     """Runs a model with all combinations of values of its parameters, the last one varying fastest.
 
@@ -62,29 +66,67 @@ def sweep(
     "at(T)". Runs are made by `workers` threads, by default one for each processor, or by the workers of a
     Dask `client`. A run that fails or is refused is a row with its message.
 
-    Raises ModelError for a path that is no parameter, before the first run.
+    With a directory `out`, rows are saved as `pullback sweep` does, in sweep.csv, and a sweep that was stopped goes
+    on there. After Ctrl-C, KeyboardInterrupt is raised, with the rows so far in its `result`; so are other errors.
+
+    Raises ModelError for a path that is no parameter, before the first run, and ValueError for a directory that
+    holds another sweep.
     """
     from . import _value
 
     axes = [(path, [_value(value) for value in values]) for path, values in over.items()]
-    count = int(np.prod([len(values) for _, values in axes], dtype=int))
     arguments = ((model._text, model._name), axes, list(keep))
-    if client is None:
-        threads = workers or os.cpu_count() or 1
-        names, rows = _pullback.sweep(*arguments, runs=None, workers=threads)
-    else:
-        names, _ = _pullback.sweep(*arguments, runs=[], workers=1)
-        parts = [part.tolist() for part in np.array_split(np.arange(count), min(count, PARTS))]
-        futures = client.map(_part, parts, arguments=arguments, pure=False)
-        rows = [row for part in client.gather(futures) for row in part]
-    columns = ["run", *over, "outcome", "t", "seconds", *names]
+    runs = _pullback.Sweep(*arguments)
+    saved = None if out is None else runs.open(os.fspath(out))
+    rows = [] if saved is None else saved.rows()
+    columns = ["run", *over, "outcome", "t", "seconds", *runs.columns]
     values = list(itertools.product(*over.values()))
-    table = [
-        (run, *values[run], outcome, t, seconds, *kept) for run, _, outcome, t, seconds, kept in rows
-    ]
-    return SweepTable(columns, table)
+
+    def table() -> SweepTable:
+        ordered = sorted(rows, key=lambda row: row[0])
+        return SweepTable(columns, [(run, *values[run], *told, *kept) for run, _, *told, kept in ordered])
+
+    try:
+        with Progress(len(runs) if progress else math.nan, done=len(rows)) as show:
+
+            def each(new: list[Any]) -> None:
+                rows.extend(new)
+                if saved is not None:
+                    saved.add(new)
+                if show is not None:
+                    show(len(rows))
+
+            done = {row[0] for row in rows}
+            missing = [run for run in range(len(runs)) if run not in done]
+            if client is None:
+                runs.run(missing, workers or os.cpu_count() or 1, each)
+            else:
+                _on_dask(client, arguments, missing, each)
+    except BaseException as error:
+        error.result = table()  # type: ignore[attr-defined]
+        raise
+    finally:
+        if saved is not None:
+            saved.finish()
+    return table()
 
 
-def _part(runs: list[int], arguments: _Sweep) -> list[Any]:
+def _on_dask(client: Any, arguments: _Arguments, runs: list[int], each: Any) -> None:
+    """Makes runs on the workers of a Dask client, in parts."""
+    from distributed import as_completed
+
+    count = min(len(runs), PARTS)
+    parts = [runs[k::count] for k in range(count)]
+    futures = client.map(_part, parts, arguments=arguments, pure=False)
+    try:
+        for future in as_completed(futures):
+            each(future.result())
+    finally:
+        client.cancel(futures)
+
+
+def _part(runs: list[int], arguments: _Arguments) -> list[Any]:
     """Some runs of a sweep, on a worker of Dask."""
-    return _pullback.sweep(*arguments, runs=runs, workers=1)[1]
+    rows: list[Any] = []
+    _pullback.Sweep(*arguments).run(runs, 1, rows.extend)
+    return rows

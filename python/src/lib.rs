@@ -4,6 +4,7 @@
 
 mod eigenvalues;
 mod motion;
+mod studies;
 mod sweep;
 
 use eigenvalues::{eigenvalues, modal};
@@ -24,6 +25,7 @@ use pyo3::types::PyDict;
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::{Duration, Instant};
 
 create_exception!(
@@ -81,6 +83,39 @@ impl<'a> Watch<'a> {
             }
         }
     }
+}
+
+/// Does some work in another thread, while this one, to which Python delivers signals, looks for them every 2 ms and calls
+/// `poll`, which returns the progress.
+fn watched<T: Send>(
+    watch: &mut Watch<'_>,
+    poll: &mut dyn FnMut() -> PyResult<f64>,
+    work: impl FnOnce(&(dyn Fn() -> ControlFlow<()> + Sync)) -> T + Send,
+) -> PyResult<T> {
+    let stopped = AtomicBool::new(false);
+    let flow = || match stopped.load(Relaxed) {
+        true => ControlFlow::Break(()),
+        false => ControlFlow::Continue(()),
+    };
+    std::thread::scope(|scope| {
+        let work = scope.spawn(|| work(&flow));
+        while !work.is_finished() && !stopped.load(Relaxed) {
+            std::thread::sleep(Duration::from_millis(2));
+            match poll() {
+                Ok(part) => stopped.store(watch.step(part).is_break(), Relaxed),
+                Err(error) => {
+                    watch.raised = Some(error);
+                    stopped.store(true, Relaxed);
+                }
+            }
+        }
+        let found = work.join().map_err(|_| failed("a worker stopped"));
+        let last = poll();
+        match watch.raised.take() {
+            Some(error) => Err(error),
+            None => last.and(found),
+        }
+    })
 }
 
 /// Refuses a text that is no model; returns its title, the end of its motion (not a number in statics), and the names
@@ -152,17 +187,8 @@ fn run<'py>(
     out.set_item("notes", &recorded.notes)?;
     out.set_item("steps", recorded.counts.steps)?;
     out.set_item("iterations", recorded.counts.iterations)?;
-    let (ending, message) = match &recorded.ending {
-        Ending::Complete | Ending::Running => ("complete", String::new()),
-        Ending::Interrupted { .. } => ("interrupted", String::new()),
-        Ending::StepLimit { max_steps, .. } => {
-            let message = format!("no stop was reached within max_steps = {max_steps}");
-            ("step_limit", message)
-        }
-        Ending::Failed { message } => ("failed", message.clone()),
-    };
-    out.set_item("ending", ending)?;
-    out.set_item("message", message)?;
+    out.set_item("ending", recorded.ending.kind())?;
+    out.set_item("message", recorded.ending.problem().unwrap_or_default())?;
     out.set_item("raised", watch.raised)?;
     if let Some(found) = &recorded.eigenvalues {
         out.set_item("eigenvalues", eigenvalues(py, found)?)?;
@@ -179,10 +205,15 @@ fn write(py: Python<'_>, text: &str, name: &str, out: &str) -> PyResult<(bool, S
         let mut observer = |step: &Advance<'_>| watch.step(step.t);
         run_job(job, name, Path::new(out), false, &mut observer).map_err(failed)
     })?;
-    match (watch.raised, outcome.ending) {
-        (Some(error), _) => Err(error),
-        (None, Ending::Failed { message }) => Ok((false, message)),
-        (None, ending) => Ok((ending == Ending::Complete, String::new())),
+    match watch.raised {
+        Some(error) => Err(error),
+        None => {
+            let problem = outcome.ending.problem();
+            Ok((
+                outcome.ending == Ending::Complete,
+                problem.unwrap_or_default(),
+            ))
+        }
     }
 }
 
@@ -293,7 +324,9 @@ mod _pullback {
     #[pymodule_export]
     use super::motion::{PyMotion, PySaved};
     #[pymodule_export]
-    use super::sweep::sweep;
+    use super::studies::{compare, spectra};
+    #[pymodule_export]
+    use super::sweep::{PySweep, PyTable};
     #[pymodule_export]
     use super::{
         AnalysisError, ModelError, find_modes, inspect, linear, run, schema, verify,

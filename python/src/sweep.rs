@@ -1,90 +1,151 @@
-//! Sweeps in threads.
+//! Sweeps in threads, and their table in a directory.
 
-use super::{ModelError, Watch, failed};
+use super::{ModelError, Watch, failed, watched};
 use pullback::input::{InputError, Registry};
-use pullback::studies::sweep::{Axis, Sweep, SweepError, SweepRow};
-use pyo3::exceptions::PyValueError;
+use pullback::studies::sweep::{Axis, Sweep, SweepError, SweepRow, SweepTable, TableError};
+use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
-use std::time::Duration;
+use std::path::Path;
+use std::sync::{Mutex, PoisonError};
 
 /// Run, parameters, outcome, load parameter or time, seconds, values.
 type Row = (usize, Vec<String>, String, f64, f64, Vec<f64>);
 
-/// A sweep: names of the values, and a row for each of these runs, by default for all.
-#[pyfunction]
-pub(super) fn sweep(
-    py: Python<'_>,
-    model: (String, String),
-    axes: Vec<(String, Vec<String>)>,
-    keep: Vec<String>,
-    runs: Option<Vec<usize>>,
-    workers: usize,
-) -> PyResult<(Vec<String>, Vec<Row>)> {
-    let (text, name) = model;
-    let keep = keep.iter().map(|word| word.parse());
-    let axes = axes.into_iter().map(|(path, values)| Axis { path, values });
-    let sweep = keep
-        .collect::<Result<_, SweepError>>()
-        .and_then(|reductions| Sweep::new(name, text, axes.collect(), reductions))
-        .map_err(|error| PyValueError::new_err(error.to_string()))?;
-    let runs = runs.unwrap_or_else(|| (0..sweep.len()).collect());
-    let mut watch = Watch::new(None);
-    let (columns, rows) = py.detach(|| {
-        let registry = Registry::standard();
-        let refused = |error: InputError| ModelError::new_err(error.report(false));
-        let columns = sweep.columns(&registry).map_err(refused)?;
-        let rows = watched(&sweep, &registry, (&runs, workers), &mut watch)?;
-        Ok::<_, PyErr>((columns, rows.map_err(refused)?))
-    })?;
-    if let Some(error) = watch.raised {
-        return Err(error);
-    }
-    let rows = rows.into_iter().map(|row| {
-        let SweepRow {
-            run,
-            parameters,
-            outcome,
-            t,
-            seconds,
-            values,
-        } = row;
-        (run, parameters, outcome, t, seconds, values)
-    });
-    Ok((columns, rows.collect()))
+fn to_python(row: SweepRow) -> Row {
+    let SweepRow {
+        run,
+        parameters,
+        outcome,
+        t,
+        seconds,
+        values,
+    } = row;
+    (run, parameters, outcome, t, seconds, values)
 }
 
-/// Runs a sweep while this thread, to which Python delivers signals, looks for them.
-fn watched(
-    sweep: &Sweep,
-    registry: &Registry,
-    (runs, workers): (&[usize], usize),
-    watch: &mut Watch<'_>,
-) -> PyResult<Result<Vec<SweepRow>, InputError>> {
-    let stopped = AtomicBool::new(false);
-    let flow = || match stopped.load(Relaxed) {
-        true => ControlFlow::Break(()),
-        false => ControlFlow::Continue(()),
-    };
-    std::thread::scope(|scope| {
-        let work = scope.spawn(|| {
-            let mut rows = Vec::new();
-            let mut each = |row| {
-                rows.push(row);
-                ControlFlow::Continue(())
-            };
-            sweep.run(registry, runs, workers, &mut each, &flow)?;
-            rows.sort_by_key(|row: &SweepRow| row.run);
-            Ok(rows)
-        });
-        while !work.is_finished() {
-            std::thread::sleep(Duration::from_millis(2));
-            if watch.step(0.0).is_break() {
-                stopped.store(true, Relaxed);
-                break;
+fn of_python((run, parameters, outcome, t, seconds, values): Row) -> SweepRow {
+    SweepRow {
+        run,
+        parameters,
+        outcome,
+        t,
+        seconds,
+        values,
+    }
+}
+
+fn refused(error: InputError) -> PyErr {
+    ModelError::new_err(error.report(false))
+}
+
+fn unsaved(error: TableError) -> PyErr {
+    match error {
+        TableError::Other(_) => PyValueError::new_err(error.to_string()),
+        error => PyOSError::new_err(error.to_string()),
+    }
+}
+
+/// One model with many values of its parameters.
+#[pyclass(frozen, module = "pullback", name = "Sweep")]
+pub(super) struct PySweep {
+    sweep: Sweep,
+    /// Names of the values of a run.
+    #[pyo3(get)]
+    columns: Vec<String>,
+}
+
+#[pymethods]
+impl PySweep {
+    #[new]
+    fn new(
+        model: (String, String),
+        axes: Vec<(String, Vec<String>)>,
+        keep: Vec<String>,
+    ) -> PyResult<Self> {
+        let (text, name) = model;
+        let keep = keep.iter().map(|word| word.parse());
+        let axes = axes.into_iter().map(|(path, values)| Axis { path, values });
+        let sweep = keep
+            .collect::<Result<_, SweepError>>()
+            .and_then(|reductions| Sweep::new(name, text, axes.collect(), reductions))
+            .map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let columns = sweep.columns(&Registry::standard()).map_err(refused)?;
+        Ok(Self { sweep, columns })
+    }
+
+    fn __len__(&self) -> usize {
+        self.sweep.len()
+    }
+
+    /// The table in a directory, with the rows that it has already.
+    fn open(&self, directory: &str) -> PyResult<PyTable> {
+        let table = SweepTable::open(&self.sweep, &self.columns, Path::new(directory));
+        let table = Some(table.map_err(unsaved)?);
+        Ok(PyTable { table })
+    }
+
+    /// Makes these runs in threads; `each` gets the rows as they are finished, in any order.
+    fn run(
+        &self,
+        py: Python<'_>,
+        runs: Vec<usize>,
+        workers: usize,
+        each: Py<PyAny>,
+    ) -> PyResult<()> {
+        let made = Mutex::new(Vec::new());
+        let lock = || made.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut give = || {
+            let rows: Vec<Row> = lock().drain(..).map(to_python).collect();
+            match rows.is_empty() {
+                true => Ok(0.0),
+                false => Python::attach(|py| each.call1(py, (rows,)).map(|_| 0.0)),
             }
+        };
+        let mut watch = Watch::new(None);
+        py.detach(|| {
+            let registry = Registry::standard();
+            let worked = watched(&mut watch, &mut give, |flow| {
+                let mut add = |row| {
+                    lock().push(row);
+                    ControlFlow::Continue(())
+                };
+                self.sweep.run(&registry, &runs, workers, &mut add, flow)
+            })?;
+            worked.map_err(refused)
+        })
+    }
+}
+
+/// The rows of a sweep in a directory, as `pullback sweep` writes them.
+#[pyclass(module = "pullback", name = "SavedTable")]
+pub(super) struct PyTable {
+    /// None when it is finished.
+    table: Option<SweepTable>,
+}
+
+#[pymethods]
+impl PyTable {
+    /// The rows so far.
+    fn rows(&self) -> Vec<Row> {
+        let rows = self.table.iter().flat_map(SweepTable::rows);
+        rows.cloned().map(to_python).collect()
+    }
+
+    fn add(&mut self, rows: Vec<Row>) -> PyResult<()> {
+        let table = self
+            .table
+            .as_mut()
+            .ok_or_else(|| failed("the table is finished"))?;
+        let mut rows = rows.into_iter().map(of_python);
+        rows.try_for_each(|row| table.add(row)).map_err(unsaved)
+    }
+
+    /// Writes all rows in the order of the runs.
+    fn finish(&mut self) -> PyResult<()> {
+        match self.table.take() {
+            Some(table) => table.finish().map(drop).map_err(unsaved),
+            None => Ok(()),
         }
-        work.join().map_err(|_| failed("a worker stopped"))
-    })
+    }
 }

@@ -15,7 +15,7 @@ def test_the_examples_run(monkeypatch):
     pytest.importorskip("scipy")
     monkeypatch.chdir(HERE.parent)
     examples = re.findall(r"```python\n(.*?)```", (HERE / "README.md").read_text(), re.S)
-    assert len(examples) == 4
+    assert len(examples) == 5
     names: dict = {}
     for example in examples:
         exec(example, names)

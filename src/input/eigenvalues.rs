@@ -11,6 +11,7 @@ use std::f64::consts::TAU;
 
 /// What is found at the end of the steps.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub enum EigenvaluePlan {
     /// Modes.
     Modes(ModeOptions),

@@ -14,6 +14,7 @@ use std::path::PathBuf;
 /// What is wrong with a model file.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say it")]
+#[non_exhaustive]
 pub enum InputProblem {
     #[error("cannot read {}: {source}", path.display())]
     Unreadable {

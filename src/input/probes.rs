@@ -1,6 +1,6 @@
 //! Probes of the file, resolved.
 
-use super::file::{self, ProbeQuantity};
+use super::file::{self, Dimension, ProbeQuantity};
 use super::names::{Names, distinct};
 use super::parts::Assembly;
 use super::{InputError, InputProblem, Location};
@@ -88,7 +88,9 @@ fn target(
             Target::Element(elements.find(&at.at("element"), name)?)
         }
         (ProbeQuantity::JOINT, None, None, Some(name)) => {
-            Target::Joint(assembly.joint_coordinates.find(&at.at("joint"), name)?)
+            let node = assembly.joint_coordinates.find(&at.at("joint"), name)?;
+            let quantity = context.node(node).quantities()[0];
+            Target::Joint(node, quantity)
         }
         (ProbeQuantity::NOTHING | ProbeQuantity::SPACE, None, None, None) => Target::Whole,
         _ => {
@@ -110,7 +112,7 @@ fn component(
     let space = probe.quantity.needs() == ProbeQuantity::SPACE;
     let (names, expected) = match target {
         Target::Element(_) => (["1", "2", "3"], "\"1\", \"2\", \"3\" or \"norm\""),
-        Target::Joint(_) => ([""; 3], "no component"),
+        Target::Joint(..) => ([""; 3], "no component"),
         Target::Whole if !space => ([""; 3], "no component"),
         Target::Node(..) | Target::Whole => (["x", "y", "z"], "\"x\", \"y\", \"z\" or \"norm\""),
     };
@@ -143,8 +145,8 @@ impl ProbeQuantity {
         self.row().0
     }
 
-    /// Label of an axis of a figure.
-    pub fn axis(self) -> &'static str {
+    /// Its name on an axis of a figure.
+    pub fn name(self) -> &'static str {
         self.row().1
     }
 
@@ -158,37 +160,42 @@ impl ProbeQuantity {
         self.row().3
     }
 
-    /// Key, label of an axis, object of the probe, and whether it is defined in dynamics only.
+    /// Its dimension; that of a coordinate of a joint is multiplied by the coordinate's.
+    pub fn dimension(self) -> Dimension {
+        self.row().4
+    }
+
+    /// Key, name, object of the probe, whether it is defined in dynamics only, and dimension.
     #[rustfmt::skip]
-    fn row(self) -> (&'static str, &'static str, &'static str, bool) {
+    fn row(self) -> (&'static str, &'static str, &'static str, bool, Dimension) {
         use ProbeQuantity::*;
         let (statics, dynamics) = (false, true);
         match self {
-            displacement => ("displacement", "displacement d", Self::NODE, statics),
-            position => ("position", "position", Self::NODE, statics),
-            rotation => ("rotation", "rotation vector Ψ [rad]", Self::NODE, statics),
-            chart_rotation => ("chart_rotation", "rotation vector Ψ in its chart [rad]", Self::NODE, statics),
-            velocity => ("velocity", "velocity", Self::NODE, dynamics),
-            angular_velocity => ("angular_velocity", "angular velocity ω", Self::NODE, dynamics),
-            acceleration => ("acceleration", "acceleration", Self::NODE, dynamics),
-            angular_acceleration => ("angular_acceleration", "angular acceleration ω̇", Self::NODE, dynamics),
-            joint_coordinate => ("joint_coordinate", "joint coordinate", Self::JOINT, statics),
-            joint_rate => ("joint_rate", "rate of joint coordinate", Self::JOINT, dynamics),
-            joint_acceleration => ("joint_acceleration", "acceleration of joint coordinate", Self::JOINT, dynamics),
-            joint_force => ("joint_force", "force in joint", Self::FRAME, statics),
-            joint_moment => ("joint_moment", "moment in joint", Self::FRAME, statics),
-            reaction_force => ("reaction_force", "reaction force", Self::NODE, statics),
-            reaction_moment => ("reaction_moment", "reaction moment", Self::NODE, statics),
-            N => ("N", "forces N", Self::ELEMENT, statics),
-            M => ("M", "moments M", Self::ELEMENT, statics),
-            Gamma => ("Gamma", "strains Γ", Self::ELEMENT, statics),
-            K => ("K", "curvatures K", Self::ELEMENT, statics),
-            strain_energy => ("strain_energy", "strain energy", Self::NOTHING, statics),
-            kinetic_energy => ("kinetic_energy", "kinetic energy", Self::NOTHING, dynamics),
-            total_energy => ("total_energy", "total energy", Self::NOTHING, dynamics),
-            energy_defect => ("energy_defect", "energy defect", Self::NOTHING, dynamics),
-            momentum => ("momentum", "linear momentum", Self::SPACE, dynamics),
-            angular_momentum => ("angular_momentum", "angular momentum", Self::SPACE, dynamics),
+            displacement => ("displacement", "displacement d", Self::NODE, statics, [0, 1, 0, 0]),
+            position => ("position", "position", Self::NODE, statics, [0, 1, 0, 0]),
+            rotation => ("rotation", "rotation vector Ψ", Self::NODE, statics, [0, 0, 0, 1]),
+            chart_rotation => ("chart_rotation", "rotation vector Ψ in its chart", Self::NODE, statics, [0, 0, 0, 1]),
+            velocity => ("velocity", "velocity", Self::NODE, dynamics, [0, 1, -1, 0]),
+            angular_velocity => ("angular_velocity", "angular velocity ω", Self::NODE, dynamics, [0, 0, -1, 1]),
+            acceleration => ("acceleration", "acceleration", Self::NODE, dynamics, [0, 1, -2, 0]),
+            angular_acceleration => ("angular_acceleration", "angular acceleration ω̇", Self::NODE, dynamics, [0, 0, -2, 1]),
+            joint_coordinate => ("joint_coordinate", "joint coordinate", Self::JOINT, statics, [0, 0, 0, 0]),
+            joint_rate => ("joint_rate", "rate of joint coordinate", Self::JOINT, dynamics, [0, 0, -1, 0]),
+            joint_acceleration => ("joint_acceleration", "acceleration of joint coordinate", Self::JOINT, dynamics, [0, 0, -2, 0]),
+            joint_force => ("joint_force", "force in joint", Self::FRAME, statics, [1, 0, 0, 0]),
+            joint_moment => ("joint_moment", "moment in joint", Self::FRAME, statics, [1, 1, 0, 0]),
+            reaction_force => ("reaction_force", "reaction force", Self::NODE, statics, [1, 0, 0, 0]),
+            reaction_moment => ("reaction_moment", "reaction moment", Self::NODE, statics, [1, 1, 0, 0]),
+            N => ("N", "forces N", Self::ELEMENT, statics, [1, 0, 0, 0]),
+            M => ("M", "moments M", Self::ELEMENT, statics, [1, 1, 0, 0]),
+            Gamma => ("Gamma", "strains Γ", Self::ELEMENT, statics, [0, 0, 0, 0]),
+            K => ("K", "curvatures K", Self::ELEMENT, statics, [0, -1, 0, 1]),
+            strain_energy => ("strain_energy", "strain energy", Self::NOTHING, statics, [1, 1, 0, 0]),
+            kinetic_energy => ("kinetic_energy", "kinetic energy", Self::NOTHING, dynamics, [1, 1, 0, 0]),
+            total_energy => ("total_energy", "total energy", Self::NOTHING, dynamics, [1, 1, 0, 0]),
+            energy_defect => ("energy_defect", "energy defect", Self::NOTHING, dynamics, [1, 1, 0, 0]),
+            momentum => ("momentum", "linear momentum", Self::SPACE, dynamics, [1, 0, 1, 0]),
+            angular_momentum => ("angular_momentum", "angular momentum", Self::SPACE, dynamics, [1, 1, 1, 0]),
         }
     }
 }

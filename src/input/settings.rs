@@ -20,6 +20,7 @@ const MOST_STEPS: f64 = 1e9;
     reason = "there is one in a run: its size costs nothing"
 )]
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub enum Plan {
     /// Load stepping.
     Static(StaticOptions),

@@ -70,6 +70,7 @@ pub struct Checkpoint {
 /// Why a run cannot be resumed.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the fields are")]
+#[non_exhaustive]
 pub enum ResumeError {
     /// Only dynamic analyses have checkpoints.
     #[error("only a dynamic analysis can be resumed; run without --resume")]

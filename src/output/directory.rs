@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 /// Why results cannot be written.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the fields are")]
+#[non_exhaustive]
 pub enum OutputError {
     /// An error of the file system.
     #[error("cannot write {}: {source}", path.display())]
@@ -284,9 +285,13 @@ fn is_result(name: &str) -> bool {
             "history.csv",
             "buckling.csv",
             "buckling.json",
+            "campbell.csv",
+            "campbell.json",
+            "campbell.svg",
             "modes.csv",
             "modes.json",
             "steps.pvd",
+            "deformed.html",
             "deformed.svg",
             "history.svg",
         ]

@@ -2,7 +2,7 @@
 
 use super::history::HistoryRow;
 use super::plot::{Panel, PlotCurve};
-use crate::input::{Plan, ProbeQuantity};
+use crate::input::{Dimension, Plan, ProbeQuantity, Units};
 use crate::probe::Probe;
 
 /// Most curves in a panel.
@@ -33,32 +33,11 @@ impl Scales {
         }
     }
 
-    /// The scale of a quantity in the model, by its unit; zero if none is known.
-    fn size(&self, quantity: ProbeQuantity) -> f64 {
-        use ProbeQuantity::*;
-        let Self {
-            length,
-            time,
-            energy,
-        } = *self;
-        let size = match quantity {
-            displacement | position => length,
-            rotation | chart_rotation | Gamma => 1.0,
-            // A length or an angle: the smaller of the two.
-            joint_coordinate => length.min(1.0),
-            joint_rate => length.min(1.0) / time,
-            joint_acceleration => length.min(1.0) / time / time,
-            velocity => length / time,
-            angular_velocity => 1.0 / time,
-            acceleration => length / time / time,
-            angular_acceleration => 1.0 / time / time,
-            joint_force | reaction_force | N => energy / length,
-            joint_moment | reaction_moment | M => energy,
-            K => 1.0 / length,
-            strain_energy | kinetic_energy | total_energy | energy_defect => energy,
-            momentum => energy * time / length,
-            angular_momentum => energy * time,
-        };
+    /// The scale of values of a dimension; zero if none is known.
+    fn size(&self, [force, length, time, _]: Dimension) -> f64 {
+        let size = (self.energy / self.length).powi(force)
+            * self.length.powi(length)
+            * self.time.powi(time);
         if size.is_finite() { size } else { 0.0 }
     }
 }
@@ -72,10 +51,11 @@ fn without_noise(curves: &mut [PlotCurve], size: f64) {
     }
 }
 
-/// One panel per quantity (more if there are many curves), in the order of the probes; the strain
+/// One panel per quantity and dimension (more if there are many curves), in the order of the probes; the strain
 /// energy if there are none. `length` is the largest extent of the structure during the run.
 pub(super) fn panels(
     plan: &Plan,
+    units: &Units,
     probes: &[Probe],
     rows: &[HistoryRow],
     length: f64,
@@ -84,34 +64,36 @@ pub(super) fn panels(
     let curve = |label: String, value: &dyn Fn(&HistoryRow) -> f64| {
         PlotCurve::new(label, rows.iter().map(|row| (row.t, value(row))).collect())
     };
-    let mut panels: Vec<(ProbeQuantity, Vec<PlotCurve>)> = Vec::new();
+    let mut panels: Vec<(ProbeQuantity, Dimension, Vec<PlotCurve>)> = Vec::new();
     let mut column = 0;
     for probe in probes {
-        let (quantity, labels) = (probe.quantity, probe.columns());
-        let room = |(q, curves): &(ProbeQuantity, Vec<PlotCurve>)| {
-            *q == quantity && curves.len() + labels.len() <= CURVES
+        let (quantity, dimension, labels) = (probe.quantity, probe.dimension(), probe.columns());
+        let room = |(q, d, curves): &(ProbeQuantity, Dimension, Vec<PlotCurve>)| {
+            (*q, *d) == (quantity, dimension) && curves.len() + labels.len() <= CURVES
         };
         let position = panels.iter().position(room).unwrap_or_else(|| {
-            panels.push((quantity, Vec::new()));
+            panels.push((quantity, dimension, Vec::new()));
             panels.len() - 1
         });
         for label in labels {
             panels[position]
-                .1
+                .2
                 .push(curve(label, &|row| row.probes[column]));
             column += 1;
         }
     }
     if panels.is_empty() {
         let energy = curve("strain energy".to_owned(), &|row| row.strain_energy);
-        panels.push((ProbeQuantity::strain_energy, vec![energy]));
+        let quantity = ProbeQuantity::strain_energy;
+        panels.push((quantity, quantity.dimension(), vec![energy]));
     }
-    let panel = |(quantity, mut curves): (ProbeQuantity, Vec<PlotCurve>)| {
-        without_noise(&mut curves, scales.size(quantity));
-        let (mut x, mut y) = (
-            format!("{} t", plan.parameter()),
-            quantity.axis().to_owned(),
-        );
+    let parameter = match plan {
+        Plan::Dynamic(_) => units.label("time t", [0, 0, 1, 0]),
+        _ => format!("{} t", plan.parameter()),
+    };
+    let panel = |(quantity, dimension, mut curves): (ProbeQuantity, Dimension, Vec<PlotCurve>)| {
+        without_noise(&mut curves, scales.size(dimension));
+        let (mut x, mut y) = (parameter.clone(), units.label(quantity.name(), dimension));
         // By custom the load of a path, which may turn back, is on the vertical axis.
         if matches!(plan, Plan::Path(..)) {
             std::mem::swap(&mut x, &mut y);

@@ -24,8 +24,8 @@ use std::time::{Duration, Instant};
 /// Time between two savings of history and results.
 const SAVED: Duration = Duration::from_secs(5);
 
-/// Shapes kept for the figure of the deformed structure.
-const SHAPES: usize = 64;
+/// Most shapes kept for the figures of the deformed structure.
+const SHAPES: usize = 128;
 
 /// The constant data of an analysis.
 pub(crate) struct Setting<'a> {
@@ -254,6 +254,7 @@ impl<'a> Recorder<'a> {
 
 /// Why a step cannot be recorded.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum RecordError {
     /// It cannot be written.
     #[error(transparent)]

@@ -15,6 +15,7 @@ pub(super) const NAME: &str = "result.json";
 /// How a run ended.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Ending {
     /// The run has not ended, or the program was killed.
     Running,
@@ -37,6 +38,30 @@ pub enum Ending {
         /// Its whole message.
         message: String,
     },
+}
+
+impl Ending {
+    /// Its kind, as in `result.json`.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Running => "running",
+            Self::Complete => "complete",
+            Self::Interrupted { .. } => "interrupted",
+            Self::StepLimit { .. } => "step_limit",
+            Self::Failed { .. } => "failed",
+        }
+    }
+
+    /// Why the analysis is not complete, if it failed or reached the limit of steps.
+    pub fn problem(&self) -> Option<String> {
+        match self {
+            Self::StepLimit { max_steps, .. } => Some(format!(
+                "no stop was reached within max_steps = {max_steps}"
+            )),
+            Self::Failed { message } => Some(message.clone()),
+            Self::Running | Self::Complete | Self::Interrupted { .. } => None,
+        }
+    }
 }
 
 /// The content of `result.json`.

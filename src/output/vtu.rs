@@ -8,7 +8,7 @@
 use crate::input::Geometry;
 use crate::probe::Answers;
 use nalgebra::{Matrix3, Vector3};
-use pullback_elements::model::{Context, NodeState};
+use pullback_elements::model::{Context, NodeId};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 
@@ -79,6 +79,8 @@ pub(super) fn grid(
     for (name, axis) in ["e1", "e2", "e3"].into_iter().zip(&points.axes) {
         vectors(&mut out, name, axis);
     }
+    vectors(&mut out, "reference", &points.reference());
+    names(&mut out, &points.names);
     out += "</PointData>\n<CellData>\n";
     for (name, values) in ["N", "M", "Gamma", "K"].into_iter().zip(&cells.resultants) {
         vectors(&mut out, name, values);
@@ -88,12 +90,12 @@ pub(super) fn grid(
 }
 
 /// The points and cells of all lines, bodies and links.
-fn parts(context: &Context, geometry: &Geometry, answers: &Answers) -> (Points, Cells) {
+fn parts<'a>(context: &'a Context, geometry: &Geometry, answers: &Answers) -> (Points<'a>, Cells) {
     let (mut points, mut cells) = (Points::default(), Cells::default());
     for (l, line) in geometry.lines.iter().enumerate() {
         let first = points.positions.len();
         for (&node, R0) in line.nodes.iter().zip(&line.frames) {
-            points.push(&context.node_state(node), Vector3::zeros(), R0);
+            points.push(context, node, Vector3::zeros(), R0);
         }
         for (e, &id) in line.elements.iter().enumerate() {
             let start = first + e * line.order;
@@ -116,7 +118,7 @@ fn parts(context: &Context, geometry: &Geometry, answers: &Answers) -> (Points, 
     for (cell_type, all) in bodies.chain(links) {
         let first = points.positions.len();
         for (node, center) in all {
-            points.push(&context.node_state(node), center, &Matrix3::identity());
+            points.push(context, node, center, &Matrix3::identity());
         }
         let own = first..points.positions.len();
         cells.push(cell_type, own, 0, [Vector3::zeros(); 4]);
@@ -156,7 +158,9 @@ impl Cells {
 
 /// Points and their data.
 #[derive(Default)]
-struct Points {
+struct Points<'a> {
+    /// Names of the nodes.
+    names: Vec<&'a str>,
     positions: Vec<Vector3<f64>>,
     displacement: Vec<Vector3<f64>>,
     rotation: Vec<Vector3<f64>>,
@@ -165,10 +169,18 @@ struct Points {
     axes: [Vec<Vector3<f64>>; 3],
 }
 
-impl Points {
+impl<'a> Points<'a> {
     /// A point that is at `center` as seen from a node in the reference configuration, with axes that
     /// are the columns of `R0` there.
-    fn push(&mut self, node: &NodeState, center: Vector3<f64>, R0: &Matrix3<f64>) {
+    fn push(
+        &mut self,
+        context: &'a Context,
+        node: NodeId,
+        center: Vector3<f64>,
+        R0: &Matrix3<f64>,
+    ) {
+        self.names.push(context.node(node).name());
+        let node = context.node_state(node);
         let arm = node.R * center;
         self.positions.push(node.position + arm);
         self.displacement.push(node.d + arm - center);
@@ -180,6 +192,11 @@ impl Points {
             axis.push(frame.column(k).into_owned());
         }
     }
+
+    fn reference(&self) -> Vec<Vector3<f64>> {
+        let pairs = self.positions.iter().zip(&self.displacement);
+        pairs.map(|(x, d)| x - d).collect()
+    }
 }
 
 fn vectors(out: &mut String, name: &str, values: &[Vector3<f64>]) {
@@ -189,6 +206,18 @@ fn vectors(out: &mut String, name: &str, values: &[Vector3<f64>]) {
     );
     for v in values {
         let _ = writeln!(out, "{:e} {:e} {:e}", v.x, v.y, v.z);
+    }
+    *out += "</DataArray>\n";
+}
+
+/// Strings are the codes of their bytes, each string with a zero at its end.
+fn names(out: &mut String, names: &[&str]) {
+    *out += "<DataArray type=\"String\" Name=\"node\" format=\"ascii\">\n";
+    for name in names {
+        name.bytes().for_each(|byte| {
+            let _ = write!(out, "{byte} ");
+        });
+        *out += "0\n";
     }
     *out += "</DataArray>\n";
 }

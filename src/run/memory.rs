@@ -94,6 +94,7 @@ pub fn record_job(
 
 /// Why a job has not reached a state.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ReachError {
     /// The motion cannot begin.
     #[error(transparent)]
@@ -131,11 +132,10 @@ pub fn reach(
         observer(step)
     });
     match ending(&ended, progress.state.t) {
-        Ending::Complete | Ending::Running => Ok(progress),
         Ending::Interrupted { .. } => Err(ReachError::Interrupted),
-        Ending::StepLimit { max_steps, .. } => Err(ReachError::Failed(format!(
-            "no stop was reached within max_steps = {max_steps}"
-        ))),
-        Ending::Failed { message } => Err(ReachError::Failed(message)),
+        ending => match ending.problem() {
+            Some(problem) => Err(ReachError::Failed(problem)),
+            None => Ok(progress),
+        },
     }
 }

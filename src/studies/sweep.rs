@@ -36,6 +36,7 @@ pub struct Axis {
 ///
 /// As a text `last`, `max`, `min` or `at(T)`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
 pub enum Reduction {
     /// The value of the last row.
     Last,
@@ -344,14 +345,11 @@ impl Sweep {
         let (outcome, t, mut values) = match &recorded {
             Err(message) => (message.clone(), f64::NAN, Vec::new()),
             Ok(recorded) => {
-                let outcome = match &recorded.ending {
-                    Ending::Interrupted { .. } => return None,
-                    Ending::Complete | Ending::Running => "complete".to_owned(),
-                    Ending::StepLimit { max_steps, .. } => {
-                        format!("no stop was reached within max_steps = {max_steps}")
-                    }
-                    Ending::Failed { message } => message.clone(),
-                };
+                if let Ending::Interrupted { .. } = recorded.ending {
+                    return None;
+                }
+                let problem = recorded.ending.problem();
+                let outcome = problem.unwrap_or_else(|| "complete".to_owned());
                 let t = recorded.history.find("t");
                 let t = t.and_then(|t| recorded.history.column(t).next_back());
                 (outcome, t.unwrap_or(f64::NAN), self.values(recorded))

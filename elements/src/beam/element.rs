@@ -23,6 +23,7 @@ use pullback_manifold::system::Weights;
 /// Error of a beam element.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "each message says what its variant is")]
+#[non_exhaustive]
 pub enum BeamError {
     #[error("its length is zero: nodes at {at:?} coincide")]
     ZeroLength { at: [f64; 3] },

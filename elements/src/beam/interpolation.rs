@@ -16,6 +16,7 @@ use std::fmt::Debug;
 
 /// Interpolation of rotations of a beam element.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Interpolation {
     /// The total rotation vector, Ψ(ξ) = Σ Nᵢ(ξ) Ψᵢ; \[M04\] chapter 3.
     ///

@@ -34,6 +34,7 @@ pub struct Damping {
 /// Error of a section.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "each message says what its variant is")]
+#[non_exhaustive]
 pub enum SectionError {
     #[error("{quantity} must be positive and finite, got {value}")]
     NotPositive { quantity: &'static str, value: f64 },

@@ -11,6 +11,7 @@ use crate::Asymmetry;
 /// Error of a body.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "each message says what its variant is")]
+#[non_exhaustive]
 pub enum BodyError {
     #[error("{quantity} must be finite, got {value}")]
     NotFinite { quantity: &'static str, value: f64 },

@@ -21,6 +21,7 @@ pub struct PenaltyStiffness {
 /// Error of a penalty.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "each message says what its variant is")]
+#[non_exhaustive]
 pub enum PenaltyError {
     #[error("a penalty must be positive and finite, got {0:?}")]
     Stiffness(f64),

@@ -8,6 +8,7 @@ pub(super) const PARALLEL: f64 = 1e-6;
 /// Error of the axes of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "each message says what its variant is")]
+#[non_exhaustive]
 pub enum AxisError {
     #[error("its axis {0:?} has no direction; give a finite vector that is not zero")]
     Direction([f64; 3]),

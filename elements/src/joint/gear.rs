@@ -6,6 +6,7 @@ use pullback_manifold::map::{Linear, Map};
 /// Error of a gear.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "each message says what its variant is")]
+#[non_exhaustive]
 pub enum GearError {
     #[error("its ratio {0} must be finite and not zero")]
     Ratio(f64),

@@ -12,6 +12,7 @@ use pullback_manifold::so3::skew;
 
 /// Kind of a nodal load: its behaviour when the node rotates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum LoadKind {
     /// Dead force f.
     DeadForce,

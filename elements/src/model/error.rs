@@ -9,6 +9,7 @@ use pullback_manifold::system::SystemError;
 /// Error of a model.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "each message says what its variant is")]
+#[non_exhaustive]
 pub enum ModelError {
     #[error("a model needs at least one node")]
     Empty,

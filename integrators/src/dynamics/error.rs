@@ -8,6 +8,7 @@ use pullback_manifold::system::SystemError;
 /// Error of an integration in time.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the fields are")]
+#[non_exhaustive]
 pub enum DynamicsError {
     /// A parameter of a scheme outside its range.
     #[error(

@@ -91,6 +91,7 @@ impl Default for NewtonOptions {
 
 /// Start of Newton's iteration of a step; velocities and accelerations follow by the scheme.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Predictor {
     /// Coordinates extrapolated by the velocities, qₙ + h q̇ₙ; in smooth motion by the accelerations as well,
     /// + ½ h² q̈ₙ, which saves one of two iterations of rigid mechanisms.
@@ -111,6 +112,7 @@ pub enum Predictor {
 /// time; at a quarter of the step 2568 for 1691 and 603 for 1203 in 0.85 of the time. `Once` pays
 /// off at small steps only.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum TangentUpdate {
     /// In every iteration: quadratic convergence.
     #[default]

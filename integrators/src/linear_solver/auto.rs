@@ -23,6 +23,7 @@ pub struct AutoSolver {
 
 /// One of the solvers behind [`AutoSolver`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum SolverKind {
     /// [`BlockLu`].
     #[default]

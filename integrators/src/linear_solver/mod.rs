@@ -89,6 +89,7 @@ pub trait LinearSolver: Send {
 /// Error of a linear solver.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[allow(missing_docs, reason = "the messages say what the fields are")]
+#[non_exhaustive]
 pub enum LinearError {
     /// `factorise` before `analyse`, or `solve` before a successful `factorise`.
     #[error("the linear solver is not ready to {call}")]

@@ -22,6 +22,7 @@ pub struct BucklingMode {
 
 /// Error of [`buckling`].
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum BucklingError {
     /// The state cannot be linearised.
     #[error(transparent)]

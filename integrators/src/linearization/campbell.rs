@@ -46,6 +46,7 @@ pub struct CampbellDiagram {
 
 /// Error of [`campbell`].
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum CampbellError {
     /// No relative equilibrium at a speed.
     #[error("no relative equilibrium is found at a speed of {}: {source}", significant(*.speed))]

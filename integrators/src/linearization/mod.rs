@@ -68,6 +68,7 @@ pub struct Linearized {
 
 /// Error of a linearisation.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum LinearizationError {
     /// The system cannot be evaluated at the state.
     #[error(transparent)]

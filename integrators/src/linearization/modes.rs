@@ -93,6 +93,7 @@ pub struct Modes {
 
 /// Error of [`modes`].
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum ModesError {
     /// The options have no meaning.
     #[error("{0}")]

@@ -20,6 +20,7 @@ pub struct StabilityLimit {
 
 /// Error of [`stability_limit`].
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum StabilityError {
     /// There is no equilibrium at a load.
     #[error(transparent)]

@@ -38,6 +38,7 @@ pub struct StateSpace {
 
 /// Why there is no first-order form.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum StateSpaceError {
     /// M is singular.
     #[error(

@@ -33,6 +33,7 @@ use pullback_manifold::system::{Point, System};
 
 /// Limit or bifurcation point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum CriticalKind {
     /// The load has a maximum or minimum on the path: ψᵀ ∂r/∂t ≠ 0.
     Limit,

@@ -6,6 +6,7 @@ use crate::linear_solver::LinearError;
 /// Error of a static analysis.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the fields are")]
+#[non_exhaustive]
 pub enum StaticsError {
     /// An invalid option.
     #[error(

@@ -49,6 +49,7 @@ impl StaticOptions {
 
 /// An event to locate and report on the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Event {
     /// The load has a maximum or minimum.
     TurningPoint,

@@ -3,6 +3,7 @@
 /// Why a constraint cannot be solved at its starting point.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the fields are")]
+#[non_exhaustive]
 pub enum ImplicitError {
     /// The equations or their derivatives are not finite there.
     #[error("{equation} or its derivative is not finite at the given point")]

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 /// What to compute.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[non_exhaustive]
 pub enum Analysis {
     /// Load stepping: equilibrium at growing values of the load parameter.
     Static(Static),
@@ -150,6 +151,7 @@ pub enum Direction {
 /// The path beyond a bifurcation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Branch {
     /// The same path.
     Keep,
@@ -160,6 +162,7 @@ pub enum Branch {
 /// An event on the path, located to round-off.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[non_exhaustive]
 pub enum Stop {
     /// The load has a maximum or minimum.
     TurningPoint,
@@ -261,6 +264,7 @@ impl Default for DynamicNewton {
 /// How often the tangent is factorised.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum TangentRule {
     /// In every iteration.
     Every,
@@ -271,6 +275,7 @@ pub enum TangentRule {
 /// Initial guess of Newton's method in a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Predictor {
     /// Coordinates extrapolated with the velocities.
     Velocity,
@@ -311,9 +316,9 @@ pub struct Output {
     /// By default every row in statics, and about 200 files in dynamics.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub paraview_every: Option<usize>,
-    /// SVG figures.
+    /// Figures: SVG, and `deformed.html`, which plays the run in a browser.
     pub figures: bool,
-    /// Scale factor of the displacements in `deformed.svg`, stated in the figure.
+    /// Scale factor of the displacements in `deformed.svg` and `deformed.html`, stated in them.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub deformation_scale: f64,
 }

@@ -42,6 +42,7 @@ pub struct Line {
 /// How rotations are interpolated between the nodes of an element.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Interpolation {
     /// Total rotation vectors: the fastest; strains change with a rigid rotation by the order of the mesh error.
     #[default]

@@ -59,6 +59,7 @@ pub struct Support {
     untagged,
     expecting = "expected \"all\", \"position\", \"rotation\", or a list of \"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\" (`place` is now `position`)"
 )]
+#[non_exhaustive]
 pub enum Fix {
     /// A named group.
     Group(Group),
@@ -69,6 +70,7 @@ pub enum Fix {
 /// A group of coordinates.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Group {
     /// All six.
     All,

@@ -17,6 +17,7 @@ mod probe;
 mod scheme;
 mod section;
 mod time;
+mod units;
 
 pub use analysis::{
     Adaptive, Analysis, ArcLength, Branch, Coordinate, Direction, Dynamic, DynamicNewton,
@@ -32,6 +33,7 @@ pub use probe::{Probe, ProbeQuantity};
 pub use scheme::SchemeName;
 pub use section::{Circle, Damping, Mass, Material, Rectangle, Section, Stiffness, Tube};
 pub use time::{Pulse, Ramp, Sine, SpinUp, Time, Triangle};
+pub use units::{Dimension, Units};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -46,6 +48,9 @@ use std::collections::BTreeMap;
 pub struct ModelFile {
     /// Title for plots and results.
     pub title: Option<String>,
+    /// Names of units, for the axes of figures.
+    #[serde(default, skip_serializing_if = "Units::is_empty")]
+    pub units: Units,
     /// Cross-sections by name.
     #[serde(default)]
     pub sections: BTreeMap<String, Section>,

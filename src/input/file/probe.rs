@@ -26,6 +26,7 @@ pub struct Probe {
 /// What a probe records.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[allow(non_camel_case_types, reason = "names of quantities as in the file")]
+#[non_exhaustive]
 pub enum ProbeQuantity {
     /// Displacement d of a node.
     displacement,

@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 /// value itself for prescribed coordinates.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase", deny_unknown_fields)]
+#[non_exhaustive]
 pub enum Time {
     /// f(t) = value.
     Constant(f64),

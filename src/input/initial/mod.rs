@@ -324,7 +324,10 @@ fn pose(context: &Context, node: NodeId, q: &[f64]) -> [Vector3<f64>; 2] {
     let three = |node: NodeId, first: usize| {
         Vector3::from_fn(|k, _| context.unknown_at(node, first + k).map_or(0.0, |u| q[u]))
     };
-    [context.reference(node) + three(node, 0), three(free, first)]
+    [
+        context.node(node).position() + three(node, 0),
+        three(free, first),
+    ]
 }
 
 /// Refuses a velocity of a node along a coordinate that is held or prescribed.

@@ -5,12 +5,14 @@ mod curves;
 mod graph;
 mod scale;
 mod shape;
+mod viewer;
 
 pub use curves::PlotCurve;
 pub(crate) use curves::{Panel, panels};
 pub use graph::{Graph, graphs};
 pub use scale::AxisScale;
 pub(crate) use shape::{Shapes, deformed};
+pub(crate) use viewer::viewer;
 
 use axes::Area;
 use plotters::drawing::DrawingAreaErrorKind;
@@ -20,6 +22,7 @@ use plotters::style::{FontDesc, FontFamily, FontStyle, RGBColor, TextStyle, WHIT
 
 /// Why a figure cannot be drawn.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum PlotError {
     /// An error of the drawing library.
     #[error("{0}")]

@@ -3,8 +3,8 @@
 use super::axes::{self, Area, Axes, Mark, legend_height, legend_rows};
 use super::scale::tick;
 use super::{AxisScale, FINE, INK, PALE, PALETTE, PlotError, TEXT, figure, font, part};
-use crate::input::Geometry;
-use nalgebra::Vector3;
+use crate::input::{Geometry, Units};
+use nalgebra::{Matrix3, Vector3};
 use plotters::element::{PathElement, Rectangle};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, RGBColor};
@@ -26,15 +26,17 @@ const FLAT: f64 = 1e-3;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Shapes {
     /// Points along each line.
-    lines: Vec<Vec<Vector3<f64>>>,
+    pub(super) lines: Vec<Vec<Vector3<f64>>>,
     /// Positions of the nodes.
     nodes: Vec<Vector3<f64>>,
     /// Positions of supported nodes.
-    supports: Vec<Vector3<f64>>,
+    pub(super) supports: Vec<Vector3<f64>>,
     /// Centres of mass of bodies.
-    bodies: Vec<Vector3<f64>>,
+    pub(super) bodies: Vec<Vector3<f64>>,
+    /// Axes of bodies, as columns.
+    pub(super) axes: Vec<Matrix3<f64>>,
     /// Rigid links, also from a node to the centre of mass of its body.
-    links: Vec<[Vector3<f64>; 2]>,
+    pub(super) links: Vec<[Vector3<f64>; 2]>,
 }
 
 impl Shapes {
@@ -45,7 +47,12 @@ impl Shapes {
             1.0 => position,
             _ => reference + (position - reference) * scale,
         };
-        let position = |node| between(context.reference(node), context.node_state(node).position);
+        let position = |node| {
+            between(
+                context.node(node).position(),
+                context.node_state(node).position,
+            )
+        };
         let mut out = Self {
             supports: geometry.supports.iter().map(|&n| position(n)).collect(),
             ..Self::default()
@@ -61,10 +68,14 @@ impl Shapes {
         for body in &geometry.bodies {
             let state = context.node_state(body.node);
             let center = between(
-                context.reference(body.node) + body.center,
+                context.node(body.node).position() + body.center,
                 state.position + state.R * body.center,
             );
             out.bodies.push(center);
+            out.axes.push(match scale {
+                0.0 => Matrix3::identity(),
+                _ => state.R,
+            });
             out.links.push([position(body.node), center]);
         }
         out
@@ -191,6 +202,7 @@ fn plots(extents: [f64; 3]) -> Vec<Plot> {
 /// the legend.
 pub(crate) fn deformed(
     title: Option<&str>,
+    units: &Units,
     reference: &Shapes,
     shapes: &[(f64, Shapes)],
     label: Option<&str>,
@@ -202,6 +214,7 @@ pub(crate) fn deformed(
         .filter(|p| p.iter().all(|x| x.is_finite()))
         .copied()
         .collect();
+    let names = AXES.map(|name| units.label(name, [0, 1, 0, 0]));
     let plots = plots([0, 1, 2].map(|k| extent(View::Plane(k, k).range(&points)[0])));
     let [width, height] = [0, 1].map(|k| {
         let ends = plots.iter().map(|(_, corner, size)| corner[k] + size[k]);
@@ -230,7 +243,12 @@ pub(crate) fn deformed(
             let (range, room) = (view.range(&points), [w - EDGE[0], h - EDGE[1]]);
             let range = [0, 1].map(|k| centred(range[k], scale, room[k]));
             let area = part(root, [x, top + y], [w, h]);
-            draw(&area, view, &Axes::new(range, [w, h]), reference, shapes)?;
+            draw(
+                (&area, view, &Axes::new(range, [w, h])),
+                &names,
+                reference,
+                shapes,
+            )?;
         }
         Ok(())
     })
@@ -274,14 +292,13 @@ fn centred([low, high]: [f64; 2], scale: f64, size: i32) -> [f64; 2] {
 
 /// One view.
 fn draw(
-    area: &Area<'_>,
-    view: View,
-    axes: &Axes,
+    (area, view, axes): (&Area<'_>, View, &Axes),
+    names: &[String; 3],
     reference: &Shapes,
     shapes: &[(f64, Shapes)],
 ) -> Result<(), PlotError> {
     match view {
-        View::Plane(a, b) => axes.draw(area, [AxisScale::Linear; 2], [AXES[a], AXES[b]])?,
+        View::Plane(a, b) => axes.draw(area, [AxisScale::Linear; 2], [&names[a], &names[b]])?,
         View::Isometric => triad(area, view)?,
     }
     let outline = |shapes: &Shapes, color: RGBColor, stroke: i32| {

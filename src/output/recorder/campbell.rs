@@ -1,6 +1,7 @@
 //! Modes over the speed of a rotation: a table, JSON, and the Campbell diagram.
 
 use super::Recorder;
+use crate::input::Units;
 use crate::modes::ModelCampbell;
 use crate::output::directory::{OutputError, drawing};
 use crate::output::plot::{AxisScale, Graph, PlotCurve, graphs};
@@ -55,7 +56,7 @@ impl Recorder<'_> {
         self.directory.write_json("campbell.json", &all)?;
         if self.setting.file.output.figures && diagram.speeds.len() > 1 {
             let title = self.setting.file.title.as_deref();
-            let figure = graphs(title, "", &[graph(diagram)]);
+            let figure = graphs(title, "", &[graph(diagram, &self.setting.file.units)]);
             self.directory
                 .write("campbell.svg", &figure.map_err(drawing("campbell.svg"))?)?;
         }
@@ -64,7 +65,7 @@ impl Recorder<'_> {
 }
 
 /// Frequencies over the speed, with the lines nΩ.
-fn graph(diagram: &CampbellDiagram) -> Graph {
+fn graph(diagram: &CampbellDiagram, units: &Units) -> Graph {
     let (mut curves, mut highest) = (Vec::new(), 0.0_f64);
     for (k, line) in diagram.lines.iter().enumerate() {
         let modes = diagram.speeds.iter().zip(line);
@@ -85,7 +86,11 @@ fn graph(diagram: &CampbellDiagram) -> Graph {
             curves.push(PlotCurve::new("multiples of the speed", points.to_vec()).colored(COLORS));
         }
     }
-    let description = ["speed, turns per unit of time", "frequency"].map(str::to_owned);
+    let time = units.time.as_deref().unwrap_or("unit of time");
+    let description = [
+        format!("speed, turns per {time}"),
+        units.label("frequency", [0, 0, -1, 0]),
+    ];
     Graph::new(description, [AxisScale::Linear; 2], curves)
 }
 

@@ -51,15 +51,21 @@ impl Recorder<'_> {
     fn write_figures(&mut self, ending: &Ending) -> Result<(), OutputError> {
         self.record.shapes.extend(self.record.latest.take());
         let title = self.figure_title(ending, true);
-        let shape = plot::deformed(title.as_deref(), &self.reference, &self.record.shapes, None);
+        let units = &self.setting.file.units;
+        let (reference, shapes) = (&self.reference, &self.record.shapes);
+        let shape = plot::deformed(title.as_deref(), units, reference, shapes, None);
         let shape = shape.map_err(drawing("deformed.svg"))?;
         self.directory.write("deformed.svg", &shape)?;
+        let parameter = self.setting.plan.parameter();
+        let page = plot::viewer(title.as_deref(), units, parameter, reference, shapes);
+        self.directory.write("deformed.html", &page)?;
         let shapes = self.record.shapes.iter().map(|(_, shapes)| shapes);
         let extents = shapes.chain([&self.reference]).map(Shapes::extent);
         let length = extents.fold(0.0, f64::max);
         let title = self.figure_title(ending, false);
         let panels = panels(
             self.setting.plan,
+            units,
             &self.recording.probes,
             &self.recording.rows,
             length,

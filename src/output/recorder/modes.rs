@@ -152,7 +152,7 @@ impl Recorder<'_> {
         let Some(scale) = drawn_scale(context, geometry, at, shape) else {
             return Ok(());
         };
-        let output = &self.setting.file.output;
+        let (output, units) = (&self.setting.file.output, &self.setting.file.units);
         let factor = |phase: f64| Complex64::from_polar(scale, phase);
         let Some(displaced) = displace(context, at, shape, factor(0.0)) else {
             return Ok(());
@@ -179,7 +179,7 @@ impl Recorder<'_> {
         if output.figures && displace(context, at, shape, Complex64::ZERO).is_some() {
             let state = Shapes::of(context, geometry, 1.0);
             let name = format!("mode_{number:02}.svg");
-            let figure = plot::deformed(Some(title), &state, &shapes, Some("mode"));
+            let figure = plot::deformed(Some(title), units, &state, &shapes, Some("mode"));
             self.directory
                 .write(&name, &figure.map_err(drawing(&name))?)?;
         }

@@ -14,6 +14,7 @@ use std::str::FromStr;
     clippy::large_enum_variant,
     reason = "a comparison has a few of them, and copies them"
 )]
+#[non_exhaustive]
 pub enum Candidate {
     /// A scheme of the library.
     Method(Method),

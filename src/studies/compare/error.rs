@@ -9,6 +9,7 @@ use pullback_integrators::significant;
 /// row with the reason.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the fields are")]
+#[non_exhaustive]
 pub enum CompareError {
     /// The model file is refused.
     #[error(transparent)]

@@ -34,6 +34,7 @@ impl Case {
 /// Errors of the gallery.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "each message says what its variant is")]
+#[non_exhaustive]
 pub enum CaseError {
     #[error("there is no case {name}; known cases: {known}")]
     Unknown { name: String, known: String },
@@ -44,6 +45,7 @@ pub enum CaseError {
 /// Why a case cannot be computed.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "each message says what its variant is")]
+#[non_exhaustive]
 pub enum CaseProblem {
     #[error("its model file is not usable: {0}")]
     Model(#[from] Box<InputError>),

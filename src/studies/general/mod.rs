@@ -25,6 +25,7 @@ use std::str::FromStr;
 /// Failure of a general solver.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the fields are")]
+#[non_exhaustive]
 pub enum GeneralError {
     /// Multipliers are not supported.
     #[error(

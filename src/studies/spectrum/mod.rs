@@ -42,6 +42,7 @@ const RANGE: [f64; 2] = [1e-12, 1e12];
 /// Errors of spectra.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the fields are")]
+#[non_exhaustive]
 pub enum SpectrumError {
     /// A scheme or a position is refused.
     #[error("{0}")]

@@ -13,6 +13,7 @@ const SAVED: Duration = Duration::from_millis(500);
 
 /// Why there is no table.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum TableError {
     /// It cannot be written.
     #[error(transparent)]

@@ -136,7 +136,7 @@ fn beam(psi: [f64; 3], omega: [f64; 3]) -> Problem {
     let mut q = vec![0.0; context.pattern().dim()];
     let mut rotations = Vec::new();
     for &node in &nodes {
-        let X = context.reference(node);
+        let X = context.node(node).position();
         let d = so3::rotation(&psi) * X - X;
         for k in 0..3 {
             context.set(&mut q, node, k, d[k]);

@@ -200,7 +200,7 @@ fn bar(scheme: Scheme, elements: usize, [h, to]: [f64; 2], v: &dyn Fn(f64) -> f6
     let mut context = Context::new(b.build().unwrap());
     let mut rates = vec![0.0; context.pattern().dim()];
     for &node in &nodes[1..] {
-        let x = context.reference(node).x;
+        let x = context.node(node).position().x;
         context.set(&mut rates, node, 0, v(x));
     }
     let mut options = DynamicOptions {
@@ -298,7 +298,7 @@ fn cantilever(damping: Damping) -> [f64; 2] {
     let kappa: f64 = 1.875_104_068_711_961;
     let sigma = (kappa.sinh() - kappa.sin()) / (kappa.cosh() + kappa.cos());
     for &node in &nodes[1..] {
-        let x = kappa * context.reference(node).x;
+        let x = kappa * context.node(node).position().x;
         let w = x.cosh() - x.cos() - sigma * (x.sinh() - x.sin());
         let slope = kappa * (x.sinh() + x.sin() - sigma * (x.cosh() - x.cos()));
         context.set(&mut q, node, Dof::Z.index(), 5e-4 * w);

@@ -212,3 +212,127 @@ fn nothing_is_round_off_where_no_size_is_known() {
         assert!(label.contains("e−"), "{up:?}");
     }
 }
+
+/// A cart that slides along a rail and carries a pendulum: a length and an angle.
+const CART: &str = r#"
+title = "Cart & <pole>"
+[nodes]
+rail = [0, 0, 0]
+[[supports]]
+node = "rail"
+fix = "all"
+[[joints]]
+name = "cart"
+type = "prismatic"
+parent = "rail"
+axis = [1, 0, 0]
+[[joints]]
+name = "pole"
+type = "revolute"
+parent = "cart"
+axis = [0, 1, 0]
+value = 0.5
+[[bodies]]
+name = "bob"
+node = "pole"
+mass = 1
+center = [0, 0, -1]
+[[loads]]
+gravity = [0, 0, -9.81]
+[analysis.dynamic]
+to = 0.1
+step = 0.01
+"#;
+
+/// All texts of a figure.
+fn texts(svg: &str) -> Vec<String> {
+    let document = Document::parse(svg).unwrap();
+    let texts = document.descendants().filter(|n| n.has_tag_name("text"));
+    texts
+        .filter_map(|n| Some(n.text()?.trim().to_owned()))
+        .collect()
+}
+
+#[test]
+fn axes_have_units_and_lengths_and_angles_panels_of_their_own() {
+    let probe = |name: &str, quantity: &str, of: &str| {
+        format!("[[probes]]\nname = \"{name}\"\nquantity = \"{quantity}\"\n{of}\n")
+    };
+    let probes = [
+        probe("x", "joint_coordinate", "joint = \"cart\""),
+        probe("angle", "joint_coordinate", "joint = \"pole\""),
+        probe("speed", "joint_rate", "joint = \"pole\""),
+        probe("moment", "joint_moment", "joint = \"pole\""),
+        probe("momentum", "angular_momentum", ""),
+        probe("fall", "acceleration", "node = \"pole\""),
+    ];
+    let units = "[units]\nlength = \"m\"\nforce = \"N\"\ntime = \"s\"\n";
+    let out = ran(
+        &directory("program_units"),
+        &format!("{CART}{units}{}", probes.concat()),
+    );
+    let labels = texts(&read(out.join("history.svg")));
+    for label in [
+        "time t [s]",
+        "joint coordinate [m]",
+        "joint coordinate [rad]",
+        "rate of joint coordinate [rad/s]",
+        "moment in joint [N m]",
+        "angular momentum [N m s]",
+        "acceleration [m/s²]",
+    ] {
+        assert!(labels.iter().any(|l| l == label), "{label}: {labels:?}");
+    }
+    let labels = texts(&read(out.join("deformed.svg")));
+    assert!(labels.iter().any(|l| l == "x [m]"), "{labels:?}");
+    // Without their names only angles have a unit.
+    let out = ran(
+        &directory("program_without_units"),
+        &format!("{CART}{}", probes.concat()),
+    );
+    let labels = texts(&read(out.join("history.svg")));
+    for label in [
+        "time t",
+        "joint coordinate",
+        "joint coordinate [rad]",
+        "rate of joint coordinate",
+    ] {
+        assert!(labels.iter().any(|l| l == label), "{label}: {labels:?}");
+    }
+}
+
+#[test]
+fn the_page_of_a_run_has_its_motion() {
+    let out = ran(&directory("program_page"), CART);
+    let page = read(out.join("deformed.html"));
+    assert!(
+        page.contains("<title>Cart &amp; &lt;pole></title>"),
+        "no text of a model is markup"
+    );
+    let (_, rest) = page.split_once("id=\"data\">").unwrap();
+    let (data, _) = rest.split_once("</script>").unwrap();
+    let data: serde_json::Value = serde_json::from_str(data).unwrap();
+    let frames = data["frames"].as_array().unwrap();
+    assert_eq!(frames.len(), 11);
+    assert_eq!(frames[10]["t"], 0.1);
+    assert_eq!(data["lines"].as_array().unwrap().len(), 0);
+    // At the start the pole leans by 0.5 rad, and the centre of mass, 1 below the cart, is behind it.
+    let numbers = |value: &serde_json::Value| -> Vec<f64> {
+        let all = value.as_array().unwrap().iter();
+        all.map(|x| x.as_f64().unwrap()).collect()
+    };
+    let body = data["bodies"][0].as_u64().unwrap() as usize;
+    let points = numbers(&frames[0]["points"]);
+    let (sine, cosine) = 0.5_f64.sin_cos();
+    for (found, expected) in points[3 * body..3 * body + 3]
+        .iter()
+        .zip([-sine, 0.0, -cosine])
+    {
+        assert!((found - expected).abs() < 1e-7, "{points:?}");
+    }
+    let axes = numbers(&frames[0]["axes"]);
+    let expected = [cosine, 0.0, -sine, 0.0, 1.0, 0.0, sine, 0.0, cosine];
+    for (found, expected) in axes.iter().zip(expected) {
+        assert!((found - expected).abs() < 1e-7, "{axes:?}");
+    }
+}

@@ -32,6 +32,7 @@ fn an_interrupted_run_keeps_its_steps_and_says_so() {
     assert_eq!(results["last"]["t"], 0.5);
     assert_eq!(history(&outcome.directory).len(), 3);
     let expected = [
+        "deformed.html",
         "deformed.svg",
         "history.csv",
         "history.svg",

@@ -371,15 +371,15 @@ fn a_checkpoint_costs_the_same_however_many_rows_there_are() {
     let text = MODEL
         .replace("checkpoint_every = 7", "checkpoint_every = 1")
         .replace("record_every = 2", "record_every = 1")
-        .replace("step = 0.01", "step = 0.0025");
+        .replace("step = 0.01", "step = 0.00125");
     let model = write(&directory, &text);
     let out = directory.join("model.out");
     let size = |name: &str| std::fs::metadata(out.join(name)).unwrap().len();
     let mut seen = Vec::new();
     let mut log = String::new();
     run(&model, None, &mut |step| {
-        // Shapes are thinned out from 65 to 33 after 64, 128 and 256 rows: equally many of them.
-        if [100, 200, 400].contains(&step.number) {
+        // Shapes are thinned out from 129 to 65 after 128, 256 and 512 rows: equally many of them.
+        if [200, 400, 800].contains(&step.number) {
             seen.push((size("checkpoint.json"), size("checkpoint.log")));
         }
         let now = read(out.join("checkpoint.log"));

@@ -19,6 +19,7 @@ fn a_run_writes_all_its_files() {
     succeeded(&output);
     let out = directory.join("model.out");
     let expected = [
+        "deformed.html",
         "deformed.svg",
         "history.csv",
         "history.svg",
@@ -102,7 +103,7 @@ fn a_run_writes_all_its_files() {
 
     for name in expected
         .iter()
-        .filter(|n| !n.ends_with("csv") && !n.ends_with("json"))
+        .filter(|n| !n.ends_with("csv") && !n.ends_with("json") && !n.ends_with("html"))
     {
         let text = read(out.join(name));
         let document = roxmltree::Document::parse(&text).unwrap();

@@ -175,7 +175,7 @@ fn on_circle(elements: u32) -> (Context, JointNodes) {
     let n = f64::from(elements);
     let chord = 2.0 * RADIUS * (half / n).sin();
     let (context, bead) = wire(&arc, elements as usize, chord * n / 4.0);
-    assert!((context.reference(bead.frame) - at(-START)).norm() < 1e-12);
+    assert!((context.node(bead.frame).position() - at(-START)).norm() < 1e-12);
     (context, bead)
 }
 

@@ -28,7 +28,7 @@ fn located(text: &str, analysis: &str) -> Result<(Context, Vec<f64>), StaticsErr
             assert!(done.summary.finished, "{analysis}");
             found = done.events.iter().map(|(_, load)| *load).collect();
         }
-        Plan::Dynamic(_) => unreachable!(),
+        _ => unreachable!("a motion"),
     }
     Ok((job.context, found))
 }

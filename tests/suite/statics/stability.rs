@@ -75,7 +75,7 @@ fn counts(text: &str) -> Vec<(f64, Option<usize>)> {
         Plan::Path(options, _) => {
             trace_path(&mut job.context, &mut vec![], options, &mut observe).unwrap();
         }
-        Plan::Dynamic(_) => unreachable!(),
+        _ => unreachable!("a motion"),
     }
     found
 }

@@ -118,7 +118,7 @@ fn numbers(text: &str) -> Vec<f64> {
 fn axis(
     document: &Document<'_>,
     coordinate: &str,
-    is_tick: fn(&Node<'_, '_>) -> bool,
+    is_tick: impl Fn(&Node<'_, '_>) -> bool,
 ) -> impl Fn(f64) -> f64 {
     let labels = document
         .descendants()
@@ -136,22 +136,22 @@ fn axis(
     move |position| a + (b - a) * (position - p) / (q - p)
 }
 
-/// Least and largest value of each line in the first panel of a run's drawing.
-pub fn extremes(text: &str) -> Vec<[f64; 2]> {
+/// Least and largest value of each line in a panel of the first row of a run's drawing.
+pub fn extremes(text: &str, panel: usize) -> Vec<[f64; 2]> {
     let document = Document::parse(text).unwrap();
     let width = document.root_element().attribute("viewBox").unwrap();
     // Panels stand two in a row.
     assert!(numbers(width)[2] == 8320.0);
-    let first = |n: &Node<'_, '_>, name| numbers(n.attribute(name).unwrap())[0] < 4160.0;
+    let inside = |x: f64, y: f64| (x / 4160.0) as usize == panel && y < 3104.0;
     let up = axis(&document, "y", |n| {
-        n.attribute("text-anchor") == Some("end") && numbers(n.attribute("x").unwrap())[0] < 4160.0
+        let at = |name| numbers(n.attribute(name).unwrap())[0];
+        n.attribute("text-anchor") == Some("end") && inside(at("x"), at("y"))
     });
     let lines = document
         .descendants()
         .filter(|n| n.has_tag_name("polyline"));
-    let lines = lines.filter(|n| first(n, "points"));
     let lines = lines.map(|n| numbers(n.attribute("points").unwrap()));
-    let curves = lines.filter(|points| points.len() > 2 * 50);
+    let curves = lines.filter(|points| points.len() > 2 * 50 && inside(points[0], points[1]));
     let heights = curves.map(|points| points.chunks(2).map(|p| up(p[1])).collect::<Vec<_>>());
     heights
         .map(|y| [f64::min, f64::max].map(|end| y.iter().copied().fold(y[0], end)))

@@ -9,6 +9,7 @@ use pullback_manifold::scalar::Scalar;
 /// Error of a spline.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "each message says what its variant is")]
+#[non_exhaustive]
 pub enum SplineError {
     #[error("its curve needs {needs} points at least, got {got}")]
     Few { needs: usize, got: usize },

@@ -9,6 +9,7 @@ use pullback_manifold::system::Quantity;
 
 /// Method of closing a loop.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub enum Closure {
     /// A map: coordinates of joints along the loop follow from independent ones.
     #[default]

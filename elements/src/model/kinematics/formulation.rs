@@ -23,6 +23,7 @@ use std::sync::Arc;
 /// and angles are angles. Positions, velocities, forces and energies of a state are the same in all
 /// formulations: only the sums of a time integration scheme differ.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Formulation {
     /// Total Lagrangian: the rotation vector Ψ from the reference orientation and its time
     /// derivatives (\[M04\] ch. 3).

@@ -4,7 +4,7 @@
 
 use crate::element::{Motion, Properties, SectionState};
 use crate::model::build::builder::{Dof, ElementId, NodeId};
-use crate::model::{Context, Model, ModelError, NONE, NodeForm};
+use crate::model::{Context, Model, ModelError, NONE, Node, NodeForm};
 use nalgebra::Vector3;
 use pullback_manifold::so3;
 use pullback_manifold::system::{Point, SystemError};
@@ -57,9 +57,9 @@ impl Model {
         others.map(|e| e.name.as_str())
     }
 
-    /// Reference position of a node.
-    pub fn reference(&self, node: NodeId) -> Vector3<f64> {
-        self.nodes[node.0 as usize].position
+    /// A node.
+    pub fn node(&self, node: NodeId) -> &Node {
+        &self.nodes[node.0 as usize]
     }
 
     /// Diagonal of the box around all nodes: the length that scales displacements.

@@ -117,7 +117,7 @@ fn a_spring_without_length_is_named() {
     let (mut context, [_, second, mass]) = model();
     let n = context.pattern().dim();
     let mut q = vec![0.0; n];
-    let gap = context.reference(second) - context.reference(mass);
+    let gap = context.node(second).position() - context.node(mass).position();
     for (i, dof) in [Dof::X, Dof::Y, Dof::Z].into_iter().enumerate() {
         q[context.unknown(mass, dof).unwrap()] = gap[i];
     }
