@@ -130,12 +130,16 @@ impl Directory {
     }
 
     /// Writes or replaces a file as a whole; after an error it is unchanged.
-    pub fn write(&mut self, name: &str, content: &str) -> Result<(), OutputError> {
+    pub fn write(
+        &mut self,
+        name: &str,
+        content: &(impl AsRef<[u8]> + ?Sized),
+    ) -> Result<(), OutputError> {
         let path = self.path.join(name);
         let temporary = self.path.join(format!(".{name}.{}", std::process::id()));
         let outcome = fs::File::create(&temporary)
             .and_then(|mut file| {
-                file.write_all(content.as_bytes())?;
+                file.write_all(content.as_ref())?;
                 // Grids are numerous, and not needed to resume a run.
                 if is_grid(name) {
                     Ok(())
@@ -264,7 +268,15 @@ fn is_mode(name: &str) -> bool {
     let inner = name.strip_prefix("mode_").and_then(|n| n.rsplit_once('.'));
     inner.is_some_and(|(digits, kind)| {
         let number = digits.bytes().all(|b| b.is_ascii_digit() || b == b'_');
-        number && ["svg", "pvd", "vtu"].contains(&kind)
+        number && ["svg", "png", "pdf", "pvd", "vtu"].contains(&kind)
+    })
+}
+
+/// Whether a file name is that of a figure of a run.
+fn is_figure(name: &str) -> bool {
+    let figure = name.rsplit_once('.');
+    figure.is_some_and(|(name, kind)| {
+        ["campbell", "deformed", "history"].contains(&name) && ["svg", "png", "pdf"].contains(&kind)
     })
 }
 
@@ -278,6 +290,7 @@ fn is_temporary(name: &str, ours: &dyn Fn(&str) -> bool) -> bool {
 fn is_result(name: &str) -> bool {
     is_grid(name)
         || is_mode(name)
+        || is_figure(name)
         || [
             super::results::NAME,
             super::checkpoint::NAME,
@@ -287,13 +300,10 @@ fn is_result(name: &str) -> bool {
             "buckling.json",
             "campbell.csv",
             "campbell.json",
-            "campbell.svg",
             "modes.csv",
             "modes.json",
             "steps.pvd",
             "deformed.html",
-            "deformed.svg",
-            "history.svg",
         ]
         .contains(&name)
 }

@@ -309,15 +309,16 @@ impl Default for NewtonSettings {
 }
 
 /// What to write.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Output {
     /// A ParaView file every this many rows of the history, and always at the last; 0 writes none.
     /// By default every row in statics, and about 200 files in dynamics.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub paraview_every: Option<usize>,
-    /// Figures: SVG, and `deformed.html`, which plays the run in a browser.
-    pub figures: bool,
+    /// Figures: true for SVG and `deformed.html`, which plays the run in a browser; false for none; or a list of
+    /// formats.
+    pub figures: Figures,
     /// Scale factor of the displacements in `deformed.svg` and `deformed.html`, stated in them.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub deformation_scale: f64,
@@ -327,8 +328,46 @@ impl Default for Output {
     fn default() -> Self {
         Self {
             paraview_every: None,
-            figures: true,
+            figures: Figures::All(true),
             deformation_scale: 1.0,
+        }
+    }
+}
+
+/// Which figures to write.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(
+    untagged,
+    expecting = "expected true, false, or a list of \"svg\", \"png\", \"pdf\", \"html\""
+)]
+pub enum Figures {
+    /// Those that need no choice, or none.
+    All(bool),
+    /// Those of these formats.
+    Of(Vec<FigureFormat>),
+}
+
+/// Format of a figure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum FigureFormat {
+    /// Scalable vector graphics.
+    Svg,
+    /// Pixels, two for each unit of the SVG.
+    Png,
+    /// A page.
+    Pdf,
+    /// `deformed.html`.
+    Html,
+}
+
+impl Figures {
+    /// Whether figures of a format are written.
+    pub fn include(&self, format: FigureFormat) -> bool {
+        match self {
+            Self::All(all) => *all && matches!(format, FigureFormat::Svg | FigureFormat::Html),
+            Self::Of(formats) => formats.contains(&format),
         }
     }
 }

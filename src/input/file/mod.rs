@@ -21,7 +21,7 @@ mod units;
 
 pub use analysis::{
     Adaptive, Analysis, ArcLength, Branch, Coordinate, Direction, Dynamic, DynamicNewton,
-    NewtonSettings, Output, Predictor, Static, Stop, TangentRule,
+    FigureFormat, Figures, NewtonSettings, Output, Predictor, Static, Stop, TangentRule,
 };
 pub use body::{Body, Bushing, Six, Spring, Tensor};
 pub use eigenvalues::{BucklingAnalysis, CampbellAnalysis, ModalAnalysis};

@@ -2,6 +2,7 @@
 
 mod axes;
 mod curves;
+mod formats;
 mod graph;
 mod scale;
 mod shape;
@@ -9,6 +10,7 @@ mod viewer;
 
 pub use curves::PlotCurve;
 pub(crate) use curves::{Panel, panels};
+pub(crate) use formats::{pdf, png};
 pub use graph::{Graph, graphs};
 pub use scale::AxisScale;
 pub(crate) use shape::{Shapes, deformed};
@@ -27,6 +29,9 @@ pub enum PlotError {
     /// An error of the drawing library.
     #[error("{0}")]
     Drawing(#[from] DrawingAreaErrorKind<std::io::Error>),
+    /// Its SVG cannot be converted.
+    #[error("cannot convert the SVG: {0}")]
+    Convert(String),
 }
 
 /// Colours that all readers can tell apart, in print too (Okabe & Ito 2008), without the palest.

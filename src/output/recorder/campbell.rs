@@ -54,11 +54,10 @@ impl Recorder<'_> {
             "lines": lines.map(|line| line.iter().map(entry).collect::<Vec<_>>()).collect::<Vec<_>>(),
         });
         self.directory.write_json("campbell.json", &all)?;
-        if self.setting.file.output.figures && diagram.speeds.len() > 1 {
+        if diagram.speeds.len() > 1 {
             let title = self.setting.file.title.as_deref();
             let figure = graphs(title, "", &[graph(diagram, &self.setting.file.units)]);
-            self.directory
-                .write("campbell.svg", &figure.map_err(drawing("campbell.svg"))?)?;
+            self.write_figure("campbell", &figure.map_err(drawing("campbell.svg"))?)?;
         }
         Ok(())
     }

@@ -1,6 +1,7 @@
 //! The results at the end of a run: figures and `result.json`.
 
 use super::Recorder;
+use crate::input::{FigureFormat, Figures};
 use crate::output::directory::{Directory, OutputError, drawing, encoding};
 use crate::output::panels::panels;
 use crate::output::plot::{self, Shapes};
@@ -55,10 +56,13 @@ impl Recorder<'_> {
         let (reference, shapes) = (&self.reference, &self.record.shapes);
         let shape = plot::deformed(title.as_deref(), units, reference, shapes, None);
         let shape = shape.map_err(drawing("deformed.svg"))?;
-        self.directory.write("deformed.svg", &shape)?;
-        let parameter = self.setting.plan.parameter();
-        let page = plot::viewer(title.as_deref(), units, parameter, reference, shapes);
-        self.directory.write("deformed.html", &page)?;
+        self.write_figure("deformed", &shape)?;
+        let (reference, shapes) = (&self.reference, &self.record.shapes);
+        if self.setting.file.output.figures.include(FigureFormat::Html) {
+            let parameter = self.setting.plan.parameter();
+            let page = plot::viewer(title.as_deref(), units, parameter, reference, shapes);
+            self.directory.write("deformed.html", &page)?;
+        }
         let shapes = self.record.shapes.iter().map(|(_, shapes)| shapes);
         let extents = shapes.chain([&self.reference]).map(Shapes::extent);
         let length = extents.fold(0.0, f64::max);
@@ -71,7 +75,26 @@ impl Recorder<'_> {
             length,
         );
         let history = plot::panels(title.as_deref(), &panels).map_err(drawing("history.svg"))?;
-        self.directory.write("history.svg", &history)
+        self.write_figure("history", &history)
+    }
+
+    /// Writes a figure in the formats of the model file.
+    pub(super) fn write_figure(&mut self, name: &str, svg: &str) -> Result<(), OutputError> {
+        let figures = &self.setting.file.output.figures;
+        if figures.include(FigureFormat::Svg) {
+            self.directory.write(&format!("{name}.svg"), svg)?;
+        }
+        if figures.include(FigureFormat::Png) {
+            let name = format!("{name}.png");
+            let png = plot::png(svg).map_err(drawing(&name))?;
+            self.directory.write(&name, &png)?;
+        }
+        if figures.include(FigureFormat::Pdf) {
+            let name = format!("{name}.pdf");
+            let pdf = plot::pdf(svg).map_err(drawing(&name))?;
+            self.directory.write(&name, &pdf)?;
+        }
+        Ok(())
     }
 
     /// Writes all results at the end of a run, `result.json` last; returns their directory and the warnings.
@@ -83,7 +106,8 @@ impl Recorder<'_> {
         self.recording.counts = counts;
         self.write_pending()?;
         self.write_history()?;
-        if self.setting.file.output.figures && !self.recording.rows.is_empty() {
+        let none = Figures::All(false);
+        if self.setting.file.output.figures != none && !self.recording.rows.is_empty() {
             self.write_figures(ending)?;
         }
         let warnings = self.write_results(ending)?;

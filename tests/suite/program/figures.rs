@@ -336,3 +336,29 @@ fn the_page_of_a_run_has_its_motion() {
         assert!((found - expected).abs() < 1e-7, "{axes:?}");
     }
 }
+
+#[test]
+fn figures_are_written_in_the_formats_of_the_file() {
+    let output = "[output]\nparaview_every = 0\nfigures = [\"png\", \"pdf\"]\n";
+    let out = ran(&directory("program_formats"), &format!("{CART}{output}"));
+    for name in ["deformed", "history"] {
+        for (kind, there) in [
+            ("svg", false),
+            ("html", false),
+            ("png", true),
+            ("pdf", true),
+        ] {
+            assert_eq!(
+                out.join(format!("{name}.{kind}")).exists(),
+                there,
+                "{name}.{kind}"
+            );
+        }
+        let png = std::fs::read(out.join(format!("{name}.png"))).unwrap();
+        assert!(png.starts_with(b"\x89PNG\r\n\x1a\n"));
+        // A width of 640 units, in the first chunk.
+        assert_eq!(png[16..20], 1280_u32.to_be_bytes());
+        let pdf = std::fs::read(out.join(format!("{name}.pdf"))).unwrap();
+        assert!(pdf.starts_with(b"%PDF-") && pdf.trim_ascii_end().ends_with(b"%%EOF"));
+    }
+}
