@@ -360,5 +360,10 @@ fn figures_are_written_in_the_formats_of_the_file() {
         assert_eq!(png[16..20], 1280_u32.to_be_bytes());
         let pdf = std::fs::read(out.join(format!("{name}.pdf"))).unwrap();
         assert!(pdf.starts_with(b"%PDF-") && pdf.trim_ascii_end().ends_with(b"%%EOF"));
+        let font = b"DejaVuSans";
+        assert!(
+            pdf.windows(font.len()).any(|part| part == font),
+            "texts are texts"
+        );
     }
 }
