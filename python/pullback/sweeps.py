@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import math
 import os
@@ -102,12 +103,15 @@ def sweep(
                 runs.run(missing, workers or os.cpu_count() or 1, each)
             else:
                 _on_dask(client, arguments, missing, each)
-    except BaseException as error:
-        error.result = table()  # type: ignore[attr-defined]
-        raise
-    finally:
         if saved is not None:
             saved.finish()
+    except BaseException as error:
+        error.result = table()  # type: ignore[attr-defined]
+        if saved is not None:
+            # The first error is told.
+            with contextlib.suppress(OSError):
+                saved.finish()
+        raise
     return table()
 
 

@@ -1,6 +1,7 @@
 """Sweeps in threads, and on the workers of Dask."""
 
 import os
+import resource
 import signal
 import threading
 
@@ -65,10 +66,19 @@ def test_a_stopped_sweep_goes_on(tmp_path):
         pb.sweep(model, {STIFFNESS: [1.0]}, out=tmp_path / "sweep")
 
 
-def test_a_full_disk_keeps_the_rows():
+def test_a_full_disk_keeps_the_rows(tmp_path):
+    """A limit of the size of files stands for it."""
     model = pb.Model.from_toml(CANTILEVER)
-    with pytest.raises(OSError):
-        pb.sweep(model, {STIFFNESS: [1.0]}, out="/dev/full/sweep")
+    over = {STIFFNESS: list(np.linspace(1, 3, 1000))}
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (40_000, before[1]))
+    try:
+        with pytest.raises(OSError) as raised:
+            pb.sweep(model, over, out=tmp_path / "sweep")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert len(raised.value.result) > 0
+    assert len(pb.sweep(model, over, out=tmp_path / "sweep")) == 1000
 
 
 def test_a_lost_worker_is_replaced(tmp_path):

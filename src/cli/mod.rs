@@ -284,17 +284,12 @@ fn report(outcome: &Outcome, quiet: bool) -> u8 {
             tell(format_args!("interrupted: {kept}"));
             INTERRUPTED
         }
-        Ending::StepLimit { max_steps, .. } => {
-            tell(format_args!(
-                "error: no stop was reached within max_steps = {max_steps}; {kept}"
-            ));
+        ending => {
+            if let Some(problem) = ending.problem() {
+                tell(format_args!("error: {problem}\n{kept}"));
+            }
             FAILED
         }
-        Ending::Failed { message } => {
-            tell(format_args!("error: {message}\n{kept}"));
-            FAILED
-        }
-        Ending::Running => FAILED,
     }
 }
 

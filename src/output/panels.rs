@@ -35,9 +35,9 @@ impl Scales {
 
     /// The scale of values of a dimension; zero if none is known.
     fn size(&self, [force, length, time, _]: Dimension) -> f64 {
-        let size = (self.energy / self.length).powi(force)
-            * self.length.powi(length)
-            * self.time.powi(time);
+        // A force is an energy over a length, which cancels in moments and energies of a point.
+        let size =
+            self.energy.powi(force) * self.length.powi(length - force) * self.time.powi(time);
         if size.is_finite() { size } else { 0.0 }
     }
 }

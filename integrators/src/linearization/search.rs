@@ -36,10 +36,6 @@ pub(super) struct Search<'a> {
     order: Order,
     inner: Inner,
     operator: ShiftInvert<'a>,
-    /// The shift of the subspace; the operator also counts at others.
-    shift: f64,
-    /// Number of eigenvalues below it, if it is known.
-    under: Option<usize>,
     factorisations: usize,
     /// ω² of the modes selected: the first shift without damping.
     middle: f64,
@@ -82,8 +78,6 @@ impl<'a> Search<'a> {
             order,
             inner,
             operator: ShiftInvert::new(lin, order, inner != Inner::Coordinates)?,
-            shift: 0.0,
-            under: None,
             factorisations: 0,
             middle: match selection {
                 Selection::Nearest { omega, .. } => omega * omega,
@@ -103,7 +97,7 @@ impl<'a> Search<'a> {
         if expected == Some(0) {
             return Ok(self.report(Vec::new(), expected, false));
         }
-        self.first_shift()?;
+        let mut shift = self.first_shift()?;
         let mut krylov = Krylov::new();
         self.start(&mut krylov)?;
         let mut shifts = 0;
@@ -114,8 +108,7 @@ impl<'a> Search<'a> {
                 .filter(|_| shifts < SHIFTS)
             {
                 shifts += 1;
-                let shift = self.factorise_near(other)?;
-                self.settle(shift);
+                shift = self.factorise_near(other)?;
                 krylov = Krylov::new();
                 self.start(&mut krylov)?;
                 continue;
@@ -129,8 +122,6 @@ impl<'a> Search<'a> {
                 }
                 continue;
             };
-            // Counting takes another shift.
-            let vectors = self.vectors(&krylov, &pairs[..converged])?;
             // Of a repeated frequency, a Krylov subspace holds one mode for each start vector.
             let missing = match self.is_symmetric() && wanted > 0 {
                 true => self.missing(&pairs, converged, wanted, &mut expected)?,
@@ -139,14 +130,17 @@ impl<'a> Search<'a> {
             if missing > 0 && krylov.len() > limit {
                 return Err(not_converged(converged, &krylov));
             }
+            if self.operator.shift() != shift {
+                self.factorise(shift)?;
+            }
             if missing > 0 {
-                self.factorise(self.shift)?;
                 if self.add_starts(&mut krylov, missing)? {
                     continue;
                 }
                 return Err(not_converged(converged, &krylov));
             }
             let complete = krylov.is_exhausted() && converged == pairs.len();
+            let vectors = self.vectors(&krylov, &pairs[..converged])?;
             return Ok(self.report(vectors, expected, complete));
         }
     }
@@ -192,15 +186,6 @@ impl<'a> Search<'a> {
     fn factorise(&mut self, shift: f64) -> Result<(), LinearError> {
         self.factorisations += 1;
         self.operator.factorise(shift)
-    }
-
-    /// Takes the shift of the last factorisation for the subspace.
-    fn settle(&mut self, shift: f64) {
-        self.shift = shift;
-        self.under = match self.inner {
-            Inner::Mass => self.operator.below(),
-            Inner::Stiffness | Inner::Coordinates => None,
-        };
     }
 
     /// Factorises at a shift, or beside it if it is an eigenvalue; returns the shift.
@@ -303,15 +288,15 @@ impl<'a> Search<'a> {
             let inside = self.inside(&pairs[..converged]);
             return Ok(expected.map_or(0, |expected| expected.saturating_sub(inside)));
         }
-        let shift = self.shift;
+        let shift = self.operator.shift();
         let radius = pairs[wanted - 1].theta.norm().recip() * (1.0 + MARGIN);
         let near = pairs[..converged]
             .iter()
             .filter(|p| p.theta.norm() * radius >= 1.0);
         let found = near.count();
-        let below = match self.under {
-            // None is below a lower shift either.
-            Some(0) => Some(0),
+        let below = match self.inner {
+            // Nor is any below a lower shift.
+            Inner::Mass if self.operator.below() == Some(0) => Some(0),
             _ => self.below(shift - radius)?,
         };
         let up_to = self.below(shift + radius)?;

@@ -73,6 +73,11 @@ impl<'a> ShiftInvert<'a> {
         negative.checked_sub(equations)
     }
 
+    /// The shift.
+    pub fn shift(&self) -> f64 {
+        self.shift
+    }
+
     /// The matrix of the last factorisation.
     pub fn values(&self) -> &[f64] {
         &self.values

@@ -363,6 +363,14 @@ pub enum FigureFormat {
 }
 
 impl Figures {
+    /// Whether there are none.
+    pub fn is_none(&self) -> bool {
+        match self {
+            Self::All(all) => !all,
+            Self::Of(formats) => formats.is_empty(),
+        }
+    }
+
     /// Whether figures of a format are written.
     pub fn include(&self, format: FigureFormat) -> bool {
         match self {

@@ -51,8 +51,12 @@ pub(crate) fn viewer(
     });
     // Text of a model must not end the element that it is in.
     let data = data.to_string().replace('<', "\\u003c");
-    let title = title.unwrap_or("pullback");
-    let title = title.replace('&', "&amp;").replace('<', "&lt;");
+    let escaped = |text: &str| {
+        let text = text.replace('&', "&amp;").replace('<', "&lt;");
+        text.replace('"', "&quot;")
+    };
+    let title = escaped(title.unwrap_or("pullback"));
+    let parameter = escaped(&parameter);
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{title}</title>\n\
          <style>\n{}</style>\n</head>\n<body>\n<header>{title}</header>\n\

@@ -54,7 +54,7 @@ impl Recorder<'_> {
             "lines": lines.map(|line| line.iter().map(entry).collect::<Vec<_>>()).collect::<Vec<_>>(),
         });
         self.directory.write_json("campbell.json", &all)?;
-        if diagram.speeds.len() > 1 {
+        if !self.setting.file.output.figures.is_none() && diagram.speeds.len() > 1 {
             let title = self.setting.file.title.as_deref();
             let figure = graphs(title, "", &[graph(diagram, &self.setting.file.units)]);
             self.write_figure("campbell", &figure.map_err(drawing("campbell.svg"))?)?;

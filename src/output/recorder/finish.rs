@@ -1,7 +1,7 @@
 //! The results at the end of a run: figures and `result.json`.
 
 use super::Recorder;
-use crate::input::{FigureFormat, Figures};
+use crate::input::FigureFormat;
 use crate::output::directory::{Directory, OutputError, drawing, encoding};
 use crate::output::panels::panels;
 use crate::output::plot::{self, Shapes};
@@ -106,8 +106,7 @@ impl Recorder<'_> {
         self.recording.counts = counts;
         self.write_pending()?;
         self.write_history()?;
-        let none = Figures::All(false);
-        if self.setting.file.output.figures != none && !self.recording.rows.is_empty() {
+        if !self.setting.file.output.figures.is_none() && !self.recording.rows.is_empty() {
             self.write_figures(ending)?;
         }
         let warnings = self.write_results(ending)?;

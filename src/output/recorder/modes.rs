@@ -1,7 +1,7 @@
 //! The modes or critical loads at the end of a run: tables, figures, and ParaView files of their vibration.
 
 use super::Recorder;
-use crate::input::{Figures, Geometry};
+use crate::input::Geometry;
 use crate::modes::{CriticalLoads, Eigenvalues, ModelMode, ModelModes};
 use crate::output::directory::{OutputError, drawing};
 use crate::output::plot::{self, Shapes};
@@ -176,8 +176,7 @@ impl Recorder<'_> {
             self.directory
                 .write(&format!("mode_{number:02}.pvd"), &collection(&frames))?;
         }
-        let none = Figures::All(false);
-        if output.figures != none && displace(context, at, shape, Complex64::ZERO).is_some() {
+        if !output.figures.is_none() && displace(context, at, shape, Complex64::ZERO).is_some() {
             let state = Shapes::of(context, geometry, 1.0);
             let name = format!("mode_{number:02}");
             let figure = plot::deformed(Some(title), units, &state, &shapes, Some("mode"));

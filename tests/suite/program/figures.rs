@@ -187,6 +187,18 @@ fn round_off_is_drawn_as_zero_and_small_values_are_not() {
     assert_eq!(small, (vec![false; 2], true));
 }
 
+#[test]
+fn round_off_of_energies_is_known_without_an_extent() {
+    let svg = history(
+        "figures_point",
+        "[nodes]\nO = [0, 0, 0]\n[[bodies]]\nname = \"ball\"\nnode = \"O\"\nmass = 1\ninertia = [1, 1, 1]\n\
+         [[initial]]\nnode = \"O\"\nangular_velocity = [0.3, 0.2, 0.1]\n\
+         [[probes]]\nname = \"defect\"\nquantity = \"energy_defect\"\n\
+         [analysis.dynamic]\nto = 2\nstep = 0.1\n[output]\nparaview_every = 0\n",
+    );
+    assert_eq!(flat(&svg), [true]);
+}
+
 /// A point without extent, free along one axis and held along the others, under a load of 1e-20.
 #[test]
 fn nothing_is_round_off_where_no_size_is_known() {

@@ -17,7 +17,7 @@ const SPREAD: f64 = 1e9;
 impl Search<'_> {
     /// ω² or λ of an eigenvalue of the operator.
     pub(super) fn eigenvalue(&self, pair: &RitzPair) -> Complex64 {
-        self.shift + pair.theta.inv()
+        self.operator.shift() + pair.theta.inv()
     }
 
     /// A shift that suits the modes better: nearer to them, or farther from a rigid one that drowns them.
@@ -28,7 +28,7 @@ impl Search<'_> {
         if self.inner == Inner::Stiffness {
             return None;
         }
-        let shift = self.shift;
+        let shift = self.operator.shift();
         let largest = pairs.first()?.theta.norm();
         let k = self.position(pairs, count).min(pairs.len() - 1);
         let last = self.eigenvalue(&pairs[k]).norm();

@@ -6,13 +6,12 @@ use crate::linear_solver::scaling::{self, for_each};
 use crate::linearization::krylov::dot;
 
 impl<'a> Search<'a> {
-    /// Takes a first shift.
-    pub(super) fn first_shift(&mut self) -> Result<(), ModesError> {
+    /// A first shift, factorised.
+    pub(super) fn first_shift(&mut self) -> Result<f64, ModesError> {
         let middle = match self.order {
             Order::Squares => self.middle,
             Order::Quadratic => 0.0,
         };
-        let mut shift = 0.0;
         if middle != 0.0 || self.factorise(0.0).is_err() {
             // Beyond the spectrum of a rigid structure: K + |σ| M is positive definite.
             let bound = self.upper_bound();
@@ -20,10 +19,12 @@ impl<'a> Search<'a> {
                 Order::Squares => -bound,
                 Order::Quadratic => bound.sqrt(),
             };
-            shift = self.factorise_near(if middle == 0.0 { away } else { middle })?;
+            let shift = self.factorise_near(if middle == 0.0 { away } else { middle })?;
+            self.weigh()?;
+            return Ok(shift);
         }
-        self.settle(shift);
-        Ok(self.weigh()?)
+        self.weigh()?;
+        Ok(0.0)
     }
 
     /// The least K_ii / M_ii: an upper bound of the lowest ω² of a symmetric system.

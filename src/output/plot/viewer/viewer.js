@@ -17,6 +17,8 @@
   const center = box.getCenter(new THREE.Vector3());
   const size = box.getSize(new THREE.Vector3()).length() || 1;
 
+  // Without WebGL three.js throws an error, and this stays.
+  element("time").textContent = "This page needs WebGL.";
   const renderer = new THREE.WebGLRenderer({ antialias: true });
   document.body.prepend(renderer.domElement);
   const scene = new THREE.Scene();
