@@ -8,6 +8,7 @@
 #![allow(non_snake_case, missing_docs)]
 
 mod models;
+mod race;
 mod runs;
 
 use criterion::{Criterion, criterion_group, criterion_main};
@@ -20,6 +21,7 @@ use pullback::manifold::map::{KinematicsMut, Map, Parametrization, derived};
 use pullback::manifold::so3;
 use pullback::manifold::system::Weights;
 use pullback::prelude::*;
+use race::race;
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -54,15 +56,9 @@ fn product() -> impl FnMut() {
     }
 }
 
-/// Time in units of a product, both measured in turn, best of several averages.
-fn products(mut f: impl FnMut()) -> f64 {
-    let mut unit = product();
-    let mut best = [f64::INFINITY; 2];
-    for _ in 0..25 {
-        best[0] = best[0].min(average(2000, &mut f));
-        best[1] = best[1].min(average(2000, &mut unit));
-    }
-    best[0] / best[1]
+/// Time in units of a product.
+fn products(f: impl FnMut()) -> f64 {
+    race(product(), f)
 }
 
 fn section() -> Section {

@@ -4,8 +4,7 @@
 //! cargo bench --bench energy
 //! ```
 //!
-//! Both sides take turns in one run, and the best round of each counts. Results are compared by the
-//! tests of the elements.
+//! Results are compared by the tests of the elements.
 
 #![allow(non_snake_case, missing_docs)]
 
@@ -17,7 +16,8 @@ use pullback::elements::spring::{AxialSpring, Bushing};
 use pullback::manifold::system::Weights;
 use pullback::prelude::*;
 use std::hint::black_box;
-use std::time::Instant;
+
+mod race;
 
 #[path = "../examples/elements/elastic_joint.rs"]
 mod elastic_joint;
@@ -25,24 +25,8 @@ mod elastic_joint;
 #[allow(dead_code, reason = "one of its two measures is timed")]
 mod strain_beam;
 use elastic_joint::ElasticJoint;
+use race::race;
 use strain_beam::{FrameInertia, Reissner, strain_beam};
-
-const RUNS: usize = 2_000;
-const ROUNDS: usize = 12;
-
-/// Nanoseconds of a call of each, the best of many rounds in turns.
-fn race(mut f: impl FnMut(), mut g: impl FnMut()) -> [f64; 2] {
-    fn round(f: &mut impl FnMut()) -> f64 {
-        let start = Instant::now();
-        (0..RUNS).for_each(|_| f());
-        start.elapsed().as_secs_f64() / RUNS as f64 * 1e9
-    }
-    let mut best = [f64::INFINITY; 2];
-    for _ in 0..ROUNDS {
-        best = [best[0].min(round(&mut f)), best[1].min(round(&mut g))];
-    }
-    best
-}
 
 /// What is asked of an element.
 #[derive(Clone, Copy)]
@@ -102,12 +86,11 @@ fn compare(
     let buffers = || [n, n * n, n * n, n * n].map(|n| vec![0.0; n]);
     for (what, job) in jobs {
         let (mut one, mut other) = (buffers(), buffers());
-        let [hand, energy] = race(
+        let ratio = race(
             || run(by_hand, *job, &motion, &mut one),
             || run(by_energy, *job, &motion, &mut other),
         );
-        let ratio = energy / hand;
-        println!("{name:14} {what:22} {hand:9.0} {energy:11.0} {ratio:7.1}");
+        println!("{ratio:7.1}  {name}: {what}");
         assert!(
             ratio <= limit,
             "{name}, {what}: {ratio:.1} times instead of {limit}"
@@ -122,10 +105,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ("r, K, C, M", Job::Parts),
         ("r, combined tangent", Job::Combined),
     ];
-    println!(
-        "{:14} {:22} {:>9} {:>11} {:>7}",
-        "", "", "hand/ns", "energy/ns", "ratio"
-    );
+    println!("by energies over by hand:");
     let positions = [Vector3::zeros(), Vector3::new(0.8, 0.5, -0.3)];
     let along = (positions[1] - positions[0]).normalize();
     let frame = pullback::elements::model::frame_along(&along, None);
@@ -155,7 +135,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         &ALL[..3],
         130.0,
     );
-    let [at_rest, moving] = {
+    let potential = {
         let element = Gravity {
             position: positions[1],
             center: Vector3::zeros(),
@@ -182,7 +162,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     compare("bushing", &joint.into_element(), &hand, &ALL[..3], 260.0);
     println!(
         "a potential without T and D, in motion over at rest: {:.2}",
-        moving / at_rest
+        potential
     );
     Ok(())
 }
