@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from . import _pullback
-from ._pullback import AnalysisError, ModelError, SavedMotion
+from ._pullback import AnalysisError, ModelError, SavedMotion, __version__
 from .progress import Progress
 from .results import Modes, Result
 from .studies import Comparison, Order, Spectrum, compare, spectrum
@@ -43,6 +43,7 @@ __all__ = [
     "Simulation",
     "Spectrum",
     "SweepTable",
+    "__version__",
     "compare",
     "schema",
     "spectrum",
@@ -178,7 +179,16 @@ class Model:
         return f"<pullback.Model {self.title or self._name!r}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Model, (self._text, self._name)
+        return _unpickled, (self._text, self._name, __version__)
+
+
+def _unpickled(text: str, name: str, version: str) -> Model:
+    try:
+        return Model(text, name)
+    except ModelError as refusal:
+        if version == __version__:
+            raise
+        raise ModelError(f"a model pickled by pullback {version}, read by {__version__}: {refusal}") from None
 
 
 def _toml(tables: Mapping[str, Any]) -> str:

@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 
+__version__: str
+
 class ModelError(ValueError):
     """A model is refused; the message has the line of the model file and the cure."""
 

@@ -322,6 +322,8 @@ fn verify(py: Python<'_>, text: &str, name: &str, seed: u64) -> PyResult<(String
 #[pymodule]
 mod _pullback {
     #[pymodule_export]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
+    #[pymodule_export]
     use super::motion::{PyMotion, PySaved};
     #[pymodule_export]
     use super::studies::{compare, spectra};

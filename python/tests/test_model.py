@@ -79,6 +79,16 @@ def test_a_model_is_a_value():
     assert np.array_equal(copy.run()["tip"], model.run()["tip"])
 
 
+def test_a_model_of_another_version_is_refused_by_name(monkeypatch):
+    model = pb.Model.from_toml(CANTILEVER)
+    model._text += "[novelties]\n"
+    monkeypatch.setattr(pb, "__version__", "99.0.0")
+    later = pickle.dumps(model)
+    monkeypatch.undo()
+    with pytest.raises(pb.ModelError, match=f"by pullback 99.0.0, read by {pb.__version__}: (?s:.*)novelties"):
+        pickle.loads(later)
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [
