@@ -166,49 +166,6 @@ impl BlockPattern {
     }
 }
 
-impl BlockPattern {
-    /// y ← y + A x for a symmetric matrix, of which only one of each pair of blocks is read.
-    pub fn multiply_add_symmetric(&self, values: &[f64], x: &[f64], y: &mut [f64]) {
-        for j in 0..self.blocks() {
-            let column = self.unknowns(j);
-            for (i, range) in self.column(j).filter(|(i, _)| *i >= j) {
-                let (block, rows) = (&values[range], self.unknowns(i));
-                if i > j {
-                    let (x, y) = (&x[rows.clone()], &mut y[column.clone()]);
-                    match rows.len() {
-                        6 => add_transposed::<6>(block, x, y),
-                        height => {
-                            for (entries, y) in block.chunks_exact(height.max(1)).zip(y) {
-                                *y += entries.iter().zip(x).map(|(a, x)| a * x).sum::<f64>();
-                            }
-                        }
-                    }
-                }
-                let x = &x[column.clone()];
-                match rows.len() {
-                    6 => add_block::<6>(1.0, block, x, &mut y[rows]),
-                    _ => add_columns(1.0, block, x, &mut y[rows]),
-                }
-            }
-        }
-    }
-}
-
-/// y ← y + Aᵀ x for a block of height H.
-fn add_transposed<const H: usize>(block: &[f64], x: &[f64], y: &mut [f64]) {
-    let Some(x) = x.first_chunk::<H>() else {
-        return;
-    };
-    for (column, y) in block.as_chunks::<H>().0.iter().zip(y) {
-        // Two sums, which a processor adds at the same time.
-        let mut sums = [0.0; 2];
-        for k in 0..H {
-            sums[k % 2] += column[k] * x[k];
-        }
-        *y += sums[0] + sums[1];
-    }
-}
-
 /// y ← y + α A x for a block of any height.
 fn add_columns(alpha: f64, block: &[f64], x: &[f64], y: &mut [f64]) {
     for (column, &x) in block.chunks_exact(y.len().max(1)).zip(x) {

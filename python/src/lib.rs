@@ -321,6 +321,7 @@ fn verify(py: Python<'_>, text: &str, name: &str, seed: u64) -> PyResult<(String
 
 #[pymodule]
 mod _pullback {
+    #[allow(non_upper_case_globals, reason = "its name in Python")]
     #[pymodule_export]
     const __version__: &str = env!("CARGO_PKG_VERSION");
     #[pymodule_export]

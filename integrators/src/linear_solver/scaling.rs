@@ -166,10 +166,7 @@ pub(crate) fn scales(
     }
     for j in 0..pattern.blocks() {
         for (i, range) in pattern.column(j) {
-            let mut sum = 0.0;
-            for_each_of_block(pattern, [i, j], &values[range.clone()], |r, c, value| {
-                sum += (value * scales[r] * scales[c]).powi(2);
-            });
+            let sum = square_of_block(pattern, [i, j], &values[range.clone()], scales);
             // NaN fails, too.
             if !(sum <= MEAN_SQUARE_LIMIT * range.len() as f64) {
                 return equilibrate(pattern, values, scales, work);
@@ -179,15 +176,29 @@ pub(crate) fn scales(
     Ok(())
 }
 
+/// Sum of the squares of the scaled entries of a block.
+fn square_of_block(
+    pattern: &BlockPattern,
+    [i, j]: [usize; 2],
+    block: &[f64],
+    scales: &[f64],
+) -> f64 {
+    let (rows, columns) = (&scales[pattern.unknowns(i)], &scales[pattern.unknowns(j)]);
+    let entries = block.chunks_exact(rows.len().max(1));
+    let squares = entries.zip(columns).map(|(column, c)| -> f64 {
+        let scaled = column.iter().zip(rows);
+        scaled.map(|(a, r)| (a * r * c).powi(2)).sum()
+    });
+    squares.sum()
+}
+
 /// Bound on the spectral norm of the scaled matrix: block columns of Frobenius norms.
 pub(crate) fn norm(pattern: &BlockPattern, values: &[f64], scales: &[f64]) -> f64 {
     let mut largest = 0.0_f64;
     for j in 0..pattern.blocks() {
         let (mut sum, mut blocks) = (0.0, 0.0);
         for (i, range) in pattern.column(j) {
-            for_each_of_block(pattern, [i, j], &values[range], |r, c, value| {
-                sum += (value * scales[r] * scales[c]).powi(2);
-            });
+            sum += square_of_block(pattern, [i, j], &values[range], scales);
             blocks += 1.0;
         }
         largest = largest.max(sum * blocks);

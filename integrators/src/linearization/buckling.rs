@@ -98,9 +98,8 @@ pub fn buckling(
         return Err(BucklingError::Unstable);
     }
     let found = search.run(&mut |_| ControlFlow::Continue(()))?;
-    let modes = found.vectors.into_iter().map(|(vector, _)| {
-        let shape: Vec<f64> = vector.iter().map(|x| x.re).collect();
-        let form = |values: &[f64]| super::krylov::dot(&shape, &lin.product(values, &shape, true));
+    let modes = found.vectors.into_iter().map(|([shape, _], _)| {
+        let form = |values: &[f64]| super::krylov::dot(&shape, &lin.product(values, &shape));
         let (stiffness, change) = (form(&lin.K), form(&lin.M));
         BucklingMode {
             load: at.t + stiffness / change,

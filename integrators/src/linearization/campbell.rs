@@ -289,11 +289,10 @@ fn continued(
 
 /// The modal assurance criterion of each mode with each of others.
 fn assurance(before: &[&Mode], found: &[Mode], lin: &Linearized) -> Vec<Vec<f64>> {
-    let symmetric = lin.is_symmetric(&lin.M);
     let product = |shape: &[Complex64]| -> Vec<Complex64> {
         let part = |pick: fn(&Complex64) -> f64| -> Vec<f64> { shape.iter().map(pick).collect() };
-        let re = lin.product(&lin.M, &part(|x| x.re), symmetric);
-        let im = lin.product(&lin.M, &part(|x| x.im), symmetric);
+        let re = lin.product(&lin.M, &part(|x| x.re));
+        let im = lin.product(&lin.M, &part(|x| x.im));
         let pairs = re.into_iter().zip(im);
         pairs.map(|(re, im)| Complex64::new(re, im)).collect()
     };

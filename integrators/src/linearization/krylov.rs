@@ -16,10 +16,18 @@ use std::collections::VecDeque;
 const NEW: f64 = 1e-26;
 /// The same for start vectors, whose lengths may have cancelled.
 const INDEPENDENT: f64 = 1e-14;
-/// Square of the part removed in a pass that needs no other one, relative to what is left.
-const SMALL: f64 = 1e-26;
+/// Square of the part removed, relative to what is left: of a pass that leaves the image G w as it was, ...
+const NOTHING: f64 = 1e-26;
+/// ... and of one whose rounding errors are no more than those of w.
+const SMALL: f64 = 1e-4;
 /// Most passes: two suffice unless a vector vanishes.
 const PASSES: usize = 3;
+
+/// Rows of the basis that stay in a cache.
+const ROWS: usize = 1024;
+
+/// Writes G w to its second argument.
+pub(super) type Gram<'a> = dyn Fn(&[f64], &mut Vec<f64>) + 'a;
 
 /// An orthonormal basis, and the operator in it.
 pub(super) struct Krylov {
@@ -51,10 +59,10 @@ impl Krylov {
     }
 
     /// Adds a start vector; false if the basis contains it.
-    pub fn add(&mut self, w: Vec<f64>, gram: &dyn Fn(&[f64]) -> Vec<f64>) -> bool {
+    pub fn add(&mut self, w: Vec<f64>, gram: &Gram<'_>) -> bool {
         let before = self.basis.len();
         let none = vec![0.0; before];
-        self.append(w, none, gram, INDEPENDENT);
+        self.append(w, Vec::new(), none, gram, INDEPENDENT);
         self.basis.len() > before
     }
 
@@ -65,40 +73,36 @@ impl Krylov {
 
     /// Takes the product of the operator and [`Krylov::next`]; of a symmetric operator, the coefficients of earlier
     /// vectors are known.
-    pub fn take(
-        &mut self,
-        mut product: Vec<f64>,
-        gram: &dyn Fn(&[f64]) -> Vec<f64>,
-        symmetric: bool,
-    ) {
+    pub fn take(&mut self, mut product: Vec<f64>, gram: &Gram<'_>, symmetric: bool) {
         let j = self.columns.len();
         let mut known = vec![0.0; self.basis.len()];
-        if let (true, Some(Gv)) = (symmetric, self.waiting.front()) {
+        let Gv = self.waiting.pop_front().unwrap_or_default();
+        if symmetric {
             for (known, column) in known.iter_mut().zip(&self.columns) {
                 *known = column.get(j).copied().unwrap_or(0.0);
             }
-            known[j] = dot(&product, Gv);
+            known[j] = dot(&product, &Gv);
             for (v, known) in self.basis.iter().zip(&known) {
                 if *known != 0.0 {
                     add(&mut product, -known, v);
                 }
             }
         }
-        let column = self.append(product, known, gram, NEW);
+        let column = self.append(product, Gv, known, gram, NEW);
         self.columns.push(column);
-        self.waiting.pop_front();
     }
 
     /// Orthogonalises a vector, less the part of it with known coefficients, and appends what is left; returns
-    /// all coefficients.
+    /// all coefficients. `Gw` is a buffer.
     fn append(
         &mut self,
         mut w: Vec<f64>,
+        mut Gw: Vec<f64>,
         mut coefficients: Vec<f64>,
-        gram: &dyn Fn(&[f64]) -> Vec<f64>,
+        gram: &Gram<'_>,
         least: f64,
     ) -> Vec<f64> {
-        let mut Gw = gram(&w);
+        gram(&w, &mut Gw);
         let mut left = dot(&w, &Gw);
         let whole = left + dot(&coefficients, &coefficients);
         for _ in 0..PASSES {
@@ -109,12 +113,15 @@ impl Krylov {
                 *c += part;
                 add(&mut w, -part, v);
             }
+            if removed <= NOTHING * left {
+                break;
+            }
+            gram(&w, &mut Gw);
+            left = dot(&w, &Gw);
             // The next pass removes what this one leaves by rounding errors.
             if removed <= SMALL * left {
                 break;
             }
-            Gw = gram(&w);
-            left = dot(&w, &Gw);
         }
         if left > least * whole {
             let length = left.sqrt();
@@ -131,13 +138,21 @@ impl Krylov {
         ritz_pairs(&self.columns, symmetric)
     }
 
-    /// The vector with these coefficients in the basis.
-    pub fn combine(&self, coefficients: impl Iterator<Item = f64>) -> Vec<f64> {
-        let mut x = vec![0.0; self.basis.first().map_or(0, Vec::len)];
-        for (v, c) in self.basis.iter().zip(coefficients) {
-            add(&mut x, c, v);
+    /// The vectors with these coefficients in the basis, which is read once.
+    pub fn combine(&self, coefficients: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let size = self.basis.first().map_or(0, Vec::len);
+        let mut vectors = vec![vec![0.0; size]; coefficients.len()];
+        for from in (0..size).step_by(ROWS) {
+            let rows = from..size.min(from + ROWS);
+            for (x, coefficients) in vectors.iter_mut().zip(coefficients) {
+                for (v, c) in self.basis.iter().zip(coefficients) {
+                    if *c != 0.0 {
+                        add(&mut x[rows.clone()], *c, &v[rows.clone()]);
+                    }
+                }
+            }
         }
-        x
+        vectors
     }
 }
 

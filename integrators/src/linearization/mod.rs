@@ -45,6 +45,7 @@ use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{
     CoordinateInfo, Evaluation, Point, Quantity, System, SystemError, Weights,
 };
+use std::cell::LazyCell;
 use thiserror::Error;
 
 /// The linear equations of motion of a system about a state.
@@ -194,23 +195,22 @@ impl Linearized {
     }
 
     /// A x for a matrix with these values.
-    fn product(&self, values: &[f64], x: &[f64], symmetric: bool) -> Vec<f64> {
+    fn product(&self, values: &[f64], x: &[f64]) -> Vec<f64> {
         let mut y = vec![0.0; x.len()];
-        match symmetric {
-            true => self.pattern.multiply_add_symmetric(values, x, &mut y),
-            false => self.pattern.multiply_add(1.0, values, x, &mut y),
-        }
+        self.pattern.multiply_add(1.0, values, x, &mut y);
         y
     }
 
     /// Whether a matrix is symmetric but for rounding errors.
     fn is_symmetric(&self, values: &[f64]) -> bool {
         let p = &self.pattern;
-        let mut largest = vec![0.0_f64; self.dim()];
-        for_each(p, values, |r, _, value| {
-            largest[r] = largest[r].max(value.abs())
+        let roots = LazyCell::new(|| {
+            let mut largest = vec![0.0_f64; self.dim()];
+            for_each(p, values, |r, _, value| {
+                largest[r] = largest[r].max(value.abs())
+            });
+            largest.iter().map(|x| x.sqrt()).collect::<Vec<f64>>()
         });
-        let roots: Vec<f64> = largest.iter().map(|x| x.sqrt()).collect();
         let mut symmetric = true;
         for j in 0..p.blocks() {
             let columns = p.unknowns(j);
@@ -223,8 +223,10 @@ impl Linearized {
                 for (c, column) in entries.enumerate() {
                     for (r, a) in column.iter().enumerate() {
                         let b = values[other + c + r * columns.len()];
-                        let scale = roots[rows.start + r] * roots[columns.start + c];
-                        symmetric &= (a - b).abs() <= SYMMETRIC * scale;
+                        if *a != b {
+                            let scale = roots[rows.start + r] * roots[columns.start + c];
+                            symmetric &= (a - b).abs() <= SYMMETRIC * scale;
+                        }
                     }
                 }
             }

@@ -3,7 +3,8 @@
 #![allow(non_snake_case)]
 
 use super::Linearized;
-use super::search::Search;
+use super::krylov::{add, dot};
+use super::search::{Parts, Search};
 use super::shift_invert::Order;
 use crate::linear_solver::LinearError;
 use crate::linear_solver::scaling::{self, for_each};
@@ -166,7 +167,7 @@ pub fn modes_while(
     let finish = Finish::new(lin, order, symmetric, found.scales);
     let mut modes: Vec<Mode> = Vec::with_capacity(found.vectors.len());
     for (vector, eigenvalue) in found.vectors {
-        let mode = finish.mode(vector, eigenvalue);
+        let mode = finish.mode(&vector, eigenvalue);
         if !finish.repeats(&modes, &mode) {
             modes.push(mode);
         }
@@ -227,8 +228,12 @@ impl<'a> Finish<'a> {
     /// `scales` make the shifted matrix one of entries of order one.
     fn new(lin: &'a Linearized, order: Order, symmetric: bool, scales: Vec<f64>) -> Self {
         let norm = |values: &[f64]| scaling::norm(&lin.pattern, values, &scales);
+        let damping = match order {
+            Order::Squares => 0.0,
+            Order::Quadratic => norm(&lin.C),
+        };
         Self {
-            norms: [norm(&lin.K), norm(&lin.C), norm(&lin.M)],
+            norms: [norm(&lin.K), damping, norm(&lin.M)],
             lin,
             order,
             symmetric,
@@ -237,44 +242,53 @@ impl<'a> Finish<'a> {
     }
 
     /// A mode of an eigenvector of any length, and the eigenvalue of the search: ω² or λ.
-    fn mode(&self, mut shape: Vec<Complex64>, found: Complex64) -> Mode {
+    fn mode(&self, shape: &Parts, found: Complex64) -> Mode {
         let lin = self.lin;
-        let with_C = self.order == Order::Quadratic;
-        let none = Vec::new();
-        let images = [
-            self.product(&lin.K, &shape),
-            if with_C {
-                self.product(&lin.C, &shape)
-            } else {
-                none
-            },
-            self.product(&lin.M, &shape),
-        ];
-        let form = |image: &[Complex64]| -> Complex64 {
-            shape.iter().zip(image).map(|(x, y)| x.conj() * y).sum()
+        let images = match self.order {
+            Order::Squares => [Some(&lin.K), None, Some(&lin.M)],
+            Order::Quadratic => [&lin.K, &lin.C, &lin.M].map(Some),
         };
-        let mass = form(&images[2]).re;
+        let images = images.map(|values| match values {
+            Some(values) => shape.each_ref().map(|part| self.product(values, part)),
+            None => Parts::default(),
+        });
+        // φᴴ y, real for a symmetric matrix.
+        let form = |[re, im]: &Parts| dot(&shape[0], re) + dot(&shape[1], im);
+        let mass = form(&images[2]);
         let eigenvalue = match (self.order, self.symmetric) {
             (Order::Quadratic, _) => found,
             // The quotient's error is the square of the eigenvector's.
-            (Order::Squares, true) => (-form(&images[0]) / mass).sqrt(),
+            (Order::Squares, true) => Complex64::from(-form(&images[0]) / mass).sqrt(),
             (Order::Squares, false) => (-found).sqrt(),
         };
         let eigenvalue = match eigenvalue {
-            value if self.is_rigid(&shape, value.norm_sqr() * mass) => Complex64::ZERO,
+            value if self.is_rigid(shape, value.norm_sqr() * mass) => Complex64::ZERO,
             value if value.im < 0.0 => -value,
             value => value,
         };
-        let residual = self.residual(&shape, &images, eigenvalue);
-        let weight = |i: &usize| shape[*i].norm_sqr() / (self.scales[*i] * self.scales[*i]);
-        let first = (0..shape.len()).max_by(|i, j| weight(i).total_cmp(&weight(j)));
-        let largest = first.map_or(Complex64::ONE, |i| shape[i]);
-        let factor = largest.conj() / (largest.norm() * mass.sqrt());
-        shape.iter_mut().for_each(|x| *x *= factor);
+        let residual = self.residual(shape, &images, eigenvalue);
+        let [re, im] = shape;
+        let mut complex: Vec<Complex64> = match im.is_empty() {
+            true => re.iter().map(|re| (*re).into()).collect(),
+            false => re
+                .iter()
+                .zip(im)
+                .map(|(re, im)| Complex64::new(*re, *im))
+                .collect(),
+        };
+        let mut largest = (0.0, Complex64::ONE);
+        for (x, s) in complex.iter().zip(&self.scales) {
+            let size = x.norm_sqr() / (s * s);
+            if size > largest.0 {
+                largest = (size, *x);
+            }
+        }
+        let factor = largest.1.conj() / (largest.1.norm() * mass.sqrt());
+        complex.iter_mut().for_each(|x| *x *= factor);
         Mode {
             // No negative zero.
             eigenvalue: eigenvalue + Complex64::ZERO,
-            shape,
+            shape: complex,
             residual,
         }
     }
@@ -284,23 +298,30 @@ impl<'a> Finish<'a> {
         if self.order == Order::Squares || mode.eigenvalue != Complex64::ZERO {
             return false;
         }
-        let Mx = self.product(&self.lin.M, &mode.shape);
+        let part = |part: fn(&Complex64) -> f64| {
+            let part: Vec<f64> = mode.shape.iter().map(part).collect();
+            self.product(&self.lin.M, &part)
+        };
+        let (re, im) = (part(|x| x.re), part(|x| x.im));
         let rigid = modes.iter().filter(|m| m.eigenvalue == Complex64::ZERO);
         let parts = rigid.map(|m| {
-            let terms = m.shape.iter().zip(&Mx).map(|(x, y)| x.conj() * y);
+            let images = re.iter().zip(&im).map(|(re, im)| Complex64::new(*re, *im));
+            let terms = m.shape.iter().zip(images).map(|(x, y)| x.conj() * y);
             terms.sum::<Complex64>().norm_sqr()
         });
         parts.sum::<f64>() > 0.99
     }
 
     /// Whether rounding errors of K give a rigid mode of this shape φ as large an eigenvalue, times φᴴ M φ.
-    fn is_rigid(&self, shape: &[Complex64], stiffness: f64) -> bool {
-        let squares = shape.iter().zip(&self.scales);
-        let square: f64 = squares.map(|(x, s)| x.norm_sqr() / (s * s)).sum();
-        if stiffness > ROUNDING * self.norms[0] * square {
+    fn is_rigid(&self, shape: &Parts, stiffness: f64) -> bool {
+        if stiffness > ROUNDING * self.norms[0] * self.square(shape) {
             return false;
         }
-        let sizes: Vec<f64> = shape.iter().map(|x| x.norm()).collect();
+        let [re, im] = shape;
+        let mut sizes: Vec<f64> = re.iter().map(|x| x.abs()).collect();
+        for (size, im) in sizes.iter_mut().zip(im) {
+            *size = size.hypot(*im);
+        }
         let mut sum = 0.0;
         for_each(&self.lin.pattern, &self.lin.K, |r, c, K| {
             sum += K.abs() * sizes[r] * sizes[c];
@@ -308,44 +329,46 @@ impl<'a> Finish<'a> {
         stiffness <= ROUNDING * sum
     }
 
-    /// Length of (K + λ C + λ² M) φ, relative to the bounds of the three terms.
-    fn residual(
-        &self,
-        shape: &[Complex64],
-        images: &[Vec<Complex64>; 3],
-        eigenvalue: Complex64,
-    ) -> f64 {
-        let factors = [Complex64::ONE, eigenvalue, eigenvalue * eigenvalue];
-        let mut r = vec![Complex64::ZERO; shape.len()];
-        let mut bound = 0.0;
-        for ((image, factor), norm) in images.iter().zip(factors).zip(self.norms) {
-            for (r, y) in r.iter_mut().zip(image) {
-                *r += factor * y;
-            }
-            if !image.is_empty() {
-                bound += factor.norm() * norm;
-            }
-        }
-        let scaled = r.iter().zip(&self.scales);
-        let square: f64 = scaled.map(|(r, s)| r.norm_sqr() * s * s).sum();
-        let scaled = shape.iter().zip(&self.scales);
-        let length: f64 = scaled.map(|(x, s)| x.norm_sqr() / (s * s)).sum();
-        (square / length).sqrt() / bound
+    /// Square of the length of a vector in scaled coordinates.
+    fn square(&self, x: &Parts) -> f64 {
+        let squares = |x: &Vec<f64>| -> f64 {
+            let scaled = x.iter().zip(&self.scales);
+            scaled.map(|(x, s)| (x / s).powi(2)).sum()
+        };
+        x.iter().map(squares).sum()
     }
 
-    /// A x for a complex vector.
-    fn product(&self, values: &[f64], x: &[Complex64]) -> Vec<Complex64> {
-        let part = |pick: fn(&Complex64) -> f64| {
-            let x: Vec<f64> = x.iter().map(pick).collect();
-            match x.iter().all(|x| *x == 0.0) {
-                true => x,
-                false => self.lin.product(values, &x, self.symmetric),
+    /// Length of (K + λ C + λ² M) φ, relative to the bounds of the three terms.
+    fn residual(&self, shape: &Parts, images: &[Parts; 3], eigenvalue: Complex64) -> f64 {
+        let factors = [Complex64::ONE, eigenvalue, eigenvalue * eigenvalue];
+        let mut sums = [(); 2].map(|()| vec![0.0; self.lin.dim()]);
+        let mut bound = 0.0;
+        for (([re, im], factor), norm) in images.iter().zip(factors).zip(self.norms) {
+            for (k, weight, part) in [
+                (0, factor.re, re),
+                (0, -factor.im, im),
+                (1, factor.im, re),
+                (1, factor.re, im),
+            ] {
+                if weight != 0.0 {
+                    add(&mut sums[k], weight, part);
+                }
             }
+            bound += factor.norm() * norm;
+        }
+        let scaled = |r: &Vec<f64>| -> f64 {
+            let scaled = r.iter().zip(&self.scales);
+            scaled.map(|(r, s)| (r * s).powi(2)).sum()
         };
-        let (re, im) = (part(|x| x.re), part(|x| x.im));
-        re.into_iter()
-            .zip(im)
-            .map(|(re, im)| Complex64::new(re, im))
-            .collect()
+        let square: f64 = sums.iter().map(scaled).sum();
+        (square / self.square(shape)).sqrt() / bound
+    }
+
+    /// A x; of nothing, nothing.
+    fn product(&self, values: &[f64], x: &[f64]) -> Vec<f64> {
+        match x {
+            [] => Vec::new(),
+            x => self.lin.product(values, x),
+        }
     }
 }

@@ -39,6 +39,8 @@ pub(super) struct Search<'a> {
     factorisations: usize,
     /// ω² of the modes selected: the first shift without damping.
     middle: f64,
+    /// They make the matrix of the first shift one of entries of order one.
+    scales: Vec<f64>,
     /// Weights of the inner product if M is not used.
     weights: Vec<f64>,
     random: Random,
@@ -83,6 +85,7 @@ impl<'a> Search<'a> {
                 Selection::Nearest { omega, .. } => omega * omega,
                 Selection::Range(_) => 0.0,
             },
+            scales: vec![1.0; lin.dim()],
             weights: Vec::new(),
             random: Random(0),
         })
@@ -147,7 +150,7 @@ impl<'a> Search<'a> {
 
     fn report(
         self,
-        vectors: Vec<(Vec<Complex64>, Complex64)>,
+        vectors: Vec<(Parts, Complex64)>,
         counted: Option<usize>,
         complete: bool,
     ) -> Found {
@@ -156,7 +159,7 @@ impl<'a> Search<'a> {
             vectors,
             counted,
             factorisations: self.factorisations,
-            scales: self.scales(),
+            scales: self.scales,
         }
     }
 
@@ -313,7 +316,7 @@ impl<'a> Search<'a> {
         &mut self,
         krylov: &Krylov,
         pairs: &[RitzPair],
-    ) -> Result<Vec<(Vec<Complex64>, Complex64)>, ModesError> {
+    ) -> Result<Vec<(Parts, Complex64)>, ModesError> {
         let mut chosen: Vec<&RitzPair> = pairs
             .iter()
             .filter(|p| self.is_upper(p) && self.is_in_range(p))
@@ -325,20 +328,26 @@ impl<'a> Search<'a> {
             }
             chosen.truncate(count);
         }
+        let parts = chosen.iter().flat_map(|pair| {
+            let part = |part: fn(&Complex64) -> f64| pair.vector.iter().map(part).collect();
+            [part(|x| x.re), part(|x| x.im)]
+        });
+        let parts: Vec<Vec<f64>> = parts.collect();
+        let mut images = krylov.combine(&parts).into_iter();
         let mut vectors = Vec::with_capacity(chosen.len());
         for pair in chosen {
             // One product more reduces the error, and leaves no part without mass or velocity.
-            let mut image = |part: fn(&Complex64) -> f64| {
-                let coefficients = pair.vector.iter().map(part);
-                match coefficients.clone().all(|x| x == 0.0) {
-                    true => Ok(vec![0.0; self.weights.len()]),
-                    false => self.operator.apply(&krylov.combine(coefficients), None),
+            let mut image = || match images.next() {
+                Some(x) if x.iter().any(|x| *x != 0.0) => {
+                    let mut y = self.operator.apply(&x, None)?;
+                    y.truncate(self.lin.dim());
+                    Ok(y)
                 }
+                _ => Ok::<_, ModesError>(Vec::new()),
             };
-            let (re, im) = (image(|x| x.re)?, image(|x| x.im)?);
-            let both = re.into_iter().zip(im).take(self.lin.dim());
-            let vector = both.map(|(re, im)| Complex64::new(re, im)).collect();
-            vectors.push((vector, self.eigenvalue(pair)));
+            let [mut re, im] = [image()?, image()?];
+            re.resize(self.lin.dim(), 0.0);
+            vectors.push(([re, im], self.eigenvalue(pair)));
         }
         Ok(vectors)
     }
@@ -362,15 +371,18 @@ enum Inner {
     Coordinates,
 }
 
+/// Real and imaginary part of a vector; the latter is empty if it is zero.
+pub(super) type Parts = [Vec<f64>; 2];
+
 /// Eigenvectors of any length, and their eigenvalues ω² or λ.
 pub(super) struct Found {
-    pub vectors: Vec<(Vec<Complex64>, Complex64)>,
+    pub vectors: Vec<(Parts, Complex64)>,
     /// See [`Modes`](super::Modes).
     pub counted: Option<usize>,
     /// Whether there are no others.
     pub complete: bool,
     /// Number of factorisations.
     pub factorisations: usize,
-    /// They make the shifted matrix one of entries of order one.
+    /// See [`Search`].
     pub scales: Vec<f64>,
 }

@@ -1,6 +1,7 @@
 //! The inverse of a shifted pencil, whose largest eigenvalues belong to the modes nearest to the shift.
 
 use super::Linearized;
+use super::krylov::add;
 use crate::linear_solver::{AutoSolver, LinearError, LinearSolver, MatrixSymmetry};
 
 /// Order of an eigenvalue problem in its eigenvalue.
@@ -53,9 +54,12 @@ impl<'a> ShiftInvert<'a> {
             Order::Quadratic => (shift, shift * shift),
         };
         self.shift = shift;
-        let matrices = self.lin.K.iter().zip(&self.lin.C).zip(&self.lin.M);
-        for (s, ((K, C), M)) in self.values.iter_mut().zip(matrices) {
-            *s = K + c * C + m * M;
+        let matrices = self.lin.K.iter().zip(&self.lin.M);
+        for (s, (K, M)) in self.values.iter_mut().zip(matrices) {
+            *s = K + m * M;
+        }
+        if c != 0.0 {
+            add(&mut self.values, c, &self.lin.C);
         }
         self.solver.factorise(&self.values)
     }
@@ -90,7 +94,7 @@ impl<'a> ShiftInvert<'a> {
     pub fn apply(&mut self, x: &[f64], Mx: Option<&[f64]>) -> Result<Vec<f64>, LinearError> {
         let (lin, s, n) = (self.lin, self.shift, self.lin.dim());
         if self.order == Order::Squares {
-            let mut y = Mx.map_or_else(|| lin.product(&lin.M, x, false), <[f64]>::to_vec);
+            let mut y = Mx.map_or_else(|| lin.product(&lin.M, x), <[f64]>::to_vec);
             self.solver.solve(Some(&self.values), &mut y)?;
             return Ok(y);
         }

@@ -37,34 +37,35 @@ impl<'a> Search<'a> {
         if least.is_finite() { least } else { 1.0 }
     }
 
-    /// Scales of the shifted matrix.
-    pub(super) fn scales(&self) -> Vec<f64> {
-        let n = self.lin.dim();
+    /// Scales of the shifted matrix, and weights of the coordinates on which the operator depends.
+    pub(super) fn weigh(&mut self) -> Result<(), LinearError> {
+        let lin = self.lin;
+        let n = lin.dim();
         let (mut scales, mut work) = (vec![1.0; n], vec![0.0; n]);
         let values = self.operator.values();
         // It was factorised: no row is zero.
-        let _ = scaling::scales(&self.lin.pattern, values, &mut scales, &mut work);
-        scales
-    }
-
-    /// Weights of the coordinates on which the operator depends, in scaled coordinates.
-    pub(super) fn weigh(&mut self) -> Result<(), LinearError> {
-        let lin = self.lin;
-        let (mut by_C, mut by_M) = (vec![0.0_f64; lin.dim()], vec![0.0_f64; lin.dim()]);
-        for_each(&lin.pattern, &lin.C, |_, c, value| by_C[c] += value.abs());
-        for_each(&lin.pattern, &lin.M, |_, c, value| by_M[c] += value.abs());
-        let scales = self.scales();
-        let weight = |i: usize, reads: bool| if reads { scales[i].powi(-2) } else { 0.0 };
-        let n = lin.dim();
-        self.weights = match self.order {
-            Order::Squares => (0..n).map(|i| weight(i, by_M[i] > 0.0)).collect(),
-            Order::Quadratic => {
-                let first = (0..n).map(|i| weight(i, by_C[i] + by_M[i] > 0.0));
-                let square = self.lowest_square()?;
-                let second = (0..n).map(|i| weight(i, by_M[i] > 0.0) / square);
-                first.chain(second).collect()
+        let _ = scaling::scales(&lin.pattern, values, &mut scales, &mut work);
+        let weights = |matrices: &[&Vec<f64>]| {
+            let mut weights = vec![0.0; n];
+            for values in matrices {
+                for_each(&lin.pattern, values, |_, c, value| {
+                    if value != 0.0 {
+                        weights[c] = scales[c].powi(-2);
+                    }
+                });
             }
+            weights
         };
+        self.weights = weights(&[&lin.M]);
+        if self.order == Order::Quadratic {
+            let square = self.lowest_square()?;
+            let velocities = self.weights.iter().map(|w| w / square);
+            self.weights = weights(&[&lin.C, &lin.M])
+                .into_iter()
+                .chain(velocities)
+                .collect();
+        }
+        self.scales = scales;
         Ok(())
     }
 
@@ -76,7 +77,7 @@ impl<'a> Search<'a> {
         let mut square = 1.0;
         for _ in 0..2 {
             let mut y = self.operator.apply(&x, None)?;
-            let Mx = self.lin.product(&self.lin.M, &x[n..], false);
+            let Mx = self.lin.product(&self.lin.M, &x[n..]);
             square = dot(&Mx, &x[n..]) / dot(&Mx, &y[..n]).abs();
             y.rotate_right(n);
             y[..n].fill(0.0);
@@ -86,13 +87,22 @@ impl<'a> Search<'a> {
     }
 
     /// The inner product of the search: M if the problem is symmetric.
-    pub(super) fn gram(&self) -> impl Fn(&[f64]) -> Vec<f64> + use<'a> {
-        let (lin, inner) = (self.lin, self.inner);
-        let weights = self.weights.clone();
-        move |x| match inner {
-            Inner::Mass => lin.product(&lin.M, x, true),
-            Inner::Stiffness => lin.product(&lin.K, x, true),
-            Inner::Coordinates => x.iter().zip(&weights).map(|(x, w)| w * x).collect(),
+    pub(super) fn gram(&self) -> impl Fn(&[f64], &mut Vec<f64>) + use<'a> {
+        let lin = self.lin;
+        let (matrix, weights) = match self.inner {
+            Inner::Mass => (Some(&lin.M), Vec::new()),
+            Inner::Stiffness => (Some(&lin.K), Vec::new()),
+            Inner::Coordinates => (None, self.weights.clone()),
+        };
+        move |x, y| {
+            y.clear();
+            match matrix {
+                None => y.extend(x.iter().zip(&weights).map(|(x, w)| w * x)),
+                Some(values) => {
+                    y.resize(x.len(), 0.0);
+                    lin.pattern.multiply_add(1.0, values, x, y);
+                }
+            }
         }
     }
 
