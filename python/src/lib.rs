@@ -23,6 +23,7 @@ use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::f64::consts::TAU;
+use std::ffi::OsString;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -319,6 +320,12 @@ fn verify(py: Python<'_>, text: &str, name: &str, seed: u64) -> PyResult<(String
     })
 }
 
+/// Runs the program `pullback` with arguments, of which the first is its name; returns the exit code.
+#[pyfunction]
+fn program(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
+    py.detach(|| pullback::cli::run(&Registry::standard(), arguments))
+}
+
 #[pymodule]
 mod _pullback {
     #[allow(non_upper_case_globals, reason = "its name in Python")]
@@ -332,7 +339,7 @@ mod _pullback {
     use super::sweep::{PySweep, PyTable};
     #[pymodule_export]
     use super::{
-        AnalysisError, ModelError, find_modes, inspect, linear, run, schema, verify,
+        AnalysisError, ModelError, find_modes, inspect, linear, program, run, schema, verify,
         with_parameters, write,
     };
 }
