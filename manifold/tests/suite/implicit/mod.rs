@@ -6,6 +6,7 @@ mod charts;
 mod flat;
 mod linear;
 mod map;
+mod rank;
 mod steep;
 
 use pullback_manifold::map::{KinematicsMut, Parametrization};
