@@ -117,45 +117,45 @@ pub fn find(
             significant(at.t)
         ));
     }
-    let modes = found.modes.into_iter().map(|mode| {
-        let participation = participation(context, at, &mode)?;
-        Ok(ModelMode {
-            mode,
-            participation,
-        })
+    let participations = participations(context, at, &found.modes)?;
+    let modes = found.modes.into_iter().zip(participations);
+    let modes = modes.map(|(mode, participation)| ModelMode {
+        mode,
+        participation,
     });
     Ok(ModelModes {
-        modes: modes.collect::<Result<_, SystemError>>()?,
+        modes: modes.collect(),
         names: lin.names,
         counted: found.counted,
         warnings,
     })
 }
 
-/// Linear momentum with the velocities of a mode beside those of the state.
-fn participation(
+/// Linear momentum that the velocities of each mode add to that of the state.
+fn participations(
     context: &mut Context,
     at: Point<'_>,
-    mode: &Mode,
-) -> Result<[Complex64; 3], SystemError> {
+    modes: &[Mode],
+) -> Result<Vec<[Complex64; 3]>, SystemError> {
     let zeros = vec![0.0; at.q.len()];
     let still = if at.is_static() { &zeros[..] } else { at.v };
-    let mut momentum = |part: &dyn Fn(&Complex64) -> f64| -> Result<Vector3<f64>, SystemError> {
-        let v: Vec<f64> = still
-            .iter()
-            .zip(&mode.shape)
-            .map(|(v, x)| v + part(x))
-            .collect();
-        let at = Point {
-            v: &v,
-            a: &zeros,
-            ..at
-        };
+    let mut momentum = |v: &[f64]| -> Result<Vector3<f64>, SystemError> {
+        let at = Point { v, a: &zeros, ..at };
         Ok(context.energies_and_momentum(at)?.momentum.linear)
     };
-    let before = momentum(&|_| 0.0)?;
-    let (re, im) = (momentum(&|x| x.re)? - before, momentum(&|x| x.im)? - before);
-    Ok([0, 1, 2].map(|k| Complex64::new(re[k], im[k])))
+    let before = momentum(still)?;
+    let mut added = |shape: &[Complex64], part: fn(&Complex64) -> f64| {
+        if shape.iter().all(|x| part(x) == 0.0) {
+            return Ok(Vector3::zeros());
+        }
+        let v = still.iter().zip(shape).map(|(v, x)| v + part(x));
+        Ok::<_, SystemError>(momentum(&v.collect::<Vec<_>>())? - before)
+    };
+    let participations = modes.iter().map(|mode| {
+        let (re, im) = (added(&mode.shape, |x| x.re)?, added(&mode.shape, |x| x.im)?);
+        Ok([0, 1, 2].map(|k| Complex64::new(re[k], im[k])))
+    });
+    participations.collect()
 }
 
 /// Critical loads of a model, nearest to that of an equilibrium.

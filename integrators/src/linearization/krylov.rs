@@ -36,6 +36,8 @@ pub(super) struct Krylov {
     columns: Vec<Vec<f64>>,
     /// G v of the vectors that wait.
     waiting: VecDeque<Vec<f64>>,
+    /// Whether a product had a part without length, which is in no column.
+    dropped: bool,
 }
 
 impl Krylov {
@@ -45,6 +47,7 @@ impl Krylov {
             basis: Vec::new(),
             columns: Vec::new(),
             waiting: VecDeque::new(),
+            dropped: false,
         }
     }
 
@@ -75,7 +78,8 @@ impl Krylov {
     /// vectors are known.
     pub fn take(&mut self, mut product: Vec<f64>, gram: &Gram<'_>, symmetric: bool) {
         let j = self.columns.len();
-        let mut known = vec![0.0; self.basis.len()];
+        let before = self.basis.len();
+        let mut known = vec![0.0; before];
         let Gv = self.waiting.pop_front().unwrap_or_default();
         if symmetric {
             for (known, column) in known.iter_mut().zip(&self.columns) {
@@ -89,6 +93,7 @@ impl Krylov {
             }
         }
         let column = self.append(product, Gv, known, gram, NEW);
+        self.dropped |= self.basis.len() == before;
         self.columns.push(column);
     }
 
@@ -136,6 +141,21 @@ impl Krylov {
     /// Eigenvalues of the operator within the basis, the largest first; `None` if the dense solver fails.
     pub fn ritz(&self, symmetric: bool) -> Option<Vec<RitzPair>> {
         ritz_pairs(&self.columns, symmetric)
+    }
+
+    /// A x of the vectors x with these coefficients, without a product; `None` if a part of it was dropped.
+    pub fn images(&self, coefficients: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
+        let image = |x: &Vec<f64>| {
+            let mut y = vec![0.0; self.basis.len()];
+            for (column, x) in self.columns.iter().zip(x) {
+                add(&mut y, *x, column);
+            }
+            y
+        };
+        (!self.dropped).then(|| {
+            let images: Vec<_> = coefficients.iter().map(image).collect();
+            self.combine(&images)
+        })
     }
 
     /// The vectors with these coefficients in the basis, which is read once.

@@ -125,26 +125,25 @@ impl<'a> Search<'a> {
                 }
                 continue;
             };
+            let complete = krylov.is_exhausted() && converged == pairs.len();
+            let vectors = self.vectors(&krylov, &pairs[..converged])?;
             // Of a repeated frequency, a Krylov subspace holds one mode for each start vector.
             let missing = match self.is_symmetric() && wanted > 0 {
                 true => self.missing(&pairs, converged, wanted, &mut expected)?,
                 false => 0,
             };
-            if missing > 0 && krylov.len() > limit {
+            if missing == 0 {
+                return Ok(self.report(vectors, expected, complete));
+            }
+            if krylov.len() > limit {
                 return Err(not_converged(converged, &krylov));
             }
             if self.operator.shift() != shift {
                 self.factorise(shift)?;
             }
-            if missing > 0 {
-                if self.add_starts(&mut krylov, missing)? {
-                    continue;
-                }
+            if !self.add_starts(&mut krylov, missing)? {
                 return Err(not_converged(converged, &krylov));
             }
-            let complete = krylov.is_exhausted() && converged == pairs.len();
-            let vectors = self.vectors(&krylov, &pairs[..converged])?;
-            return Ok(self.report(vectors, expected, complete));
         }
     }
 
@@ -328,25 +327,33 @@ impl<'a> Search<'a> {
             }
             chosen.truncate(count);
         }
-        let parts = chosen.iter().flat_map(|pair| {
-            let part = |part: fn(&Complex64) -> f64| pair.vector.iter().map(part).collect();
-            [part(|x| x.re), part(|x| x.im)]
-        });
-        let parts: Vec<Vec<f64>> = parts.collect();
-        let mut images = krylov.combine(&parts).into_iter();
+        let is_real = |pair: &RitzPair| pair.vector.iter().all(|x| x.im == 0.0);
+        let mut parts: Vec<Vec<f64>> = Vec::new();
+        for pair in &chosen {
+            parts.push(pair.vector.iter().map(|x| x.re).collect());
+            if !is_real(pair) {
+                parts.push(pair.vector.iter().map(|x| x.im).collect());
+            }
+        }
+        // One product more reduces the error, and leaves no part without mass or velocity.
+        let mut images = match krylov.images(&parts) {
+            Some(images) => images,
+            None => {
+                let vectors = krylov.combine(&parts).into_iter();
+                let images = vectors.map(|x| self.operator.apply(&x, None));
+                images.collect::<Result<_, _>>()?
+            }
+        };
+        let dim = self.lin.dim();
+        images.iter_mut().for_each(|x| x.truncate(dim));
+        let mut images = images.into_iter();
         let mut vectors = Vec::with_capacity(chosen.len());
         for pair in chosen {
-            // One product more reduces the error, and leaves no part without mass or velocity.
-            let mut image = || match images.next() {
-                Some(x) if x.iter().any(|x| *x != 0.0) => {
-                    let mut y = self.operator.apply(&x, None)?;
-                    y.truncate(self.lin.dim());
-                    Ok(y)
-                }
-                _ => Ok::<_, ModesError>(Vec::new()),
+            let re = images.next().unwrap_or_default();
+            let im = match is_real(pair) {
+                true => Vec::new(),
+                false => images.next().unwrap_or_default(),
             };
-            let [mut re, im] = [image()?, image()?];
-            re.resize(self.lin.dim(), 0.0);
             vectors.push(([re, im], self.eigenvalue(pair)));
         }
         Ok(vectors)

@@ -35,7 +35,9 @@ fn assert_direct(text: &str, mode: &BucklingMode, tolerance: f64) {
     assert_eq!(point.kind, CriticalKind::Bifurcation);
     assert_near(point.t, mode.load, tolerance);
     let corrections = &point.corrections;
-    assert!(corrections.len() <= 6, "{corrections:?}");
+    // Below, rounding errors of stiffnesses that differ by eight powers of ten.
+    let large = corrections.iter().take_while(|c| **c > 1e-6).count();
+    assert!(large <= 4, "{corrections:?}");
     assert!(corrections[2] < corrections[1].powf(1.5), "{corrections:?}");
 }
 
