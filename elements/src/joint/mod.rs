@@ -80,12 +80,14 @@ pub struct Pose<S> {
 
 impl<S: Scalar> Pose<S> {
     /// The pose of the parent itself.
+    #[inline]
     pub fn identity() -> Self {
+        let zero = || Vector3::new(S::zero(), S::zero(), S::zero());
         Self {
-            d: Vector3::from_element(S::zero()),
+            d: zero(),
             rotation: Quaternion {
                 w: S::one(),
-                v: Vector3::from_element(S::zero()),
+                v: zero(),
             },
         }
     }
