@@ -13,6 +13,7 @@ use crate::model::{ElementEntry, NONE, Node, Span};
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::pullback::{self, Slot, Tangents};
 use pullback_manifold::system::{Scales, Weights};
+use std::ops::Range;
 
 /// Buffers of one element.
 #[derive(Clone, Default)]
@@ -69,18 +70,17 @@ impl ElementWorkspace {
         }
     }
 
-    pub(in crate::model) fn gather(&mut self, e: &ElementEntry, spans: &[Span], x: &[f64]) {
-        collect(&e.nodes, spans, x, &mut self.x);
-    }
-
-    /// Gathers velocities and accelerations; zeros at rest.
-    pub(in crate::model) fn gather_rates(
+    /// Reads the motion of an element's nodes, in its charts: those switched are seen through the complement
+    /// map. Velocities and accelerations are zero without `rates`.
+    pub(in crate::model) fn read(
         &mut self,
-        e: &ElementEntry,
-        switched: u32,
+        (e, state): (&ElementEntry, &ElementState),
         spans: &[Span],
+        x: &[f64],
         rates: Option<[&[f64]; 2]>,
     ) {
+        let switched = state.switched;
+        collect(&e.nodes, spans, x, &mut self.x);
         match rates {
             Some([v, a]) => {
                 collect(&e.nodes, spans, v, &mut self.v);
@@ -93,57 +93,27 @@ impl ElementWorkspace {
             }
             None => {}
         }
+        for (i, psi) in switched_rotations(e, switched, spans) {
+            let [x, v, a] = [&mut self.x, &mut self.v, &mut self.a].map(|x| &mut x[psi.clone()]);
+            self.complements[i].apply(x, v, a);
+        }
     }
 
-    /// The previous iterate in the element's chart.
-    pub(in crate::model) fn gather_previous(
+    /// Reads the previous iterate, before [`read`](Self::read): both use the operators of complement maps.
+    pub(in crate::model) fn read_previous(
         &mut self,
-        e: &ElementEntry,
-        switched: u32,
+        (e, state): (&ElementEntry, &ElementState),
         spans: &[Span],
         x: &[f64],
     ) {
         collect(&e.nodes, spans, x, &mut self.previous);
-        if switched == 0 {
-            return;
-        }
-        let mut k = 0;
-        for (i, &node) in e.nodes.iter().enumerate() {
-            if switched & (1 << i) != 0 {
-                let (mut v, mut a) = ([0.0; 3], [0.0; 3]);
-                self.complements[i].apply(&mut self.previous[k + 3..k + 6], &mut v, &mut a);
-            }
-            k += spans[node as usize].range().len();
+        for (i, psi) in switched_rotations(e, state.switched, spans) {
+            let (mut v, mut a) = ([0.0; 3], [0.0; 3]);
+            self.complements[i].apply(&mut self.previous[psi], &mut v, &mut a);
         }
     }
 
-    /// Switches nodes to the other chart by the complement map, as the element requires.
-    pub(in crate::model) fn switch(
-        &mut self,
-        e: &ElementEntry,
-        switched: u32,
-        nodes: &[Node],
-    ) -> bool {
-        if switched == 0 {
-            return false;
-        }
-        let mut k = 0;
-        for (i, &node) in e.nodes.iter().enumerate() {
-            let dim = nodes[node as usize].dim;
-            if switched & (1 << i) != 0 {
-                let psi = k + 3..k + 6;
-                self.complements[i].apply(
-                    &mut self.x[psi.clone()],
-                    &mut self.v[psi.clone()],
-                    &mut self.a[psi],
-                );
-            }
-            k += dim;
-        }
-        true
-    }
-
-    /// The element's motion as gathered.
+    /// The element's motion as read.
     pub(in crate::model) fn motion(&self, e: &ElementEntry, t: f64, statics: bool) -> Motion<'_> {
         let n = e.element.dim();
         let end = if statics { 0 } else { n };
@@ -262,16 +232,6 @@ impl ElementWorkspace {
         distribute(&e.nodes, spans, &self.r, r);
     }
 
-    /// Adds ∂r/∂t to those of all nodes.
-    pub(in crate::model) fn add_load_rate(
-        &self,
-        e: &ElementEntry,
-        spans: &[Span],
-        r_t: &mut [f64],
-    ) {
-        distribute(&e.nodes, spans, &self.r_t, r_t);
-    }
-
     /// Updates the scales with the forces of an element, without those at held coordinates: these
     /// go directly to the support and do not load the structure.
     pub(in crate::model) fn measure(
@@ -298,97 +258,49 @@ impl ElementWorkspace {
         }
     }
 
-    /// First stage: from the element's chart to the charts of its nodes.
-    pub(in crate::model) fn pull_back_switch(
+    /// First stage, from the element's charts to those of its nodes: the residual, as many of K, C and M, and
+    /// with `rates` ∂r/∂t.
+    pub(in crate::model) fn pull_back(
         &mut self,
-        e: &ElementEntry,
-        switched: u32,
-        nodes: &[Node],
-        weights: Option<Weights>,
-        statics: bool,
+        (e, state): (&ElementEntry, &ElementState),
+        spans: &[Span],
+        tangents: usize,
         rates: bool,
     ) {
+        let switched = state.switched;
+        if switched == 0 {
+            return;
+        }
         let n = e.element.dim();
-        let mut k = 0;
-        for (i, &node) in e.nodes.iter().enumerate() {
-            if switched & (1 << i) != 0 {
-                self.complements[i].load(&self.r[k + 3..k + 6]);
-            }
-            k += nodes[node as usize].dim;
+        for (i, psi) in switched_rotations(e, switched, spans) {
+            self.complements[i].load(&self.r[psi]);
         }
-        let mut slots = [Slot::default(); 2 * MAX_NODES];
-        let mut count = 0;
-        for (i, &node) in e.nodes.iter().enumerate() {
-            let dim = nodes[node as usize].dim;
-            if switched & (1 << i) != 0 {
-                // The translation has no other chart.
-                slots[count] = Slot {
-                    n: 3,
-                    d: 3,
-                    ..Slot::default()
-                };
-                slots[count + 1] = self.complements[i].slot();
-                count += 2;
-            } else {
-                slots[count] = Slot {
-                    n: dim,
-                    d: dim,
-                    ..Slot::default()
-                };
-                count += 1;
-            }
-        }
+        let (slots, count) = slots(&self.complements, (e, switched), spans);
         let slots = &slots[..count];
-        if weights.is_some() || rates {
-            let moving = (!statics).then_some(());
-            let tangents = Tangents {
-                K: Some(&self.K[..n * n]),
-                C: moving.map(|()| &self.C[..n * n]),
-                M: moving.map(|()| &self.M[..n * n]),
-            };
-            let one = |K, C, M| Weights { K, C, M };
-            pullback::tangent(
-                slots,
-                tangents,
-                one(1.0, 0.0, 0.0),
-                &mut self.K2,
-                &mut self.work,
-            );
-            if !statics {
-                pullback::tangent(
-                    slots,
-                    tangents,
-                    one(0.0, 1.0, 0.0),
-                    &mut self.C2,
-                    &mut self.work,
-                );
-                pullback::tangent(
-                    slots,
-                    tangents,
-                    one(0.0, 0.0, 1.0),
-                    &mut self.M2,
-                    &mut self.work,
-                );
-                std::mem::swap(&mut self.C, &mut self.C2);
-                std::mem::swap(&mut self.M, &mut self.M2);
-            }
-            std::mem::swap(&mut self.K, &mut self.K2);
+        let [K, C, M] = [&self.K, &self.C, &self.M].map(|all| Some(&all[..n * n]));
+        let [C, M] = [C, M].map(|all| all.filter(|_| tangents == 3));
+        let given = Tangents { K, C, M };
+        let one = |K, C, M| Weights { K, C, M };
+        let each = [one(1.0, 0.0, 0.0), one(0.0, 1.0, 0.0), one(0.0, 0.0, 1.0)];
+        let into = [&mut self.K2, &mut self.C2, &mut self.M2];
+        for (one, into) in each.into_iter().zip(into).take(tangents) {
+            pullback::tangent(slots, given, one, into, &mut self.work);
         }
         if rates {
             // d/dt (B_sᵀ r) at fixed unknowns = B_sᵀ ∂r/∂t + Ḃ_sᵀ r: before r is overwritten.
             pullback::residual(slots, &self.r_t, &mut self.work);
             self.r_t[..n].copy_from_slice(&self.work[..n]);
-            let mut k = 0;
-            for (i, &node) in e.nodes.iter().enumerate() {
-                if switched & (1 << i) != 0 {
-                    self.complements[i]
-                        .add_rate(&self.r[k + 3..k + 6], &mut self.r_t[k + 3..k + 6]);
-                }
-                k += nodes[node as usize].dim;
+            for (i, psi) in switched_rotations(e, switched, spans) {
+                self.complements[i].add_rate(&self.r[psi.clone()], &mut self.r_t[psi]);
             }
         }
         pullback::residual(slots, &self.r, &mut self.work);
         self.r[..n].copy_from_slice(&self.work[..n]);
+        let all = [&mut self.K, &mut self.C, &mut self.M];
+        let pulled_back = [&mut self.K2, &mut self.C2, &mut self.M2];
+        for (all, pulled_back) in all.into_iter().zip(pulled_back).take(tangents) {
+            std::mem::swap(all, pulled_back);
+        }
     }
 
     /// Second stage if no node is mapped: the weighted sum of the tangents.
@@ -419,6 +331,54 @@ impl ElementWorkspace {
         let values = e.element.dim().pow(2);
         [&self.K, &self.C, &self.M].map(|all| &all[..values])
     }
+}
+
+/// The nodes that an element evaluates through the complement map, and their rotation vectors among its coordinates.
+fn switched_rotations<'a>(
+    e: &'a ElementEntry,
+    switched: u32,
+    spans: &'a [Span],
+) -> impl Iterator<Item = (usize, Range<usize>)> + 'a {
+    let mut first = 0;
+    let nodes = e
+        .nodes
+        .iter()
+        .enumerate()
+        .take_while(move |_| switched != 0);
+    nodes.filter_map(move |(i, &node)| {
+        let psi = first + 3..first + 6;
+        first += spans[node as usize].range().len();
+        (switched & (1 << i) != 0).then_some((i, psi))
+    })
+}
+
+/// The changes of chart of an element's nodes, and their number.
+fn slots<'a>(
+    complements: &'a [ComplementOperators],
+    (e, switched): (&ElementEntry, u32),
+    spans: &[Span],
+) -> ([Slot<'a>; 2 * MAX_NODES], usize) {
+    let mut slots = [Slot::default(); 2 * MAX_NODES];
+    let mut count = 0;
+    let mut add = |slot| {
+        slots[count] = slot;
+        count += 1;
+    };
+    let same = |dim| Slot {
+        n: dim,
+        d: dim,
+        ..Slot::default()
+    };
+    for ((i, &node), complement) in e.nodes.iter().enumerate().zip(complements) {
+        if switched & (1 << i) != 0 {
+            // The translation has no other chart.
+            add(same(3));
+            add(complement.slot());
+        } else {
+            add(same(spans[node as usize].range().len()));
+        }
+    }
+    (slots, count)
 }
 
 /// The element's combined tangent, if the parts are not needed: in motion, for nodes that are not

@@ -5,6 +5,7 @@
 use crate::element::overturned;
 use crate::model::assembly::scatter::ScatterTarget;
 use crate::model::kinematics::free_coordinates::check_length;
+use crate::model::kinematics::node_entries::distribute;
 use crate::model::state::ElementState;
 use crate::model::{Context, ElementEntry};
 use pullback_manifold::domain::DomainError;
@@ -131,7 +132,6 @@ impl Context {
         let moved = (&model.unknowns[..], &w.scatter_map.couplings);
         let alone = model.prescribed.is_empty() && w.scales.force == [0.0; 3];
         for (k, (e, state)) in (model.elements.iter().zip(&self.state.elements)).enumerate() {
-            let switched = state.switched;
             if state.overturned {
                 return Err(named(overturned(TAU), &e.name));
             }
@@ -140,13 +140,12 @@ impl Context {
             }
             let n = e.element.dim();
             if !reads_only_time(e, state) {
-                local.gather(e, spans, &w.x);
-                local.gather_rates(e, switched, spans, w.moving.then_some([&w.v, &w.a]));
                 if w.has_previous {
-                    local.gather_previous(e, switched, spans, &w.previous);
+                    local.read_previous((e, state), spans, &w.previous);
                 }
+                let rates = w.moving.then_some([&w.v[..], &w.a]);
+                local.read((e, state), spans, &w.x, rates);
             }
-            local.switch(e, switched, &model.nodes);
             let S = S.as_mut().filter(|_| !e.dead);
             let weights = S.as_ref().map(|(weights, _)| *weights);
             local
@@ -170,15 +169,18 @@ impl Context {
                     }
                 }
             }
-            if switched != 0 {
-                local.pull_back_switch(e, switched, &model.nodes, weights, statics, rates);
-            }
+            let tangents = match weights.is_some() || rates {
+                true if statics => 1,
+                true => 3,
+                false => 0,
+            };
+            local.pull_back((e, state), spans, tangents, rates);
             local.add_residual(e, spans, &mut w.r);
             if e.load && e.held {
                 local.add_residual(e, spans, &mut w.direct);
             }
             if rates && local.r_t[..n].iter().any(|r| *r != 0.0) {
-                local.add_load_rate(e, spans, &mut w.r_t);
+                distribute(&e.nodes, spans, &local.r_t, &mut w.r_t);
             }
             let Some((weights, values)) = S else {
                 continue;

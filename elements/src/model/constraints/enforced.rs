@@ -92,13 +92,11 @@ impl Context {
         }
         let w = &mut self.work;
         for &k in &self.model.enforced {
-            let (e, switched) = (&self.model.elements[k], self.state.elements[k].switched);
+            let (e, state) = (&self.model.elements[k], &self.state.elements[k]);
             let Some(enforced) = e.element.abilities().enforced else {
                 continue;
             };
-            w.local.gather(e, &self.model.spans, &w.x);
-            w.local.gather_rates(e, switched, &self.model.spans, None);
-            w.local.switch(e, switched, &self.model.nodes);
+            w.local.read((e, state), &self.model.spans, &w.x, None);
             let mut h = [0.0_f64; MAX_EQUATIONS];
             let (_, M) = enforced.dims();
             enforced.residual(&w.local.motion(e, w.t, true), &mut h[..M]);
@@ -123,12 +121,10 @@ impl Context {
         let (mut rows, mut prescribed) = (vec![], vec![]);
         let model = Arc::clone(&self.model);
         for &k in &model.enforced {
-            let (e, switched) = (&model.elements[k], self.state.elements[k].switched);
+            let (e, state) = (&model.elements[k], self.state.elements[k]);
             let w = &mut self.work;
-            w.local.gather(e, &self.model.spans, &w.x);
-            w.local
-                .gather_rates(e, switched, &model.spans, w.moving.then_some([&w.v, &w.a]));
-            w.local.switch(e, switched, &model.nodes);
+            let rates = w.moving.then_some([&w.v[..], &w.a]);
+            w.local.read((e, &state), &model.spans, &w.x, rates);
             let motion = w.local.motion(e, t, !w.moving);
             let Some(enforced) = e.element.abilities().enforced else {
                 continue;
@@ -145,10 +141,7 @@ impl Context {
                 for j in 0..N {
                     w.local.r[j] = levels.J[i + j * M];
                 }
-                if switched != 0 {
-                    w.local
-                        .pull_back_switch(e, switched, &model.nodes, None, true, false);
-                }
+                w.local.pull_back((e, &state), &model.spans, 0, false);
                 w.local.add_residual(e, &self.model.spans, &mut w.r);
                 self.pull_back_nodes(t, None, [false; 2]);
                 let row = self.model.coordinates.iter().enumerate();
@@ -173,16 +166,14 @@ impl Context {
         let w = &mut self.work;
         for &k in &self.model.enforced {
             let (e, state) = (&self.model.elements[k], &mut self.state.elements[k]);
-            let (switched, left_out) = (state.switched, state.left_out);
+            let left_out = state.left_out;
             let Some(enforced) = e.element.abilities().enforced else {
                 continue;
             };
             if left_out == 0 {
                 continue;
             }
-            w.local.gather(e, &self.model.spans, &w.x);
-            w.local.gather_rates(e, switched, &self.model.spans, None);
-            w.local.switch(e, switched, &self.model.nodes);
+            w.local.read((e, state), &self.model.spans, &w.x, None);
             let mut h = [0.0; MAX_EQUATIONS];
             let (_, M) = enforced.dims();
             enforced.residual(&w.local.motion(e, t, true), &mut h[..M]);

@@ -84,11 +84,10 @@ impl Context {
         let (w, model) = (&mut self.work, &*self.model);
         w.r.fill(0.0);
         for (e, state) in model.elements.iter().zip(&self.state.elements) {
-            let (local, switched) = (&mut w.local, state.switched);
+            let local = &mut w.local;
             let n = e.element.dim();
-            local.gather(e, &model.spans, &w.x);
-            local.gather_rates(e, switched, &model.spans, w.moving.then_some([&w.v, &w.a]));
-            local.switch(e, switched, &model.nodes);
+            let rates = w.moving.then_some([&w.v[..], &w.a]);
+            local.read((e, state), &model.spans, &w.x, rates);
             let (abilities, motion) = (e.element.abilities(), local.motion(e, at.t, statics));
             let energy = abilities.energy(&motion);
             if e.load {
@@ -126,9 +125,7 @@ impl Context {
                     out.momentum.add(e, &model.nodes, x, work);
                 }
             }
-            if switched != 0 {
-                local.pull_back_switch(e, switched, &model.nodes, None, statics, false);
-            }
+            local.pull_back((e, state), &model.spans, 0, false);
             local.add_residual(e, &model.spans, &mut w.r);
         }
         self.pull_back_nodes(at.t, None, [false; 2]);
@@ -164,10 +161,9 @@ impl Context {
             let Some(energies) = e.element.abilities().energies else {
                 continue;
             };
-            let (local, switched) = (&mut w.local, state.switched);
-            local.gather(e, &model.spans, &w.x);
-            local.gather_rates(e, switched, &model.spans, w.moving.then_some([&w.v, &w.a]));
-            local.switch(e, switched, &model.nodes);
+            let local = &mut w.local;
+            let rates = w.moving.then_some([&w.v[..], &w.a]);
+            local.read((e, state), &model.spans, &w.x, rates);
             dissipated += energies.dissipation(&local.motion(e, at.t, at.is_static()));
         }
         Ok(dissipated)
@@ -198,10 +194,9 @@ impl Context {
             if e.load {
                 continue;
             }
-            let (local, switched) = (&mut w.local, state.switched);
-            local.gather(e, &model.spans, &w.x);
-            local.gather_rates(e, switched, &model.spans, w.moving.then_some([&w.v, &w.a]));
-            local.switch(e, switched, &model.nodes);
+            let local = &mut w.local;
+            let rates = w.moving.then_some([&w.v[..], &w.a]);
+            local.read((e, state), &model.spans, &w.x, rates);
             local
                 .momenta(e, at.t, false)
                 .map_err(|error| named(error, &e.name))?;
@@ -217,9 +212,7 @@ impl Context {
                     local.r[N + i] = rates[i];
                 }
             }
-            if switched != 0 {
-                local.pull_back_switch(e, switched, &model.nodes, None, false, false);
-            }
+            local.pull_back((e, state), &model.spans, 0, false);
             local.add_residual(e, &model.spans, &mut w.r);
         }
         Ok(())

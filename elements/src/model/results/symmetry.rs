@@ -231,16 +231,12 @@ impl Context {
             if !e.steady {
                 continue;
             }
-            let (local, switched) = (&mut w.local, state.switched);
-            local.gather(e, &model.spans, &w.x);
-            local.gather_rates(e, switched, &model.spans, None);
-            local.switch(e, switched, &model.nodes);
+            let local = &mut w.local;
+            local.read((e, state), &model.spans, &w.x, None);
             local
                 .evaluate((e, state), at.t, true, None, false, false)
                 .map_err(|error| named(error, &e.name))?;
-            if switched != 0 {
-                local.pull_back_switch(e, switched, &model.nodes, None, true, false);
-            }
+            local.pull_back((e, state), &model.spans, 0, false);
             local.add_residual(e, &model.spans, &mut w.r);
         }
         self.pull_back_nodes(at.t, None, [false; 2]);

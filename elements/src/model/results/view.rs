@@ -143,10 +143,7 @@ impl Context {
     pub fn element_forces(&mut self, k: usize) -> Result<Vec<f64>, DomainError> {
         let (e, state) = (&self.model.elements[k], &self.state.elements[k]);
         let w = &mut self.work;
-        w.local.gather(e, &self.model.spans, &w.x);
-        w.local
-            .gather_rates(e, state.switched, &self.model.spans, None);
-        w.local.switch(e, state.switched, &self.model.nodes);
+        w.local.read((e, state), &self.model.spans, &w.x, None);
         w.local
             .evaluate((e, state), w.t, true, None, false, false)?;
         Ok(w.local.r[..e.element.dim()].to_vec())
