@@ -135,31 +135,8 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
         tangents: &mut CombinedTangents<'_>,
         kernel: impl Fn(&Motion<'_>, &mut [f64], &mut CombinedTangents<'_>) -> Result<(), DomainError>,
     ) -> Result<(), DomainError> {
-        let n = 6 * NN;
         let reference = Turn::new(three(at.x, 6 * Self::R + 3));
-        let R_t = so3::R(&reference.psi, &reference.quotients.tangent()).transpose();
-        let (mut x, mut v) = ([[0.0; 6]; NN], [[0.0; 6]; NN]);
-        let mut nodes: [Option<RelativeNode>; NN] = std::array::from_fn(|_| None);
-        for i in Self::others() {
-            let seen = self.relative(at.x, i, &R_t);
-            let angle = seen.theta.norm();
-            if angle.is_nan() || angle > EDGE {
-                return Err(overturned(angle));
-            }
-            x[i] = self.local(i, &seen);
-            let node = RelativeNode::new(Turn::new(three(at.x, 6 * i + 3)), seen, &reference, &R_t);
-            if viscous {
-                v[i] = node.rates(&at.v[6 * i..], &at.v[6 * Self::R..]).into();
-            }
-            nodes[i] = Some(node);
-        }
-        // If both are at the edge, the relative rotation is the better message.
-        for i in 0..NN {
-            let psi = three(at.x, 6 * i + 3).norm();
-            if psi > EDGE {
-                return Err(DomainError::chart(psi));
-            }
-        }
+        let (nodes, x, v) = self.nodes(viscous, at, &reference)?;
         let moving = if viscous { v.as_flattened() } else { &[] };
         let previous = at.previous.map(|x| self.coordinates(x));
         let there = Motion {
@@ -187,7 +164,6 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
             ],
         };
         kernel(&there, force.as_flattened_mut(), &mut parts)?;
-        let nodes = &nodes;
         let others = || Self::others().filter_map(|i| nodes[i].as_ref().map(|node| (i, node)));
         for (i, node) in others() {
             let f = Vector6::from(force[i]);
@@ -205,32 +181,8 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
             if k == 0.0 && (c == 0.0 || !viscous) {
                 continue;
             }
-            for (j, right) in others() {
-                let B_dot = viscous.then(|| {
-                    let rates = right.rates(&at.v[6 * j..], &at.v[6 * Self::R..]);
-                    let [own, far] = [j, Self::R].map(|k| three(at.v, 6 * k + 3));
-                    right.B_dot(&rates, &reference, &own, &far)
-                });
-                for (i, left) in others() {
-                    // Columns K B + C Ḃ of the two nodes, with their weights.
-                    let mut weighted = block(K_hat, n, i, j, k);
-                    if viscous {
-                        weighted += block(C_hat, n, i, j, c);
-                    }
-                    let mut own = weighted * right.B.own;
-                    let mut far = weighted * right.B.reference;
-                    if let Some(B_dot) = &B_dot {
-                        let C = block(C_hat, n, i, j, k);
-                        own += C * B_dot.own;
-                        far += C * B_dot.reference;
-                    }
-                    let rows = [left.B.own.transpose(), left.B.reference.transpose()];
-                    for (row, B) in [i, Self::R].into_iter().zip(&rows) {
-                        add_block(out, n, 6 * row, 6 * j, &(B * own));
-                        add_block(out, n, 6 * row, 6 * Self::R, &(B * far));
-                    }
-                }
-            }
+            let to = (&reference, &nodes);
+            self.add_products((at, viscous), to, [K_hat, C_hat], [k, c], out);
             if k != 0.0 {
                 self.geometric(&reference, others(), &force, -k, out);
             }
@@ -251,7 +203,84 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
     }
 }
 
+/// Nodes that are not the reference, with x̂ and its rates.
+type SeenNodes<const NN: usize> = ([Option<RelativeNode>; NN], [[f64; 6]; NN], [[f64; 6]; NN]);
+
 impl<const NN: usize> Geodesic<NN> {
+    /// The nodes as the reference sees them, at rest unless `viscous`.
+    #[inline]
+    fn nodes(
+        &self,
+        viscous: bool,
+        at: &Motion<'_>,
+        reference: &Turn,
+    ) -> Result<SeenNodes<NN>, DomainError> {
+        let R_t = so3::R(&reference.psi, &reference.quotients.tangent()).transpose();
+        let (mut x, mut v) = ([[0.0; 6]; NN], [[0.0; 6]; NN]);
+        let mut nodes: [Option<RelativeNode>; NN] = std::array::from_fn(|_| None);
+        for i in Self::others() {
+            let seen = self.relative(at.x, i, &R_t);
+            let angle = seen.theta.norm();
+            if angle.is_nan() || angle > EDGE {
+                return Err(overturned(angle));
+            }
+            x[i] = self.local(i, &seen);
+            let node = RelativeNode::new(Turn::new(three(at.x, 6 * i + 3)), seen, reference, &R_t);
+            if viscous {
+                v[i] = node.rates(&at.v[6 * i..], &at.v[6 * Self::R..]).into();
+            }
+            nodes[i] = Some(node);
+        }
+        // If both are at the edge, the relative rotation is the better message.
+        for i in 0..NN {
+            let psi = three(at.x, 6 * i + 3).norm();
+            if psi > EDGE {
+                return Err(DomainError::chart(psi));
+            }
+        }
+        Ok((nodes, x, v))
+    }
+
+    /// Adds the factors of K and C times Bᵀ(K̂ B + Ĉ Ḃ) and Bᵀ Ĉ B.
+    #[inline]
+    fn add_products(
+        &self,
+        (at, viscous): (&Motion<'_>, bool),
+        (reference, nodes): (&Turn, &[Option<RelativeNode>; NN]),
+        [K_hat, C_hat]: [&[f64]; 2],
+        [k, c]: [f64; 2],
+        out: &mut [f64],
+    ) {
+        let n = 6 * NN;
+        let others = || Self::others().filter_map(|i| nodes[i].as_ref().map(|node| (i, node)));
+        for (j, right) in others() {
+            let B_dot = viscous.then(|| {
+                let rates = right.rates(&at.v[6 * j..], &at.v[6 * Self::R..]);
+                let [own, far] = [j, Self::R].map(|k| three(at.v, 6 * k + 3));
+                right.B_dot(&rates, reference, &own, &far)
+            });
+            for (i, left) in others() {
+                // Columns K B + C Ḃ of the two nodes, with their weights.
+                let mut weighted = block(K_hat, n, i, j, k);
+                if viscous {
+                    weighted += block(C_hat, n, i, j, c);
+                }
+                let mut own = weighted * right.B.own;
+                let mut far = weighted * right.B.reference;
+                if let Some(B_dot) = &B_dot {
+                    let C = block(C_hat, n, i, j, k);
+                    own += C * B_dot.own;
+                    far += C * B_dot.reference;
+                }
+                let rows = [left.B.own.transpose(), left.B.reference.transpose()];
+                for (row, B) in [i, Self::R].into_iter().zip(&rows) {
+                    add_block(out, n, 6 * row, 6 * j, &(B * own));
+                    add_block(out, n, 6 * row, 6 * Self::R, &(B * far));
+                }
+            }
+        }
+    }
+
     /// Adds the factor times K_σ, the derivative of Bᵀ(n, m) with the forces (n, m) of z and ϑ fixed.
     fn geometric<'a>(
         &self,

@@ -5,8 +5,10 @@
 use crate::constraint::MAX_EQUATIONS;
 use crate::model::assembly::element_workspace::ElementWorkspace;
 use crate::model::assembly::residual::named;
+use crate::model::assembly::workspace::Workspace;
+use crate::model::kinematics::mapped_node::Maps;
 use crate::model::kinematics::pose::spatial;
-use crate::model::{Context, ElementEntry, Node, Source};
+use crate::model::{Context, ElementEntry, Model, Node, Source};
 use nalgebra::Vector3;
 use pullback_manifold::system::{Energies, Point, SystemError};
 
@@ -73,14 +75,7 @@ impl Context {
         let statics = at.is_static();
         self.expand(at)?;
         let mut out = EnergiesAndMomentum::default();
-        let Energies {
-            kinetic,
-            stored,
-            supplied,
-            dissipated,
-            potential,
-            drawn,
-        } = &mut out.energies;
+        let energies = &mut out.energies;
         let (w, model) = (&mut self.work, &*self.model);
         w.r.fill(0.0);
         for (e, state) in model.elements.iter().zip(&self.state.elements) {
@@ -93,18 +88,18 @@ impl Context {
             if e.load {
                 out.load_potential += energy;
                 if e.steady {
-                    *potential += energy;
+                    energies.potential += energy;
                 }
             } else {
-                *stored += energy;
+                energies.stored += energy;
             }
             if !statics {
-                *dissipated += abilities.dissipation(&motion);
+                energies.dissipated += abilities.dissipation(&motion);
                 // Its force is only needed at prescribed and mapped nodes.
                 let known =
                     (!momenta && !e.load && !e.held).then(|| abilities.kinetic_energy(&motion));
                 if let Some(energy) = known.flatten() {
-                    *kinetic += energy;
+                    energies.kinetic += energy;
                     continue;
                 }
             }
@@ -115,12 +110,12 @@ impl Context {
                 let ElementWorkspace { x, v, r, work, .. } = local;
                 if e.load {
                     let power = dot(&r[..n], v);
-                    *supplied += power;
+                    energies.supplied += power;
                     if e.steady {
-                        *drawn += power;
+                        energies.drawn += power;
                     }
                 }
-                *kinetic += 0.5 * dot(&work[..n], v);
+                energies.kinetic += 0.5 * dot(&work[..n], v);
                 if momenta {
                     out.momentum.add(e, &model.nodes, x, work);
                 }
@@ -129,22 +124,8 @@ impl Context {
             local.add_residual(e, &model.spans, &mut w.r);
         }
         self.pull_back_nodes(at.t, None, [false; 2]);
-        let w = &self.work;
         if !statics {
-            for p in &self.model.prescribed {
-                *supplied -= w.r[p.coordinate] * w.v[p.coordinate];
-            }
-            for &n in &self.model.dependent {
-                let node = &self.model.nodes[n as usize];
-                let own = node.range();
-                if let Source::Mapped(d) = &node.source {
-                    let r = &w.r[own.clone()];
-                    let parents = d.parents(&self.state.maps);
-                    let through =
-                        d.carried_power(parents, r, &self.model.spans, &w.v, &w.operators);
-                    *supplied -= dot(r, &w.v[own]) - through;
-                }
-            }
+            out.energies.supplied += supplied_at_nodes(&self.model, &self.state.maps, &self.work);
         }
         Ok(out)
     }
@@ -217,6 +198,24 @@ impl Context {
         }
         Ok(())
     }
+}
+
+/// The power of supports and of time-dependent maps in the forces last pulled back.
+fn supplied_at_nodes(model: &Model, maps: &Maps, w: &Workspace) -> f64 {
+    let mut supplied = 0.0;
+    for p in &model.prescribed {
+        supplied -= w.r[p.coordinate] * w.v[p.coordinate];
+    }
+    for &n in &model.dependent {
+        let node = &model.nodes[n as usize];
+        let own = node.range();
+        if let Source::Mapped(d) = &node.source {
+            let r = &w.r[own.clone()];
+            let through = d.carried_power(d.parents(maps), r, &model.spans, &w.v, &w.operators);
+            supplied -= dot(r, &w.v[own]) - through;
+        }
+    }
+    supplied
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
