@@ -36,7 +36,7 @@ pub(super) struct Krylov {
     columns: Vec<Vec<f64>>,
     /// G v of the vectors that wait.
     waiting: VecDeque<Vec<f64>>,
-    /// Whether a product had a part without length, which is in no column.
+    /// Whether a product added no direction: what it had without length is in no column.
     dropped: bool,
 }
 
