@@ -154,15 +154,11 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
         let one = |K, C| Weights { K, C, M: 0.0 };
         let K_hat = K.as_flattened_mut().as_flattened_mut().as_flattened_mut();
         let C_hat = C.as_flattened_mut().as_flattened_mut().as_flattened_mut();
-        let mut parts: CombinedTangents<'_> = match (wanted, viscous) {
-            (false, _) => [None, None, None],
-            (true, false) => [Some((one(1.0, 0.0), &mut *K_hat)), None, None],
-            (true, true) => [
-                Some((one(1.0, 0.0), &mut *K_hat)),
-                Some((one(0.0, 1.0), &mut *C_hat)),
-                None,
-            ],
-        };
+        let mut parts: CombinedTangents<'_> = [
+            wanted.then_some((one(1.0, 0.0), &mut *K_hat)),
+            (wanted && viscous).then_some((one(0.0, 1.0), &mut *C_hat)),
+            None,
+        ];
         kernel(&there, force.as_flattened_mut(), &mut parts)?;
         let others = || Self::others().filter_map(|i| nodes[i].as_ref().map(|node| (i, node)));
         for (i, node) in others() {

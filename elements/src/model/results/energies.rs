@@ -79,8 +79,7 @@ impl Context {
         let (w, model) = (&mut self.work, &*self.model);
         w.r.fill(0.0);
         for (e, state) in model.elements.iter().zip(&self.state.elements) {
-            let local = &mut w.local;
-            let n = e.element.dim();
+            let (local, n) = (&mut w.local, e.element.dim());
             let rates = w.moving.then_some([&w.v[..], &w.a]);
             local.read((e, state), &model.spans, &w.x, rates);
             let (abilities, motion) = (e.element.abilities(), local.motion(e, at.t, statics));
