@@ -72,6 +72,14 @@ impl<const NN: usize> Geodesic<NN> {
         out
     }
 
+    /// The nodes that are not the reference, with their indices.
+    fn seen_nodes(
+        nodes: &[Option<RelativeNode>; NN],
+    ) -> impl Iterator<Item = (usize, &RelativeNode)> {
+        let nodes = nodes.iter().enumerate();
+        nodes.filter_map(|(i, node)| Some((i, node.as_ref()?)))
+    }
+
     /// Coordinates (d̂, Ψ̂) of node i.
     fn local(&self, i: usize, seen: &RelativePose) -> [f64; 6] {
         let d = seen.z - self.arms[i];
@@ -160,7 +168,7 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
             None,
         ];
         kernel(&there, force.as_flattened_mut(), &mut parts)?;
-        let others = || Self::others().filter_map(|i| nodes[i].as_ref().map(|node| (i, node)));
+        let others = || Self::seen_nodes(&nodes);
         for (i, node) in others() {
             let f = Vector6::from(force[i]);
             let (own, turn) = (node.B.own.tr_mul(&f), node.B.reference.tr_mul(&f));
@@ -178,7 +186,7 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
                 continue;
             }
             let to = (&reference, &nodes);
-            self.add_products((at, viscous), to, [K_hat, C_hat], [k, c], out);
+            Self::add_products((at, viscous), to, [K_hat, C_hat], [k, c], out);
             if k != 0.0 {
                 self.geometric(&reference, others(), &force, -k, out);
             }
@@ -240,7 +248,6 @@ impl<const NN: usize> Geodesic<NN> {
     /// Adds the factors of K and C times Bᵀ(K̂ B + Ĉ Ḃ) and Bᵀ Ĉ B.
     #[inline]
     fn add_products(
-        &self,
         (at, viscous): (&Motion<'_>, bool),
         (reference, nodes): (&Turn, &[Option<RelativeNode>; NN]),
         [K_hat, C_hat]: [&[f64]; 2],
@@ -248,7 +255,7 @@ impl<const NN: usize> Geodesic<NN> {
         out: &mut [f64],
     ) {
         let n = 6 * NN;
-        let others = || Self::others().filter_map(|i| nodes[i].as_ref().map(|node| (i, node)));
+        let others = || Self::seen_nodes(nodes);
         for (j, right) in others() {
             let B_dot = viscous.then(|| {
                 let rates = right.rates(&at.v[6 * j..], &at.v[6 * Self::R..]);
