@@ -173,7 +173,6 @@ impl Assembly<'_> {
             ModelError::Unconnected { node } | ModelError::Unsupported { node, .. } => node.clone(),
             ModelError::Apart { joint, .. }
             | ModelError::LooseLoop { joint, .. }
-            | ModelError::OwnParent { joint, .. }
             | ModelError::Rigid { joint, .. }
             | ModelError::Unclosed { joint, .. } => joint.clone(),
             ModelError::FarStart { coordinate, .. } => coordinate.clone(),

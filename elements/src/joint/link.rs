@@ -1,6 +1,7 @@
 //! Pose, operator and geometric stiffness of the child of a joint, in closed form.
 //!
-//! With x, R of the parent, the pose (c, Q) of the child in its parent and δQ = \[b δq\] Q,
+//! With x, R of the parent, the pose (c, Q) of the child in its parent, where c includes the position of the joint,
+//! and δQ = \[b δq\] Q,
 //!
 //! ```text
 //! ρ = R c,  x_c = x + ρ,  R_c = R Q,      δx_c = δx − ρ × δθ + α δq,   α = R ∂c/∂q
@@ -25,10 +26,12 @@ use pullback_manifold::so3::{Quaternion, skew};
 /// A value with its first two time derivatives.
 type Rates<T> = [T; 3];
 
-/// A joint, and the position of its child in the parent in the reference configuration.
+/// A joint at a position in the axes of its parent, and the position of its child there in the reference
+/// configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Link<J, const D: usize> {
     pub joint: J,
+    pub position: Vector3<f64>,
     start: Vector3<f64>,
 }
 
@@ -81,9 +84,13 @@ pub(super) struct Carried<const D: usize> {
 }
 
 impl<J: Joint<D>, const D: usize> Link<J, D> {
-    pub(super) fn new(joint: J) -> Self {
-        let start = joint.pose(0.0, &SVector::zeros()).d;
-        Self { joint, start }
+    pub(super) fn new(joint: J, position: Vector3<f64>) -> Self {
+        let start = position + joint.pose(0.0, &SVector::zeros()).d;
+        Self {
+            joint,
+            position,
+            start,
+        }
     }
 
     /// The domain of the joint, where the rotation of its pose is one.
@@ -117,7 +124,8 @@ impl<J: Joint<D>, const D: usize> Link<J, D> {
         let [q, v, a] = motion.map(own::<D>);
         let q = SVector::<Moving<D>, D>::from_fn(|i, _| Moving::variable([q[i], v[i], a[i]], i));
         let Pose { d, rotation } = self.joint.pose(Moving::given([t, 1.0, 0.0]), &q);
-        let c = [0, 1, 2].map(|k| d.map(|d| d.x[k]));
+        let mut c = [0, 1, 2].map(|k| d.map(|d| d.x[k]));
+        c[0] += self.position;
         let of = |k: usize| part(&rotation, |x| x.x[k]);
         let [Q, Q_dot, Q_ddot] = [of(0), of(1), of(2)];
         let own = std::array::from_fn(|j| {
@@ -154,7 +162,7 @@ impl<J: Joint<D>, const D: usize> Link<J, D> {
         let own = SVector::<Grad<f64, D>, D>::from_fn(|i, _| Grad::variable(own[i], i));
         let Pose { d, rotation } = self.joint.pose(Grad::constant(t), &own);
         let Q = part(&rotation, |x| x.v);
-        let rho = R * d.map(|d| d.v);
+        let rho = R * (self.position + d.map(|d| d.v));
         Carried {
             x: still(three_or_zero(q, 0) + rho - self.start),
             turn: turn_of_parent.product(&Q),
@@ -179,7 +187,7 @@ impl<J: Joint<D>, const D: usize> Link<J, D> {
         let q = own::<D>(q);
         let q = SVector::<Hess<D>, D>::from_fn(|i, _| Hess::variable(q[i], i));
         let Pose { d, rotation } = self.joint.pose(Hess::constant(t), &q);
-        let rho = R * d.map(|d| d.v);
+        let rho = R * (self.position + d.map(|d| d.v));
         let Q = part(&rotation, |x| x.v);
         let gradient = |k: usize| part(&rotation, |x| x.g[k]);
         let (f_own, m_own) = (R.tr_mul(f), R.tr_mul(m));

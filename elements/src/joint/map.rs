@@ -31,14 +31,24 @@ where
 {
     /// The map of a joint.
     pub fn new(joint: J) -> Self {
-        let (link, turns_freely) = (Link::new(joint), false);
+        let (link, turns_freely) = (Link::new(joint, Vector3::zeros()), false);
         Self { link, turns_freely }
     }
 
     /// The map of a joint whose child rotates freely.
     pub fn turning_freely(joint: J) -> Self {
-        let (link, turns_freely) = (Link::new(joint), true);
-        Self { link, turns_freely }
+        let turns_freely = true;
+        Self {
+            turns_freely,
+            ..Self::new(joint)
+        }
+    }
+
+    /// The map of the same joint at a position in the axes of the parent, which adds to that of its pose.
+    #[must_use]
+    pub fn at(self, position: Vector3<f64>) -> Self {
+        let link = Link::new(self.link.joint, position);
+        Self { link, ..self }
     }
 
     /// The same map between charts, (d, Ψ of the parent, q) ↦ (d, Ψ of the child), \[M04\] (207).

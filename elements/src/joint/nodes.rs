@@ -60,11 +60,13 @@ impl ModelBuilder {
     {
         let mut coordinates = self.add_coordinates(name, &joint)?;
         coordinates.push(self.rotation(format!("{name} rotation"))?);
-        let parent = self.pose_of(parent, || format!("joint at node {name}"))?;
+        let (carrier, at) = self.carrier_of(parent);
+        let pose = self.pose_of(carrier, || format!("joint at node {name}"))?;
         let position = self.child_position(parent, &joint);
-        let parents = [&[parent], &coordinates[..]].concat();
-        let map = Box::new(JointMap::turning_freely(joint));
+        let parents = [&[pose], &coordinates[..]].concat();
+        let map = Box::new(JointMap::turning_freely(joint).at(at));
         let frame = self.mapped_node(name, position, map, &parents)?;
+        self.carry(parent, frame);
         Ok(JointNodes { frame, coordinates })
     }
 
@@ -81,7 +83,10 @@ impl ModelBuilder {
         position: [f64; 3],
     ) -> Result<NodeId, ModelError> {
         let c = Vector3::from(position) - self.position(parent);
-        self.add_joint_frame(name, parent, Offset { c }, &[])
+        let frame = self.add_joint_frame(name, parent, Offset { c }, &[])?;
+        let (carrier, at) = self.carrier_of(parent);
+        self.offsets.insert(frame, (carrier, at + c));
+        Ok(frame)
     }
 
     /// Adds a frame node whose six coordinates, the node `name coordinates`, are relative to another frame: see
@@ -152,10 +157,27 @@ impl ModelBuilder {
         J: Joint<D> + Clone + 'static,
     {
         let name = name.into();
-        let parent = self.pose_of(parent, || format!("joint at node {name}"))?;
+        let (carrier, at) = self.carrier_of(parent);
+        let pose = self.pose_of(carrier, || format!("joint at node {name}"))?;
         let position = self.child_position(parent, &joint);
-        let parents = [&[parent], coordinates].concat();
-        self.mapped_pose(name, position, Box::new(JointMap::new(joint)), &parents)
+        let parents = [&[pose], coordinates].concat();
+        let map = Box::new(JointMap::new(joint).at(at));
+        let frame = self.mapped_pose(name, position, map, &parents)?;
+        self.carry(parent, frame);
+        Ok(frame)
+    }
+
+    /// The frame to which a frame is fixed at a distance, and the distance: a chain of joints goes on from there.
+    fn carrier_of(&self, frame: NodeId) -> (NodeId, Vector3<f64>) {
+        let fixed = self.offsets.get(&frame).copied();
+        fixed.unwrap_or((frame, Vector3::zeros()))
+    }
+
+    /// Notes that a joint hands its forces on to the frame that carries its parent.
+    fn carry(&mut self, parent: NodeId, child: NodeId) {
+        if self.offsets.contains_key(&parent) {
+            self.carried.push([parent, child]);
+        }
     }
 
     fn child_position<J: Joint<D>, const D: usize>(&self, parent: NodeId, joint: &J) -> [f64; 3] {

@@ -245,6 +245,8 @@ pub struct Model {
     dependent: Vec<u32>,
     /// Frames by increments whose rates may be angular velocities.
     spin_frames: Vec<u32>,
+    /// Frames fixed to another one at a distance, each with the child of a joint there: it is mapped from the other one.
+    carried: Vec<[NodeId; 2]>,
     /// Report on the loops.
     reports: Vec<loops::LoopReport>,
     elements: Vec<ElementEntry>,

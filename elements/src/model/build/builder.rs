@@ -87,6 +87,10 @@ pub struct ModelBuilder {
     pub(in crate::model) preferred: HashSet<NodeId>,
     /// Coordinates that follow another one by gears, and their ratios to it.
     gears: HashMap<NodeId, (NodeId, f64)>,
+    /// Frames fixed to another one at a distance.
+    pub(crate) offsets: HashMap<NodeId, (NodeId, Vector3<f64>)>,
+    /// See [`Model`](crate::model::Model).
+    pub(crate) carried: Vec<[NodeId; 2]>,
     /// Maps behind rotations that are free, if rotation vectors are not the unknowns.
     pub(in crate::model) rotations: Option<RotationMaps>,
     pub(in crate::model) inputs: Vec<f64>,

@@ -47,6 +47,20 @@ impl ModelBuilder {
                 second: self.node_name(child).to_owned(),
             });
         }
+        let [a, b] = [frame, child].map(|n| &self.nodes[n.0 as usize]);
+        let joint = match a.is_view() {
+            true => &self.nodes[a.partner as usize],
+            false => a,
+        };
+        let mut parents = joint.all_parents();
+        if parents.any(|m| [child.0, b.partner].contains(&m))
+            || self.carried.contains(&[child, frame])
+        {
+            return Err(ModelError::OwnParent {
+                joint: a.name.clone(),
+                child: b.name.clone(),
+            });
+        }
         if let Closure::Penalty(stiffness) = by {
             let probe = Coincide::default();
             Penalty::<_, 12, 6>::new(probe, stiffness).map_err(|source| ModelError::Penalty {

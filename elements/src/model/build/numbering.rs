@@ -46,6 +46,7 @@ impl ModelBuilder {
             starts,
             rotations,
             inputs,
+            carried,
             ..
         } = self;
         formulation::apply(rotations, &mut nodes, &mut prescribed);
@@ -112,6 +113,7 @@ impl ModelBuilder {
             spans,
             dependent,
             spin_frames,
+            carried,
             reports,
             elements,
             enforced,

@@ -132,7 +132,7 @@ impl Context {
     /// without accelerations.
     pub fn coordinate_motion(&self, node: NodeId, k: usize) -> Option<[f64; 3]> {
         let n = &self.model.nodes[node.0 as usize];
-        if n.is_view() {
+        if n.is_frame() {
             return (k < n.dim).then(|| self.chart_motion(n).map(|x| x[k]));
         }
         let (w, c) = (&self.work, n.first + k);
@@ -147,8 +147,23 @@ impl Context {
             return None;
         }
         let mut out = self.wrench(n).map(|f| -f);
+        let mut add = |force: Vector3<f64>, moment: Vector3<f64>| {
+            (out[0], out[1]) = (out[0] + force, out[1] + moment);
+        };
         let [force, moment] = self.closing_force(node);
-        (out[0], out[1]) = (out[0] + force, out[1] + moment);
+        add(force, moment);
+        for &[_, child] in (self.model.carried.iter()).filter(|[at, _]| *at == node) {
+            let [force, moment] = self.joint_force(child)?;
+            let position = |n: NodeId| self.node_state(n).position;
+            let moment = match self.free_rotation_of(child) == child {
+                true => moment,
+                false => Vector3::zeros(),
+            };
+            add(
+                force,
+                moment + (position(child) - position(node)).cross(&force),
+            );
+        }
         Some(out)
     }
 

@@ -49,14 +49,20 @@ pub(in crate::model) fn spatial(node: &Node, x: &[f64], covector: &[f64]) -> [Ve
     [three(covector, 0), moment]
 }
 
-/// Marks the frames whose chart nothing reads.
+/// Marks the charts of frames that nothing reads, and the poses of frames fixed to another one that nothing else reads.
 pub(in crate::model) fn mark_unread(nodes: &mut [Node], read: &[u32]) {
-    let mut is_read = vec![false; nodes.len()];
-    read.iter().for_each(|&n| is_read[n as usize] = true);
-    for (n, is_read) in is_read.into_iter().enumerate() {
-        let unread = !is_read && nodes[n].is_view();
-        if let (true, Source::Mapped(d)) = (unread, &mut nodes[n].source) {
-            d.read = false;
+    let mut readers = vec![0; nodes.len()];
+    read.iter().for_each(|&n| readers[n as usize] += 1);
+    for n in 0..nodes.len() {
+        if readers[n] > 0 || !nodes[n].is_view() {
+            continue;
+        }
+        let pose = nodes[n].partner as usize;
+        let alone = readers[pose] == 1;
+        for (n, unread) in [(n, true), (pose, alone && nodes[pose].is_fixed())] {
+            if let (true, Source::Mapped(d)) = (unread, &mut nodes[n].source) {
+                d.read = false;
+            }
         }
     }
 }
@@ -69,6 +75,12 @@ impl Node {
                 Source::Mapped(d) => *d.initial_parents() == [self.partner],
                 Source::Own => false,
             }
+    }
+
+    /// Whether it is the pose of a frame fixed to another one.
+    fn is_fixed(&self) -> bool {
+        self.mapped()
+            .is_some_and(|d| d.direct == self.dim && d.segments.len() == 1)
     }
 }
 
@@ -85,13 +97,13 @@ impl Context {
 
     /// Rotation angle of a frame, that of its rotation vector, in the configuration last set.
     pub(in crate::model) fn angle(&self, node: &Node) -> f64 {
-        let x = &self.work.x;
         if node.is_view() {
-            let pose = &self.model.nodes[node.partner as usize];
-            let turn = orientation(&x[pose.range()]);
+            let [x, ..] = self.pose_motion(&self.model.nodes[node.partner as usize]);
+            let turn = orientation(&x);
             return 2.0 * turn.v.norm().atan2(turn.w.abs());
         }
-        Vector3::from_column_slice(&x[node.first + 3..node.first + 6]).norm()
+        let x = &self.work.x[node.first + 3..node.first + 6];
+        Vector3::from_column_slice(x).norm()
     }
 
     /// Coordinates, velocities and accelerations of a node, those of a frame in its chart, in the
@@ -105,14 +117,35 @@ impl Context {
 
     /// Coordinates, velocities and accelerations of a frame in its chart, in the configuration last set.
     pub(in crate::model) fn chart_motion(&self, node: &Node) -> [[f64; 6]; 3] {
-        let w = &self.work;
-        let own =
-            |node: &Node| [&w.x, &w.v, &w.a].map(|x| std::array::from_fn(|k| x[node.first + k]));
         let pose = match node.form {
-            NodeForm::Pose => own(node),
-            _ if node.is_view() => own(&self.model.nodes[node.partner as usize]),
-            _ => return own(node),
+            NodeForm::Pose => self.pose_motion(node),
+            _ if node.is_view() => self.pose_motion(&self.model.nodes[node.partner as usize]),
+            _ => return self.motion_of(node),
         };
+        let mut chart = ToChart::default();
+        chart.change_charts(self.work.t, &pose[0]);
+        self.mapped_motion(&mut chart, &pose)
+    }
+
+    /// The same of a pose, also of one that no evaluation reads.
+    fn pose_motion(&self, pose: &Node) -> [[f64; 6]; 3] {
+        match pose.mapped() {
+            Some(d) if !d.read => {
+                let parent = &self.model.nodes[d.initial_parents()[0] as usize];
+                let mut map = self.state.maps[d.index].clone();
+                self.mapped_motion(&mut *map, &self.pose_motion(parent))
+            }
+            _ => self.motion_of(pose),
+        }
+    }
+
+    fn motion_of(&self, frame: &Node) -> [[f64; 6]; 3] {
+        let w = &self.work;
+        [&w.x, &w.v, &w.a].map(|x| std::array::from_fn(|k| x[frame.first + k]))
+    }
+
+    /// The motion of a frame that a map gives by another one.
+    fn mapped_motion(&self, map: &mut dyn Parametrization, of: &[[f64; 6]; 3]) -> [[f64; 6]; 3] {
         let mut out = [[0.0; 6]; 3];
         let mut operators = [[0.0; 36]; 3];
         let [x, x_dot, x_ddot] = &mut out;
@@ -125,9 +158,7 @@ impl Context {
             B_dot,
             B_ddot,
         };
-        let mut chart = ToChart::default();
-        chart.change_charts(w.t, &pose[0]);
-        chart.kinematics(w.t, &pose[0], &pose[1], &pose[2], to);
+        map.kinematics(self.work.t, &of[0], &of[1], &of[2], to);
         out
     }
 }

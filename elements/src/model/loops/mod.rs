@@ -87,8 +87,8 @@ impl ModelBuilder {
     /// better. [`Context::descriptions`](super::Context::descriptions) reports the result.
     ///
     /// # Errors
-    /// [`ModelError::ForeignNode`]; [`ModelError::NotFrames`] for anything but two different frames.
-    /// When the model is built: [`ModelError::Apart`], [`ModelError::OwnParent`],
+    /// [`ModelError::ForeignNode`]; [`ModelError::NotFrames`] for anything but two different frames;
+    /// [`ModelError::OwnParent`]. When the model is built: [`ModelError::Apart`],
     /// [`ModelError::LooseLoop`], [`ModelError::Loop`], [`ModelError::Rigid`],
     /// [`ModelError::AllPrescribed`].
     pub fn close(&mut self, frame: NodeId, child: NodeId) -> Result<(), ModelError> {
@@ -167,19 +167,6 @@ pub(in crate::model) fn close(
     for &closing in closings {
         let Closing { frame, child, .. } = closing;
         let (a, b) = (&nodes[frame.0 as usize], &nodes[child.0 as usize]);
-        let joint = match a.is_view() {
-            true => &nodes[a.partner as usize],
-            false => a,
-        };
-        if joint
-            .all_parents()
-            .any(|m| [child.0, b.partner].contains(&m))
-        {
-            return Err(ModelError::OwnParent {
-                joint: a.name.clone(),
-                child: b.name.clone(),
-            });
-        }
         let free = b.is_own() && !held.any(child.0 as usize) && !follows(nodes, frame.0, child.0);
         if !free {
             // Poses are compared.

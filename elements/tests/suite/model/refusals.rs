@@ -6,7 +6,7 @@ use crate::support::{Idle, Offset, Twin, line, simple, straight};
 use nalgebra::{SVector, Vector3};
 use pullback_elements::beam::BeamError;
 use pullback_elements::element::{Element, Motion, Response};
-use pullback_elements::joint::ConstantVelocity;
+use pullback_elements::joint::{ConstantVelocity, Revolute};
 use pullback_elements::load::{LoadKind, NodalLoad};
 use pullback_elements::model::{Context, Dof, ModelBuilder, ModelError};
 use pullback_elements::time::{Constant, Proportional};
@@ -383,4 +383,21 @@ fn a_line_that_does_not_fit_into_memory_is_refused() {
     let start =
         "line rod: its 1152921504606846976 elements need about 9223372036854.8 GB of memory, and ";
     assert!(error.starts_with(start), "{error}");
+}
+
+#[test]
+fn a_joint_that_ends_where_it_begins() {
+    let mut b = ModelBuilder::new();
+    let node = b.node("node", [0.0; 3]).unwrap();
+    let seat = b.offset("seat", node, [1.0, 0.0, 0.0]).unwrap();
+    for (name, parent, at) in [("A", node, "node"), ("B", seat, "seat")] {
+        let joint = Revolute::new([0.0, 0.0, 1.0]).unwrap();
+        let joint = b.attach(name, parent, joint).unwrap();
+        says(
+            b.close(joint.frame, parent),
+            &format!(
+                "joint {name}: its child {at} is the frame that it is attached to; a joint goes from one frame to another one"
+            ),
+        );
+    }
 }
