@@ -4,9 +4,14 @@
 use crate::support::comparisons::compared;
 use crate::support::dynamics::slopes;
 use crate::support::laboratory::options;
-use pullback::elements::model::Formulation;
+use nalgebra::{Matrix3, Vector3};
+use pullback::conformance;
+use pullback::elements::model::{Formulation, RigidMotion};
 use pullback::input::{self, Plan};
 use pullback::integrators::statics::LoadSteps;
+use pullback::manifold::chart::RotationChart;
+use pullback::manifold::so3;
+use pullback::prelude::*;
 use pullback::studies::compare::ErrorQuantity;
 
 /// Bodies, and beams of both interpolations, that turn beyond π: with Radau IIA of two stages their
@@ -60,4 +65,62 @@ fn a_beam_rolls_up_alike_in_both_charts() {
     assert!((other.position - total.position).norm() < 1e-8, "{ends:?}");
     assert!((other.R - total.R).norm() < 1e-8, "{ends:?}");
     assert!(other.position.norm() < 1e-8, "{ends:?}");
+}
+
+/// c = 4 sin(ψ/4) e: a chart of a user.
+#[derive(Clone, Copy)]
+struct Sines;
+
+impl RotationChart for Sines {
+    fn quaternion<S: Scalar>(&self, c: &Vector3<S>) -> Quaternion<S> {
+        let square = c.dot(c);
+        let cosine = (S::one() - square * S::constant(1.0 / 16.0)).sqrt();
+        Quaternion {
+            w: S::one() - square * S::constant(1.0 / 8.0),
+            v: c * (cosine * S::constant(0.5)),
+        }
+    }
+
+    fn coordinates<S: Scalar>(&self, rotation: &Quaternion<S>) -> Vector3<S> {
+        let cosine = ((S::one() + rotation.w) * S::constant(0.5)).sqrt();
+        rotation.v * (S::constant(2.0) / cosine)
+    }
+
+    fn margin(&self, c: &Vector3<f64>) -> f64 {
+        4.0 - c.norm()
+    }
+}
+
+/// A ball that turns twice: its rotation is ω t, and the error of the trapezoidal rule falls with h².
+#[test]
+fn a_body_turns_in_a_chart_of_the_user() {
+    conformance::chart(&Sines).assert();
+    let omega = Vector3::new(3.0, -1.0, 2.0);
+    let to = 2.0 * std::f64::consts::TAU / omega.norm();
+    let errors = [200.0, 400.0, 800.0].map(|steps| {
+        let mut b = ModelBuilder::new();
+        let node = b.node("ball", [0.0; 3]).unwrap();
+        let ball = RigidBody::new(1.3, Matrix3::identity() * 0.7, Vector3::zeros()).unwrap();
+        b.element("ball", ball, &[node]).unwrap();
+        b.chart_rotations(Sines);
+        let mut context = Context::new(b.build().unwrap());
+        let (q, mut v) = (vec![0.0; 6], vec![0.0; 6]);
+        let motion = RigidMotion {
+            velocity: Vector3::zeros(),
+            omega,
+            about: Vector3::zeros(),
+        };
+        context.set_velocity(&q, &mut v, None, &motion);
+        let mut options = DynamicOptions::new(0.9 * to, 0.9 * to / steps);
+        options.scheme = Scheme::newmark(0.25, 0.5).unwrap();
+        let state = start(&context, 0.0, &q, &v).unwrap();
+        let mut run = Simulation::new(&mut context, state, &options).unwrap();
+        while run.step().unwrap().is_some() {}
+        assert!(run.progress().summary.chart_changes > 1);
+        let found = context.node_state(node).R;
+        (found - so3::rotation(&(omega * (0.9 * to)))).norm()
+    });
+    for slope in slopes(&errors) {
+        assert!((slope - 2.0).abs() < 0.05, "{errors:?}");
+    }
 }
