@@ -1,12 +1,14 @@
 //! ParaView files: an unstructured grid per step and a collection of them.
 //!
 //! Each line has its own points, so that lines that meet at a node keep their section axes. A body
-//! is a point at its centre of mass, a rigid link or spring a line between two points.
+//! is a point at its centre of mass, a rigid link or spring a line between two points. Arrays are binary.
 
 #![allow(non_snake_case)]
 
 use crate::input::Geometry;
 use crate::probe::Answers;
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
 use nalgebra::{Matrix3, Vector3};
 use pullback_elements::model::{Context, NodeId};
 use serde::{Deserialize, Serialize};
@@ -50,25 +52,35 @@ pub(super) fn grid(
     load: Option<f64>,
 ) -> String {
     let (points, cells) = parts(context, geometry, answers);
-    let mut out = format!(
-        "<?xml version=\"1.0\"?>\n\
-         <VTKFile type=\"UnstructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\">\n\
-         <UnstructuredGrid>\n\
-         {}\
-         <Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n",
-        load.map_or_else(String::new, |load| format!(
-            "<FieldData>\n<DataArray type=\"Float64\" Name=\"load_parameter\" \
-             NumberOfTuples=\"1\" format=\"ascii\">\n{load:?}\n</DataArray>\n</FieldData>\n"
-        )),
+    let mut out = "<?xml version=\"1.0\"?>\n\
+                   <VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
+                   header_type=\"UInt64\">\n<UnstructuredGrid>\n"
+        .to_owned();
+    if let Some(load) = load {
+        out += "<FieldData>\n";
+        let about = "type=\"Float64\" Name=\"load_parameter\" NumberOfTuples=\"1\"";
+        array(&mut out, about, [load.to_le_bytes()]);
+        out += "</FieldData>\n";
+    }
+    let _ = writeln!(
+        out,
+        "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">",
         points.positions.len(),
         cells.types.len()
     );
     out += "<Points>\n";
     vectors(&mut out, "Points", &points.positions);
     out += "</Points>\n<Cells>\n";
-    integers(&mut out, "connectivity", "Int64", &cells.connectivity);
-    integers(&mut out, "offsets", "Int64", &cells.offsets);
-    integers(&mut out, "types", "UInt8", &cells.types);
+    let indices = [
+        ("connectivity", &cells.connectivity),
+        ("offsets", &cells.offsets),
+    ];
+    for (name, values) in indices {
+        let about = format!("type=\"Int64\" Name=\"{name}\"");
+        array(&mut out, &about, values.iter().map(|i| i.to_le_bytes()));
+    }
+    let types = cells.types.iter().map(|kind| [*kind]);
+    array(&mut out, "type=\"UInt8\" Name=\"types\"", types);
     out += "</Cells>\n<PointData Vectors=\"displacement\">\n";
     vectors(&mut out, "displacement", &points.displacement);
     vectors(&mut out, "rotation", &points.rotation);
@@ -80,12 +92,19 @@ pub(super) fn grid(
         vectors(&mut out, name, axis);
     }
     vectors(&mut out, "reference", &points.reference());
-    names(&mut out, &points.names);
+    // Each string ends with a zero.
+    let bytes = (points.names.iter()).flat_map(|name| name.bytes().chain([0]));
+    array(
+        &mut out,
+        "type=\"String\" Name=\"node\"",
+        bytes.map(|byte| [byte]),
+    );
     out += "</PointData>\n<CellData>\n";
     for (name, values) in ["N", "M", "Gamma", "K"].into_iter().zip(&cells.resultants) {
         vectors(&mut out, name, values);
     }
-    integers(&mut out, "line", "Int32", &cells.line_number);
+    let lines = cells.lines.iter().map(|line| line.to_le_bytes());
+    array(&mut out, "type=\"Int32\" Name=\"line\"", lines);
     out + "</CellData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n"
 }
 
@@ -129,11 +148,11 @@ fn parts<'a>(context: &'a Context, geometry: &Geometry, answers: &Answers) -> (P
 /// Cells and their data.
 #[derive(Default)]
 struct Cells {
-    connectivity: Vec<usize>,
-    offsets: Vec<usize>,
+    connectivity: Vec<i64>,
+    offsets: Vec<i64>,
     types: Vec<u8>,
     /// Numbers of lines from 1; 0 for bodies and links.
-    line_number: Vec<usize>,
+    lines: Vec<i32>,
     /// N, M, Γ and K.
     resultants: [Vec<Vector3<f64>>; 4],
 }
@@ -143,13 +162,13 @@ impl Cells {
         &mut self,
         cell_type: u8,
         points: impl Iterator<Item = usize>,
-        line_number: usize,
+        line: usize,
         resultants: [Vector3<f64>; 4],
     ) {
-        self.connectivity.extend(points);
-        self.offsets.push(self.connectivity.len());
+        self.connectivity.extend(points.map(|point| point as i64));
+        self.offsets.push(self.connectivity.len() as i64);
         self.types.push(cell_type);
-        self.line_number.push(line_number);
+        self.lines.push(line as i32);
         for (all, own) in self.resultants.iter_mut().zip(resultants) {
             all.push(own);
         }
@@ -200,36 +219,20 @@ impl<'a> Points<'a> {
 }
 
 fn vectors(out: &mut String, name: &str, values: &[Vector3<f64>]) {
-    let _ = writeln!(
-        out,
-        "<DataArray type=\"Float64\" Name=\"{name}\" NumberOfComponents=\"3\" format=\"ascii\">"
-    );
-    for v in values {
-        let _ = writeln!(out, "{:e} {:e} {:e}", v.x, v.y, v.z);
-    }
-    *out += "</DataArray>\n";
+    let about = format!("type=\"Float64\" Name=\"{name}\" NumberOfComponents=\"3\"");
+    let numbers = values.iter().flat_map(|v| [v.x, v.y, v.z]);
+    array(out, &about, numbers.map(f64::to_le_bytes));
 }
 
-/// Strings are the codes of their bytes, each string with a zero at its end.
-fn names(out: &mut String, names: &[&str]) {
-    *out += "<DataArray type=\"String\" Name=\"node\" format=\"ascii\">\n";
-    for name in names {
-        name.bytes().for_each(|byte| {
-            let _ = write!(out, "{byte} ");
-        });
-        *out += "0\n";
+/// An array of values by their bytes, in Base64 with their number before them.
+fn array<const N: usize>(out: &mut String, about: &str, values: impl IntoIterator<Item = [u8; N]>) {
+    let mut bytes = vec![0; size_of::<u64>()];
+    for value in values {
+        bytes.extend_from_slice(&value);
     }
-    *out += "</DataArray>\n";
-}
-
-fn integers<T: std::fmt::Display>(out: &mut String, name: &str, kind: &str, values: &[T]) {
-    let _ = writeln!(
-        out,
-        "<DataArray type=\"{kind}\" Name=\"{name}\" format=\"ascii\">"
-    );
-    for row in values.chunks(20) {
-        let words: Vec<String> = row.iter().map(T::to_string).collect();
-        let _ = writeln!(out, "{}", words.join(" "));
-    }
+    let (number, data) = bytes.split_at_mut(size_of::<u64>());
+    number.copy_from_slice(&(data.len() as u64).to_le_bytes());
+    let _ = write!(out, "<DataArray {about} format=\"binary\">");
+    BASE64_STANDARD.encode_string(&bytes, out);
     *out += "</DataArray>\n";
 }

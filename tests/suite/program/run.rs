@@ -2,7 +2,8 @@
 #![allow(clippy::unwrap_used, non_snake_case)]
 
 use crate::support::program::{
-    MODEL, directory, ended, files, history, number, program, read, results, succeeded, with, write,
+    MODEL, directory, ended, files, grid_array, history, number, program, read, results, succeeded,
+    with, write,
 };
 use nalgebra::{Rotation3, Vector3};
 use pullback::output::{COLUMNS, STATIC_COLUMNS};
@@ -125,23 +126,9 @@ fn a_run_writes_all_its_files() {
     );
 }
 
-/// Numbers of an array of a grid.
-fn array(document: &roxmltree::Document<'_>, name: &str) -> Vec<f64> {
-    let node = document
-        .descendants()
-        .find(|n| n.attribute("Name") == Some(name));
-    let text = node
-        .unwrap_or_else(|| panic!("no array {name}"))
-        .text()
-        .unwrap();
-    text.split_whitespace()
-        .map(|w| w.parse().unwrap())
-        .collect()
-}
-
 /// Vectors of an array of a grid.
 fn vectors(document: &roxmltree::Document<'_>, name: &str) -> Vec<Vector3<f64>> {
-    let numbers = array(document, name);
+    let numbers = grid_array(document, name);
     numbers.chunks(3).map(Vector3::from_column_slice).collect()
 }
 
@@ -156,7 +143,7 @@ fn near(name: &str, found: &Vector3<f64>, exact: Vector3<f64>, tolerance: f64) {
 /// Values of the grid of the beam of [`MODEL`] under the end moment t π: EI = 2, L = 1, so that it
 /// bends by φ = t π/2 into a circle of the radius 1/φ.
 fn check_circle(document: &roxmltree::Document<'_>) {
-    let t = array(document, "load_parameter")[0];
+    let t = grid_array(document, "load_parameter")[0];
     let phi = t * PI / 2.0;
     // Section forces and strains of every element: bending alone.
     for (name, exact, tolerance) in [
@@ -235,7 +222,7 @@ fn check_grid(document: &roxmltree::Document<'_>) {
         .unwrap();
     assert_eq!(piece.attribute("NumberOfPoints"), Some("9"));
     assert_eq!(piece.attribute("NumberOfCells"), Some("8"));
-    let array = |name: &str| array(document, name);
+    let array = |name: &str| grid_array(document, name);
     for (name, length) in [
         ("Points", 27),
         ("displacement", 27),

@@ -3,7 +3,7 @@
 
 use crate::support::closures::{CLOSURES, GROUND, arm, hinge, joint};
 use crate::support::program::{
-    MODEL, directory, history, number, program, read, results, succeeded, with, write,
+    MODEL, directory, grid_array, history, number, program, read, results, succeeded, with, write,
 };
 use serde_json::Value;
 use std::collections::HashMap;
@@ -99,12 +99,10 @@ fn a_path_plays_in_the_order_of_its_rows() {
         assert_eq!(set.attribute("timestep").unwrap().parse(), Ok(k as f64));
         let grid = read(out.join(set.attribute("file").unwrap()));
         let grid = roxmltree::Document::parse(&grid).unwrap();
-        let array = grid
-            .descendants()
-            .find(|n| n.attribute("Name") == Some("load_parameter"))
-            .unwrap();
-        assert!(array.parent().unwrap().has_tag_name("FieldData"));
-        let load: f64 = array.text().unwrap().trim().parse().unwrap();
+        let data = grid.descendants().find(|n| n.has_tag_name("FieldData"));
+        let array = data.unwrap().first_element_child().unwrap();
+        assert_eq!(array.attribute("Name"), Some("load_parameter"));
+        let load = grid_array(&grid, "load_parameter")[0];
         assert_eq!(load, number(&rows[k], "t"));
         count += 1;
     }
@@ -349,13 +347,7 @@ fn a_truss_of_springs_snaps_through_and_is_drawn() {
     let document = roxmltree::Document::parse(&text).unwrap();
     let piece = document.descendants().find(|n| n.has_tag_name("Piece"));
     assert_eq!(piece.unwrap().attribute("NumberOfCells"), Some("2"));
-    let array = |name: &str| -> Vec<f64> {
-        let mut all = document.descendants();
-        let found = all.find(|n| n.attribute("Name") == Some(name)).unwrap();
-        let words = found.text().unwrap().split_whitespace();
-        words.map(|w| w.parse().unwrap()).collect()
-    };
     let ends = [-1.0, 0.0, 0.0, 0.0, 0.5, 0.0, 0.0, 0.5, 0.0, 1.0, 0.0, 0.0];
-    assert_eq!(array("Points"), ends);
-    assert_eq!(array("types"), [3.0, 3.0]);
+    assert_eq!(grid_array(&document, "Points"), ends);
+    assert_eq!(grid_array(&document, "types"), [3.0, 3.0]);
 }

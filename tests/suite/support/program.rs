@@ -1,6 +1,8 @@
 //! A small model and directories for the tests of the program.
 #![allow(dead_code, clippy::unwrap_used)]
 
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
 use pullback::input::{InputError, assemble_text};
 use serde_json::Value;
 use std::collections::HashMap;
@@ -206,4 +208,31 @@ pub fn history(out: &Path) -> Vec<HashMap<String, String>> {
 /// A cell as a number.
 pub fn number(row: &HashMap<String, String>, column: &str) -> f64 {
     row[column].parse().unwrap()
+}
+
+/// Numbers of an array of a grid.
+pub fn grid_array(document: &roxmltree::Document<'_>, name: &str) -> Vec<f64> {
+    let mut all = document.descendants();
+    let found = all.find(|n| n.attribute("Name") == Some(name));
+    let found = found.unwrap_or_else(|| panic!("no array {name}"));
+    let bytes = BASE64_STANDARD.decode(found.text().unwrap()).unwrap();
+    let (number, data) = bytes.split_first_chunk::<8>().unwrap();
+    assert_eq!(u64::from_le_bytes(*number), data.len() as u64);
+    match found.attribute("type").unwrap() {
+        "Float64" => (data.as_chunks().0.iter().map(|x| f64::from_le_bytes(*x))).collect(),
+        "Int64" => (data
+            .as_chunks()
+            .0
+            .iter()
+            .map(|x| i64::from_le_bytes(*x) as f64))
+        .collect(),
+        "Int32" => (data
+            .as_chunks()
+            .0
+            .iter()
+            .map(|x| i32::from_le_bytes(*x).into()))
+        .collect(),
+        "UInt8" => data.iter().map(|x| (*x).into()).collect(),
+        other => panic!("numbers of type {other}"),
+    }
 }
