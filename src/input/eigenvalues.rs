@@ -106,6 +106,9 @@ fn mode_options(at: &Location<'_>, m: &ModalAnalysis) -> Result<ModeOptions, Inp
                 "two frequencies, zero or positive, the smaller one first",
             ));
         }
+        Some(_) if m.near != 0.0 => {
+            return Err(at.range("near", m.near, "`near` or `range`, one of the two"));
+        }
         Some(range) => Selection::Range(range.map(|f| TAU * f)),
         None => Selection::Nearest {
             count: m.count,

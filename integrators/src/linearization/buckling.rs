@@ -27,7 +27,7 @@ pub enum BucklingError {
     /// The state cannot be linearised.
     #[error(transparent)]
     Linearization(#[from] super::LinearizationError),
-    /// The tangent is not symmetric.
+    /// The tangent is not symmetric, at the state or at loads beside it.
     #[error(
         "the tangent is not symmetric, so that no potential decides on stability: moments and follower loads may \
          lead to flutter, which `modes` finds"
@@ -38,8 +38,8 @@ pub enum BucklingError {
         "the equilibrium from which critical loads are extrapolated is not stable; begin at a smaller load"
     )]
     Unstable,
-    /// The loads do not change the tangent.
-    #[error("the load parameter does not change the stiffness: nothing buckles")]
+    /// No load grows.
+    #[error("no load or prescribed motion changes with the load parameter: nothing buckles")]
     NoLoad,
     /// The linear solver failed.
     #[error(transparent)]
@@ -82,17 +82,19 @@ pub fn buckling(
         .map(|(unit, x)| (x / unit).abs());
     let fastest = sizes.fold(0.0, f64::max);
     let h = if fastest > 0.0 { CHANGE / fastest } else { 1.0 };
+    let mut symmetric = true;
     let change = central(h, |s| {
         let q: Vec<f64> = at.q.iter().zip(&rate).map(|(q, x)| q + s * x).collect();
         let (mut r, mut K) = (vec![0.0; q.len()], vec![0.0; lin.pattern.len()]);
         let out = Evaluation::with_tangent(&mut r, Weights::STATIC, &mut K);
         system.evaluate(Point::statics(at.t + s, &q), out)?;
+        symmetric &= lin.is_symmetric(&K);
         Ok(K)
     })?;
-    lin.M = change.into_iter().map(|K| -K).collect();
-    if lin.M.iter().all(|x| *x == 0.0) {
-        return Err(BucklingError::NoLoad);
+    if !symmetric {
+        return Err(BucklingError::Asymmetric);
     }
+    lin.M = change.into_iter().map(|K| -K).collect();
     let mut search = Search::indefinite(&lin, count)?;
     if !search.is_definite()? {
         return Err(BucklingError::Unstable);
@@ -121,6 +123,9 @@ fn path_rate(
         ..Evaluation::residual(&mut r)
     };
     system.evaluate(Point::statics(at.t, at.q), out)?;
+    if rate.iter().all(|x| *x == 0.0) {
+        return Err(BucklingError::NoLoad);
+    }
     let mut solver = AutoSolver::new();
     solver.analyse(&lin.pattern, MatrixSymmetry::Symmetric)?;
     let solved = solver.factorise(&lin.K);

@@ -7,7 +7,9 @@
 //! MAC = |φᴴ M χ|² / (φᴴ M φ · χᴴ M χ)
 //! ```
 //!
-//! which follows them through crossings; speeds in between are added where shapes change fast, as in veerings.
+//! which follows them through crossings; speeds in between are added where shapes change fast, as in veerings. The
+//! criterion is applied to shapes with their velocities, (s φ, λ φ) with a frequency s of the modes, and to both modes
+//! of a conjugate pair: a whirl whose frequency passes through zero goes on as the conjugate mode.
 
 #![allow(non_snake_case)]
 
@@ -137,7 +139,11 @@ pub fn campbell(
     let mut rows = vec![sweep.lines.clone()];
     for &speed in &options.speeds[1..] {
         sweep.advance(speed, HALVINGS)?;
-        rows.push(sweep.lines.clone());
+        let upper = |mode: &Mode| match mode.eigenvalue.im < 0.0 {
+            true => conjugate(mode),
+            false => mode.clone(),
+        };
+        rows.push((sweep.lines.iter().map(|line| line.as_ref().map(upper))).collect());
     }
     let line = |k: usize| rows.iter().map(|row| row[k].clone()).collect();
     Ok(CampbellDiagram {
@@ -155,7 +161,7 @@ struct Sweep<'a> {
     observer: &'a mut dyn FnMut(f64) -> ControlFlow<()>,
     /// The present speed.
     speed: f64,
-    /// The modes there.
+    /// The modes there, each the one of its conjugate pair that continues its line.
     lines: Vec<Option<Mode>>,
 }
 
@@ -207,7 +213,7 @@ impl Sweep<'_> {
             // After a turn by one radian.
             at.t += speed.recip();
             match linearize(&mut *self.system, at) {
-                Ok(turned) => lin.compare(&turned),
+                Ok(turned) => lin.compare(&turned, speed),
                 Err(LinearizationError::Unbalanced { name, .. }) => Err(name),
                 Err(source) => return Err(failed_at(source)),
             }
@@ -220,30 +226,30 @@ impl Sweep<'_> {
 }
 
 impl Linearized {
-    /// The name of a coordinate whose equation is another one, if there is any.
-    fn compare(&self, other: &Self) -> Result<(), String> {
+    /// The name of a coordinate whose equation is another one, if there is any, for motions of this frequency.
+    fn compare(&self, other: &Self, omega: f64) -> Result<(), String> {
         let n = self.dim();
         let quantities: Vec<Quantity> = self.coordinates.iter().map(|c| c.quantity).collect();
-        for (own, other) in [
-            (&self.K, &other.K),
-            (&self.C, &other.C),
-            (&self.M, &other.M),
+        let (mut size, mut change) = (vec![0.0_f64; n], vec![0.0_f64; n]);
+        for (factor, own, other) in [
+            (1.0, &self.K, &other.K),
+            (omega.abs(), &self.C, &other.C),
+            (omega * omega, &self.M, &other.M),
         ] {
-            let (mut size, mut change) = (vec![0.0_f64; n], vec![0.0_f64; n]);
             let entries = self.triplets(own).zip(self.triplets(other));
             for ((r, c, own), (_, _, other)) in entries {
                 let unit = self.pattern.units()[c];
-                let unit = if unit > 0.0 { unit } else { 1.0 };
+                let unit = factor * if unit > 0.0 { unit } else { 1.0 };
                 size[r] = size[r].max((own * unit).abs());
                 change[r] = change[r].max(((own - other) * unit).abs());
             }
-            let most = largest(&quantities, &size, [0.0; 3]);
-            let changed = |r: &usize| change[*r] > STEADY * most[quantities[*r].index()];
-            if let Some(r) = (0..n).find(changed) {
-                return Err(self.names[r].clone());
-            }
         }
-        Ok(())
+        let most = largest(&quantities, &size, [0.0; 3]);
+        let changed = |r: &usize| change[*r] > STEADY * most[quantities[*r].index()];
+        match (0..n).find(changed) {
+            Some(r) => Err(self.names[r].clone()),
+            None => Ok(()),
+        }
     }
 }
 
@@ -255,6 +261,13 @@ fn continued(
 ) -> (Vec<Option<Mode>>, f64) {
     let own: Vec<usize> = (0..lines.len()).filter(|&i| lines[i].is_some()).collect();
     let before: Vec<&Mode> = lines.iter().flatten().collect();
+    let pairs = (0..found.len()).filter(|&j| found[j].eigenvalue.im != 0.0);
+    let of: Vec<usize> = (0..found.len()).chain(pairs).collect();
+    let conjugates: Vec<Mode> = of[found.len()..]
+        .iter()
+        .map(|&j| conjugate(&found[j]))
+        .collect();
+    let found = [found, conjugates].concat();
     let mac = assurance(&before, &found, lin);
     // Shapes of repeated eigenvalues are any ones in their space.
     let (groups_before, groups) = (groups(&before), groups(&found.iter().collect::<Vec<_>>()));
@@ -266,17 +279,17 @@ fn continued(
             .sum();
         sum / rows.len().min(columns.len()) as f64
     };
-    let mut pairs: Vec<(f64, usize, usize)> = (0..before.len())
+    let mut matches: Vec<(f64, usize, usize)> = (0..before.len())
         .flat_map(|i| (0..found.len()).map(move |j| (i, j)))
         .map(|(i, j)| (agreement(i, j), i, j))
         .collect();
-    pairs.sort_by(|a, b| b.0.total_cmp(&a.0));
+    matches.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut out: Vec<Option<Mode>> = vec![None; lines.len()];
     let (mut taken, mut least) = (vec![false; found.len()], 1.0_f64);
     let mut open = vec![true; before.len()];
-    for (agreement, i, j) in pairs {
-        if agreement >= SAME && open[i] && !taken[j] {
-            (open[i], taken[j]) = (false, true);
+    for (agreement, i, j) in matches {
+        if agreement >= SAME && open[i] && !taken[of[j]] {
+            (open[i], taken[of[j]]) = (false, true);
             least = least.min(agreement);
             out[own[i]] = Some(found[j].clone());
         }
@@ -287,7 +300,16 @@ fn continued(
     (out, least)
 }
 
-/// The modal assurance criterion of each mode with each of others.
+/// The other mode of a pair of conjugates.
+fn conjugate(mode: &Mode) -> Mode {
+    Mode {
+        eigenvalue: mode.eigenvalue.conj(),
+        shape: mode.shape.iter().map(|x| x.conj()).collect(),
+        ..*mode
+    }
+}
+
+/// The modal assurance criterion of each mode with each of others, shapes with their velocities.
 fn assurance(before: &[&Mode], found: &[Mode], lin: &Linearized) -> Vec<Vec<f64>> {
     let product = |shape: &[Complex64]| -> Vec<Complex64> {
         let part = |pick: fn(&Complex64) -> f64| -> Vec<f64> { shape.iter().map(pick).collect() };
@@ -303,6 +325,16 @@ fn assurance(before: &[&Mode], found: &[Mode], lin: &Linearized) -> Vec<Vec<f64>
         .iter()
         .map(|mode| dot(&mode.shape, &product(&mode.shape)).re)
         .collect();
+    let omega = before.iter().map(|mode| mode.omega()).fold(0.0, f64::max);
+    // (s² + λ̄ μ)² over the squares of the lengths; of rigid modes alone, one.
+    let velocities = |a: &Mode, b: &Mode| {
+        let square = |mode: &Mode| omega * omega + mode.eigenvalue.norm_sqr();
+        let product = omega * omega + a.eigenvalue.conj() * b.eigenvalue;
+        match square(a) * square(b) {
+            0.0 => 1.0,
+            squares => product.norm_sqr() / squares,
+        }
+    };
     before
         .iter()
         .map(|mode| {
@@ -311,7 +343,8 @@ fn assurance(before: &[&Mode], found: &[Mode], lin: &Linearized) -> Vec<Vec<f64>
             let pairs = found.iter().zip(&sizes);
             pairs
                 .map(|(other, other_size)| {
-                    dot(&other.shape, &image).norm_sqr() / (size * other_size)
+                    let shapes = dot(&other.shape, &image).norm_sqr() / (size * other_size);
+                    shapes * velocities(other, mode)
                 })
                 .collect()
         })

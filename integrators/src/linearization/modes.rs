@@ -51,7 +51,8 @@ impl ModeOptions {
 pub struct Mode {
     /// λ, with Im λ ≥ 0: of a conjugate pair, one. A real λ > 0 is a mode that grows without oscillation.
     pub eigenvalue: Complex64,
-    /// φ, coordinate by coordinate, with φᴴ M φ = 1 and its largest component real and positive.
+    /// φ, coordinate by coordinate, with φᴴ M φ = 1 and its largest component real and positive; a shape without mass
+    /// has a largest component of one.
     pub shape: Vec<Complex64>,
     /// Length of (K + λ C + λ² M) φ, relative to the sum of the three terms' bounds, in scaled coordinates.
     pub residual: f64,
@@ -213,7 +214,7 @@ fn check(lin: &Linearized, options: &ModeOptions) -> Result<(), ModesError> {
 }
 
 /// Rounding errors of φᵀ K φ in units of those of its terms.
-const ROUNDING: f64 = 16.0 * f64::EPSILON;
+pub(super) const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// Makes modes of eigenvectors: their eigenvalues, scale and residual.
 struct Finish<'a> {
@@ -262,7 +263,9 @@ impl<'a> Finish<'a> {
             (Order::Squares, false) => (-found).sqrt(),
         };
         let eigenvalue = match eigenvalue {
-            value if self.is_rigid(shape, value.norm_sqr() * mass) => Complex64::ZERO,
+            value if self.is_rigid(shape, value.norm(), [form(&images[0]), mass]) => {
+                Complex64::ZERO
+            }
             value if value.im < 0.0 => -value,
             value => value,
         };
@@ -283,7 +286,13 @@ impl<'a> Finish<'a> {
                 largest = (size, *x);
             }
         }
-        let factor = largest.1.conj() / (largest.1.norm() * mass.sqrt());
+        let has_mass = mass > ROUNDING * self.norms[2] * self.square(shape);
+        let size = if has_mass {
+            mass.sqrt()
+        } else {
+            largest.1.norm()
+        };
+        let factor = largest.1.conj() / (largest.1.norm() * size);
         complex.iter_mut().for_each(|x| *x *= factor);
         Mode {
             // No negative zero.
@@ -312,9 +321,12 @@ impl<'a> Finish<'a> {
         parts.sum::<f64>() > 0.99
     }
 
-    /// Whether rounding errors of K give a rigid mode of this shape φ as large an eigenvalue, times φᴴ M φ.
-    fn is_rigid(&self, shape: &Parts, stiffness: f64) -> bool {
-        if stiffness > ROUNDING * self.norms[0] * self.square(shape) {
+    /// Whether λ is zero but for rounding errors of a mode of this shape φ, with the forms φᴴ K φ and φᴴ M φ.
+    fn is_rigid(&self, shape: &Parts, lambda: f64, [stiffness, mass]: [f64; 2]) -> bool {
+        let square = self.square(shape);
+        let inertia = lambda * lambda * mass;
+        let whole = self.norms.map(|norm| ROUNDING * norm * square);
+        if stiffness.abs().max(inertia) > whole[0] && lambda * mass > whole[1] {
             return false;
         }
         let [re, im] = shape;
@@ -326,7 +338,9 @@ impl<'a> Finish<'a> {
         for_each(&self.lin.pattern, &self.lin.K, |r, c, K| {
             sum += K.abs() * sizes[r] * sizes[c];
         });
-        stiffness <= ROUNDING * sum
+        // Entries of φ have rounding errors themselves.
+        let sum = ROUNDING * (sum + whole[0]);
+        stiffness.abs() <= sum && (inertia <= sum || lambda * mass <= whole[1])
     }
 
     /// Square of the length of a vector in scaled coordinates.
@@ -361,7 +375,11 @@ impl<'a> Finish<'a> {
             scaled.map(|(r, s)| (r * s).powi(2)).sum()
         };
         let square: f64 = sums.iter().map(scaled).sum();
-        (square / self.square(shape)).sqrt() / bound
+        // Of λ = 0 without stiffness, all terms are zero.
+        match bound {
+            0.0 => 0.0,
+            _ => (square / self.square(shape)).sqrt() / bound,
+        }
     }
 
     /// A x; of nothing, nothing.

@@ -109,6 +109,19 @@ fn a_column_under_its_own_weight() {
 fn follower_loads_are_refused() {
     let load = format!("{CLAMPED}[[loads]]\nnode = \"B\"\nforce = [0, 0, -1]\nfollower = true\n");
     let stiffness = "EA = 1e4, GA = [1e4, 1e4], GJ = 1.0, EI = [1.0, 1.0]";
-    let refused = critical(&line(stiffness, 4, 1, &load), 0.5, 1);
-    assert_eq!(refused, Err(BucklingError::Asymmetric));
+    // Without a load as well, where the tangent is still symmetric.
+    for from in [0.0, 0.5] {
+        let refused = critical(&line(stiffness, 4, 1, &load), from, 1);
+        assert_eq!(refused, Err(BucklingError::Asymmetric));
+    }
+}
+
+#[test]
+fn loads_that_do_not_grow_are_refused() {
+    let constant = "[[loads]]\nnode = \"B\"\nforce = [0, 0, -1]\ntime = { constant = 1 }\n";
+    let stiffness = "EA = 1e4, GA = [1e4, 1e4], GJ = 1.0, EI = [1.0, 1.0]";
+    for (load, from) in [("", 0.0), (constant, 0.5)] {
+        let refused = critical(&line(stiffness, 4, 1, &format!("{CLAMPED}{load}")), from, 1);
+        assert_eq!(refused, Err(BucklingError::NoLoad));
+    }
 }

@@ -4,6 +4,7 @@
 use super::rotating::FLAP;
 use crate::support::closures::failure;
 use crate::support::program::{directory, ran, read};
+use num_complex::Complex64;
 use std::f64::consts::TAU;
 
 const BLADE: &str = include_str!("../../../examples/models/rotating_blade.toml");
@@ -147,6 +148,117 @@ fn whirl_of_an_overhung_disc() {
         (0..3).all(|k| (k + 1..4).all(|l| (last[k] - last[l]).abs() > 1e-3)),
         "{last:?}"
     );
+}
+
+/// A disc in a shaft of stiffness k with damping c in it, and d in its fixed bearings. In the frame that rotates
+/// m (ζ̈ + 2iΩ ζ̇ − Ω² ζ) + c ζ̇ + d (ζ̇ + iΩ ζ) + k ζ = 0 for ζ = x + i y: beyond Ω = √(k/m) both whirls turn back, and beyond
+/// (1 + d/c) times that the forward one grows.
+#[test]
+fn whirl_beyond_the_critical_speed() {
+    let text = r#"
+        [nodes]
+        ground = [0, 0, 0]
+        [[supports]]
+        node = "ground"
+        fix = "all"
+        [[joints]]
+        name = "hub"
+        type = "revolute"
+        parent = "ground"
+        axis = [0, 0, 1]
+        [[joints]]
+        name = "disc"
+        type = "free"
+        parent = "hub"
+        position = [0, 0, 0]
+        [[bodies]]
+        name = "disc"
+        node = "disc"
+        mass = 2
+        inertia = [0.1, 0.1, 0.15]
+        [[springs]]
+        name = "shaft"
+        nodes = ["hub", "disc"]
+        bushing = { stiffness = [200, 200, 300, 40, 40, 50], damping = [1.5, 1.5, 0, 0, 0, 0] }
+        [[springs]]
+        name = "bearings"
+        nodes = ["ground", "disc"]
+        bushing = { stiffness = [0, 0, 0, 0, 0, 0], damping = [1, 1, 0, 0, 0, 0] }
+        [analysis.campbell]
+        joint = "hub"
+        to = 30
+        steps = 12
+        count = 6
+    "#;
+    let csv = read(ran(&directory("campbell_whirl"), text).join("campbell.csv"));
+    let (m, k, c, d) = (2.0, 200.0, 1.5, 1.0);
+    let mut grows = 0;
+    for line in csv.lines().skip(1) {
+        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        let i_omega = Complex64::i() * cells[0];
+        let half = (c + d) / (2.0 * m);
+        let root = ((i_omega + half).powi(2) - (k + d * i_omega) / m - i_omega.powi(2)).sqrt();
+        // Both lines begin with one frequency, and keep to their whirl.
+        let mut exact = [root, -root].map(|root| root - i_omega - half);
+        if cells[0] > 0.0 && (cells[1] * TAU - exact[0].im.abs()).abs() > 1e-6 {
+            exact.reverse();
+        }
+        for (found, exact) in cells[1..5].chunks(2).zip(exact) {
+            assert!(
+                (found[0] * TAU - exact.im.abs()).abs() < 1e-9,
+                "{line} {exact}"
+            );
+            assert!(
+                (found[1] + exact.re / exact.norm()).abs() < 1e-9,
+                "{line} {exact}"
+            );
+        }
+        grows += usize::from(cells[2] < 0.0 || cells[4] < 0.0);
+    }
+    // At 17.5 and all speeds above.
+    assert_eq!(grows, 6);
+}
+
+/// A blade on a hinge at a distance e from the axis: ω² = k/(m r²) + Ω² (1 + e/r), without damping in any equation.
+#[test]
+fn a_hinge_in_flap() {
+    let text = r#"
+        [nodes]
+        ground = [0, 0, 0]
+        [[supports]]
+        node = "ground"
+        fix = "all"
+        [[joints]]
+        name = "hub"
+        type = "revolute"
+        parent = "ground"
+        axis = [0, 0, 1]
+        [[joints]]
+        name = "arm"
+        type = "offset"
+        parent = "hub"
+        position = [0.5, 0, 0]
+        [[joints]]
+        name = "flap"
+        type = "revolute"
+        parent = "arm"
+        axis = [0, 1, 0]
+        spring = { k = 100 }
+        [[bodies]]
+        name = "blade"
+        node = "flap"
+        mass = 2
+        center = [1.5, 0, 0]
+        [analysis.campbell]
+        joint = "hub"
+        to = 10
+        steps = 4
+        count = 1
+    "#;
+    for (speed, found) in diagram("campbell_hinge", text) {
+        let square = 100.0 / (2.0 * 2.25) + speed * speed * (1.0 + 0.5 / 1.5);
+        assert_near(found[0], square.sqrt(), 1e-12);
+    }
 }
 
 #[test]

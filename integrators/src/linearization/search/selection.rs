@@ -1,5 +1,6 @@
 //! Which eigenvalues of the operator belong to the modes selected, and when they are enough.
 
+use super::super::modes::ROUNDING;
 use super::{Inner, Order, RitzPair, Search, Selection};
 use num_complex::Complex64;
 
@@ -15,9 +16,13 @@ const INNER: usize = 4;
 const SPREAD: f64 = 1e9;
 
 impl Search<'_> {
-    /// ω² or λ of an eigenvalue of the operator.
+    /// ω² or λ of an eigenvalue of the operator; zero where nothing but rounding errors are left.
     pub(super) fn eigenvalue(&self, pair: &RitzPair) -> Complex64 {
-        self.operator.shift() + pair.theta.inv()
+        let shift = self.operator.shift();
+        match shift + pair.theta.inv() {
+            value if value.norm() <= ROUNDING * shift.abs() => Complex64::ZERO,
+            value => value,
+        }
     }
 
     /// A shift that suits the modes better: nearer to them, or farther from a rigid one that drowns them.

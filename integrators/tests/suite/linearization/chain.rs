@@ -148,6 +148,59 @@ fn a_system_without_stiffness_has_zero_frequencies() {
     lin.K.fill(0.0);
     let found = modes(&lin, &ModeOptions::lowest(4)).unwrap();
     assert!(found.modes.iter().all(|mode| mode.omega() == 0.0) && found.modes.len() == 4);
+    assert!(found.modes.iter().all(|mode| mode.residual == 0.0));
+}
+
+/// A massless end behind a spring of one and a damper β relaxes with λ = −1/β, and nothing else moves. The masses before it
+/// are a chain with a free end.
+#[test]
+fn a_massless_end_relaxes() {
+    let mut lin = chain(4, 0.0, 0.0);
+    let at = |lin: &Linearized, i, j| lin.pattern.find(i, j).unwrap();
+    let beta = 0.1;
+    for (i, j, damping) in [(2, 2, beta), (3, 3, beta), (2, 3, -beta), (3, 2, -beta)] {
+        let k = at(&lin, i, j);
+        lin.C[k] = damping;
+    }
+    let last = at(&lin, 3, 3);
+    (lin.K[last], lin.M[last]) = (1.0, 0.0);
+    let found = modes(&lin, &ModeOptions::lowest(10)).unwrap();
+    assert!(found.complete && found.modes.len() == 4);
+    let (relaxing, rest): (Vec<_>, Vec<_>) =
+        (found.modes.iter()).partition(|mode| mode.eigenvalue.im == 0.0);
+    assert!(
+        (relaxing[0].eigenvalue.re * beta + 1.0).abs() < 1e-13,
+        "{relaxing:?}"
+    );
+    let shape = relaxing[0].shape.iter().map(|x| x.norm());
+    for (x, exact) in shape.zip([0.0, 0.0, 0.0, 1.0]) {
+        assert!((x - exact).abs() < 1e-13, "{relaxing:?}");
+    }
+    for (k, mode) in rest.iter().enumerate() {
+        let exact = 2.0 * ((2 * k + 1) as f64 * std::f64::consts::PI / 14.0).sin();
+        assert!(
+            (mode.eigenvalue.im / exact - 1.0).abs() < 1e-12,
+            "{k}: {}",
+            mode.eigenvalue
+        );
+        assert!(mode.eigenvalue.re.abs() < 1e-13 && mode.residual < 1e-13);
+    }
+}
+
+/// A mass without a spring does not move, whatever the other one does.
+#[test]
+fn a_rigid_mode_beside_an_unstable_one() {
+    let mut lin = chain(2, 0.0, 0.0);
+    lin.K.fill(0.0);
+    let [one, coupling, other] =
+        [(1, 1), (0, 1), (1, 0)].map(|(i, j)| lin.pattern.find(i, j).unwrap());
+    lin.K[one] = -3.0;
+    (lin.M[coupling], lin.M[other]) = (0.3, 0.3);
+    let found = modes(&lin, &ModeOptions::lowest(2)).unwrap();
+    assert_eq!(found.modes[0].eigenvalue, 0.0.into());
+    // M⁻¹ K has the trace −3 / (1 − 0.09).
+    let growth = (3.0_f64 / 0.91).sqrt();
+    assert!((found.modes[1].eigenvalue.re / growth - 1.0).abs() < 1e-13);
 }
 
 #[test]
