@@ -163,6 +163,8 @@ fn participations(
 pub struct CriticalLoads {
     /// The loads with their shapes, by growing distance.
     pub modes: Vec<BucklingMode>,
+    /// What a user should know of the search.
+    pub warnings: Vec<String>,
     /// Names of the coordinates of their shapes.
     pub names: Vec<String>,
 }
@@ -222,8 +224,15 @@ pub fn critical_loads(
     at: Point<'_>,
     count: usize,
 ) -> Result<CriticalLoads, BucklingError> {
+    let modes = buckling(context, at, count)?;
+    let mut warnings = Vec::new();
+    if modes.len() < count {
+        let found = plural(modes.len(), "critical load");
+        warnings.push(format!("the model has {found}, fewer than count = {count}"));
+    }
     Ok(CriticalLoads {
-        modes: buckling(context, at, count)?,
+        modes,
+        warnings,
         names: (0..context.pattern().dim())
             .map(|i| context.name(i))
             .collect(),

@@ -193,12 +193,12 @@ fn campbell(diagram: &CampbellDiagram) -> String {
         Some(mode) => format!("{:.6e}", value(mode)),
         None => "-".to_owned(),
     };
-    let mut out = "\nline  first frequency  last frequency  damping ratio\n".to_owned();
+    let mut out = "\nline  first frequency  last frequency  last damping ratio\n".to_owned();
     for (k, line) in diagram.lines.iter().enumerate() {
         let [first, last] = [line.first(), line.last()].map(|mode| mode.and_then(Option::as_ref));
         let _ = writeln!(
             out,
-            "{:4}  {:>15}  {:>14}  {:>13}",
+            "{:4}  {:>15}  {:>14}  {:>18}",
             k + 1,
             number(first, Mode::frequency),
             number(last, Mode::frequency),

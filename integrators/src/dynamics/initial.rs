@@ -84,7 +84,7 @@ pub(super) fn accelerate(
     if !motion.solve_mass(state, (h, 0.0), None)? {
         motion.solve_rates(state)?;
         motion.solve_mass(state, (h, 0.0), None)?;
-    } else if is_damped(motion.system, state)? {
+    } else if is_damped(motion.system, state, h)? {
         passes = PASSES;
     }
     for _ in 0..passes {
@@ -100,10 +100,10 @@ pub(super) fn accelerate(
     Ok(())
 }
 
-/// Whether dampers dissipate power at a state.
-fn is_damped(system: &mut dyn System, state: &State) -> Result<bool, DynamicsError> {
+/// Whether dampers dissipate power at a state, more than by rounding errors of velocities.
+fn is_damped(system: &mut dyn System, state: &State, h: f64) -> Result<bool, DynamicsError> {
     let energies = energies(system, state.point()).map_err(DynamicsError::at(state.t))?;
-    Ok(energies.is_some_and(|now| now.dissipated > 0.0))
+    Ok(energies.is_some_and(|now| h * now.dissipated > ROUNDING * now.kinetic))
 }
 
 /// Number of solutions with M + h C instead of M in a system with dampers.
@@ -166,7 +166,7 @@ pub(super) fn apply_impulse(
             }
         }
         add(&mut state.v, 1.0, motion.r);
-        if prescribed && damping == 0.0 && is_damped(motion.system, state)? {
+        if prescribed && damping == 0.0 && is_damped(motion.system, state, h)? {
             add(&mut state.v, -1.0, motion.r);
             (damping, most) = (h, PASSES);
         } else {
@@ -178,7 +178,8 @@ pub(super) fn apply_impulse(
 
 /// Largest number of impulses; each leaves ½ (1 − cos θ) of the missing momentum at a corner of θ.
 const IMPULSES: usize = 30;
-/// Differences of momentum below this part of the momentum are rounding errors.
+/// Differences of momentum below this part of the momentum, and dissipated energies below this part of the kinetic one, are
+/// rounding errors.
 const ROUNDING: f64 = 1e-12;
 
 /// Largest number of corrections of massless velocities.

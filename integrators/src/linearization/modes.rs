@@ -269,6 +269,11 @@ impl<'a> Finish<'a> {
             value if value.im < 0.0 => -value,
             value => value,
         };
+        // No sign of a damping that is a rounding error.
+        let eigenvalue = match eigenvalue {
+            Complex64 { re, im } if re.abs() <= ROUNDING * im => Complex64::new(0.0, im),
+            value => value,
+        };
         let residual = self.residual(shape, &images, eigenvalue);
         let [re, im] = shape;
         let mut complex: Vec<Complex64> = match im.is_empty() {

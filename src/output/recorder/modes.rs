@@ -55,6 +55,8 @@ impl Recorder<'_> {
         at: Point<'_>,
         loads: &CriticalLoads,
     ) -> Result<(), OutputError> {
+        let warnings = &mut self.recording.seen.warnings;
+        warnings.extend(loads.warnings.iter().cloned());
         let mut csv = "mode,load\n".to_owned();
         for (k, mode) in loads.modes.iter().enumerate() {
             // Writing to a string cannot fail.

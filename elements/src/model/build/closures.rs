@@ -53,9 +53,11 @@ impl ModelBuilder {
             false => a,
         };
         let mut parents = joint.all_parents();
-        if parents.any(|m| [child.0, b.partner].contains(&m))
-            || self.carried.contains(&[child, frame])
-        {
+        let own_parent = match self.carried.iter().find(|[_, joint]| *joint == frame) {
+            Some([parent, _]) => *parent == child,
+            None => parents.any(|m| [child.0, b.partner].contains(&m)),
+        };
+        if own_parent {
             return Err(ModelError::OwnParent {
                 joint: a.name.clone(),
                 child: b.name.clone(),

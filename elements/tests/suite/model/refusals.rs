@@ -400,4 +400,8 @@ fn a_joint_that_ends_where_it_begins() {
             ),
         );
     }
+    // To the frame that carries its own: nothing can move.
+    let joint = Revolute::new([0.0, 0.0, 1.0]).unwrap();
+    let joint = b.attach("C", seat, joint).unwrap();
+    b.close(joint.frame, node).unwrap();
 }
