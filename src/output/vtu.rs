@@ -71,11 +71,8 @@ pub(super) fn grid(
     out += "<Points>\n";
     vectors(&mut out, "Points", &points.positions);
     out += "</Points>\n<Cells>\n";
-    let indices = [
-        ("connectivity", &cells.connectivity),
-        ("offsets", &cells.offsets),
-    ];
-    for (name, values) in indices {
+    let (connectivity, offsets) = (&cells.connectivity, &cells.offsets);
+    for (name, values) in [("connectivity", connectivity), ("offsets", offsets)] {
         let about = format!("type=\"Int64\" Name=\"{name}\"");
         array(&mut out, &about, values.iter().map(|i| i.to_le_bytes()));
     }

@@ -60,10 +60,8 @@ impl ModelBuilder {
     {
         let mut coordinates = self.add_coordinates(name, &joint)?;
         coordinates.push(self.rotation(format!("{name} rotation"))?);
-        let (carrier, at) = self.carrier_of(parent);
-        let pose = self.pose_of(carrier, || format!("joint at node {name}"))?;
+        let (parents, at) = self.parents(name, parent, &coordinates)?;
         let position = self.child_position(parent, &joint);
-        let parents = [&[pose], &coordinates[..]].concat();
         let map = Box::new(JointMap::turning_freely(joint).at(at));
         let frame = self.mapped_node(name, position, map, &parents)?;
         self.carry(parent, frame);
@@ -157,10 +155,8 @@ impl ModelBuilder {
         J: Joint<D> + Clone + 'static,
     {
         let name = name.into();
-        let (carrier, at) = self.carrier_of(parent);
-        let pose = self.pose_of(carrier, || format!("joint at node {name}"))?;
+        let (parents, at) = self.parents(&name, parent, coordinates)?;
         let position = self.child_position(parent, &joint);
-        let parents = [&[pose], coordinates].concat();
         let map = Box::new(JointMap::new(joint).at(at));
         let frame = self.mapped_pose(name, position, map, &parents)?;
         self.carry(parent, frame);
@@ -182,6 +178,18 @@ impl ModelBuilder {
 
     fn child_position<J: Joint<D>, const D: usize>(&self, parent: NodeId, joint: &J) -> [f64; 3] {
         (self.position(parent) + joint.pose(0.0, &SVector::zeros()).d).into()
+    }
+
+    /// What the map of a joint reads, and the position of the joint in the frame that carries its parent.
+    fn parents(
+        &mut self,
+        name: &str,
+        parent: NodeId,
+        coordinates: &[NodeId],
+    ) -> Result<(Vec<NodeId>, Vector3<f64>), ModelError> {
+        let (carrier, at) = self.carrier_of(parent);
+        let pose = self.pose_of(carrier, || format!("joint at node {name}"))?;
+        Ok(([&[pose], coordinates].concat(), at))
     }
 
     fn add_coordinates<J: Joint<D>, const D: usize>(

@@ -75,25 +75,7 @@ pub fn buckling(
     if !lin.is_symmetric(&lin.K) {
         return Err(BucklingError::Asymmetric);
     }
-    let rate = path_rate(system, &lin, at)?;
-    let units = lin.pattern.units().iter().zip(&rate);
-    let sizes = units
-        .filter(|(unit, _)| **unit > 0.0)
-        .map(|(unit, x)| (x / unit).abs());
-    let fastest = sizes.fold(0.0, f64::max);
-    let h = if fastest > 0.0 { CHANGE / fastest } else { 1.0 };
-    let mut symmetric = true;
-    let change = central(h, |s| {
-        let q: Vec<f64> = at.q.iter().zip(&rate).map(|(q, x)| q + s * x).collect();
-        let (mut r, mut K) = (vec![0.0; q.len()], vec![0.0; lin.pattern.len()]);
-        let out = Evaluation::with_tangent(&mut r, Weights::STATIC, &mut K);
-        system.evaluate(Point::statics(at.t + s, &q), out)?;
-        symmetric &= lin.is_symmetric(&K);
-        Ok(K)
-    })?;
-    if !symmetric {
-        return Err(BucklingError::Asymmetric);
-    }
+    let change = tangent_rate(system, &lin, at)?;
     lin.M = change.into_iter().map(|K| -K).collect();
     let mut search = Search::indefinite(&lin, count)?;
     if !search.is_definite()? {
@@ -109,6 +91,34 @@ pub fn buckling(
         }
     });
     Ok(modes.collect())
+}
+
+/// dK/dt along the equilibrium path.
+fn tangent_rate(
+    system: &mut dyn System,
+    lin: &Linearized,
+    at: Point<'_>,
+) -> Result<Vec<f64>, BucklingError> {
+    let rate = path_rate(system, lin, at)?;
+    let units = lin.pattern.units().iter().zip(&rate);
+    let sizes = units
+        .filter(|(unit, _)| **unit > 0.0)
+        .map(|(unit, x)| (x / unit).abs());
+    let fastest = sizes.fold(0.0, f64::max);
+    let h = if fastest > 0.0 { CHANGE / fastest } else { 1.0 };
+    let mut symmetric = true;
+    let change = central(h, |s| {
+        let q: Vec<f64> = at.q.iter().zip(&rate).map(|(q, x)| q + s * x).collect();
+        let (mut r, mut K) = (vec![0.0; q.len()], vec![0.0; lin.pattern.len()]);
+        let out = Evaluation::with_tangent(&mut r, Weights::STATIC, &mut K);
+        system.evaluate(Point::statics(at.t + s, &q), out)?;
+        symmetric &= lin.is_symmetric(&K);
+        Ok(K)
+    })?;
+    match symmetric {
+        true => Ok(change),
+        false => Err(BucklingError::Asymmetric),
+    }
 }
 
 /// dq/dt along the equilibrium path: K dq/dt = ∂r/∂t.

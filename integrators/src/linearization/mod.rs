@@ -21,6 +21,7 @@
 
 mod buckling;
 mod campbell;
+mod finish;
 mod inputs;
 mod krylov;
 mod modes;

@@ -55,10 +55,7 @@ impl ModelBuilder {
             node.first = total;
             total += node.dim;
         }
-        let of_elements = elements.iter().flat_map(|e| e.nodes.iter().copied());
-        let of_maps = nodes.iter().flat_map(Node::all_parents);
-        let read: Vec<u32> = of_elements.chain(of_maps).collect();
-        mark_unread(&mut nodes, &read);
+        mark_unread(&mut nodes, &elements);
         let dependent = dependency_graph::order(&nodes);
         let alternatives = Alternatives::new(&nodes, &dependent)?;
         let operators = dependency_graph::arrange(&mut nodes, &dependent);

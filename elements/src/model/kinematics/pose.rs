@@ -4,9 +4,10 @@
 //! is the chart of its pose ([`ToChart`]), which is evaluated only if an element or a map reads it; the
 //! pose of any other frame is mapped from its chart ([`ToPose`]).
 
+use crate::model::assembly::workspace::Workspace;
 use crate::model::build::builder::FRAME_QUANTITIES;
 use crate::model::kinematics::mapped_node::MappedNode;
-use crate::model::{Context, NONE, Node, NodeForm, Source};
+use crate::model::{Context, ElementEntry, NONE, Node, NodeForm, Source};
 use nalgebra::Vector3;
 use pullback_manifold::map::pose::orientation;
 use pullback_manifold::map::{KinematicsMut, MapState, Parametrization, ToChart, ToPose};
@@ -50,9 +51,13 @@ pub(in crate::model) fn spatial(node: &Node, x: &[f64], covector: &[f64]) -> [Ve
 }
 
 /// Marks the charts of frames that nothing reads, and the poses of frames fixed to another one that nothing else reads.
-pub(in crate::model) fn mark_unread(nodes: &mut [Node], read: &[u32]) {
+pub(in crate::model) fn mark_unread(nodes: &mut [Node], elements: &[ElementEntry]) {
+    let of_elements = elements.iter().flat_map(|e| e.nodes.iter().copied());
+    let of_maps = nodes.iter().flat_map(Node::all_parents);
     let mut readers = vec![0; nodes.len()];
-    read.iter().for_each(|&n| readers[n as usize] += 1);
+    of_elements
+        .chain(of_maps)
+        .for_each(|n| readers[n as usize] += 1);
     for n in 0..nodes.len() {
         if readers[n] > 0 || !nodes[n].is_view() {
             continue;
@@ -120,11 +125,11 @@ impl Context {
         let pose = match node.form {
             NodeForm::Pose => self.pose_motion(node),
             _ if node.is_view() => self.pose_motion(&self.model.nodes[node.partner as usize]),
-            _ => return self.motion_of(node),
+            _ => return motion_of(&self.work, node),
         };
         let mut chart = ToChart::default();
         chart.change_charts(self.work.t, &pose[0]);
-        self.mapped_motion(&mut chart, &pose)
+        motion_by(&mut chart, self.work.t, &pose)
     }
 
     /// The same of a pose, also of one that no evaluation reads.
@@ -133,32 +138,31 @@ impl Context {
             Some(d) if !d.read => {
                 let parent = &self.model.nodes[d.initial_parents()[0] as usize];
                 let mut map = self.state.maps[d.index].clone();
-                self.mapped_motion(&mut *map, &self.pose_motion(parent))
+                motion_by(&mut *map, self.work.t, &self.pose_motion(parent))
             }
-            _ => self.motion_of(pose),
+            _ => motion_of(&self.work, pose),
         }
     }
+}
 
-    fn motion_of(&self, frame: &Node) -> [[f64; 6]; 3] {
-        let w = &self.work;
-        [&w.x, &w.v, &w.a].map(|x| std::array::from_fn(|k| x[frame.first + k]))
-    }
+fn motion_of(w: &Workspace, frame: &Node) -> [[f64; 6]; 3] {
+    [&w.x, &w.v, &w.a].map(|x| std::array::from_fn(|k| x[frame.first + k]))
+}
 
-    /// The motion of a frame that a map gives by another one.
-    fn mapped_motion(&self, map: &mut dyn Parametrization, of: &[[f64; 6]; 3]) -> [[f64; 6]; 3] {
-        let mut out = [[0.0; 6]; 3];
-        let mut operators = [[0.0; 36]; 3];
-        let [x, x_dot, x_ddot] = &mut out;
-        let [B, B_dot, B_ddot] = &mut operators;
-        let to = KinematicsMut {
-            x,
-            x_dot,
-            x_ddot,
-            B,
-            B_dot,
-            B_ddot,
-        };
-        map.kinematics(self.work.t, &of[0], &of[1], &of[2], to);
-        out
-    }
+/// The motion of a frame that a map gives by another one.
+fn motion_by(map: &mut dyn Parametrization, t: f64, of: &[[f64; 6]; 3]) -> [[f64; 6]; 3] {
+    let mut out = [[0.0; 6]; 3];
+    let mut operators = [[0.0; 36]; 3];
+    let [x, x_dot, x_ddot] = &mut out;
+    let [B, B_dot, B_ddot] = &mut operators;
+    let to = KinematicsMut {
+        x,
+        x_dot,
+        x_ddot,
+        B,
+        B_dot,
+        B_ddot,
+    };
+    map.kinematics(t, &of[0], &of[1], &of[2], to);
+    out
 }

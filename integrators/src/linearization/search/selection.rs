@@ -1,6 +1,6 @@
 //! Which eigenvalues of the operator belong to the modes selected, and when they are enough.
 
-use super::super::modes::ROUNDING;
+use super::super::finish::ROUNDING;
 use super::{Inner, Order, RitzPair, Search, Selection};
 use num_complex::Complex64;
 
