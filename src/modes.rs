@@ -110,13 +110,7 @@ pub fn find(
     if lin.K.iter().all(|k| *k == 0.0) {
         warnings.push("nothing in the model is elastic: all frequencies are zero".to_owned());
     }
-    if at.v.iter().chain(at.a).any(|x| *x != 0.0) {
-        warnings.push(format!(
-            "the state moves: its equations are frozen at time {}, and growth or decay of a mode there is none of \
-             the motion; only a steady motion, at rest in its coordinates, has modes of its own",
-            significant(at.t)
-        ));
-    }
+    warnings.extend(warning_of_motion(at));
     let participations = participations(context, at, &found.modes)?;
     let modes = found.modes.into_iter().zip(participations);
     let modes = modes.map(|(mode, participation)| ModelMode {
@@ -156,6 +150,18 @@ fn participations(
         Ok([0, 1, 2].map(|k| Complex64::new(re[k], im[k])))
     });
     participations.collect()
+}
+
+/// What a user should know of a linearisation about a state that moves.
+pub(crate) fn warning_of_motion(at: Point<'_>) -> Option<String> {
+    let moves = at.v.iter().chain(at.a).any(|x| *x != 0.0);
+    moves.then(|| {
+        format!(
+            "the state moves: its equations are frozen at time {}, and growth or decay of a mode there is none of \
+             the motion; only a steady motion, at rest in its coordinates, has modes of its own",
+            significant(at.t)
+        )
+    })
 }
 
 /// Critical loads of a model, nearest to that of an equilibrium.

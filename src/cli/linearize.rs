@@ -3,6 +3,7 @@
 use super::parameters::ModelArguments;
 use super::{FAILED, INTERRUPTED, complain, print, refuse};
 use crate::input::{Analysis, Job, Registry};
+use crate::modes::warning_of_motion;
 use crate::output::{Directory, OutputError};
 use crate::probe::{Answers, Probe};
 use crate::run::{ReachError, RunError, reach};
@@ -81,6 +82,9 @@ pub(super) fn linearize(registry: &Registry, args: &LinearizeArguments) -> u8 {
             return FAILED;
         }
     };
+    if let Some(warning) = warning_of_motion(at) {
+        tell(format!("warning: {warning}"));
+    }
     let mut inputs = job.file.inputs.keys().cloned().collect::<Vec<_>>();
     if let Analysis::Campbell(campbell) = &job.file.analysis {
         inputs.push(format!("speed of {}", campbell.joint));

@@ -19,7 +19,7 @@ use crate::rounding::largest;
 use crate::significant;
 use crate::statics::{StaticOptions, StaticsError, equilibrium_from};
 use num_complex::Complex64;
-use pullback_manifold::system::{Point, Quantity, System};
+use pullback_manifold::system::{Evaluation, Point, Quantity, System};
 use std::ops::ControlFlow;
 use thiserror::Error;
 
@@ -98,6 +98,8 @@ const SAME: f64 = 0.2;
 const HALVINGS: usize = 5;
 /// Distance of eigenvalues that count as repeated, relative to their size.
 const REPEATED: f64 = 1e-6;
+/// Largest residual of an equilibrium that counts as rounding, relative to loads and reactions.
+const BALANCED: f64 = 1e-12;
 /// Largest change of residuals and matrices during a turn that counts as rounding, relative to their rows.
 const STEADY: f64 = 1e-7;
 
@@ -197,8 +199,10 @@ impl Sweep<'_> {
             ..self.options.statics
         };
         let mut steady = SteadyMotion::new(&mut *self.system, t, self.input);
-        *self.q = equilibrium_from(&mut steady, std::mem::take(self.q), &statics)
-            .map_err(|source| CampbellError::Equilibrium { speed, source })?;
+        if !is_balanced(&mut steady, Point::statics(speed, self.q)) {
+            *self.q = equilibrium_from(&mut steady, std::mem::take(self.q), &statics)
+                .map_err(|source| CampbellError::Equilibrium { speed, source })?;
+        }
         self.speed = speed;
         let failed_at = |source| CampbellError::Linearization { speed, source };
         let zeros = vec![0.0; self.q.len()];
@@ -223,6 +227,20 @@ impl Sweep<'_> {
         let found = modes_while(&lin, &options, &mut |_| (self.observer)(speed)).map_err(failed)?;
         Ok((found.modes, lin))
     }
+}
+
+/// Whether a point is an equilibrium but for rounding errors. It is not solved for then: at a critical speed its stiffness
+/// is singular.
+fn is_balanced(system: &mut dyn System, at: Point<'_>) -> bool {
+    let mut r = vec![0.0; at.q.len()];
+    if system.evaluate(at, Evaluation::residual(&mut r)).is_err() {
+        return false;
+    }
+    let quantity = |i| system.coordinate_info(i).quantity;
+    let quantities: Vec<Quantity> = (0..r.len()).map(quantity).collect();
+    let worst = largest(&quantities, &r, [0.0; 3]);
+    let measures = system.scales().measures();
+    (worst.iter().zip(measures)).all(|(worst, measure)| *worst <= BALANCED * measure)
 }
 
 impl Linearized {

@@ -150,6 +150,13 @@ fn whirl_of_an_overhung_disc() {
     );
 }
 
+const BEARINGS: &str = r#"
+    [[springs]]
+    name = "bearings"
+    nodes = ["ground", "disc"]
+    bushing = { stiffness = [0, 0, 0, 0, 0, 0], damping = [1, 1, 0, 0, 0, 0] }
+"#;
+
 /// A disc in a shaft of stiffness k with damping c in it, and d in its fixed bearings. In the frame that rotates
 /// m (ζ̈ + 2iΩ ζ̇ − Ω² ζ) + c ζ̇ + d (ζ̇ + iΩ ζ) + k ζ = 0 for ζ = x + i y: beyond Ω = √(k/m) both whirls turn back, and beyond
 /// (1 + d/c) times that the forward one grows.
@@ -180,46 +187,52 @@ fn whirl_beyond_the_critical_speed() {
         name = "shaft"
         nodes = ["hub", "disc"]
         bushing = { stiffness = [200, 200, 300, 40, 40, 50], damping = [1.5, 1.5, 0, 0, 0, 0] }
-        [[springs]]
-        name = "bearings"
-        nodes = ["ground", "disc"]
-        bushing = { stiffness = [0, 0, 0, 0, 0, 0], damping = [1, 1, 0, 0, 0, 0] }
         [analysis.campbell]
         joint = "hub"
         to = 30
         steps = 12
         count = 6
     "#;
-    let csv = read(ran(&directory("campbell_whirl"), text).join("campbell.csv"));
-    let (m, k, c, d) = (2.0, 200.0, 1.5, 1.0);
-    let mut grows = 0;
-    for line in csv.lines().skip(1) {
-        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
-        let i_omega = Complex64::i() * cells[0];
-        let half = (c + d) / (2.0 * m);
-        let root = ((i_omega + half).powi(2) - (k + d * i_omega) / m - i_omega.powi(2)).sqrt();
-        // Both lines begin with one frequency, and keep to their whirl.
-        let mut exact = [root, -root].map(|root| root - i_omega - half);
-        if cells[0] > 0.0 && (cells[1] * TAU - exact[0].im.abs()).abs() > 1e-6 {
-            exact.reverse();
+    // Without damping in the bearings the stiffness is singular at the critical speed, 10, and motions grow beyond it.
+    for (d, growing) in [(1.0, 6), (0.0, 8)] {
+        let bearings = match d {
+            0.0 => "",
+            _ => BEARINGS,
+        };
+        let text = format!("{text}\n{bearings}");
+        let csv = read(ran(&directory("campbell_whirl"), &text).join("campbell.csv"));
+        let (m, k, c) = (2.0, 200.0, 1.5);
+        let mut grows = 0;
+        for line in csv.lines().skip(1) {
+            let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+            let i_omega = Complex64::i() * cells[0];
+            let half = (c + d) / (2.0 * m);
+            let root = ((i_omega + half).powi(2) - (k + d * i_omega) / m - i_omega.powi(2)).sqrt();
+            // Both lines begin with one frequency, and keep to their whirl.
+            let mut exact = [root, -root].map(|root| root - i_omega - half);
+            if cells[0] > 0.0 && (cells[1] * TAU - exact[0].im.abs()).abs() > 1e-6 {
+                exact.reverse();
+            }
+            for (found, exact) in cells[1..5].chunks(2).zip(exact) {
+                assert!(
+                    (found[0] * TAU - exact.im.abs()).abs() < 1e-9,
+                    "{line} {exact}"
+                );
+                if exact.norm() > 1e-9 {
+                    assert!(
+                        (found[1] + exact.re / exact.norm()).abs() < 1e-9,
+                        "{line} {exact}"
+                    );
+                }
+            }
+            grows += usize::from(cells[2] < 0.0 || cells[4] < 0.0);
         }
-        for (found, exact) in cells[1..5].chunks(2).zip(exact) {
-            assert!(
-                (found[0] * TAU - exact.im.abs()).abs() < 1e-9,
-                "{line} {exact}"
-            );
-            assert!(
-                (found[1] + exact.re / exact.norm()).abs() < 1e-9,
-                "{line} {exact}"
-            );
-        }
-        grows += usize::from(cells[2] < 0.0 || cells[4] < 0.0);
+        assert_eq!(grows, growing);
     }
-    // At 17.5 and all speeds above.
-    assert_eq!(grows, 6);
 }
 
-/// A blade on a hinge at a distance e from the axis: ω² = k/(m r²) + Ω² (1 + e/r), without damping in any equation.
+/// A blade on a hinge at a distance e from the axis: ω² = k/(m r²) + Ω² (1 + e/r), without damping in any equation, with
+/// or without a spring.
 #[test]
 fn a_hinge_in_flap() {
     let text = r#"
@@ -251,13 +264,21 @@ fn a_hinge_in_flap() {
         center = [1.5, 0, 0]
         [analysis.campbell]
         joint = "hub"
+        from = 2
         to = 10
         steps = 4
         count = 1
     "#;
-    for (speed, found) in diagram("campbell_hinge", text) {
-        let square = 100.0 / (2.0 * 2.25) + speed * speed * (1.0 + 0.5 / 1.5);
-        assert_near(found[0], square.sqrt(), 1e-12);
+    for k in [100.0, 0.0] {
+        let spring = match k {
+            0.0 => String::new(),
+            k => format!("spring = {{ k = {k} }}"),
+        };
+        let text = text.replace("spring = { k = 100 }", &spring);
+        for (speed, found) in diagram("campbell_hinge", &text) {
+            let square = k / (2.0 * 2.25) + speed * speed * (1.0 + 0.5 / 1.5);
+            assert_near(found[0], square.sqrt(), 1e-12);
+        }
     }
 }
 

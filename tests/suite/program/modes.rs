@@ -241,3 +241,13 @@ fn matrices_of_two_masses() {
         "node a, displacement along e1\nnode b, displacement along e1\n"
     );
 }
+
+#[test]
+fn matrices_of_a_motion_are_those_of_an_instant() {
+    let out = directory("moving matrices");
+    let motion = "[[initial]]\nnode = \"a\"\nvelocity = [1, 0, 0]\n[analysis.dynamic]\nto = 0.1\nstep = 0.01\n";
+    let ran = command("linearize", &[&write(&out, &format!("{MASSES}\n{motion}"))]);
+    let said = String::from_utf8_lossy(&ran.stderr);
+    assert!(ran.status.success(), "{said}");
+    assert!(said.contains("warning: the state moves"), "{said}");
+}
