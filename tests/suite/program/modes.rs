@@ -112,6 +112,7 @@ fn settings_of_modes_are_checked() {
         ("count = 0", "count"),
         ("near = -1.0", "near"),
         ("range = [2, 1]", "range"),
+        ("near = 1.0\nrange = [1, 2]", "near"),
         ("after = { modes = {} }", "modes"),
         ("number = 3", "number"),
     ] {
