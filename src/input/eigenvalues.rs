@@ -107,7 +107,8 @@ fn mode_options(at: &Location<'_>, m: &ModalAnalysis) -> Result<ModeOptions, Inp
             ));
         }
         Some(_) if m.near != 0.0 => {
-            return Err(at.range("near", m.near, "`near` or `range`, one of the two"));
+            let message = "near and range exclude each other: keep one of them".to_owned();
+            return Err(at.at("near").refuse_key(InputProblem::Toml(message)));
         }
         Some(range) => Selection::Range(range.map(|f| TAU * f)),
         None => Selection::Nearest {

@@ -31,7 +31,7 @@ type Rates<T> = [T; 3];
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Link<J, const D: usize> {
     pub joint: J,
-    pub position: Vector3<f64>,
+    position: Vector3<f64>,
     start: Vector3<f64>,
 }
 

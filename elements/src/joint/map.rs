@@ -37,9 +37,8 @@ where
 
     /// The map of a joint whose child rotates freely.
     pub fn turning_freely(joint: J) -> Self {
-        let turns_freely = true;
         Self {
-            turns_freely,
+            turns_freely: true,
             ..Self::new(joint)
         }
     }

@@ -150,6 +150,20 @@ fn whirl_of_an_overhung_disc() {
     );
 }
 
+/// A hub that rotates.
+const HUB: &str = r#"
+[nodes]
+ground = [0, 0, 0]
+[[supports]]
+node = "ground"
+fix = "all"
+[[joints]]
+name = "hub"
+type = "revolute"
+parent = "ground"
+axis = [0, 0, 1]
+"#;
+
 const BEARINGS: &str = r#"
     [[springs]]
     name = "bearings"
@@ -163,16 +177,6 @@ const BEARINGS: &str = r#"
 #[test]
 fn whirl_beyond_the_critical_speed() {
     let text = r#"
-        [nodes]
-        ground = [0, 0, 0]
-        [[supports]]
-        node = "ground"
-        fix = "all"
-        [[joints]]
-        name = "hub"
-        type = "revolute"
-        parent = "ground"
-        axis = [0, 0, 1]
         [[joints]]
         name = "disc"
         type = "free"
@@ -199,7 +203,7 @@ fn whirl_beyond_the_critical_speed() {
             0.0 => "",
             _ => BEARINGS,
         };
-        let text = format!("{text}\n{bearings}");
+        let text = [HUB, text, bearings].concat();
         let csv = read(ran(&directory("campbell_whirl"), &text).join("campbell.csv"));
         let (m, k, c) = (2.0, 200.0, 1.5);
         let mut grows = 0;
@@ -236,16 +240,6 @@ fn whirl_beyond_the_critical_speed() {
 #[test]
 fn a_hinge_in_flap() {
     let text = r#"
-        [nodes]
-        ground = [0, 0, 0]
-        [[supports]]
-        node = "ground"
-        fix = "all"
-        [[joints]]
-        name = "hub"
-        type = "revolute"
-        parent = "ground"
-        axis = [0, 0, 1]
         [[joints]]
         name = "arm"
         type = "offset"
@@ -274,7 +268,7 @@ fn a_hinge_in_flap() {
             0.0 => String::new(),
             k => format!("spring = {{ k = {k} }}"),
         };
-        let text = text.replace("spring = { k = 100 }", &spring);
+        let text = [HUB, &text.replace("spring = { k = 100 }", &spring)].concat();
         for (speed, found) in diagram("campbell_hinge", &text) {
             let square = k / (2.0 * 2.25) + speed * speed * (1.0 + 0.5 / 1.5);
             assert_near(found[0], square.sqrt(), 1e-12);
