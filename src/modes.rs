@@ -221,6 +221,9 @@ pub enum Eigenvalues {
     Campbell(ModelCampbell),
 }
 
+/// Error of a critical load above which a warning is given.
+const POOR: f64 = 0.1;
+
 /// The critical loads extrapolated from an equilibrium.
 ///
 /// # Errors
@@ -235,6 +238,15 @@ pub fn critical_loads(
     if modes.len() < count {
         let found = plural(modes.len(), "critical load");
         warnings.push(format!("the model has {found}, fewer than count = {count}"));
+    }
+    if let Some((k, mode)) = (1..).zip(&modes).find(|(_, mode)| mode.error > POOR) {
+        warnings.push(format!(
+            "critical load {k}, {}, is a poor estimate: the stiffness there differs by {:.0} % from that extrapolated, as \
+             members bend or turn before they buckle. Find the point itself, with `record = [\"bifurcation\", \
+             \"turning_point\"]` in `[analysis.arc_length]`, or extrapolate from a state nearer to it",
+            significant(mode.load),
+            100.0 * mode.error
+        ));
     }
     Ok(CriticalLoads {
         modes,

@@ -3,6 +3,7 @@
 #![allow(non_snake_case)]
 
 use super::inputs::central;
+use super::krylov::dot;
 use super::modes::ModesError;
 use super::search::Search;
 use super::{Linearized, linearize};
@@ -18,6 +19,10 @@ pub struct BucklingMode {
     pub load: f64,
     /// Buckling shape ψ, with ψᵀ K ψ = 1 for the tangent K at the state.
     pub shape: Vec<f64>,
+    /// |ψᵀ K ψ| for the tangent K at this load and the coordinates extrapolated to it: zero where the tangent is
+    /// linear in the load, and infinite at coordinates without a tangent. The load is off by about this share of
+    /// its distance from the state.
+    pub error: f64,
 }
 
 /// Error of [`buckling`].
@@ -75,7 +80,23 @@ pub fn buckling(
     if !lin.is_symmetric(&lin.K) {
         return Err(BucklingError::Asymmetric);
     }
-    let change = tangent_rate(system, &lin, at)?;
+    let rate = path_rate(system, &lin, at)?;
+    let mut tangent = |s: f64| {
+        let q: Vec<f64> = at.q.iter().zip(&rate).map(|(q, x)| q + s * x).collect();
+        let (mut r, mut K) = (vec![0.0; q.len()], vec![0.0; lin.pattern.len()]);
+        let out = Evaluation::with_tangent(&mut r, Weights::STATIC, &mut K);
+        system.evaluate(Point::statics(at.t + s, &q), out)?;
+        Ok(K)
+    };
+    let mut symmetric = true;
+    let change = central(step(&lin, &rate), |s| {
+        let K = tangent(s)?;
+        symmetric &= lin.is_symmetric(&K);
+        Ok(K)
+    })?;
+    if !symmetric {
+        return Err(BucklingError::Asymmetric);
+    }
     lin.M = change.into_iter().map(|K| -K).collect();
     let mut search = Search::indefinite(&lin, count)?;
     if !search.is_definite()? {
@@ -83,42 +104,31 @@ pub fn buckling(
     }
     let found = search.run(&mut |_| ControlFlow::Continue(()))?;
     let modes = found.vectors.into_iter().map(|([shape, _], _)| {
-        let form = |values: &[f64]| super::krylov::dot(&shape, &lin.product(values, &shape));
+        let form = |values: &[f64]| dot(&shape, &lin.product(values, &shape));
         let (stiffness, change) = (form(&lin.K), form(&lin.M));
-        BucklingMode {
-            load: at.t + stiffness / change,
+        let distance = stiffness / change;
+        let error = match tangent(distance) {
+            Ok(K) => (form(&K) / stiffness).abs(),
+            Err(SystemError::Domain { .. }) => f64::INFINITY,
+            Err(error) => return Err(error.into()),
+        };
+        Ok(BucklingMode {
+            load: at.t + distance,
             shape: shape.iter().map(|x| x / stiffness.sqrt()).collect(),
-        }
+            error,
+        })
     });
-    Ok(modes.collect())
+    modes.collect()
 }
 
-/// dK/dt along the equilibrium path.
-fn tangent_rate(
-    system: &mut dyn System,
-    lin: &Linearized,
-    at: Point<'_>,
-) -> Result<Vec<f64>, BucklingError> {
-    let rate = path_rate(system, lin, at)?;
-    let units = lin.pattern.units().iter().zip(&rate);
+/// Step of the load parameter for differences of tangents along the path.
+fn step(lin: &Linearized, rate: &[f64]) -> f64 {
+    let units = lin.pattern.units().iter().zip(rate);
     let sizes = units
         .filter(|(unit, _)| **unit > 0.0)
         .map(|(unit, x)| (x / unit).abs());
     let fastest = sizes.fold(0.0, f64::max);
-    let h = if fastest > 0.0 { CHANGE / fastest } else { 1.0 };
-    let mut symmetric = true;
-    let change = central(h, |s| {
-        let q: Vec<f64> = at.q.iter().zip(&rate).map(|(q, x)| q + s * x).collect();
-        let (mut r, mut K) = (vec![0.0; q.len()], vec![0.0; lin.pattern.len()]);
-        let out = Evaluation::with_tangent(&mut r, Weights::STATIC, &mut K);
-        system.evaluate(Point::statics(at.t + s, &q), out)?;
-        symmetric &= lin.is_symmetric(&K);
-        Ok(K)
-    })?;
-    match symmetric {
-        true => Ok(change),
-        false => Err(BucklingError::Asymmetric),
-    }
+    if fastest > 0.0 { CHANGE / fastest } else { 1.0 }
 }
 
 /// dq/dt along the equilibrium path: K dq/dt = ∂r/∂t.

@@ -57,16 +57,21 @@ impl Recorder<'_> {
     ) -> Result<(), OutputError> {
         let warnings = &mut self.recording.seen.warnings;
         warnings.extend(loads.warnings.iter().cloned());
-        let mut csv = "mode,load\n".to_owned();
+        let mut csv = "mode,load,error\n".to_owned();
         for (k, mode) in loads.modes.iter().enumerate() {
             // Writing to a string cannot fail.
-            let _ = writeln!(csv, "{},{:?}", k + 1, mode.load);
+            let _ = writeln!(csv, "{},{:?},{:?}", k + 1, mode.load, mode.error);
         }
         self.directory.write("buckling.csv", &csv)?;
         let mut entries = Vec::new();
         for mode in &loads.modes {
             let nodes = node_offsets(context, at, &mode.shape);
-            entries.push(json!({ "load": mode.load, "shape": mode.shape, "nodes": nodes }));
+            entries.push(json!({
+                "load": mode.load,
+                "error": mode.error,
+                "shape": mode.shape,
+                "nodes": nodes,
+            }));
         }
         let all = json!({
             "coordinates": loads.names,

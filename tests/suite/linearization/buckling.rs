@@ -125,3 +125,17 @@ fn loads_that_do_not_grow_are_refused() {
         assert_eq!(refused, Err(BucklingError::NoLoad));
     }
 }
+
+/// A straight column keeps its shape until it buckles; Lee's frame bends from the start, and snaps at 18546.558 of 20000
+/// (independent shooting).
+#[test]
+fn the_error_tells_a_poor_estimate() {
+    let load = format!("{CLAMPED}[[loads]]\nnode = \"B\"\nforce = [-1, 0, 0]\n");
+    let stiffness = "EA = 1e5, GA = [1e5, 1e5], GJ = 1.0, EI = [1.0, 2.0]";
+    let column = critical(&line(stiffness, 8, 1, &load), 0.0, 1).unwrap();
+    assert!(column[0].error < 1e-3, "{column:?}");
+    let frame = std::fs::read_to_string("examples/models/lee_frame.toml").unwrap();
+    let frame = critical(&frame, 0.0, 1).unwrap();
+    let off = (frame[0].load / (18546.558 / 20000.0) - 1.0).abs();
+    assert!(off > 0.1 && frame[0].error > 0.1, "{frame:?}");
+}
