@@ -1,5 +1,5 @@
-//! Rigid mechanisms: one step of Newmark's scheme, as a run makes it, in steps of the classical Runge-Kutta
-//! method for the same mechanism through `System::evaluate`.
+//! Rigid mechanisms: one step of Newmark's scheme, without and with the balance of energy of a run, in steps of the
+//! classical Runge-Kutta method for the same mechanism through `System::evaluate`.
 //!
 //! `cargo bench --bench mechanisms` prints the table. A Runge-Kutta step is four evaluations of the residual
 //! and the mass matrix, each with one solution for the accelerations; it has no Newton iteration, no balance of
@@ -15,12 +15,18 @@ use std::error::Error;
 use std::time::Instant;
 
 /// Models with the size and the number of the steps.
-const MODELS: [(&str, &str, f64, usize); 2] = [
+const MODELS: [(&str, &str, f64, usize); 3] = [
     ("UR5 arm", include_str!("models/ur5.toml"), 1e-3, 1000),
     (
         "spatial slider-crank",
         include_str!("models/spatial_slider_crank.toml"),
         5e-4,
+        400,
+    ),
+    (
+        "four-bar linkage",
+        include_str!("../examples/models/four_bar.toml"),
+        1e-3,
         400,
     ),
 ];
@@ -94,32 +100,53 @@ impl Accelerations {
     }
 }
 
+/// Seconds of a step of Newmark's scheme, with or without the balance of energy.
+fn newmark_seconds(
+    mut context: Context,
+    (q, v): (&[f64], &[f64]),
+    h: f64,
+    steps: usize,
+    energies: bool,
+) -> Result<f64, Box<dyn Error>> {
+    let options = DynamicOptions {
+        scheme: Scheme::newmark(0.25, 0.5)?,
+        energies,
+        ..DynamicOptions::new(steps as f64 * h, h)
+    };
+    let state = start(&context, 0.0, q, v)?;
+    let mut run = Simulation::new(&mut context, state, &options)?;
+    let begin = Instant::now();
+    while run.step()?.is_some() {}
+    Ok(begin.elapsed().as_secs_f64() / steps as f64)
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
-    println!("a step in us:           Newmark  Runge-Kutta  ratio");
+    println!("a step in us:           Newmark  with energies  Runge-Kutta  ratios");
     for (name, text, h, steps) in MODELS {
         let job = assemble_text(name, text)?;
         let (q, v) = (job.start.q, job.start.v);
-        let mut ratios = Vec::new();
-        let mut best = [f64::INFINITY; 2];
+        let mut ratios = [const { Vec::new() }; 2];
+        let mut best = [f64::INFINITY; 3];
         for _ in 0..9 {
-            let mut context = job.context.clone();
-            let mut options = DynamicOptions::new(steps as f64 * h, h);
-            options.scheme = Scheme::newmark(0.25, 0.5)?;
-            let state = start(&context, 0.0, &q, &v)?;
-            let mut run = Simulation::new(&mut context, state, &options)?;
-            let begin = Instant::now();
-            while run.step()?.is_some() {}
-            let newmark = begin.elapsed().as_secs_f64() / steps as f64;
+            let newmark =
+                |energies| newmark_seconds(job.context.clone(), (&q, &v), h, steps, energies);
             let mut explicit = Accelerations::new(job.context.clone())?;
             let runge_kutta = explicit.seconds((q.clone(), v.clone()), h, steps)?;
-            ratios.push(newmark / runge_kutta);
-            best = [best[0].min(newmark), best[1].min(runge_kutta)];
+            let seconds = [newmark(false)?, newmark(true)?, runge_kutta];
+            for (ratios, seconds) in ratios.iter_mut().zip(seconds) {
+                ratios.push(seconds / runge_kutta);
+            }
+            for (best, seconds) in best.iter_mut().zip(seconds) {
+                *best = best.min(seconds);
+            }
         }
-        ratios.sort_by(f64::total_cmp);
-        let [newmark, runge_kutta] = best.map(|seconds| 1e6 * seconds);
-        println!(
-            "{name:22}  {newmark:7.1}  {runge_kutta:11.1}  {:5.2}",
+        let [without, with] = ratios.map(|mut ratios| {
+            ratios.sort_by(f64::total_cmp);
             ratios[4]
+        });
+        let [newmark, energies, runge_kutta] = best.map(|seconds| 1e6 * seconds);
+        println!(
+            "{name:22}  {newmark:7.1}  {energies:13.1}  {runge_kutta:11.1}  {without:.2} {with:.2}"
         );
     }
     Ok(())
