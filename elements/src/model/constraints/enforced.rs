@@ -13,6 +13,9 @@ use std::sync::Arc;
 
 /// Residual of an omitted equation beyond which it does not follow from the others.
 const LOOSE: f64 = 1e-8;
+/// Part of the gradient of an equation by coordinates of nodes below which one by unknowns is rounding: both ends of a
+/// loop move alike.
+const ROUNDING: f64 = 1e-12;
 /// Limit of an omitted equation, in messages.
 const FOLLOWED: &str = "zero, though it followed from the other equations at the start: that was a \
                         singular position; start in another one";
@@ -29,6 +32,8 @@ pub(in crate::model) struct EnforcedEquations {
     pub(in crate::model) J: DMatrix<f64>,
     /// The same by the prescribed coordinates.
     pub(in crate::model) prescribed: DMatrix<f64>,
+    /// Largest derivative of each equation by a scaled coordinate of a node.
+    pub(in crate::model) sizes: Vec<f64>,
     /// Element of each equation, and its index there.
     pub(in crate::model) of: Vec<(usize, usize)>,
 }
@@ -118,7 +123,7 @@ impl Context {
         self.expand(Point { t, q, v, a: &a })?;
         let n = q.len();
         let (mut h, mut h_dot, mut of) = (vec![], vec![], vec![]);
-        let (mut rows, mut prescribed) = (vec![], vec![]);
+        let (mut rows, mut prescribed, mut sizes) = (vec![], vec![], vec![]);
         let model = Arc::clone(&self.model);
         for &k in &model.enforced {
             let (e, state) = (&model.elements[k], self.state.elements[k]);
@@ -143,15 +148,21 @@ impl Context {
                 }
                 w.local.pull_back((e, &state), &model.spans, 0, false);
                 w.local.add_residual(e, &self.model.spans, &mut w.r);
+                let scaled = w.r.iter().enumerate().map(|(c, r)| r * self.model.size(c));
+                let size = scaled.fold(0.0, |a: f64, x| a.max(x.abs()));
+                sizes.push(size);
                 self.pull_back_nodes(t, None, [false; 2]);
-                let row = self.model.coordinates.iter().enumerate();
-                rows.extend(row.map(|(u, &c)| self.work.r[c] * self.unit(u)));
+                let row = (self.model.coordinates.iter().enumerate())
+                    .map(|(u, &c)| self.work.r[c] * self.unit(u))
+                    .map(|x| if x.abs() > ROUNDING * size { x } else { 0.0 });
+                rows.extend(row);
                 prescribed.extend(self.prescribed().map(|c| self.work.r[c] * self.size(c)));
             }
         }
         Ok(EnforcedEquations {
             J: DMatrix::from_row_slice(of.len(), n, &rows),
             prescribed: DMatrix::from_row_slice(of.len(), self.prescribed().count(), &prescribed),
+            sizes,
             h: DVector::from_vec(h),
             h_dot: DVector::from_vec(h_dot),
             of,
