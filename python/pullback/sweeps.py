@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import itertools
 import math
 import os
@@ -121,7 +122,7 @@ def _on_dask(client: Any, arguments: _Arguments, runs: list[int], each: Any) -> 
 
     count = min(len(runs), PARTS)
     parts = [runs[k::count] for k in range(count)]
-    futures = client.map(_part, parts, arguments=arguments, pure=False)
+    futures = client.map(functools.partial(_part, arguments=arguments), parts, pure=False)
     try:
         for future in as_completed(futures):
             each(future.result())

@@ -47,21 +47,21 @@ def test_failures_are_rows():
 def test_a_stopped_sweep_goes_on(tmp_path):
     """Ctrl-C keeps the rows, in memory and in sweep.csv, and the same call makes the missing runs alone."""
     model = pb.Model.from_toml(CANTILEVER)
-    over = {FORCE: [1e-4], STIFFNESS: list(np.linspace(1, 3, 1500))}
-    interrupt = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
+    over = {FORCE: [1e-4], STIFFNESS: list(np.linspace(1, 3, 6000))}
+    interrupt = threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT))
     interrupt.start()
     with pytest.raises(KeyboardInterrupt) as raised:
         pb.sweep(model, over, out=tmp_path / "sweep", workers=2)
     interrupt.join()
     before = raised.value.result
-    assert 0 < len(before) < 1500
+    assert 0 < len(before) < 6000
     table = pb.sweep(model, over, out=tmp_path / "sweep", workers=2)
-    assert list(table["run"]) == list(range(1500))
+    assert list(table["run"]) == list(range(6000))
     assert table["tip.z.last"] == pytest.approx(exact(1e-4, table[STIFFNESS]), rel=1e-6)
     runs = before["run"]
     assert np.array_equal(table["seconds"][runs], before["seconds"]), "their runs are not made again"
     lines = (tmp_path / "sweep" / "sweep.csv").read_text().splitlines()
-    assert len(lines) == 1501
+    assert len(lines) == 6001
     with pytest.raises(ValueError, match="holds another sweep"):
         pb.sweep(model, {STIFFNESS: [1.0]}, out=tmp_path / "sweep")
 
@@ -84,7 +84,7 @@ def test_a_full_disk_keeps_the_rows(tmp_path):
 def test_a_lost_worker_is_replaced(tmp_path):
     distributed = pytest.importorskip("distributed")
     model = pb.Model.from_toml(CANTILEVER)
-    over = {STIFFNESS: list(np.linspace(1, 3, 500))}
+    over = {STIFFNESS: list(np.linspace(1, 3, 5000))}
     here = pb.sweep(model, over)
     with (
         distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
