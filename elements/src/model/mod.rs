@@ -97,6 +97,13 @@ struct Span {
 }
 
 impl Span {
+    fn of(node: &Node) -> Self {
+        Self {
+            first: node.first as u32,
+            dim: node.dim as u32,
+        }
+    }
+
     #[inline]
     fn range(self) -> Range<usize> {
         self.first as usize..(self.first + self.dim) as usize

@@ -279,11 +279,6 @@ impl FaerCholesky {
         Self::default()
     }
 
-    /// Whether the last matrix was positive definite.
-    pub fn is_positive_definite(&self) -> bool {
-        self.misses == 0
-    }
-
     /// Whether a pattern has been analysed.
     pub(super) fn is_analysed(&self) -> bool {
         self.ready.is_some()

@@ -117,6 +117,19 @@ const BALANCED: f64 = f64::EPSILON;
 /// Factor below which corrections still decrease.
 const DECREASE: f64 = 0.5;
 
+/// Whether the corrections have come down to [`EXACT`] or to rounding errors: small ones that do not decrease any more, or
+/// that no longer converge quadratically after they did.
+fn is_exact(corrections: &[f64]) -> bool {
+    let quadratic = |from: f64, to: f64| to < from.powf(1.5);
+    let (before, last, now) = match *corrections {
+        [.., before, last, now] => (before, last, now),
+        [last, now] => (0.0, last, now),
+        _ => return false,
+    };
+    let stagnates = now > DECREASE * last || (quadratic(before, last) && !quadratic(last, now));
+    now <= EXACT || (last < EXACT.sqrt() && stagnates)
+}
+
 impl Newton {
     /// See [`critical_point`].
     pub(super) fn critical_point(
@@ -187,12 +200,10 @@ impl Newton {
             if !correction.is_finite() {
                 return Err(Cause::Diverged);
             }
-            let last = corrections.last().copied();
             corrections.push(correction);
             q.iter_mut().zip(&self.dq).for_each(|(q, dq)| *q += dq);
             t += dt;
-            let stagnates = |last: f64| last < EXACT.sqrt() && correction > DECREASE * last;
-            if last.is_some_and(|last| correction <= EXACT || stagnates(last)) {
+            if is_exact(&corrections) {
                 self.hold(problem, &mut q, t, held)?;
                 if !self.is_balanced(problem.system, &q) {
                     return Err(Cause::Diverged);

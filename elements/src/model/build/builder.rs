@@ -3,13 +3,12 @@
 use crate::element::Element;
 use crate::model::assembly::residual::MAX_NODES;
 use crate::model::kinematics::formulation::RotationMaps;
-use crate::model::kinematics::mapped_node::MappedNode;
-use crate::model::kinematics::pose::{add_pose, new_pose};
+use crate::model::kinematics::pose::add_pose;
 use crate::model::loops::Closing;
 use crate::model::{ElementEntry, ModelError, NONE, Node, NodeForm, NodeList, Source};
 use crate::time::{Constant, Input, TimeFunction};
 use nalgebra::Vector3;
-use pullback_manifold::map::{Parametrization, ToChart};
+use pullback_manifold::map::Parametrization;
 use pullback_manifold::system::Quantity;
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
@@ -144,127 +143,6 @@ impl ModelBuilder {
     /// [`ModelError::DuplicateNode`].
     pub fn rotation(&mut self, name: impl Into<String>) -> Result<NodeId, ModelError> {
         self.add_coordinates_of(name, NodeForm::Rotation, &[Quantity::Angle; 3])
-    }
-
-    /// Adds a frame node whose six coordinates are a map of those of `parents`.
-    ///
-    /// # Errors
-    /// [`ModelError::DuplicateNode`], [`ModelError::NotFinite`]; [`ModelError::JointDimension`] if
-    /// the map is not from the parents' coordinates to six; [`ModelError::ForeignNode`].
-    pub fn mapped_node(
-        &mut self,
-        name: impl Into<String>,
-        position: [f64; 3],
-        map: Box<dyn Parametrization>,
-        parents: &[NodeId],
-    ) -> Result<NodeId, ModelError> {
-        self.mapped_node_along(name, position, map, &[parents])
-    }
-
-    /// As [`ModelBuilder::mapped_node`], for a map with several sets of parents
-    /// ([`Segments::segment`](pullback_manifold::map::Segments::segment) is the one in use).
-    ///
-    /// # Errors
-    /// As [`ModelBuilder::mapped_node`].
-    pub fn mapped_node_along(
-        &mut self,
-        name: impl Into<String>,
-        position: [f64; 3],
-        map: Box<dyn Parametrization>,
-        segments: &[&[NodeId]],
-    ) -> Result<NodeId, ModelError> {
-        let name = name.into();
-        let source = self.mapped(&name, FRAME, map, segments)?;
-        self.add_node(name, position, NodeForm::Frame, &FRAME_QUANTITIES, source)
-    }
-
-    /// Adds a frame node whose pose is a map of the coordinates of `parents`; a frame among them is given by
-    /// the node of its pose.
-    ///
-    /// # Errors
-    /// As [`ModelBuilder::mapped_node`].
-    pub(crate) fn mapped_pose(
-        &mut self,
-        name: String,
-        position: [f64; 3],
-        map: Box<dyn Parametrization>,
-        parents: &[NodeId],
-    ) -> Result<NodeId, ModelError> {
-        let source = self.mapped(&name, FRAME, map, &[parents])?;
-        let [frame, pose] = [0, 1].map(|k| self.nodes.len() as u32 + k);
-        let view = Source::map(Box::new(ToChart::default()), vec![pose], FRAME);
-        let id = self.add_node(name, position, NodeForm::Frame, &FRAME_QUANTITIES, view)?;
-        let node = new_pose(&mut self.nodes, frame, source);
-        self.nodes.push(node);
-        Ok(id)
-    }
-
-    /// The node with the pose of a frame; any other node itself.
-    ///
-    /// # Errors
-    /// [`ModelError::ForeignNode`].
-    pub(crate) fn pose_of(
-        &mut self,
-        node: NodeId,
-        what: impl Fn() -> String,
-    ) -> Result<NodeId, ModelError> {
-        self.check_own(&[node], what)?;
-        Ok(NodeId(add_pose(&mut self.nodes, node.0)))
-    }
-
-    /// Adds scalar coordinates that are a map of those of `parents`: those of a loop that is closed
-    /// by an [`Implicit`](pullback_manifold::implicit::Implicit) constraint, one of them
-    /// ([`Linear::pick`](pullback_manifold::map::Linear::pick)), the other side of a gear. Joints
-    /// and elements use them like any coordinates.
-    ///
-    /// # Errors
-    /// As [`ModelBuilder::mapped_node`]. A map that reparametrizes its coordinates
-    /// ([`Reparametrization`](pullback_manifold::map::Reparametrization)) must be their only
-    /// user: otherwise [`ModelError::Reparametrized`] when the model is built.
-    pub fn mapped_coordinates(
-        &mut self,
-        name: impl Into<String>,
-        quantities: &[Quantity],
-        map: Box<dyn Parametrization>,
-        parents: &[NodeId],
-    ) -> Result<NodeId, ModelError> {
-        let name = name.into();
-        let source = self.mapped(&name, quantities.len(), map, &[parents])?;
-        self.add_node(name, [0.0; 3], NodeForm::Coordinates, quantities, source)
-    }
-
-    /// A map to the `dim` coordinates of the node `name`, with its parents.
-    fn mapped(
-        &self,
-        name: &str,
-        dim: usize,
-        map: Box<dyn Parametrization>,
-        segments: &[&[NodeId]],
-    ) -> Result<Source, ModelError> {
-        let (d, n) = map.dims();
-        for parents in segments {
-            self.check_own(parents, || format!("joint at node {name}"))?;
-            if parents.len() > MAX_NODES {
-                return Err(ModelError::TooManyNodes {
-                    element: format!("(joint at node {name})"),
-                    found: parents.len(),
-                    limit: MAX_NODES,
-                });
-            }
-            let found: usize = parents.iter().map(|m| self.nodes[m.0 as usize].dim).sum();
-            if d != found || n != dim {
-                return Err(ModelError::JointDimension {
-                    node: name.to_owned(),
-                    parents: self.names_of(parents),
-                    map: (d, n),
-                    found,
-                    dim,
-                });
-            }
-        }
-        let numbers = |parents: &&[NodeId]| parents.iter().map(|m| m.0).collect();
-        let segments = segments.iter().map(numbers).collect();
-        Ok(Source::Mapped(Box::new(MappedNode::new(map, segments, d))))
     }
 
     pub(in crate::model) fn add_node(

@@ -7,5 +7,7 @@ pub(super) mod connections;
 pub(super) mod dependency_graph;
 pub(super) mod dummy_dof;
 pub(super) mod elimination_order;
+pub(super) mod mapped_nodes;
 pub(super) mod numbering;
+pub(super) mod prescribed;
 pub(super) mod reference_curve;

@@ -6,6 +6,9 @@ use crate::model::build::builder::{ModelBuilder, NodeId};
 use crate::model::build::connections::check_connections;
 use crate::model::build::dependency_graph::{self, Alternatives};
 use crate::model::build::elimination_order::outward;
+use crate::model::build::prescribed::{
+    check_reparametrized, prescribed_rotations, resolve_prescribed,
+};
 use crate::model::constraints::start;
 use crate::model::kinematics::formulation;
 use crate::model::kinematics::pose::mark_unread;
@@ -13,9 +16,8 @@ use crate::model::loops;
 use crate::model::state::ModelState;
 use crate::model::{
     Context, ElementEntry, FreeCoordinates, Model, ModelError, NONE, Node, NodeForm, Prescribed,
-    Span, among,
+    Span,
 };
-use crate::time::TimeFunction;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::Quantity;
 use std::collections::{HashMap, HashSet};
@@ -38,23 +40,32 @@ impl ModelBuilder {
         let (mut reports, positions) = self.close_loops(&enforced, length)?;
         self.add_dummy_dof(&reports)?;
         reports.extend(forces);
+        let starts = std::mem::take(&mut self.starts);
+        assembled(
+            self.numbered(reports, [length, extent])?,
+            starts,
+            &positions,
+        )
+    }
+
+    /// The model with its unknowns numbered and the positions of all tangents, not assembled.
+    fn numbered(
+        self,
+        reports: Vec<loops::LoopReport>,
+        [length, extent]: [f64; 2],
+    ) -> Result<Model, ModelError> {
         let Self {
             mut nodes,
             mut elements,
             mut prescribed,
             closings,
-            starts,
             rotations,
             inputs,
             carried,
             ..
         } = self;
         formulation::apply(rotations, &mut nodes, &mut prescribed);
-        let mut total = 0;
-        for node in &mut nodes {
-            node.first = total;
-            total += node.dim;
-        }
+        arrange_coordinates(&mut nodes);
         mark_unread(&mut nodes, &elements);
         let dependent = dependency_graph::order(&nodes);
         let alternatives = Alternatives::new(&nodes, &dependent)?;
@@ -63,73 +74,55 @@ impl ModelBuilder {
         check_connections(&nodes, &dependent, &elements, &closings, &prescribed)?;
         check_reparametrized(&nodes, &elements, &prescribed)?;
 
-        let Numbering {
-            unknowns,
-            coordinates,
-            sizes,
-            mut scatter_map,
-        } = Numbering::new(&nodes, &elements, &prescribed);
+        let numbering = Numbering::new(&nodes, &elements, &prescribed);
         let quantities: Vec<Quantity> = nodes.iter().flat_map(|n| n.quantities.clone()).collect();
         let of_form = |n: &Node| std::iter::repeat_n(n.form == NodeForm::Multipliers, n.dim);
         let multipliers: Vec<bool> = nodes.iter().flat_map(of_form).collect();
-        let unit = |i: usize| match (multipliers[coordinates[i]], quantities[coordinates[i]]) {
+        let unit = |c: usize| match (multipliers[c], quantities[c]) {
             (true, _) => 0.0,
             (_, Quantity::Length) => length,
             _ => 1.0,
         };
-        let pattern = pattern(&elements, &alternatives, &scatter_map.blocks, &sizes);
-        let pattern = pattern.with_units(unit);
-        for e in &mut elements {
-            let held = |&n: &u32| scatter_map.rows[nodes[n as usize].range()].contains(&NONE);
-            e.held = e.nodes.iter().any(held);
-            e.mapped = e.nodes.iter().any(|&n| !nodes[n as usize].is_own());
-        }
+        let pattern = pattern(&elements, &alternatives, &numbering)
+            .with_units(|i| unit(numbering.coordinates[i]));
+        let Numbering {
+            unknowns,
+            coordinates,
+            mut scatter_map,
+            ..
+        } = numbering;
+        mark(&mut elements, &nodes, &scatter_map.rows);
         let [coupled, scratch] = scatter_map.arrange(&nodes, &dependent, &elements);
-
-        prescribed.sort_unstable_by_key(|p| p.coordinate);
-        let turned = |n: &usize| {
-            let first = nodes[*n].first;
-            nodes[*n].is_frame() && among(&prescribed, first + 3..first + 6).len() == 3
-        };
-        let prescribed_rotations = (0..nodes.len()).filter(turned).collect();
         let sizes: Vec<f64> = nodes.iter().flat_map(|n| magnitudes(n, length)).collect();
-        let magnitudes = coordinates.iter().map(|&c| sizes[c]).collect();
+        prescribed.sort_unstable_by_key(|p| p.coordinate);
         let levers = levers(&nodes, &elements, extent);
-        let sizes = [operators, coupled, scratch];
-        let work = Workspace::new(&nodes, &elements, sizes, scatter_map, length, levers);
-        let span = |node: &Node| Span {
-            first: node.first as u32,
-            dim: node.dim as u32,
-        };
-        let spans = nodes.iter().map(span).collect();
+        let room = [operators, coupled, scratch];
         let is_enforced = |k: &usize| elements[*k].element.abilities().enforced.is_some();
-        let enforced = (0..elements.len()).filter(is_enforced).collect();
-        let spin_frames = formulation::turning(&nodes).collect();
         let mut model = Model {
-            nodes,
-            spans,
-            dependent,
-            spin_frames,
-            carried,
+            spans: nodes.iter().map(Span::of).collect(),
+            spin_frames: formulation::turning(&nodes).collect(),
             reports,
-            elements,
-            enforced,
+            enforced: (0..elements.len()).filter(is_enforced).collect(),
             initial: Vec::new(),
             start: ModelState::default(),
-            prescribed,
-            prescribed_rotations,
+            prescribed_rotations: prescribed_rotations(&nodes, &prescribed),
             free: FreeCoordinates::new(&coordinates),
-            coordinates,
-            unknowns,
             quantities,
             multipliers,
-            magnitudes,
+            magnitudes: coordinates.iter().map(|&c| sizes[c]).collect(),
+            work: Workspace::new(&nodes, &elements, room, scatter_map, length, levers),
+            nodes,
+            dependent,
+            carried,
+            elements,
+            prescribed,
+            coordinates,
+            unknowns,
             length,
             pattern,
-            work,
         };
         model.start = ModelState::new(&model, inputs);
-        assembled(model, starts, &positions)
+        Ok(model)
     }
 
     /// Closes loops by maps; returns the reports, and the start of loops that are closed by forces.
@@ -157,14 +150,32 @@ impl ModelBuilder {
     }
 }
 
+/// Numbers the coordinates of all nodes.
+fn arrange_coordinates(nodes: &mut [Node]) {
+    let mut total = 0;
+    for node in nodes {
+        node.first = total;
+        total += node.dim;
+    }
+}
+
+/// Notes which elements have prescribed and mapped coordinates.
+fn mark(elements: &mut [ElementEntry], nodes: &[Node], rows: &[u32]) {
+    for e in elements {
+        let held = |&n: &u32| rows[nodes[n as usize].range()].contains(&NONE);
+        e.held = e.nodes.iter().any(held);
+        e.mapped = e.nodes.iter().any(|&n| !nodes[n as usize].is_own());
+    }
+}
+
 /// The pattern, with room for all nodes that an element may depend on; a joint without elements carries
 /// no force.
 fn pattern(
     elements: &[ElementEntry],
     alternatives: &Alternatives,
-    blocks: &[u32],
-    sizes: &[usize],
+    numbering: &Numbering,
 ) -> BlockPattern {
+    let (blocks, sizes) = (&numbering.scatter_map.blocks, &numbering.sizes);
     // Elements on one body all have the same set.
     let sets: HashSet<Vec<u32>> = elements
         .iter()
@@ -290,107 +301,4 @@ fn extent(nodes: &[Node]) -> f64 {
             .unwrap_or_default()
     };
     (corner(f64::max) - corner(f64::min)).norm()
-}
-
-/// Checks that reparametrized coordinates are free, and used by no other map or element.
-fn check_reparametrized(
-    nodes: &[Node],
-    elements: &[ElementEntry],
-    prescribed: &[Prescribed],
-) -> Result<(), ModelError> {
-    for (n, node) in nodes.iter().enumerate() {
-        let Some(d) = node.mapped() else {
-            continue;
-        };
-        // Parents after the first are parameters, which are not reparametrized.
-        let first = d.initial_parents().iter().take(1);
-        for &m in first.filter(|_| d.reparametrizes) {
-            let parent = &nodes[m as usize];
-            // Created for the frame by the model itself.
-            if parent.form == NodeForm::Increment {
-                continue;
-            }
-            let reads = |k: usize| nodes[k].all_parents().any(|x| x == m);
-            let element = elements.iter().find(|e| e.nodes.contains(&m));
-            let other = (0..nodes.len()).find(|&k| k != n && reads(k));
-            let held = prescribed
-                .iter()
-                .any(|p| parent.range().contains(&p.coordinate));
-            let user = if let Some(e) = element {
-                format!("element {}", e.name)
-            } else if let Some(k) = other {
-                format!("the joint at {}", nodes[k].name)
-            } else if held {
-                "a support or prescribed motion".to_owned()
-            } else if !parent.is_own() || parent.form != NodeForm::Coordinates {
-                "a joint with other parents".to_owned()
-            } else {
-                continue;
-            };
-            return Err(ModelError::Reparametrized {
-                node: node.name.clone(),
-                coordinates: parent.name.clone(),
-                user,
-            });
-        }
-    }
-    Ok(())
-}
-
-fn resolve_prescribed(
-    nodes: &[Node],
-    prescribed: Vec<(NodeId, usize, Arc<dyn TimeFunction>)>,
-) -> Result<Vec<Prescribed>, ModelError> {
-    let mut out: Vec<Prescribed> = Vec::with_capacity(prescribed.len());
-    let mut taken = HashSet::new();
-    for (id, dof, function) in prescribed {
-        let Some(node) = nodes.get(id.0 as usize) else {
-            return Err(ModelError::ForeignNode {
-                what: "a support or prescribed motion".to_owned(),
-            });
-        };
-        if dof >= node.dim {
-            return Err(ModelError::NoCoordinate {
-                node: node.name.clone(),
-                coordinate: dof + 1,
-                dim: node.dim,
-            });
-        }
-        let coordinate = node.coordinate_name(dof);
-        if !node.is_own() {
-            return Err(refuse_mapped(nodes, id.0, coordinate));
-        }
-        if !taken.insert(node.first + dof) {
-            return Err(ModelError::PrescribedTwice { coordinate });
-        }
-        out.push(Prescribed {
-            coordinate: node.first + dof,
-            function,
-        });
-    }
-    Ok(out)
-}
-
-/// Error for a prescribed coordinate that follows from others; it names those that can be
-/// prescribed instead.
-fn refuse_mapped(nodes: &[Node], dependent: u32, coordinate: String) -> ModelError {
-    let (mut waiting, mut own) = (vec![dependent], Vec::new());
-    while let Some(n) = waiting.pop() {
-        let node = &nodes[n as usize];
-        match node.mapped() {
-            Some(d) if d.reparametrizes => {
-                let solved = node.name.clone();
-                return ModelError::PrescribedSolved { coordinate, solved };
-            }
-            // In the order of the parents.
-            Some(d) => waiting.extend(d.initial_parents().iter().rev()),
-            None if own.contains(&node.name.as_str()) => {}
-            None => own.push(&node.name),
-        }
-    }
-    let parents = own.join(", ");
-    ModelError::PrescribedDependent {
-        coordinate,
-        parents,
-    }
 }

@@ -1,28 +1,22 @@
-//! Initial states that satisfy the enforced equations: assembly, and projection of given
-//! coordinates and velocities.
+//! Projection of given coordinates and velocities to those that satisfy the enforced equations.
 
 #![allow(non_snake_case)]
 
 use crate::model::constraints::enforced::EnforcedEquations;
 use crate::model::{Context, Model, ModelError, Node, NodeId};
 use nalgebra::{DMatrix, DVector};
-use pullback_manifold::system::{Charts, Quantity, System, SystemError};
+use pullback_manifold::system::{Quantity, System, SystemError};
 use std::collections::HashMap;
 
 /// Largest scaled residual of satisfied equations.
-const CLOSED: f64 = 1e-11;
+pub(super) const CLOSED: f64 = 1e-11;
 /// The same with desired values that may be consistent to some digits only; also the allowed
 /// deviation of an initial coordinate from its value, in its size.
-const FITS: f64 = 1e-9;
-/// Rounding errors of scaled residuals.
-const ROUNDING: f64 = 1e-14;
-/// Largest step to a desired initial value, in its size, unless that takes too many.
-const STRIDE: f64 = 0.1;
-const STRIDES: f64 = 256.0;
+pub(super) const FITS: f64 = 1e-9;
+/// Largest step to a desired initial value, in its size, unless that takes too many; a correction takes three at once.
+pub(super) const STRIDE: f64 = 0.1;
 /// Largest value, in sizes of the coordinate, whose rounding error is smaller than [`FITS`].
 const FARTHEST: f64 = FITS / f64::EPSILON;
-/// Largest coordinates, in their sizes, of a model that is closed as drawn.
-const DRAWN: f64 = 1e-6;
 
 impl Model {
     /// The joint or element that enforces an equation.
@@ -132,69 +126,8 @@ impl Context {
         Ok(left.amax() > FITS * b.amax())
     }
 
-    /// Assembles the model, and finds the redundant equations.
-    ///
-    /// Keeps as many of the desired values (unknown, value) as possible, in their order, like the
-    /// maps of loops; the report names the others. `positions` is the start of the coordinates of
-    /// loops if closed by maps. Returns the initial coordinates.
-    pub(in crate::model) fn assemble_enforced(
-        &mut self,
-        values: &[(usize, f64)],
-        positions: &[(u32, usize, f64)],
-    ) -> Result<Vec<f64>, ModelError> {
-        if self.model.enforced.is_empty() {
-            return Ok(vec![0.0; self.model.coordinates.len()]);
-        }
-        let mut q = match self.as_by_maps(values, positions) {
-            Some(q) => q,
-            None => self.by_corrections(values)?,
-        };
-        self.change_charts(0.0, &mut q, &mut [], &mut []);
-        self.leave_out_redundant(&q)?;
-        self.report_moved(&q, values);
-        Ok(q)
-    }
-
-    /// The start with all loops closed by maps, if it keeps all desired values.
-    fn as_by_maps(
-        &mut self,
-        values: &[(usize, f64)],
-        positions: &[(u32, usize, f64)],
-    ) -> Option<Vec<f64>> {
-        let mut q = vec![0.0; self.model.coordinates.len()];
-        let mut found = Vec::new();
-        for &(node, k, x) in positions {
-            let u = self.unknown_at(NodeId(node), k)?;
-            q[u] = x;
-            found.push(u);
-        }
-        if positions.is_empty() || values.iter().any(|(u, _)| !found.contains(u)) {
-            return None;
-        }
-        let mut kept = Vec::new();
-        for &(u, x) in values {
-            if (q[u] - x).abs() <= FITS * self.unit(u) {
-                q[u] = x;
-                kept.push(u);
-            }
-        }
-        self.with_kept(q, kept).ok()
-    }
-
-    /// The start by the smallest corrections from the configuration as drawn.
-    fn by_corrections(&mut self, values: &[(usize, f64)]) -> Result<Vec<f64>, ModelError> {
-        let mut q = vec![0.0; self.model.coordinates.len()];
-        self.start_element_charts(0.0, &q);
-        let closed = self.close_up(0.0, &mut q, &[], CLOSED);
-        if values.is_empty() {
-            return closed.map(|_| q);
-        }
-        let drawn = closed.is_ok().then_some(q);
-        self.with_values(drawn.as_deref(), values)
-    }
-
     /// Reports unknowns that do not start with their desired values.
-    fn report_moved(&mut self, q: &[f64], values: &[(usize, f64)]) {
+    pub(super) fn report_moved(&mut self, q: &[f64], values: &[(usize, f64)]) {
         for &(u, value) in values {
             if (q[u] - value).abs() > FITS * self.unit(u) {
                 let (name, x) = (self.name(u), q[u]);
@@ -205,93 +138,9 @@ impl Context {
         }
     }
 
-    /// A configuration that satisfies the equations, with as many of the values as possible.
-    /// `drawn` is one without them.
-    fn with_values(
-        &mut self,
-        drawn: Option<&[f64]>,
-        values: &[(usize, f64)],
-    ) -> Result<Vec<f64>, ModelError> {
-        let mut kept = values.to_vec();
-        let mut found = self.approach(drawn, values, &kept);
-        if found.is_none() {
-            kept.clear();
-            for &value in values {
-                kept.push(value);
-                match self.approach(drawn, values, &kept) {
-                    None => _ = kept.pop(),
-                    some => found = some,
-                }
-            }
-        }
-        let q = match (found, drawn) {
-            (Some(q), _) => q,
-            (None, Some(drawn)) => drawn.to_vec(),
-            (None, None) => vec![0.0; self.model.coordinates.len()],
-        };
-        self.with_kept(q, kept.into_iter().map(|(u, _)| u).collect())
-    }
-
-    /// Closes a configuration that is closed to some digits, keeping as many of the unknowns in
-    /// `kept` as possible, in their order.
-    fn with_kept(&mut self, mut q: Vec<f64>, kept: Vec<usize>) -> Result<Vec<f64>, ModelError> {
-        // Attempts at other values may have changed the charts.
-        self.start_element_charts(0.0, &q);
-        // Values that are consistent to some digits only yield to earlier ones.
-        let mut held = Vec::new();
-        for u in kept {
-            held.push(u);
-            let mut trial = q.clone();
-            match self.close_up(0.0, &mut trial, &held, CLOSED) {
-                Ok(left) if left <= ROUNDING => q = trial,
-                _ => _ = held.pop(),
-            }
-        }
-        self.close_up(0.0, &mut q, &held, CLOSED)?;
-        Ok(q)
-    }
-
-    /// Closes the model with the values in `held`. If it is closed as drawn, they are approached in
-    /// steps, on one branch; if that fails, these and all other `values` are a first guess.
-    fn approach(
-        &mut self,
-        drawn: Option<&[f64]>,
-        values: &[(usize, f64)],
-        held: &[(usize, f64)],
-    ) -> Option<Vec<f64>> {
-        let fixed: Vec<usize> = held.iter().map(|&(u, _)| u).collect();
-        let far = |q: &[f64], u: usize, x: f64| (x - q[u]).abs() / self.unit(u);
-        let near = |q: &&[f64]| (0..q.len()).all(|u| far(q, u, 0.0) < DRAWN);
-        if let Some(from) = drawn.filter(near) {
-            let distances = held.iter().map(|&(u, x)| far(from, u, x));
-            let steps = (distances.fold(0.0, f64::max) / STRIDE)
-                .ceil()
-                .clamp(1.0, STRIDES);
-            let mut q = from.to_vec();
-            self.start_element_charts(0.0, &q);
-            let arrived = (1..=steps as usize).all(|k| {
-                let part = k as f64 / steps;
-                for &(u, x) in held {
-                    q[u] = (1.0 - part) * from[u] + part * x;
-                }
-                let closed = self.close_up(0.0, &mut q, &fixed, FITS).is_ok();
-                self.change_charts(0.0, &mut q, &mut [], &mut []);
-                closed
-            });
-            if arrived {
-                return Some(q);
-            }
-        }
-        let mut q = vec![0.0; self.model.coordinates.len()];
-        values.iter().for_each(|&(u, x)| q[u] = x);
-        self.start_element_charts(0.0, &q);
-        let closed = self.close_up(0.0, &mut q, &fixed, FITS);
-        closed.ok().map(|_| q)
-    }
-
     /// Newton's method for h(t, q) = 0 with the smallest corrections, to rounding; returns the
     /// largest remaining |h|, at most `enough`.
-    fn close_up(
+    pub(super) fn close_up(
         &mut self,
         t: f64,
         q: &mut [f64],

@@ -262,14 +262,8 @@ fn described(
     about
 }
 
-/// Closes a set of loops; returns its report.
-pub(super) fn close_set(
-    nodes: &mut Vec<Node>,
-    chains: &[JointLoop],
-    held: &Held<'_>,
-    preferences: &StartPreferences<'_>,
-    length: f64,
-) -> Result<LoopReport, ModelError> {
+/// The inputs of a set of loops: the joint coordinates of their chains, and roots that matter.
+fn inputs_of(nodes: &[Node], chains: &[JointLoop], held: &Held<'_>, length: f64) -> Inputs {
     let mut own: Vec<u32> = chains.iter().flat_map(|c| coordinates(nodes, c)).collect();
     own.sort_unstable();
     own.dedup();
@@ -281,15 +275,67 @@ pub(super) fn close_set(
     }
     roots.sort_unstable();
     roots.dedup();
-    let inputs = Inputs::new(nodes, &own, &roots, held);
+    Inputs::new(nodes, &own, &roots, held)
+}
+
+/// Adds the nodes of a set of loops: the independent coordinates and all unknowns, which the map gives to the joints.
+/// Returns the node of the unknowns.
+fn add_map(
+    nodes: &mut Vec<Node>,
+    map: ImplicitMap,
+    inputs: &Inputs,
+    joints: &str,
+) -> Result<u32, ModelError> {
+    let (given, unknown) = inputs.nodes.split_at(inputs.given);
+    let of = |&(n, _): &(u32, usize)| nodes[n as usize].quantities.clone();
+    let quantities: Vec<Quantity> = unknown.iter().flat_map(of).collect();
+    let D = map.freedoms();
+    let first = map.independent().and_then(|k| k.first().copied());
+    let quantity = first.map_or(Quantity::Angle, |k| quantities[k]);
+    let mut parents: Vec<u32> = given.iter().map(|&(n, _)| n).collect();
+    if D > 0 {
+        let (name, own) = (format!("loop of {joints}"), vec![quantity; D]);
+        nodes.push(Node::new(name, NodeForm::Coordinates, &own, Source::Own));
+        parents.insert(0, nodes.len() as u32 - 1);
+    }
+    if parents.len() > MAX_NODES {
+        return Err(ModelError::TooManyNodes {
+            element: format!("(loop of {joints})"),
+            found: parents.len(),
+            limit: MAX_NODES,
+        });
+    }
+    let source = Source::map(Box::new(map), parents, D + inputs.parameters);
+    let name = format!("coordinates of {joints}");
+    nodes.push(Node::new(name, NodeForm::Coordinates, &quantities, source));
+    let x = nodes.len() as u32 - 1;
+    for &(n, first) in unknown {
+        let node = &mut nodes[n as usize];
+        let part = Part {
+            of: quantities.len(),
+            first: first - inputs.parameters,
+            len: node.dim,
+        };
+        node.source = Source::map(Box::new(part), vec![x], quantities.len());
+    }
+    Ok(x)
+}
+
+/// Closes a set of loops; returns its report.
+pub(super) fn close_set(
+    nodes: &mut Vec<Node>,
+    chains: &[JointLoop],
+    held: &Held<'_>,
+    preferences: &StartPreferences<'_>,
+    length: f64,
+) -> Result<LoopReport, ModelError> {
+    let inputs = inputs_of(nodes, chains, held, length);
     let (given, unknown) = inputs.nodes.split_at(inputs.given);
     let joints: Vec<&str> = (chains.iter())
         .map(|c| nodes[c.frame as usize].name.as_str())
         .collect();
     let joints = joints.join(", ");
     let about = described(nodes, chains, &inputs, preferences, length);
-    let of = |&(n, _): &(u32, usize)| nodes[n as usize].quantities.clone();
-    let quantities: Vec<Quantity> = unknown.iter().flat_map(of).collect();
     let mut p = Vec::with_capacity(inputs.parameters);
     for &(n, _) in given {
         let value = |k| held.initial(n as usize, k).unwrap_or(0.0);
@@ -305,52 +351,17 @@ pub(super) fn close_set(
     })?;
     let moved = displaced(nodes, unknown, &map, inputs.parameters);
     let apart = drawn_apart(nodes, chains, length);
-    let (count, D) = (quantities.len(), map.freedoms());
-    let first = map.independent().and_then(|k| k.first().copied());
-    let quantity = first.map_or(Quantity::Angle, |k| quantities[k]);
-    let mut parents: Vec<u32> = given.iter().map(|&(n, _)| n).collect();
-    if D > 0 {
-        let name = format!("loop of {joints}");
-        nodes.push(Node::new(
-            name,
-            NodeForm::Coordinates,
-            &vec![quantity; D],
-            Source::Own,
-        ));
-        parents.insert(0, nodes.len() as u32 - 1);
-    }
-    if parents.len() > MAX_NODES {
-        return Err(ModelError::TooManyNodes {
-            element: format!("(loop of {joints})"),
-            found: parents.len(),
-            limit: MAX_NODES,
-        });
-    }
-    let source = Source::map(Box::new(map), parents, D + p.len());
-    let name = format!("coordinates of {joints}");
-    nodes.push(Node::new(name, NodeForm::Coordinates, &quantities, source));
-    let x = nodes.len() as u32 - 1;
-    for &(n, first) in unknown {
-        let node = &mut nodes[n as usize];
-        let part = Part {
-            of: count,
-            first: first - inputs.parameters,
-            len: node.dim,
-        };
-        node.source = Source::map(Box::new(part), vec![x], count);
-    }
+    let x = add_map(nodes, map, &inputs, &joints)?;
     let closing = match chains.len() {
         1 => format!("joint {joints} closes a loop"),
         _ => format!("joints {joints} close loops"),
     };
+    let roots = chains.iter().map(|c| [c.root, c.ends[0], c.ends[1]]);
     Ok(LoopReport {
         words: closing + &apart + &moved,
         map: Some(x),
         closures: chains.iter().map(|c| (c.frame, c.child)).collect(),
-        roots: chains
-            .iter()
-            .map(|c| [c.root, c.ends[0], c.ends[1]])
-            .collect(),
+        roots: roots.collect(),
         element: None,
     })
 }

@@ -174,12 +174,6 @@ impl Model {
         let motion = eigen.eigenvectors.column(k).into_owned();
         Some(describe_motion(&motion, &center, self.length))
     }
-
-    /// Whether a coordinate of a frame node is prescribed.
-    pub fn is_prescribed(&self, node: NodeId, dof: Dof) -> bool {
-        let n = self.carrier(&self.nodes[node.0 as usize]);
-        n.is_own() && self.unknowns[n.first + dof.index()] == NONE
-    }
 }
 
 impl Context {

@@ -8,21 +8,16 @@
 
 #![allow(non_snake_case)]
 
+mod conditions;
+
 use crate::blocks::three;
-use crate::model::assembly::residual::named;
-use crate::model::charts::nodes::at_rest;
 use crate::model::kinematics::motion::RigidMotion;
-use crate::model::{Context, Model, NONE, Node, NodeForm};
-use nalgebra::{DMatrix, Matrix3, Vector3};
-use pullback_manifold::so3;
-use pullback_manifold::system::{
-    Evaluation, Point, Quantity, RigidRates, Symmetry, System, SystemError,
-};
+use crate::model::{Context, Model};
+use nalgebra::{DMatrix, Vector3};
+use pullback_manifold::system::{Point, Quantity, RigidRates, Symmetry, System, SystemError};
 
 /// Power along a motion, relative to that of its parts, that counts as rounding.
 const NOTHING: f64 = 1e-8;
-/// The same for a difference quotient.
-const NEARLY: f64 = 1e-5;
 /// Relative times in the span at which forces are evaluated, each at a state of its own.
 const TIMES: [f64; 9] = [0.01, 0.37, 0.83, 0.11, 0.53, 0.97, 0.23, 0.71, 0.44];
 
@@ -69,7 +64,7 @@ impl Context {
         q: &[f64],
         v: &[f64],
     ) -> Vec<Symmetry> {
-        let found = self.measure_symmetries(span, q, v).unwrap_or_default();
+        let found = Measured(self).symmetries(span, q, v).unwrap_or_default();
         let a = vec![0.0; q.len()];
         // Restores the state for observers.
         let _ = self.expand(Point {
@@ -80,8 +75,14 @@ impl Context {
         });
         found
     }
+}
 
-    fn measure_symmetries(
+/// A model whose symmetries are measured.
+struct Measured<'a>(&'a mut Context);
+
+impl Measured<'_> {
+    /// Those motions that all conditions allow.
+    fn symmetries(
         &mut self,
         span: [f64; 2],
         q: &[f64],
@@ -106,14 +107,14 @@ impl Context {
         let flat = rows.iter().flatten().copied();
         let R = DMatrix::from_row_iterator(rows.len(), 6, flat);
         let mut found = Vec::new();
-        for xi in null_space(&R, self.model.length) {
+        for xi in null_space(&R, self.0.model.length) {
             let lost = self.is_lossy(times[1], &states[1], &xi, span[1] - span[0])?;
             // Angular velocities are not rates: a motion that is rigid by frames and forces also
             // conserves kinetic energy.
             let keeps =
-                self.has_spins() || self.keeps_kinetic_energy(times[1], &states[1], v, &xi)?;
+                self.0.has_spins() || self.keeps_kinetic_energy(times[1], &states[1], v, &xi)?;
             if keeps && !lost {
-                let powers = (0..6).map(|k| first[k] / self.measure(k) * xi[k]);
+                let powers = (0..6).map(|k| first[k] / self.0.measure(k) * xi[k]);
                 let force: f64 = powers.sum();
                 found.push(Symmetry {
                     motion: xi,
@@ -131,29 +132,29 @@ impl Context {
 
     /// Rates of joint coordinates in the six motions, fitted at q.
     fn fit_released(&mut self, q: &[f64]) -> Result<(), SystemError> {
-        self.work.released.clear();
+        self.0.work.released.clear();
         let mut all = Vec::with_capacity(6);
         for k in 0..6 {
             let motion = motion_of(&unit(k));
             let mut rates = vec![0.0; q.len()];
-            self.set_velocity(q, &mut rates, None, &motion);
+            self.0.set_velocity(q, &mut rates, None, &motion);
             let frames = rates.clone();
-            self.fit_rates(q, &mut rates, None, &motion)?;
+            self.0.fit_rates(q, &mut rates, None, &motion)?;
             for (rate, frame) in rates.iter_mut().zip(frames) {
                 // Rounded, so that a continued run gets the same.
                 *rate = ((*rate - frame) * 1e12).round() * 1e-12;
             }
             all.push(rates);
         }
-        self.work.released = all;
+        self.0.work.released = all;
         Ok(())
     }
 
     /// A state near q: q itself, or q with changes without symmetry.
     fn near(&self, q: &[f64], number: usize) -> Vec<f64> {
-        let size = |i: usize| match self.model.quantities[self.model.coordinates[i]] {
-            _ if number == 0 || self.coordinate_info(i).is_multiplier => 0.0,
-            Quantity::Length => 0.02 * self.model.length,
+        let size = |i: usize| match self.0.model.quantities[self.0.model.coordinates[i]] {
+            _ if number == 0 || self.0.coordinate_info(i).is_multiplier => 0.0,
+            Quantity::Length => 0.02 * self.0.model.length,
             Quantity::Angle => 0.1,
             Quantity::Other => 0.0,
         };
@@ -164,219 +165,14 @@ impl Context {
             .collect()
     }
 
+    /// The six motions as rates of the unknowns.
     fn fields(&mut self, q: &[f64]) -> Vec<Vec<f64>> {
         let field = |k| {
             let mut X = vec![0.0; q.len()];
-            self.write_rigid_rates(q, &unit(k), &mut X);
+            self.0.write_rigid_rates(q, &unit(k), &mut X);
             X
         };
         (0..6).map(field).collect()
-    }
-
-    /// The same as rates of coordinates; those of rotations may be angular velocities.
-    fn coordinate_rates(&mut self, t: f64, q: &[f64]) -> Result<Vec<Vec<f64>>, SystemError> {
-        let (mut fields, a) = (self.fields(q), vec![0.0; q.len()]);
-        if self.has_spins() {
-            for X in &mut fields {
-                self.expand(Point { t, q, v: X, a: &a })?;
-                for (X, &c) in X.iter_mut().zip(&self.model.coordinates) {
-                    *X = self.work.v[c];
-                }
-            }
-        }
-        Ok(fields)
-    }
-
-    /// The power of the steady loads along the six motions, with the size of its parts; writes that
-    /// of all other static forces, relative to its parts, to `rows`.
-    fn forces_along(
-        &mut self,
-        t: f64,
-        q: &[f64],
-        rows: &mut Vec<[f64; 6]>,
-    ) -> Result<([f64; 6], f64), SystemError> {
-        let (mut r, mut steady) = (vec![0.0; q.len()], vec![0.0; q.len()]);
-        let at = at_rest(t, q);
-        self.evaluate(at, Evaluation::residual(&mut r))?;
-        self.steady_loads(at, &mut steady)?;
-        let fields = self.coordinate_rates(t, q)?;
-        let (mut of_steady, mut of_others) = ([0.0; 6], [0.0; 6]);
-        let mut sizes = [0.0_f64; 2];
-        for (k, X) in fields.iter().enumerate() {
-            let mut parts = [0.0; 2];
-            for ((r, s), X) in r.iter().zip(&steady).zip(X) {
-                let X = X * self.measure(k);
-                of_steady[k] += s * X;
-                of_others[k] += (r - s) * X;
-                // The sum of two cancelling parts has their rounding errors.
-                parts = [
-                    parts[0] + (s * X).abs(),
-                    parts[1] + ((s * X).abs() + (r * X).abs()),
-                ];
-            }
-            sizes = std::array::from_fn(|i| sizes[i].max(parts[i]));
-        }
-        if sizes[1] > 0.0 {
-            rows.push(of_others.map(|x| x / sizes[1]));
-        }
-        Ok((of_steady, sizes[0]))
-    }
-
-    /// The forces of the steady loads on the unknowns, in statics.
-    fn steady_loads(&mut self, at: Point<'_>, r: &mut [f64]) -> Result<(), SystemError> {
-        self.expand(at)?;
-        let (w, model) = (&mut self.work, &*self.model);
-        w.r.fill(0.0);
-        for (e, state) in model.elements.iter().zip(&self.state.elements) {
-            if !e.steady {
-                continue;
-            }
-            let local = &mut w.local;
-            local.read((e, state), &model.spans, &w.x, None);
-            local
-                .evaluate((e, state), at.t, true, None, false, false)
-                .map_err(|error| named(error, &e.name))?;
-            local.pull_back((e, state), &model.spans, 0, false);
-            local.add_residual(e, &model.spans, &mut w.r);
-        }
-        self.pull_back_nodes(at.t, None, [false; 2]);
-        self.model.free.gather(&self.work.r, "steady loads", r)
-    }
-
-    /// Errors of frames with elements in the six motions.
-    fn frames_along(
-        &mut self,
-        t: f64,
-        q: &[f64],
-        rows: &mut Vec<[f64; 6]>,
-    ) -> Result<(), SystemError> {
-        let frames = self.moving_frames();
-        let zero = vec![0.0; q.len()];
-        let rest = Point {
-            t,
-            q,
-            v: &zero,
-            a: &zero,
-        };
-        self.expand(rest)?;
-        let prescribed = self.work.v.clone();
-        let first = rows.len();
-        rows.resize(first + 6 * frames.len(), [0.0; 6]);
-        for (k, X) in self.fields(q).iter().enumerate() {
-            self.expand(Point { v: X, ..rest })?;
-            let motion = motion_of(&unit(k));
-            for (frame, rows) in frames.iter().zip(rows[first..].chunks_exact_mut(6)) {
-                let node = &self.model.nodes[*frame];
-                let rate = |i: usize| {
-                    let c = node.first + i;
-                    three(&self.work.v, c) - three(&prescribed, c)
-                };
-                let x = &self.work.x[node.range()];
-                let position = node.position + three(x, 0);
-                let T = match node.form {
-                    NodeForm::Pose => Matrix3::identity(),
-                    _ => so3::tangent(&three(x, 3)),
-                };
-                let missing =
-                    (rate(0) - motion.velocity - motion.omega.cross(&position)) / self.model.length;
-                let turned = T.tr_mul(&rate(3)) - motion.omega;
-                for i in 0..3 {
-                    rows[i][k] = missing[i] * self.measure(k);
-                    rows[3 + i][k] = turned[i] * self.measure(k);
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// Frames with elements that are not entirely prescribed.
-    fn moving_frames(&self) -> Vec<usize> {
-        let nodes = &self.model.nodes;
-        let free = |n: &Node| n.range().any(|c| self.model.unknowns[c] != NONE);
-        let mut moves: Vec<bool> = nodes.iter().map(|n| n.is_own() && free(n)).collect();
-        for &n in &self.model.dependent {
-            if let Some(d) = nodes[n as usize].mapped() {
-                let mut parents = d.parents(&self.state.maps).iter();
-                moves[n as usize] = parents.any(|&m| moves[m as usize]);
-            }
-        }
-        let mut met = vec![false; nodes.len()];
-        for e in self.model.elements.iter().filter(|e| !e.load) {
-            for &n in e.nodes.iter() {
-                met[n as usize] = true;
-            }
-        }
-        let kept = |&n: &usize| met[n] && nodes[n].is_frame() && moves[n];
-        (0..nodes.len()).filter(kept).collect()
-    }
-
-    /// Whether dampers dissipate more than rounding errors of a motion in a time.
-    fn is_lossy(
-        &mut self,
-        t: f64,
-        q: &[f64],
-        xi: &RigidRates,
-        time: f64,
-    ) -> Result<bool, SystemError> {
-        let (mut X, zero) = (vec![0.0; q.len()], vec![0.0; q.len()]);
-        self.write_rigid_rates(q, xi, &mut X);
-        let at = Point {
-            t,
-            q,
-            v: &X,
-            a: &zero,
-        };
-        let energies = self.evaluate_energies(at, false)?.energies;
-        Ok(energies.dissipated * time > NOTHING * energies.kinetic)
-    }
-
-    /// Whether the kinetic energy of a motion q̇ is unchanged along ξ: q + ε X, q̇ + ε DX q̇.
-    fn keeps_kinetic_energy(
-        &mut self,
-        t: f64,
-        q: &[f64],
-        v: &[f64],
-        xi: &RigidRates,
-    ) -> Result<bool, SystemError> {
-        let n = q.len();
-        let (epsilon, zero) = (1e-4, vec![0.0; n]);
-        let mut size = v.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-        if size == 0.0 {
-            size = 1.0;
-        }
-        let mut unlike = self.near(&zero, 1);
-        for (u, v) in unlike.iter_mut().zip(v) {
-            *u += v / size;
-        }
-        let along = |x: &[f64], by: f64, y: &[f64]| -> Vec<f64> {
-            x.iter().zip(y).map(|(x, y)| x + by * y).collect()
-        };
-        let mut field = |q: &[f64]| {
-            let mut X = vec![0.0; n];
-            self.write_rigid_rates(q, xi, &mut X);
-            X
-        };
-        let X = field(q);
-        let (ahead, back) = (
-            field(&along(q, epsilon, &unlike)),
-            field(&along(q, -epsilon, &unlike)),
-        );
-        let DXv: Vec<f64> = (ahead.iter().zip(&back))
-            .map(|(a, b)| (a - b) / (2.0 * epsilon))
-            .collect();
-        let mut T = [0.0; 2];
-        for (T, by) in T.iter_mut().zip([epsilon, -epsilon]) {
-            let (q, v) = (along(q, by, &X), along(&unlike, by, &DXv));
-            let at = Point {
-                t,
-                q: &q,
-                v: &v,
-                a: &zero,
-            };
-            *T = self.evaluate_energies(at, false)?.energies.kinetic;
-        }
-        let turn = three(xi, 3).norm() + 1.0 / self.model.length;
-        Ok((T[0] - T[1]).abs() <= 2.0 * epsilon * turn * NEARLY * (T[0] + T[1]))
     }
 }
 

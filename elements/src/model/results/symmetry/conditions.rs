@@ -1,0 +1,223 @@
+//! The conditions of a symmetry: forces, frames, dampers and the kinetic energy along a motion.
+
+#![allow(non_snake_case)]
+
+use super::{Measured, NOTHING, motion_of, unit};
+use crate::blocks::three;
+use crate::model::assembly::residual::named;
+use crate::model::charts::nodes::at_rest;
+use crate::model::{NONE, Node, NodeForm};
+use nalgebra::Matrix3;
+use pullback_manifold::so3;
+use pullback_manifold::system::{Evaluation, Point, RigidRates, System, SystemError};
+
+/// Power along a motion, relative to that of its parts, that counts as rounding of a difference quotient.
+const NEARLY: f64 = 1e-5;
+
+impl Measured<'_> {
+    /// The six motions as rates of coordinates, where those of rotations may be angular velocities.
+    fn coordinate_rates(&mut self, t: f64, q: &[f64]) -> Result<Vec<Vec<f64>>, SystemError> {
+        let (mut fields, a) = (self.fields(q), vec![0.0; q.len()]);
+        if self.0.has_spins() {
+            for X in &mut fields {
+                self.0.expand(Point { t, q, v: X, a: &a })?;
+                for (X, &c) in X.iter_mut().zip(&self.0.model.coordinates) {
+                    *X = self.0.work.v[c];
+                }
+            }
+        }
+        Ok(fields)
+    }
+
+    /// The power of the steady loads along the six motions, with the size of its parts; writes that
+    /// of all other static forces, relative to its parts, to `rows`.
+    pub(super) fn forces_along(
+        &mut self,
+        t: f64,
+        q: &[f64],
+        rows: &mut Vec<[f64; 6]>,
+    ) -> Result<([f64; 6], f64), SystemError> {
+        let (mut r, mut steady) = (vec![0.0; q.len()], vec![0.0; q.len()]);
+        let at = at_rest(t, q);
+        self.0.evaluate(at, Evaluation::residual(&mut r))?;
+        self.steady_loads(at, &mut steady)?;
+        let fields = self.coordinate_rates(t, q)?;
+        let (mut of_steady, mut of_others) = ([0.0; 6], [0.0; 6]);
+        let mut sizes = [0.0_f64; 2];
+        for (k, X) in fields.iter().enumerate() {
+            let mut parts = [0.0; 2];
+            for ((r, s), X) in r.iter().zip(&steady).zip(X) {
+                let X = X * self.0.measure(k);
+                of_steady[k] += s * X;
+                of_others[k] += (r - s) * X;
+                // The sum of two cancelling parts has their rounding errors.
+                parts = [
+                    parts[0] + (s * X).abs(),
+                    parts[1] + ((s * X).abs() + (r * X).abs()),
+                ];
+            }
+            sizes = std::array::from_fn(|i| sizes[i].max(parts[i]));
+        }
+        if sizes[1] > 0.0 {
+            rows.push(of_others.map(|x| x / sizes[1]));
+        }
+        Ok((of_steady, sizes[0]))
+    }
+
+    /// The forces of the steady loads on the unknowns, in statics.
+    fn steady_loads(&mut self, at: Point<'_>, r: &mut [f64]) -> Result<(), SystemError> {
+        self.0.expand(at)?;
+        let (w, model) = (&mut self.0.work, &*self.0.model);
+        w.r.fill(0.0);
+        for (e, state) in model.elements.iter().zip(&self.0.state.elements) {
+            if !e.steady {
+                continue;
+            }
+            let local = &mut w.local;
+            local.read((e, state), &model.spans, &w.x, None);
+            local
+                .evaluate((e, state), at.t, true, None, false, false)
+                .map_err(|error| named(error, &e.name))?;
+            local.pull_back((e, state), &model.spans, 0, false);
+            local.add_residual(e, &model.spans, &mut w.r);
+        }
+        self.0.pull_back_nodes(at.t, None, [false; 2]);
+        self.0.model.free.gather(&self.0.work.r, "steady loads", r)
+    }
+
+    /// Errors of frames with elements in the six motions.
+    pub(super) fn frames_along(
+        &mut self,
+        t: f64,
+        q: &[f64],
+        rows: &mut Vec<[f64; 6]>,
+    ) -> Result<(), SystemError> {
+        let frames = self.moving_frames();
+        let zero = vec![0.0; q.len()];
+        let rest = Point {
+            t,
+            q,
+            v: &zero,
+            a: &zero,
+        };
+        self.0.expand(rest)?;
+        let prescribed = self.0.work.v.clone();
+        let first = rows.len();
+        rows.resize(first + 6 * frames.len(), [0.0; 6]);
+        for (k, X) in self.fields(q).iter().enumerate() {
+            self.0.expand(Point { v: X, ..rest })?;
+            let motion = motion_of(&unit(k));
+            for (frame, rows) in frames.iter().zip(rows[first..].chunks_exact_mut(6)) {
+                let node = &self.0.model.nodes[*frame];
+                let rate = |i: usize| {
+                    let c = node.first + i;
+                    three(&self.0.work.v, c) - three(&prescribed, c)
+                };
+                let x = &self.0.work.x[node.range()];
+                let position = node.position + three(x, 0);
+                let T = match node.form {
+                    NodeForm::Pose => Matrix3::identity(),
+                    _ => so3::tangent(&three(x, 3)),
+                };
+                let missing = (rate(0) - motion.velocity - motion.omega.cross(&position))
+                    / self.0.model.length;
+                let turned = T.tr_mul(&rate(3)) - motion.omega;
+                for i in 0..3 {
+                    rows[i][k] = missing[i] * self.0.measure(k);
+                    rows[3 + i][k] = turned[i] * self.0.measure(k);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Frames with elements that are not entirely prescribed.
+    fn moving_frames(&self) -> Vec<usize> {
+        let nodes = &self.0.model.nodes;
+        let free = |n: &Node| n.range().any(|c| self.0.model.unknowns[c] != NONE);
+        let mut moves: Vec<bool> = nodes.iter().map(|n| n.is_own() && free(n)).collect();
+        for &n in &self.0.model.dependent {
+            if let Some(d) = nodes[n as usize].mapped() {
+                let mut parents = d.parents(&self.0.state.maps).iter();
+                moves[n as usize] = parents.any(|&m| moves[m as usize]);
+            }
+        }
+        let mut met = vec![false; nodes.len()];
+        for e in self.0.model.elements.iter().filter(|e| !e.load) {
+            for &n in e.nodes.iter() {
+                met[n as usize] = true;
+            }
+        }
+        let kept = |&n: &usize| met[n] && nodes[n].is_frame() && moves[n];
+        (0..nodes.len()).filter(kept).collect()
+    }
+
+    /// Whether dampers dissipate more than rounding errors of a motion in a time.
+    pub(super) fn is_lossy(
+        &mut self,
+        t: f64,
+        q: &[f64],
+        xi: &RigidRates,
+        time: f64,
+    ) -> Result<bool, SystemError> {
+        let (mut X, zero) = (vec![0.0; q.len()], vec![0.0; q.len()]);
+        self.0.write_rigid_rates(q, xi, &mut X);
+        let at = Point {
+            t,
+            q,
+            v: &X,
+            a: &zero,
+        };
+        let energies = self.0.evaluate_energies(at, false)?.energies;
+        Ok(energies.dissipated * time > NOTHING * energies.kinetic)
+    }
+
+    /// Whether the kinetic energy of a motion q̇ is unchanged along ξ: q + ε X, q̇ + ε DX q̇.
+    pub(super) fn keeps_kinetic_energy(
+        &mut self,
+        t: f64,
+        q: &[f64],
+        v: &[f64],
+        xi: &RigidRates,
+    ) -> Result<bool, SystemError> {
+        let n = q.len();
+        let (epsilon, zero) = (1e-4, vec![0.0; n]);
+        let mut size = v.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        if size == 0.0 {
+            size = 1.0;
+        }
+        let mut unlike = self.near(&zero, 1);
+        for (u, v) in unlike.iter_mut().zip(v) {
+            *u += v / size;
+        }
+        let along = |x: &[f64], by: f64, y: &[f64]| -> Vec<f64> {
+            x.iter().zip(y).map(|(x, y)| x + by * y).collect()
+        };
+        let mut field = |q: &[f64]| {
+            let mut X = vec![0.0; n];
+            self.0.write_rigid_rates(q, xi, &mut X);
+            X
+        };
+        let X = field(q);
+        let (ahead, back) = (
+            field(&along(q, epsilon, &unlike)),
+            field(&along(q, -epsilon, &unlike)),
+        );
+        let DXv: Vec<f64> = (ahead.iter().zip(&back))
+            .map(|(a, b)| (a - b) / (2.0 * epsilon))
+            .collect();
+        let mut T = [0.0; 2];
+        for (T, by) in T.iter_mut().zip([epsilon, -epsilon]) {
+            let (q, v) = (along(q, by, &X), along(&unlike, by, &DXv));
+            let at = Point {
+                t,
+                q: &q,
+                v: &v,
+                a: &zero,
+            };
+            *T = self.0.evaluate_energies(at, false)?.energies.kinetic;
+        }
+        let turn = three(xi, 3).norm() + 1.0 / self.0.model.length;
+        Ok((T[0] - T[1]).abs() <= 2.0 * epsilon * turn * NEARLY * (T[0] + T[1]))
+    }
+}
