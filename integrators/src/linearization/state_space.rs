@@ -42,10 +42,10 @@ pub struct StateSpace {
 pub enum StateSpaceError {
     /// M is singular.
     #[error(
-        "coordinates without inertia have no first-order form: give every body and node that moves mass and, where it \
-         rotates, inertia"
+        "{0} moves without inertia, so that there is no first-order form: give every body and node that moves mass and, \
+         where it rotates, inertia"
     )]
-    Massless,
+    Massless(String),
     /// Inputs move equations of multipliers.
     #[error(
         "an input moves {0}, an equation with a multiplier, so that its derivatives act as well; close \
@@ -156,14 +156,19 @@ impl Linearized {
         }
         let reduced = |A: &DMatrix<f64>| N.tr_mul(&(A * &N));
         let mass = reduced(&M);
-        let factors = mass.clone().cholesky().ok_or(StateSpaceError::Massless)?;
+        let massless = || {
+            let eigen = mass.clone().symmetric_eigen();
+            let motion = &N * eigen.eigenvectors.column(eigen.eigenvalues.imin());
+            StateSpaceError::Massless(self.names[motion.iamax()].clone())
+        };
+        let factors = mass.clone().cholesky().ok_or_else(massless)?;
         let solve = |b: DMatrix<f64>| -> Result<DMatrix<f64>, StateSpaceError> {
             let x = factors.solve(&b);
             let residual = (&mass * &x - &b).amax();
             let size = mass.amax() * x.amax() + b.amax();
             match residual <= ROUNDING * size {
                 true => Ok(x),
-                false => Err(StateSpaceError::Massless),
+                false => Err(massless()),
             }
         };
         let [stiffness, damping] = [solve(reduced(&K))?, solve(reduced(&C))?];
