@@ -4,7 +4,7 @@ use crate::modes::{Eigenvalues, ModelModes};
 use crate::solve::{Advance, Counts};
 use crate::studies::gallery::CaseRow;
 use indicatif::{ProgressBar, ProgressStyle};
-use pullback_integrators::linearization::{CampbellDiagram, Mode};
+use pullback_integrators::linearization::{BucklingMode, CampbellDiagram, Mode};
 use std::fmt::{Display, Write};
 use std::io::{self, Write as _};
 use std::ops::ControlFlow;
@@ -178,9 +178,9 @@ pub fn eigenvalues(found: &Eigenvalues) -> String {
         Eigenvalues::Modes(found) => modes(found),
         Eigenvalues::Campbell(found) => campbell(&found.diagram),
         Eigenvalues::Critical(found) => {
-            let mut out = "\nmode  critical load parameter\n".to_owned();
-            for (k, mode) in found.modes.iter().enumerate() {
-                let _ = writeln!(out, "{:4}  {:23.9e}", k + 1, mode.load);
+            let mut out = "\nmode  critical load parameter     error\n".to_owned();
+            for (k, BucklingMode { load, error, .. }) in found.modes.iter().enumerate() {
+                let _ = writeln!(out, "{:4}  {load:23.9e}  {error:8.1e}", k + 1);
             }
             out
         }

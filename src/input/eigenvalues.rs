@@ -22,15 +22,15 @@ pub enum EigenvaluePlan {
 }
 
 impl EigenvaluePlan {
-    /// Name and number of the values found, where the number is known.
-    pub(crate) fn columns(&self) -> (&'static str, usize) {
+    /// Names of the two values of each mode, and the number of modes, where it is known.
+    pub(crate) fn columns(&self) -> ([&'static str; 2], usize) {
         match self {
             Self::Modes(options) => match options.selection {
-                Selection::Nearest { count, .. } => ("frequency", count),
-                Selection::Range(_) => ("frequency", 0),
+                Selection::Nearest { count, .. } => (["frequency", "damping_ratio"], count),
+                Selection::Range(_) => ([""; 2], 0),
             },
-            Self::Buckling(count) => ("load", *count),
-            Self::Campbell(..) => ("", 0),
+            Self::Buckling(count) => (["load", "error"], *count),
+            Self::Campbell(..) => ([""; 2], 0),
         }
     }
 }

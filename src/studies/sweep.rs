@@ -9,6 +9,7 @@ use crate::input::{InputError, Job, Registry, with_parameters};
 use crate::modes::Eigenvalues;
 use crate::output::{Ending, History};
 use crate::run::{Recorded, record_job};
+use pullback_integrators::linearization::Mode;
 use serde::Serialize;
 use std::fmt;
 use std::ops::ControlFlow;
@@ -272,7 +273,7 @@ impl Sweep {
         values
     }
 
-    /// Names of the values of a run: reductions of probes, and frequencies or critical loads; the model is assembled with
+    /// Names of the values of a run: reductions of probes, and those of modes or critical loads; the model is assembled with
     /// the parameters of the first run.
     ///
     /// # Errors
@@ -283,8 +284,9 @@ impl Sweep {
         let mut columns: Vec<String> = probes
             .flat_map(|probe| self.reductions.iter().map(move |r| format!("{probe}.{r}")))
             .collect();
-        let (name, count) = job.eigenvalues.map_or(("", 0), |wanted| wanted.columns());
-        columns.extend((1..=count).map(|k| format!("{name}_{k}")));
+        if let Some((names, count)) = job.eigenvalues.map(|wanted| wanted.columns()) {
+            columns.extend((1..=count).flat_map(|k| names.map(|name| format!("{name}_{k}"))));
+        }
         Ok(columns)
     }
 
@@ -374,10 +376,11 @@ impl Sweep {
         }
         match &recorded.eigenvalues {
             Some(Eigenvalues::Modes(found)) => {
-                values.extend(found.modes.iter().map(|mode| mode.mode.frequency()));
+                let of = |m: &Mode| [m.frequency(), m.damping_ratio()];
+                values.extend(found.modes.iter().flat_map(|mode| of(&mode.mode)));
             }
             Some(Eigenvalues::Critical(found)) => {
-                values.extend(found.modes.iter().map(|mode| mode.load));
+                values.extend(found.modes.iter().flat_map(|mode| [mode.load, mode.error]));
             }
             Some(Eigenvalues::Campbell(_)) | None => {}
         }
