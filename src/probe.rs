@@ -181,6 +181,11 @@ impl Probe {
 
     /// Appends its values at a converged step.
     pub(crate) fn record(&mut self, context: &Context, answers: &Answers, out: &mut Vec<f64>) {
+        if self.quantity.is_dynamic() && context.is_at_rest() {
+            // Rates in statics are those by the load parameter.
+            out.resize(out.len() + self.columns().len(), 0.0);
+            return;
+        }
         let v = self.vector(context, answers);
         match self.component {
             ProbeComponent::All(_) => out.extend(v.iter()),

@@ -199,7 +199,9 @@ impl InputProblem {
             Self::NoReaction { .. } => "probe a node that has a support",
             Self::ClosureKey { .. } => "add it, or remove this key",
             Self::NoJoint { .. } => "probe the node that bears the joint's name",
-            Self::DynamicProbe { .. } => "add [analysis.dynamic], or remove the probe",
+            Self::DynamicProbe { .. } => {
+                "add [analysis.dynamic] or [analysis.modes], or remove the probe"
+            }
             Self::InitialNode { .. } => "name the node",
             Self::InitialNothing => "add displacement, rotation, velocity or angular_velocity",
             Self::InitialHeld { .. } => "remove it, or free the node",

@@ -116,7 +116,9 @@ pub(super) fn assemble(
     }
     let mut context = Context::new(model);
     let start = initial::start(&assembly, &mut context)?;
-    let probes = probes::resolve(&assembly, &context, dynamic)?;
+    // Velocities and accelerations are outputs of linear equations about an equilibrium.
+    let moves = dynamic || matches!(file.analysis, Analysis::Modes(_) | Analysis::Campbell(_));
+    let probes = probes::resolve(&assembly, &context, moves)?;
     let geometry = assembly.geometry;
     settings::fill_in(&plan, &mut file.analysis);
     Ok(Job {

@@ -9,16 +9,16 @@ use crate::probe::{Probe, ProbeComponent, Target};
 use pullback_elements::model::{Context, ElementId};
 use std::collections::HashSet;
 
-/// The probes of a file; `dynamic` says whether its analysis is.
+/// The probes of a file; `moves` says whether they may record velocities and accelerations.
 pub(super) fn resolve(
     assembly: &Assembly<'_>,
     context: &Context,
-    dynamic: bool,
+    moves: bool,
 ) -> Result<Vec<Probe>, InputError> {
     let probes = &assembly.file.probes;
     let at = |(k, probe)| (assembly.at("probes").at(k), probe);
     let all = || probes.iter().enumerate().map(at);
-    let unusable = |(_, p): &(_, &file::Probe)| p.quantity.is_dynamic() && !dynamic;
+    let unusable = |(_, p): &(_, &file::Probe)| p.quantity.is_dynamic() && !moves;
     if let Some((at, probe)) = all().find(unusable) {
         return Err(at.at("quantity").refuse(InputProblem::DynamicProbe {
             probe: probe.name.clone(),

@@ -81,46 +81,39 @@ const MASSLESS: &str = r#"
     [analysis.modes]
 "#;
 
-/// m l² θ̈ = −m g l θ − c θ̇ + u; the tip is at x = l θ.
+/// m l² θ̈ = −m g l θ − c θ̇ + u; the tip is at x = l θ. About a state of a motion, and about an equilibrium.
 #[test]
 fn a_pendulum_with_a_motor() {
     let acts = "actuator = { input = \"torque\" }\nspring = { k = 0, c = 0.3 }";
-    let out = directory("state_space");
-    let model = write(&out, &pendulum(acts));
-    let ran = command(
-        "linearize",
-        &[
-            &model,
-            "--at".as_ref(),
-            "0.01".as_ref(),
-            "--first-order".as_ref(),
-        ],
-    );
-    succeeded(&ran);
-    let of = |name: &str| matrix(&out.join("model.linear").join(name));
-    let (m, g, l, c) = (1.5, 9.81, 2.0, 0.3);
-    let (k, c, b) = (g / l, c / (m * l * l), 1.0 / (m * l * l));
-    let names = read(out.join("model.linear/outputs.txt"));
-    assert_eq!(names, "tip x\ntension\nenergy\nhinge\n");
-    assert_eq!(read(out.join("model.linear/inputs.txt")), "torque\n");
-    for (name, exact) in [
-        (
-            "state_A.mtx",
-            DMatrix::from_row_slice(2, 2, &[0.0, 1.0, -k, -c]),
-        ),
-        ("state_B.mtx", DMatrix::from_row_slice(2, 1, &[0.0, b])),
-        (
-            "state_C.mtx",
-            DMatrix::from_row_slice(4, 2, &[-k * l, -c * l, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
-        ),
-        (
-            "state_D.mtx",
-            DMatrix::from_row_slice(4, 1, &[b * l, 0.0, 0.0, 0.0]),
-        ),
-    ] {
-        let found = of(name);
-        assert_eq!(found.shape(), exact.shape(), "{name}");
-        assert!((&found - &exact).amax() < 1e-9, "{name}: {found} {exact}");
+    let moving = pendulum(acts);
+    let at_rest = moving
+        .replace("dynamic]\n    to = 0.01\n    step = 0.01", "modes]")
+        .replace("-9.81, 0]", "-9.81, 0]\n    time = { constant = 1 }");
+    for (text, at) in [(moving, &["--at", "0.01"][..]), (at_rest, &[])] {
+        let out = directory("state_space");
+        let model = write(&out, &text);
+        let arguments = ["--first-order"].iter().chain(at);
+        let arguments = arguments.map(|word| Path::new(word));
+        let arguments: Vec<&Path> = std::iter::once(&*model).chain(arguments).collect();
+        succeeded(&command("linearize", &arguments));
+        let of = |name: &str| matrix(&out.join("model.linear").join(name));
+        let (m, g, l, c) = (1.5, 9.81, 2.0, 0.3);
+        let (k, c, b) = (g / l, c / (m * l * l), 1.0 / (m * l * l));
+        let names = read(out.join("model.linear/outputs.txt"));
+        assert_eq!(names, "tip x\ntension\nenergy\nhinge\n");
+        assert_eq!(read(out.join("model.linear/inputs.txt")), "torque\n");
+        let C = [-k * l, -c * l, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+        for (name, rows, exact) in [
+            ("state_A.mtx", 2, &[0.0, 1.0, -k, -c][..]),
+            ("state_B.mtx", 2, &[0.0, b]),
+            ("state_C.mtx", 4, &C),
+            ("state_D.mtx", 4, &[b * l, 0.0, 0.0, 0.0]),
+        ] {
+            let (found, columns) = (of(name), exact.len() / rows);
+            let exact = DMatrix::from_row_slice(rows, columns, exact);
+            assert_eq!(found.shape(), exact.shape(), "{name}");
+            assert!((&found - &exact).amax() < 1e-9, "{name}: {found} {exact}");
+        }
     }
 }
 

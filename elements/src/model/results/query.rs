@@ -211,6 +211,11 @@ impl Context {
         self.expand(at)
     }
 
+    /// Whether the configuration last set is one of statics.
+    pub fn is_at_rest(&self) -> bool {
+        !self.work.stirred
+    }
+
     /// Reactions of all supported frame nodes at the last evaluation of the residual.
     pub fn reactions(&self) -> Vec<Reaction> {
         let mut out: Vec<Reaction> = Vec::new();
