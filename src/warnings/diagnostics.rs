@@ -123,8 +123,8 @@ impl Diagnostics {
         let unloaded = || {
             (complete && self.rows > 0 && !self.moved).then(|| {
                 if self.held {
-                    "all loads act on coordinates that supports hold: nothing moves, and only \
-                     reactions are computed. Load free nodes, or free these coordinates"
+                    "nothing moves: supports and joints bear all loads, and only reactions are \
+                     computed. Load what is free to move, or free it"
                 } else {
                     "no load acts and nothing is prescribed: nothing moves. See `loads`, `prescribed`, and \
                      whether a `time` is zero over the whole range of the load parameter"

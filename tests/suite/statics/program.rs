@@ -215,7 +215,7 @@ fn what_does_nothing_or_too_much_is_warned_of() {
 
     let held = with(at_b, "[[loads]]\nnode = \"A\"\nmoment");
     let (_, result, _) = run("statics_held", &held);
-    assert!(first(&result).contains("supports hold"));
+    assert!(first(&result).contains("supports and joints bear all loads"));
 
     // EA = 1e6: rounding errors of forces are of the order of 1e-9.
     let faint = with(moment, "force = [1e-12, 0, 0]");
