@@ -171,7 +171,10 @@ impl Diagnostics {
         let (first, others) = self.changes.split_first()?;
         let span = |change: &Change| {
             let [a, b] = change.between.map(significant);
-            format!("between load parameter {a} and {b}")
+            match a == b {
+                true => format!("at or before load parameter {b}"),
+                false => format!("between load parameter {a} and {b}"),
+            }
         };
         let directions = |n: usize| match n {
             0 => "stable again".to_owned(),
