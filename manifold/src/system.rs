@@ -74,12 +74,13 @@ impl Weights {
         M: 1.0,
     };
 
-    /// Which of K, C and M are needed: K alone at rest, M alone, or all.
+    /// Which of K, C and M are needed: K alone at rest, M alone, C and M without K, or all.
     pub fn needed(&self, at_rest: bool) -> Range<usize> {
         match at_rest {
             true => 0..1,
-            false if self.K == 0.0 && self.C == 0.0 => 2..3,
-            false => 0..3,
+            false if self.K != 0.0 => 0..3,
+            false if self.C != 0.0 => 1..3,
+            false => 2..3,
         }
     }
 

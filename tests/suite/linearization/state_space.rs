@@ -93,7 +93,7 @@ fn a_pendulum_with_a_motor() {
         let out = directory("state_space");
         let model = write(&out, &text);
         let arguments = ["--first-order"].iter().chain(at);
-        let arguments = arguments.map(|word| Path::new(word));
+        let arguments = arguments.map(Path::new);
         let arguments: Vec<&Path> = std::iter::once(&*model).chain(arguments).collect();
         succeeded(&command("linearize", &arguments));
         let of = |name: &str| matrix(&out.join("model.linear").join(name));

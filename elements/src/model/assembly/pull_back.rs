@@ -20,6 +20,7 @@ use crate::model::NONE;
 use crate::model::assembly::couplings::CoupledBlock;
 use crate::model::assembly::scatter::ScatterTarget;
 use crate::model::assembly::scatter_map::ScatterMap;
+use std::ops::Range;
 
 /// Number of coordinates of a pose.
 const POSE: usize = 6;
@@ -55,13 +56,22 @@ impl<'a> Operator<'a> {
         }
     }
 
-    /// Bᵀ f of vectors of the given number of orders (K, C, M), which are `stride` apart; with `rates`, the
+    /// Bᵀ f of vectors of these orders (K, C, M), which are `stride` apart; with `rates`, the
     /// products with Ḃ and B̈ that the transposed columns need. The results are d apart.
     #[inline(always)]
-    fn transposed(&self, orders: usize, rates: bool, f: &[f64], stride: usize, out: &mut [f64]) {
+    fn transposed(
+        &self,
+        needed: &Range<usize>,
+        rates: bool,
+        f: &[f64],
+        stride: usize,
+        out: &mut [f64],
+    ) {
+        let (orders, factors) = (needed.len(), &FACTORS[needed.start..]);
         match (&self.lever, orders) {
-            (Some(lever), 1) => self.transposed_link::<1>(lever, rates, f, stride, out),
-            (Some(lever), _) => self.transposed_link::<3>(lever, rates, f, stride, out),
+            (Some(lever), 1) => self.transposed_link::<1>(lever, factors, rates, f, stride, out),
+            (Some(lever), 2) => self.transposed_link::<2>(lever, factors, rates, f, stride, out),
+            (Some(lever), _) => self.transposed_link::<3>(lever, factors, rates, f, stride, out),
             (None, _) => {
                 for (order, out) in out.chunks_exact_mut(self.d).enumerate().take(orders) {
                     let last = if rates && self.moves {
@@ -72,7 +82,7 @@ impl<'a> Operator<'a> {
                     for (k, B) in self.B[..last].iter().enumerate() {
                         let f = &f[(order + k) * stride..][..self.n];
                         for (out, B) in out.iter_mut().zip(B.chunks_exact(self.n)) {
-                            let product = FACTORS[order][k] * dot(B, f);
+                            let product = factors[order][k] * dot(B, f);
                             *out = if k == 0 { product } else { *out + product };
                         }
                     }
@@ -85,6 +95,7 @@ impl<'a> Operator<'a> {
     fn transposed_link<const ORDERS: usize>(
         &self,
         lever: &[[f64; 3]; 3],
+        factors: &[[f64; 3]],
         rates: bool,
         f: &[f64],
         stride: usize,
@@ -96,7 +107,7 @@ impl<'a> Operator<'a> {
             let mut at_parent = f[order];
             let last = if rates { ORDERS - order } else { 1 };
             for k in 0..last {
-                let [x, y, z] = lever[k].map(|rho| FACTORS[order][k] * rho);
+                let [x, y, z] = lever[k].map(|rho| factors[order][k] * rho);
                 let f = &f[order + k];
                 at_parent[3] += y * f[2] - z * f[1];
                 at_parent[4] += z * f[0] - x * f[2];
@@ -107,7 +118,7 @@ impl<'a> Operator<'a> {
                 *own = 0.0;
                 for k in 0..last {
                     let S = pose(&self.B[k][(POSE + j) * POSE..]);
-                    *own += FACTORS[order][k] * dot(&S, &f[order + k]);
+                    *own += factors[order][k] * dot(&S, &f[order + k]);
                 }
             }
         }
@@ -272,8 +283,7 @@ impl Piece {
 }
 
 impl ScatterMap {
-    /// Pulls the needed tangents at the mapped node of this index back to its parents: three orders, or one, K at
-    /// rest or M. `work` is scratch.
+    /// Pulls the needed tangents at the mapped node of this index back to its parents. `work` is scratch.
     pub(in crate::model) fn pull_back(
         &self,
         index: usize,
@@ -286,11 +296,12 @@ impl ScatterMap {
         let coupled = &self.couplings.0[index];
         // The tangents of parents come before those of the nodes mapped from them.
         let (above, own) = into.coupled.split_at_mut(coupled.own);
-        let orders = into.needed.len();
+        let needed = into.needed.clone();
+        let orders = needed.len();
         let into = &mut ScatterTarget {
             values: into.values,
             coupled: above,
-            needed: into.needed.clone(),
+            needed: needed.clone(),
             ..*into
         };
         let (f, product) = work.split_at_mut(orders * d);
@@ -307,9 +318,9 @@ impl ScatterMap {
             let [of_rows, of_columns] =
                 [pieces.next(), pieces.next()].map(Option::unwrap_or_default);
             for c in 0..partner.dim {
-                operator.transposed(orders, false, rows, size, f);
+                operator.transposed(&needed, false, rows, size, f);
                 put(of_rows, f, c);
-                operator.transposed(orders, true, columns, size, f);
+                operator.transposed(&needed, true, columns, size, f);
                 put(of_columns, f, c);
                 (rows, columns) = (&rows[n..], &columns[n..]);
             }
@@ -317,13 +328,14 @@ impl ScatterMap {
         let size = n * d;
         for (order, product) in product.chunks_exact_mut(size).enumerate().take(orders) {
             let square = &square[order * n * n..orders * n * n];
-            operator.products(&FACTORS[order][..orders - order], square, product);
+            let factors = &FACTORS[needed.start + order][..orders - order];
+            operator.products(factors, square, product);
         }
         let mut product = &*product;
         let mut K_sigma = K_sigma.chunks_exact(d);
         for (pieces, dim) in pieces.zip(&coupled.parents) {
             for (c, K_sigma) in K_sigma.by_ref().take(*dim).enumerate() {
-                operator.transposed(orders, false, product, size, f);
+                operator.transposed(&needed, false, product, size, f);
                 add(&mut f[..d], K_sigma, -1.0);
                 put(pieces, f, c);
                 product = &product[n..];
