@@ -29,8 +29,8 @@ pub(crate) fn unbalanced(counts: &Counts) -> Option<&'static str> {
         let now = energy.now.kinetic + energy.now.stored;
         let still = energy.start == 0.0 && energy.gross == 0.0 && now == 0.0;
         return (still && counts.steps > 0).then_some(
-            "nothing moves: no load acts on anything free, nothing is prescribed, and all starts at \
-             rest. See `loads`, `prescribed` and `initial`",
+            "nothing moves: loads, if there are any, are in balance, nothing that is prescribed moves, and all \
+             starts at rest. See `loads`, `prescribed` and `initial`",
         );
     }
     Some(if energy.defect() > 0.0 {
