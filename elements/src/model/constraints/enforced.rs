@@ -13,8 +13,8 @@ use std::sync::Arc;
 
 /// Residual of an omitted equation beyond which it does not follow from the others.
 const LOOSE: f64 = 1e-8;
-/// Part of the gradient of an equation by coordinates of nodes below which one by unknowns is rounding: both ends of a
-/// loop move alike.
+/// Part of the gradient of an equation by coordinates of nodes below which one by unknowns or prescribed coordinates is
+/// rounding: both ends of a loop move alike.
 const ROUNDING: f64 = 1e-12;
 /// Limit of an omitted equation, in messages.
 const FOLLOWED: &str = "zero, though it followed from the other equations at the start: that was a \
@@ -152,11 +152,16 @@ impl Context {
                 let size = scaled.fold(0.0, |a: f64, x| a.max(x.abs()));
                 sizes.push(size);
                 self.pull_back_nodes(t, None, [false; 2]);
-                let row = (self.model.coordinates.iter().enumerate())
-                    .map(|(u, &c)| self.work.r[c] * self.unit(u))
-                    .map(|x| if x.abs() > ROUNDING * size { x } else { 0.0 });
-                rows.extend(row);
-                prescribed.extend(self.prescribed().map(|c| self.work.r[c] * self.size(c)));
+                let scaled = |c: usize| {
+                    let slope = self.work.r[c] * self.size(c);
+                    if slope.abs() > ROUNDING * size {
+                        slope
+                    } else {
+                        0.0
+                    }
+                };
+                rows.extend(self.model.coordinates.iter().map(|&c| scaled(c)));
+                prescribed.extend(self.prescribed().map(scaled));
             }
         }
         Ok(EnforcedEquations {
