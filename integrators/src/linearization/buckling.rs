@@ -20,8 +20,8 @@ pub struct BucklingMode {
     /// Buckling shape ψ, with ψᵀ K ψ = 1 for the tangent K at the state.
     pub shape: Vec<f64>,
     /// |ψᵀ K ψ| for the tangent K at this load and the coordinates extrapolated to it: zero where the tangent is
-    /// linear in the load, and infinite at coordinates without a tangent. The load is off by about this share of
-    /// its distance from the state.
+    /// linear in the load, and infinite at coordinates without a tangent. Where it is small, the load is off by about
+    /// this share of its distance from the state.
     pub error: f64,
 }
 
@@ -107,18 +107,14 @@ pub fn buckling(
         let form = |values: &[f64]| dot(&shape, &lin.product(values, &shape));
         let (stiffness, change) = (form(&lin.K), form(&lin.M));
         let distance = stiffness / change;
-        let error = match tangent(distance) {
-            Ok(K) => (form(&K) / stiffness).abs(),
-            Err(SystemError::Domain { .. }) => f64::INFINITY,
-            Err(error) => return Err(error.into()),
-        };
-        Ok(BucklingMode {
+        let there = tangent(distance).map_or(f64::INFINITY, |K| (form(&K) / stiffness).abs());
+        BucklingMode {
             load: at.t + distance,
             shape: shape.iter().map(|x| x / stiffness.sqrt()).collect(),
-            error,
-        })
+            error: if there.is_nan() { f64::INFINITY } else { there },
+        }
     });
-    modes.collect()
+    Ok(modes.collect())
 }
 
 /// Step of the load parameter for differences of tangents along the path.
