@@ -65,8 +65,7 @@ pub struct Kinematics<const D: usize, const N: usize> {
 ///
 /// Only [`Map::phi`] is required. The derivatives follow from it by exact differentiation
 /// ([`derived`]); a map may override any of them by a closed form, which the conformance kit
-/// compares with φ. A map with a state of its own (a chart, a segment of a curve) is a
-/// [`Parametrization`].
+/// compares with φ. A map with a state of its own (a chart, a piece of a curve) has a [`MapState`].
 pub trait Map<const D: usize, const N: usize>: Send + Sync {
     /// The constraint itself, x = φ(t, q).
     fn phi<S: Scalar>(&self, t: S, q: &SVector<S, D>) -> SVector<S, N>;
@@ -111,6 +110,11 @@ pub trait Map<const D: usize, const N: usize>: Send + Sync {
         f: &SVector<f64, N>,
     ) -> SMatrix<f64, D, D> {
         derived::geometric_stiffness(self, t, q, f)
+    }
+
+    /// What changes in the map between evaluations: nothing by default.
+    fn state(&mut self) -> Option<&mut dyn MapState> {
+        None
     }
 
     /// This map as a [`Parametrization`] trait object.

@@ -4,10 +4,7 @@
 
 use super::RotationChart;
 use crate::domain::{CHART_EDGE, DomainError};
-use crate::map::{
-    KinematicsMut, Map, MapState, Parametrization, Reparametrization, write_geometric_stiffness,
-    write_kinematics, write_tangent,
-};
+use crate::map::{Map, MapState, Reparametrization};
 use crate::scalar::Scalar;
 use crate::so3::{self, Quaternion};
 use nalgebra::{SVector, Vector3};
@@ -60,6 +57,10 @@ impl<C: RotationChart, const D: usize> Map<D, D> for Charted<C, D> {
         let psi = so3::log_quaternion(&self.quaternion(q)).norm();
         DomainError::within(edge.min(TAU - psi), CHART_EDGE)
     }
+
+    fn state(&mut self) -> Option<&mut dyn MapState> {
+        Some(self)
+    }
 }
 
 /// From the present coordinates of a rotation to the better ones.
@@ -79,36 +80,6 @@ impl<C: RotationChart> Map<3, 3> for Change<C> {
     }
 }
 
-impl<C: RotationChart, const D: usize> Parametrization for Charted<C, D> {
-    fn dims(&self) -> (usize, usize) {
-        (D, D)
-    }
-
-    fn domain(&mut self, t: f64, q: &[f64]) -> Result<f64, DomainError> {
-        Map::domain(self, t, &SVector::from_column_slice(q))
-    }
-
-    fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
-        write_tangent(self, t, q, x, B);
-    }
-
-    fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
-        write_kinematics(self, t, [q, v, a], out);
-    }
-
-    fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
-        write_geometric_stiffness(self, t, q, f, K);
-    }
-
-    fn state(&mut self) -> Option<&mut dyn MapState> {
-        Some(self)
-    }
-
-    fn reparametrization(&mut self) -> Option<&mut dyn Reparametrization> {
-        Some(self)
-    }
-}
-
 impl<C: RotationChart, const D: usize> MapState for Charted<C, D> {
     /// Whether the coordinates are those of the chart already.
     fn save(&self) -> Vec<f64> {
@@ -121,6 +92,10 @@ impl<C: RotationChart, const D: usize> MapState for Charted<C, D> {
         };
         self.entered = entered != 0.0;
         true
+    }
+
+    fn reparametrization(&mut self) -> Option<&mut dyn Reparametrization> {
+        Some(self)
     }
 }
 

@@ -5,7 +5,7 @@ use super::{
     Choice, Description, Equation, Equations, EvaluationError, Implicit, ImplicitError, Unknown,
 };
 use crate::domain::DomainError;
-use crate::map::{KinematicsMut, Map, MapState, Parametrization, Reparametrization};
+use crate::map::{KinematicsMut, Map, MapState, Parametrization};
 
 /// Limit of an implicit map in messages.
 const ALLOWED: &str = "the positions that its equations allow";
@@ -159,15 +159,6 @@ impl Parametrization for ImplicitMap {
     }
 
     fn state(&mut self) -> Option<&mut dyn MapState> {
-        Some(self)
-    }
-
-    fn reparametrization(&mut self) -> Option<&mut dyn Reparametrization> {
-        let changes = self.D > 0 && self.about.choice != Choice::Fixed;
-        changes.then_some(self as _)
-    }
-
-    fn implicit(&mut self) -> Option<&mut ImplicitMap> {
         Some(self)
     }
 }

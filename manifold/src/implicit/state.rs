@@ -1,5 +1,6 @@
 //! The state of an implicit map besides its coordinates.
 
+use super::Choice;
 use super::core::ImplicitMap;
 use crate::map::{MapState, Reparametrization};
 use crate::system::ChartChanges;
@@ -79,5 +80,14 @@ impl MapState for ImplicitMap {
         let used = self.chart.used.iter().filter(|&&u| u).count();
         let complete = (self.chart.independent.as_ref()).is_none_or(|k| k.len() == D);
         used == X - D && complete && self.refresh(t, &q)
+    }
+
+    fn reparametrization(&mut self) -> Option<&mut dyn Reparametrization> {
+        let changes = self.D > 0 && self.about.choice != Choice::Fixed;
+        changes.then_some(self as _)
+    }
+
+    fn implicit(&mut self) -> Option<&mut ImplicitMap> {
+        Some(self)
     }
 }

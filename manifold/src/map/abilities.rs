@@ -1,6 +1,7 @@
 //! Abilities of a map beyond its evaluation.
 
 use super::Parametrization;
+use crate::implicit::ImplicitMap;
 use crate::so3::VelocityKind;
 use crate::system::ChartChanges;
 
@@ -54,6 +55,16 @@ pub trait MapState {
     /// to another map.
     fn restore(&mut self, saved: &[f64]) -> bool {
         saved.is_empty()
+    }
+
+    /// Changes of the coordinates.
+    fn reparametrization(&mut self) -> Option<&mut dyn Reparametrization> {
+        None
+    }
+
+    /// The equations that the map solves; `None` for an explicit map.
+    fn implicit(&mut self) -> Option<&mut ImplicitMap> {
+        None
     }
 }
 

@@ -44,8 +44,7 @@ pub fn write_block<const M: usize, const N: usize>(
 
 /// An object-safe [`Map`] of any dimensions: slices outside, fixed sizes and no heap inside.
 ///
-/// Implemented for every map by [`Map::boxed`], and by maps with abilities of their own
-/// ([`Increment`](super::Increment)) or sizes known only at run time
+/// Implemented for every map by [`Map::boxed`], and by maps with segments or with sizes known only at run time
 /// ([`ImplicitMap`]). Slices have the lengths of [`Parametrization::dims`];
 /// matrices are stored column by column. A map without an ability gives `None`, the default.
 pub trait Parametrization: Duplicate + Send + Sync {
@@ -80,13 +79,8 @@ pub trait Parametrization: Duplicate + Send + Sync {
     /// Writes K_σ(f) (d×d).
     fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]);
 
-    /// What changes in the map between evaluations.
+    /// See [`Map::state`].
     fn state(&mut self) -> Option<&mut dyn MapState> {
-        None
-    }
-
-    /// Changes of the coordinates.
-    fn reparametrization(&mut self) -> Option<&mut dyn Reparametrization> {
         None
     }
 
@@ -94,14 +88,19 @@ pub trait Parametrization: Duplicate + Send + Sync {
     fn segments(&self) -> Option<&dyn Segments> {
         None
     }
-
-    /// The equations that it solves; `None` for an explicit map.
-    fn implicit(&mut self) -> Option<&mut ImplicitMap> {
-        None
-    }
 }
 
 impl dyn Parametrization + '_ {
+    /// [`MapState::reparametrization`]; `None` without a state.
+    pub fn reparametrization(&mut self) -> Option<&mut dyn Reparametrization> {
+        self.state()?.reparametrization()
+    }
+
+    /// [`MapState::implicit`]; `None` without a state.
+    pub fn implicit(&mut self) -> Option<&mut ImplicitMap> {
+        self.state()?.implicit()
+    }
+
     /// Index of the set of parents that φ reads at present: [`Segments::segment`], or 0.
     pub fn segment(&self) -> usize {
         self.segments().map_or(0, Segments::segment)
@@ -154,6 +153,10 @@ where
 
     fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
         write_geometric_stiffness(&self.0, t, q, f, K);
+    }
+
+    fn state(&mut self) -> Option<&mut dyn MapState> {
+        self.0.state()
     }
 }
 

@@ -2,10 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::{
-    KinematicsMut, Map, MapState, Parametrization, Reparametrization, write_geometric_stiffness,
-    write_kinematics, write_tangent,
-};
+use super::{Map, MapState, Reparametrization};
 use crate::domain::{CHART_EDGE, DomainError};
 use crate::quotients::Quotients;
 use crate::scalar::Scalar;
@@ -102,34 +99,8 @@ impl<const D: usize> Map<D, D> for Increment<D> {
         let Psi = so3::log_quaternion(&self.turned(q)).norm();
         DomainError::within((PI - theta(q).norm()).min(TAU - Psi), CHART_EDGE)
     }
-}
-
-impl<const D: usize> Parametrization for Increment<D> {
-    fn dims(&self) -> (usize, usize) {
-        (D, D)
-    }
-
-    fn domain(&mut self, t: f64, q: &[f64]) -> Result<f64, DomainError> {
-        Map::domain(self, t, &SVector::from_column_slice(q))
-    }
-
-    fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
-        write_tangent(self, t, q, x, B);
-    }
-
-    fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
-        write_kinematics(self, t, [q, v, a], out);
-    }
-
-    fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
-        write_geometric_stiffness(self, t, q, f, K);
-    }
 
     fn state(&mut self) -> Option<&mut dyn MapState> {
-        Some(self)
-    }
-
-    fn reparametrization(&mut self) -> Option<&mut dyn Reparametrization> {
         Some(self)
     }
 }
@@ -164,6 +135,10 @@ impl<const D: usize> MapState for Increment<D> {
             self.centred = centred != 0.0;
         }
         unit
+    }
+
+    fn reparametrization(&mut self) -> Option<&mut dyn Reparametrization> {
+        Some(self)
     }
 }
 

@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 use pullback::elements::body::RigidBody;
 use pullback::elements::model::{Context, ModelBuilder, NodeId};
 use pullback::integrators::dynamics::Scheme;
-use pullback::manifold::map::Increment;
+use pullback::manifold::map::{Increment, Map};
 use pullback::manifold::system::{Quantity, System};
 
 /// A free symmetrical body with the angular velocity (3, 0, 4).
@@ -16,7 +16,7 @@ fn body(updated: bool) -> (Context, NodeId, Vec<f64>) {
     let (node, rotation) = if updated {
         let kinds = [[Quantity::Length; 3], [Quantity::Angle; 3]].concat();
         let own = b.coordinates("increment", &kinds).unwrap();
-        let map = Box::new(Increment::<6>::default());
+        let map = Increment::<6>::default().boxed();
         (b.mapped_node("O", [0.0; 3], map, &[own]).unwrap(), own)
     } else {
         let node = b.node("O", [0.0; 3]).unwrap();

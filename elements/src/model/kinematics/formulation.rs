@@ -9,7 +9,7 @@ use crate::model::{Context, Model, NONE, Node, NodeForm, Source, among};
 use crate::time::TimeFunction;
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::chart::{Charted, RotationChart, WienerMilenkovic};
-use pullback_manifold::map::{Increment, Parametrization};
+use pullback_manifold::map::{Increment, Map, Parametrization};
 use pullback_manifold::so3::{self, Spin, VelocityKind};
 use pullback_manifold::system::{Evaluation, Point, SystemError, Weights};
 use std::collections::HashMap;
@@ -58,15 +58,15 @@ impl Formulation {
     fn maps(self) -> Option<RotationMaps> {
         let by_velocities = |kind| -> Option<RotationMaps> {
             Some([
-                Box::new(Increment::<6>::with_velocities(kind)),
-                Box::new(Increment::<3>::with_velocities(kind)),
+                Increment::<6>::with_velocities(kind).boxed(),
+                Increment::<3>::with_velocities(kind).boxed(),
             ])
         };
         match self {
             Self::Total => None,
             Self::Updated => Some([
-                Box::new(Increment::<6>::default()),
-                Box::new(Increment::<3>::default()),
+                Increment::<6>::default().boxed(),
+                Increment::<3>::default().boxed(),
             ]),
             Self::LieGroup => by_velocities(VelocityKind::Material),
             Self::SpatialSpins => by_velocities(VelocityKind::Spatial),
@@ -78,8 +78,8 @@ impl Formulation {
 
 fn charted(chart: impl RotationChart) -> RotationMaps {
     [
-        Box::new(Charted::<_, 6>::new(chart)),
-        Box::new(Charted::<_, 3>::new(chart)),
+        Charted::<_, 6>::new(chart).boxed(),
+        Charted::<_, 3>::new(chart).boxed(),
     ]
 }
 

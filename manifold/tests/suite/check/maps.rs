@@ -7,9 +7,7 @@ use pullback_conformance::{self as check, Measure, Report};
 use pullback_manifold::chart::{RotationChart, RotationVector};
 use pullback_manifold::domain::{CHART_EDGE, DomainError};
 use pullback_manifold::implicit::{Choice, Implicit, ImplicitMap};
-use pullback_manifold::map::{
-    Kinematics, KinematicsMut, Map, MapState, Parametrization, Tangent, derived,
-};
+use pullback_manifold::map::{Kinematics, Map, MapState, Tangent, derived};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::Quaternion;
 
@@ -282,38 +280,24 @@ impl Implicit<1, 1> for Zero {
     }
 }
 
-impl Parametrization for Leap {
-    fn dims(&self) -> (usize, usize) {
-        (1, 1)
+impl Map<1, 1> for Leap {
+    fn phi<S: Scalar>(&self, _t: S, q: &SVector<S, 1>) -> SVector<S, 1> {
+        let beyond = !self.kept && q[0].re() > 0.5;
+        q.add_scalar(S::constant(f64::from(u8::from(beyond))))
     }
 
     fn state(&mut self) -> Option<&mut dyn MapState> {
         Some(self)
-    }
-
-    fn implicit(&mut self) -> Option<&mut ImplicitMap> {
-        self.solved.as_mut()
-    }
-
-    fn tangent(&mut self, _: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
-        let beyond = !self.kept && q[0] > 0.5;
-        (x[0], B[0]) = (q[0] + f64::from(u8::from(beyond)), 1.0);
-    }
-
-    fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
-        self.tangent(t, q, out.x, out.B);
-        (out.x_dot[0], out.x_ddot[0]) = (v[0], a[0]);
-        (out.B_dot[0], out.B_ddot[0]) = (0.0, 0.0);
-    }
-
-    fn geometric_stiffness(&mut self, _: f64, _: &[f64], _: &[f64], K: &mut [f64]) {
-        K[0] = 0.0;
     }
 }
 
 impl MapState for Leap {
     fn freeze_piece(&mut self, at: Option<(f64, &[f64])>) {
         self.kept = at.is_some_and(|(_, q)| q[0] <= 0.5);
+    }
+
+    fn implicit(&mut self) -> Option<&mut ImplicitMap> {
+        self.solved.as_mut()
     }
 }
 
@@ -322,14 +306,12 @@ fn pieces_are_those_of_formulas_and_no_branches_of_equations() {
     let zero = ImplicitMap::of(Zero, 0, 0.0, [0.0], Choice::Split).unwrap();
     for solved in [None, Some(zero)] {
         let explicit = solved.is_none();
-        let map = Leap {
-            kept: false,
-            solved,
-        };
+        let kept = false;
+        let map = Leap { kept, solved }.boxed();
         let mut report = Report::new("leap");
         let layout = check::Layout::plain(1);
         let of = check::Mapped {
-            map: &map,
+            map: &*map,
             rows: &layout,
             columns: &layout,
         };

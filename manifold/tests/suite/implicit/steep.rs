@@ -6,7 +6,7 @@ use nalgebra::{DVector, SVector};
 use pullback_conformance::{Layout, Mapped, Random, Report, TestState, kinematics};
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::implicit::{Choice, Implicit, ImplicitMap};
-use pullback_manifold::map::{KinematicsMut, Parametrization};
+use pullback_manifold::map::{KinematicsMut, MapState, Parametrization};
 use pullback_manifold::scalar::Scalar;
 
 /// The unit circle.
@@ -32,7 +32,7 @@ impl Parametrization for Steep {
         self.0.domain(t, q)
     }
 
-    fn implicit(&mut self) -> Option<&mut ImplicitMap> {
+    fn state(&mut self) -> Option<&mut dyn MapState> {
         Some(&mut self.0)
     }
 
