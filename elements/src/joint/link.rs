@@ -185,24 +185,24 @@ impl<J: Joint<D>, const D: usize> Link<J, D> {
     ) {
         let R = orientation(q).rotation();
         let q = own::<D>(q);
-        let q = SVector::<Hess<D>, D>::from_fn(|i, _| Hess::variable(q[i], i));
+        let q = SVector::<Hess<D>, D>::from_fn(|i, _| Hess::coordinate(q[i], i));
         let Pose { d, rotation } = self.joint.pose(Hess::constant(t), &q);
-        let rho = R * (self.position + d.map(|d| d.v));
-        let Q = part(&rotation, |x| x.v);
-        let gradient = |k: usize| part(&rotation, |x| x.g[k]);
+        let rho = R * (self.position + d.map(|d| d.value));
+        let Q = part(&rotation, |x| x.value);
+        let gradient = |k: usize| part(&rotation, |x| x.x[k]);
         let (f_own, m_own) = (R.tr_mul(f), R.tr_mul(m));
         write_block(K, n, [3, 3], &(skew(f) * skew(&rho)));
         for k in 0..D {
-            let alpha = R * d.map(|d| d.g[k]);
+            let alpha = R * d.map(|d| d.x[k]);
             let beta = R * turn(&gradient(k), &Q);
             write_block(K, n, [3, 6 + k], &alpha.cross(f));
             let row = alpha.cross(f) + beta.cross(m);
             write_block(K, n, [6 + k, 3], &row.transpose());
             for l in 0..D {
                 let [i, j] = [k.max(l), k.min(l)];
-                let bent = part(&rotation, |x| x.h[i][j]);
+                let bent = part(&rotation, |x| x.xx[i][j]);
                 let b_kl = turn(&bent, &Q) + turn(&gradient(k), &gradient(l));
-                let c_kl = d.map(|d| d.h[i][j]);
+                let c_kl = d.map(|d| d.xx[i][j]);
                 K[6 + k + (6 + l) * n] = f_own.dot(&c_kl) + m_own.dot(&b_kl);
             }
         }

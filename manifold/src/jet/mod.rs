@@ -7,7 +7,7 @@
 //! | [`Grad`] | value and gradient in D variables | B = D_q φ |
 //! | [`Taylor`] | value, first and second time derivative | ẋ, ẍ along a motion |
 //! | [`Hess`] | value, gradient, Hessian | K_σ(f) = D_q²(f·φ) |
-//! | [`Phase`] | value, gradient, Hessian in coordinates and velocities, along a motion | an energy's force and K, C, M |
+//! | [`Phase`] | the same in coordinates and velocities, along a motion | an energy's force and K, C, M |
 //! | [`Trace`] | value, and in which variables it is not affine | where K_σ may differ from zero |
 //!
 //! The library evaluates maps and energies over all but the last. `Grad<S, 1>` also serves inside a
@@ -82,18 +82,19 @@ macro_rules! operators {
 }
 
 mod grad;
-mod hess;
 mod moving;
 mod phase;
 mod taylor;
 mod trace;
 
 pub use grad::Grad;
-pub use hess::Hess;
 pub use moving::Moving;
 pub use phase::Phase;
 pub use taylor::Taylor;
 pub use trace::Trace;
+
+/// A value with gradient `x` and Hessian `xx` in `D` variables.
+pub type Hess<const D: usize> = Phase<f64, D, 0, D, 0>;
 
 /// Shifts derivatives by one order: those of f′ from those of f.
 #[inline]

@@ -17,12 +17,12 @@ use crate::scalar::{MAX_ORDER, Scalar};
 /// the last bit with and without it.
 ///
 /// Most values depend on a few variables only (the rotation of one frame), so variables are grouped
-/// in threes, and threes on which a value does not depend are left at zero.
+/// two by two, and pairs on which a value does not depend are left at zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Phase<S, const X: usize, const V: usize, const HX: usize, const HV: usize> {
     /// Value.
     pub value: S,
-    /// Which threes of x and of v the value depends on, one bit each.
+    /// Which pairs of x and of v the value depends on, one bit each.
     depends: [u32; 2],
     /// Whether it is not affine, so that `xx`, `vx`, `vv` may differ from zero.
     nonlinear: bool,
@@ -30,7 +30,7 @@ pub struct Phase<S, const X: usize, const V: usize, const HX: usize, const HV: u
     pub x: [S; X],
     /// Gradient in v.
     pub v: [S; V],
-    /// Hessian in x; entries `xx[i][j]` of threes with j above i are not kept up to date.
+    /// Hessian in x; entries `xx[i][j]` of pairs with j above i are not kept up to date.
     pub xx: [[f64; HX]; HX],
     /// Mixed Hessian ∂²/∂vᵢ∂xⱼ.
     pub vx: [[S; HX]; HV],
@@ -39,27 +39,26 @@ pub struct Phase<S, const X: usize, const V: usize, const HX: usize, const HV: u
 }
 
 /// Variables that one bit stands for.
-const GROUP: usize = 3;
+const GROUP: usize = 2;
 
-/// Number of threes in n variables, the last of which may be smaller.
+/// Number of groups of n variables, the last of which may be smaller.
 const fn groups(n: usize) -> usize {
     n.div_ceil(GROUP)
 }
 
-/// Whether a three is marked.
+/// Whether a group is marked.
 #[inline(always)]
 fn has(marks: u32, group: usize) -> bool {
     marks & (1 << group) != 0
 }
 
-/// Runs over the variables of a three.
+/// Runs over the variables of a group.
 #[inline(always)]
-fn three<const N: usize>(group: usize, mut f: impl FnMut(usize)) {
+fn members<const N: usize>(group: usize, mut f: impl FnMut(usize)) {
     let i = GROUP * group;
     if i + GROUP <= N {
         f(i);
         f(i + 1);
-        f(i + 2);
     } else {
         (i..N).for_each(f);
     }
@@ -70,15 +69,15 @@ fn three<const N: usize>(group: usize, mut f: impl FnMut(usize)) {
 fn each<const N: usize>(marks: u32, mut f: impl FnMut(usize)) {
     for a in 0..groups(N) {
         if has(marks, a) {
-            three::<N>(a, &mut f);
+            members::<N>(a, &mut f);
         }
     }
 }
 
-/// Runs over all pairs of variables of two threes.
+/// Runs over all pairs of variables of two groups.
 #[inline(always)]
 fn block<const N: usize, const M: usize>(a: usize, b: usize, mut f: impl FnMut(usize, usize)) {
-    three::<N>(a, |i| three::<M>(b, |j| f(i, j)));
+    members::<N>(a, |i| members::<M>(b, |j| f(i, j)));
 }
 
 /// Runs over the marked pairs (i, j).
@@ -93,7 +92,7 @@ fn pairs<const N: usize, const M: usize>(marks: [u32; 2], mut f: impl FnMut(usiz
     }
 }
 
-/// Runs over the marked pairs (i, j) with the three of j not above that of i.
+/// Runs over the marked pairs (i, j) with the group of j not above that of i.
 #[inline(always)]
 fn lower<const N: usize>(marks: u32, f: impl FnMut(usize, usize)) {
     lower_across::<N>(marks, marks, f);
@@ -124,7 +123,7 @@ impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize
                 HX == X && HV == V || HX == 0 && HV == 0,
                 "all of the Hessian or none"
             );
-            assert!(X <= 96 && V <= 96, "one bit marks three variables");
+            assert!(X <= 64 && V <= 64, "one bit marks two variables");
         }
         Self {
             value,

@@ -114,12 +114,12 @@ fn write_block<M, const D: usize, const N: usize>(
 {
     let mut z = q.map(Hess::<WIDTH>::constant);
     for (k, &i) in at.iter().enumerate() {
-        z[i] = Hess::variable(q[i], k);
+        z[i] = Hess::coordinate(q[i], k);
     }
     let x = map.phi(Hess::constant(t), &z);
     for (k, &i) in at.iter().enumerate() {
         for (l, &j) in at[..=k].iter().enumerate() {
-            K[(i, j)] = x.iter().zip(f.iter()).map(|(x, f)| f * x.h[k][l]).sum();
+            K[(i, j)] = x.iter().zip(f.iter()).map(|(x, f)| f * x.xx[k][l]).sum();
         }
     }
 }

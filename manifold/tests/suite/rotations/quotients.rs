@@ -363,10 +363,10 @@ fn orders_of_jets_agree() {
     // The same number whichever jet asks for it.
     for x in [0.0, 1e-9, 0.3, 5.0, 7.0, 20.0, 35.0] {
         let g = sinc(Grad::<f64, 1>::variable(x, 0));
-        let h = sinc(Hess::<1>::variable(x, 0));
+        let h = sinc(Hess::<1>::coordinate(x, 0));
         let d = derivatives!(sinc, x);
         assert_abs_diff_eq!(g.v, sinc(x), epsilon = 3e-16);
         assert_eq!([g.v, g.g[0]], [d[0], d[1]]);
-        assert_eq!([h.v, h.g[0], h.h[0][0]], [d[0], d[1], d[2]]);
+        assert_eq!([h.value, h.x[0], h.xx[0][0]], [d[0], d[1], d[2]]);
     }
 }

@@ -337,9 +337,9 @@ fn tensors_are_exact_derivatives() {
         let D = -rotation(&Psi) * skew(&V) * tangent(&Psi);
         expect("D(R V)", D, rotation(&x) * v);
         // C₃ is the Hessian of V·T(Ψ)Ψ′.
-        let x = Vector3::from_fn(|i, _| Hess::<3>::variable(Psi[i], i));
+        let x = Vector3::from_fn(|i, _| Hess::<3>::coordinate(Psi[i], i));
         let energy = constant(&V).dot(&(tangent(&x) * constant(&W)));
-        let hessian = M3::from_fn(|i, j| energy.h[i.max(j)][i.min(j)]);
+        let hessian = M3::from_fn(|i, j| energy.xx[i.max(j)][i.min(j)]);
         close("C₃", &C3(&V, &W, &Psi, &c), &hessian, 1e-13);
         // Ṫ and T̈ along Ψ + Ψ̇ t + Ψ̈ t²/2, and ṪΨ̇ as a function of Ψ̇ (C₄) and of Ψ (C₅).
         let t = Vector3::from_fn(|i, _| Taylor {
@@ -440,9 +440,9 @@ fn complement_and_logarithm_have_exact_derivatives() {
             &gradient(&y.map(|y| y.dd)),
             1e-13,
         );
-        let h = complement(&Vector3::from_fn(|i, _| Hess::<3>::variable(Psi[i], i)));
+        let h = complement(&Vector3::from_fn(|i, _| Hess::<3>::coordinate(Psi[i], i)));
         let fy = constant(&V).dot(&h);
-        let hessian = M3::from_fn(|i, j| fy.h[i.max(j)][i.min(j)]);
+        let hessian = M3::from_fn(|i, j| fy.xx[i.max(j)][i.min(j)]);
         close("K_σs", &K_sigma_s(&V, &Psi), &hessian, 1e-13);
     }
 }
