@@ -197,7 +197,7 @@ pub(crate) fn too_stiff(
     let (at, mut r) = (Point { t: *t, q, v, a: &a }, a.clone());
     context.evaluate(at, Evaluation::residual(&mut r)).ok()?;
     let scales = context.scales();
-    let most = ROUGH * scales.measures()[0] / (f64::EPSILON * scales.coordinate[0]);
+    let most = ROUGH * scales.measures()[0] / (f64::EPSILON * scales.length);
     let joints = file.joints.iter();
     let large = joints.filter(|j| most > 0.0 && j.penalty.is_some_and(|p| p > most));
     let names: Vec<String> = large.map(|j| j.name.clone()).collect();

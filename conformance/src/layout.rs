@@ -97,8 +97,9 @@ impl Layout {
             let all = pattern.unknowns(block);
             let mut first = all.start;
             while first < all.end {
-                let kind = system.coordinate_info(first).quantity;
-                let end = (first..all.end).find(|&i| system.coordinate_info(i).quantity != kind);
+                let kind = system.pattern().coordinates()[first].quantity;
+                let end =
+                    (first..all.end).find(|&i| system.pattern().coordinates()[i].quantity != kind);
                 let range = first..end.unwrap_or(all.end);
                 let names = [range.start, range.end - 1].map(|i| system.name(i));
                 groups.push(CoordinateGroup {
@@ -106,7 +107,7 @@ impl Layout {
                         1 => names[0].clone(),
                         _ => format!("{} to {}", names[0], names[1]),
                     },
-                    unit: system.scales().coordinate[kind.index()],
+                    unit: pattern.coordinates()[first].size,
                     reach: 0.0,
                     range: range.clone(),
                 });

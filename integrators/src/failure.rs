@@ -190,7 +190,7 @@ impl FailedStep {
 fn worst(system: &dyn System, r: &[f64]) -> Vec<(Quantity, String, f64)> {
     let mut worst: [Option<(usize, f64)>; 3] = [None; 3];
     for (i, r) in r.iter().enumerate() {
-        let entry = &mut worst[system.coordinate_info(i).quantity.index()];
+        let entry = &mut worst[system.pattern().coordinates()[i].quantity.index()];
         if entry.is_none_or(|(_, largest)| r.abs() > largest) {
             *entry = Some((i, r.abs()));
         }

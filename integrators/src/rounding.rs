@@ -64,10 +64,11 @@ impl ResidualTest {
 }
 
 /// The largest entries per quantity of a residual vector, and of `others`.
-pub(crate) fn largest(quantities: &[Quantity], r: &[f64], others: [f64; 3]) -> [f64; 3] {
+pub(crate) fn largest(coordinates: &[CoordinateInfo], r: &[f64], others: [f64; 3]) -> [f64; 3] {
     let mut largest = others;
-    for (r, quantity) in r.iter().zip(quantities) {
-        largest[quantity.index()] = largest[quantity.index()].max(r.abs());
+    for (r, info) in r.iter().zip(coordinates) {
+        let entry = &mut largest[info.quantity.index()];
+        *entry = entry.max(r.abs());
     }
     largest
 }
@@ -77,12 +78,11 @@ const TERMS: f64 = 16.0;
 
 /// 1 / typical size of each coordinate; zero for multipliers, which are tested by their residuals.
 pub(crate) fn inverse_scales(system: &dyn System) -> Vec<f64> {
-    let scales = system.scales().coordinate;
-    let scale = |i: usize| match system.coordinate_info(i).is_multiplier {
+    let scale = |info: &CoordinateInfo| match info.is_multiplier {
         true => 0.0,
-        false => 1.0 / scales[system.coordinate_info(i).quantity.index()],
+        false => 1.0 / info.size,
     };
-    (0..system.pattern().dim()).map(scale).collect()
+    system.pattern().coordinates().iter().map(scale).collect()
 }
 
 /// Whether every residual is below the rounding errors of the coordinates,
@@ -97,7 +97,7 @@ pub(crate) fn is_rounding(
     r: &[f64],
     [sizes, floor]: [&mut [f64]; 2],
 ) -> bool {
-    let is_multiplier = |i: usize| system.coordinate_info(i).is_multiplier;
+    let is_multiplier = |i: usize| system.pattern().coordinates()[i].is_multiplier;
     let multipliers = (0..q.len()).filter(|&i| is_multiplier(i));
     let gaps = match multipliers.clone().next() {
         Some(_) => rounding_of_gaps(system, S, q, [&mut *sizes, &mut *floor]),
@@ -121,7 +121,7 @@ pub(crate) fn rounding_of_gaps(
     [sizes, floor]: [&mut [f64]; 2],
 ) -> f64 {
     find_rounding(system, S, q, (0.0, true), [sizes, &mut *floor]);
-    let gaps = (0..q.len()).filter(|&i| system.coordinate_info(i).is_multiplier);
+    let gaps = (0..q.len()).filter(|&i| system.pattern().coordinates()[i].is_multiplier);
     gaps.fold(0.0, |most, i| f64::max(most, floor[i]))
 }
 
@@ -137,21 +137,14 @@ fn find_rounding(
     (multiplier, scaled): (f64, bool),
     [sizes, floor]: [&mut [f64]; 2],
 ) {
-    let scales = system.scales().coordinate;
-    for (i, (size, q)) in sizes.iter_mut().zip(q).enumerate() {
-        let CoordinateInfo {
-            quantity,
-            magnitude,
-            is_multiplier,
-        } = system.coordinate_info(i);
-        let scale = scales[quantity.index()];
-        let least = if scaled { scale } else { 0.0 };
-        *size = match is_multiplier {
+    let pattern = system.pattern();
+    for ((size, q), info) in sizes.iter_mut().zip(q).zip(pattern.coordinates()) {
+        let least = if scaled { info.size } else { 0.0 };
+        *size = match info.is_multiplier {
             true => multiplier,
-            false => q.abs().max(magnitude.unwrap_or(scale)).max(least),
+            false => q.abs().max(info.magnitude.unwrap_or(info.size)).max(least),
         };
     }
-    let pattern = system.pattern();
     floor.fill(0.0);
     for j in 0..pattern.blocks() {
         for (i, range) in pattern.column(j) {

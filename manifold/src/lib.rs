@@ -25,6 +25,7 @@
 #![warn(clippy::unwrap_used)]
 
 pub mod chart;
+pub mod coordinate;
 pub mod domain;
 pub mod implicit;
 pub mod jet;

@@ -5,6 +5,8 @@
 //! values of one block stand together in memory, column by column. A scalar sparse matrix is the
 //! special case in which every block has size one.
 
+use crate::coordinate::CoordinateInfo;
+
 /// The fixed, structurally symmetric pattern of a square block-sparse matrix.
 ///
 /// Block columns are stored one after the other; within a block column, blocks come in ascending
@@ -19,8 +21,7 @@ pub struct BlockPattern {
     rows: Vec<u32>,
     /// First value of each block, and the number of values at the end.
     values: Vec<usize>,
-    /// Typical size of each unknown.
-    units: Vec<f64>,
+    coordinates: Vec<CoordinateInfo>,
 }
 
 impl BlockPattern {
@@ -66,7 +67,7 @@ impl BlockPattern {
             columns.push(rows.len());
         }
         Self {
-            units: vec![1.0; offsets[sizes.len()]],
+            coordinates: vec![CoordinateInfo::default(); offsets[sizes.len()]],
             offsets,
             columns,
             rows,
@@ -74,18 +75,19 @@ impl BlockPattern {
         }
     }
 
-    /// The same pattern with a typical size of each unknown in its unit: a length of the model, one
-    /// radian. Zero marks a Lagrange multiplier, whose size follows from the values of a matrix.
-    /// All sizes are one by default.
+    /// The same pattern with the kind of each unknown: [`CoordinateInfo::default`] without it.
     #[must_use]
-    pub fn with_units(self, unit: impl FnMut(usize) -> f64) -> Self {
-        let units = (0..self.dim()).map(unit).collect();
-        Self { units, ..self }
+    pub fn with_coordinates(self, info: impl FnMut(usize) -> CoordinateInfo) -> Self {
+        let coordinates = (0..self.dim()).map(info).collect();
+        Self {
+            coordinates,
+            ..self
+        }
     }
 
-    /// Typical size of each unknown ([`BlockPattern::with_units`]).
-    pub fn units(&self) -> &[f64] {
-        &self.units
+    /// The kind of each unknown.
+    pub fn coordinates(&self) -> &[CoordinateInfo] {
+        &self.coordinates
     }
 
     /// A full matrix: one block of size `n`.

@@ -10,6 +10,7 @@
 
 mod abilities;
 
+pub use crate::coordinate::{CoordinateInfo, Quantity};
 pub use abilities::{Charts, Energetics, Events};
 
 use crate::domain::DomainError;
@@ -138,44 +139,13 @@ pub struct ChartChanges {
     pub residual: bool,
 }
 
-/// Physical quantity of a coordinate. Its conjugate residual is a force, a moment or neither; norms
-/// and convergence tests treat them separately.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Quantity {
-    /// A length; the residual is a force.
-    Length,
-    /// An angle or rotation vector component; the residual is a moment.
-    Angle,
-    /// Anything else.
-    Other,
-}
-
-impl Quantity {
-    /// All quantities, in the order of their indices.
-    pub const ALL: [Self; 3] = [Self::Length, Self::Angle, Self::Other];
-
-    /// Index in [`Quantity::ALL`].
-    pub fn index(self) -> usize {
-        self as usize
-    }
-
-    /// Name of the conjugate residual.
-    pub fn conjugate(self) -> &'static str {
-        match self {
-            Self::Length => "force",
-            Self::Angle => "moment",
-            Self::Other => "residual",
-        }
-    }
-}
-
 /// Typical magnitudes per [`Quantity`] (by [`Quantity::index`]), for scale-aware norms and tests.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scales {
     /// Magnitude of applied and reaction forces, moments, others at the last evaluation.
     pub force: [f64; 3],
-    /// Typical size of coordinates: a length of the model, one radian, one.
-    pub coordinate: [f64; 3],
+    /// A length of the model.
+    pub length: f64,
     /// Shortest and longest lever by which forces and moments are compared; zero and infinity if
     /// there is none.
     pub levers: [f64; 2],
@@ -198,7 +168,7 @@ impl Default for Scales {
     fn default() -> Self {
         Self {
             force: [0.0; 3],
-            coordinate: [1.0; 3],
+            length: 1.0,
             levers: [0.0, f64::INFINITY],
         }
     }
@@ -282,36 +252,13 @@ pub enum SystemError {
     },
 }
 
-/// A coordinate of a system.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CoordinateInfo {
-    /// Physical quantity.
-    pub quantity: Quantity,
-    /// Size of the numbers that the coordinate is added to, such as a position in space; it
-    /// determines the rounding errors. The scale of its quantity if `None`.
-    pub magnitude: Option<f64>,
-    /// Whether it is a Lagrange multiplier: an unknown without mass whose residual row is an equation
-    /// of the coordinates. Its velocity and acceleration have no meaning, and its momentum is the rate
-    /// ḣ of the equation.
-    pub is_multiplier: bool,
-}
-
-impl Default for CoordinateInfo {
-    fn default() -> Self {
-        Self {
-            quantity: Quantity::Other,
-            magnitude: None,
-            is_multiplier: false,
-        }
-    }
-}
-
 /// A second-order system in chart coordinates.
 ///
 /// Only the pattern and the evaluation are required. The defaults of the other methods suit a small
 /// system on one global chart, such as a pendulum; abilities beyond that are traits of their own.
 pub trait System {
-    /// Block pattern of all tangents, constant; its dimension is the number of coordinates.
+    /// Block pattern of all tangents, constant, with the kinds of the coordinates
+    /// ([`BlockPattern::coordinates`]).
     fn pattern(&self) -> &BlockPattern;
 
     /// Fills `out` at the given point.
@@ -329,12 +276,6 @@ pub trait System {
     /// Magnitudes found at the last evaluation.
     fn scales(&self) -> Scales {
         Scales::default()
-    }
-
-    /// Quantity and magnitude of coordinate `i`, and whether it is a multiplier.
-    fn coordinate_info(&self, i: usize) -> CoordinateInfo {
-        let _ = i;
-        CoordinateInfo::default()
     }
 
     /// Name of coordinate `i` for messages, such as "node 7, rotation about e3".

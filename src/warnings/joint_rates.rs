@@ -31,7 +31,7 @@ impl JointRates {
     /// Starts at a state.
     pub(crate) fn new(context: &Context, state: &State) -> Self {
         let mut angles = context.single_unknowns();
-        angles.retain(|&i| context.coordinate_info(i).quantity == Quantity::Angle);
+        angles.retain(|&i| context.pattern().coordinates()[i].quantity == Quantity::Angle);
         let last = angles.iter().map(|&i| state.v[i]).collect();
         Self { angles, last }
     }

@@ -27,7 +27,11 @@ const SPRING: f64 = 2.0;
 impl Circle {
     fn new() -> Self {
         Self {
-            pattern: BlockPattern::dense(3),
+            pattern: BlockPattern::dense(3).with_coordinates(|i| CoordinateInfo {
+                quantity: [Quantity::Length, Quantity::Length, Quantity::Other][i],
+                is_multiplier: i == 2,
+                ..CoordinateInfo::default()
+            }),
         }
     }
 
@@ -91,14 +95,6 @@ impl System for Circle {
         let accelerations = out.accelerations.is_some();
         Self::fill(at, out, accelerations);
         Ok(())
-    }
-
-    fn coordinate_info(&self, i: usize) -> CoordinateInfo {
-        CoordinateInfo {
-            quantity: [Quantity::Length, Quantity::Length, Quantity::Other][i],
-            is_multiplier: i == 2,
-            ..CoordinateInfo::default()
-        }
     }
 
     fn energetics(&mut self) -> Option<&mut dyn Energetics> {

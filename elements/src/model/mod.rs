@@ -273,10 +273,6 @@ pub struct Model {
     /// Unknown of each coordinate, or [`NONE`].
     unknowns: Vec<u32>,
     quantities: Vec<Quantity>,
-    /// Whether each coordinate is a multiplier.
-    multipliers: Vec<bool>,
-    /// Magnitude that each unknown is added to: a displacement to a position, an angle to one radian.
-    magnitudes: Vec<f64>,
     /// Size of the model: the diagonal of the box around its nodes.
     length: f64,
     pattern: BlockPattern,

@@ -3,8 +3,8 @@
 use super::Context;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{
-    ChartChanges, Charts, CoordinateInfo, Energetics, Energies, Evaluation, Events, Point,
-    RigidRates, Scales, Symmetry, System, SystemError,
+    ChartChanges, Charts, Energetics, Energies, Evaluation, Events, Point, RigidRates, Scales,
+    Symmetry, System, SystemError,
 };
 
 impl System for Context {
@@ -35,15 +35,6 @@ impl System for Context {
 
     fn scales(&self) -> Scales {
         self.work.scales
-    }
-
-    fn coordinate_info(&self, i: usize) -> CoordinateInfo {
-        let c = self.model.coordinates[i];
-        CoordinateInfo {
-            quantity: self.model.quantities[c],
-            magnitude: Some(self.model.magnitudes[i]),
-            is_multiplier: self.model.multipliers[c],
-        }
     }
 
     fn name(&self, i: usize) -> String {

@@ -141,14 +141,13 @@ impl MotionRun {
         let Some((row, power)) = scheme.error_estimate() else {
             return (f64::MIN_POSITIVE, 1.0);
         };
-        let scales = system.scales().coordinate;
         // The last stage is in the new state.
         let Stepper { stages, next, .. } = &self.stepper;
         let inner = stages[..stages.len() - 1].iter().map(|stage| &stage.state);
         let all = std::iter::once(state).chain(inner).chain([next]);
         let mut largest = f64::MIN_POSITIVE;
         for i in 0..state.q.len() {
-            let info = system.coordinate_info(i);
+            let info = system.pattern().coordinates()[i];
             if info.is_multiplier {
                 continue;
             }
@@ -158,7 +157,7 @@ impl MotionRun {
                 errors[1] += v * y.algorithmic[i];
             }
             let error = errors[0].abs().max(errors[1].abs());
-            largest = largest.max(h * h * error / scales[info.quantity.index()]);
+            largest = largest.max(h * h * error / info.size);
         }
         (largest, power as f64)
     }

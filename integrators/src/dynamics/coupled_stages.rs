@@ -23,13 +23,13 @@ impl CoupledStages {
             .collect();
         let pairs = (0..pattern.blocks())
             .flat_map(|j| pattern.column(j).map(move |(i, _)| [i as u32, j as u32]));
-        let repeated = |i| std::iter::repeat_n(&pattern.units()[pattern.unknowns(i)], count);
-        let units: Vec<f64> = (0..pattern.blocks())
+        let repeated = |i| std::iter::repeat_n(&pattern.coordinates()[pattern.unknowns(i)], count);
+        let infos: Vec<_> = (0..pattern.blocks())
             .flat_map(repeated)
             .flatten()
             .copied()
             .collect();
-        let all = BlockPattern::new(&sizes, pairs).with_units(|i| units[i]);
+        let all = BlockPattern::new(&sizes, pairs).with_coordinates(|i| infos[i]);
         let mut solver = AutoSolver::new();
         solver.analyse(&all, MatrixSymmetry::General)?;
         let mut positions = Vec::with_capacity(all.dim());

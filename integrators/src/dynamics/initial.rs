@@ -69,7 +69,7 @@ pub(super) fn accelerate(
 ) -> Result<(), DynamicsError> {
     let n = state.q.len();
     state.a.resize(n, 0.0);
-    let multipliers = |i: &usize| system.coordinate_info(*i).is_multiplier;
+    let multipliers = |i: &usize| system.pattern().coordinates()[*i].is_multiplier;
     let multipliers: Vec<usize> = (0..n).filter(multipliers).collect();
     for &i in &multipliers {
         (state.q[i], state.v[i], state.a[i]) = (0.0, 0.0, 0.0);
@@ -161,7 +161,7 @@ pub(super) fn apply_impulse(
         motion.solve_mass(state, (h, damping), Some(missing))?;
         // For a multiplier, this is the impulse of its constraint.
         for (i, dv) in motion.r.iter_mut().enumerate() {
-            if motion.system.coordinate_info(i).is_multiplier {
+            if motion.system.pattern().coordinates()[i].is_multiplier {
                 *dv = 0.0;
             }
         }

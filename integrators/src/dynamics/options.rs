@@ -138,7 +138,8 @@ pub(super) fn check(
         return refuse("adaptivity", options.scheme.order() as f64, wanted);
     }
     let rho = options.scheme.spectral_radius();
-    let multiplier = (0..system.pattern().dim()).find(|&i| system.coordinate_info(i).is_multiplier);
+    let multiplier =
+        (0..system.pattern().dim()).find(|&i| system.pattern().coordinates()[i].is_multiplier);
     if let Some(i) = multiplier.filter(|_| rho > 1.0 - UNDAMPED) {
         return Err(DynamicsError::Undamped {
             scheme: options.scheme.name,

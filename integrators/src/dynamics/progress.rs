@@ -49,9 +49,8 @@ impl EnergyBalance {
         dissipated: Option<f64>,
         scales: &Scales,
     ) {
-        let sizes = scales.measures().into_iter().zip(scales.coordinate).take(2);
-        let size = sizes.map(|(force, length)| force * length).sum();
-        self.size = self.size.max(size);
+        let [force, moment, _] = scales.measures();
+        self.size = self.size.max(force * scales.length + moment);
         let drawn = self.now.potential - now.potential;
         let lost = dissipated.unwrap_or(0.5 * (self.now.dissipated + now.dissipated));
         let given = |e: &Energies| e.supplied - e.drawn;

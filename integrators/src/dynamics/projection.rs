@@ -246,7 +246,7 @@ impl InvariantProjection {
             return Ok(false);
         }
         for (i, p) in self.p.iter_mut().enumerate() {
-            if system.coordinate_info(i).is_multiplier {
+            if system.pattern().coordinates()[i].is_multiplier {
                 *p = 0.0;
             }
         }

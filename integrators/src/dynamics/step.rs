@@ -29,8 +29,6 @@ pub(crate) struct Stepper {
     pub history: Vec<Iteration>,
     pub evaluations: usize,
     pub factorisations: usize,
-    /// Quantity of each coordinate.
-    quantities: Vec<Quantity>,
     /// 1 / typical size of each coordinate; zero for multipliers, which are tested by their residuals.
     pub(super) inverse_scale: Vec<f64>,
     /// Whether all residuals of [`Quantity::Other`] are gaps of multipliers.
@@ -63,10 +61,9 @@ impl Stepper {
             before: zeros(),
         };
         let count = scheme.stages().len();
-        let is_other = |i: &usize| system.coordinate_info(*i).quantity == Quantity::Other;
-        let mut others = (0..n).filter(is_other).peekable();
-        let gaps =
-            others.peek().is_some() && others.all(|i| system.coordinate_info(i).is_multiplier);
+        let coordinates = system.pattern().coordinates().iter();
+        let mut others = (coordinates.filter(|c| c.quantity == Quantity::Other)).peekable();
+        let gaps = others.peek().is_some() && others.all(|c| c.is_multiplier);
         Ok(Self {
             r: zeros(),
             S: vec![0.0; system.pattern().len()],
@@ -80,7 +77,6 @@ impl Stepper {
             history: Vec::with_capacity(count * (newton.max_iterations.min(100) + 1)),
             evaluations: 0,
             factorisations: 0,
-            quantities: (0..n).map(|i| system.coordinate_info(i).quantity).collect(),
             inverse_scale: inverse_scales(system),
             gaps,
             work: [zeros(), zeros()],
@@ -248,7 +244,7 @@ impl Stepper {
             } else {
                 self.stage(system, k, from, None)?;
             }
-            residual = largest(&self.quantities, &self.r, residual);
+            residual = largest(system.pattern().coordinates(), &self.r, residual);
             let own = (k - group.start) * self.r.len();
             self.dq[own..own + self.r.len()].copy_from_slice(&self.r);
         }
@@ -259,7 +255,7 @@ impl Stepper {
     fn linear_residual(&mut self, pattern: &BlockPattern) -> [f64; 3] {
         pattern.multiply_add(-1.0, &self.S, &self.dq, &mut self.r);
         self.dq[..self.r.len()].copy_from_slice(&self.r);
-        largest(&self.quantities, &self.r, [0.0; 3])
+        largest(pattern.coordinates(), &self.r, [0.0; 3])
     }
 
     /// Residual of a stage and a tangent; the first iteration of a step comes `from` another time.

@@ -124,8 +124,8 @@ pub(super) fn minimum_degree(
 /// multiplier: their rank is two. If a multiplier has no pivot left, a solver with row interchanges
 /// is used.
 fn ranks(pattern: &BlockPattern, neighbours: &[Vec<u32>]) -> Vec<u8> {
-    let units = |i: u32| &pattern.units()[pattern.unknowns(i as usize)];
-    let multiplies = |i: u32| units(i).iter().all(|unit| *unit == 0.0);
+    let of = |i: u32| &pattern.coordinates()[pattern.unknowns(i as usize)];
+    let multiplies = |i: u32| of(i).iter().all(|c| c.is_multiplier);
     let within = |list: &[u32], m: u32| {
         let known = &neighbours[m as usize];
         multiplies(m) && (list.iter()).all(|i| *i == m || known.binary_search(i).is_ok())

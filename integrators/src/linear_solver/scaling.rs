@@ -38,26 +38,28 @@ const FLOOR: f64 = 1.5e-8;
 /// are of order one, as A and the Schur complement G A⁻¹ Gᵀ are when scaled by their diagonals,
 /// whatever the units: another unit of an unknown divides its scale, here and in all sweeps.
 fn begin(pattern: &BlockPattern, values: &[f64], scales: &mut [f64], largest: &mut [f64]) {
-    let units = pattern.units();
+    let coordinates = pattern.coordinates();
     let mut most = 0.0;
     for_each(pattern, values, |r, c, value| {
         if r == c {
             scales[r] = value.abs();
-            most = f64::max(most, value.abs() * units[r] * units[r]);
+            if !coordinates[r].is_multiplier {
+                let size = coordinates[r].size;
+                most = f64::max(most, value.abs() * size * size);
+            }
         }
     });
     let floor = if most > 0.0 { FLOOR * most } else { 1.0 };
-    for (s, unit) in scales.iter_mut().zip(units) {
-        let least = if *unit > 0.0 {
-            floor / (unit * unit)
-        } else {
-            0.0
+    for (s, c) in scales.iter_mut().zip(coordinates) {
+        let least = match c.is_multiplier {
+            true => 0.0,
+            false => floor / (c.size * c.size),
         };
         *s = inverse_root(s.max(least)).min(f64::MAX);
     }
     largest.fill(0.0);
     for_each(pattern, values, |r, c, value| {
-        if units[r] == 0.0 && units[c] > 0.0 {
+        if coordinates[r].is_multiplier && !coordinates[c].is_multiplier {
             largest[r] = f64::max(largest[r], (value * scales[c]).abs());
         }
     });
@@ -103,7 +105,7 @@ fn for_each_of_block(
 ///
 /// Sweeps of `s_i ← s_i / √(max_j |s_i A_ij s_j|)` [Ruiz 2001], which treat rows and columns alike
 /// and need no diagonal. They begin with the diagonal if it is valid, in the typical sizes of the
-/// unknowns ([`BlockPattern::units`]); each halves the remaining range of the rows in logarithms.
+/// unknowns ([`BlockPattern::coordinates`]); each halves the remaining range of the rows in logarithms.
 ///
 /// # Errors
 /// Values that are not finite, and rows that are zero.

@@ -119,10 +119,10 @@ pub fn buckling(
 
 /// Step of the load parameter for differences of tangents along the path.
 fn step(lin: &Linearized, rate: &[f64]) -> f64 {
-    let units = lin.pattern.units().iter().zip(rate);
-    let sizes = units
-        .filter(|(unit, _)| **unit > 0.0)
-        .map(|(unit, x)| (x / unit).abs());
+    let all = lin.pattern.coordinates().iter().zip(rate);
+    let sizes = all
+        .filter(|(info, _)| !info.is_multiplier)
+        .map(|(info, x)| (x / info.size).abs());
     let fastest = sizes.fold(0.0, f64::max);
     if fastest > 0.0 { CHANGE / fastest } else { 1.0 }
 }

@@ -19,7 +19,7 @@ use crate::rounding::largest;
 use crate::significant;
 use crate::statics::{StaticOptions, StaticsError, equilibrium_from};
 use num_complex::Complex64;
-use pullback_manifold::system::{Evaluation, Point, Quantity, System};
+use pullback_manifold::system::{Evaluation, Point, System};
 use std::ops::ControlFlow;
 use thiserror::Error;
 
@@ -236,9 +236,7 @@ fn is_balanced(system: &mut dyn System, at: Point<'_>) -> bool {
     if system.evaluate(at, Evaluation::residual(&mut r)).is_err() {
         return false;
     }
-    let quantity = |i| system.coordinate_info(i).quantity;
-    let quantities: Vec<Quantity> = (0..r.len()).map(quantity).collect();
-    let worst = largest(&quantities, &r, [0.0; 3]);
+    let worst = largest(system.pattern().coordinates(), &r, [0.0; 3]);
     let measures = system.scales().measures();
     (worst.iter().zip(measures)).all(|(worst, measure)| *worst <= BALANCED * measure)
 }
@@ -247,7 +245,7 @@ impl Linearized {
     /// The name of a coordinate whose equation is another one, if there is any, for motions of this frequency.
     fn compare(&self, other: &Self, omega: f64) -> Result<(), String> {
         let n = self.dim();
-        let quantities: Vec<Quantity> = self.coordinates.iter().map(|c| c.quantity).collect();
+        let coordinates = self.pattern.coordinates();
         let (mut size, mut change) = (vec![0.0_f64; n], vec![0.0_f64; n]);
         for (factor, own, other) in [
             (1.0, &self.K, &other.K),
@@ -256,14 +254,13 @@ impl Linearized {
         ] {
             let entries = self.triplets(own).zip(self.triplets(other));
             for ((r, c, own), (_, _, other)) in entries {
-                let unit = self.pattern.units()[c];
-                let unit = factor * if unit > 0.0 { unit } else { 1.0 };
+                let unit = factor * coordinates[c].size;
                 size[r] = size[r].max((own * unit).abs());
                 change[r] = change[r].max(((own - other) * unit).abs());
             }
         }
-        let most = largest(&quantities, &size, [0.0; 3]);
-        let changed = |r: &usize| change[*r] > STEADY * most[quantities[*r].index()];
+        let most = largest(coordinates, &size, [0.0; 3]);
+        let changed = |r: &usize| change[*r] > STEADY * most[coordinates[*r].quantity.index()];
         match (0..n).find(changed) {
             Some(r) => Err(self.names[r].clone()),
             None => Ok(()),

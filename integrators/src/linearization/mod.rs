@@ -43,16 +43,14 @@ use crate::abilities::events;
 use crate::linear_solver::scaling::for_each;
 use crate::rounding::{is_rounding, largest};
 use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::{
-    CoordinateInfo, Evaluation, Point, Quantity, System, SystemError, Weights,
-};
+use pullback_manifold::system::{Evaluation, Point, Quantity, System, SystemError, Weights};
 use std::cell::LazyCell;
 use thiserror::Error;
 
 /// The linear equations of motion of a system about a state.
 #[derive(Clone, Debug)]
 pub struct Linearized {
-    /// Pattern of the matrices.
+    /// Pattern of the matrices, with the kinds of the coordinates.
     pub pattern: BlockPattern,
     /// K = −∂r/∂q, values in the pattern.
     pub K: Vec<f64>,
@@ -62,9 +60,7 @@ pub struct Linearized {
     pub M: Vec<f64>,
     /// Column by column ∂r/∂u of the inputs of the system.
     pub r_u: Vec<Vec<f64>>,
-    /// The coordinates: quantities, multipliers.
-    pub coordinates: Vec<CoordinateInfo>,
-    /// Their names.
+    /// Names of the coordinates.
     pub names: Vec<String>,
 }
 
@@ -127,7 +123,6 @@ pub fn linearize(system: &mut dyn System, at: Point<'_>) -> Result<Linearized, L
         K,
         C,
         M,
-        coordinates: (0..n).map(|i| system.coordinate_info(i)).collect(),
         names: (0..n).map(|i| system.name(i)).collect(),
     };
     let (mut sizes, mut floor) = (vec![0.0; n], vec![0.0; n]);
@@ -175,14 +170,15 @@ impl Linearized {
         for_each(&self.pattern, &self.C, |r, c, C| {
             inertia[r] += (C * at.v[c]).abs()
         });
-        let quantities: Vec<Quantity> = self.coordinates.iter().map(|c| c.quantity).collect();
-        let worst = largest(&quantities, r, [0.0; 3]);
-        let measures = largest(&quantities, &inertia, loads);
+        let coordinates = self.pattern.coordinates();
+        let worst = largest(coordinates, r, [0.0; 3]);
+        let measures = largest(coordinates, &inertia, loads);
         for quantity in Quantity::ALL {
             let (residual, measure) = (worst[quantity.index()], measures[quantity.index()]);
             // The evaluation was finite.
             if measure > 0.0 && residual > BALANCED * measure {
-                let at = |i: &usize| quantities[*i] == quantity && r[*i].abs() >= residual;
+                let at =
+                    |i: &usize| coordinates[*i].quantity == quantity && r[*i].abs() >= residual;
                 let name = (0..r.len()).find(at).map(|i| self.names[i].clone());
                 return Err(LinearizationError::Unbalanced {
                     name: name.unwrap_or_default(),

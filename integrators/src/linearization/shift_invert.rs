@@ -71,7 +71,7 @@ impl<'a> ShiftInvert<'a> {
     /// equation with a multiplier.
     pub fn below(&mut self) -> Option<usize> {
         let negative = self.solver.negative_pivots(&self.values)?;
-        let is_multiplier = |i: usize| self.lin.coordinates[i].is_multiplier;
+        let is_multiplier = |i: usize| self.lin.pattern.coordinates()[i].is_multiplier;
         let equations =
             crate::statics::enforced_equations(&self.lin.pattern, &self.values, is_multiplier);
         negative.checked_sub(equations)

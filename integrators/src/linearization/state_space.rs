@@ -69,7 +69,7 @@ pub fn output_derivatives<Y: System>(
     mut outputs: impl FnMut(&mut Y, Point<'_>) -> Result<Vec<f64>, SystemError>,
 ) -> Result<OutputDerivatives, SystemError> {
     let n = system.pattern().dim();
-    let units = system.pattern().units().to_vec();
+    let coordinates = system.pattern().coordinates().to_vec();
     let full = |x: &[f64]| {
         if x.is_empty() {
             vec![0.0; n]
@@ -82,9 +82,9 @@ pub fn output_derivatives<Y: System>(
     let mut by_state = Vec::new();
     for k in 0..state.len() {
         let mut columns = Vec::new();
-        for (i, unit) in units.iter().enumerate() {
+        for (i, info) in coordinates.iter().enumerate() {
             let value = state[k][i];
-            let h = step(value, if *unit > 0.0 { *unit } else { 1.0 });
+            let h = step(value, info.size);
             let column = central(h, |dx| {
                 state[k][i] = value + dx;
                 let [q, v, a] = state.each_ref().map(Vec::as_slice);
@@ -143,7 +143,7 @@ impl Linearized {
         let r_u = DMatrix::from_iterator(n, inputs, self.r_u.iter().flatten().copied());
         let [K, C, M] = [&self.K, &self.C, &self.M].map(|values| self.dense(values));
         let N = self.null_space(&K);
-        for i in (0..n).filter(|&i| self.coordinates[i].is_multiplier) {
+        for i in (0..n).filter(|&i| self.pattern.coordinates()[i].is_multiplier) {
             if r_u.row(i).amax() > ROUNDING * r_u.amax() {
                 return Err(StateSpaceError::Driven(self.names[i].clone()));
             }
@@ -198,7 +198,7 @@ impl Linearized {
     fn null_space(&self, K: &DMatrix<f64>) -> DMatrix<f64> {
         let n = self.dim();
         let (held, free): (Vec<usize>, Vec<usize>) =
-            (0..n).partition(|&i| self.coordinates[i].is_multiplier);
+            (0..n).partition(|&i| self.pattern.coordinates()[i].is_multiplier);
         let equations = DMatrix::from_fn(free.len(), held.len(), |i, j| K[(held[j], free[i])]);
         let mut Qt = DMatrix::identity(free.len(), free.len());
         let mut rank = 0;

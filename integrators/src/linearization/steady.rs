@@ -3,7 +3,7 @@
 use super::events;
 use super::inputs::derivative;
 use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::{CoordinateInfo, Evaluation, Point, Scales, System, SystemError};
+use pullback_manifold::system::{Evaluation, Point, Scales, System, SystemError};
 
 /// A system at one instant of its prescribed motion, with all coordinates at rest: q̇ = q̈ = 0.
 ///
@@ -57,10 +57,6 @@ impl System for SteadyMotion<'_> {
 
     fn scales(&self) -> Scales {
         self.system.scales()
-    }
-
-    fn coordinate_info(&self, i: usize) -> CoordinateInfo {
-        self.system.coordinate_info(i)
     }
 
     fn name(&self, i: usize) -> String {

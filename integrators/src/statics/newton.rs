@@ -19,7 +19,7 @@ use crate::convergence::ConvergencePredictor;
 use crate::failure::{Cause, Cost, FailedStep, FailureContext, StepParameter};
 use crate::linear_solver::MatrixSymmetry;
 use crate::rounding::{ResidualTest, inverse_scales, is_rounding, largest, rounding_of_gaps};
-use pullback_manifold::system::{Evaluation, Point, Quantity, System, SystemError, Weights};
+use pullback_manifold::system::{CoordinateInfo, Evaluation, Point, System, SystemError, Weights};
 
 /// A condition c·(q − q₀) + c_λ (λ − λ₀) = ds that replaces a fixed load.
 pub(super) struct Condition<'a> {
@@ -54,7 +54,7 @@ pub(super) struct Newton {
     /// 1 / typical size of each coordinate; zero for multipliers.
     pub inverse_scale: Vec<f64>,
     /// Quantity of each coordinate.
-    quantities: Vec<Quantity>,
+    coordinates: Vec<CoordinateInfo>,
     pub history: Vec<Iteration>,
     pub cost: Cost,
     pub test: ResidualTest,
@@ -89,11 +89,15 @@ impl Newton {
             trial: zeros(),
             simplified: zeros(),
             inverse_scale: inverse_scales(*system),
-            quantities: (0..n).map(|i| system.coordinate_info(i).quantity).collect(),
+            coordinates: system.pattern().coordinates().to_vec(),
             history: Vec::with_capacity(options.max_iterations.min(100) + 1),
             cost: Cost::default(),
             test: ResidualTest::new(options.relative, options.absolute),
-            has_gaps: (0..n).any(|i| system.coordinate_info(i).is_multiplier),
+            has_gaps: system
+                .pattern()
+                .coordinates()
+                .iter()
+                .any(|c| c.is_multiplier),
             predicted: 0,
             options: *options,
         })
@@ -168,7 +172,7 @@ impl Newton {
 
     /// Largest entry per quantity of a residual vector.
     pub(super) fn largest(&self, r: &[f64]) -> [f64; 3] {
-        largest(&self.quantities, r, [0.0; 3])
+        largest(&self.coordinates, r, [0.0; 3])
     }
 
     /// Whether the last correction left only rounding errors. A prediction, by the tangent at

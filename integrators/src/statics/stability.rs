@@ -21,7 +21,7 @@ impl Newton {
             return None;
         }
         let negative = problem.solver.negative_pivots(&self.S)?;
-        let is_multiplier = |i: usize| system.coordinate_info(i).is_multiplier;
+        let is_multiplier = |i: usize| system.pattern().coordinates()[i].is_multiplier;
         negative.checked_sub(enforced_equations(system.pattern(), &self.S, is_multiplier))
     }
 }

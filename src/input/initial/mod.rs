@@ -161,7 +161,7 @@ impl<'a> Velocities<'a> {
                 (Some(node), _) => requests::unknowns(context, node, of).collect(),
                 (None, Some(nodes)) => context.unknowns_behind(nodes),
                 (None, None) => (0..context.initial().len())
-                    .filter(|&u| !context.coordinate_info(u).is_multiplier)
+                    .filter(|&u| !context.pattern().coordinates()[u].is_multiplier)
                     .collect(),
             },
             of_node: node.is_some(),

@@ -230,7 +230,7 @@ fn drawn_scale(
         let chosen = shape.iter().enumerate().filter(|(i, _)| pick(*i));
         chosen.map(|(_, x)| x.norm()).fold(0.0, f64::max)
     };
-    let angle = largest(&|i| context.coordinate_info(i).quantity == Quantity::Angle);
+    let angle = largest(&|i| context.pattern().coordinates()[i].quantity == Quantity::Angle);
     let small = 1e-6 / largest(&|_| true);
     let state = Shapes::of(
         displace(context, at, shape, Complex64::ZERO)?,

@@ -33,7 +33,7 @@ pub fn integrate<Y: System>(
     observer: &mut Observer<'_, Y>,
 ) -> Result<(), GeneralError> {
     let n = system.pattern().dim();
-    if let Some(i) = (0..n).find(|&i| system.coordinate_info(i).is_multiplier) {
+    if let Some(i) = (0..n).find(|&i| system.pattern().coordinates()[i].is_multiplier) {
         return Err(GeneralError::Multiplier {
             solver: how.to_string(),
             multiplier: system.name(i),
@@ -91,15 +91,14 @@ fn settle<Y: System>(
 /// Scale of each entry of y: that of its coordinate, and for velocities the same over the duration, or the
 /// largest velocity at the start.
 fn tolerances<Y: System>(system: &Y, state: &State, time: f64) -> Vec<f64> {
-    let scales = system.scales().coordinate;
-    let kind = |i: usize| system.coordinate_info(i).quantity.index();
-    let mut rates = scales.map(|scale| scale / time);
-    for (i, v) in state.v.iter().enumerate() {
-        rates[kind(i)] = rates[kind(i)].max(v.abs());
+    let all = system.pattern().coordinates();
+    let mut fastest = [0.0_f64; 3];
+    for (info, v) in all.iter().zip(&state.v) {
+        let rate = &mut fastest[info.quantity.index()];
+        *rate = rate.max(v.abs()).max(info.size / time);
     }
-    let n = state.q.len();
-    let positions = (0..n).map(|i| scales[kind(i)]);
-    positions.chain((0..n).map(|i| rates[kind(i)])).collect()
+    let rates = all.iter().map(|info| fastest[info.quantity.index()]);
+    all.iter().map(|info| info.size).chain(rates).collect()
 }
 
 /// A run from chart to chart and kink to kink.

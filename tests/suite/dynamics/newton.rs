@@ -27,9 +27,7 @@ use pullback::integrators::statics::Iteration;
 use pullback::manifold::scalar::Scalar;
 use pullback::manifold::so3::Quaternion;
 use pullback::manifold::sparse::BlockPattern;
-use pullback::manifold::system::{
-    CoordinateInfo, Evaluation, Point, Quantity, Scales, System, SystemError,
-};
+use pullback::manifold::system::{Evaluation, Point, Quantity, Scales, System, SystemError};
 use std::f64::consts::FRAC_PI_2;
 use std::ops::ControlFlow;
 
@@ -150,10 +148,6 @@ impl System for Plain {
         });
         let previous = None;
         self.model.evaluate(at, Evaluation { S, previous, ..out })
-    }
-
-    fn coordinate_info(&self, i: usize) -> CoordinateInfo {
-        self.model.coordinate_info(i)
     }
 
     fn name(&self, i: usize) -> String {

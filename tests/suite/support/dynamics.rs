@@ -14,7 +14,7 @@ use pullback::integrators::dynamics::{
 use pullback::manifold::so3;
 use pullback::manifold::sparse::BlockPattern;
 use pullback::manifold::system::{
-    ChartChanges, Charts, CoordinateInfo, Evaluation, Point, Scales, System, SystemError,
+    ChartChanges, Charts, Evaluation, Point, Scales, System, SystemError,
 };
 use std::ops::ControlFlow;
 
@@ -91,10 +91,6 @@ impl System for Flipped {
     fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
         let previous = None;
         self.context.evaluate(at, Evaluation { previous, ..out })
-    }
-
-    fn coordinate_info(&self, i: usize) -> CoordinateInfo {
-        self.context.coordinate_info(i)
     }
 
     fn name(&self, i: usize) -> String {

@@ -6,7 +6,7 @@ use crate::model::charts::nodes::Reparametrization;
 use crate::model::charts::segments::SegmentChanges;
 use crate::model::kinematics::mapped_node::Operators;
 use crate::model::{ElementEntry, Node, Source};
-use pullback_manifold::system::{Point, Quantity, Scales};
+use pullback_manifold::system::{Point, Scales};
 
 /// Buffers of an evaluation.
 #[derive(Clone, Default)]
@@ -134,11 +134,11 @@ impl Workspace {
         let parents = nodes.iter().map(direct).max().unwrap_or(0);
         let n = elements.iter().map(|e| e.element.dim()).max().unwrap_or(0);
         let zeros = |len: usize| vec![0.0; len];
-        let mut scales = Scales {
+        let scales = Scales {
+            length,
             levers,
             ..Scales::default()
         };
-        scales.coordinate[Quantity::Length.index()] = length;
         Self {
             x: zeros(total),
             v: zeros(total),

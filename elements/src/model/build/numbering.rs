@@ -19,7 +19,7 @@ use crate::model::{
     Span,
 };
 use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::Quantity;
+use pullback_manifold::system::{CoordinateInfo, Quantity};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
@@ -78,13 +78,15 @@ impl ModelBuilder {
         let quantities: Vec<Quantity> = nodes.iter().flat_map(|n| n.quantities.clone()).collect();
         let of_form = |n: &Node| std::iter::repeat_n(n.form == NodeForm::Multipliers, n.dim);
         let multipliers: Vec<bool> = nodes.iter().flat_map(of_form).collect();
-        let unit = |c: usize| match (multipliers[c], quantities[c]) {
-            (true, _) => 0.0,
-            (_, Quantity::Length) => length,
-            _ => 1.0,
+        let magnitudes: Vec<f64> = nodes.iter().flat_map(|n| magnitudes(n, length)).collect();
+        let info = |c: usize| CoordinateInfo {
+            quantity: quantities[c],
+            size: quantities[c].size(length),
+            magnitude: Some(magnitudes[c]),
+            is_multiplier: multipliers[c],
         };
         let pattern = pattern(&elements, &alternatives, &numbering)
-            .with_units(|i| unit(numbering.coordinates[i]));
+            .with_coordinates(|i| info(numbering.coordinates[i]));
         let Numbering {
             unknowns,
             coordinates,
@@ -93,7 +95,6 @@ impl ModelBuilder {
         } = numbering;
         mark(&mut elements, &nodes, &scatter_map.rows);
         let [coupled, scratch] = scatter_map.arrange(&nodes, &dependent, &elements);
-        let sizes: Vec<f64> = nodes.iter().flat_map(|n| magnitudes(n, length)).collect();
         prescribed.sort_unstable_by_key(|p| p.coordinate);
         let levers = levers(&nodes, &elements, extent);
         let room = [operators, coupled, scratch];
@@ -108,8 +109,6 @@ impl ModelBuilder {
             prescribed_rotations: prescribed_rotations(&nodes, &prescribed),
             free: FreeCoordinates::new(&coordinates),
             quantities,
-            multipliers,
-            magnitudes: coordinates.iter().map(|&c| sizes[c]).collect(),
             work: Workspace::new(&nodes, &elements, room, scatter_map, length, levers),
             nodes,
             dependent,

@@ -8,7 +8,7 @@ use crate::model::kinematics::node_entries::collect;
 use crate::model::{Context, ElementEntry, Model, NodeForm};
 use nalgebra::{DMatrix, DVector};
 use pullback_manifold::domain::DomainError;
-use pullback_manifold::system::{Point, Quantity, SystemError};
+use pullback_manifold::system::{Point, SystemError};
 use std::sync::Arc;
 
 /// Residual of an omitted equation beyond which it does not follow from the others.
@@ -58,15 +58,12 @@ impl Model {
 
     /// Typical size of an unknown.
     pub(in crate::model) fn unit(&self, u: usize) -> f64 {
-        self.size(self.coordinates[u])
+        self.pattern.coordinates()[u].size
     }
 
     /// Typical size of a coordinate.
     fn size(&self, coordinate: usize) -> f64 {
-        match self.quantities[coordinate] {
-            Quantity::Length => self.length,
-            _ => 1.0,
-        }
+        self.quantities[coordinate].size(self.length)
     }
 
     /// The prescribed coordinates.

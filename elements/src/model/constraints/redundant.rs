@@ -85,7 +85,7 @@ impl Context {
     pub(in crate::model) fn choose_equations(&mut self, t: f64, q: &mut [f64]) -> bool {
         let moved = |u: usize| {
             let change = (q[u] - self.state.chosen_at[u]).abs();
-            change > MOVED * self.unit(u) && !self.coordinate_info(u).is_multiplier
+            change > MOVED * self.unit(u) && !self.pattern().coordinates()[u].is_multiplier
         };
         if self.state.unwatched || self.state.chosen_at.is_empty() || !(0..q.len()).any(moved) {
             return false;

@@ -150,7 +150,7 @@ impl Context {
         for j in (0..pattern.blocks()).filter(|&j| {
             pattern
                 .unknowns(j)
-                .any(|u| self.coordinate_info(u).is_multiplier)
+                .any(|u| self.pattern().coordinates()[u].is_multiplier)
         }) {
             for (i, _) in pattern.column(j) {
                 tied[pattern.unknowns(i)].fill(true);

@@ -153,7 +153,7 @@ impl Measured<'_> {
     /// A state near q: q itself, or q with changes without symmetry.
     fn near(&self, q: &[f64], number: usize) -> Vec<f64> {
         let size = |i: usize| match self.0.model.quantities[self.0.model.coordinates[i]] {
-            _ if number == 0 || self.0.coordinate_info(i).is_multiplier => 0.0,
+            _ if number == 0 || self.0.pattern().coordinates()[i].is_multiplier => 0.0,
             Quantity::Length => 0.02 * self.0.model.length,
             Quantity::Angle => 0.1,
             Quantity::Other => 0.0,

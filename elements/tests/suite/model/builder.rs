@@ -96,7 +96,7 @@ fn unknowns_have_numbers_names_and_kinds() {
     assert_eq!(context.name(9), "node b, rotation about e3");
     assert_eq!(context.name(11), "hinge, coordinate 2");
     assert_eq!(context.name(12), "six, coordinate 1");
-    let kinds = [0, 2, 9, 10, 11, 12].map(|i| context.coordinate_info(i).quantity);
+    let kinds = [0, 2, 9, 10, 11, 12].map(|i| context.pattern().coordinates()[i].quantity);
     assert_eq!(
         kinds,
         [

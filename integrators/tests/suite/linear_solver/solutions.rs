@@ -8,6 +8,7 @@ use pullback_integrators::linear_solver::{
     AutoSolver, BlockLu, FaerCholesky, FaerLu, LinearError, LinearSolver, MatrixSymmetry,
     SolverKind, null_vector,
 };
+use pullback_manifold::coordinate::CoordinateInfo;
 use pullback_manifold::sparse::BlockPattern;
 
 #[test]
@@ -340,8 +341,11 @@ fn saddle_points_are_solved_in_any_unit() {
                     energy * mass * base[(r, c)] / (size(r) * size(c))
                 }
             };
-            let unit = |i: usize| if multiplies(i) { 0.0 } else { size(i) };
-            let pattern = bare.clone().with_units(unit);
+            let pattern = bare.clone().with_coordinates(|i| CoordinateInfo {
+                size: size(i),
+                is_multiplier: multiplies(i),
+                ..CoordinateInfo::default()
+            });
             let mut values = vec![0.0; pattern.len()];
             write(&pattern, &mut values, entry);
             let x: Vec<f64> = (0..9).map(|i| solution[i] * size(i)).collect();

@@ -6,7 +6,6 @@ use pullback_integrators::linearization::{
     Linearized, ModeOptions, ModesError, Selection, modes, modes_while,
 };
 use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::CoordinateInfo;
 use std::ops::ControlFlow;
 
 /// Masses of one between n + 1 springs of one, fixed at both ends, with C = α M + β K.
@@ -30,7 +29,6 @@ fn chain(n: usize, alpha: f64, beta: f64) -> Linearized {
         C,
         M,
         r_u: Vec::new(),
-        coordinates: vec![CoordinateInfo::default(); n],
         names: (0..n).map(|i| format!("mass {i}")).collect(),
         pattern,
     }

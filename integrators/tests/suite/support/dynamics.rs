@@ -89,7 +89,10 @@ pub struct Pendulum {
 impl Pendulum {
     pub fn new() -> Self {
         Self {
-            pattern: BlockPattern::dense(1),
+            pattern: BlockPattern::dense(1).with_coordinates(|_| CoordinateInfo {
+                quantity: Quantity::Angle,
+                ..CoordinateInfo::default()
+            }),
             g: 9.81,
         }
     }
@@ -106,13 +109,6 @@ impl System for Pendulum {
             S[0] = w.K * self.g * at.q[0].cos() + w.M;
         }
         Ok(())
-    }
-
-    fn coordinate_info(&self, _: usize) -> CoordinateInfo {
-        CoordinateInfo {
-            quantity: Quantity::Angle,
-            ..CoordinateInfo::default()
-        }
     }
 }
 

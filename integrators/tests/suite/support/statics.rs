@@ -18,7 +18,10 @@ pub struct Scalar {
 impl Scalar {
     pub fn new(P: f64, f: fn(f64) -> [f64; 2]) -> Self {
         Self {
-            pattern: BlockPattern::dense(1),
+            pattern: BlockPattern::dense(1).with_coordinates(|_| CoordinateInfo {
+                quantity: Quantity::Length,
+                ..CoordinateInfo::default()
+            }),
             P,
             f,
         }
@@ -44,13 +47,6 @@ impl System for Scalar {
             r_t[0] = self.P;
         }
         Ok(())
-    }
-
-    fn coordinate_info(&self, _: usize) -> CoordinateInfo {
-        CoordinateInfo {
-            quantity: Quantity::Length,
-            ..CoordinateInfo::default()
-        }
     }
 
     fn is_symmetric(&self) -> bool {
