@@ -3,9 +3,8 @@
 //!
 //! | type | carries | serves |
 //! |---|---|---|
-//! | [`Moving`] | value and two time derivatives, and the gradients of the three | B, Ḃ, B̈ |
+//! | [`Moving`] | value and two time derivatives, and the gradients of the three | ẋ, ẍ; B, Ḃ, B̈ |
 //! | [`Grad`] | value and gradient in D variables | B = D_q φ |
-//! | [`Taylor`] | value, first and second time derivative | ẋ, ẍ along a motion |
 //! | [`Hess`] | value, gradient, Hessian | K_σ(f) = D_q²(f·φ) |
 //! | [`Phase`] | the same in coordinates and velocities, along a motion | an energy's force and K, C, M |
 //! | [`Trace`] | value, and in which variables it is not affine | where K_σ may differ from zero |
@@ -14,8 +13,7 @@
 //! map or energy: over any of these types S it differentiates once more, up to [`MAX_ORDER`] in
 //! all. Deeper nests are rejected at build time (not by `cargo check`).
 //!
-//! `Grad` and `Taylor` nest: `Taylor<Grad<f64, D>>` equals `Moving<D>`, only slower. The example
-//! `jet_speed` measures them against the num-dual crate, the reference of their tests, and fails if
+//! The example `jet_speed` measures them against the num-dual crate, the reference of their tests, and fails if
 //! they are not clearly faster. For a rigid link and a revolute joint num-dual took 1.3 to 2.0
 //! times as long for B, Ḃ, B̈, 4.1 to 9.0 times for K_σ, and 3.0 to 5.4 times for all of them.
 
@@ -84,13 +82,11 @@ macro_rules! operators {
 mod grad;
 mod moving;
 mod phase;
-mod taylor;
 mod trace;
 
 pub use grad::Grad;
 pub use moving::Moving;
 pub use phase::Phase;
-pub use taylor::Taylor;
 pub use trace::Trace;
 
 /// A value with gradient `x` and Hessian `xx` in `D` variables.

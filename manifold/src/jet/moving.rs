@@ -3,9 +3,9 @@
 use crate::scalar::{MAX_ORDER, Scalar};
 
 /// A value x that moves: x, ẋ, ẍ along one motion, and the gradients of all three in `D` variables.
+/// `Moving<0>` is x, ẋ, ẍ alone.
 ///
-/// Equals `Taylor<Grad<f64, D>>`, with the chain, product and quotient rules multiplied out and two
-/// structures exploited:
+/// The chain, product and quotient rules are multiplied out, and two structures exploited:
 ///
 /// - most values depend on a few variables only (the rotations of one frame): variables are taken
 ///   two by two, and pairs on which neither factor depends are left at zero;

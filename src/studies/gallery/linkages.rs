@@ -7,33 +7,33 @@ use super::motion::{History, RunChanges, richardson, runge_kutta};
 use crate::output::plot::PlotCurve;
 use nalgebra::{Vector2, Vector3};
 use pullback_elements::model::NodeState;
-use pullback_manifold::jet::Taylor;
+use pullback_manifold::jet::Moving;
 use pullback_manifold::scalar::Scalar;
 
 pub(super) const G: f64 = 9.81;
 
 /// The mass M (kinetic energy ½ M θ̇²) and the potential V of a mechanism with one degree of freedom θ, with their
 /// derivatives by θ.
-pub(super) type OneFreedom<'a> = &'a dyn Fn(Taylor<f64>) -> [Taylor<f64>; 2];
+pub(super) type OneFreedom<'a> = &'a dyn Fn(Moving<0>) -> [Moving<0>; 2];
 
 /// θ and θ̇ at a time by the classical Runge-Kutta method: M θ̈ + ½ M′ θ̇² + V′ = 0.
 pub(super) fn integrate(system: OneFreedom<'_>, start: [f64; 2], to: f64) -> [f64; 2] {
     let rates = |_, y: &Vector2<f64>| {
         let (theta, rate) = (y.x, y.y);
-        let [M, V] = system(taylor([theta, 1.0]));
-        Vector2::new(rate, -(0.5 * M.d * rate * rate + V.d) / M.v)
+        let [M, V] = system(with_rate([theta, 1.0]));
+        Vector2::new(rate, -(0.5 * M.x[1] * rate * rate + V.x[1]) / M.x[0])
     };
     runge_kutta(rates, start.into(), to, 20_000).into()
 }
 
 /// A quantity with its first derivative.
-pub(super) fn taylor([v, d]: [f64; 2]) -> Taylor<f64> {
-    Taylor { v, d, dd: 0.0 }
+pub(super) fn with_rate([x, rate]: [f64; 2]) -> Moving<0> {
+    Moving::given([x, rate, 0.0])
 }
 
 /// The derivative by θ of a quantity with two derivatives.
-pub(super) fn slope(x: Taylor<f64>) -> Taylor<f64> {
-    taylor([x.d, x.dd])
+pub(super) fn slope(x: Moving<0>) -> Moving<0> {
+    with_rate([x.x[1], x.x[2]])
 }
 
 /// Lengths of crank, coupler, rocker and base, the last from the origin along e1.
@@ -53,7 +53,7 @@ fn closed_form<S: Scalar>(crank: S) -> [S; 2] {
     [coupler, ey.atan2(ex - base)]
 }
 
-fn four_bar_system(crank: Taylor<f64>) -> [Taylor<f64>; 2] {
+fn four_bar_system(crank: Moving<0>) -> [Moving<0>; 2] {
     let ([a, b, c, _], [m1, m2, m3]) = (BARS, MASSES);
     let [coupler, rocker] = closed_form(crank);
     let (k2, k3) = (slope(coupler), slope(rocker));
@@ -91,13 +91,19 @@ pub(super) fn four_bar(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let steps = [1e-3, 5e-4].map(RunChanges::step);
     let runs = report.motions(&file, &["coupler tip", "rocker tip"], steps)?;
     let start = [std::f64::consts::FRAC_PI_2, 4.5];
-    let [_, rocker] = closed_form(taylor(integrate(&four_bar_system, start, 4.0)));
+    let [_, rocker] = closed_form(with_rate(integrate(&four_bar_system, start, 4.0)));
     let (x, y) = (rocker.cos() * BARS[2] + BARS[3], rocker.sin() * BARS[2]);
     let found = at_end(&runs, 0, |s| s.position);
     let what = "coupler tip at t = 4";
-    report.compare_parts(what, &found, &[x.v, y.v], 1e-5, SOURCE);
+    report.compare_parts(what, &found, &[x, y].map(|x| x.x[0]), 1e-5, SOURCE);
     let found = at_end(&runs, 0, |s| s.velocity);
-    report.compare_parts("its velocity", &found, &[x.d, y.d], 1e-4, SOURCE);
+    report.compare_parts(
+        "its velocity",
+        &found,
+        &[x, y].map(|x| x.x[1]),
+        1e-4,
+        SOURCE,
+    );
     let what = "largest gap of the loop in 8000 steps";
     report.compare_gap(what, gap(&runs[1], [0, 1]), 1e-14);
     report.compare_energy(&runs[1], 1e-4);
@@ -114,8 +120,8 @@ pub(super) fn four_bar(report: &mut CaseReport) -> Result<(), CaseProblem> {
 pub(super) const CRANK: f64 = 0.4;
 pub(super) const ROD: f64 = 1.0;
 
-fn slider_crank_system(rod: f64) -> impl Fn(Taylor<f64>) -> [Taylor<f64>; 2] {
-    move |angle: Taylor<f64>| {
+fn slider_crank_system(rod: f64) -> impl Fn(Moving<0>) -> [Moving<0>; 2] {
+    move |angle: Moving<0>| {
         let (x, y) = (angle.cos() * CRANK, angle.sin() * CRANK);
         let displacement = x + (-(y * y) + ROD * ROD).sqrt();
         let tilt = (y * (1.0 / ROD)).atan2((-(y * y) * (1.0 / (ROD * ROD)) + 1.0).sqrt());
@@ -132,10 +138,10 @@ fn slider_crank_system(rod: f64) -> impl Fn(Taylor<f64>) -> [Taylor<f64>; 2] {
 
 /// Displacement of the slider and its rate at a time.
 fn slider_exact(rod: f64, to: f64) -> [f64; 2] {
-    let angle = taylor(integrate(&slider_crank_system(rod), [0.0, 12.0], to));
+    let angle = with_rate(integrate(&slider_crank_system(rod), [0.0, 12.0], to));
     let y = angle.sin() * CRANK;
     let displacement = angle.cos() * CRANK + (-(y * y) + ROD * ROD).sqrt();
-    [displacement.v, displacement.d]
+    [displacement.x[0], displacement.x[1]]
 }
 
 /// A slider-crank mechanism of rigid bars.
@@ -167,8 +173,8 @@ pub(super) fn parallelograms(report: &mut CaseReport) -> Result<(), CaseProblem>
         &["end 5", "far 5"],
         [4e-3, 2e-3].map(RunChanges::step),
     )?;
-    let system = |angle: Taylor<f64>| {
-        let M = Taylor::constant(6.0 / 3.0 + 5.0);
+    let system = |angle: Moving<0>| {
+        let M = Moving::<0>::constant(6.0 / 3.0 + 5.0);
         [M, -(angle.cos() * (G * (6.0 / 2.0 + 5.0)))]
     };
     let [angle, rate] = integrate(&system, [1.2, 0.0], 4.0);

@@ -3,11 +3,11 @@
 #![allow(non_snake_case)]
 
 use super::case::{CaseProblem, CaseReport, meshed, with_scheme};
-use super::linkages::{G, gap, integrate, slope, taylor};
+use super::linkages::{G, gap, integrate, slope, with_rate};
 use super::motion::{History, RunChanges, continued, observed_order, richardson};
 use crate::input::{Closure, ModelFile};
 use nalgebra::Vector3;
-use pullback_manifold::jet::Taylor;
+use pullback_manifold::jet::Moving;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::Quaternion;
 use std::f64::consts::FRAC_1_SQRT_2;
@@ -77,8 +77,8 @@ pub(super) fn bricard(report: &mut CaseReport) -> Result<(), CaseProblem> {
             "it does not move far enough to prove anything",
         ));
     }
-    let [x, _] = bricard_angles(taylor(integrate(&bricard_system, [0.0; 2], 5.0)));
-    let exact = [x.v, x.d];
+    let [x, _] = bricard_angles(with_rate(integrate(&bricard_system, [0.0; 2], 5.0)));
+    let exact = [x.x[0], x.x[1]];
     let source = "exact: equation of its one freedom, closed-form kinematics, Runge-Kutta";
     let mut enforced = with_scheme(&file, "ga:0.8");
     let last = enforced.joints.iter_mut().find(|j| j.name == "hinge 6");
@@ -101,7 +101,7 @@ pub(super) fn bricard(report: &mut CaseReport) -> Result<(), CaseProblem> {
 /// Angles x and y of the odd and the even hinges of Bricard's mechanism. Of
 /// cos θ + cos φ + cos θ cos φ = 0 with θ = 90° + x and φ = 90° + y remains, for the mean m and the
 /// difference 4w of x and y, sin m = −2 sin² w: a closed curve with the parameter s, √2 sin w = sin s.
-fn bricard_angles(s: Taylor<f64>) -> [Taylor<f64>; 2] {
+fn bricard_angles(s: Moving<0>) -> [Moving<0>; 2] {
     let sine = s.sin();
     let square = sine * sine;
     let m = (-square).atan2(s.cos() * (square + 1.0).sqrt());
@@ -111,9 +111,9 @@ fn bricard_angles(s: Taylor<f64>) -> [Taylor<f64>; 2] {
 
 /// Its mass and potential. Bars are slender, of mass and length 1: one whose ends move with a and b has
 /// the energy (a² + a·b + b²)/6.
-fn bricard_system(s: Taylor<f64>) -> [Taylor<f64>; 2] {
+fn bricard_system(s: Moving<0>) -> [Moving<0>; 2] {
     let [x, y] = bricard_angles(s);
-    let zero = Taylor::constant(0.0);
+    let zero = Moving::<0>::constant(0.0);
     let mut turn = Quaternion::about(&Vector3::x(), zero);
     let mut end = Vector3::repeat(zero);
     let (mut M, mut V) = (zero, zero);
@@ -126,7 +126,7 @@ fn bricard_system(s: Taylor<f64>) -> [Taylor<f64>; 2] {
         (e3, -e2, x),
     ] {
         turn = turn.product(&Quaternion::about(&axis, angle));
-        let next = end + turn.rotate(&bar.map(Taylor::constant));
+        let next = end + turn.rotate(&bar.map(Moving::<0>::constant));
         let [a, b] = [end.map(slope), next.map(slope)];
         M += (a.dot(&a) + a.dot(&b) + b.dot(&b)) * (1.0 / 3.0);
         V += (end.y + next.y) * (0.5 * G);

@@ -13,7 +13,7 @@ use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::elements::time::{Sine, TimeFunction};
 use pullback::integrators::dynamics::{Progress, Scheme};
 use pullback::integrators::statics::{StaticOptions, solve_statics};
-use pullback::manifold::jet::Taylor;
+use pullback::manifold::jet::Moving;
 use pullback::manifold::scalar::Scalar;
 use pullback::manifold::system::{Evaluation, Point, System};
 use std::ops::ControlFlow;
@@ -148,15 +148,11 @@ fn a_driven_crank_takes_the_loop_along() {
             let at = point(s);
             context.configure(at).unwrap();
             let [x, x_dot, x_ddot] = drive.at(s.t, &[]);
-            let crank = Taylor {
-                v: CRANK_START + x,
-                d: x_dot,
-                dd: x_ddot,
-            };
+            let crank = Moving::<0>::given([CRANK_START + x, x_dot, x_ddot]);
             let exact = closed_form(crank);
             let [a, b, d] = [0, 1, 3].map(|k| context.coordinate_motion(angles[k], 0).unwrap());
             for k in 0..3 {
-                let of = |x: Taylor<f64>| [x.v, x.d, x.dd][k];
+                let of = |x: Moving<0>| x.x[k];
                 let [first, second] = if k == 0 { drawn } else { [0.0; 2] };
                 let (coupler, rocker) = (first + a[k] + b[k], second + d[k]);
                 worst = worst.max((coupler - of(exact[0])).abs());
@@ -194,11 +190,7 @@ fn a_loop_in_equilibrium() {
     // The same by bisection of the slope of the potential.
     let drawn = closed_form(CRANK_START)[1];
     let slope = |crank: f64| {
-        let crank = Taylor {
-            v: crank,
-            d: 1.0,
-            dd: 0.0,
-        };
+        let crank = Moving::<0>::given([crank, 1.0, 0.0]);
         let [coupler, rocker] = closed_form(crank);
         let ([a, b, c], [m1, m2, m3]) = (BARS, MASSES);
         let turn = rocker - drawn;
@@ -206,7 +198,7 @@ fn a_loop_in_equilibrium() {
             + coupler.sin() * (0.5 * m2 * G * b)
             + rocker.sin() * (0.5 * m3 * G * c)
             + turn * turn * (0.5 * stiffness);
-        V.d
+        V.x[1]
     };
     let (mut low, mut high) = (found - 0.2, found + 0.2);
     assert!(

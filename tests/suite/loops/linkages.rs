@@ -16,7 +16,7 @@ use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::elements::time::Constant;
 use pullback::integrators::dynamics::Scheme;
 use pullback::manifold::implicit::{Choice, Equations, Implicit, ImplicitMap};
-use pullback::manifold::jet::Taylor;
+use pullback::manifold::jet::Moving;
 use pullback::manifold::map::{Linear, Map, Parametrization};
 use pullback::manifold::scalar::Scalar;
 use pullback::manifold::system::Quantity;
@@ -187,21 +187,17 @@ impl Map<3, 3> for Shift {
 /// (x, y, s) and their rates from the crank angle and its rate, in closed form.
 fn slider_crank_exact(to: f64) -> Vec<f64> {
     let position = |angle: f64| {
-        let angle = Taylor {
-            v: angle,
-            d: 1.0,
-            dd: 0.0,
-        };
+        let angle = Moving::<0>::given([angle, 1.0, 0.0]);
         let (x, y) = (angle.cos() * CRANK, angle.sin() * CRANK);
         (x, y, x + (-(y * y) + ROD * ROD).sqrt())
     };
     let ode = |_: f64, z: &Vector2<f64>| {
         let (_, y, s) = position(z[0]);
-        let M = Taylor {
-            v: PIN * CRANK * CRANK + SLIDER * s.d * s.d,
-            d: 2.0 * SLIDER * s.d * s.dd,
-            dd: 0.0,
-        };
+        let M = Moving::<0>::given([
+            PIN * CRANK * CRANK + SLIDER * s.x[1] * s.x[1],
+            2.0 * SLIDER * s.x[1] * s.x[2],
+            0.0,
+        ]);
         let V = y * (PIN * G) + (s - 1.0) * (s - 1.0) * (0.5 * STIFF);
         Vector2::new(z[1], one_freedom(M, V, z[1]))
     };
@@ -212,7 +208,9 @@ fn slider_crank_exact(to: f64) -> Vec<f64> {
         "the crank went {}",
         z[0]
     );
-    vec![x.v, y.v, s.v, x.d * z[1], y.d * z[1], s.d * z[1]]
+    let all = [x, y, s];
+    let [at, rates] = [0, 1].map(|k| all.map(|x| x.x[k]));
+    [at, rates.map(|rate| rate * z[1])].concat()
 }
 
 #[test]

@@ -13,7 +13,7 @@ use pullback::elements::spring::AxialSpring;
 use pullback::elements::time::Constant;
 use pullback::integrators::dynamics::{DynamicOptions, Progress, Scheme};
 use pullback::manifold::implicit::{Choice, Implicit, ImplicitMap};
-use pullback::manifold::jet::Taylor;
+use pullback::manifold::jet::Moving;
 use pullback::manifold::map::{Linear, Map};
 use pullback::manifold::scalar::Scalar;
 use pullback::manifold::system::{Quantity, System};
@@ -240,24 +240,20 @@ pub fn accelerations(q: &[f64; 7], v: &[f64; 7]) -> [f64; 7] {
         m[5] * U * f * omp * (omp + 2.0 * epp) * om.cos(),
     ];
     let along = |rate: &dyn Fn(usize) -> f64| {
-        let x = SVector::<Taylor<f64>, 7>::from_fn(|k, _| Taylor {
-            v: q[k],
-            d: rate(k),
-            dd: 0.0,
-        });
-        Squeezer.h(Taylor::constant(0.0), &x)
+        let x = SVector::<Moving<0>, 7>::from_fn(|k, _| Moving::<0>::given([q[k], rate(k), 0.0]));
+        Squeezer.h(Moving::<0>::constant(0.0), &x)
     };
     let mut b = SVector::<f64, 13>::zeros();
     for j in 0..7 {
         b[j] = forces[j];
         let column = along(&|k| f64::from(u8::from(k == j)));
         for i in 0..6 {
-            K[(7 + i, j)] = column[i].d;
+            K[(7 + i, j)] = column[i].x[1];
         }
     }
     let bend = along(&|k| v[k]);
     for i in 0..6 {
-        b[7 + i] = -bend[i].dd;
+        b[7 + i] = -bend[i].x[2];
     }
     K.fill_upper_triangle_with_lower_triangle();
     let solution = K.lu().solve(&b).unwrap();

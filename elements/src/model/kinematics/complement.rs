@@ -4,7 +4,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::chart::Complement;
-use pullback_manifold::jet::Taylor;
+use pullback_manifold::jet::Moving;
 use pullback_manifold::map::{Kinematics, Map};
 use pullback_manifold::pullback::Slot;
 use pullback_manifold::scalar::Scalar;
@@ -82,17 +82,11 @@ pub(in crate::model) fn fold(turns: i32, psi: &mut [f64], v: &mut [f64], a: &mut
     if turns == 0 {
         return;
     }
-    let jets = Vector3::from_fn(|i, _| Taylor {
-        v: psi[i],
-        d: v[i],
-        dd: a[i],
-    });
+    let jets = Vector3::from_fn(|i, _| Moving::<0>::given([psi[i], v[i], a[i]]));
     let angle = jets.dot(&jets).sqrt();
     let factor = -(angle.recip() * (std::f64::consts::TAU * f64::from(turns))) + 1.0;
     for (i, jet) in jets.iter().enumerate() {
         let folded = *jet * factor;
-        psi[i] = folded.v;
-        v[i] = folded.d;
-        a[i] = folded.dd;
+        [psi[i], v[i], a[i]] = folded.x;
     }
 }

@@ -10,7 +10,7 @@ use pullback_elements::body::{PointMass, RigidBody};
 use pullback_elements::element::{Element, ElementEnergies, Motion, Response};
 use pullback_elements::inertia::Inertia;
 use pullback_manifold::domain::{CHART_EDGE, DomainError};
-use pullback_manifold::jet::{Grad, Taylor};
+use pullback_manifold::jet::{Grad, Moving};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;
 
@@ -181,13 +181,9 @@ fn forces_and_tangents_are_derivatives_of_the_kinetic_energy() {
 
 /// Material angular velocity and acceleration of Ψ(t) from R(Ψ(t)) alone: Ω~ = RᵀṘ.
 fn turning(q: &Vector6<f64>, v: &Vector6<f64>, a: &Vector6<f64>) -> [Vector3<f64>; 2] {
-    let psi = Vector3::from_fn(|i, _| Taylor {
-        v: q[3 + i],
-        d: v[3 + i],
-        dd: a[3 + i],
-    });
+    let psi = Vector3::from_fn(|i, _| Moving::<0>::given([q[3 + i], v[3 + i], a[3 + i]]));
     let R = so3::rotation(&psi);
-    let (R, R_dot, R_ddot) = (R.map(|r| r.v), R.map(|r| r.d), R.map(|r| r.dd));
+    let [R, R_dot, R_ddot] = [0, 1, 2].map(|k| R.map(|r| r.x[k]));
     // RᵀR̈ = Ω̇~ + Ω~Ω~, of which the square is symmetric.
     [
         so3::axial(&R.tr_mul(&R_dot)),
@@ -305,21 +301,16 @@ fn a_superposed_rotation_of_space_changes_no_force_but_turns_it() {
     let a = Vector6::new(-0.3, 0.8, 0.5, 1.2, 0.1, -0.7);
     let turn = Vector3::new(0.3, -0.2, 0.6);
     let Q = so3::rotation(&turn);
-    let psi = Vector3::from_fn(|i, _| Taylor {
-        v: q[3 + i],
-        d: v[3 + i],
-        dd: a[3 + i],
-    });
-    let product =
-        so3::quaternion(&turn.map(Taylor::<f64>::constant)).product(&so3::quaternion(&psi));
+    let psi = Vector3::from_fn(|i, _| Moving::<0>::given([q[3 + i], v[3 + i], a[3 + i]]));
+    let product = so3::quaternion(&turn.map(Moving::<0>::constant)).product(&so3::quaternion(&psi));
     let after = so3::log_quaternion(&product);
     let join =
         |d: Vector3<f64>, psi: Vector3<f64>| Vector6::new(d.x, d.y, d.z, psi.x, psi.y, psi.z);
     let d = |x: &Vector6<f64>| Q * x.fixed_rows::<3>(0);
     let moved = [
-        join(d(&q), after.map(|x| x.v)),
-        join(d(&v), after.map(|x| x.d)),
-        join(d(&a), after.map(|x| x.dd)),
+        join(d(&q), after.map(|x| x.x[0])),
+        join(d(&v), after.map(|x| x.x[1])),
+        join(d(&a), after.map(|x| x.x[2])),
     ];
     // Spatial moment of the covector f for Ψ: m = T⁻ᵀ f is material, R m spatial.
     let spatial = |q: &Vector6<f64>, v: &Vector6<f64>, a: &Vector6<f64>| {

@@ -9,7 +9,7 @@ use pullback_elements::joint::{
     OnSurface, Planar, Pose, Prismatic, Quadric, Spline, Surface, Universal,
 };
 use pullback_elements::model::ModelBuilder;
-use pullback_manifold::jet::Taylor;
+use pullback_manifold::jet::Moving;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;
 use std::collections::BTreeSet;
@@ -166,12 +166,8 @@ fn a_curve_may_have_many_points() {
     let curve = Spline::through(&points, true, 0.0).unwrap();
     let chord = (Vector3::from(points[1]) - Vector3::from(points[0])).norm();
     // The second derivative of a cubic spline of step h is off by h^2, here below rounding errors.
-    let middle = Taylor {
-        v: 0.5 * chord,
-        d: 1.0,
-        dd: 0.0,
-    };
-    let bend = curve.at(middle).map(|x| x.dd);
+    let middle = Moving::<0>::given([0.5 * chord, 1.0, 0.0]);
+    let bend = curve.at(middle).map(|x| x.x[2]);
     assert!(
         (bend - Vector3::new(-1.0, 0.0, 0.2)).norm() < 1e-3,
         "{bend}"

@@ -11,7 +11,7 @@ use pullback_elements::element::{Abilities, Element, ElementEnergies, Motion, Re
 use pullback_elements::energy::Sum;
 use pullback_elements::spring::{AxialSpring, Bushing, CoordinateLaw, CoordinateSpring};
 use pullback_manifold::domain::DomainError;
-use pullback_manifold::jet::Taylor;
+use pullback_manifold::jet::Moving;
 use pullback_manifold::map::Linear;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;
@@ -150,16 +150,16 @@ fn superpose(
     turn: &Vector3<f64>,
     spin: &Vector3<f64>,
 ) -> [[f64; 6]; 2] {
-    let jet = |v: f64, d: f64| Taylor { v, d, dd: 0.0 };
+    let jet = |x: f64, rate: f64| Moving::<0>::given([x, rate, 0.0]);
     let turning = Vector3::from_fn(|i, _| jet(turn[i], spin[i]));
-    let X = position.map(Taylor::<f64>::constant);
+    let X = position.map(Moving::<0>::constant);
     let d = Vector3::from_fn(|i, _| jet(x[i], v[i]));
     let psi = Vector3::from_fn(|i, _| jet(x[3 + i], v[3 + i]));
     let shift = Vector3::new(jet(0.3, 0.9), jet(-0.7, 0.2), jet(0.5, -1.1));
     let d = so3::rotation(&turning) * (X + d) + shift - X;
     let product = so3::quaternion(&turning).product(&so3::quaternion(&psi));
     let psi = so3::log_quaternion(&product);
-    let join = |of: fn(&Taylor<f64>) -> f64| {
+    let join = |of: fn(&Moving<0>) -> f64| {
         let mut out = [0.0; 6];
         for k in 0..3 {
             out[k] = of(&d[k]);
@@ -167,7 +167,7 @@ fn superpose(
         }
         out
     };
-    [join(|x| x.v), join(|x| x.d)]
+    [join(|x| x.x[0]), join(|x| x.x[1])]
 }
 
 /// Spatial force and moment of the covector of a node.

@@ -6,7 +6,7 @@ use nalgebra::{SMatrix, SVector};
 use num_dual::{Derivative, Dual2, Dual2SVec64, Dual3, DualNum, DualSVec64};
 use num_traits::{One, Zero};
 use pullback_conformance as check;
-use pullback_manifold::jet::{Grad, Hess, Moving, Taylor, Trace};
+use pullback_manifold::jet::{Grad, Hess, Moving, Trace};
 use pullback_manifold::map::Map;
 use pullback_manifold::quotients;
 use pullback_manifold::scalar::Scalar;
@@ -119,19 +119,8 @@ fn value_gradient_and_time_jets_are_those_of_num_dual() {
     let tangent = Phi.tangent(T, &Q.into());
     let dual: [DualSVec64<D>; D] = std::array::from_fn(|i| variable(Q[i], i));
     let dual = phi!(DualSVec64::from_re(T), dual);
-    let taylor: [Taylor<f64>; D] = std::array::from_fn(|i| Taylor {
-        v: Q[i],
-        d: V[i],
-        dd: A[i],
-    });
-    let taylor = phi!(
-        Taylor {
-            v: T,
-            d: 1.0,
-            dd: 0.0
-        },
-        taylor
-    );
+    let moving: [Moving<0>; D] = std::array::from_fn(|i| Moving::<0>::given([Q[i], V[i], A[i]]));
+    let moving = phi!(Moving::<0>::given([T, 1.0, 0.0]), moving);
     let second: [Dual2<f64>; D] = std::array::from_fn(|i| Dual2::new(Q[i], V[i], A[i]));
     let second = phi!(Dual2::new(T, 1.0, 0.0), second);
     for i in 0..N {
@@ -141,9 +130,9 @@ fn value_gradient_and_time_jets_are_those_of_num_dual() {
         for j in 0..D {
             close("B", tangent.B[(i, j)], B[j]);
         }
-        close("v", taylor[i].v, second[i].re);
-        close("d", taylor[i].d, second[i].v1);
-        close("dd", taylor[i].dd, second[i].v2);
+        close("v", moving[i].x[0], second[i].re);
+        close("d", moving[i].x[1], second[i].v1);
+        close("dd", moving[i].x[2], second[i].v2);
     }
 }
 
@@ -172,20 +161,28 @@ fn moving_values_are_nested_jets() {
     let rates: [[f64; 3]; 7] =
         std::array::from_fn(|i| [W[i], (i as f64).sin() + 0.2, 0.7 - 0.3 * i as f64]);
     let moving = SVector::from_fn(|i, _| Moving::<7>::variable(rates[i], i));
-    let nested = SVector::from_fn(|i, _| Taylor {
-        v: Grad::<f64, 7>::variable(rates[i][0], i),
-        d: Grad::constant(rates[i][1]),
-        dd: Grad::constant(rates[i][2]),
-    });
-    let time = Taylor {
-        v: Grad::constant(T),
-        d: Grad::one(),
-        dd: Grad::zero(),
+    // Along time, twice.
+    type Rate<S> = Grad<S, 1>;
+    let along = |x: Grad<f64, 7>, v: f64, a: f64| Rate {
+        v: Rate {
+            v: x,
+            g: [Grad::constant(v)],
+        },
+        g: [Rate {
+            v: Grad::constant(v),
+            g: [Grad::constant(a)],
+        }],
     };
+    let nested = SVector::from_fn(|i, _| {
+        let [x, v, a] = rates[i];
+        along(Grad::variable(x, i), v, a)
+    });
+    let time = along(Grad::constant(T), 1.0, 0.0);
     let found = Structured.phi(Moving::given([T, 1.0, 0.0]), &moving);
     let expected = Structured.phi(time, &nested);
     for (found, expected) in found.iter().zip(&expected) {
-        for (k, expected) in [expected.v, expected.d, expected.dd].iter().enumerate() {
+        let all = [expected.v.v, expected.g[0].v, expected.g[0].g[0]];
+        for (k, expected) in all.iter().enumerate() {
             close("x", found.x[k], expected.v);
             for j in 0..7 {
                 close("g", found.g[k][j], expected.g[j]);
@@ -328,18 +325,14 @@ fn angles_and_powers_at_their_special_points() {
         close("d atan2/dx", found.g[1], -0.5 * s);
     }
     // Powers at zero: no 0·∞ from derivatives that vanish.
-    let zero = Taylor {
-        v: 0.0,
-        d: 1.0,
-        dd: 0.0,
-    };
+    let zero = Moving::<0>::given([0.0, 1.0, 0.0]);
     for (n, expected) in [
         (0, [1.0, 0.0, 0.0]),
         (1, [0.0, 1.0, 0.0]),
         (2, [0.0, 0.0, 2.0]),
     ] {
         let p = zero.powi(n);
-        assert_eq!([p.v, p.d, p.dd], expected, "x^{n}");
+        assert_eq!(p.x, expected, "x^{n}");
     }
 }
 
@@ -378,16 +371,10 @@ impl Map<2, 14> for Inside {
 fn a_map_may_differentiate_once_inside() {
     check::map(&Inside).assert();
     // Against the derivatives by hand, of the fourth order.
-    let x = Taylor {
-        v: Taylor {
-            v: 0.6,
-            d: 1.0,
-            dd: 0.0,
-        },
-        d: Taylor::constant(1.0),
-        dd: Taylor::constant(0.0),
-    };
-    let fourth = |x: Taylor<Taylor<f64>>| x.dd.dd;
+    type G<S> = Grad<S, 1>;
+    let three = G::variable(G::variable(G::<f64>::variable(0.6, 0), 0), 0);
+    let x = G::variable(three, 0);
+    let fourth = |x: G<G<G<G<f64>>>>| x.g[0].g[0].g[0].g[0];
     close("1/x", fourth(x.recip()), 24.0 * 0.6_f64.powi(-5));
     close("sqrt x", fourth(x.sqrt()), -0.9375 * 0.6_f64.powf(-3.5));
     close("sin x", fourth(x.sin()), 0.6_f64.sin());

@@ -3,9 +3,9 @@
 #![allow(non_snake_case)]
 
 use crate::support::Offset;
-use nalgebra::{Matrix3, SVector, Vector3, Vector6};
+use nalgebra::{SVector, Vector3, Vector6};
 use pullback_conformance::{self as check, Random};
-use pullback_manifold::jet::Taylor;
+use pullback_manifold::jet::Moving;
 use pullback_manifold::map::pose::orientation;
 use pullback_manifold::map::{
     KinematicsMut, Map, MapGraph, Parametrization, Read, ToChart, ToPose, derived,
@@ -89,14 +89,9 @@ fn a_pose_moves_with_its_chart() {
     let mut random = Random::default();
     for angle in ANGLES {
         let [q, v, a] = motion(&mut random, angle);
-        let psi = Vector3::from_fn(|i, _| Taylor {
-            v: q[3 + i],
-            d: v[3 + i],
-            dd: a[3 + i],
-        });
+        let psi = Vector3::from_fn(|i, _| Moving::<0>::given([q[3 + i], v[3 + i], a[3 + i]]));
         let R = so3::rotation(&psi);
-        let at = |number: fn(&Taylor<f64>) -> f64| Matrix3::from_fn(|i, j| number(&R[(i, j)]));
-        let [R, R_dot, R_ddot] = [at(|r| r.v), at(|r| r.d), at(|r| r.dd)];
+        let [R, R_dot, R_ddot] = [0, 1, 2].map(|k| R.map(|r| r.x[k]));
         let [x, x_dot, x_ddot, ..] = kinematics(&mut ToPose, &[q, v, a]);
         near(
             orientation(&x).rotation().as_slice(),

@@ -4,7 +4,7 @@
 #![allow(non_snake_case)]
 
 use nalgebra::{Matrix3, Vector3};
-use pullback_manifold::jet::{Grad, Hess, Taylor};
+use pullback_manifold::jet::{Grad, Hess, Moving};
 use pullback_manifold::quotients::{InverseQuotients, Quotients};
 use pullback_manifold::so3::*;
 use std::f64::consts::{PI, TAU};
@@ -342,24 +342,21 @@ fn tensors_are_exact_derivatives() {
         let hessian = M3::from_fn(|i, j| energy.xx[i.max(j)][i.min(j)]);
         close("C₃", &C3(&V, &W, &Psi, &c), &hessian, 1e-13);
         // Ṫ and T̈ along Ψ + Ψ̇ t + Ψ̈ t²/2, and ṪΨ̇ as a function of Ψ̇ (C₄) and of Ψ (C₅).
-        let t = Vector3::from_fn(|i, _| Taylor {
-            v: Psi[i],
-            d: V[i],
-            dd: W[i],
-        });
-        close("Ṫ", &T_dot(&V, &Psi, &c), &tangent(&t).map(|y| y.d), 1e-13);
+        let t = Vector3::from_fn(|i, _| Moving::<0>::given([Psi[i], V[i], W[i]]));
+        close(
+            "Ṫ",
+            &T_dot(&V, &Psi, &c),
+            &tangent(&t).map(|y| y.x[1]),
+            1e-13,
+        );
         let T_ddot = T_ddot(&V, &W, &Psi, &c);
-        close("T̈", &T_ddot, &tangent(&t).map(|y| y.dd), 1e-13);
+        close("T̈", &T_ddot, &tangent(&t).map(|y| y.x[2]), 1e-13);
         let spin_rate = |Psi: Vector3<Grad<f64, 3>>, Psi_dot: Vector3<Grad<f64, 3>>| {
-            let motion = Vector3::from_fn(|i, _| Taylor {
+            let motion = Vector3::from_fn(|i, _| Grad {
                 v: Psi[i],
-                d: Psi_dot[i],
-                dd: Grad {
-                    v: 0.0,
-                    g: [0.0; 3],
-                },
+                g: [Psi_dot[i]],
             });
-            tangent(&motion).map(|y| y.d) * Psi_dot
+            tangent(&motion).map(|y| y.g[0]) * Psi_dot
         };
         let y = gradient(&spin_rate(constant(&Psi), seeded(&V)));
         close_to_unit("C₄", &C4(&V, &Psi, &c), &y, 1e-13);
@@ -376,13 +373,9 @@ fn spin_is_the_rate_of_rotation() {
     let mut random = Random(118);
     for Psi in rotation_vectors() {
         let (V, W) = (random.vector(), random.vector());
-        let t = Vector3::from_fn(|i, _| Taylor {
-            v: Psi[i],
-            d: V[i],
-            dd: W[i],
-        });
+        let t = Vector3::from_fn(|i, _| Moving::<0>::given([Psi[i], V[i], W[i]]));
         let R = rotation(&t);
-        let (R0, R1, R2) = (R.map(|y| y.v), R.map(|y| y.d), R.map(|y| y.dd));
+        let [R0, R1, R2] = [0, 1, 2].map(|k| R.map(|y| y.x[k]));
         // Ω~ = Rᵀ Ṙ, and A~ = d/dt (Rᵀ Ṙ) = Ṙᵀ Ṙ + Rᵀ R̈.
         let Omega = tangent(&Psi) * V;
         close("Ω", &skew(&Omega), &(R0.transpose() * R1), 1e-14);
@@ -421,25 +414,11 @@ fn complement_and_logarithm_have_exact_derivatives() {
             continue;
         }
         close("B_s", &B_s(&Psi), &gradient(&complement(&x)), 1e-14);
-        let t = Vector3::from_fn(|i, _| Taylor {
-            v: Grad::variable(Psi[i], i),
-            d: Grad {
-                v: V[i],
-                g: [0.0; 3],
-            },
-            dd: Grad {
-                v: W[i],
-                g: [0.0; 3],
-            },
-        });
+        let t = Vector3::from_fn(|i, _| Moving::<3>::variable([Psi[i], V[i], W[i]], i));
         let y = complement(&t);
-        close("Ḃ_s", &B_s_dot(&V, &Psi), &gradient(&y.map(|y| y.d)), 1e-13);
-        close(
-            "B̈_s",
-            &B_s_ddot(&W, &V, &Psi),
-            &gradient(&y.map(|y| y.dd)),
-            1e-13,
-        );
+        let rates = |k: usize| M3::from_fn(|i, j| y[i].g[k][j]);
+        close("Ḃ_s", &B_s_dot(&V, &Psi), &rates(1), 1e-13);
+        close("B̈_s", &B_s_ddot(&W, &V, &Psi), &rates(2), 1e-13);
         let h = complement(&Vector3::from_fn(|i, _| Hess::<3>::coordinate(Psi[i], i)));
         let fy = constant(&V).dot(&h);
         let hessian = M3::from_fn(|i, j| fy.xx[i.max(j)][i.min(j)]);

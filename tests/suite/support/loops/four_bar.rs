@@ -5,7 +5,7 @@
 use super::{G, one_freedom};
 use crate::support::dynamics::*;
 use nalgebra::Vector2;
-use pullback::manifold::jet::Taylor;
+use pullback::manifold::jet::Moving;
 use pullback::manifold::scalar::Scalar;
 
 /// Crank, coupler, rocker: where the crank points along the base the others are nearly parallel, so
@@ -31,12 +31,8 @@ pub const CRANK_START: f64 = 1.2;
 pub const CRANK_RATE: f64 = 6.0;
 
 /// Angles of all bars by that of the crank, with their derivatives by it.
-fn by_crank(angle: f64) -> [Taylor<f64>; 3] {
-    let angle = Taylor {
-        v: angle,
-        d: 1.0,
-        dd: 0.0,
-    };
+fn by_crank(angle: f64) -> [Moving<0>; 3] {
+    let angle = Moving::<0>::given([angle, 1.0, 0.0]);
     let [coupler, rocker] = closed_form(angle);
     [angle, coupler, rocker]
 }
@@ -44,11 +40,7 @@ fn by_crank(angle: f64) -> [Taylor<f64>; 3] {
 /// Angular acceleration of the crank.
 pub fn crank_acceleration(angle: f64, rate: f64) -> f64 {
     let [angle, coupler, rocker] = by_crank(angle);
-    let by = |x: Taylor<f64>| Taylor {
-        v: x.d,
-        d: x.dd,
-        dd: 0.0,
-    };
+    let by = |x: Moving<0>| Moving::<0>::given([x.x[1], x.x[2], 0.0]);
     let (k2, k3) = (by(coupler), by(rocker));
     let ([a, b, c], [m1, m2, m3]) = (BARS, MASSES);
     let between = (angle - coupler).cos();
@@ -67,11 +59,11 @@ pub fn four_bar_exact(to: f64) -> Vec<f64> {
     let z = integrate_ode(&ode, Vector2::new(CRANK_START, CRANK_RATE), to, 40_000);
     assert!((z[0] - CRANK_START).abs() > std::f64::consts::TAU, "{z}");
     let [angle, coupler, rocker] = by_crank(z[0]);
-    let rate = |x: Taylor<f64>| x.d * z[1];
+    let rate = |x: Moving<0>| x.x[1] * z[1];
     vec![
         z[0],
-        coupler.v,
-        rocker.v,
+        coupler.x[0],
+        rocker.x[0],
         rate(angle),
         rate(coupler),
         rate(rocker),
@@ -83,8 +75,10 @@ pub fn four_bar_exact(to: f64) -> Vec<f64> {
 pub fn pin_force(angle: f64, rate: f64) -> Vector2<f64> {
     let q_ddot = crank_acceleration(angle, rate);
     // Angle, its rate and acceleration of each bar.
-    let [crank, coupler, rocker] =
-        by_crank(angle).map(|x| [x.v, x.d * rate, x.dd * rate * rate + x.d * q_ddot]);
+    let [crank, coupler, rocker] = by_crank(angle).map(|x| {
+        let [x, d, dd] = x.x;
+        [x, d * rate, dd * rate * rate + d * q_ddot]
+    });
     let along = |x: [f64; 3], l: f64| Vector2::new(x[0].cos(), x[0].sin()) * l;
     let acceleration = |x: [f64; 3], l: f64| {
         let r = along(x, l);

@@ -12,7 +12,7 @@ use pullback::elements::joint::Revolute;
 use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId};
 use pullback::elements::time::Constant;
 use pullback::integrators::dynamics::{Progress, Scheme};
-use pullback::manifold::jet::Taylor;
+use pullback::manifold::jet::Moving;
 use pullback::manifold::map::{Linear, Map};
 use pullback::manifold::system::{Quantity, System};
 
@@ -118,6 +118,6 @@ pub fn gap(found: &[f64], exact: &[f64]) -> f64 {
 }
 
 /// Accelerations of one coordinate: M θ̈ + ½ M′ θ̇² + V′ = 0.
-pub fn one_freedom(M: Taylor<f64>, V: Taylor<f64>, rate: f64) -> f64 {
-    -(0.5 * M.d * rate * rate + V.d) / M.v
+pub fn one_freedom(M: Moving<0>, V: Moving<0>, rate: f64) -> f64 {
+    -(0.5 * M.x[1] * rate * rate + V.x[1]) / M.x[0]
 }
