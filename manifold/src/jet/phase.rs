@@ -17,12 +17,12 @@ use crate::scalar::{MAX_ORDER, Scalar};
 /// the last bit with and without it.
 ///
 /// Most values depend on a few variables only (the rotation of one frame), so variables are grouped
-/// two by two, and pairs on which a value does not depend are left at zero.
+/// in twos or threes, and groups on which a value does not depend are left at zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Phase<S, const X: usize, const V: usize, const HX: usize, const HV: usize> {
     /// Value.
     pub value: S,
-    /// Which pairs of x and of v the value depends on, one bit each.
+    /// Which groups of x and of v the value depends on, one bit each.
     depends: [u32; 2],
     /// Whether it is not affine, so that `xx`, `vx`, `vv` may differ from zero.
     nonlinear: bool,
@@ -30,7 +30,7 @@ pub struct Phase<S, const X: usize, const V: usize, const HX: usize, const HV: u
     pub x: [S; X],
     /// Gradient in v.
     pub v: [S; V],
-    /// Hessian in x; entries `xx[i][j]` of pairs with j above i are not kept up to date.
+    /// Hessian in x; entries `xx[i][j]` of groups with j above i are not kept up to date.
     pub xx: [[f64; HX]; HX],
     /// Mixed Hessian ∂²/∂vᵢ∂xⱼ.
     pub vx: [[S; HX]; HV],
@@ -38,12 +38,14 @@ pub struct Phase<S, const X: usize, const V: usize, const HX: usize, const HV: u
     pub vv: [[S; HV]; HV],
 }
 
-/// Variables that one bit stands for.
-const GROUP: usize = 2;
+/// Number of variables, of n, that one bit stands for: vectors of space have three.
+const fn group(n: usize) -> usize {
+    if n.is_multiple_of(3) { 3 } else { 2 }
+}
 
 /// Number of groups of n variables, the last of which may be smaller.
 const fn groups(n: usize) -> usize {
-    n.div_ceil(GROUP)
+    n.div_ceil(group(n))
 }
 
 /// Whether a group is marked.
@@ -54,11 +56,14 @@ fn has(marks: u32, group: usize) -> bool {
 
 /// Runs over the variables of a group.
 #[inline(always)]
-fn members<const N: usize>(group: usize, mut f: impl FnMut(usize)) {
-    let i = GROUP * group;
-    if i + GROUP <= N {
+fn members<const N: usize>(k: usize, mut f: impl FnMut(usize)) {
+    let (size, i) = (group(N), group(N) * k);
+    if i + size <= N {
         f(i);
         f(i + 1);
+        if size == 3 {
+            f(i + 2);
+        }
     } else {
         (i..N).for_each(f);
     }
@@ -123,7 +128,7 @@ impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize
                 HX == X && HV == V || HX == 0 && HV == 0,
                 "all of the Hessian or none"
             );
-            assert!(X <= 64 && V <= 64, "one bit marks two variables");
+            assert!(groups(X) <= 32 && groups(V) <= 32, "one bit marks a group");
         }
         Self {
             value,
@@ -142,7 +147,7 @@ impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize
     pub fn coordinate(value: S, i: usize) -> Self {
         let mut out = Self::given(value);
         out.x[i] = S::one();
-        out.depends[0] = 1 << (i / GROUP);
+        out.depends[0] = 1 << (i / group(X));
         out
     }
 
@@ -151,7 +156,7 @@ impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize
     pub fn velocity(value: S, i: usize) -> Self {
         let mut out = Self::given(value);
         out.v[i] = S::one();
-        out.depends[1] = 1 << (i / GROUP);
+        out.depends[1] = 1 << (i / group(V));
         out
     }
 
