@@ -4,7 +4,7 @@
 
 use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, Vector3};
 use pullback_elements::beam::{BeamError, Damping, Section, oriented};
-use pullback_elements::energy::{EnergyElement, EnergySample, Sampled, Sum, inside_chart, rate};
+use pullback_elements::energy::{ByEnergy, EnergyElement, EnergySample, inside_chart, rate};
 use pullback_elements::inertia::Inertia;
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::quotients::TangentQuotients;
@@ -144,21 +144,18 @@ impl EnergyElement<6> for FrameInertia {
     }
 }
 
-/// A two-node beam by its energies, with one integration point for strains and two for inertia.
-pub type StrainBeam<M> = Sum<Sampled<SectionEnergy<M>, 9, 12>, Sampled<FrameInertia, 6, 12>>;
-
 /// A two-node beam between reference `positions` (global components, L) with the section's axes in
 /// the columns of `R0`, the first of which is rotated to the beam's direction; coordinates (d₁, Ψ₁,
-/// d₂, Ψ₂), interpolated linearly.
+/// d₂, Ψ₂), interpolated linearly. It has one integration point for strains and two for inertia.
 ///
 /// # Errors
 /// [`BeamError`] for coinciding nodes and an impossible orientation.
-pub fn strain_beam<M: StrainMeasure + Copy>(
+pub fn strain_beam<M: StrainMeasure + Copy + 'static>(
     measure: M,
     positions: &[Vector3<f64>; 2],
     R0: &Matrix3<f64>,
     section: &Section,
-) -> Result<StrainBeam<M>, BeamError> {
+) -> Result<ByEnergy<12>, BeamError> {
     let along = positions[1] - positions[0];
     let length = along.norm();
     let size = positions[0].amax().max(positions[1].amax());
@@ -201,7 +198,7 @@ pub fn strain_beam<M: StrainMeasure + Copy>(
         EnergySample::new(inertia, 0.5 * length, SVector::zeros(), &A)
     });
     let massive = massive.into_iter().filter(|_| !section.inertia.is_zero());
-    Ok(Sum(Sampled::new([strained]), Sampled::new(massive)))
+    Ok(ByEnergy::new([strained].into_iter().chain(massive)))
 }
 
 /// Writes Nᵢ R₀ᵀ for the triple of each node that starts at `first` in its six coordinates.

@@ -16,30 +16,24 @@
 //! so second derivatives, and third ones along one direction, are sufficient:
 //! [`Phase`](pullback_manifold::jet::Phase).
 //!
-//! - [`EnergyElement`] is the trait to implement, [`ByEnergy`] the resulting [`Element`];
-//! - [`Sampled`] adds energies at integration points in interpolated variables, like a finite
-//!   element, and much faster than in the coordinates themselves;
-//! - [`Sum`] adds two elements on the same nodes.
+//! - [`EnergyElement`] is the trait to implement, [`ByEnergy`] the resulting
+//!   [`Element`](crate::element::Element);
+//! - with [`EnergySample`] it is a sum of energies at integration points in interpolated variables, like a
+//!   finite element, and much faster than in the coordinates themselves.
 
 #![allow(non_snake_case)]
 
+mod by_energy;
 mod field;
 mod local;
-mod sampled;
 mod spring;
-mod sum;
 
+pub use by_energy::{ByEnergy, EnergySample};
 pub use field::Gravity;
-pub use sampled::{EnergySample, Sampled};
 pub use spring::PolynomialSpring;
-pub use sum::Sum;
 
-use crate::element::{
-    Abilities, Combined, CombinedTangents, EDGE, Element, ElementEnergies, Motion, Properties,
-    Response,
-};
-use local::Local;
-use nalgebra::{SVector, Vector3};
+use crate::element::{EDGE, Properties};
+use nalgebra::{SMatrix, SVector, Vector3};
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::jet::Grad;
 use pullback_manifold::scalar::Scalar;
@@ -108,17 +102,18 @@ pub trait EnergyElement<const N: usize>: Send + Sync {
         Ok(())
     }
 
-    /// See [`Element::properties`].
+    /// See [`Element::properties`](crate::element::Element::properties).
     fn properties(&self) -> Properties {
         Properties::INTERNAL
     }
 
     /// This element.
-    fn into_element(self) -> ByEnergy<Self, N>
+    fn into_element(self) -> ByEnergy<N>
     where
-        Self: Sized,
+        Self: Sized + 'static,
     {
-        ByEnergy(self)
+        let all = SMatrix::identity();
+        ByEnergy::new([EnergySample::new(self, 1.0, SVector::zeros(), &all)])
     }
 }
 
@@ -144,82 +139,5 @@ pub fn inside_chart(Psi: &Vector3<f64>) -> Result<(), DomainError> {
         Ok(())
     } else {
         Err(DomainError::chart(psi))
-    }
-}
-
-/// The element defined by energies.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ByEnergy<E, const N: usize>(pub E);
-
-/// The entries of a slice; zeros if it is empty (in statics).
-fn vector<const N: usize>(from: &[f64]) -> SVector<f64, N> {
-    SVector::from_fn(|i, _| from.get(i).copied().unwrap_or(0.0))
-}
-
-impl<E: EnergyElement<N>, const N: usize> Element for ByEnergy<E, N> {
-    fn dim(&self) -> usize {
-        N
-    }
-
-    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
-        let (r, mut tangents) = out.parts();
-        self.add(at, r, &mut tangents)?;
-        if let Some(r_t) = out.r_t.as_deref_mut() {
-            let rates = local::load_rate(&self.0, at.t, &vector(at.x));
-            for (r_t, rate) in r_t.iter_mut().zip(&rates) {
-                *r_t += rate;
-            }
-        }
-        Ok(())
-    }
-
-    fn abilities(&self) -> Abilities<'_> {
-        Abilities {
-            combined: Some(self),
-            energies: Some(self),
-            enforced: None,
-            sections: None,
-        }
-    }
-
-    fn properties(&self) -> Properties {
-        self.0.properties()
-    }
-}
-
-impl<E: EnergyElement<N>, const N: usize> ElementEnergies for ByEnergy<E, N> {
-    fn energy(&self, at: &Motion<'_>) -> f64 {
-        self.0.potential(at.t, &vector(at.x))
-    }
-
-    fn dissipation(&self, at: &Motion<'_>) -> f64 {
-        if at.v.is_empty() || !E::DISSIPATION {
-            return 0.0;
-        }
-        local::power(&self.0, &vector(at.x), &vector(at.v))
-    }
-}
-
-impl<E: EnergyElement<N>, const N: usize> Combined for ByEnergy<E, N> {
-    fn add(
-        &self,
-        at: &Motion<'_>,
-        r: &mut [f64],
-        tangents: &mut CombinedTangents<'_>,
-    ) -> Result<(), DomainError> {
-        let x = vector::<N>(at.x);
-        self.0.domain(&x)?;
-        let moving = (!at.v.is_empty()).then(|| (vector::<N>(at.v), vector::<N>(at.a)));
-        let wanted = tangents.iter().any(Option::is_some);
-        let local = Local::new(&self.0, at.t, &x, moving.as_ref(), wanted);
-        for (r, l) in r.iter_mut().zip(&local.r) {
-            *r += l;
-        }
-        for (weights, out) in tangents.iter_mut().flatten() {
-            for (out, l) in out.iter_mut().zip(local.tangent(*weights).iter()) {
-                *out += l;
-            }
-        }
-        Ok(())
     }
 }

@@ -6,13 +6,10 @@ use crate::support::{self, response};
 use nalgebra::{DVector, Matrix3, Matrix6, SVector, Vector3, Vector6};
 use pullback_conformance as check;
 use pullback_conformance::Random;
-use pullback_elements::constraint::{Penalty, PenaltyStiffness};
 use pullback_elements::element::{Abilities, Element, ElementEnergies, Motion, Response};
-use pullback_elements::energy::Sum;
 use pullback_elements::spring::{AxialSpring, Bushing, CoordinateLaw, CoordinateSpring};
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::jet::Moving;
-use pullback_manifold::map::Linear;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;
 use std::f64::consts::PI;
@@ -77,27 +74,6 @@ fn springs_obey_the_laws_of_elements() {
         x0: 0.3,
     };
     check::element(&CoordinateSpring::new(law).unwrap()).assert();
-}
-
-#[test]
-fn a_sum_enforces_the_equations_of_one_of_its_elements() {
-    let law = CoordinateLaw {
-        k: 3.0,
-        ..CoordinateLaw::default()
-    };
-    let spring = CoordinateSpring::new(law).unwrap();
-    let stiffness = PenaltyStiffness { p: 2.0, tau: 0.1 };
-    let held = Penalty::<_, 1, 1>::new(Linear::<1, 1>::ratio(1.0, -0.3), stiffness).unwrap();
-    for sum in [&Sum(held, spring) as &dyn Element, &Sum(spring, held)] {
-        let mut h = [0.0];
-        let enforced = sum.abilities().enforced.unwrap();
-        enforced.residual(&moving(&[0.8], &[]), &mut h);
-        assert!((h[0] - 0.5).abs() < 1e-15);
-    }
-    check::element(&Sum(held, spring)).assert();
-    // The equations of one of them would be lost.
-    let refused = residual(&Sum(held, held), &[0.8], &[]);
-    assert!(refused.unwrap_err().to_string().contains("one by one"));
 }
 
 /// Says that it dissipates what it does not.
