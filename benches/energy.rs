@@ -11,7 +11,7 @@
 use nalgebra::{Matrix3, Matrix6};
 use pullback::elements::beam::Beam;
 use pullback::elements::element::{Element, Motion, Response};
-use pullback::elements::energy::{EnergyElement, Gravity, PolynomialSpring};
+use pullback::elements::energy::EnergyElement;
 use pullback::elements::spring::{AxialSpring, Bushing};
 use pullback::manifold::system::Weights;
 use pullback::prelude::*;
@@ -23,10 +23,16 @@ mod race;
 
 #[path = "../examples/elements/elastic_joint.rs"]
 mod elastic_joint;
+#[path = "../examples/elements/gravity.rs"]
+mod gravity;
+#[path = "../examples/elements/polynomial_spring.rs"]
+mod polynomial_spring;
 #[path = "../examples/elements/strain_beam.rs"]
 #[allow(dead_code, reason = "one of its two measures is timed")]
 mod strain_beam;
 use elastic_joint::ElasticJoint;
+use gravity::Gravity;
+use polynomial_spring::PolynomialSpring;
 use race::race;
 use strain_beam::{FrameInertia, Reissner, strain_beam};
 

@@ -64,13 +64,6 @@ pub(crate) fn overturned(psi: f64) -> DomainError {
     DomainError::Beyond { limit, margin }
 }
 
-/// The two ends of a spring coincide.
-pub(crate) fn coincident(length: f64) -> DomainError {
-    DomainError::Undefined(format!(
-        "its ends coincide (length {length:.3e}): its force has no direction"
-    ))
-}
-
 /// Matrices of tangents, each with the weights of K, C and M in it.
 pub type CombinedTangents<'a> = [Option<(Weights, &'a mut [f64])>; 3];
 

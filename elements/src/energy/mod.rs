@@ -24,13 +24,9 @@
 #![allow(non_snake_case)]
 
 mod by_energy;
-mod field;
 mod local;
-mod spring;
 
 pub use by_energy::{ByEnergy, EnergySample};
-pub use field::Gravity;
-pub use spring::PolynomialSpring;
 
 use crate::element::{EDGE, Properties};
 use nalgebra::{SMatrix, SVector, Vector3};

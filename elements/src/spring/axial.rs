@@ -4,9 +4,7 @@
 
 use super::{SpringError, finite, not_negative};
 use crate::blocks::{add_block, three};
-use crate::element::{
-    Abilities, Element, ElementEnergies, Motion, Properties, Response, coincident,
-};
+use crate::element::{Abilities, Element, ElementEnergies, Motion, Properties, Response};
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::domain::DomainError;
 
@@ -111,7 +109,9 @@ impl AxialSpring {
         let (u, l, elongation) = self.between(at.x);
         // At smaller lengths the direction is only round-off.
         if l <= 1e-12 * self.U.norm() {
-            return Err(coincident(l));
+            return Err(DomainError::Undefined(format!(
+                "its ends coincide (length {l:.3e}): its force has no direction"
+            )));
         }
         let e = u / l;
         let u_dot = if at.v.is_empty() {

@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use nalgebra::Matrix3;
-use pullback::elements::energy::{EnergyElement, Gravity};
+use pullback::elements::energy::EnergyElement;
 use pullback::elements::model::NodeState;
 use pullback::integrators::dynamics::{Progress, integrate};
 use pullback::integrators::statics::solve_statics;
@@ -11,8 +11,11 @@ use pullback::prelude::*;
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
+#[path = "../../../examples/elements/gravity.rs"]
+mod gravity;
 #[path = "../../../examples/elements/strain_beam.rs"]
 mod strain_beam;
+use gravity::Gravity;
 use strain_beam::{GreenLagrange, Reissner, StrainMeasure, strain_beam};
 
 const LENGTH: f64 = 2.0;

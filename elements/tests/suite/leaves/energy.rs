@@ -3,6 +3,8 @@
 #![allow(non_snake_case)]
 
 use crate::support::elastic_joint::ElasticJoint;
+use crate::support::gravity::Gravity;
+use crate::support::polynomial_spring::PolynomialSpring;
 use crate::support::strain_beam::{FrameInertia, GreenLagrange, Reissner, strain_beam};
 use crate::support::{coupled, moving, response, section};
 use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, Vector3};
@@ -10,7 +12,7 @@ use pullback_conformance as check;
 use pullback_elements::beam::{Beam, BeamError, Damping, Section};
 use pullback_elements::body::RigidBody;
 use pullback_elements::element::{Element, Motion, Properties, Response};
-use pullback_elements::energy::{ByEnergy, EnergyElement, EnergySample, Gravity, PolynomialSpring};
+use pullback_elements::energy::{ByEnergy, EnergyElement, EnergySample};
 use pullback_elements::inertia::Inertia;
 use pullback_elements::load::{LoadKind, NodalLoad};
 use pullback_elements::model::frame_along;

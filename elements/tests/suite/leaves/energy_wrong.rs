@@ -2,12 +2,13 @@
 
 #![allow(non_snake_case)]
 
+use crate::support::polynomial_spring::PolynomialSpring;
 use crate::support::strain_beam::FrameInertia;
 use nalgebra::{Matrix3, SVector, Vector3};
 use pullback_conformance as check;
 use pullback_elements::body::RigidBody;
 use pullback_elements::element::{Abilities, Element, ElementEnergies, Motion, Response};
-use pullback_elements::energy::{EnergyElement, PolynomialSpring};
+use pullback_elements::energy::EnergyElement;
 use pullback_elements::spring::AxialSpring;
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::scalar::Scalar;

@@ -2,13 +2,14 @@
 
 #![allow(non_snake_case)]
 
+use crate::support::polynomial_spring::PolynomialSpring;
 use crate::support::strain_beam::{Reissner, strain_beam};
 use crate::support::{Coupling, Offset, coupled};
 use allocation_counter::measure;
 use nalgebra::{Matrix3, Matrix6, Vector3};
 use pullback_elements::beam::{Damping, Interpolation};
 use pullback_elements::body::RigidBody;
-use pullback_elements::energy::{EnergyElement, PolynomialSpring};
+use pullback_elements::energy::EnergyElement;
 use pullback_elements::joint::Revolute;
 use pullback_elements::load::{LineLoad, LoadKind, NodalLoad};
 use pullback_elements::model::{BeamLine, Context, Dof, ModelBuilder, StraightLine, frame_along};

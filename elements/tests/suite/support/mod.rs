@@ -4,6 +4,10 @@
 
 #[path = "../../../../examples/elements/elastic_joint.rs"]
 pub mod elastic_joint;
+#[path = "../../../../examples/elements/gravity.rs"]
+pub mod gravity;
+#[path = "../../../../examples/elements/polynomial_spring.rs"]
+pub mod polynomial_spring;
 #[path = "../../../../examples/elements/strain_beam.rs"]
 pub mod strain_beam;
 

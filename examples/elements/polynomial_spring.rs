@@ -1,8 +1,7 @@
 //! An axial spring with a polynomial force.
 
-use super::EnergyElement;
-use crate::element::coincident;
 use nalgebra::{SVector, Vector3};
+use pullback_elements::energy::EnergyElement;
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::scalar::Scalar;
 
@@ -61,7 +60,9 @@ impl<const P: usize> EnergyElement<12> for PolynomialSpring<P> {
         if length > 1e-12 * size {
             Ok(())
         } else {
-            Err(coincident(length))
+            Err(DomainError::Undefined(format!(
+                "its ends coincide (length {length:.3e}): its force has no direction"
+            )))
         }
     }
 }

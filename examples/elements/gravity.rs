@@ -1,16 +1,15 @@
 //! Gravity of a point mass.
 
-use super::EnergyElement;
-use crate::element::Properties;
-use crate::element::coincident;
 use nalgebra::{SVector, Vector3};
+use pullback_elements::element::Properties;
+use pullback_elements::energy::EnergyElement;
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::scalar::Scalar;
 
 /// Newton's gravity of a fixed centre on a mass at a frame node; dim 6.
 ///
 /// Potential −μ m/‖x − c‖. Only the attraction: the mass itself is a
-/// [`PointMass`](crate::body::PointMass) at the same node. A uniform field is the weight of a body.
+/// `PointMass` at the same node. A uniform field is the weight of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gravity {
     /// The node's position in the reference configuration, global components, L.
@@ -38,7 +37,7 @@ impl EnergyElement<6> for Gravity {
         if length > 0.0 {
             Ok(())
         } else {
-            Err(coincident(length))
+            Err(DomainError::Undefined("it is at the centre".to_owned()))
         }
     }
 
