@@ -123,27 +123,13 @@ pub fn T_dot_psi_dot(Psi_dot: &Vector3<f64>, Psi: &Vector3<f64>, c: &Quotients) 
 /// C₄(Ψ̇,Ψ) = D_Ψ̇(Ṫ Ψ̇), Ψ fixed; \[M04\] (63).
 #[must_use]
 pub fn C4(Psi_dot: &Vector3<f64>, Psi: &Vector3<f64>, c: &Quotients) -> Matrix3<f64> {
-    let d = Psi.dot(Psi_dot);
-    let c15 = c.c1 + c.c5;
-    let left = Psi_dot * c15 - Psi.cross(Psi_dot) * c.c2;
-    isotropic(c15 * d, -c.c2 * d, 2.0 * c.c3 * d, Psi)
-        + outer(&left, Psi)
-        + outer(&(Psi * (2.0 * c.c5)), Psi_dot)
+    A_varied([0.0, 1.0, 0.0], Psi_dot, &Vector3::zeros(), Psi, c)
 }
 
 /// C₅(Ψ̇,Ψ) = D_Ψ(Ṫ Ψ̇), Ψ̇ fixed; \[M04\] (63).
 #[must_use]
 pub fn C5(Psi_dot: &Vector3<f64>, Psi: &Vector3<f64>, c: &Quotients) -> Matrix3<f64> {
-    let d = Psi.dot(Psi_dot);
-    let n = Psi_dot.dot(Psi_dot);
-    let turned = Psi.cross(Psi_dot);
-    // Collected by right factor: …⊗Ψ̇, …⊗Ψ, I and Ψ̇~.
-    let on_psi_dot = Psi_dot * (c.c1 + c.c5) - turned * c.c2 + Psi * (2.0 * c.c3 * d);
-    let on_psi =
-        Psi_dot * (d * (c.dc1 + c.c3)) - turned * (d * c.dc2) + Psi * (c.dc3 * d * d + c.c3 * n);
-    outer(&on_psi_dot, Psi_dot)
-        + outer(&on_psi, Psi)
-        + turning(c.c3 * d * d + c.c5 * n, &(Psi_dot * (c.c2 * d)))
+    A_varied([1.0, 0.0, 0.0], Psi_dot, &Vector3::zeros(), Psi, c)
 }
 
 /// The weighted sum K D_Ψ A + C D_Ψ̇ A + M D_Ψ̈ A of the derivatives of A = T Ψ̈ + Ṫ Ψ̇, that is
