@@ -163,17 +163,13 @@ pub fn run_job(
     }
     let mut each =
         |context: &mut Context, step: &Advance<'_>| record(&mut recorder, context, &plan, step);
-    let (ended, unevaluated) =
+    let (ended, mut ending) =
         solve_recorded(&mut context, &plan, &mut progress, &mut each, observer)?;
     if matches!(plan, Plan::Dynamic(_)) {
         recorder.checkpoint(&context, &progress)?;
     }
     let rows = &recorder.recording.rows;
     let (rows, t) = (rows.len(), rows.last().map_or(plan.start(), |row| row.t));
-    let mut ending = match unevaluated {
-        Some(message) => Ending::Failed { message },
-        None => ending(&ended, t),
-    };
     let mut found = None;
     if let (Some(wanted), Ending::Complete) = (eigenvalues, &ending) {
         (found, ending) = find(&mut context, &progress, wanted, observer);
@@ -197,27 +193,35 @@ pub fn run_job(
     })
 }
 
-/// Solves, and records every step; with the message of a converged state that cannot be evaluated, if any.
+/// Solves, and records every step. A converged state that cannot be evaluated is a failure.
 fn solve_recorded(
     context: &mut Context,
     plan: &Plan,
     progress: &mut Progress,
     record: &mut dyn FnMut(&mut Context, &Advance<'_>) -> Result<(), RecordError>,
     observer: &mut dyn FnMut(&Advance<'_>) -> ControlFlow<()>,
-) -> Result<(Ended, Option<String>), RecordError> {
+) -> Result<(Ended, Ending), RecordError> {
     let mut unrecorded = None;
+    let mut t = match plan {
+        Plan::Dynamic(_) => progress.state.t,
+        _ => plan.start(),
+    };
     let ended = solve(context, plan, progress, &mut |context, step| {
         if let Err(error) = record(context, step) {
             unrecorded = Some(error);
             return ControlFlow::Break(());
         }
+        t = step.t;
         observer(step)
     });
-    match unrecorded {
-        Some(error @ RecordError::System(_)) => Ok((ended, Some(error.to_string()))),
-        Some(error) => Err(error),
-        None => Ok((ended, None)),
-    }
+    let ending = match unrecorded {
+        None => ending(&ended, t),
+        Some(error @ RecordError::System(_)) => Ending::Failed {
+            message: error.to_string(),
+        },
+        Some(error) => return Err(error),
+    };
+    Ok((ended, ending))
 }
 
 /// Finds modes or critical loads at the end of an analysis; without them, why the run has not ended with them.

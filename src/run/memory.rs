@@ -63,13 +63,8 @@ pub fn record_job(
         }
         Ok(())
     };
-    let (ended, unevaluated) =
+    let (ended, mut ending) =
         solve_recorded(&mut context, &plan, &mut progress, &mut each, observer)?;
-    let t = recording.rows.last().map_or(plan.start(), |row| row.t);
-    let mut ending = match unevaluated {
-        Some(message) => Ending::Failed { message },
-        None => ending(&ended, t),
-    };
     let mut found = None;
     if let (Some(wanted), Ending::Complete) = (eigenvalues, &ending) {
         (found, ending) = find(&mut context, &progress, wanted, observer);

@@ -74,42 +74,7 @@ impl Context {
             return ChartChanges::default();
         }
         let mut changed = self.fold_prescribed_rotations(t);
-        for node in 0..self.model.nodes.len() {
-            let Some(unknowns) = self.free_rotation(node) else {
-                continue;
-            };
-            let take = |from: &[f64]| Vector3::from_fn(|i, _| unknowns[i].map_or(0.0, |u| from[u]));
-            let psi = take(q);
-            if !self.is_beyond(&psi) {
-                continue;
-            }
-            changed += 1;
-            let put = |to: &mut [f64], from: &Vector3<f64>| {
-                for (u, x) in unknowns.iter().zip(from.iter()) {
-                    if let Some(u) = *u {
-                        to[u] = *x;
-                    }
-                }
-            };
-            let velocity = if v.is_empty() {
-                Vector3::zeros()
-            } else {
-                take(v)
-            };
-            let (mut x, mut first) = (psi, velocity);
-            for a in accelerations.iter_mut() {
-                let mut second = take(a);
-                [x, first] = settled(&psi, &velocity, &mut second);
-                put(a, &second);
-            }
-            if accelerations.is_empty() {
-                [x, first] = settled(&psi, &velocity, &mut Vector3::zeros());
-            }
-            put(q, &x);
-            if !v.is_empty() {
-                put(v, &first);
-            }
-        }
+        changed += self.complement_rotations(q, v, accelerations);
         changed += self.reparametrize_coordinates(t, q, v, accelerations);
         self.work.segments_changed = false;
         if let (false, Some(a)) = (v.is_empty(), accelerations.first()) {
@@ -128,6 +93,48 @@ impl Context {
             charts: changed + maps.charts,
             residual: self.follow_element_charts(t) || maps.residual,
         }
+    }
+
+    /// Replaces free rotation vectors with ψ > π by their complements; the number of them.
+    fn complement_rotations(
+        &self,
+        q: &mut [f64],
+        v: &mut [f64],
+        accelerations: &mut [&mut [f64]],
+    ) -> usize {
+        let mut changed = 0;
+        for node in 0..self.model.nodes.len() {
+            let Some(unknowns) = self.free_rotation(node) else {
+                continue;
+            };
+            // Without velocities, in statics, they are zero.
+            let take = |from: &[f64]| {
+                let at = |u: usize| from.get(u).copied();
+                Vector3::from_fn(|i, _| unknowns[i].and_then(at).unwrap_or(0.0))
+            };
+            let put = |to: &mut [f64], from: &Vector3<f64>| {
+                for (u, x) in unknowns.iter().zip(from.iter()) {
+                    if let Some(to) = u.and_then(|u| to.get_mut(u)) {
+                        *to = *x;
+                    }
+                }
+            };
+            let psi = take(q);
+            if !self.is_beyond(&psi) {
+                continue;
+            }
+            changed += 1;
+            let velocity = take(v);
+            for a in accelerations.iter_mut() {
+                let mut second = take(a);
+                settled(&psi, &velocity, &mut second);
+                put(a, &second);
+            }
+            let [x, first] = settled(&psi, &velocity, &mut Vector3::zeros());
+            put(q, &x);
+            put(v, &first);
+        }
+        changed
     }
 
     /// Lets maps reparametrize their coordinates at the same x, ẋ, ẍ. These are free coordinates of one
