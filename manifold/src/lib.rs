@@ -25,7 +25,7 @@
 #![warn(clippy::unwrap_used)]
 
 pub mod chart;
-pub mod coordinate;
+mod coordinate;
 pub mod domain;
 pub mod implicit;
 pub mod jet;

@@ -58,23 +58,11 @@ struct Interpolated<E, const D: usize, const N: usize> {
 }
 
 /// The same with any number of variables.
-trait Sample<const N: usize>: Send + Sync {
+trait Sample<const N: usize>: Combined + ElementEnergies + Send + Sync {
     fn properties(&self) -> Properties;
-
-    /// Adds residual and tangents.
-    fn add(
-        &self,
-        at: &Motion<'_>,
-        r: &mut [f64],
-        tangents: &mut CombinedTangents<'_>,
-    ) -> Result<(), DomainError>;
 
     /// Adds ∂r/∂t.
     fn add_load_rate(&self, at: &Motion<'_>, r_t: &mut [f64]);
-
-    fn energy(&self, at: &Motion<'_>) -> f64;
-
-    fn dissipation(&self, at: &Motion<'_>) -> f64;
 }
 
 impl<E, const D: usize, const N: usize> Interpolated<E, D, N> {
@@ -125,6 +113,13 @@ impl<E: EnergyElement<D>, const D: usize, const N: usize> Sample<N> for Interpol
         self.energies.properties()
     }
 
+    fn add_load_rate(&self, at: &Motion<'_>, r_t: &mut [f64]) {
+        let rate = local::load_rate(&self.energies, at.t, &self.position(at.x));
+        self.spread(&rate, r_t);
+    }
+}
+
+impl<E: EnergyElement<D>, const D: usize, const N: usize> Combined for Interpolated<E, D, N> {
     fn add(
         &self,
         at: &Motion<'_>,
@@ -143,12 +138,11 @@ impl<E: EnergyElement<D>, const D: usize, const N: usize> Sample<N> for Interpol
         }
         Ok(())
     }
+}
 
-    fn add_load_rate(&self, at: &Motion<'_>, r_t: &mut [f64]) {
-        let rate = local::load_rate(&self.energies, at.t, &self.position(at.x));
-        self.spread(&rate, r_t);
-    }
-
+impl<E: EnergyElement<D>, const D: usize, const N: usize> ElementEnergies
+    for Interpolated<E, D, N>
+{
     fn energy(&self, at: &Motion<'_>) -> f64 {
         self.weight * self.energies.potential(at.t, &self.position(at.x))
     }

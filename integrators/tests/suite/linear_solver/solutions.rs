@@ -8,8 +8,8 @@ use pullback_integrators::linear_solver::{
     AutoSolver, BlockLu, FaerCholesky, FaerLu, LinearError, LinearSolver, MatrixSymmetry,
     SolverKind, null_vector,
 };
-use pullback_manifold::coordinate::CoordinateInfo;
 use pullback_manifold::sparse::BlockPattern;
+use pullback_manifold::system::CoordinateInfo;
 
 #[test]
 fn all_solvers_agree_with_a_dense_factorisation() {
