@@ -10,6 +10,8 @@
 #![allow(non_snake_case)]
 
 use super::ritz::{RitzPair, ritz_pairs};
+use faer::linalg::matmul::matmul;
+use faer::{Accum, ColMut, ColRef, Mat, MatRef, Par};
 use std::collections::VecDeque;
 
 /// Square of the length that a product must keep to count as a new direction, relative to its own.
@@ -23,15 +25,15 @@ const SMALL: f64 = 1e-4;
 /// Most passes: two suffice unless a vector vanishes.
 const PASSES: usize = 3;
 
-/// Rows of the basis that stay in a cache.
-const ROWS: usize = 1024;
-
 /// Writes G w to its second argument.
 pub(super) type Gram<'a> = dyn Fn(&[f64], &mut Vec<f64>) + 'a;
 
 /// An orthonormal basis, and the operator in it.
 pub(super) struct Krylov {
-    basis: Vec<Vec<f64>>,
+    /// One vector after the other.
+    basis: Vec<f64>,
+    /// Length of a vector.
+    dim: usize,
     /// Column j: coefficients of A vⱼ in the basis.
     columns: Vec<Vec<f64>>,
     /// G v of the vectors that wait.
@@ -41,10 +43,11 @@ pub(super) struct Krylov {
 }
 
 impl Krylov {
-    /// An empty basis.
-    pub fn new() -> Self {
+    /// An empty basis of vectors of a length.
+    pub fn new(dim: usize) -> Self {
         Self {
             basis: Vec::new(),
+            dim,
             columns: Vec::new(),
             waiting: VecDeque::new(),
             dropped: false,
@@ -58,27 +61,33 @@ impl Krylov {
 
     /// Whether the basis is invariant: nothing is left to multiply.
     pub fn is_exhausted(&self) -> bool {
-        self.columns.len() == self.basis.len()
+        self.columns.len() == self.basis().ncols()
+    }
+
+    /// The basis, a vector in each column.
+    fn basis(&self) -> MatRef<'_, f64> {
+        let count = self.basis.len() / self.dim.max(1);
+        MatRef::from_column_major_slice(&self.basis, self.dim, count)
     }
 
     /// Adds a start vector; false if the basis contains it.
     pub fn add(&mut self, w: Vec<f64>, gram: &Gram<'_>) -> bool {
-        let before = self.basis.len();
-        let none = vec![0.0; before];
-        self.append(w, Vec::new(), none, gram, INDEPENDENT);
-        self.basis.len() > before
+        let before = self.basis().ncols();
+        let coefficients = self.append(w, Vec::new(), vec![0.0; before], gram, INDEPENDENT);
+        coefficients.len() > before
     }
 
     /// The next vector v to multiply, and G v.
     pub fn next(&self) -> Option<(&[f64], &[f64])> {
-        Some((self.basis.get(self.columns.len())?, self.waiting.front()?))
+        let next = &self.basis[self.columns.len() * self.dim..];
+        Some((next.get(..self.dim)?, self.waiting.front()?))
     }
 
     /// Takes the product of the operator and [`Krylov::next`]; of a symmetric operator, the coefficients of earlier
     /// vectors are known.
     pub fn take(&mut self, mut product: Vec<f64>, gram: &Gram<'_>, symmetric: bool) {
         let j = self.columns.len();
-        let before = self.basis.len();
+        let before = self.basis().ncols();
         let mut known = vec![0.0; before];
         let Gv = self.waiting.pop_front().unwrap_or_default();
         if symmetric {
@@ -86,14 +95,14 @@ impl Krylov {
                 *known = column.get(j).copied().unwrap_or(0.0);
             }
             known[j] = dot(&product, &Gv);
-            for (v, known) in self.basis.iter().zip(&known) {
+            for (v, known) in self.basis.chunks_exact(self.dim).zip(&known) {
                 if *known != 0.0 {
                     add(&mut product, -known, v);
                 }
             }
         }
         let column = self.append(product, Gv, known, gram, NEW);
-        self.dropped |= self.basis.len() == before;
+        self.dropped |= column.len() == before;
         self.columns.push(column);
     }
 
@@ -111,13 +120,14 @@ impl Krylov {
         let mut left = dot(&w, &Gw);
         let whole = left + dot(&coefficients, &coefficients);
         for _ in 0..PASSES {
-            let mut removed = 0.0;
-            for (v, c) in self.basis.iter().zip(&mut coefficients) {
-                let part = dot(v, &Gw);
-                removed += part * part;
+            let basis = self.basis();
+            let parts = basis.transpose() * ColRef::from_slice(&Gw);
+            let w_left = ColMut::from_slice_mut(&mut w);
+            matmul(w_left, Accum::Add, basis, &parts, -1.0, Par::Seq);
+            for (c, part) in coefficients.iter_mut().zip(parts.iter()) {
                 *c += part;
-                add(&mut w, -part, v);
             }
+            let removed = parts.squared_norm_l2();
             if removed <= NOTHING * left {
                 break;
             }
@@ -131,7 +141,7 @@ impl Krylov {
         if left > least * whole {
             let length = left.sqrt();
             w.iter_mut().chain(&mut Gw).for_each(|x| *x /= length);
-            self.basis.push(w);
+            self.basis.extend(w);
             self.waiting.push_back(Gw);
             coefficients.push(length);
         }
@@ -146,7 +156,7 @@ impl Krylov {
     /// A x of the vectors x with these coefficients, without a product; `None` if a part of it was dropped.
     pub fn images(&self, coefficients: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
         let image = |x: &Vec<f64>| {
-            let mut y = vec![0.0; self.basis.len()];
+            let mut y = vec![0.0; self.basis().ncols()];
             for (column, x) in self.columns.iter().zip(x) {
                 add(&mut y, *x, column);
             }
@@ -158,21 +168,15 @@ impl Krylov {
         })
     }
 
-    /// The vectors with these coefficients in the basis, which is read once.
+    /// The vectors with these coefficients in the basis.
     pub fn combine(&self, coefficients: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        let size = self.basis.first().map_or(0, Vec::len);
-        let mut vectors = vec![vec![0.0; size]; coefficients.len()];
-        for from in (0..size).step_by(ROWS) {
-            let rows = from..size.min(from + ROWS);
-            for (x, coefficients) in vectors.iter_mut().zip(coefficients) {
-                for (v, c) in self.basis.iter().zip(coefficients) {
-                    if *c != 0.0 {
-                        add(&mut x[rows.clone()], *c, &v[rows.clone()]);
-                    }
-                }
-            }
-        }
+        let count = self.basis().ncols();
+        let entry = |i: usize, j: usize| coefficients[j].get(i).copied().unwrap_or(0.0);
+        let vectors = self.basis() * Mat::from_fn(count, coefficients.len(), entry);
         vectors
+            .col_iter()
+            .map(|x| x.iter().copied().collect())
+            .collect()
     }
 }
 

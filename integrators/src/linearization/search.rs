@@ -101,7 +101,7 @@ impl<'a> Search<'a> {
             return Ok(self.report(Vec::new(), expected, false));
         }
         let mut shift = self.first_shift()?;
-        let mut krylov = Krylov::new();
+        let mut krylov = Krylov::new(self.weights.len());
         self.start(&mut krylov)?;
         let mut shifts = 0;
         loop {
@@ -112,7 +112,7 @@ impl<'a> Search<'a> {
             {
                 shifts += 1;
                 shift = self.factorise_near(other)?;
-                krylov = Krylov::new();
+                krylov = Krylov::new(self.weights.len());
                 self.start(&mut krylov)?;
                 continue;
             }
