@@ -52,18 +52,13 @@ impl Accelerations {
     }
 
     fn at(&mut self, t: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Box<dyn Error>> {
-        let mass = Weights {
-            K: 0.0,
-            C: 0.0,
-            M: 1.0,
-        };
         let at = Point {
             t,
             q,
             v,
             a: &self.zero,
         };
-        (self.context).evaluate(at, Evaluation::with_tangent(a, mass, &mut self.M))?;
+        (self.context).evaluate(at, Evaluation::with_tangent(a, Weights::MASS, &mut self.M))?;
         self.solver.factorise_and_solve(&self.M, a)?;
         Ok(())
     }

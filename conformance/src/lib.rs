@@ -47,7 +47,7 @@ mod vectors;
 
 pub use block::Block;
 pub use elements::{InCharts, element, joint, same};
-pub use forces::{Forces, TestState, dense, forces, forces_at, states, system};
+pub use forces::{Forces, TestState, forces, forces_at, states, system};
 pub use layout::{CoordinateGroup, Layout};
 pub use maps::{Mapped, chart, implicit, kinematics, map, parametrization, pieces, rewriting};
 pub use models::{ModelOptions, model};

@@ -70,10 +70,9 @@ pub type CombinedTangents<'a> = [Option<(Weights, &'a mut [f64])>; 3];
 impl Response<'_> {
     /// The residual and the requested parts K, C and M of the tangent.
     pub(crate) fn parts(&mut self) -> (&mut [f64], CombinedTangents<'_>) {
-        let one = |K, C, M| Weights { K, C, M };
-        let K = self.K.as_deref_mut().map(|K| (one(1.0, 0.0, 0.0), K));
-        let C = self.C.as_deref_mut().map(|C| (one(0.0, 1.0, 0.0), C));
-        let M = self.M.as_deref_mut().map(|M| (one(0.0, 0.0, 1.0), M));
+        let K = self.K.as_deref_mut().map(|K| (Weights::STATIC, K));
+        let C = self.C.as_deref_mut().map(|C| (Weights::DAMPING, C));
+        let M = self.M.as_deref_mut().map(|M| (Weights::MASS, M));
         (&mut *self.r, [K, C, M])
     }
 }

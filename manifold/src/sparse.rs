@@ -6,6 +6,7 @@
 //! special case in which every block has size one.
 
 use crate::coordinate::CoordinateInfo;
+use nalgebra::DMatrix;
 
 /// The fixed, structurally symmetric pattern of a square block-sparse matrix.
 ///
@@ -151,6 +152,32 @@ impl BlockPattern {
                 .into_iter()
                 .flat_map(move |first| (0..n).map(move |k| first + k * (n + 1)))
         })
+    }
+
+    /// Entries of the matrix with these values: row, column, value; column by column in each block.
+    pub fn triplets<'a>(
+        &'a self,
+        values: &'a [f64],
+    ) -> impl Iterator<Item = (usize, usize, f64)> + 'a {
+        let of_column = |j| self.column(j).map(move |(i, range)| (i, j, range));
+        let blocks = (0..self.blocks()).flat_map(of_column);
+        blocks.flat_map(move |(i, j, range)| {
+            let columns = values[range].chunks_exact(self.size(i).max(1));
+            let columns = columns.zip(self.unknowns(j));
+            columns.flat_map(move |(column, c)| {
+                let entries = self.unknowns(i).zip(column);
+                entries.map(move |(r, x)| (r, c, *x))
+            })
+        })
+    }
+
+    /// The matrix with these values.
+    pub fn matrix(&self, values: &[f64]) -> DMatrix<f64> {
+        let mut matrix = DMatrix::zeros(self.dim(), self.dim());
+        for (r, c, x) in self.triplets(values) {
+            matrix[(r, c)] = x;
+        }
+        matrix
     }
 
     /// y ← y + α A x for the matrix of this pattern with the given values.

@@ -68,12 +68,20 @@ impl Weights {
         C: 0.0,
         M: 0.0,
     };
+    /// The damping matrix alone.
+    pub const DAMPING: Self = Self {
+        K: 0.0,
+        C: 1.0,
+        M: 0.0,
+    };
     /// The mass matrix alone.
     pub const MASS: Self = Self {
         K: 0.0,
         C: 0.0,
         M: 1.0,
     };
+    /// K, C and M one by one.
+    pub const PARTS: [Self; 3] = [Self::STATIC, Self::DAMPING, Self::MASS];
 
     /// Which of K, C and M are needed: K alone at rest, M alone, C and M without K, or all.
     pub fn needed(&self, at_rest: bool) -> Range<usize> {

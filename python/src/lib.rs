@@ -256,7 +256,7 @@ fn linear<'py>(
     })?;
     let out = PyDict::new(py);
     for (name, values) in [("K", &lin.K), ("C", &lin.C), ("M", &lin.M)] {
-        let entries = || lin.triplets(values).filter(|(_, _, x)| *x != 0.0);
+        let entries = || lin.pattern.triplets(values).filter(|(_, _, x)| *x != 0.0);
         let rows: Vec<i64> = entries().map(|(r, _, _)| r as i64).collect();
         let columns: Vec<i64> = entries().map(|(_, c, _)| c as i64).collect();
         let values = entries().map(|(_, _, x)| x).collect();

@@ -135,7 +135,7 @@ fn write(
         .iter()
         .zip([&lin.K, &lin.C, &lin.M])
     {
-        let entries = lin.triplets(values).filter(|(_, _, x)| *x != 0.0);
+        let entries = lin.pattern.triplets(values).filter(|(_, _, x)| *x != 0.0);
         directory.write(name, &matrix_market([n, n], entries))?;
     }
     let columns = lin.r_u.iter().enumerate();

@@ -90,12 +90,6 @@ impl One<'_> {
             ..self.state.clone()
         }
     }
-
-    /// The state at rest, with velocities and accelerations of zero.
-    pub(crate) fn rest(&self) -> TestState {
-        let none = || DVector::zeros(self.state.x.len());
-        self.moving(none(), none())
-    }
 }
 
 /// The requested results of an evaluation.
@@ -174,9 +168,10 @@ impl One<'_> {
         if s.is_static() {
             // Sums of terms that are zero may still be ordered differently.
             let size = all.r.norm() + all.K.norm() * (1.0 + s.x.norm());
-            let moving = gap(evaluate(element, &self.rest(), Request::All), |f, all| {
-                (&f.r - &all.r).norm() + (&f.K - &all.K).norm()
-            });
+            let moving = gap(
+                evaluate(element, &self.state.still(), Request::All),
+                |f, all| (&f.r - &all.r).norm() + (&f.K - &all.K).norm(),
+            );
             report.defect("statics is the motion at rest", at, moving, 1e-14 * size);
         }
     }
@@ -231,7 +226,7 @@ impl One<'_> {
         if s.is_static() {
             report.defect("no dissipation at rest", at, lost.abs(), 0.0);
         } else if all.M.as_ref().is_none_or(|M| M.norm() == 0.0) {
-            let power = evaluate(element, &self.rest(), Request::Residual)
+            let power = evaluate(element, &self.state.still(), Request::Residual)
                 .map_or(f64::NAN, |rest| (&all.r - rest.r).dot(&s.v));
             let size = lost + all.r.norm() * s.v.norm();
             let law = "power of damping = -dissipation";

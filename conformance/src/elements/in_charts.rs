@@ -124,13 +124,10 @@ impl Element for InCharts<'_> {
             M: moving.then_some(&M),
         };
         let (mut work, mut pulled) = (vec![0.0; n], vec![0.0; n * n]);
-        let one = |K, C, M| Weights { K, C, M };
-        let requests = [
-            (&mut out.K, one(1.0, 0.0, 0.0)),
-            (&mut out.C, one(0.0, 1.0, 0.0)),
-            (&mut out.M, one(0.0, 0.0, 1.0)),
-        ];
-        for (to, weights) in requests {
+        for (to, weights) in [&mut out.K, &mut out.C, &mut out.M]
+            .into_iter()
+            .zip(Weights::PARTS)
+        {
             if let Some(to) = to {
                 tangent(&slots, all, weights, &mut pulled, &mut work);
                 add(to, &pulled, 1.0);

@@ -25,8 +25,8 @@ pub(crate) fn laws(report: &mut Report, one: &One<'_>, conservative: bool, rando
         symmetric(report, one, M);
     }
     // The kinetic energy is ½ ẋ·M(x) ẋ unless M depends on velocities.
-    let quadratic =
-        mass(&one.rest()).is_some_and(|at_rest| one.norm(&(&at_rest - M)) <= SAME * one.norm(M));
+    let quadratic = mass(&one.state.still())
+        .is_some_and(|at_rest| one.norm(&(&at_rest - M)) <= SAME * one.norm(M));
     if !quadratic {
         return;
     }
@@ -34,7 +34,7 @@ pub(crate) fn laws(report: &mut Report, one: &One<'_>, conservative: bool, rando
         lagrange(report, one, M, &mass, random);
     }
     // The energy of an element that exerts forces at rest and has none is unknown.
-    let rest = evaluate(one.element, &one.rest(), Request::Residual);
+    let rest = evaluate(one.element, &one.state.still(), Request::Residual);
     let silent = rest.is_none_or(|f| f.r.norm() > 0.0) && !conservative;
     if !(one.element.properties().load || silent) {
         power(report, one, &mass);
@@ -69,7 +69,7 @@ fn lagrange(
     let (s, rate) = (one.state, one.layout.rate);
     let r = |s: &TestState| evaluate(one.element, s, Request::Residual).map(|f| f.r);
     let back = one.moving(-&s.v, s.a.clone());
-    let (Some(rest), Some(back)) = (r(&one.rest()), r(&back)) else {
+    let (Some(rest), Some(back)) = (r(&one.state.still()), r(&back)) else {
         return;
     };
     let force = rest - (&one.all.r + back) * 0.5;

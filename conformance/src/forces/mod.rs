@@ -11,7 +11,8 @@ use crate::vectors::minus;
 use nalgebra::{DMatrix, DVector};
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::Point;
-pub use system::{dense, system};
+pub(crate) use system::parts;
+pub use system::system;
 pub(crate) use system::{system_at, system_sizes};
 pub(crate) use tangents::{CONFIRMED, FIRST, STEP};
 use tangents::{Linearization, Part, tangents};
@@ -38,6 +39,16 @@ impl TestState {
             x,
             v: none(),
             a: none(),
+        }
+    }
+
+    /// The state with velocities and accelerations of zero.
+    pub(crate) fn still(&self) -> Self {
+        let zero = || DVector::zeros(self.x.len());
+        Self {
+            v: zero(),
+            a: zero(),
+            ..Self::statics(self.t, self.x.clone())
         }
     }
 

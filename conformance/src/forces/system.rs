@@ -6,29 +6,12 @@ use crate::block::difference;
 use crate::layout::Layout;
 use crate::report::Report;
 use crate::vectors::minus;
-use nalgebra::DMatrix;
-use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{Evaluation, System, Weights};
 
 /// Number of changes in the last digits: the round-off of one may vanish by chance.
 const SAMPLES: u32 = 8;
 /// Largest round-off of a tangent over its change with the last digits of the coordinates.
 const NOISE: f64 = 100.0;
-
-/// The full matrix of values in a pattern.
-pub fn dense(pattern: &BlockPattern, values: &[f64]) -> DMatrix<f64> {
-    let n = pattern.dim();
-    let mut out = DMatrix::zeros(n, n);
-    for j in 0..pattern.blocks() {
-        for (i, range) in pattern.column(j) {
-            let (rows, columns) = (pattern.unknowns(i), pattern.unknowns(j));
-            let block = DMatrix::from_column_slice(rows.len(), columns.len(), &values[range]);
-            out.view_mut((rows.start, columns.start), block.shape())
-                .copy_from(&block);
-        }
-    }
-    out
-}
 
 /// Checks a system's residual and tangents at given states.
 ///
@@ -65,17 +48,16 @@ pub(crate) fn system_sizes(
     Some(all.sizes(layout, state))
 }
 
-fn weights(K: f64, C: f64, M: f64) -> Weights {
-    Weights { K, C, M }
-}
-
 /// The residual, and the values of K, C and M.
-fn parts(system: &mut dyn System, state: &TestState) -> Option<(Vec<f64>, [Vec<f64>; 3])> {
-    let (r, K) = combined(system, state, weights(1.0, 0.0, 0.0))?;
+pub(crate) fn parts(
+    system: &mut dyn System,
+    state: &TestState,
+) -> Option<(Vec<f64>, [Vec<f64>; 3])> {
+    let (r, K) = combined(system, state, Weights::STATIC)?;
     let (mut C, mut M) = (vec![0.0; K.len()], vec![0.0; K.len()]);
     if !state.is_static() {
-        C = combined(system, state, weights(0.0, 1.0, 0.0))?.1;
-        M = combined(system, state, weights(0.0, 0.0, 1.0))?.1;
+        C = combined(system, state, Weights::DAMPING)?.1;
+        M = combined(system, state, Weights::MASS)?.1;
     }
     Some((r, [K, C, M]))
 }
@@ -117,7 +99,11 @@ fn one(laws: &mut Laws<'_>, system: &mut dyn System) -> Option<()> {
 fn combination(laws: &mut Laws<'_>, system: &mut dyn System, all: &Linearization<'_>) -> Vec<f64> {
     let (state, at, pattern) = (laws.state, laws.at, all.pattern);
     let rates = if state.is_static() { 0.0 } else { 1.0 };
-    let w = weights(0.7, -1.3 * rates, 2.1 * rates);
+    let w = Weights {
+        K: 0.7,
+        C: -1.3 * rates,
+        M: 2.1 * rates,
+    };
     let [K, C, M] = &all.values;
     let nowhere = || (all.r.to_vec(), vec![f64::NAN; K.len()]);
     let (again, S) = combined(system, state, w).unwrap_or_else(nowhere);

@@ -8,12 +8,11 @@ mod transport;
 mod view;
 
 use crate::elements::{Component, Request, element_at, evaluate, in_charts, invariance};
-use crate::forces::system_at;
+use crate::forces::{parts, system_at};
 use crate::{Forces, Layout, Random, Report, TestState};
-use nalgebra::DVector;
 use pullback_elements::element::Element;
 use pullback_elements::model::Context;
-use pullback_manifold::system::{Evaluation, Point, System, Weights};
+use pullback_manifold::system::System;
 use states::{Size, beside, moving};
 
 /// The states at which a model is checked.
@@ -161,14 +160,7 @@ fn of_element<'a>(
     let mut states = Vec::new();
     for (at, rest) in positions {
         if states.is_empty() {
-            let zero = || DVector::zeros(rest.x.len());
-            let (v, a) = (zero(), zero());
-            let still = TestState {
-                v,
-                a,
-                ..rest.clone()
-            };
-            let all = evaluate(element, &still, Request::All);
+            let all = evaluate(element, &rest.still(), Request::All);
             let own_rate = all.and_then(|f| element_rate(&own.layout, &f));
             own.layout.rate = own_rate.unwrap_or(rate);
         }
@@ -208,24 +200,12 @@ const NONE: f64 = 1e-12;
 
 /// The model's rate at a state.
 fn own_rate(context: &mut Context, s: &TestState, units: &[f64]) -> Option<f64> {
-    let n = s.x.len();
-    let zero = vec![0.0; n];
-    let mut diagonal = |K, C, M| -> Option<Vec<f64>> {
-        let mut r = vec![0.0; n];
-        let mut values = vec![0.0; context.pattern().len()];
-        let (q, v, a) = (s.x.as_slice(), &zero[..], &zero[..]);
-        let out = Evaluation::with_tangent(&mut r, Weights { K, C, M }, &mut values);
-        context.evaluate(Point { t: s.t, q, v, a }, out).ok()?;
-        let pattern = context.pattern();
-        let block = |j: usize| {
-            let (size, first) = (pattern.size(j), pattern.find(j, j));
-            let values = &values;
-            (0..size).map(move |i| first.map_or(0.0, |f| values[f + i + i * size]))
-        };
-        Some((0..pattern.blocks()).flat_map(block).collect())
+    let (_, [K, _, M]) = parts(context, &s.still())?;
+    let diagonal = |values: Vec<f64>| -> Vec<f64> {
+        let own = context.pattern().diagonal();
+        own.map(|k| values[k]).collect()
     };
-    let K = diagonal(1.0, 0.0, 0.0)?;
-    let M = diagonal(0.0, 0.0, 1.0)?;
+    let [K, M] = [K, M].map(diagonal);
     let energy = |(K, u): (&f64, &f64)| K.abs() * u * u;
     let most = K.iter().zip(units).map(energy).fold(0.0, f64::max);
     let all = K.iter().zip(M).zip(units);

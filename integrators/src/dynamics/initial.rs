@@ -199,12 +199,7 @@ impl Equations<'_> {
         self.evaluate(state, &rates, Weights::MASS, 0.0)?;
         let (M, massless) = (self.S.to_vec(), massless(self.system.pattern(), self.S));
         for _ in 0..CORRECTIONS {
-            let damping = Weights {
-                K: 0.0,
-                C: 1.0,
-                M: 0.0,
-            };
-            self.evaluate(state, &rates, damping, 0.0)?;
+            self.evaluate(state, &rates, Weights::DAMPING, 0.0)?;
             let both = stand_in(self.system.pattern(), &M, self.S, &massless);
             keep(self.r, &massless, true);
             let factorised = self.solver.factorise(&both);
@@ -315,17 +310,9 @@ fn massless(pattern: &BlockPattern, M: &[f64]) -> Vec<bool> {
 /// M with the entries of S between coordinates without mass.
 fn stand_in(pattern: &BlockPattern, M: &[f64], S: &[f64], massless: &[bool]) -> Vec<f64> {
     let mut both = M.to_vec();
-    for j in 0..pattern.blocks() {
-        for (i, range) in pattern.column(j) {
-            let rows = pattern.unknowns(i);
-            let entries = pattern
-                .unknowns(j)
-                .flat_map(|c| rows.clone().map(move |r| (r, c)));
-            for (k, (r, c)) in range.zip(entries) {
-                if massless[r] && massless[c] {
-                    both[k] = S[k];
-                }
-            }
+    for (k, (r, c, entry)) in pattern.triplets(S).enumerate() {
+        if massless[r] && massless[c] {
+            both[k] = entry;
         }
     }
     both

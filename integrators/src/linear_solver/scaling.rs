@@ -40,7 +40,7 @@ const FLOOR: f64 = 1.5e-8;
 fn begin(pattern: &BlockPattern, values: &[f64], scales: &mut [f64], largest: &mut [f64]) {
     let coordinates = pattern.coordinates();
     let mut most = 0.0;
-    for_each(pattern, values, |r, c, value| {
+    pattern.triplets(values).for_each(|(r, c, value)| {
         if r == c {
             scales[r] = value.abs();
             if !coordinates[r].is_multiplier {
@@ -58,7 +58,7 @@ fn begin(pattern: &BlockPattern, values: &[f64], scales: &mut [f64], largest: &m
         *s = inverse_root(s.max(least)).min(f64::MAX);
     }
     largest.fill(0.0);
-    for_each(pattern, values, |r, c, value| {
+    pattern.triplets(values).for_each(|(r, c, value)| {
         if coordinates[r].is_multiplier && !coordinates[c].is_multiplier {
             largest[r] = f64::max(largest[r], (value * scales[c]).abs());
         }
@@ -67,36 +67,6 @@ fn begin(pattern: &BlockPattern, values: &[f64], scales: &mut [f64], largest: &m
         let root = inverse_root(*m);
         if root.is_finite() {
             *s = root * root;
-        }
-    }
-}
-
-/// Calls with row, column and value of each entry.
-#[inline(always)]
-pub(crate) fn for_each(
-    pattern: &BlockPattern,
-    values: &[f64],
-    mut with: impl FnMut(usize, usize, f64),
-) {
-    for j in 0..pattern.blocks() {
-        for (i, range) in pattern.column(j) {
-            for_each_of_block(pattern, [i, j], &values[range], &mut with);
-        }
-    }
-}
-
-/// Calls with row, column and value of each entry of a block.
-#[inline(always)]
-fn for_each_of_block(
-    pattern: &BlockPattern,
-    [i, j]: [usize; 2],
-    block: &[f64],
-    mut with: impl FnMut(usize, usize, f64),
-) {
-    let height = pattern.size(i).max(1);
-    for (column, c) in block.chunks_exact(height).zip(pattern.unknowns(j)) {
-        for (value, r) in column.iter().zip(pattern.unknowns(i)) {
-            with(r, c, *value);
         }
     }
 }
@@ -119,7 +89,7 @@ pub fn equilibrate(
     for sweep in 0..SWEEPS {
         largest.fill(0.0);
         let mut bad = None;
-        for_each(pattern, values, |r, c, value| {
+        pattern.triplets(values).for_each(|(r, c, value)| {
             if !value.is_finite() {
                 bad = bad.or(Some(r));
             }

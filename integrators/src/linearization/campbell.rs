@@ -252,7 +252,7 @@ impl Linearized {
             (omega.abs(), &self.C, &other.C),
             (omega * omega, &self.M, &other.M),
         ] {
-            let entries = self.triplets(own).zip(self.triplets(other));
+            let entries = self.pattern.triplets(own).zip(self.pattern.triplets(other));
             for ((r, c, own), (_, _, other)) in entries {
                 let unit = factor * coordinates[c].size;
                 size[r] = size[r].max((own * unit).abs());

@@ -7,7 +7,7 @@ use super::krylov::{add, dot};
 use super::modes::Mode;
 use super::search::Parts;
 use super::shift_invert::Order;
-use crate::linear_solver::scaling::{self, for_each};
+use crate::linear_solver::scaling;
 use num_complex::Complex64;
 
 /// Rounding errors of φᵀ K φ in units of those of its terms.
@@ -141,9 +141,9 @@ impl<'a> Finish<'a> {
             *size = size.hypot(*im);
         }
         let mut sum = 0.0;
-        for_each(&self.lin.pattern, &self.lin.K, |r, c, K| {
+        for (r, c, K) in self.lin.pattern.triplets(&self.lin.K) {
             sum += K.abs() * sizes[r] * sizes[c];
-        });
+        }
         // Entries of φ have rounding errors themselves.
         let sum = ROUNDING * (sum + whole[0]);
         stiffness.abs() <= sum && (inertia <= sum || lambda * mass <= whole[1])

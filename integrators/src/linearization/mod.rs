@@ -40,7 +40,6 @@ pub use state_space::{OutputDerivatives, StateSpace, StateSpaceError, output_der
 pub use steady::SteadyMotion;
 
 use crate::abilities::events;
-use crate::linear_solver::scaling::for_each;
 use crate::rounding::{is_rounding, largest};
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{Evaluation, Point, Quantity, System, SystemError, Weights};
@@ -109,14 +108,14 @@ pub fn linearize(system: &mut dyn System, at: Point<'_>) -> Result<Linearized, L
         false => at,
     };
     let mut r = vec![0.0; n];
-    let mut tangent = |at: Point<'_>, K: f64, C: f64, M: f64| -> Result<Vec<f64>, SystemError> {
-        let (weights, mut S) = (Weights { K, C, M }, vec![0.0; len]);
+    let mut tangent = |at: Point<'_>, weights: Weights| -> Result<Vec<f64>, SystemError> {
+        let mut S = vec![0.0; len];
         system.evaluate(at, Evaluation::with_tangent(&mut r, weights, &mut S))?;
         Ok(S)
     };
-    let M = tangent(moving, 0.0, 0.0, 1.0)?;
-    let C = tangent(moving, 0.0, 1.0, 0.0)?;
-    let K = tangent(at, 1.0, 0.0, 0.0)?;
+    let M = tangent(moving, Weights::MASS)?;
+    let C = tangent(moving, Weights::DAMPING)?;
+    let K = tangent(at, Weights::STATIC)?;
     let lin = Linearized {
         r_u: inputs::input_columns(system, at)?,
         pattern: system.pattern().clone(),
@@ -138,23 +137,6 @@ impl Linearized {
         self.pattern.dim()
     }
 
-    /// Entries of a matrix with these values: row, column, value; column by column in each block.
-    pub fn triplets<'a>(
-        &'a self,
-        values: &'a [f64],
-    ) -> impl Iterator<Item = (usize, usize, f64)> + 'a {
-        let p = &self.pattern;
-        let blocks = (0..p.blocks()).flat_map(|j| p.column(j).map(move |(i, range)| (i, j, range)));
-        blocks.flat_map(move |(i, j, range)| {
-            let pairs = p
-                .unknowns(j)
-                .flat_map(move |c| p.unknowns(i).map(move |r| (r, c)));
-            pairs
-                .zip(&values[range])
-                .map(|((r, c), value)| (r, c, *value))
-        })
-    }
-
     /// Refuses residuals that are not small beside loads, reactions and forces of inertia; without any of these there is
     /// no measure.
     fn check_balance(
@@ -164,12 +146,11 @@ impl Linearized {
         loads: [f64; 3],
     ) -> Result<(), LinearizationError> {
         let mut inertia = vec![0.0; self.dim()];
-        for_each(&self.pattern, &self.M, |r, c, M| {
-            inertia[r] += (M * at.a[c]).abs()
-        });
-        for_each(&self.pattern, &self.C, |r, c, C| {
-            inertia[r] += (C * at.v[c]).abs()
-        });
+        for (matrix, rates) in [(&self.M, at.a), (&self.C, at.v)] {
+            for (r, c, x) in self.pattern.triplets(matrix) {
+                inertia[r] += (x * rates[c]).abs();
+            }
+        }
         let coordinates = self.pattern.coordinates();
         let worst = largest(coordinates, r, [0.0; 3]);
         let measures = largest(coordinates, &inertia, loads);
@@ -203,9 +184,9 @@ impl Linearized {
         let p = &self.pattern;
         let roots = LazyCell::new(|| {
             let mut largest = vec![0.0_f64; self.dim()];
-            for_each(p, values, |r, _, value| {
-                largest[r] = largest[r].max(value.abs())
-            });
+            for (r, _, value) in p.triplets(values) {
+                largest[r] = largest[r].max(value.abs());
+            }
             largest.iter().map(|x| x.sqrt()).collect::<Vec<f64>>()
         });
         let mut symmetric = true;

@@ -122,15 +122,6 @@ const ROUNDING: f64 = 1e-8;
 const REDUNDANT: f64 = 1e-10;
 
 impl Linearized {
-    /// A matrix with these values, dense.
-    pub fn dense(&self, values: &[f64]) -> DMatrix<f64> {
-        let mut out = DMatrix::zeros(self.dim(), self.dim());
-        for (r, c, x) in self.triplets(values) {
-            out[(r, c)] += x;
-        }
-        out
-    }
-
     /// The first-order form in independent coordinates z, of which the state is x = (z, ż); with multipliers about a state at rest.
     ///
     /// Inputs are piecewise constant: their derivatives do not act.
@@ -141,7 +132,7 @@ impl Linearized {
         let n = self.dim();
         let inputs = self.r_u.len();
         let r_u = DMatrix::from_iterator(n, inputs, self.r_u.iter().flatten().copied());
-        let [K, C, M] = [&self.K, &self.C, &self.M].map(|values| self.dense(values));
+        let [K, C, M] = [&self.K, &self.C, &self.M].map(|values| self.pattern.matrix(values));
         let N = self.null_space(&K);
         for i in (0..n).filter(|&i| self.pattern.coordinates()[i].is_multiplier) {
             if r_u.row(i).amax() > ROUNDING * r_u.amax() {

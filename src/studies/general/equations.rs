@@ -81,12 +81,7 @@ impl<'a, Y: System> FirstOrderSystem<'a, Y> {
         }
         self.accelerate(t, y)?;
         let (q, v) = y.split_at(self.n);
-        let damping = Weights {
-            K: 0.0,
-            C: 1.0,
-            M: 0.0,
-        };
-        for (weights, S) in [(Weights::STATIC, &mut self.K), (damping, &mut self.C)] {
+        for (weights, S) in Weights::PARTS.into_iter().zip([&mut self.K, &mut self.C]) {
             let out = Evaluation::with_tangent(&mut self.r, weights, S);
             let a = &self.a[..];
             self.evaluations += 1;

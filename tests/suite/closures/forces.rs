@@ -300,20 +300,8 @@ fn conditioning_does_not_depend_on_the_step() {
         context.evaluate(at, out).unwrap();
         let mut scales = vec![1.0; n];
         let dense = |scales: &[f64]| {
-            let mut A = DMatrix::zeros(n, n);
-            for j in 0..pattern.blocks() {
-                for (i, range) in pattern.column(j) {
-                    let block = &S[range];
-                    let rows = pattern.unknowns(i);
-                    for (c, column) in pattern.unknowns(j).enumerate() {
-                        for (l, row) in rows.clone().enumerate() {
-                            let value = block[l + c * rows.len()];
-                            A[(row, column)] = value * scales[row] * scales[column];
-                        }
-                    }
-                }
-            }
-            A
+            let scales = DMatrix::from_diagonal(&DVector::from_column_slice(scales));
+            &scales * pattern.matrix(&S) * &scales
         };
         let condition = |A: DMatrix<f64>| {
             let values = A.singular_values();

@@ -280,10 +280,8 @@ impl ElementWorkspace {
         let [K, C, M] = [&self.K, &self.C, &self.M].map(|all| Some(&all[..n * n]));
         let [C, M] = [C, M].map(|all| all.filter(|_| tangents == 3));
         let given = Tangents { K, C, M };
-        let one = |K, C, M| Weights { K, C, M };
-        let each = [one(1.0, 0.0, 0.0), one(0.0, 1.0, 0.0), one(0.0, 0.0, 1.0)];
         let into = [&mut self.K2, &mut self.C2, &mut self.M2];
-        for (one, into) in each.into_iter().zip(into).take(tangents) {
+        for (one, into) in Weights::PARTS.into_iter().zip(into).take(tangents) {
             pullback::tangent(slots, given, one, into, &mut self.work);
         }
         if rates {

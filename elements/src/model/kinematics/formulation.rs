@@ -302,9 +302,8 @@ impl Context {
             return self.assemble(at, out);
         };
         let mut parts = std::mem::take(&mut self.work.parts);
-        let one = |C, M| Weights { K: 0.0, C, M };
         let mut outcome = Ok(());
-        for (part, weights) in parts.iter_mut().zip([one(1.0, 0.0), one(0.0, 1.0)]) {
+        for (part, weights) in parts.iter_mut().zip([Weights::DAMPING, Weights::MASS]) {
             part.resize(S.len(), 0.0);
             outcome = outcome
                 .and_then(|()| self.assemble(at, Evaluation::with_tangent(r, weights, part)));

@@ -4,7 +4,7 @@
 
 use crate::support::{Coupling, Offset, Twin, TwoTurn, coupled, lay, section};
 use nalgebra::{DVector, Vector3};
-use pullback_conformance::{self as check, Random, TestState, dense};
+use pullback_conformance::{self as check, Random, TestState};
 use pullback_elements::load::{LineLoad, LoadKind, NodalLoad};
 use pullback_elements::model::{BeamLine, Context, Dof, ModelBuilder, NodeId, StraightLine};
 use pullback_elements::time::{Constant, Proportional, Sine, TimeFunction};
@@ -290,7 +290,7 @@ fn a_tangent_from_the_previous_iterate_differs_by_the_square_of_the_step() {
             }
         }
         .unwrap();
-        (r, dense(context.pattern(), &S))
+        (r, context.pattern().matrix(&S))
     };
     let (r, K) = tangent(None);
     let mut report = check::Report::new("previous iterate");

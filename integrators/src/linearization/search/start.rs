@@ -2,7 +2,7 @@
 
 use super::{DENSE, Inner, Krylov, ModesError, Order, Search, Selection};
 use crate::linear_solver::LinearError;
-use crate::linear_solver::scaling::{self, for_each};
+use crate::linear_solver::scaling;
 use crate::linearization::krylov::dot;
 
 impl<'a> Search<'a> {
@@ -48,11 +48,11 @@ impl<'a> Search<'a> {
         let weights = |matrices: &[&Vec<f64>]| {
             let mut weights = vec![0.0; n];
             for values in matrices {
-                for_each(&lin.pattern, values, |_, c, value| {
+                for (_, c, value) in lin.pattern.triplets(values) {
                     if value != 0.0 {
                         weights[c] = scales[c].powi(-2);
                     }
-                });
+                }
             }
             weights
         };

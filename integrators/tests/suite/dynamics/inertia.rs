@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
+use crate::support::linear_solver::write;
 use nalgebra::DMatrix;
 use pullback_integrators::linear_solver::{
     AutoSolver, BlockLu, FaerCholesky, FaerLu, LinearSolver, MatrixSymmetry,
@@ -23,17 +24,8 @@ fn hashed(i: usize, j: usize, seed: u64) -> f64 {
 /// A symmetric matrix, blocks of the pattern filled by `entry`, beside its dense form.
 fn matrix(pattern: &BlockPattern, entry: impl Fn(usize, usize) -> f64) -> (Vec<f64>, DMatrix<f64>) {
     let mut values = vec![0.0; pattern.len()];
-    let mut dense = DMatrix::zeros(pattern.dim(), pattern.dim());
-    for j in 0..pattern.blocks() {
-        for (i, range) in pattern.column(j) {
-            for (k, index) in range.enumerate() {
-                let row = pattern.unknowns(i).start + k % pattern.size(i);
-                let column = pattern.unknowns(j).start + k / pattern.size(i);
-                values[index] = entry(row, column);
-                dense[(row, column)] = values[index];
-            }
-        }
-    }
+    write(pattern, &mut values, entry);
+    let dense = pattern.matrix(&values);
     (values, dense)
 }
 

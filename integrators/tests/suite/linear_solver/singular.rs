@@ -120,7 +120,7 @@ fn a_zero_row_is_named_by_everybody() {
     let mut random = Random(3);
     let pattern = BlockPattern::new(&[6, 6, 6], [[0, 1], [1, 2]]);
     let full = random_values(&pattern, &mut random, true, false, 1.0);
-    let matrix = dense(&pattern, &full);
+    let matrix = pattern.matrix(&full);
     let mut values = full.clone();
     write(&pattern, &mut values, |r, c| {
         if r == 9 || c == 9 {
@@ -169,7 +169,7 @@ fn null_vector_of_an_unsymmetric_matrix() {
     let pattern = BlockPattern::new(&[3, 2, 4], [[0, 1], [1, 2], [0, 2]]);
     let n = pattern.dim();
     let regular = random_values(&pattern, &mut random, false, false, 1.0);
-    let matrix = dense(&pattern, &regular);
+    let matrix = pattern.matrix(&regular);
     let v = DVector::from_fn(n, |i, _| if i == 4 { 1.0 } else { 0.8 * random.next() });
     let projected = &matrix - (&matrix * &v) * v.transpose() / v.dot(&v);
     let mut values = regular.clone();

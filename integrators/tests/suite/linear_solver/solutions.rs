@@ -28,7 +28,8 @@ fn all_solvers_agree_with_a_dense_factorisation() {
                 let pattern = BlockPattern::new(&sizes, &edges);
                 let values = random_values(&pattern, &mut random, symmetric, indefinite, spread);
                 let b: Vec<f64> = (0..pattern.dim()).map(|_| random.next()).collect();
-                let exact = dense(&pattern, &values)
+                let exact = pattern
+                    .matrix(&values)
                     .lu()
                     .solve(&DVector::from_column_slice(&b))
                     .unwrap();
@@ -53,7 +54,7 @@ fn all_solvers_agree_with_a_dense_factorisation() {
                             .unwrap_or_else(|e| panic!("{name} on {shape}: {e}"));
                         for (i, (x, e)) in x.iter().zip(exact.iter()).enumerate() {
                             // Relative to the largest in the unknown's own units.
-                            let unit = dense(&pattern, &values)[(i, i)].abs().sqrt();
+                            let unit = pattern.matrix(&values)[(i, i)].abs().sqrt();
                             let most = scaled_max(&pattern, &values, &exact);
                             assert!(
                                 (x - e).abs() * unit < 1e-10 * most,
@@ -192,10 +193,7 @@ fn a_saddle_point_needs_the_fallback_and_gets_it() {
     // Node 0 carries nothing but multipliers; it is eliminated first as a leaf of node 1.
     let pattern = BlockPattern::new(&[3, 2, 3], [[0, 1], [0, 2]]);
     let mut random = Random(5);
-    let base = dense(
-        &pattern,
-        &random_values(&pattern, &mut random, true, false, 1.0),
-    );
+    let base = pattern.matrix(&random_values(&pattern, &mut random, true, false, 1.0));
     let mut values = vec![0.0; pattern.len()];
     write(&pattern, &mut values, |r, c| {
         let multiplier = |i: usize| (3..5).contains(&i);
@@ -206,7 +204,8 @@ fn a_saddle_point_needs_the_fallback_and_gets_it() {
         }
     });
     let b: Vec<f64> = (0..8).map(|_| random.next()).collect();
-    let exact = dense(&pattern, &values)
+    let exact = pattern
+        .matrix(&values)
         .lu()
         .solve(&DVector::from_column_slice(&b))
         .unwrap();
@@ -249,7 +248,7 @@ fn a_saddle_point_needs_the_fallback_and_gets_it() {
     // A constraint twice: the multipliers are not unique, and their difference is the null vector.
     let doubled = {
         let mut values = values.clone();
-        let m = dense(&pattern, &values);
+        let m = pattern.matrix(&values);
         write(&pattern, &mut values, |r, c| {
             let same = |i: usize| if i == 4 { 3 } else { i };
             m[(same(r), same(c))]
@@ -319,7 +318,7 @@ fn saddle_points_are_solved_in_any_unit() {
     let bare = BlockPattern::new(&[2, 2, 2, 2, 1], &edges);
     let mut random = Random(11);
     let base = random_values(&bare, &mut random, true, false, 1.0);
-    let base = dense(&bare, &base);
+    let base = bare.matrix(&base);
     let solution = DVector::from_fn(9, |_, _| 1.0 + random.next());
     let masses = [1e10, 1e10, 1.0, 1.0, 1.0, 1.0];
     let multiplies = |i: usize| i == 6 || i == 7;

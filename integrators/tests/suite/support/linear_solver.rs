@@ -2,7 +2,6 @@
 
 #![allow(dead_code, clippy::unwrap_used)]
 
-use nalgebra::DMatrix;
 use pullback_integrators::linear_solver::{
     AutoSolver, BlockLu, FaerLu, LinearError, LinearSolver, MatrixSymmetry,
 };
@@ -68,24 +67,11 @@ pub fn random_values(
     let n = pattern.dim();
     let mut values: Vec<f64> = (0..pattern.len()).map(|_| random.next()).collect();
     let mut sums = vec![1.0; n];
-    for j in 0..pattern.blocks() {
-        for (i, range) in pattern.column(j) {
-            for (k, index) in range.enumerate() {
-                let (r, c) = (k % pattern.size(i), k / pattern.size(i));
-                if symmetric && (i, r) > (j, c) {
-                    // Taken over from the transposed entry.
-                    let other = pattern.find(j, i).unwrap() + c + r * pattern.size(j);
-                    values[index] = values[other];
-                }
-            }
-        }
-    }
     if symmetric {
-        // The loop above read entries to the right before or after as they came: do both sides.
-        let dense = dense(pattern, &values);
-        write(pattern, &mut values, |r, c| dense[(r.min(c), r.max(c))]);
+        let upper = pattern.matrix(&values);
+        write(pattern, &mut values, |r, c| upper[(r.min(c), r.max(c))]);
     }
-    let matrix = dense(pattern, &values);
+    let matrix = pattern.matrix(&values);
     for (r, sum) in sums.iter_mut().enumerate() {
         *sum += matrix.row(r).iter().map(|v| v.abs()).sum::<f64>();
     }
@@ -99,29 +85,10 @@ pub fn random_values(
 }
 
 pub fn write(pattern: &BlockPattern, values: &mut [f64], entry: impl Fn(usize, usize) -> f64) {
-    for j in 0..pattern.blocks() {
-        for (i, range) in pattern.column(j) {
-            for (k, index) in range.enumerate() {
-                let (r, c) = (k % pattern.size(i), k / pattern.size(i));
-                let row = pattern.unknowns(i).start + r;
-                values[index] = entry(row, pattern.unknowns(j).start + c);
-            }
-        }
+    let given = values.to_vec();
+    for (k, (r, c, _)) in pattern.triplets(&given).enumerate() {
+        values[k] = entry(r, c);
     }
-}
-
-pub fn dense(pattern: &BlockPattern, values: &[f64]) -> DMatrix<f64> {
-    let mut matrix = DMatrix::zeros(pattern.dim(), pattern.dim());
-    for j in 0..pattern.blocks() {
-        for (i, range) in pattern.column(j) {
-            for (k, index) in range.enumerate() {
-                let (r, c) = (k % pattern.size(i), k / pattern.size(i));
-                matrix[(pattern.unknowns(i).start + r, pattern.unknowns(j).start + c)] =
-                    values[index];
-            }
-        }
-    }
-    matrix
 }
 
 pub fn solvers() -> Vec<(&'static str, Box<dyn LinearSolver>)> {

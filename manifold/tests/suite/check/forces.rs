@@ -207,7 +207,7 @@ fn every_law_of_a_system_finds_its_error() {
 fn dense_matrices_come_out_of_their_blocks() {
     let pattern = BlockPattern::new(&[2, 1, 3], [[0, 1], [1, 2]]);
     let values: Vec<f64> = (1..=pattern.len()).map(|k| k as f64).collect();
-    let A = check::dense(&pattern, &values);
+    let A = pattern.matrix(&values);
     let x: Vec<f64> = (0..6).map(|k| 1.0 + k as f64).collect();
     let mut y = vec![0.0; 6];
     pattern.multiply_add(1.0, &values, &x, &mut y);
