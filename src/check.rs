@@ -1,25 +1,25 @@
 //! Checks of components and models: the library's side of `pullback check MODEL.toml`.
 //!
-//! [`model`] checks an assembled [`Context`](crate::prelude::Context), [`file()`] and [`job`] that of a file;
+//! [`model`] checks an assembled [`Context`](crate::prelude::Context), [`job`] that of a file;
 //! [`element`], [`same`], [`joint`], [`map`], [`implicit`] and [`scheme`] are the [`conformance`](crate::conformance) kit
 //! for components of your own. All return a [`Report`]: [`summary`], [`table`] and [`entries`] make
 //! it readable.
 //!
 //! ```no_run
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let report = pullback::check::file(std::path::Path::new("model.toml"), 0)?;
+//! let mut job = pullback::input::load(std::path::Path::new("model.toml"))?;
+//! let report = pullback::check::job(&mut job, 0);
 //! print!("{}", pullback::check::table(&report));
 //! # Ok(())
 //! # }
 //! ```
 
-use crate::input::{self, InputError, Job, Plan};
+use crate::input::{Job, Plan};
 use crate::terminal::longest;
 use pullback_manifold::system::Events;
 use serde::Serialize;
 use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
-use std::path::Path;
 
 pub use pullback_conformance::{
     Block, LawRow, Measure, ModelOptions, Report, element, implicit, joint, map, model,
@@ -34,15 +34,6 @@ const MANY: usize = 500;
 const CLOSER: usize = 3;
 /// Most failures that are described in detail.
 const DESCRIBED: usize = 20;
-
-/// Checks the model of a file at the start of its analysis and at random states around it.
-///
-/// # Errors
-/// [`InputError`] when the file is refused.
-pub fn file(path: &Path, seed: u64) -> Result<Report, InputError> {
-    let mut loaded = input::load(path)?;
-    Ok(job(&mut loaded, seed))
-}
 
 /// Checks the model of a job at the start of its analysis and at random states around it.
 pub fn job(job: &mut Job, seed: u64) -> Report {
@@ -68,7 +59,7 @@ pub fn job(job: &mut Job, seed: u64) -> Report {
 ///
 /// The time is early in the analysis, where prescribed motion is close to its start, and lies between the kinks of
 /// functions of time.
-pub fn options(job: &Job, seed: u64) -> ModelOptions {
+fn options(job: &Job, seed: u64) -> ModelOptions {
     let from = job.plan.start();
     let range = match &job.plan {
         Plan::Static(options) => options.to - from,

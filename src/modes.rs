@@ -221,6 +221,17 @@ pub enum Eigenvalues {
     Campbell(ModelCampbell),
 }
 
+impl Eigenvalues {
+    /// What a user should know of them.
+    pub fn warnings(&self) -> &[String] {
+        match self {
+            Self::Modes(found) => &found.warnings,
+            Self::Critical(found) => &found.warnings,
+            Self::Campbell(found) => &found.last.warnings,
+        }
+    }
+}
+
 /// Error of a critical load above which a warning is given.
 const POOR: f64 = 0.1;
 

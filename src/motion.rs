@@ -1,6 +1,6 @@
 //! The motion of a model file, step by step.
 
-use crate::input::{InputError, Job, Plan};
+use crate::input::{Job, Plan};
 use crate::probe::{Answers, Probe};
 use pullback_elements::model::Context;
 use pullback_integrators::dynamics::{DynamicsError, Simulation, Snapshot, State};
@@ -33,9 +33,6 @@ pub struct Motion {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum MotionError {
-    /// The model file is refused.
-    #[error(transparent)]
-    Input(#[from] InputError),
     /// The motion cannot begin, or a step fails.
     #[error(transparent)]
     Dynamics(#[from] DynamicsError),

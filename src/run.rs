@@ -4,13 +4,13 @@ mod memory;
 
 pub use memory::{ReachError, Recorded, reach, record_job};
 
-use crate::input::{self, EigenvaluePlan, InputError, Job, ModelFile, Plan, Start};
+use crate::input::{self, EigenvaluePlan, InputError, Job, Plan};
 use crate::modes::{self, Eigenvalues, ModelModesError};
 use crate::output::{
     Checkpoint, Directory, Ending, OutputError, RecordError, Recorder, ResumeError, Setting,
     is_complete,
 };
-use crate::solve::{Advance, Counts, Ended, SolveError, begin, solve};
+use crate::solve::{Advance, Counts, Ended, begin, solve};
 use crate::warnings;
 use pullback_elements::model::Context;
 use pullback_integrators::dynamics::{DynamicsError, Progress};
@@ -46,8 +46,6 @@ impl From<OutputError> for RunError {
 pub struct Outcome {
     /// How it ended.
     pub ending: Ending,
-    /// The failure of the solver, if any.
-    pub failure: Option<SolveError>,
     /// Statistics of the analysis.
     pub counts: Counts,
     /// Converged steps and located events recorded.
@@ -114,19 +112,26 @@ fn run_file(
 /// # Errors
 /// As [`run`] and [`resume`].
 pub fn run_job(
-    job: Job,
+    mut job: Job,
     source: &str,
     directory: &Path,
     resume: bool,
     observer: &mut dyn FnMut(&Advance<'_>) -> ControlFlow<()>,
 ) -> Result<Outcome, RunError> {
+    let mut notes = notes(&job);
     let checkpoint = match resume {
-        true => Some(checkpoint(&job, directory)?),
+        true => Some(checkpoint(&mut job, directory)?),
         false => None,
+    };
+    // A refused start leaves the directory unchanged.
+    let resumed = checkpoint.as_ref().map(|c| c.progress.clone());
+    let mut progress = initial_progress(&mut job, resumed)?;
+    let warnings = match &checkpoint {
+        None => first_warnings(&mut job, &progress, &mut notes),
+        Some(_) => Vec::new(),
     };
     let Job {
         mut context,
-        start,
         plan,
         eigenvalues,
         probes,
@@ -134,17 +139,6 @@ pub fn run_job(
         file,
         ..
     } = job;
-    let mut notes = notes(&context, &plan);
-    // A refused start leaves the directory unchanged.
-    let mut progress =
-        initial_progress(&mut context, &plan, &start, checkpoint.as_ref(), directory)?;
-    let mut warnings = Vec::new();
-    if checkpoint.is_none() {
-        if matches!(plan, Plan::Dynamic(_)) {
-            notes.extend(warnings::prescribed_start(&context, &file));
-        }
-        warnings = first_warnings(&mut context, &file, &plan, &progress);
-    }
     let directory = match &checkpoint {
         None => Directory::open(directory)?,
         Some(checkpoint) => Directory::reopen(directory, &checkpoint.grids())?,
@@ -180,7 +174,6 @@ pub fn run_job(
     let (written, warnings) = recorder.finish(&ending, ended.counts)?;
     Ok(Outcome {
         ending,
-        failure: ended.failure,
         counts: ended.counts,
         rows,
         t,
@@ -257,14 +250,14 @@ fn find(
     }
 }
 
-/// The last checkpoint of a job.
-fn checkpoint(job: &Job, directory: &Path) -> Result<Checkpoint, ResumeError> {
+/// The last checkpoint of a job, whose model is in its state afterwards.
+fn checkpoint(job: &mut Job, directory: &Path) -> Result<Checkpoint, ResumeError> {
     let Plan::Dynamic(plan) = &job.plan else {
         return Err(ResumeError::Statics);
     };
     let settings = serde_json::to_value(&job.file).unwrap_or_default();
-    let checkpoint = Checkpoint::read(directory, &settings, &job.context)?;
-    let (t, to) = (checkpoint.progress().state.t, plan.options.to);
+    let checkpoint = Checkpoint::read(directory, &settings, &mut job.context)?;
+    let (t, to) = (checkpoint.progress.state.t, plan.options.to);
     // A run may have been killed between its last step and its results.
     match t > to || t == to && is_complete(directory) {
         true => Err(ResumeError::Passed { t, to }),
@@ -273,7 +266,7 @@ fn checkpoint(job: &Job, directory: &Path) -> Result<Checkpoint, ResumeError> {
 }
 
 /// Notes on the joints and loops of a model, and in statics on its stability.
-fn notes(context: &Context, plan: &Plan) -> Vec<String> {
+fn notes(Job { context, plan, .. }: &Job) -> Vec<String> {
     let mut notes = context.descriptions();
     if context.mapped_frames().next().is_some() {
         notes.push(context.mobility().to_string());
@@ -284,37 +277,25 @@ fn notes(context: &Context, plan: &Plan) -> Vec<String> {
     notes
 }
 
-/// The state in which a motion begins, or resumes from a checkpoint; nothing in statics.
-pub(crate) fn initial_progress(
-    context: &mut Context,
-    plan: &Plan,
-    initial: &Start,
-    checkpoint: Option<&Checkpoint>,
-    directory: &Path,
-) -> Result<Progress, RunError> {
-    let Plan::Dynamic(plan) = plan else {
+/// The state in which a motion begins, or resumes; nothing in statics.
+fn initial_progress(job: &mut Job, resumed: Option<Progress>) -> Result<Progress, DynamicsError> {
+    let Plan::Dynamic(plan) = &job.plan else {
         return Ok(Progress::default());
     };
-    let mut progress = match checkpoint {
-        Some(checkpoint) => {
-            checkpoint.restore(context, directory)?;
-            checkpoint.progress().clone()
-        }
-        None => initial.motion(context)?,
+    let mut progress = match resumed {
+        Some(progress) => progress,
+        None => job.start.motion(&job.context)?,
     };
-    begin(context, &plan.options, &mut progress)?;
+    begin(&mut job.context, &plan.options, &mut progress)?;
     Ok(progress)
 }
 
-/// The warnings about a model at its start.
-fn first_warnings(
-    context: &mut Context,
-    file: &ModelFile,
-    plan: &Plan,
-    progress: &Progress,
-) -> Vec<String> {
+/// The warnings about a model at its start; adds to the notes on it.
+fn first_warnings(job: &mut Job, progress: &Progress, notes: &mut Vec<String>) -> Vec<String> {
+    let Job { context, file, .. } = job;
     let mut warnings = warnings::strained(context, file, progress);
-    if matches!(plan, Plan::Dynamic(_)) {
+    if matches!(job.plan, Plan::Dynamic(_)) {
+        notes.extend(warnings::prescribed_start(context, file));
         warnings.extend(warnings::lines_at_rest(file));
         warnings.extend(warnings::immobile(context));
         warnings.extend(warnings::massless(context, progress));

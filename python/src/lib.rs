@@ -11,12 +11,12 @@ use eigenvalues::{eigenvalues, modal};
 use numpy::PyArray1;
 use pullback::check;
 use pullback::elements::model::Context;
-use pullback::input::{self, Job, Plan, Registry};
+use pullback::input::{self, InputError, Job, Plan, Registry};
 use pullback::integrators::linearization::{ModeOptions, Selection, linearize};
 use pullback::manifold::system::Point;
 use pullback::modes;
 use pullback::output::Ending;
-use pullback::run::{ReachError, Recorded, RunError, reach, record_job, run_job};
+use pullback::run::{ReachError, Recorded, reach, record_job, run_job};
 use pullback::solve::Advance;
 use pyo3::create_exception;
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
@@ -46,7 +46,11 @@ create_exception!(
 const LOOK: Duration = Duration::from_millis(50);
 
 fn assemble(text: &str, name: &str) -> PyResult<Job> {
-    input::assemble_text(name, text).map_err(|error| ModelError::new_err(error.report(false)))
+    input::assemble_text(name, text).map_err(refused)
+}
+
+fn refused(error: InputError) -> PyErr {
+    ModelError::new_err(error.report(false))
 }
 
 fn failed(error: impl std::fmt::Display) -> PyErr {
@@ -129,15 +133,14 @@ fn inspect(py: Python<'_>, text: &str, name: &str) -> PyResult<(Option<String>, 
             Plan::Dynamic(plan) => plan.options.to,
             _ => f64::NAN,
         };
-        Ok((job.title, end, job.file.inputs.into_keys().collect()))
+        Ok((job.file.title, end, job.file.inputs.into_keys().collect()))
     })
 }
 
 /// The text with other values of parameters.
 #[pyfunction]
 fn with_parameters(text: &str, parameters: Vec<(String, String)>) -> PyResult<String> {
-    input::with_parameters(text, parameters)
-        .map_err(|error| ModelError::new_err(error.report(false)))
+    input::with_parameters(text, parameters).map_err(refused)
 }
 
 /// The JSON Schema of the model file, as a text.
@@ -169,10 +172,7 @@ fn run<'py>(
         let recorded = record_job(job, &mut each_row, &mut |step: &Advance<'_>| {
             watch.step(step.t)
         });
-        recorded.map_err(|error| match error {
-            RunError::Input(error) => ModelError::new_err(error.report(false)),
-            error => failed(error),
-        })
+        recorded.map_err(failed)
     })?;
     let out = PyDict::new(py);
     let history = PyDict::new(py);

@@ -26,7 +26,6 @@ fn motion_error(error: MotionError) -> PyErr {
     match error {
         MotionError::Unknown { .. } => PyKeyError::new_err(error.to_string()),
         MotionError::Static => ModelError::new_err(error.to_string()),
-        MotionError::Input(error) => ModelError::new_err(error.report(false)),
         error => failed(error),
     }
 }

@@ -1,7 +1,7 @@
 //! Schemes side by side, and their spectra, as JSON.
 
-use super::{ModelError, Watch, assemble, failed, watched};
-use pullback::input::job_in;
+use super::{Watch, assemble, failed, refused, watched};
+use pullback::input::job;
 use pullback::studies::compare::{Candidate, CompareError, ComparisonOptions, Hooks};
 use pullback::studies::{compare as comparison, spectrum};
 use pyo3::exceptions::PyValueError;
@@ -10,7 +10,7 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 use std::sync::Mutex;
 
-fn refused(error: impl std::fmt::Display) -> PyErr {
+fn unusable(error: impl std::fmt::Display) -> PyErr {
     PyValueError::new_err(error.to_string())
 }
 
@@ -36,15 +36,15 @@ pub(super) fn compare(
     let schemes: Result<Vec<Candidate>, _> = schemes.iter().map(|word| word.parse()).collect();
     let reference = reference.map(|word| word.parse()).transpose();
     let options = ComparisonOptions {
-        reference: reference.map_err(refused)?,
+        reference: reference.map_err(unusable)?,
         threads: workers,
         timed,
-        ..ComparisonOptions::new(schemes.map_err(refused)?, steps)
+        ..ComparisonOptions::new(schemes.map_err(unusable)?, steps)
     };
     let mut watch = Watch::new(tell.as_ref());
     py.detach(|| {
         let file = assemble(text, name)?.file;
-        let make = |formulation| job_in(name, &file, formulation);
+        let make = |formulation| job(name, &file, Some(formulation));
         let done = Mutex::new(0.0);
         let ended = |count, all, _: &str| {
             if let Ok(mut done) = done.lock() {
@@ -65,8 +65,8 @@ pub(super) fn compare(
         })?;
         match found {
             Ok(found) => serde_json::to_string(&found).map_err(failed),
-            Err(CompareError::Input(error)) => Err(ModelError::new_err(error.report(false))),
-            Err(error) => Err(refused(error)),
+            Err(CompareError::Input(error)) => Err(refused(error)),
+            Err(error) => Err(unusable(error)),
         }
     })
 }
@@ -75,7 +75,7 @@ pub(super) fn compare(
 #[pyfunction]
 pub(super) fn spectra(py: Python<'_>, schemes: Vec<String>, range: [f64; 2]) -> PyResult<String> {
     py.detach(|| {
-        let all = spectrum::all(&schemes, range).map_err(refused)?;
+        let all = spectrum::all(&schemes, range).map_err(unusable)?;
         let all: Vec<_> = all.iter().map(|(_, spectrum)| spectrum).collect();
         serde_json::to_string(&all).map_err(failed)
     })

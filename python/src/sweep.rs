@@ -1,7 +1,7 @@
 //! Sweeps in threads, and their table in a directory.
 
-use super::{ModelError, Watch, failed, watched};
-use pullback::input::{InputError, Registry};
+use super::{Watch, failed, refused, watched};
+use pullback::input::Registry;
 use pullback::studies::sweep::{Axis, Sweep, SweepError, SweepRow, SweepTable, TableError};
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
@@ -33,10 +33,6 @@ fn of_python((run, parameters, outcome, t, seconds, values): Row) -> SweepRow {
         seconds,
         values,
     }
-}
-
-fn refused(error: InputError) -> PyErr {
-    ModelError::new_err(error.report(false))
 }
 
 fn unsaved(error: TableError) -> PyErr {

@@ -155,7 +155,7 @@ impl CompareArguments {
         };
         let mut options = self.options(analysis.step)?;
         let source = model.clone();
-        let make = move |formulation| registry.job_in(&source, &file, formulation);
+        let make = move |formulation| registry.job(&source, &file, Some(formulation));
         if let Some(path) = &self.exact {
             let (nodes, times) = compare::sampling(&make, &options.steps)?;
             options.exact = Some(compare::read_exact(path, &nodes, &times)?);

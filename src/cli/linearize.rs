@@ -6,7 +6,7 @@ use crate::input::{Analysis, Job, Registry};
 use crate::modes::warning_of_motion;
 use crate::output::{Directory, OutputError};
 use crate::probe::{Answers, Probe};
-use crate::run::{ReachError, RunError, reach};
+use crate::run::{ReachError, reach};
 use crate::terminal::{self, plural, tell};
 use pullback_elements::model::Context;
 use pullback_integrators::linearization::{
@@ -56,13 +56,12 @@ pub(super) fn linearize(registry: &Registry, args: &LinearizeArguments) -> u8 {
     };
     let progress = match reach(&mut job, args.at, &mut |_| terminal::flow()) {
         Ok(progress) => progress,
-        Err(ReachError::Run(RunError::Input(error))) => return complain(&error),
         Err(ReachError::Interrupted) => {
             tell("interrupted: nothing is written");
             return INTERRUPTED;
         }
         Err(error @ ReachError::Path) => return refuse(format!("--at: {error}")),
-        Err(ReachError::Run(error)) => return refuse(error),
+        Err(error @ ReachError::Start(_)) => return refuse(error),
         Err(error @ ReachError::Failed(_)) => {
             refuse(error);
             return FAILED;

@@ -1,6 +1,6 @@
 //! Model files with other values of parameters.
 
-use crate::input::{InputError, Job, Registry};
+use crate::input::{self, InputError, Job, Registry, with_parameters};
 use std::path::PathBuf;
 
 /// The model file of a command.
@@ -14,14 +14,20 @@ pub(super) struct ModelArguments {
 }
 
 impl ModelArguments {
+    /// Its text, with other values of parameters.
+    pub fn text(&self) -> Result<String, InputError> {
+        let set = self.set.iter().map(|(path, value)| (path, value));
+        with_parameters(&input::read(&self.model)?, set)
+    }
+
     /// Reads and assembles it.
     pub fn load(&self, registry: &Registry) -> Result<Job, InputError> {
-        registry.load_with(&self.model, &self.set)
+        registry.assemble_text(&self.model.display().to_string(), &self.text()?)
     }
 }
 
 /// A path and a value.
-pub(super) fn assignment(text: &str) -> Result<(String, String), String> {
+fn assignment(text: &str) -> Result<(String, String), String> {
     let (path, value) = text
         .split_once('=')
         .ok_or("give PATH=VALUE, such as loads.0.force.2=-500")?;

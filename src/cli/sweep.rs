@@ -1,7 +1,8 @@
 //! `pullback sweep`.
 
-use super::{FAILED, INTERRUPTED, complain, parameters, print, refuse};
-use crate::input::{self, Registry, with_parameters};
+use super::parameters::ModelArguments;
+use super::{FAILED, INTERRUPTED, complain, print, refuse};
+use crate::input::Registry;
 use crate::studies::sweep::{Axis, Reduction, Sweep, SweepRow, SweepTable};
 use crate::terminal::{self, ProgressLine, plural, tell};
 use std::collections::HashSet;
@@ -12,8 +13,8 @@ use std::path::{Path, PathBuf};
 /// Arguments of `pullback sweep`.
 #[derive(clap::Args)]
 pub(super) struct SweepArguments {
-    /// Model file (TOML; see docs/model_file.md).
-    model: PathBuf,
+    #[command(flatten)]
+    file: ModelArguments,
     /// A parameter and its values: PATH=linspace(FROM,TO,COUNT), PATH=geomspace(FROM,TO,COUNT) or PATH=[A,B,...].
     /// Of several parameters all combinations are run.
     #[arg(
@@ -23,9 +24,6 @@ pub(super) struct SweepArguments {
         allow_hyphen_values = true
     )]
     over: Vec<Axis>,
-    /// Another value of a parameter, the same in all runs.
-    #[arg(long = "set", value_name = "PATH=VALUE", value_parser = parameters::assignment, allow_hyphen_values = true)]
-    set: Vec<(String, String)>,
     /// What is kept of each probe: last, max, min or at(T); several by repetition or with commas.
     #[arg(long, default_value = "last", value_delimiter = ',')]
     keep: Vec<Reduction>,
@@ -42,13 +40,12 @@ pub(super) struct SweepArguments {
 
 /// Runs a sweep; returns the exit code.
 pub(super) fn sweep(registry: &Registry, args: SweepArguments) -> u8 {
-    let out = (args.out).unwrap_or_else(|| args.model.with_extension("sweep"));
-    let text = input::read(&args.model).and_then(|text| with_parameters(&text, args.set));
-    let text = match text {
+    let out = (args.out).unwrap_or_else(|| args.file.model.with_extension("sweep"));
+    let text = match args.file.text() {
         Ok(text) => text,
         Err(error) => return complain(&error),
     };
-    let model = args.model.display().to_string();
+    let model = args.file.model.display().to_string();
     let sweep = match Sweep::new(model, text, args.over, args.keep) {
         Ok(sweep) => sweep,
         Err(error) => return refuse(error),

@@ -14,8 +14,6 @@ use pullback_elements::model::{Context, ElementId, Formulation, ModelError, Node
 
 /// A model and its analysis as a model file describes them, ready to run.
 pub struct Job {
-    /// Title, if the file has one.
-    pub title: Option<String>,
     /// The model at its start.
     pub context: Context,
     /// Initial state of a dynamic analysis.
@@ -123,7 +121,6 @@ pub(super) fn assemble(
     settings::fill_in(&plan, &mut file.analysis);
     Ok(Job {
         start,
-        title: file.title.clone(),
         context,
         plan,
         eigenvalues,

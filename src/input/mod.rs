@@ -25,7 +25,6 @@ pub use file::*;
 pub use initial::Start;
 pub use joints::{BoxedError, Registry, Site};
 pub use parameters::with_parameters;
-pub use schema::schema;
 pub use settings::{DynamicPlan, Plan};
 
 pub(crate) use names::closest;
@@ -44,19 +43,6 @@ impl Registry {
         self.assemble_text(&path.display().to_string(), &text)
     }
 
-    /// As [`Registry::load`], with other values of parameters: see [`with_parameters`].
-    ///
-    /// # Errors
-    /// As [`Registry::load`] and [`with_parameters`].
-    pub fn load_with(
-        &self,
-        path: &Path,
-        parameters: &[(String, String)],
-    ) -> Result<Job, InputError> {
-        let text = with_parameters(&read(path)?, parameters.iter().map(|(p, v)| (p, v)))?;
-        self.assemble_text(&path.display().to_string(), &text)
-    }
-
     /// Parses and assembles a text; messages refer to it as `name`.
     ///
     /// # Errors
@@ -67,26 +53,17 @@ impl Registry {
         assemble::assemble(&source.root(), self, file, None)
     }
 
-    /// Assembles a parsed file.
+    /// Assembles a parsed file, with a formulation of rotations other than that of its scheme, if given.
     ///
     /// # Errors
     /// As [`Registry::load`], without positions.
-    pub fn job(&self, name: &str, file: &ModelFile) -> Result<Job, InputError> {
-        assemble::assemble(&Text::new(name, "").root(), self, file.clone(), None)
-    }
-
-    /// Like [`Registry::job`], with a formulation of rotations other than that of the file's scheme.
-    ///
-    /// # Errors
-    /// As [`Registry::job`].
-    pub fn job_in(
+    pub fn job(
         &self,
         name: &str,
         file: &ModelFile,
-        formulation: Formulation,
+        formulation: Option<Formulation>,
     ) -> Result<Job, InputError> {
-        let source = Text::new(name, "");
-        assemble::assemble(&source.root(), self, file.clone(), Some(formulation))
+        assemble::assemble(&Text::new(name, "").root(), self, file.clone(), formulation)
     }
 }
 
@@ -114,20 +91,16 @@ pub fn parse(name: &str, text: &str) -> Result<ModelFile, InputError> {
     parse_text(&Text::new(name, text))
 }
 
-/// Assembles a parsed file.
+/// Assembles a parsed file, with a formulation of rotations other than that of its scheme, if given.
 ///
 /// # Errors
 /// As [`load`], without positions.
-pub fn job(name: &str, file: &ModelFile) -> Result<Job, InputError> {
-    Registry::standard().job(name, file)
-}
-
-/// Like [`job`], with a formulation of rotations other than that of the file's scheme.
-///
-/// # Errors
-/// As [`load`], without positions.
-pub fn job_in(name: &str, file: &ModelFile, formulation: Formulation) -> Result<Job, InputError> {
-    Registry::standard().job_in(name, file, formulation)
+pub fn job(
+    name: &str,
+    file: &ModelFile,
+    formulation: Option<Formulation>,
+) -> Result<Job, InputError> {
+    Registry::standard().job(name, file, formulation)
 }
 
 /// The text of a file.

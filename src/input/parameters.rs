@@ -1,7 +1,7 @@
 //! Parameters of a model: the values of its file, by path.
 
 use super::{InputError, InputProblem};
-use toml_edit::{DocumentMut, InlineTable, Item, Key, TableLike, Value};
+use toml_edit::{DocumentMut, Item, Key, TableLike, Value};
 
 /// Tables whose keys are names: a name that is missing is a mistake.
 const NAMED: [&str; 3] = ["sections", "nodes", "inputs"];
@@ -29,7 +29,7 @@ pub fn with_parameters<P: AsRef<str>, V: AsRef<str>>(
         let keys: Vec<&str> = keys.iter().map(Key::get).collect();
         let value = value.parse().unwrap_or_else(|_| Value::from(value));
         let path = Path { text: path, keys };
-        path.set_in_table(document.as_table_mut(), 0, value)?;
+        path.set(&mut document, value)?;
     }
     Ok(document.to_string())
 }
@@ -41,69 +41,39 @@ struct Path<'a> {
 }
 
 impl Path<'_> {
-    fn set_in_table(
-        &self,
-        table: &mut dyn TableLike,
-        depth: usize,
-        value: Value,
-    ) -> Result<(), InputError> {
-        let key = self.keys[depth];
-        let last = depth + 1 == self.keys.len();
-        if !table.contains_key(key) {
-            if depth == 1 && NAMED.contains(&self.keys[0]) {
-                let known = table.iter().map(|(key, _)| key.to_owned());
+    /// Sets the value in a document.
+    fn set(&self, document: &mut DocumentMut, value: Value) -> Result<(), InputError> {
+        let mut item = document.as_item_mut();
+        let mut listed = false;
+        for (depth, &key) in self.keys.iter().enumerate() {
+            let table = item.as_table_like();
+            let named = depth == 1 && NAMED.contains(&self.keys[0]);
+            if named && table.is_none_or(|table| !table.contains_key(key)) {
+                let known = table.into_iter().flat_map(|table| table.iter());
+                let known = known.map(|(key, _)| key.to_owned());
                 return Err(self.unknown(depth, known.collect()));
             }
-            table.insert(key, Item::Value(InlineTable::new().into()));
+            let names = names(item);
+            listed = names.is_some();
+            let inner = match names {
+                Some(names) => item.get_mut(self.number(depth, names)?),
+                // What is missing is added.
+                None => item.get_mut(key),
+            };
+            item = inner.ok_or_else(|| self.unknown(depth, Vec::new()))?;
         }
-        match table.get_mut(key) {
-            Some(Item::Value(old)) if last => replace(old, value),
-            Some(item) if last => *item = Item::Value(value),
-            Some(Item::ArrayOfTables(list)) => {
-                let names = list.iter().map(|table| name(table));
-                let k = self.number(depth + 1, list.len(), names.collect())?;
-                match list.get_mut(k) {
-                    Some(table) if depth + 2 < self.keys.len() => {
-                        self.set_in_table(table, depth + 2, value)?;
-                    }
-                    _ => return Err(self.unknown(depth + 2, Vec::new())),
-                }
-            }
-            Some(Item::Table(table)) => self.set_in_table(table, depth + 1, value)?,
-            Some(Item::Value(old)) => self.set_in_value(old, depth + 1, value)?,
-            _ => return Err(self.unknown(depth, Vec::new())),
+        match item {
+            Item::Table(_) if listed => return Err(self.unknown(self.keys.len(), Vec::new())),
+            Item::Value(old) => replace(old, value),
+            whole => *whole = Item::Value(value),
         }
         Ok(())
     }
 
-    fn set_in_value(&self, old: &mut Value, depth: usize, value: Value) -> Result<(), InputError> {
-        match old {
-            Value::InlineTable(table) => self.set_in_table(table, depth, value),
-            Value::Array(array) => {
-                let tables = array.iter().map(|item| name(item.as_inline_table()?));
-                let k = self.number(depth, array.len(), tables.collect())?;
-                match array.get_mut(k) {
-                    Some(old) if depth + 1 == self.keys.len() => {
-                        replace(old, value);
-                        Ok(())
-                    }
-                    Some(old) => self.set_in_value(old, depth + 1, value),
-                    None => Err(self.unknown(depth, Vec::new())),
-                }
-            }
-            _ => Err(self.unknown(depth, Vec::new())),
-        }
-    }
-
     /// The number of an entry of a list, by its number or its name.
-    fn number(
-        &self,
-        depth: usize,
-        len: usize,
-        names: Vec<Option<String>>,
-    ) -> Result<usize, InputError> {
-        let key = self.keys.get(depth).copied().unwrap_or_default();
-        let number = key.parse().ok().filter(|k| *k < len);
+    fn number(&self, depth: usize, names: Vec<Option<String>>) -> Result<usize, InputError> {
+        let key = self.keys[depth];
+        let number = key.parse().ok().filter(|k| *k < names.len());
         let named = || names.iter().position(|name| name.as_deref() == Some(key));
         number.or_else(named).ok_or_else(|| {
             let number = |(k, name): (usize, Option<String>)| name.unwrap_or(k.to_string());
@@ -127,6 +97,18 @@ fn replace(old: &mut Value, new: Value) {
     let decor = old.decor().clone();
     *old = new;
     *old.decor_mut() = decor;
+}
+
+/// The names of the entries of a list.
+fn names(item: &Item) -> Option<Vec<Option<String>>> {
+    Some(match item {
+        Item::ArrayOfTables(list) => list.iter().map(|table| name(table)).collect(),
+        Item::Value(Value::Array(list)) => {
+            let tables = list.iter().map(|item| name(item.as_inline_table()?));
+            tables.collect()
+        }
+        _ => return None,
+    })
 }
 
 fn name(table: &dyn TableLike) -> Option<String> {

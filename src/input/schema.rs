@@ -5,11 +5,6 @@ use super::joints::{JointType, Registry};
 use schemars::SchemaGenerator;
 use serde_json::{Map, Value, json};
 
-/// The JSON Schema of the model file with the joints of the library.
-pub fn schema() -> Value {
-    Registry::standard().schema()
-}
-
 impl Registry {
     /// The JSON Schema of model files with these types of joints.
     pub fn schema(&self) -> Value {

@@ -51,9 +51,9 @@ pub struct Checkpoint {
     settings: Value,
     /// Names of the unknowns in their order.
     unknowns: Vec<String>,
-    pub(super) progress: Progress,
+    pub(crate) progress: Progress,
     /// State of the model besides the coordinates.
-    pub(super) state: SavedState,
+    state: SavedState,
     /// Last rotation vectors of the probes.
     pub(super) memories: Vec<[f64; 3]>,
     pub(super) record: Record,
@@ -137,14 +137,15 @@ impl Checkpoint {
         Ok(format!("{{\"crc32\":{crc32},{content}"))
     }
 
-    /// Reads the checkpoint of a directory, for a model file with the present `settings`.
+    /// Reads the checkpoint of a directory, for a model file with the present `settings`, and restores the state of its
+    /// model besides the coordinates.
     ///
     /// # Errors
     /// [`ResumeError`].
     pub fn read(
         directory: &Path,
         settings: &Value,
-        context: &Context,
+        context: &mut Context,
     ) -> Result<Self, ResumeError> {
         let path = directory.join(NAME);
         let none = |path: &Path| {
@@ -173,6 +174,10 @@ impl Checkpoint {
             let part = "the order of nodes".to_owned();
             return Err(ResumeError::Changed { path, part });
         }
+        if !context.restore(&read.state) {
+            let what = "its state of charts and joints is not of this model";
+            return Err(damaged(path, what));
+        }
         let path = directory.join(log::NAME);
         let lines = directory::read(&path).map_err(none(&path))?;
         // The rest was written after this checkpoint.
@@ -184,29 +189,6 @@ impl Checkpoint {
         }
         (read.rows, read.frames) = log::read(lines).map_err(|source| unusable(path, source))?;
         Ok(read)
-    }
-
-    /// State of the motion.
-    pub fn progress(&self) -> &Progress {
-        &self.progress
-    }
-
-    /// Restores the state of a model besides the coordinates.
-    ///
-    /// # Errors
-    /// [`ResumeError::Damaged`] if they do not belong to this model.
-    pub(crate) fn restore(
-        &self,
-        context: &mut Context,
-        directory: &Path,
-    ) -> Result<(), ResumeError> {
-        if context.restore(&self.state) {
-            return Ok(());
-        }
-        Err(ResumeError::Damaged {
-            path: directory.join(NAME),
-            what: "its state of charts and joints is not of this model".to_owned(),
-        })
     }
 
     /// Names of the ParaView files of the rows so far.

@@ -78,11 +78,14 @@ impl History {
         let names = COLUMNS
             .iter()
             .filter(|name| !["row", "event"].contains(name));
-        let names = names.chain(more_columns(rows));
-        let mut columns: Vec<String> = names.map(|name| (*name).to_owned()).collect();
+        let moving = rows.iter().any(|row| row.motion.is_some());
+        let more: &[&str] = match moving {
+            true => &DYNAMIC_COLUMNS,
+            false => &STATIC_COLUMNS,
+        };
+        let mut columns: Vec<String> = names.chain(more).map(|name| (*name).to_owned()).collect();
         let general = columns.len();
         columns.extend(probes);
-        let moving = rows.iter().any(|row| row.motion.is_some());
         let mut values = Vec::new();
         for row in rows {
             let [force, moment] = row.residual;
@@ -139,49 +142,21 @@ impl History {
     }
 }
 
-/// The columns that depend on the analysis.
-fn more_columns(rows: &[HistoryRow]) -> &'static [&'static str] {
-    match rows.iter().any(|row| row.motion.is_some()) {
-        true => &DYNAMIC_COLUMNS,
-        false => &STATIC_COLUMNS,
-    }
-}
-
-/// The whole file.
-pub(super) fn csv(probes: &[String], rows: &[HistoryRow]) -> String {
-    let mut out = COLUMNS.join(",");
-    let moving = rows.iter().any(|row| row.motion.is_some());
-    out += ",";
-    out += &more_columns(rows).join(",");
-    for probe in probes {
-        out += ",";
-        out += probe;
-    }
-    out += "\n";
-    for (k, row) in rows.iter().enumerate() {
-        let event = row.event.as_deref().unwrap_or_default();
-        let [force, moment] = row.residual;
+/// The whole file: the history, with the number and the event of each row.
+pub(super) fn csv(history: &History) -> String {
+    let mut out = format!("row,step,event,{}\n", history.columns[1..].join(","));
+    let rows = history.values.chunks_exact(history.columns.len());
+    for (k, (row, event)) in rows.zip(&history.events).enumerate() {
+        let event = event.as_deref().unwrap_or_default();
         // Writing to a string cannot fail.
-        let _ = write!(
-            out,
-            "{k},{},{event},{:?},{:?},{},{force:?},{moment:?},{:?},{:?},{},{:?},{:?}",
-            row.step,
-            row.t,
-            row.step_size,
-            row.iterations,
-            row.ratio,
-            row.correction,
-            row.chart_changes,
-            row.largest_rotation,
-            row.strain_energy,
-        );
-        if !moving {
-            out += ",";
-            out += &row.unstable.map_or_else(String::new, |n| n.to_string());
-        }
-        for value in row.motion.iter().flatten().chain(&row.probes) {
-            // Zero has no sign.
-            let _ = write!(out, ",{:?}", value + 0.0);
+        let _ = write!(out, "{k},{},{event}", row[0]);
+        for (name, x) in history.columns.iter().zip(row).skip(1) {
+            let _ = match name.as_str() {
+                "unstable" if x.is_nan() => write!(out, ","),
+                "iterations" | "chart_changes" | "unstable" => write!(out, ",{x}"),
+                // Zero has no sign.
+                _ => write!(out, ",{:?}", x + 0.0),
+            };
         }
         out += "\n";
     }

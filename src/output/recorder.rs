@@ -213,7 +213,7 @@ impl<'a> Recorder<'a> {
     }
 
     fn write_history(&mut self) -> Result<(), OutputError> {
-        let text = csv(&self.recording.probe_columns(), &self.recording.rows);
+        let text = csv(&self.recording.history());
         self.directory.write("history.csv", &text)
     }
 

@@ -6,9 +6,8 @@ use crate::modes::Eigenvalues;
 use crate::output::{Ending, History, RecordError, Recording};
 use crate::solve::{Advance, Counts, solve};
 use pullback_elements::model::Context;
-use pullback_integrators::dynamics::Progress;
+use pullback_integrators::dynamics::{DynamicsError, Progress};
 use std::ops::ControlFlow;
-use std::path::Path;
 
 /// A run in memory.
 #[derive(Debug)]
@@ -33,25 +32,23 @@ pub struct Recorded {
 /// `observer` after each converged step, and may stop the run.
 ///
 /// # Errors
-/// [`RunError::Start`], [`RunError::Input`]. A failure of the solver is the ending of a run that has the
+/// [`RunError::Start`], [`RunError::Record`]. A failure of the solver is the ending of a run that has the
 /// converged steps.
 pub fn record_job(
-    job: Job,
+    mut job: Job,
     each_row: &mut dyn FnMut(&Context),
     observer: &mut dyn FnMut(&Advance<'_>) -> ControlFlow<()>,
 ) -> Result<Recorded, RunError> {
+    let mut notes = notes(&job);
+    let mut progress = initial_progress(&mut job, None)?;
+    let warnings = first_warnings(&mut job, &progress, &mut notes);
     let Job {
         mut context,
-        start,
         plan,
         eigenvalues,
         probes,
-        file,
         ..
     } = job;
-    let notes = notes(&context, &plan);
-    let mut progress = initial_progress(&mut context, &plan, &start, None, Path::new(""))?;
-    let warnings = first_warnings(&mut context, &file, &plan, &progress);
     let mut recording = Recording::new(&plan, probes, warnings);
     let start = recording.start(&mut context, &progress);
     if start.map_err(RecordError::from)?.is_some() {
@@ -69,11 +66,9 @@ pub fn record_job(
     if let (Some(wanted), Ending::Complete) = (eigenvalues, &ending) {
         (found, ending) = find(&mut context, &progress, wanted, observer);
     }
-    if let Some(Eigenvalues::Modes(modes)) = &found {
-        recording
-            .seen
-            .warnings
-            .extend(modes.warnings.iter().cloned());
+    if let Some(found) = &found {
+        let warnings = &mut recording.seen.warnings;
+        warnings.extend_from_slice(found.warnings());
     }
     recording.counts = ended.counts;
     Ok(Recorded {
@@ -93,7 +88,7 @@ pub fn record_job(
 pub enum ReachError {
     /// The motion cannot begin.
     #[error(transparent)]
-    Run(#[from] RunError),
+    Start(#[from] DynamicsError),
     /// A path passes loads several times.
     #[error("a path may pass a load several times; end it there by `stop` instead")]
     Path,
@@ -121,11 +116,13 @@ pub fn reach(
         (Plan::Dynamic(plan), Some(at)) => plan.options.to = at,
         (Plan::Path(..), Some(_)) => return Err(ReachError::Path),
     }
-    let plan = &job.plan;
-    let mut progress = initial_progress(&mut job.context, plan, &job.start, None, Path::new(""))?;
-    let ended = solve(&mut job.context, plan, &mut progress, &mut |_, step| {
-        observer(step)
-    });
+    let mut progress = initial_progress(job, None)?;
+    let ended = solve(
+        &mut job.context,
+        &job.plan,
+        &mut progress,
+        &mut |_, step| observer(step),
+    );
     match ending(&ended, progress.state.t) {
         Ending::Interrupted { .. } => Err(ReachError::Interrupted),
         ending => match ending.problem() {

@@ -3,7 +3,7 @@
 use super::types;
 use pullback_elements::beam::Interpolation;
 use pullback_elements::joint::{Joint, JointNodes};
-use pullback_elements::model::{ModelBuilder, ModelError, NodeId};
+use pullback_elements::model::{ModelBuilder, NodeId};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
@@ -32,22 +32,22 @@ impl Site<'_> {
     ///
     /// # Errors
     /// As [`ModelBuilder::mapped_node`].
-    pub fn join<J, const D: usize>(&mut self, joint: J) -> Result<JointNodes, ModelError>
+    pub fn join<J, const D: usize>(&mut self, joint: J) -> Result<JointNodes, BoxedError>
     where
         J: Joint<D> + Clone + 'static,
     {
-        self.builder.attach(self.name, self.parent, joint)
+        Ok(self.builder.attach(self.name, self.parent, joint)?)
     }
 
     /// Adds a joint to the parent whose child turns freely: [`ModelBuilder::attach_free`].
     ///
     /// # Errors
     /// As [`ModelBuilder::mapped_node`].
-    pub fn join_free<J, const D: usize>(&mut self, joint: J) -> Result<JointNodes, ModelError>
+    pub fn join_free<J, const D: usize>(&mut self, joint: J) -> Result<JointNodes, BoxedError>
     where
         J: Joint<D> + Clone + 'static,
     {
-        self.builder.attach_free(self.name, self.parent, joint)
+        Ok(self.builder.attach_free(self.name, self.parent, joint)?)
     }
 }
 
@@ -59,7 +59,6 @@ impl Site<'_> {
 ///
 /// ```no_run
 /// use pullback::elements::joint::Helical;
-/// use pullback::input::BoxedError;
 /// use pullback::input::Registry;
 /// use pullback::prelude::*;
 ///
@@ -74,7 +73,7 @@ impl Site<'_> {
 ///
 /// fn main() -> std::process::ExitCode {
 ///     let registry = Registry::standard().joint("screw", |at, keys: Screw| {
-///         Ok::<_, BoxedError>(at.join(Helical::new(keys.axis, keys.pitch)?)?)
+///         at.join(Helical::new(keys.axis, keys.pitch)?)
 ///     });
 ///     pullback::cli::main(&registry)
 /// }

@@ -1,9 +1,8 @@
 //! The joints of the library under their names in model files, with their keys.
 
-use super::registry::{BoxedError, Registry};
+use super::registry::Registry;
 use nalgebra::Vector3;
-use pullback_elements::joint::{self, JointNodes, Quadric, Spline};
-use pullback_elements::model::ModelError;
+use pullback_elements::joint::{self, Quadric, Spline};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -153,7 +152,7 @@ pub(super) fn add_to(registry: Registry) -> Registry {
             at.builder.relative_node(at.name, at.parent, keys.position)
         })
         .joint("revolute", |at, keys: Revolute| {
-            made(at.join(joint::Revolute::new(keys.axis)?))
+            at.join(joint::Revolute::new(keys.axis)?)
         })
         .joint("spherical", |at, _: Spherical| {
             at.join_free(joint::Spherical)
@@ -162,30 +161,30 @@ pub(super) fn add_to(registry: Registry) -> Registry {
             (at.builder).slide(at.name, at.chain, keys.start, at.interpolation)
         })
         .joint("universal", |at, keys: Universal| {
-            made(at.join(joint::Universal::new([keys.axis, keys.second_axis])?))
+            at.join(joint::Universal::new([keys.axis, keys.second_axis])?)
         })
         .joint("constant_velocity", |at, keys: ConstantVelocity| {
             let axes = [keys.axis, keys.second_axis];
-            made(at.join(joint::ConstantVelocity::new(axes)?))
+            at.join(joint::ConstantVelocity::new(axes)?)
         })
         .joint("cylindrical", |at, keys: Cylindrical| {
-            made(at.join(joint::Cylindrical::new(keys.axis)?))
+            at.join(joint::Cylindrical::new(keys.axis)?)
         })
         .joint("prismatic", |at, keys: Prismatic| {
-            made(at.join(joint::Prismatic::new(keys.axis)?))
+            at.join(joint::Prismatic::new(keys.axis)?)
         })
         .joint("planar", |at, keys: Planar| {
-            made(at.join(joint::Planar::new(keys.axis, keys.second_axis)?))
+            at.join(joint::Planar::new(keys.axis, keys.second_axis)?)
         })
         .joint("helical", |at, keys: Helical| {
-            made(at.join(joint::Helical::new(keys.axis, keys.pitch)?))
+            at.join(joint::Helical::new(keys.axis, keys.pitch)?)
         })
         .joint("on_curve", |at, keys: OnCurve| {
             let origin = at.builder.position(at.parent);
             let seen = |point: &[f64; 3]| (Vector3::from(*point) - origin).into();
             let points: Vec<_> = keys.through.iter().map(seen).collect();
             let curve = Spline::through(&points, keys.closed, keys.start)?;
-            made(at.join_free(joint::OnCurve::new(curve)))
+            at.join_free(joint::OnCurve::new(curve))
         })
         .joint("on_surface", |at, keys: OnSurface| {
             let origin = at.builder.position(at.parent);
@@ -196,11 +195,6 @@ pub(super) fn add_to(registry: Registry) -> Registry {
                 Shape::Cylinder { center, axis } => Quadric::cylinder(start, seen(center), axis),
                 Shape::Sphere { center } => Quadric::sphere(start, seen(center)),
             }?;
-            made(at.join_free(joint::OnSurface::new(surface)))
+            at.join_free(joint::OnSurface::new(surface))
         })
-}
-
-/// With room for other errors.
-fn made(joint: Result<JointNodes, ModelError>) -> Result<JointNodes, BoxedError> {
-    Ok(joint?)
 }

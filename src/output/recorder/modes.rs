@@ -38,6 +38,8 @@ impl Recorder<'_> {
         at: Point<'_>,
         found: &Eigenvalues,
     ) -> Result<(), OutputError> {
+        let warnings = &mut self.recording.seen.warnings;
+        warnings.extend_from_slice(found.warnings());
         match found {
             Eigenvalues::Modes(modes) => self.write_modes(context, at, modes),
             Eigenvalues::Campbell(found) => {
@@ -55,8 +57,6 @@ impl Recorder<'_> {
         at: Point<'_>,
         loads: &CriticalLoads,
     ) -> Result<(), OutputError> {
-        let warnings = &mut self.recording.seen.warnings;
-        warnings.extend(loads.warnings.iter().cloned());
         let mut csv = "mode,load,error\n".to_owned();
         for (k, mode) in loads.modes.iter().enumerate() {
             // Writing to a string cannot fail.
@@ -93,10 +93,6 @@ impl Recorder<'_> {
         at: Point<'_>,
         modes: &ModelModes,
     ) -> Result<(), OutputError> {
-        self.recording
-            .seen
-            .warnings
-            .extend(modes.warnings.iter().cloned());
         let mut csv = COLUMNS.to_owned();
         for (k, mode) in modes.modes.iter().enumerate() {
             let m = &mode.mode;

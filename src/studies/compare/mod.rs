@@ -28,7 +28,7 @@
 //! let file = input::parse("body.toml", text)?;
 //! let schemes = vec!["newmark".parse()?, "lie-ga:0.8".parse()?];
 //! let options = ComparisonOptions::new(schemes, vec![0.04, 0.02, 0.01]);
-//! let make = |formulation| input::job_in("body.toml", &file, formulation);
+//! let make = |formulation| input::job("body.toml", &file, Some(formulation));
 //! let comparison = compare(&make, "body.toml", &options, &Hooks::NONE)?;
 //! for scheme in &comparison.orders {
 //!     let order = scheme.of(ErrorQuantity::Rotation).ok_or("no order")?;

@@ -171,7 +171,7 @@ pub(super) fn run(
     let mut comparison = Comparison {
         program: concat!("pullback ", env!("CARGO_PKG_VERSION")),
         model: model.to_owned(),
-        title: prepared.job.title.clone(),
+        title: prepared.job.file.title.clone(),
         command: None,
         complete,
         to: grid.to,

@@ -4,7 +4,7 @@ use super::drift::{Conserved, drift};
 use super::grid::Grid;
 use super::order::NEAR;
 use super::run::Task;
-use super::sample::{QUANTITIES, Sample, Values, choose, distances, extrapolate, sizes};
+use super::sample::{QUANTITIES, Sample, Values, distances, extrapolate, sizes};
 use super::{Candidate, ComparisonRow, ErrorQuantity};
 use crate::method::Method;
 use serde::Serialize;
@@ -78,9 +78,10 @@ pub(super) fn judge(
 ) -> Option<Reference> {
     let [a, b, c] = runs else { return None };
     let theory = Candidate::Method(*method).orders(multipliers)?;
+    let theory = theory.0.map(|p| p as f64);
     let pairs = [[&a.samples, &b.samples], [&b.samples, &c.samples]];
     let [first, second] = pairs.map(|[a, b]| distances(a, b));
-    let [ab, bc] = pairs.map(|[a, b]| extrapolate(a, b, theory));
+    let [ab, bc] = pairs.map(|[a, b]| extrapolate(a, b, Values(theory)));
     let between = distances(&ab, &bc);
     let size = sizes(&c.samples);
     let (mut order, mut error) = ([f64::NAN; QUANTITIES], [0.0; QUANTITIES]);
@@ -92,7 +93,7 @@ pub(super) fn judge(
             continue;
         }
         order[k] = (first.0[k] / second.0[k]).log2();
-        extrapolated[k] = (order[k] - theory.0[k] as f64).abs() <= NEAR;
+        extrapolated[k] = (order[k] - theory[k]).abs() <= NEAR;
         error[k] = if extrapolated[k] {
             2.0 * between.0[k]
         } else if order[k] > 0.0 {
@@ -103,6 +104,14 @@ pub(super) fn judge(
         error[k] = error[k].max(round_off);
     }
     let error = Values(error);
+    let used = |k| {
+        if extrapolated[k] {
+            theory[k]
+        } else {
+            f64::INFINITY
+        }
+    };
+    let used = Values(std::array::from_fn(used));
     Some(Reference {
         scheme: method.to_string(),
         steps: [a.step, b.step, c.step],
@@ -112,7 +121,7 @@ pub(super) fn judge(
         conserved: conserved(&bc, &c.samples, [&ab, &bc]),
         evaluations: runs.iter().map(|run| run.counts.evaluations).sum(),
         chart_changes: c.counts.chart_changes,
-        samples: choose(&bc, &c.samples, extrapolated),
+        samples: extrapolate(&b.samples, &c.samples, used),
     })
 }
 

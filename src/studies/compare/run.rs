@@ -5,10 +5,12 @@ use super::sample::Sample;
 use super::{Candidate, CompareError, ComparisonRow, Drift};
 use crate::input::{DynamicPlan, InputError, Job, Plan};
 use crate::method::Method;
-use crate::solve::Counts;
+use crate::solve::{Counts, begin};
 use crate::studies::general::General;
 use pullback_elements::model::{Context, Formulation};
-use pullback_integrators::dynamics::{DynamicOptions, NewtonOptions, Progress, Summary, integrate};
+use pullback_integrators::dynamics::{
+    DynamicOptions, NewtonOptions, Progress, StepReport, Summary, integrate,
+};
 use pullback_manifold::system::Point;
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
@@ -67,6 +69,7 @@ impl Task<'_> {
         let newton = plan.options.newton;
         DynamicOptions {
             scheme: method.scheme(),
+            to: self.grid.to,
             step: self.step(),
             min_step: 1e-6 * self.step(),
             adaptivity: None,
@@ -129,7 +132,7 @@ pub(super) fn dynamic(plan: &Plan) -> Option<&DynamicPlan> {
     }
 }
 
-/// Integrates from common time to common time, and samples the model at each. The row has neither errors nor drift.
+/// Runs a task, and samples the model at the common times. The row has neither errors nor drift.
 pub(super) fn drive(make: &Maker<'_>, task: &Task<'_>, hooks: &Hooks<'_>) -> ComparisonRow {
     let mut row = task.row();
     row.failure = advance(make, task, hooks, &mut row).err().map(|f| f.0);
@@ -149,67 +152,75 @@ fn advance(
     }
     let plan = dynamic(&job.plan).ok_or(CompareError::Static)?;
     let options = match &task.candidate {
-        Candidate::Method(method) => task.options(method, plan),
+        Candidate::Method(method) => DynamicOptions {
+            interval: Some(grid.to / grid.times as f64),
+            ..task.options(method, plan)
+        },
         Candidate::General(general) => {
             return in_general(&mut job, &task.solver(general), grid, hooks, row);
         }
     };
     let model = &mut job.context;
     let mut progress = job.start.motion(model)?;
+    let accelerations = assemblies(model, &options, &mut progress)?;
+    // The search of a new run, and that of one which goes on.
+    let mut anew = Progress {
+        invariants: None,
+        ..progress.clone()
+    };
+    row.searching = assemblies(model, &options, &mut anew)?;
+    let again = assemblies(model, &options, &mut progress)?;
     let before = model.assemblies();
-    let clock = Instant::now();
-    let mut searches = 0;
-    for k in 0..=grid.times {
-        let to = if k == 0 { 0.0 } else { grid.time(k) };
-        let part = DynamicOptions { to, ..options };
-        if k == 0 {
-            search(model, &mut progress, &options, hooks)?;
-            // The same search once more, by a new run.
-            let mut anew = Progress {
-                invariants: None,
-                ..progress.clone()
-            };
-            row.searching = search(model, &mut anew, &options, hooks)?;
-            searches += 2 * row.searching;
-        }
-        // The empty part, and the part itself.
-        searches += 2 * search(model, &mut progress, &options, hooks)?;
-        let mut stopped = false;
-        let integrated = integrate(model, &mut progress, &part, &mut |_, _| {
-            let flow = (hooks.flow)();
-            stopped = flow.is_break();
-            flow
-        });
-        row.counts = Counts::of_motion(&progress.summary);
-        row.assemblies = match options.scheme.stages() {
-            [_] => (model.assemblies() - before).saturating_sub(searches),
-            // Several tangents of a state count once; rates are not spins here.
-            _ => progress.summary.evaluations,
-        };
-        row.seconds = clock.elapsed().as_secs_f64();
-        integrated?;
-        if stopped {
-            return Err(RunFailure(INTERRUPTED.to_owned()));
-        }
+    let mut failed = None;
+    let mut seen = |model: &mut Context, progress: &Progress| {
         let defect = progress.summary.energy.map(|e| e.defect());
-        row.samples
-            .push(sample(model, progress.state.point(), defect)?);
+        failed = match sample(model, progress.state.point(), defect) {
+            Ok(sample) => {
+                row.samples.push(sample);
+                None
+            }
+            Err(failure) => Some(failure),
+        };
+        failed.is_none()
+    };
+    let begun = seen(model, &progress);
+    let clock = Instant::now();
+    let mut observer = |model: &mut Context, step: &StepReport<'_>| {
+        let t = step.progress.state.t;
+        let is_common = options.intervals(t) > options.intervals(t - step.step_size);
+        match !(is_common || t >= options.to) || seen(model, step.progress) {
+            true => (hooks.flow)(),
+            false => ControlFlow::Break(()),
+        }
+    };
+    let integrated = match begun {
+        true => integrate(model, &mut progress, &options, &mut observer),
+        false => Ok(()),
+    };
+    row.seconds = clock.elapsed().as_secs_f64();
+    row.counts = Counts::of_motion(&progress.summary);
+    row.assemblies = match options.scheme.stages() {
+        [_] => (accelerations + model.assemblies() - before).saturating_sub(row.searching + again),
+        // Several tangents of a state count once; rates are not spins here.
+        _ => progress.summary.evaluations,
+    };
+    integrated?;
+    match failed {
+        Some(failure) => Err(failure),
+        None if !progress.summary.finished => Err(RunFailure(INTERRUPTED.to_owned())),
+        None => Ok(()),
     }
-    Ok(())
 }
 
-/// The number of assemblies of an empty part. Every part begins with a search for invariants or the largest frequency,
-/// which an undivided run makes once.
-fn search(
+/// The number of assemblies before the first step. They include a search for invariants or the largest frequency, which
+/// a run that goes on makes again.
+fn assemblies(
     model: &mut Context,
-    progress: &mut Progress,
     options: &DynamicOptions,
-    hooks: &Hooks<'_>,
+    progress: &mut Progress,
 ) -> Result<usize, RunFailure> {
     let before = model.assemblies();
-    let to = progress.state.t;
-    let here = DynamicOptions { to, ..*options };
-    integrate(model, progress, &here, &mut |_, _| (hooks.flow)())?;
+    begin(model, options, progress)?;
     Ok(model.assemblies() - before)
 }
 

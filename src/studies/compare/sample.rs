@@ -259,10 +259,10 @@ pub(super) fn sizes(samples: &[Sample]) -> Values {
 }
 
 /// Richardson's extrapolation of two runs of an order p, the second with half the step of the
-/// first: b + (b − a)/(2ᵖ − 1); rotations are continued by this fraction of the relative rotation. Momenta have
-/// the order of velocities.
-pub(super) fn extrapolate(a: &[Sample], b: &[Sample], order: Values<usize>) -> Vec<Sample> {
-    let parts = order.0.map(|p| (p as f64).exp2() - 1.0);
+/// first: b + (b − a)/(2ᵖ − 1), or b itself if p is infinite; rotations are continued by this fraction of the relative
+/// rotation. Momenta have the order of velocities.
+pub(super) fn extrapolate(a: &[Sample], b: &[Sample], order: Values) -> Vec<Sample> {
+    let parts = order.0.map(|p| p.exp2() - 1.0);
     let towards = |k: usize, a: &Vector3<f64>, b: &Vector3<f64>| b + (b - a) / parts[k];
     let node = |(a, b): (&FrameSample, &FrameSample)| {
         let relative = so3::log_rotation(&(a.R.transpose() * b.R), &Vector3::zeros());
@@ -279,31 +279,6 @@ pub(super) fn extrapolate(a: &[Sample], b: &[Sample], order: Values<usize>) -> V
         nodes: a.nodes.iter().zip(&b.nodes).map(node).collect(),
         energy: b.energy + (b.energy - a.energy) / parts[ErrorQuantity::Energy as usize],
         momenta: [0, 1].map(|k| towards(2, &a.momenta[k], &b.momenta[k])),
-        ..*b
-    });
-    samples.collect()
-}
-
-/// A run with each quantity from the first if `pick` says so, from the second otherwise.
-pub(super) fn choose(first: &[Sample], second: &[Sample], pick: [bool; QUANTITIES]) -> Vec<Sample> {
-    let node = |(a, b): (&FrameSample, &FrameSample)| {
-        let from = |k: usize| if pick[k] { a } else { b };
-        FrameSample {
-            position: from(0).position,
-            R: from(1).R,
-            velocity: from(2).velocity,
-            omega: from(3).omega,
-            acceleration: from(4).acceleration,
-            omega_dot: from(5).omega_dot,
-        }
-    };
-    let samples = first.iter().zip(second).map(|(a, b)| Sample {
-        nodes: a.nodes.iter().zip(&b.nodes).map(node).collect(),
-        energy: if pick[ErrorQuantity::Energy as usize] {
-            a.energy
-        } else {
-            b.energy
-        },
         ..*b
     });
     samples.collect()

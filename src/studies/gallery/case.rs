@@ -216,7 +216,7 @@ impl CaseReport {
 
     /// Builds a model file and finds the watched node.
     pub(super) fn build(&self, file: &ModelFile, node: &str) -> Result<Watched, CaseProblem> {
-        let model = input::job(self.case, file).map_err(Box::new)?.context;
+        let model = input::job(self.case, file, None).map_err(Box::new)?.context;
         let node = find(&model, node)?;
         Ok(Watched { model, node })
     }

@@ -72,42 +72,25 @@ fn pendulum(t: f64) -> [FrameSample; 2] {
 const INERTIA: Vector3<f64> = Vector3::new(1.0, 2.0, 3.0);
 const SPIN: Vector3<f64> = Vector3::new(0.1, 10.0, 0.1);
 
-/// Angular velocity in axes of the body: Landau & Lifshitz, Mechanics, (37.10).
-struct Euler {
-    /// Sizes of the three components.
-    size: Vector3<f64>,
-    /// τ = rate t + start.
-    rate: f64,
-    start: f64,
-    /// Parameter k².
-    m: f64,
-}
-
-impl Euler {
-    fn new() -> Self {
-        let (J, L2) = (INERTIA, INERTIA.component_mul(&SPIN).norm_squared());
-        let E2 = INERTIA.dot(&SPIN.component_mul(&SPIN));
-        let (high, low) = (E2 * J.z - L2, L2 - E2 * J.x);
-        let size = Vector3::new(
-            high / (J.x * (J.z - J.x)),
-            high / (J.y * (J.z - J.y)),
-            low / (J.z * (J.z - J.x)),
-        )
-        .map(f64::sqrt);
-        let m = (J.y - J.x) * high / ((J.z - J.y) * low);
-        // am τ at the start.
-        let phase = (SPIN.y / size.y).atan2(SPIN.x / size.x);
-        Self {
-            size,
-            rate: ((J.z - J.y) * low / (J.x * J.y * J.z)).sqrt(),
-            start: first_kind(phase, m),
-            m,
-        }
-    }
-
-    fn at(&self, t: f64) -> Vector3<f64> {
-        let [sn, cn, dn] = jacobi(self.rate * t + self.start, self.m);
-        self.size.component_mul(&Vector3::new(cn, sn, dn))
+/// Angular velocity in axes of the body over time: Landau & Lifshitz, Mechanics, (37.10).
+fn euler() -> impl Fn(f64) -> Vector3<f64> {
+    let (J, L2) = (INERTIA, INERTIA.component_mul(&SPIN).norm_squared());
+    let E2 = INERTIA.dot(&SPIN.component_mul(&SPIN));
+    let (high, low) = (E2 * J.z - L2, L2 - E2 * J.x);
+    let size = Vector3::new(
+        high / (J.x * (J.z - J.x)),
+        high / (J.y * (J.z - J.y)),
+        low / (J.z * (J.z - J.x)),
+    )
+    .map(f64::sqrt);
+    let m = (J.y - J.x) * high / ((J.z - J.y) * low);
+    // am τ at the start.
+    let phase = (SPIN.y / size.y).atan2(SPIN.x / size.x);
+    let rate = ((J.z - J.y) * low / (J.x * J.y * J.z)).sqrt();
+    let start = first_kind(phase, m);
+    move |t| {
+        let [sn, cn, dn] = jacobi(rate * t + start, m);
+        size.component_mul(&Vector3::new(cn, sn, dn))
     }
 }
 
@@ -115,10 +98,10 @@ impl Euler {
 /// follow from J Ω, the precession is the integral of L (J₁Ω₁² + J₂Ω₂²)/(J₁²Ω₁² + J₂²Ω₂²) (Landau &
 /// Lifshitz, (37.14)), found by Gauss's rule.
 fn free_body(t: f64) -> FrameSample {
-    let euler = Euler::new();
+    let euler = euler();
     let L = INERTIA.component_mul(&SPIN).norm();
     let precession = |t: f64| {
-        let Omega = euler.at(t);
+        let Omega = euler(t);
         let spins = INERTIA.component_mul(&Omega);
         let energies = spins.component_mul(&Omega);
         L * (energies.x + energies.y) / (spins.x.powi(2) + spins.y.powi(2))
@@ -138,8 +121,8 @@ fn free_body(t: f64) -> FrameSample {
         let nutation = Rotation3::new(Vector3::x() * l.x.hypot(l.y).atan2(l.z));
         about_z(precession) * nutation * about_z(l.x.atan2(l.y))
     };
-    let Omega = euler.at(t);
-    let R = attitude(&euler.at(0.0), 0.0).inverse() * attitude(&Omega, angle);
+    let Omega = euler(t);
+    let R = attitude(&euler(0.0), 0.0).inverse() * attitude(&Omega, angle);
     let Omega_dot = -Omega
         .cross(&INERTIA.component_mul(&Omega))
         .component_div(&INERTIA);

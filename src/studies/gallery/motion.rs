@@ -196,7 +196,7 @@ impl CaseReport {
         nodes: &[&str],
         run: RunChanges,
     ) -> Result<Begun, CaseProblem> {
-        let job = input::job(self.case, file).map_err(Box::new)?;
+        let job = input::job(self.case, file, None).map_err(Box::new)?;
         let Plan::Dynamic(plan) = job.plan else {
             return Err(CaseProblem::Setup("its analysis is not dynamic"));
         };

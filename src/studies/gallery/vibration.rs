@@ -22,7 +22,7 @@ fn lag(speed: f64, flap: [f64; 2]) -> [f64; 2] {
 /// A rotating blade.
 pub(super) fn blade(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("rotating_blade")?;
-    let mut job = input::job(report.case, &file).map_err(Box::new)?;
+    let mut job = input::job(report.case, &file, None).map_err(Box::new)?;
     let Some(EigenvaluePlan::Campbell(input, options)) = &job.eigenvalues else {
         return Err(CaseProblem::Setup("it has no speeds"));
     };

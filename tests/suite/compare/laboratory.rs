@@ -59,7 +59,7 @@ fn an_exact_solution_takes_the_place_of_the_reference() {
 #[test]
 fn an_exact_solution_comes_from_a_file() {
     let file = until(model("pendulum.toml"), 1.0);
-    let make = |formulation| input::job_in("model.toml", &file, formulation);
+    let make = |formulation| input::job("model.toml", &file, Some(formulation));
     let steps = [0.02, 0.01];
     let (nodes, times) = sampling(&make, &steps).unwrap();
     let path = std::env::temp_dir().join(format!("pullback_exact_{}.csv", std::process::id()));

@@ -295,7 +295,7 @@ fn directory(name: &str) -> PathBuf {
 fn a_comparison_that_is_stopped_keeps_what_it_has_and_says_so() {
     let directory = directory("compare_stopped");
     let file = input::parse("model.toml", BODY).unwrap();
-    let make = |formulation| input::job_in("model.toml", &file, formulation);
+    let make = |formulation| input::job("model.toml", &file, Some(formulation));
     // The reference makes 5600 steps, the others 600.
     let steps = AtomicUsize::new(0);
     let watch = Hooks {
@@ -326,7 +326,7 @@ const PENDULUM: &str = include_str!("../../../examples/models/pendulum.toml");
 #[test]
 fn refusals_come_before_runs() {
     let file = input::parse("pendulum.toml", PENDULUM).unwrap();
-    let make = |formulation| input::job_in("pendulum.toml", &file, formulation);
+    let make = |formulation| input::job("pendulum.toml", &file, Some(formulation));
     let told = Mutex::new(Vec::new());
     let watch = Hooks {
         refused: &|name, why| told.lock().unwrap().push(format!("{name}: {why}")),

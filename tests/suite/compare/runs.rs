@@ -84,7 +84,7 @@ fn as_many_runs_as_threads_are_under_way_at_once() {
                 let waiting = changed.wait_timeout_while(count, wait, |c| c.1 < together);
                 waiting.unwrap().0.0 -= 1;
             }
-            input::job_in("model.toml", &file, formulation)
+            input::job("model.toml", &file, Some(formulation))
         };
         let asked = ComparisonOptions {
             threads: NonZeroUsize::new(threads),

@@ -50,7 +50,7 @@ fn a_beam_rolls_up_alike_in_both_charts() {
     let text = include_str!("../../../examples/models/rollup.toml");
     let file = input::parse("rollup.toml", text).unwrap();
     let ends = [Formulation::Total, Formulation::WienerMilenkovic].map(|formulation| {
-        let mut job = input::job_in("rollup.toml", &file, formulation).unwrap();
+        let mut job = input::job("rollup.toml", &file, Some(formulation)).unwrap();
         let Plan::Static(options) = job.plan else {
             panic!("statics");
         };

@@ -159,7 +159,7 @@ fn the_tangent_of_spins_is_that_of_their_residual() {
         Formulation::SpatialSpins,
         Formulation::MixedSpins,
     ] {
-        let mut job = input::job_in("rod.toml", &file, formulation).unwrap();
+        let mut job = input::job("rod.toml", &file, Some(formulation)).unwrap();
         // A step centres the charts, and spins begin.
         let options = tight(Scheme::default(), 0.05, 0.01);
         let start = [&job.start.q[..], &job.start.v];
@@ -189,7 +189,7 @@ fn the_tangent_of_spins_is_that_of_their_residual() {
 fn a_model_whose_rotations_are_held_has_one_formulation() {
     let text = include_str!("../../../examples/models/pendulum.toml");
     let file = input::parse("pendulum.toml", text).unwrap();
-    let refused = input::job_in("pendulum.toml", &file, Formulation::LieGroup);
+    let refused = input::job("pendulum.toml", &file, Some(Formulation::LieGroup));
     let error = refused.err().unwrap().to_string();
     assert!(error.contains("without the prefix"), "{error}");
 }

@@ -85,7 +85,7 @@ fn published(rho: f64, h: f64, steps: usize) -> Vec<(Matrix3<f64>, Vector3<f64>)
 fn stepped(name: &str, h: f64, steps: usize) -> Vec<(Matrix3<f64>, Vector3<f64>)> {
     let method: Method = name.parse().unwrap();
     let file = input::parse("heavy_top.toml", TOP).unwrap();
-    let mut job = input::job_in("heavy_top.toml", &file, method.formulation()).unwrap();
+    let mut job = input::job("heavy_top.toml", &file, Some(method.formulation())).unwrap();
     let top = job.context.find("top").unwrap();
     let options = tight(method.scheme(), steps as f64 * h, h);
     let start = [&job.start.q[..], &job.start.v];

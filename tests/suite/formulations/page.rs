@@ -28,7 +28,7 @@ fn subject(name: &str, text: &str, changes: &[(&str, &str)], steps: &[f64]) -> S
     Subject {
         name: name.to_owned(),
         model: name.to_owned(),
-        make: Box::new(move |formulation| input::job_in(&model, &file, formulation)),
+        make: Box::new(move |formulation| input::job(&model, &file, Some(formulation))),
         options: ComparisonOptions {
             long: Some(20.0),
             residual: Some(1e-10),

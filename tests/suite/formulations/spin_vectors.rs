@@ -36,7 +36,7 @@ fn plane() -> String {
 
 fn job(text: &str, method: &Method) -> Job {
     let file = input::parse("model.toml", text).unwrap();
-    input::job_in("model.toml", &file, method.formulation()).unwrap()
+    input::job("model.toml", &file, Some(method.formulation())).unwrap()
 }
 
 /// Runs a model until `to`; rotations of all frame nodes after each step, and where the run is.

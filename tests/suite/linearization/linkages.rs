@@ -31,7 +31,7 @@ fn closed(file: &ModelFile, closure: Option<Closure>, penalty: Option<f64>) -> M
         joint.closure = closure;
         joint.penalty = penalty;
     }
-    let mut job = job("linkage", &file).unwrap();
+    let mut job = job("linkage", &file, None).unwrap();
     let q = job.context.initial().to_vec();
     let lin = linearize(&mut job.context, Point::statics(0.0, &q)).unwrap();
     let found = modes(&lin, &ModeOptions::lowest(4)).unwrap();

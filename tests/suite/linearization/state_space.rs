@@ -147,7 +147,7 @@ fn transfer(
     }
     file.inputs.insert("torque".to_owned(), 0.0);
     file.joints[0].actuator = Some(Time::Input("torque".to_owned()));
-    let mut job = job("linkage", &file).unwrap();
+    let mut job = job("linkage", &file, None).unwrap();
     let q = job.context.initial().to_vec();
     let at = Point::statics(0.0, &q);
     let lin = linearize(&mut job.context, at).unwrap();

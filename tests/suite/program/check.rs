@@ -13,7 +13,8 @@ fn all_models_of_the_gallery_pass() {
     for entry in std::fs::read_dir(models).unwrap() {
         let path = entry.unwrap().path();
         for seed in 0..2 {
-            let report = check::file(&path, seed).unwrap();
+            let mut job = pullback::input::load(&path).unwrap();
+            let report = check::job(&mut job, seed);
             assert!(
                 report.is_ok(),
                 "{} with seed {seed}\n{}",

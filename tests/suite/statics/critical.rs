@@ -24,7 +24,7 @@ fn limit_points_directly() {
         for line in &mut file.lines {
             line.elements *= elements;
         }
-        let mut job = job(name, &file).unwrap();
+        let mut job = job(name, &file, None).unwrap();
         let Plan::Path(options, _) = &mut job.plan else {
             unreachable!()
         };

@@ -44,7 +44,7 @@ pub fn assert_heavy_top(text: &str, methods: &[(&str, i32)]) {
     for &(method, order) in methods {
         let method: Method = method.parse().unwrap();
         let position = |h: f64| -> Vector3<f64> {
-            let mut job = input::job_in("top.toml", &file, method.formulation()).unwrap();
+            let mut job = input::job("top.toml", &file, Some(method.formulation())).unwrap();
             let top = job.context.find("top").unwrap();
             let options = tight(method.scheme(), 1.0, h);
             let mut axis = Vector3::zeros();

@@ -28,7 +28,7 @@ pub fn options(words: &[&str], steps: &[f64]) -> ComparisonOptions {
 }
 
 pub fn compared(file: &ModelFile, options: &ComparisonOptions) -> Result<Comparison, CompareError> {
-    let make = |formulation| input::job_in("model.toml", file, formulation);
+    let make = |formulation| input::job("model.toml", file, Some(formulation));
     compare(&make, "model.toml", options, &Hooks::NONE)
 }
 
