@@ -151,25 +151,39 @@ fn advance(
         job.context.keep_charts_until(LATE_CHARTS);
     }
     let plan = dynamic(&job.plan).ok_or(CompareError::Static)?;
-    let options = match &task.candidate {
-        Candidate::Method(method) => DynamicOptions {
-            interval: Some(grid.to / grid.times as f64),
-            ..task.options(method, plan)
-        },
+    match &task.candidate {
         Candidate::General(general) => {
-            return in_general(&mut job, &task.solver(general), grid, hooks, row);
+            in_general(&mut job, &task.solver(general), grid, hooks, row)
         }
-    };
+        Candidate::Method(method) => {
+            let interval = Some(grid.to / grid.times as f64);
+            let options = task.options(method, plan);
+            let options = DynamicOptions {
+                interval,
+                ..options
+            };
+            by_scheme(&mut job, &options, hooks, row)
+        }
+    }
+}
+
+/// A run with a scheme, sampled where its intervals end.
+fn by_scheme(
+    job: &mut Job,
+    options: &DynamicOptions,
+    hooks: &Hooks<'_>,
+    row: &mut ComparisonRow,
+) -> Result<(), RunFailure> {
     let model = &mut job.context;
     let mut progress = job.start.motion(model)?;
-    let accelerations = assemblies(model, &options, &mut progress)?;
+    let accelerations = assemblies(model, options, &mut progress)?;
     // The search of a new run, and that of one which goes on.
     let mut anew = Progress {
         invariants: None,
         ..progress.clone()
     };
-    row.searching = assemblies(model, &options, &mut anew)?;
-    let again = assemblies(model, &options, &mut progress)?;
+    row.searching = assemblies(model, options, &mut anew)?;
+    let again = assemblies(model, options, &mut progress)?;
     let before = model.assemblies();
     let mut failed = None;
     let mut seen = |model: &mut Context, progress: &Progress| {
@@ -194,7 +208,7 @@ fn advance(
         }
     };
     let integrated = match begun {
-        true => integrate(model, &mut progress, &options, &mut observer),
+        true => integrate(model, &mut progress, options, &mut observer),
         false => Ok(()),
     };
     row.seconds = clock.elapsed().as_secs_f64();

@@ -3,7 +3,10 @@
 
 use crate::support::program::{MODEL, command, directory, program, results, write};
 use pullback::input::assemble_text;
+use pullback::run;
+use pullback::solve::Advance;
 use std::f64::consts::TAU;
+use std::ops::ControlFlow;
 
 /// A bar of two masses 3 and 1 between springs 2 and 1 along x, from the ground.
 const MASSES: &str = r#"
@@ -47,6 +50,25 @@ fn run(name: &str, model: &str) -> (std::path::PathBuf, std::process::Output) {
 /// Frequencies of 3ẍ₁ + 3x₁ − x₂ = 0, ẍ₂ + x₂ − x₁ = 0: 3s² − 6s + 2 = 0 in s = ω².
 fn exact() -> [f64; 2] {
     [-1.0, 1.0].map(|sign: f64| (1.0 + sign / 3.0_f64.sqrt()).sqrt() / TAU)
+}
+
+#[test]
+fn a_run_in_memory_warns_as_one_with_files() {
+    let texts = [
+        format!("{MASSES}\n[analysis.modes]\ncount = 50\n"),
+        format!("{COLUMN}\n[analysis.buckling]\ncount = 50\n"),
+    ];
+    for (k, text) in texts.iter().enumerate() {
+        let path = write(&directory(&format!("in memory {k}")), text);
+        let go = &mut |_: &Advance<'_>| ControlFlow::Continue(());
+        let files = run::run(&path, None, go).unwrap();
+        let job = assemble_text("model.toml", text).unwrap();
+        let memory = run::record_job(job, &mut |_| {}, go).unwrap();
+        assert_eq!(memory.warnings, files.warnings);
+        assert_eq!(memory.notes, files.notes);
+        let fewer = |warning: &String| warning.contains("fewer than count = 50");
+        assert!(files.warnings.iter().any(fewer), "{:?}", files.warnings);
+    }
 }
 
 #[test]
