@@ -63,7 +63,7 @@ impl State {
     }
 
     /// Changes charts where needed, at a time that may be just before that of the state.
-    fn change_charts(&mut self, system: &mut dyn System, t: f64) -> ChartChanges {
+    pub fn change_charts(&mut self, system: &mut dyn System, t: f64) -> ChartChanges {
         let vectors: &mut [&mut [f64]] = &mut [&mut self.a, &mut self.algorithmic];
         change_charts(system, t, &mut self.q, &mut self.v, vectors)
     }

@@ -1,7 +1,7 @@
 //! Robot arms of two links, turned and lifted at their base.
 
-use super::case::{CaseProblem, CaseReport, meshed};
-use super::motion::{History, RunChanges, observed_order};
+use super::case::{CaseProblem, CaseReport, meshed, until, with_step};
+use super::motion::{History, observed_order};
 use crate::input::{ModelFile, PrescribedMotion, SpinUp, Time};
 use crate::output::plot::PlotCurve;
 
@@ -85,7 +85,7 @@ fn arm(
     let mut curves = Vec::new();
     let mut tips = Vec::new();
     for elements in [40, 8] {
-        let run = report.motion(&meshed(&file, elements / 2, 1), &["tip"], RunChanges::FILE)?;
+        let run = report.motion(&meshed(&file, elements / 2, 1), &["tip"])?;
         let mut add = |color: usize, name: &str, curve: Vec<(f64, f64)>| {
             let label = format!("{name}, {elements} elements");
             let curve = if elements == 40 {
@@ -131,7 +131,7 @@ fn converged(
     file: &ModelFile,
     independent: &[At],
 ) -> Result<(), CaseProblem> {
-    let run = |file: ModelFile| report.motion(&file, &["tip"], RunChanges::step(5e-4));
+    let run = |file: ModelFile| report.motion(&with_step(&file, 5e-4), &["tip"]);
     let fine = run(meshed(file, 8, 2))?;
     let [coarse, medium] = [8, 40].map(|elements| run(meshed(file, elements / 2, 1)));
     let errors = [apart(&coarse?, &fine), apart(&medium?, &fine)];
@@ -152,16 +152,17 @@ fn orders(report: &mut CaseReport, file: &ModelFile) -> Result<(), CaseProblem> 
     // The jerk of the base excites waves: only steps that resolve them show the order.
     let coarse = meshed(file, 2, 1);
     let tip = |t: f64| move |run: History| run.at(0, t).d;
-    let runs = [1.25e-5, 6.25e-6, 3.125e-6].map(|h| RunChanges::step(h).to(0.45));
-    let ends = report.motions(&coarse, &["tip"], runs)?.map(tip(0.45));
+    let files = [1.25e-5, 6.25e-6, 3.125e-6].map(|h| until(&coarse, h, 0.45));
+    let ends = report.motions(files, &["tip"])?.map(tip(0.45));
     let what = "order in the step, 4 elements, driven with a jerk";
     report.compare_order(what, observed_order(&ends), 0.1);
     let smooth = smooth(file);
-    let steps = [2e-3, 1e-3, 5e-4].map(|h| RunChanges::step(h).to(1.0));
-    let steps = report.motions(&meshed(&smooth, 4, 1), &["tip"], steps)?;
+    let quarter = meshed(&smooth, 4, 1);
+    let files = [2e-3, 1e-3, 5e-4].map(|h| until(&quarter, h, 1.0));
+    let steps = report.motions(files, &["tip"])?;
     let [a, b, c] = [8, 16, 32].map(|elements| {
         let file = meshed(&smooth, elements, 1);
-        report.motion(&file, &["tip"], RunChanges::step(1e-3).to(1.0))
+        report.motion(&until(&file, 1e-3, 1.0), &["tip"])
     });
     let (steps, meshes) = (steps.map(tip(1.0)), [a?, b?, c?].map(tip(1.0)));
     let what = "order in the step, driven smoothly";

@@ -1,8 +1,8 @@
 //! Planar linkages with a flexible part.
 
-use super::case::{CaseProblem, CaseReport};
+use super::case::{CaseProblem, CaseReport, until};
 use super::linkages::{BARS, CRANK, ROD, gap, last};
-use super::motion::{History, RunChanges};
+use super::motion::History;
 use crate::input::{ModelFile, Stiffness, Tensor};
 use crate::output::plot::PlotCurve;
 use nalgebra::Vector3;
@@ -24,7 +24,7 @@ pub(super) fn stiffer(file: &ModelFile, factor: f64) -> ModelFile {
 fn fine(report: &CaseReport, file: &ModelFile, nodes: &[&str]) -> Result<History, CaseProblem> {
     let mut file = file.clone();
     file.lines[0].elements = 8;
-    report.motion(&file, nodes, RunChanges::step(5e-4).to(2.0))
+    report.motion(&until(&file, 5e-4, 2.0), nodes)
 }
 
 const POSITION: f64 = 1e-5;
@@ -53,10 +53,9 @@ pub(super) fn coupler(report: &mut CaseReport) -> Result<(), CaseProblem> {
     if let Some(Tensor::Full(rows)) = &mut alike.bodies[1].inertia {
         rows.iter_mut().flatten().for_each(|x| *x *= l);
     }
-    let to = RunChanges::step(1e-3).to(2.0);
-    let rigid = report.motion(&alike, &["coupler tip"], to)?;
-    let stiff = report.motion(&stiffer(&file, 1e3), &["coupler tip"], to)?;
-    let [a, b] = [&rigid, &stiff].map(|run| last(run, 0).position);
+    let files = [alike, stiffer(&file, 1e3)].map(|file| until(&file, 1e-3, 2.0));
+    let runs = report.motions(files, &["coupler tip"])?;
+    let [a, b] = runs.map(|run| last(&run, 0).position);
     let source = "independent: the rigid linkage, whose loop closes implicitly";
     for (k, name) in ["e1", "e2"].into_iter().enumerate() {
         let what = format!("tip at t = 2 along {name}, coupler 1000 times stiffer");
@@ -87,8 +86,7 @@ pub(super) fn coupler(report: &mut CaseReport) -> Result<(), CaseProblem> {
 /// A slider-crank mechanism with a flexible rod.
 pub(super) fn connecting_rod(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("slider_crank_flexible")?;
-    let to = RunChanges::step(5e-4).to(1.0);
-    let stiff = report.motion(&stiffer(&file, 1e3), &["slider"], to)?;
+    let stiff = report.motion(&until(&stiffer(&file, 1e3), 5e-4, 1.0), &["slider"])?;
     let source = "exact: closed-form kinematics of the driven crank, which has turned by 6 rad";
     let what = "slider at t = 1, rod 1000 times stiffer";
     let y = 6.0_f64.sin() * CRANK;

@@ -2,7 +2,7 @@
 
 use super::models::model;
 use super::motion::History;
-use crate::input::{self, Analysis, InputError, ModelFile};
+use crate::input::{self, Analysis, Dynamic, InputError, ModelFile};
 use crate::output::plot::{Panel, PlotCurve, panels};
 use pullback_elements::model::{Context, Dof, NodeId, NodeState};
 use pullback_integrators::dynamics::DynamicsError;
@@ -341,13 +341,28 @@ pub(super) fn meshed(file: &ModelFile, elements: usize, order: usize) -> ModelFi
     file
 }
 
-/// A dynamic analysis by another scheme.
-pub(super) fn with_scheme(file: &ModelFile, scheme: &str) -> ModelFile {
+/// A file with changes to its dynamic analysis.
+fn paced(file: &ModelFile, change: impl FnOnce(&mut Dynamic)) -> ModelFile {
     let mut file = file.clone();
     if let Analysis::Dynamic(analysis) = &mut file.analysis {
-        analysis.scheme = scheme.into();
+        change(analysis);
     }
     file
+}
+
+/// A dynamic analysis by another scheme.
+pub(super) fn with_scheme(file: &ModelFile, scheme: &str) -> ModelFile {
+    paced(file, |analysis| analysis.scheme = scheme.into())
+}
+
+/// A dynamic analysis with another step.
+pub(super) fn with_step(file: &ModelFile, step: f64) -> ModelFile {
+    paced(file, |analysis| analysis.step = step)
+}
+
+/// A dynamic analysis with another step and another end.
+pub(super) fn until(file: &ModelFile, step: f64, to: f64) -> ModelFile {
+    paced(file, |analysis| (analysis.step, analysis.to) = (step, to))
 }
 
 /// Observed order of convergence from errors at two meshes, the second twice as fine.

@@ -1,7 +1,7 @@
 //! Large motions in a plane: spin-up of an arm, and a beam thrown into the air.
 
-use super::case::{CaseProblem, CaseReport};
-use super::motion::{RunChanges, richardson};
+use super::case::{CaseProblem, CaseReport, with_step};
+use super::motion::richardson;
 use crate::output::plot::PlotCurve;
 use pullback_elements::time::{SpinUp, TimeFunction};
 
@@ -13,7 +13,7 @@ pub(super) fn spin_up(report: &mut CaseReport) -> Result<(), CaseProblem> {
     };
     // Time, extension and deflection in axes that turn with the hub.
     let seen = |step: f64| -> Result<Vec<[f64; 3]>, CaseProblem> {
-        let run = report.motion(&file, &["tip"], RunChanges::step(step))?;
+        let run = report.motion(&with_step(&file, step), &["tip"])?;
         let states = run.t.iter().zip(&run.nodes[0]);
         let seen = states.map(|(&t, s)| {
             let (sin, cos) = spin_up.at(t, &[])[0].sin_cos();
@@ -56,7 +56,7 @@ pub(super) fn spin_up(report: &mut CaseReport) -> Result<(), CaseProblem> {
 /// D03: a flying flexible beam.
 pub(super) fn flying(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("flying_beam")?;
-    let run = report.motion(&file, &["loaded", "free"], RunChanges::step(0.01))?;
+    let run = report.motion(&with_step(&file, 0.01), &["loaded", "free"])?;
     let source = "independent: two codes agree to 5e-3, D03";
     for (t, exact) in [
         (1.0, [4.329, 0.4077, 0.3692, 7.7969]),

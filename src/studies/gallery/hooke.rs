@@ -2,8 +2,8 @@
 
 #![allow(non_snake_case)]
 
-use super::case::{CaseProblem, CaseReport};
-use super::motion::{History, RunChanges, continued, richardson, runge_kutta};
+use super::case::{CaseProblem, CaseReport, with_step};
+use super::motion::{History, continued, richardson, runge_kutta};
 use crate::input::{
     Analysis, DofName, Fix, ModelFile, PrescribedMotion, SchemeName, SpinUp, Support, Time,
 };
@@ -48,7 +48,7 @@ fn rigid_shafts(cosine: f64, until: f64) -> f64 {
 pub(super) fn hooke(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("hooke")?;
     let cosine = 0.5_f64.sqrt();
-    let run = report.motion(&file, &["A", "B"], RunChanges::FILE)?;
+    let run = report.motion(&file, &["A", "B"])?;
     let [a, b] = [0, 1].map(|k| angles(&run.nodes[k]));
     let difference: Vec<f64> = a.iter().zip(&b).map(|(a, b)| b - a).collect();
     let exact: Vec<f64> = a.iter().map(|&a| ahead(a, cosine)).collect();
@@ -138,8 +138,8 @@ pub(super) fn universal(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let at_45 = [(60, 67.7923457014, 0.808122035642)];
     for (degrees, points) in [(30.0, &at_30[..]), (45.0, &at_45)] {
         let file = light(&file, degrees);
-        let runs = [STEP, 0.5 * STEP].map(RunChanges::step);
-        let [coarse, fine] = report.motions(&file, &["A", "B"], runs)?;
+        let files = [STEP, 0.5 * STEP].map(|h| with_step(&file, h));
+        let [coarse, fine] = report.motions(files, &["A", "B"])?;
         let (coarse, fine) = (turned(&coarse), turned(&fine));
         let both = coarse.into_iter().zip(fine.into_iter().step_by(2));
         let rows: Vec<[f64; 3]> = both.map(|(c, f)| richardson(c, f)).collect();

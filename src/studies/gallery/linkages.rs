@@ -2,8 +2,8 @@
 
 #![allow(non_snake_case)]
 
-use super::case::{CaseProblem, CaseReport};
-use super::motion::{History, RunChanges, richardson, runge_kutta};
+use super::case::{CaseProblem, CaseReport, with_step};
+use super::motion::{History, richardson, runge_kutta};
 use crate::output::plot::PlotCurve;
 use nalgebra::{Vector2, Vector3};
 use pullback_elements::model::NodeState;
@@ -88,8 +88,8 @@ const SOURCE: &str = "exact: closed-form kinematics, M θ̈ + ½ M′ θ̇² + V
 /// A four-bar linkage of rigid bars.
 pub(super) fn four_bar(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("four_bar")?;
-    let steps = [1e-3, 5e-4].map(RunChanges::step);
-    let runs = report.motions(&file, &["coupler tip", "rocker tip"], steps)?;
+    let files = [1e-3, 5e-4].map(|h| with_step(&file, h));
+    let runs = report.motions(files, &["coupler tip", "rocker tip"])?;
     let start = [std::f64::consts::FRAC_PI_2, 4.5];
     let [_, rocker] = closed_form(with_rate(integrate(&four_bar_system, start, 4.0)));
     let (x, y) = (rocker.cos() * BARS[2] + BARS[3], rocker.sin() * BARS[2]);
@@ -148,9 +148,8 @@ fn slider_exact(rod: f64, to: f64) -> [f64; 2] {
 pub(super) fn slider_crank(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("slider_crank")?;
     let runs = report.motions(
-        &file,
+        [1e-3, 5e-4].map(|h| with_step(&file, h)),
         &["slider", "rod end"],
-        [1e-3, 5e-4].map(RunChanges::step),
     )?;
     let [displacement, rate] = slider_exact(1.5, 2.0);
     let found = at_end(&runs, 0, |s| s.position)[0];
@@ -169,9 +168,8 @@ pub(super) fn slider_crank(report: &mut CaseReport) -> Result<(), CaseProblem> {
 pub(super) fn parallelograms(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("parallelograms")?;
     let runs = report.motions(
-        &file,
+        [4e-3, 2e-3].map(|h| with_step(&file, h)),
         &["end 5", "far 5"],
-        [4e-3, 2e-3].map(RunChanges::step),
     )?;
     let system = |angle: Moving<0>| {
         let M = Moving::<0>::constant(6.0 / 3.0 + 5.0);

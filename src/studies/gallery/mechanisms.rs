@@ -2,9 +2,9 @@
 
 #![allow(non_snake_case)]
 
-use super::case::{CaseProblem, CaseReport, meshed, with_scheme};
+use super::case::{CaseProblem, CaseReport, meshed, with_scheme, with_step};
 use super::linkages::{G, gap, integrate, slope, with_rate};
-use super::motion::{History, RunChanges, continued, observed_order, richardson};
+use super::motion::{History, continued, observed_order, richardson};
 use crate::input::{Closure, ModelFile};
 use nalgebra::Vector3;
 use pullback_manifold::jet::Moving;
@@ -27,7 +27,7 @@ pub(super) fn joints<const N: usize>(
     let watched: Vec<&str> = watched
         .chain(pairs.as_flattened().iter().copied())
         .collect();
-    let mut begun = report.begin(file, &watched, RunChanges::step(step))?;
+    let mut begun = report.begin(&with_step(file, step), &watched)?;
     let nodes = begun.nodes.clone();
     let (nodes, ends) = nodes.split_at(N);
     let (mut end, mut gap) = ([[f64::NAN; N]; 3], 0.0_f64);
@@ -70,7 +70,7 @@ pub(super) fn bricard(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let what = "largest difference of every other hinge";
     report.compare(what, uneven, 0.0, 1e-12, source);
     report.compare_gap("largest gap of the loop", gap, 1e-13);
-    let run = report.motion(&file, &["end 2"], RunChanges::step(2e-3))?;
+    let run = report.motion(&with_step(&file, 2e-3), &["end 2"])?;
     report.compare_energy(&run, 1e-3);
     if travel < 0.5 {
         return Err(CaseProblem::Setup(
@@ -150,7 +150,7 @@ pub(super) fn misaligned(report: &mut CaseReport) -> Result<(), CaseProblem> {
             *axis = serde_json::json!([0.0, 0.0, 1.0]);
         }
     }
-    let run = report.motion(&aligned, &watched, RunChanges::step(8e-3))?;
+    let run = report.motion(&with_step(&aligned, 8e-3), &watched)?;
     let source = "exact: rigid parallelogram";
     let what = "aligned: angle of bar 3 at t = 12";
     report.compare(what, turn(&run, 3), -7.2, 1e-3, source);
@@ -191,7 +191,7 @@ pub(super) fn misaligned(report: &mut CaseReport) -> Result<(), CaseProblem> {
         let k = (angle / 0.012_f64).round() as usize;
         report.compare_vector(&what, path[k - 1], exact, 3e-8, source);
     }
-    let run = report.motion(&meshed(&file, 4, 2), &watched, RunChanges::step(8e-3))?;
+    let run = report.motion(&with_step(&meshed(&file, 4, 2), 8e-3), &watched)?;
     // So slow that inertia and steps contribute 1e-7.
     let what = "largest deflection at C across the plane";
     report.compare(what, off(&run), 0.004_264_418_4, 3e-7, source);

@@ -66,49 +66,6 @@ impl History {
     }
 }
 
-/// Changes of a run against its file.
-#[derive(Clone, Copy)]
-pub(super) struct RunChanges {
-    /// End time, if changed.
-    pub to: Option<f64>,
-    /// Step size, if changed.
-    pub step: Option<f64>,
-}
-
-impl RunChanges {
-    /// No changes.
-    pub const FILE: Self = Self {
-        to: None,
-        step: None,
-    };
-
-    /// With another step.
-    pub fn step(step: f64) -> Self {
-        Self {
-            step: Some(step),
-            ..Self::FILE
-        }
-    }
-
-    /// Until another end.
-    pub fn to(self, to: f64) -> Self {
-        Self {
-            to: Some(to),
-            ..self
-        }
-    }
-
-    fn options(self, file: &DynamicOptions) -> DynamicOptions {
-        let step = self.step.unwrap_or(file.step);
-        DynamicOptions {
-            to: self.to.unwrap_or(file.to),
-            step,
-            min_step: file.min_step.min(1e-6 * step),
-            ..*file
-        }
-    }
-}
-
 /// A motion at its start.
 pub(super) struct Begun {
     model: Context,
@@ -148,13 +105,8 @@ fn unusable(source: SystemError) -> CaseProblem {
 
 impl CaseReport {
     /// Integrates a model file and records the named nodes.
-    pub(super) fn motion(
-        &self,
-        file: &ModelFile,
-        nodes: &[&str],
-        run: RunChanges,
-    ) -> Result<History, CaseProblem> {
-        let mut begun = self.begin(file, nodes, run)?;
+    pub(super) fn motion(&self, file: &ModelFile, nodes: &[&str]) -> Result<History, CaseProblem> {
+        let mut begun = self.begin(file, nodes)?;
         let ids = begun.nodes.clone();
         let mut history = History {
             t: Vec::new(),
@@ -177,25 +129,19 @@ impl CaseReport {
         Ok(history)
     }
 
-    /// Integrates a model file with each of some changes.
+    /// Integrates each of some model files.
     pub(super) fn motions<const N: usize>(
         &self,
-        file: &ModelFile,
+        files: [ModelFile; N],
         nodes: &[&str],
-        runs: [RunChanges; N],
     ) -> Result<[History; N], CaseProblem> {
-        let runs = runs.into_iter().map(|run| self.motion(file, nodes, run));
+        let runs = files.iter().map(|file| self.motion(file, nodes));
         let runs: Vec<History> = runs.collect::<Result<_, _>>()?;
         (runs.try_into()).map_err(|_| CaseProblem::Setup("it has another number of runs"))
     }
 
     /// Builds a model file, finds the named nodes, and starts its motion.
-    pub(super) fn begin(
-        &self,
-        file: &ModelFile,
-        nodes: &[&str],
-        run: RunChanges,
-    ) -> Result<Begun, CaseProblem> {
+    pub(super) fn begin(&self, file: &ModelFile, nodes: &[&str]) -> Result<Begun, CaseProblem> {
         let job = input::job(self.case, file, None).map_err(Box::new)?;
         let Plan::Dynamic(plan) = job.plan else {
             return Err(CaseProblem::Setup("its analysis is not dynamic"));
@@ -203,7 +149,7 @@ impl CaseReport {
         let mut model = job.context;
         let nodes = nodes.iter().map(|&node| find(&model, node));
         let nodes = nodes.collect::<Result<_, _>>()?;
-        let options = run.options(&plan.options);
+        let options = plan.options;
         let mut progress = job.start.motion(&model)?;
         begin(&mut model, &options, &mut progress)?;
         Ok(Begun {

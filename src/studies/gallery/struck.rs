@@ -1,7 +1,7 @@
 //! The right-angle cantilever, struck at its elbow.
 
-use super::case::{CaseProblem, CaseReport, meshed, peak};
-use super::motion::{History, RunChanges};
+use super::case::{CaseProblem, CaseReport, meshed, peak, until, with_step};
+use super::motion::History;
 use crate::input::ModelFile;
 use crate::output::plot::PlotCurve;
 
@@ -60,7 +60,7 @@ pub(super) fn elbow(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let nodes = ["tip", "elbow"];
     let mut curves = Vec::new();
     for elements in [10, 2] {
-        let run = report.motion(&meshed(&file, elements, 1), &nodes, RunChanges::FILE)?;
+        let run = report.motion(&meshed(&file, elements, 1), &nodes)?;
         let all = 2 * elements;
         let [tip, elbow] = [0, 1].map(|k| height(&run, k));
         if elements == 10 {
@@ -95,11 +95,7 @@ pub(super) fn elbow(report: &mut CaseReport) -> Result<(), CaseProblem> {
 /// 0.19 above −4.06, the value of all converged solutions (D01), and 0.11 above the lowest point of this mesh.
 fn as_first_published(report: &mut CaseReport, file: &ModelFile) -> Result<(), CaseProblem> {
     let step = 0.25;
-    let run = report.motion(
-        &meshed(file, 2, 2),
-        &["tip", "elbow"],
-        RunChanges::step(step),
-    )?;
+    let run = report.motion(&with_step(&meshed(file, 2, 2), step), &["tip", "elbow"])?;
     let [tip, elbow] = [0, 1].map(|k| height(&run, k));
     let name = "4 quadratic, h = 0.25: ";
     let source = "published: Simo & Vu-Quoc 1988, digitised";
@@ -122,7 +118,7 @@ fn as_first_published(report: &mut CaseReport, file: &ModelFile) -> Result<(), C
 /// D01: the same on a converged mesh.
 pub(super) fn converged(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = meshed(&report.model("elbow")?, 5, 3);
-    let run = report.motion(&file, &["tip", "elbow"], RunChanges::step(0.01).to(28.0))?;
+    let run = report.motion(&until(&file, 0.01, 28.0), &["tip", "elbow"])?;
     let [tip, elbow] = [0, 1].map(|k| height(&run, k));
     for (curve, known) in [(&tip, &TIP), (&elbow, &ELBOW), (&elbow, &LEDGE)] {
         for turn in known {

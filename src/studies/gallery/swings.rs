@@ -2,9 +2,9 @@
 
 #![allow(non_snake_case)]
 
-use super::case::{CaseProblem, CaseReport};
+use super::case::{CaseProblem, CaseReport, until, with_step};
 use super::exact::first_kind;
-use super::motion::{History, RunChanges, observed_order, richardson};
+use super::motion::{History, observed_order, richardson};
 use crate::input::{ModelFile, Sine, Time};
 use crate::output::plot::PlotCurve;
 use nalgebra::Vector3;
@@ -26,8 +26,8 @@ fn gentle(file: &ModelFile) -> ModelFile {
 /// Order in the step of the position of a node at t = 0.5.
 fn order(report: &mut CaseReport, file: &ModelFile, node: &str) -> Result<(), CaseProblem> {
     let file = gentle(file);
-    let runs = [2e-3, 1e-3, 5e-4].map(|h| RunChanges::step(h).to(0.5));
-    let runs = report.motions(&file, &[node], runs)?;
+    let files = [2e-3, 1e-3, 5e-4].map(|h| until(&file, h, 0.5));
+    let runs = report.motions(files, &[node])?;
     let ends = runs.map(|run| run.at(0, 0.5).position);
     let what = "order in the step, gravity put on smoothly";
     report.compare_order(what, observed_order(&ends), 0.1);
@@ -37,7 +37,7 @@ fn order(report: &mut CaseReport, file: &ModelFile, node: &str) -> Result<(), Ca
 /// R04: a pendulum released from the horizontal, and one struck so that it turns over.
 pub(super) fn pendulum(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("pendulum")?;
-    let [a, b, c] = report.motions(&file, &["rod"], [4e-3, 2e-3, 1e-3].map(RunChanges::step))?;
+    let [a, b, c] = report.motions([4e-3, 2e-3, 1e-3].map(|h| with_step(&file, h)), &["rod"])?;
     let source = "exact: elliptic functions, R04";
     for (t, exact) in [
         (1.0, [0.986291751131875, -0.165010853125541]),
@@ -83,8 +83,8 @@ fn over(report: &mut CaseReport, file: &ModelFile) -> Result<(), CaseProblem> {
     file.joints[0].rate = Some(omega);
     (file.joints[1].keys).insert("position".to_owned(), serde_json::json!([0.0, 0.0, -1.0]));
     let run = |count: usize| {
-        let run = RunChanges::step(turn / count as f64).to(6.0 * turn);
-        report.motion(&file, &["rod"], run)
+        let file = until(&file, turn / count as f64, 6.0 * turn);
+        report.motion(&file, &["rod"])
     };
     let [coarse, fine] = [(500, run(500)?), (1000, run(1000)?)];
     let source = "exact: elliptic integral, R04 struck so that it goes over";
@@ -109,8 +109,8 @@ fn over(report: &mut CaseReport, file: &ModelFile) -> Result<(), CaseProblem> {
 pub(super) fn double(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("double_pendulum")?;
     order(report, &file, "tip")?;
-    let steps = [2e-3, 1e-3, 5e-4].map(RunChanges::step);
-    let [a, b, c] = report.motions(&file, &["tip", "knee"], steps)?;
+    let files = [2e-3, 1e-3, 5e-4].map(|h| with_step(&file, h));
+    let [a, b, c] = report.motions(files, &["tip", "knee"])?;
     let order = (a.energy_error() / b.energy_error()).log2();
     report.compare_order("order of the energy error", order, 0.1);
     report.compare("energy error", c.energy_error(), 0.0, 1e-4, "conserved");
@@ -131,14 +131,14 @@ pub(super) fn double(report: &mut CaseReport) -> Result<(), CaseProblem> {
 /// A rubber rod that swings under its own weight.
 pub(super) fn rubber(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("rubber_rod")?;
-    let c = report.motion(&file, &["end"], RunChanges::step(5e-4))?;
+    let c = report.motion(&with_step(&file, 5e-4), &["end"])?;
     report.compare("energy error", c.energy_error(), 0.0, 1e-4, "conserved");
     order(report, &file, "end")?;
     let mut coarse = file.clone();
     let mut positions: Vec<Vector3<f64>> = Vec::new();
     for elements in [4, 8, 16] {
         coarse.lines[0].elements = elements;
-        let run = report.motion(&coarse, &["end"], RunChanges::step(1e-3).to(0.5))?;
+        let run = report.motion(&until(&coarse, 1e-3, 0.5), &["end"])?;
         positions.push(run.at(0, 0.5).position);
     }
     let mesh = (positions[1] - positions[2]).norm();

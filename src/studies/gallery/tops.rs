@@ -7,8 +7,8 @@
 )]
 
 use super::bent::stiffer;
-use super::case::{CaseProblem, CaseReport, peak, with_scheme};
-use super::motion::{History, RunChanges, observed_order, richardson, runge_kutta};
+use super::case::{CaseProblem, CaseReport, peak, with_scheme, with_step};
+use super::motion::{History, observed_order, richardson, runge_kutta};
 use crate::input::{Fix, Group, ModelFile};
 use crate::output::plot::PlotCurve;
 use nalgebra::{Quaternion, SVector, UnitQuaternion, Vector3, stack};
@@ -59,7 +59,7 @@ fn quaternion(y: &GyroState) -> Quaternion<f64> {
 pub(super) fn top(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("top")?;
     let source = "exact: cubic of the top, R02";
-    let converged = report.motion(&file, &["O"], RunChanges::step(1e-4))?;
+    let converged = report.motion(&with_step(&file, 1e-4), &["O"])?;
     let angle = converged.curve(0, nutation);
     let [smallest, largest] = extremes(&angle);
     report.compare("smallest nutation", smallest, 0.3, 1e-5, source);
@@ -103,10 +103,10 @@ pub(super) fn top(report: &mut CaseReport) -> Result<(), CaseProblem> {
 
 /// The published figure: a rigid body, and one beam element that is stiff or flexible.
 fn as_published(report: &mut CaseReport, file: &ModelFile) -> Result<(), CaseProblem> {
-    let rigid = report.motion(file, &["O"], RunChanges::FILE)?;
+    let rigid = report.motion(file, &["O"])?;
     let beam = report.model("top_beam")?;
-    let stiff = report.motion(&beam, &["O"], RunChanges::FILE)?;
-    let flexible = report.motion(&stiffer(&beam, 0.01), &["O"], RunChanges::FILE)?;
+    let stiff = report.motion(&beam, &["O"])?;
+    let flexible = report.motion(&stiffer(&beam, 0.01), &["O"])?;
     let curves = [&rigid, &stiff, &flexible].map(|h| h.curve(0, nutation));
     let apart =
         (curves[0].iter().zip(&curves[1])).fold(0.0_f64, |m, (a, b)| m.max((a.1 - b.1).abs()));
@@ -150,7 +150,7 @@ pub(super) fn heavy_top(report: &mut CaseReport) -> Result<(), CaseProblem> {
     pinned.supports[0].node = "top".to_owned();
     pinned.supports[0].fix = Some(Fix::Group(Group::Position));
     for (name, file) in [("fixed point", &pinned), ("spherical joint", &top)] {
-        let [a, b, c] = report.motions(file, &["top"], [4e-4, 2e-4, 1e-4].map(RunChanges::step))?;
+        let [a, b, c] = report.motions([4e-4, 2e-4, 1e-4].map(|h| with_step(file, h)), &["top"])?;
         let axis = |h: &History, t: f64| -> Vector3<f64> { h.at(0, t).R.column(1).into() };
         let source = "exact: order-8 Runge-Kutta in extended precision, R01";
         for (t, x) in exact {
@@ -162,7 +162,7 @@ pub(super) fn heavy_top(report: &mut CaseReport) -> Result<(), CaseProblem> {
         // The attitude turns 24 times: changes of chart at other times for each step size spoil the extrapolation
         // of its error.
         let third = with_scheme(file, "radau");
-        let third = report.motion(&third, &["top"], RunChanges::step(1e-4))?;
+        let third = report.motion(&with_step(&third, 1e-4), &["top"])?;
         let what = format!("{name}, body axis");
         compare_axes(report, &what, axes(&third), turned, source);
         let what = format!("{name}, body rate at t = 1 over 150");
@@ -223,7 +223,7 @@ fn period(run: &History) -> f64 {
 pub(super) fn free_body(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("free_body")?;
     let steps = [2e-3, 1e-3, 5e-4];
-    let [a, b, c] = report.motions(&file, &["O"], steps.map(RunChanges::step))?;
+    let [a, b, c] = report.motions(steps.map(|h| with_step(&file, h)), &["O"])?;
     let omega = richardson(body_rate(&b).into(), body_rate(&c).into());
     let source = "exact: order-8 Runge-Kutta in extended precision, R03";
     let exact = [-8.74573438, 4.84996187, 5.05001221];
@@ -253,7 +253,7 @@ pub(super) fn free_body(report: &mut CaseReport) -> Result<(), CaseProblem> {
     report.compare_order("order of the energy error", order, 0.1);
     // The scheme with energy projection, at a coarse step.
     let kept = with_scheme(&file, "projected-newmark");
-    let kept = report.motion(&kept, &["O"], RunChanges::step(1e-2))?;
+    let kept = report.motion(&with_step(&kept, 1e-2), &["O"])?;
     let spins: Vec<Vector3<f64>> = kept.balances.iter().map(|a| a.momentum.angular).collect();
     let spin = |m: f64, L: &Vector3<f64>| m.max((L - spins[0]).norm() / spins[0].norm());
     let source = "exact: conservation";

@@ -2,14 +2,15 @@
 
 #![allow(non_snake_case)]
 
+use pullback_elements::model::Context;
 use pullback_integrators::dynamics::DynamicsError;
 use pullback_integrators::linear_solver::{AutoSolver, LinearSolver, MatrixSymmetry};
 use pullback_manifold::system::{Evaluation, Point, System, Weights};
 
 /// ẏ of y = (q, q̇) and its derivative, with counts of their cost. A state that cannot be evaluated gives
 /// NaN, and the reason is stored.
-pub(super) struct FirstOrderSystem<'a, Y: ?Sized> {
-    pub system: &'a mut Y,
+pub(super) struct FirstOrderSystem<'a> {
+    pub system: &'a mut Context,
     solver: AutoSolver,
     n: usize,
     r: Vec<f64>,
@@ -25,8 +26,8 @@ pub(super) struct FirstOrderSystem<'a, Y: ?Sized> {
     pub failure: Option<String>,
 }
 
-impl<'a, Y: System> FirstOrderSystem<'a, Y> {
-    pub fn new(system: &'a mut Y) -> Result<Self, DynamicsError> {
+impl<'a> FirstOrderSystem<'a> {
+    pub fn new(system: &'a mut Context) -> Result<Self, DynamicsError> {
         let mut solver = AutoSolver::new();
         solver
             .analyse(system.pattern(), MatrixSymmetry::General)

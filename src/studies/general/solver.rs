@@ -2,19 +2,21 @@
 
 use super::equations::FirstOrderSystem;
 use super::{General, GeneralError, Rule};
+use crate::solve::begin;
 use diffsol::{
     DiffsolError, NalgebraLU, NalgebraMat, NalgebraVec, OdeBuilder, OdeEquations, OdeSolverMethod,
     OdeSolverStopReason, Vector,
 };
-use pullback_integrators::dynamics::{self, DynamicOptions, Progress, State};
-use pullback_manifold::system::{ChartChanges, Point, System};
+use pullback_elements::model::Context;
+use pullback_integrators::dynamics::{DynamicOptions, Progress, State};
+use pullback_manifold::system::{Point, System};
 use std::cell::RefCell;
 use std::ops::ControlFlow;
 
 /// Callbacks at each of the output times and after every step; each may stop the run.
-pub struct Observer<'a, Y: ?Sized> {
+pub struct Observer<'a> {
     /// Called with the system and its state at an output time.
-    pub seen: &'a mut dyn FnMut(&mut Y, Point<'_>) -> ControlFlow<()>,
+    pub seen: &'a mut dyn FnMut(&mut Context, Point<'_>) -> ControlFlow<()>,
     /// Called after every step.
     pub go: &'a dyn Fn() -> ControlFlow<()>,
 }
@@ -25,12 +27,12 @@ pub struct Observer<'a, Y: ?Sized> {
 ///
 /// # Errors
 /// [`GeneralError`].
-pub fn integrate<Y: System>(
-    system: &mut Y,
+pub fn integrate(
+    system: &mut Context,
     progress: &mut Progress,
     how: &General,
     times: &[f64],
-    observer: &mut Observer<'_, Y>,
+    observer: &mut Observer<'_>,
 ) -> Result<(), GeneralError> {
     let n = system.pattern().dim();
     if let Some(i) = (0..n).find(|&i| system.pattern().coordinates()[i].is_multiplier) {
@@ -73,24 +75,18 @@ pub fn integrate<Y: System>(
 }
 
 /// Initialises charts and accelerations at the start of a section between kinks.
-fn settle<Y: System>(
-    system: &mut Y,
-    progress: &mut Progress,
-    time: f64,
-) -> Result<(), GeneralError> {
+fn settle(context: &mut Context, progress: &mut Progress, time: f64) -> Result<(), GeneralError> {
     let step = if time > 0.0 { 1e-3 * time } else { 1.0 };
     let options = DynamicOptions {
         energies: false,
         ..DynamicOptions::new(progress.state.t, step)
     };
-    let mut onward = |_: &mut Y, _: &dynamics::StepReport<'_>| ControlFlow::Continue(());
-    let settled = dynamics::integrate(system, progress, &options, &mut onward);
-    Ok(settled?)
+    Ok(begin(context, &options, progress)?)
 }
 
 /// Scale of each entry of y: that of its coordinate, and for velocities the same over the duration, or the
 /// largest velocity at the start.
-fn tolerances<Y: System>(system: &Y, state: &State, time: f64) -> Vec<f64> {
+fn tolerances(system: &Context, state: &State, time: f64) -> Vec<f64> {
     let all = system.pattern().coordinates();
     let mut fastest = [0.0_f64; 3];
     for (info, v) in all.iter().zip(&state.v) {
@@ -102,13 +98,13 @@ fn tolerances<Y: System>(system: &Y, state: &State, time: f64) -> Vec<f64> {
 }
 
 /// A run from chart to chart and kink to kink.
-struct Run<'a, 'b, Y: ?Sized> {
+struct Run<'a, 'b> {
     how: &'a General,
     /// Scales of the entries of y.
     scale: Vec<f64>,
     /// The output times ahead.
     times: std::slice::Iter<'a, f64>,
-    observer: &'a mut Observer<'b, Y>,
+    observer: &'a mut Observer<'b>,
 }
 
 /// Time and reason of a failure.
@@ -118,11 +114,11 @@ fn failed(t: f64) -> impl Fn(DiffsolError) -> SolverFailure {
     move |error| (t, error.to_string())
 }
 
-impl<Y: System> Run<'_, '_, Y> {
+impl Run<'_, '_> {
     /// Runs one solver from the state to a time, or to the next change of charts.
     fn stretch(
         &mut self,
-        system: &mut Y,
+        system: &mut Context,
         progress: &mut Progress,
         to: f64,
     ) -> Result<ControlFlow<()>, GeneralError> {
@@ -176,7 +172,7 @@ impl<Y: System> Run<'_, '_, Y> {
     fn drive<'p, E, S>(
         &mut self,
         mut solver: S,
-        equations: &RefCell<FirstOrderSystem<'_, Y>>,
+        equations: &RefCell<FirstOrderSystem<'_>>,
         progress: &mut Progress,
         to: f64,
     ) -> Result<ControlFlow<()>, SolverFailure>
@@ -209,18 +205,7 @@ impl<Y: System> Run<'_, '_, Y> {
             let state = &mut progress.state;
             put(state, t, &y, &dy);
             state.algorithmic.copy_from_slice(&state.a);
-            let State {
-                q,
-                v,
-                a,
-                algorithmic,
-                ..
-            } = state;
-            let system = &mut equations.borrow_mut().system;
-            let changes = match system.charts() {
-                Some(charts) => charts.change_charts(t, q, v, &mut [a, algorithmic]),
-                None => ChartChanges::default(),
-            };
+            let changes = state.change_charts(equations.borrow_mut().system, t);
             progress.summary.chart_changes += changes.charts;
             if flow.is_continue() {
                 flow = (self.observer.go)();
@@ -241,8 +226,8 @@ impl<Y: System> Run<'_, '_, Y> {
 }
 
 /// Sets a state with its accelerations; the evaluation is not counted.
-fn look<Y: System>(
-    equations: &mut FirstOrderSystem<'_, Y>,
+fn look(
+    equations: &mut FirstOrderSystem<'_>,
     state: &mut State,
     t: f64,
     y: &[f64],
