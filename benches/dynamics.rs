@@ -17,7 +17,7 @@ use pullback::elements::beam::{Damping, Interpolation};
 use pullback::elements::element::{Element, Motion, Response};
 use pullback::elements::inertia::Inertia;
 use pullback::elements::joint::{JointMap, Pose, Revolute};
-use pullback::manifold::map::{KinematicsMut, Map, Parametrization, derived};
+use pullback::manifold::map::{Map, Parametrization, derived};
 use pullback::manifold::so3;
 use pullback::manifold::system::Weights;
 use pullback::prelude::*;
@@ -207,21 +207,10 @@ fn revolute_joint(c: &mut Criterion) {
         let mut joint = joint;
         let (mut x, mut B) = ([[0.0; 6]; 3], [[0.0; 42]; 3]);
         let ([x, x_dot, x_ddot], [B, B_dot, B_ddot]) = (&mut x, &mut B);
-        let out = KinematicsMut {
-            x,
-            x_dot,
-            x_ddot,
-            B,
-            B_dot,
-            B_ddot,
-        };
-        joint.kinematics(
-            0.0,
-            black_box(q.as_slice()),
-            v.as_slice(),
-            a.as_slice(),
-            out,
-        );
+        let q = black_box(q.as_slice());
+        let motion = [q, v.as_slice(), a.as_slice()];
+        let out = &mut [[&mut x[..], &mut B[..]], [x_dot, B_dot], [x_ddot, B_ddot]];
+        joint.evaluate(0.0, motion, out);
         black_box(&B_ddot);
     };
     let jets = || {

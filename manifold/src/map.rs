@@ -23,8 +23,8 @@ pub mod pose;
 
 pub use abilities::{Duplicate, MapState, Reparametrization, Segments};
 use erased::Erased;
-pub use erased::{KinematicsMut, Parametrization};
-pub use erased::{write_block, write_geometric_stiffness, write_kinematics, write_tangent};
+pub use erased::{Order, Parametrization};
+pub use erased::{write_block, write_geometric_stiffness, write_orders};
 pub use graph::{MapGraph, Read};
 pub use increment::Increment;
 pub use linear::Linear;

@@ -5,7 +5,7 @@ use pullback_elements::element::{
     Abilities, Element, ElementEnergies, Motion, Properties, Response,
 };
 use pullback_manifold::domain::DomainError;
-use pullback_manifold::map::{KinematicsMut, Parametrization, ToPose};
+use pullback_manifold::map::{Parametrization, ToPose};
 use pullback_manifold::pullback::{Slot, Tangents, residual, tangent};
 use pullback_manifold::system::Weights;
 
@@ -40,20 +40,17 @@ impl Poses {
             x: [zero.clone(), zero.clone(), zero.clone()],
             B: std::array::from_fn(|_| vec![0.0; FRAME * at.x.len()]),
         };
-        let [x, x_dot, x_ddot] = &mut out.x;
-        let [B, B_dot, B_ddot] = &mut out.B;
         for k in 0..at.x.len() / FRAME {
             let own = k * FRAME..(k + 1) * FRAME;
             let all = k * OPERATOR..(k + 1) * OPERATOR;
-            let to = KinematicsMut {
-                x: &mut x[own.clone()],
-                x_dot: &mut x_dot[own.clone()],
-                x_ddot: &mut x_ddot[own.clone()],
-                B: &mut B[all.clone()],
-                B_dot: &mut B_dot[all.clone()],
-                B_ddot: &mut B_ddot[all],
-            };
-            ToPose.kinematics(at.t, &at.x[own.clone()], &v[own.clone()], &a[own], to);
+            let motion = [at.x, v, a].map(|x| &x[own.clone()]);
+            let [x, x_dot, x_ddot] = out.x.each_mut().map(|x| &mut x[own.clone()]);
+            let [B, B_dot, B_ddot] = out.B.each_mut().map(|B| &mut B[all.clone()]);
+            ToPose.evaluate(
+                at.t,
+                motion,
+                &mut [[x, B], [x_dot, B_dot], [x_ddot, B_ddot]],
+            );
         }
         out
     }

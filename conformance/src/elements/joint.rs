@@ -25,7 +25,7 @@ where
     let margin = |q: &[f64]| joint.domain(TIME, &of_joint(q)).unwrap_or(0.0);
     for (at, q) in within(&mut report, &mut random, 6 + D, margin) {
         let (mut x, mut B) = (vec![0.0; 6], vec![0.0; 6 * (6 + D)]);
-        map.tangent(TIME, &q, &mut x, &mut B);
+        map.evaluate(TIME, [&q, &[], &[]], &mut [[&mut x, &mut B]]);
         own(&mut report, joint, at, &of_joint(&q), &B);
         laws_behind_slices(&mut report, &map, at, &q, &mut random);
     }

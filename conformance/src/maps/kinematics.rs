@@ -6,7 +6,7 @@ use crate::layout::Layout;
 use crate::report::Report;
 use crate::sample::Random;
 use crate::vectors::{add, dot, larger, minus, norm, times};
-use pullback_manifold::map::{KinematicsMut, Parametrization};
+use pullback_manifold::map::Parametrization;
 
 /// A map with the layouts of its values (`rows`) and its coordinates (`columns`).
 #[derive(Clone, Copy)]
@@ -48,16 +48,9 @@ impl Mapped<'_> {
         let (d, n) = self.map.dims();
         let mut all = [n, n, n, n * d, n * d, n * d].map(|len| vec![f64::NAN; len]);
         let [x, x_dot, x_ddot, B, B_dot, B_ddot] = &mut all;
-        let out = KinematicsMut {
-            x,
-            x_dot,
-            x_ddot,
-            B,
-            B_dot,
-            B_ddot,
-        };
-        let [q, v, a] = [&s.x, &s.v, &s.a].map(|x| x.as_slice());
-        self.map.duplicate().kinematics(s.t, q, v, a, out);
+        let motion = [&s.x, &s.v, &s.a].map(|x| x.as_slice());
+        let mut map = self.map.duplicate();
+        map.evaluate(s.t, motion, &mut [[x, B], [x_dot, B_dot], [x_ddot, B_ddot]]);
         all
     }
 

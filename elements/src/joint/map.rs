@@ -8,8 +8,8 @@ use crate::blocks::{three, three_or_zero};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::domain::{CHART_EDGE, DomainError};
 use pullback_manifold::map::{
-    KinematicsMut, Map, MapGraph, MapState, Parametrization, Read, Segments, ToChart, ToPose,
-    write_block, write_geometric_stiffness, write_kinematics, write_tangent,
+    Map, MapGraph, MapState, Order, Parametrization, Read, Segments, ToChart, ToPose, write_block,
+    write_geometric_stiffness, write_orders,
 };
 use pullback_manifold::system::ChartChanges;
 use std::f64::consts::TAU;
@@ -62,23 +62,6 @@ where
         }
         graph.with_outputs(1)
     }
-
-    fn write(&self, t: f64, motion: [&[f64]; 3], out: &mut [[&mut [f64]; 2]]) {
-        let at = match out.len() {
-            1 => self.link.carried_at_rest(t, motion[0]),
-            _ => self.link.carried(t, motion),
-        };
-        if self.turns_freely {
-            for (k, [x, B]) in out.iter_mut().enumerate() {
-                x[3..].copy_from_slice(three_or_zero(motion[k], 6 + D).as_slice());
-                B.fill(0.0);
-                write_block(B, 6, [3, 6 + D], &unit(k));
-            }
-        } else {
-            at.write_rotation(out);
-        }
-        at.write_position(out);
-    }
 }
 
 impl<J, const D: usize> Parametrization for JointMap<J, D>
@@ -102,12 +85,21 @@ where
         }
     }
 
-    fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
-        self.write(t, [q, &[], &[]], &mut [[x, B]]);
-    }
-
-    fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
-        self.write(t, [q, v, a], &mut out.orders());
+    fn evaluate(&mut self, t: f64, motion: [&[f64]; 3], out: &mut [Order<'_>]) {
+        let at = match out.len() {
+            1 => self.link.carried_at_rest(t, motion[0]),
+            _ => self.link.carried(t, motion),
+        };
+        if self.turns_freely {
+            for (k, [x, B]) in out.iter_mut().enumerate() {
+                x[3..].copy_from_slice(three_or_zero(motion[k], 6 + D).as_slice());
+                B.fill(0.0);
+                write_block(B, 6, [3, 6 + D], &unit(k));
+            }
+        } else {
+            at.write_rotation(out);
+        }
+        at.write_position(out);
     }
 
     /// \[M04\] (212) for any joint.
@@ -143,12 +135,8 @@ impl Parametrization for Slide {
         Map::domain(self, t, &SVector::from_column_slice(q))
     }
 
-    fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
-        write_tangent(self, t, q, x, B);
-    }
-
-    fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
-        write_kinematics(self, t, [q, v, a], out);
+    fn evaluate(&mut self, t: f64, motion: [&[f64]; 3], out: &mut [Order<'_>]) {
+        write_orders(self, t, motion, out);
     }
 
     fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {

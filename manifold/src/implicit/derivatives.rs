@@ -2,51 +2,48 @@
 
 use super::core::{ImplicitMap, Work};
 use super::dense::{product, product_tr};
-use crate::map::{KinematicsMut, Parametrization};
+use crate::map::{Order, Parametrization};
 use nalgebra::{DMatrix, DVector};
 
 impl ImplicitMap {
-    pub(super) fn write_kinematics(
-        &mut self,
-        t: f64,
-        q: &[f64],
-        v: &[f64],
-        a: &[f64],
-        out: KinematicsMut<'_>,
-    ) {
+    pub(super) fn write_orders(&mut self, t: f64, [q, v, a]: [&[f64]; 3], out: &mut [Order<'_>]) {
         if self.solve(t, q).is_err() {
-            for part in [out.x, out.x_dot, out.x_ddot, out.B, out.B_dot, out.B_ddot] {
-                part.fill(f64::NAN);
-            }
+            out.iter_mut()
+                .flatten()
+                .for_each(|part| part.fill(f64::NAN));
             return;
         }
+        let [[x, B], rates @ ..] = out else { return };
+        x.copy_from_slice(self.x());
+        B.copy_from_slice(&self.work.Y);
+        let [[x_dot, B_dot], [x_ddot, B_ddot]] = rates else {
+            return;
+        };
         let (p, X, M, D) = (self.p, self.X, self.M, self.D);
         let (N, Q) = (p + X, D + p);
         self.find_rates(t, v);
         self.find_accelerations(a);
         let w = &mut self.work;
-        out.x.copy_from_slice(&w.y[p..]);
-        out.B.copy_from_slice(&w.Y);
-        out.x_dot.copy_from_slice(&w.y_dot[p..]);
-        out.x_ddot.copy_from_slice(&w.y_ddot[p..]);
+        x_dot.copy_from_slice(&w.y_dot[p..]);
+        x_ddot.copy_from_slice(&w.y_ddot[p..]);
         if w.y_ddot.iter().any(|y| *y != 0.0) {
             along(&mut *self.h, t, w);
         }
         // Ḃ = −P ḣ_y Z; B̈ = −P (ḧ_y Z + 2 ḣ_y Ż).
         product([M, N, Q], &w.J_dot, &w.Z, &mut w.JZ);
-        product([X, M, Q], &w.P, &w.JZ, out.B_dot);
-        out.B_dot.iter_mut().for_each(|b| *b = -*b);
+        product([X, M, Q], &w.P, &w.JZ, B_dot);
+        B_dot.iter_mut().for_each(|b| *b = -*b);
         for j in 0..Q {
             w.Z_dot[j * N..j * N + p].fill(0.0);
-            w.Z_dot[j * N + p..(j + 1) * N].copy_from_slice(&out.B_dot[j * X..(j + 1) * X]);
+            w.Z_dot[j * N + p..(j + 1) * N].copy_from_slice(&B_dot[j * X..(j + 1) * X]);
         }
         product([M, N, Q], &w.J_dot, &w.Z_dot, &mut w.JZ);
         product([M, N, Q], &w.J_ddot, &w.Z, &mut w.KZ[..M * Q]);
         for (b, j) in w.KZ.iter_mut().zip(&w.JZ) {
             *b += 2.0 * j;
         }
-        product([X, M, Q], &w.P, &w.KZ[..M * Q], out.B_ddot);
-        out.B_ddot.iter_mut().for_each(|b| *b = -*b);
+        product([X, M, Q], &w.P, &w.KZ[..M * Q], B_ddot);
+        B_ddot.iter_mut().for_each(|b| *b = -*b);
     }
 
     /// ẏ at the solution in the workspace, and what ḧ is without accelerations of q and p.
@@ -159,18 +156,9 @@ impl ImplicitMap {
 
 /// The equations along the motion in the workspace.
 fn along(h: &mut dyn Parametrization, t: f64, w: &mut Work) {
-    h.kinematics(
-        t,
-        &w.y,
-        &w.y_dot,
-        &w.y_ddot,
-        KinematicsMut {
-            x: &mut w.h,
-            x_dot: &mut w.h_dot,
-            x_ddot: &mut w.h_ddot,
-            B: &mut w.J,
-            B_dot: &mut w.J_dot,
-            B_ddot: &mut w.J_ddot,
-        },
-    );
+    let motion = [&w.y[..], &w.y_dot, &w.y_ddot];
+    let x = [&mut w.h, &mut w.h_dot, &mut w.h_ddot];
+    let [B, B_dot, B_ddot] = [&mut w.J, &mut w.J_dot, &mut w.J_ddot];
+    let [x, x_dot, x_ddot] = x;
+    h.evaluate(t, motion, &mut [[x, B], [x_dot, B_dot], [x_ddot, B_ddot]]);
 }

@@ -5,7 +5,7 @@ use super::{
     Choice, Description, Equation, Equations, EvaluationError, Implicit, ImplicitError, Unknown,
 };
 use crate::domain::DomainError;
-use crate::map::{KinematicsMut, Map, MapState, Parametrization};
+use crate::map::{Map, MapState, Order, Parametrization};
 
 /// Limit of an implicit map in messages.
 const ALLOWED: &str = "the positions that its equations allow";
@@ -140,18 +140,8 @@ impl Parametrization for ImplicitMap {
         }
     }
 
-    fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
-        if self.solve(t, q).is_ok() {
-            x.copy_from_slice(self.x());
-            B.copy_from_slice(&self.work.Y);
-        } else {
-            x.fill(f64::NAN);
-            B.fill(f64::NAN);
-        }
-    }
-
-    fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
-        self.write_kinematics(t, q, v, a, out);
+    fn evaluate(&mut self, t: f64, motion: [&[f64]; 3], out: &mut [Order<'_>]) {
+        self.write_orders(t, motion, out);
     }
 
     fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {

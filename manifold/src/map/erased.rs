@@ -7,27 +7,8 @@ use crate::domain::DomainError;
 use crate::implicit::ImplicitMap;
 use nalgebra::{SMatrix, SVector};
 
-/// Output of [`Parametrization::kinematics`]; matrices column by column, n×d.
-#[allow(missing_docs, reason = "fields are the symbols of docs/notation.md")]
-pub struct KinematicsMut<'a> {
-    pub x: &'a mut [f64],
-    pub x_dot: &'a mut [f64],
-    pub x_ddot: &'a mut [f64],
-    pub B: &'a mut [f64],
-    pub B_dot: &'a mut [f64],
-    pub B_ddot: &'a mut [f64],
-}
-
-impl<'a> KinematicsMut<'a> {
-    /// Coordinates and operators, order by order.
-    pub fn orders(self) -> [[&'a mut [f64]; 2]; 3] {
-        [
-            [self.x, self.B],
-            [self.x_dot, self.B_dot],
-            [self.x_ddot, self.B_ddot],
-        ]
-    }
-}
+/// The coordinates (n) and the operator (n×d, column by column) of one order of time derivatives.
+pub type Order<'a> = [&'a mut [f64]; 2];
 
 /// Writes a block into a matrix of `n` rows, column by column.
 pub fn write_block<const M: usize, const N: usize>(
@@ -70,11 +51,8 @@ pub trait Parametrization: Duplicate + Send + Sync {
         true
     }
 
-    /// Writes x (n) and B (n×d).
-    fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]);
-
-    /// Writes x, ẋ, ẍ (n) and B, Ḃ, B̈ (n×d).
-    fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>);
+    /// Writes the orders asked for: x and B at q alone, or these with ẋ and Ḃ, ẍ and B̈ along the motion q, q̇, q̈.
+    fn evaluate(&mut self, t: f64, motion: [&[f64]; 3], out: &mut [Order<'_>]);
 
     /// Writes K_σ(f) (d×d).
     fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]);
@@ -91,6 +69,11 @@ pub trait Parametrization: Duplicate + Send + Sync {
 }
 
 impl dyn Parametrization + '_ {
+    /// Writes x (n) and B (n×d).
+    pub fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
+        self.evaluate(t, [q, &[], &[]], &mut [[x, B]]);
+    }
+
     /// [`MapState::reparametrization`]; `None` without a state.
     pub fn reparametrization(&mut self) -> Option<&mut dyn Reparametrization> {
         self.state()?.reparametrization()
@@ -143,12 +126,8 @@ where
         self.0.is_objective()
     }
 
-    fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
-        write_tangent(&self.0, t, q, x, B);
-    }
-
-    fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
-        write_kinematics(&self.0, t, [q, v, a], out);
+    fn evaluate(&mut self, t: f64, motion: [&[f64]; 3], out: &mut [Order<'_>]) {
+        write_orders(&self.0, t, motion, out);
     }
 
     fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
@@ -160,34 +139,27 @@ where
     }
 }
 
-/// [`Parametrization::tangent`] of a map.
-pub fn write_tangent<const D: usize, const N: usize>(
+/// [`Parametrization::evaluate`] of a map.
+pub fn write_orders<const D: usize, const N: usize>(
     map: &impl Map<D, N>,
     t: f64,
-    q: &[f64],
-    x: &mut [f64],
-    B: &mut [f64],
+    [q, v, a]: [&[f64]; 3],
+    out: &mut [Order<'_>],
 ) {
-    let out = map.tangent(t, &SVector::from_column_slice(q));
-    x.copy_from_slice(out.x.as_slice());
-    B.copy_from_slice(out.B.as_slice());
-}
-
-/// [`Parametrization::kinematics`] of a map along a motion (q, q̇, q̈).
-pub fn write_kinematics<const D: usize, const N: usize>(
-    map: &impl Map<D, N>,
-    t: f64,
-    motion: [&[f64]; 3],
-    out: KinematicsMut<'_>,
-) {
-    let [q, v, a] = motion.map(SVector::from_column_slice);
+    let q = SVector::from_column_slice(q);
+    if let [[x, B]] = out {
+        let at = map.tangent(t, &q);
+        x.copy_from_slice(at.x.as_slice());
+        B.copy_from_slice(at.B.as_slice());
+        return;
+    }
+    let [v, a] = [v, a].map(SVector::from_column_slice);
     let k = map.kinematics(t, &q, &v, &a);
-    out.x.copy_from_slice(k.x.as_slice());
-    out.x_dot.copy_from_slice(k.x_dot.as_slice());
-    out.x_ddot.copy_from_slice(k.x_ddot.as_slice());
-    out.B.copy_from_slice(k.B.as_slice());
-    out.B_dot.copy_from_slice(k.B_dot.as_slice());
-    out.B_ddot.copy_from_slice(k.B_ddot.as_slice());
+    let orders = [(&k.x, &k.B), (&k.x_dot, &k.B_dot), (&k.x_ddot, &k.B_ddot)];
+    for ([x, B], (value, operator)) in out.iter_mut().zip(orders) {
+        x.copy_from_slice(value.as_slice());
+        B.copy_from_slice(operator.as_slice());
+    }
 }
 
 /// [`Parametrization::geometric_stiffness`] of a map.

@@ -10,7 +10,7 @@
 
 mod link;
 
-use super::{KinematicsMut, MapState, Parametrization};
+use super::{MapState, Order, Parametrization};
 use crate::domain::DomainError;
 use crate::system::ChartChanges;
 use link::{Link, add_product};
@@ -99,34 +99,16 @@ impl MapGraph {
         self
     }
 
-    /// Evaluates all links at y: tangents without `rates`, kinematics with them.
-    fn evaluate(&mut self, t: f64, y: &[f64], rates: Option<[&[f64]; 2]>) {
-        let orders = if rates.is_some() { 3 } else { 1 };
-        let [v, a] = rates.unwrap_or([&[], &[]]);
+    /// Evaluates these orders of all links at a motion of the inputs.
+    fn evaluate_links(&mut self, t: f64, motion: [&[f64]; 3], orders: usize) {
         self.at.clear();
         self.at.push(t);
-        self.at.extend_from_slice(y);
+        self.at.extend_from_slice(motion[0]);
         for k in 0..self.links.len() {
             let (before, rest) = self.links.split_at_mut(k);
             let link = &mut rest[0];
-            link.gather(before, [y, v, a], orders);
-            if orders == 1 {
-                link.map
-                    .tangent(t, &link.q[0], &mut link.x[0], &mut link.own[0]);
-            } else {
-                let [x, x_dot, x_ddot] = &mut link.x;
-                let [B, B_dot, B_ddot] = &mut link.own;
-                let out = KinematicsMut {
-                    x,
-                    x_dot,
-                    x_ddot,
-                    B,
-                    B_dot,
-                    B_ddot,
-                };
-                let [q, v, a] = &link.q;
-                link.map.kinematics(t, q, v, a, out);
-            }
+            link.gather(before, motion, orders);
+            link.evaluate(t, orders);
             link.chain(before, orders);
         }
     }
@@ -172,28 +154,22 @@ impl Parametrization for MapGraph {
             let link = &mut rest[0];
             link.gather(before, [y, &[], &[]], 1);
             least = least.min(link.map.domain(t, &link.q[0])?);
-            link.map
-                .tangent(t, &link.q[0], &mut link.x[0], &mut link.own[0]);
+            link.evaluate(t, 1);
         }
         Ok(least)
     }
 
-    fn tangent(&mut self, t: f64, y: &[f64], h: &mut [f64], J: &mut [f64]) {
-        self.evaluate(t, y, None);
-        self.collect(0, h, J);
-    }
-
-    fn kinematics(&mut self, t: f64, y: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
-        self.evaluate(t, y, Some([v, a]));
-        self.collect(0, out.x, out.B);
-        self.collect(1, out.x_dot, out.B_dot);
-        self.collect(2, out.x_ddot, out.B_ddot);
+    fn evaluate(&mut self, t: f64, motion: [&[f64]; 3], out: &mut [Order<'_>]) {
+        self.evaluate_links(t, motion, out.len());
+        for (order, [x, B]) in out.iter_mut().enumerate() {
+            self.collect(order, x, B);
+        }
     }
 
     fn geometric_stiffness(&mut self, t: f64, y: &[f64], f: &[f64], K: &mut [f64]) {
         let N = self.inputs;
         if self.at.split_first() != Some((&t, y)) {
-            self.evaluate(t, y, None);
+            self.evaluate_links(t, [y, &[], &[]], 1);
         }
         K.fill(0.0);
         self.links.iter_mut().for_each(|l| l.r.fill(0.0));
@@ -266,15 +242,14 @@ impl MapState for MapGraph {
             if let Some(state) = link.map.state() {
                 all.charts += state.change_charts(t, &link.q[0]).charts;
             }
-            link.map
-                .tangent(t, &link.q[0], &mut link.x[0], &mut link.own[0]);
+            link.evaluate(t, 1);
         }
         all
     }
 
     fn freeze_piece(&mut self, at: Option<(f64, &[f64])>) {
         if let Some((t, y)) = at {
-            self.evaluate(t, y, None);
+            self.evaluate_links(t, [y, &[], &[]], 1);
         }
         self.at.clear();
         for link in &mut self.links {

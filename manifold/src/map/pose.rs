@@ -17,7 +17,7 @@
 
 #![allow(non_snake_case)]
 
-use super::{KinematicsMut, MapState, Parametrization, write_block};
+use super::{MapState, Order, Parametrization, write_block};
 use crate::domain::{CHART_EDGE, DomainError};
 use crate::quotients::{InverseQuotients, Quotients};
 use crate::so3::{self, Quaternion};
@@ -57,7 +57,7 @@ fn three(x: &[f64], first: usize) -> Vector3<f64> {
 }
 
 /// A position and its operator, which is the identity: as many orders as there is room for.
-fn write(motion: [&[f64]; 3], turn: &[(Vector3<f64>, Matrix3<f64>)], out: &mut [[&mut [f64]; 2]]) {
+fn write(motion: [&[f64]; 3], turn: &[(Vector3<f64>, Matrix3<f64>)], out: &mut [Order<'_>]) {
     for (k, ([x, B], (rotation, own))) in out.iter_mut().zip(turn).enumerate() {
         x[..3].copy_from_slice(three(motion[k], 0).as_slice());
         x[3..].copy_from_slice(rotation.as_slice());
@@ -66,22 +66,6 @@ fn write(motion: [&[f64]; 3], turn: &[(Vector3<f64>, Matrix3<f64>)], out: &mut [
             write_block(B, FRAME, [0, 0], &Matrix3::identity());
         }
         write_block(B, FRAME, [3, 3], own);
-    }
-}
-
-impl ToPose {
-    fn write([q, v, a]: [&[f64]; 3], out: &mut [[&mut [f64]; 2]]) {
-        let [psi, psi_dot, psi_ddot] = [q, v, a].map(|x| three(x, 3));
-        let c = Quotients::new(psi.norm());
-        let tangent = so3::T(&psi, &c.tangent()).transpose();
-        let tangent_dot = so3::T_dot(&psi_dot, &psi, &c).transpose();
-        let tangent_ddot = so3::T_ddot(&psi_dot, &psi_ddot, &psi, &c).transpose();
-        let turn = [
-            (so3::quaternion(&psi).rodrigues(), tangent),
-            (tangent * psi_dot, tangent_dot),
-            (tangent * psi_ddot + tangent_dot * psi_dot, tangent_ddot),
-        ];
-        write([q, v, a], &turn, out);
     }
 }
 
@@ -94,12 +78,18 @@ impl Parametrization for ToPose {
         DomainError::within(EDGE - three(q, 3).norm(), CHART_EDGE)
     }
 
-    fn tangent(&mut self, _t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
-        Self::write([q, &[], &[]], &mut [[x, B]]);
-    }
-
-    fn kinematics(&mut self, _t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
-        Self::write([q, v, a], &mut out.orders());
+    fn evaluate(&mut self, _t: f64, [q, v, a]: [&[f64]; 3], out: &mut [Order<'_>]) {
+        let [psi, psi_dot, psi_ddot] = [q, v, a].map(|x| three(x, 3));
+        let c = Quotients::new(psi.norm());
+        let tangent = so3::T(&psi, &c.tangent()).transpose();
+        let tangent_dot = so3::T_dot(&psi_dot, &psi, &c).transpose();
+        let tangent_ddot = so3::T_ddot(&psi_dot, &psi_ddot, &psi, &c).transpose();
+        let turn = [
+            (so3::quaternion(&psi).rodrigues(), tangent),
+            (tangent * psi_dot, tangent_dot),
+            (tangent * psi_ddot + tangent_dot * psi_dot, tangent_ddot),
+        ];
+        write([q, v, a], &turn, out);
     }
 
     fn geometric_stiffness(&mut self, _t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
@@ -119,8 +109,19 @@ impl ToChart {
             false => turn,
         }
     }
+}
 
-    fn write(&self, [q, v, a]: [&[f64]; 3], out: &mut [[&mut [f64]; 2]]) {
+impl Parametrization for ToChart {
+    fn dims(&self) -> (usize, usize) {
+        (FRAME, FRAME)
+    }
+
+    fn domain(&mut self, _t: f64, q: &[f64]) -> Result<f64, DomainError> {
+        let margin = TAU - so3::log_quaternion(&self.turn(q)).norm();
+        DomainError::within(margin, CHART_EDGE)
+    }
+
+    fn evaluate(&mut self, _t: f64, [q, v, a]: [&[f64]; 3], out: &mut [Order<'_>]) {
         let psi = so3::log_quaternion(&self.turn(q));
         let [omega, omega_dot] = [v, a].map(|x| three(x, 3));
         let inverse = so3::T_inverse(&psi, &InverseQuotients::new(psi.norm())).transpose();
@@ -138,25 +139,6 @@ impl ToChart {
             (psi_ddot, inverse_ddot),
         ];
         write([q, v, a], &turn, out);
-    }
-}
-
-impl Parametrization for ToChart {
-    fn dims(&self) -> (usize, usize) {
-        (FRAME, FRAME)
-    }
-
-    fn domain(&mut self, _t: f64, q: &[f64]) -> Result<f64, DomainError> {
-        let margin = TAU - so3::log_quaternion(&self.turn(q)).norm();
-        DomainError::within(margin, CHART_EDGE)
-    }
-
-    fn tangent(&mut self, _t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
-        self.write([q, &[], &[]], &mut [[x, B]]);
-    }
-
-    fn kinematics(&mut self, _t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
-        self.write([q, v, a], &mut out.orders());
     }
 
     fn geometric_stiffness(&mut self, _t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {

@@ -80,7 +80,7 @@ fn a_chain_of_bars_closes() {
         let mut map = ImplicitMap::of(Chain, 3, 0.0, guess, choice).unwrap();
         check::implicit(&map, 0.0).assert();
         let (mut x, mut B) = ([0.0; LINKS], [0.0; 3 * LINKS]);
-        map.tangent(0.0, &[0.0; 3], &mut x, &mut B);
+        map.evaluate(0.0, [&[0.0; 3], &[], &[]], &mut [[&mut x, &mut B]]);
         let v = SVector::<f64, 3>::new(1.0, -2.0, 1.5);
         let x_dot = SMatrix::<f64, LINKS, 3>::from_column_slice(&B) * v;
         let exact = chain_exact(&x.into(), &x_dot, to);

@@ -269,10 +269,11 @@ fn four_bar() -> (Context, NodeId, Vec<f64>) {
     // From the assembled configuration to the one that is wanted: the crank as q.
     let mut map = assembled(guess).with_independent(&[0]).unwrap();
     let (mut x, mut B) = ([0.0; 3], [0.0; 3]);
-    map.tangent(0.0, &[CRANK_START - map.reference()[0]], &mut x, &mut B);
+    let q = [CRANK_START - map.reference()[0]];
+    map.evaluate(0.0, [&q, &[], &[]], &mut [[&mut x, &mut B]]);
     let mut map = assembled(x);
     assert!(gap(&map.reference(), &[CRANK_START, coupler, rocker]) < 1e-15);
-    map.tangent(0.0, &[0.0], &mut x, &mut B);
+    map.evaluate(0.0, [&[0.0], &[], &[]], &mut [[&mut x, &mut B]]);
     let rate = CRANK_RATE / B[0];
     let (mut b, ground) = grounded();
     let q = b.coordinates("q", &[Quantity::Angle]).unwrap();

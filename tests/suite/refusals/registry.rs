@@ -9,7 +9,7 @@ use pullback::elements::beam::Interpolation;
 use pullback::elements::joint::{JointMap, JointNodes, Revolute};
 use pullback::input::Registry;
 use pullback::input::{BoxedError, InputError};
-use pullback::manifold::map::{KinematicsMut, MapGraph, Parametrization};
+use pullback::manifold::map::{MapGraph, Order, Parametrization};
 use pullback::manifold::system::Quantity;
 use pullback::prelude::*;
 use std::ffi::OsString;
@@ -176,29 +176,11 @@ impl Parametrization for Halved {
         self.0.dims()
     }
 
-    fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
-        self.0.tangent(t, q, x, B);
-    }
-
-    fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
-        let KinematicsMut {
-            x,
-            x_dot,
-            x_ddot,
-            B,
-            B_dot,
-            B_ddot,
-        } = out;
-        let right = KinematicsMut {
-            x,
-            x_dot,
-            x_ddot,
-            B,
-            B_dot: &mut *B_dot,
-            B_ddot,
-        };
-        self.0.kinematics(t, q, v, a, right);
-        B_dot.iter_mut().for_each(|b| *b *= 0.5);
+    fn evaluate(&mut self, t: f64, motion: [&[f64]; 3], out: &mut [Order<'_>]) {
+        self.0.evaluate(t, motion, out);
+        if let [_, [_, B_dot], _] = out {
+            B_dot.iter_mut().for_each(|b| *b *= 0.5);
+        }
     }
 
     fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {

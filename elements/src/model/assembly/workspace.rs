@@ -153,7 +153,7 @@ impl Workspace {
             moving: false,
             stirred: false,
             known: Known::default(),
-            operators: Operators::new(operators),
+            operators: [(); 3].map(|()| vec![0.0; operators]),
             scatter_map,
             coupled: zeros(coupled),
             scratch: zeros(scratch),

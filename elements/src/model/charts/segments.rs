@@ -97,7 +97,7 @@ impl Context {
             ..
         } = &mut self.work;
         changes.momenta.clone_from(r);
-        changes.B.clone_from(&operators.B);
+        changes.B.clone_from(&operators[0]);
         changes.segments.clear();
         let nodes = self
             .model
@@ -141,7 +141,7 @@ impl Context {
     fn pull_back_momenta(&mut self, before: bool) {
         let w = &mut self.work;
         if before {
-            std::mem::swap(&mut w.operators.B, &mut w.segment_changes.B);
+            std::mem::swap(&mut w.operators[0], &mut w.segment_changes.B);
         }
         for (k, &n) in self.model.dependent.iter().enumerate().rev() {
             let node = &self.model.nodes[n as usize];
@@ -156,7 +156,7 @@ impl Context {
         }
         let w = &mut self.work;
         if before {
-            std::mem::swap(&mut w.operators.B, &mut w.segment_changes.B);
+            std::mem::swap(&mut w.operators[0], &mut w.segment_changes.B);
         }
     }
 }

@@ -9,7 +9,7 @@ use crate::model::assembly::scatter::ScatterTarget;
 use crate::model::assembly::workspace::Workspace;
 use crate::model::kinematics::node_entries::{collect, distribute};
 use crate::model::{Context, Node, NodeForm, Source, Span};
-use pullback_manifold::map::{KinematicsMut, Parametrization};
+use pullback_manifold::map::Parametrization;
 use pullback_manifold::pullback;
 use pullback_manifold::system::{ChartChanges, Point, SystemError, Weights};
 
@@ -36,22 +36,7 @@ pub(in crate::model) struct MappedNode {
 }
 
 /// B, Ḃ and B̈ of all mapped nodes, one after the other.
-#[derive(Clone, Default)]
-pub(in crate::model) struct Operators {
-    pub B: Vec<f64>,
-    pub B_dot: Vec<f64>,
-    pub B_ddot: Vec<f64>,
-}
-
-impl Operators {
-    pub(in crate::model) fn new(len: usize) -> Self {
-        Self {
-            B: vec![0.0; len],
-            B_dot: vec![0.0; len],
-            B_ddot: vec![0.0; len],
-        }
-    }
-}
+pub(in crate::model) type Operators = [Vec<f64>; 3];
 
 impl MappedNode {
     pub(in crate::model) fn new(
@@ -92,7 +77,7 @@ impl MappedNode {
     ) -> f64 {
         let parents = parents.iter();
         let columns = parents.flat_map(|&m| spans[m as usize].range());
-        let forces = pullback::transposed(&operators.B[self.local..], r);
+        let forces = pullback::transposed(&operators[0][self.local..], r);
         columns.zip(forces).map(|(c, force)| force * v[c]).sum()
     }
 }
@@ -127,15 +112,9 @@ impl Context {
         })?;
         let own = node.range();
         let range = d.local..d.local + node.dim * d.direct;
-        let out = KinematicsMut {
-            x: &mut w.x[own.clone()],
-            x_dot: &mut w.v[own.clone()],
-            x_ddot: &mut w.a[own],
-            B: &mut w.operators.B[range.clone()],
-            B_dot: &mut w.operators.B_dot[range.clone()],
-            B_ddot: &mut w.operators.B_ddot[range],
-        };
-        map.kinematics(t, q, v, a, out);
+        let [x, v_own, a_own] = [&mut w.x, &mut w.v, &mut w.a].map(|x| &mut x[own.clone()]);
+        let [B, B_dot, B_ddot] = w.operators.each_mut().map(|B| &mut B[range.clone()]);
+        map.evaluate(t, [q, v, a], &mut [[x, B], [v_own, B_dot], [a_own, B_ddot]]);
         Ok(())
     }
 
@@ -175,9 +154,8 @@ impl Context {
                 }
                 _ => K_sigma.fill(0.0),
             }
-            let Operators { B, B_dot, B_ddot } = &w.operators;
             let range = d.local..d.local + node.dim * d.direct;
-            let B = [B, B_dot, B_ddot].map(|B| &B[range.clone()]);
+            let B = w.operators.each_ref().map(|B| &B[range.clone()]);
             let nodes = &self.model.nodes;
             let of_poses = [n, parents[0]].map(|n| nodes[n as usize].form == NodeForm::Pose);
             let operator = Operator::new(node.dim, B, of_poses == [true; 2]);
@@ -224,7 +202,7 @@ impl Context {
             if changed {
                 let len = collect(d.parents(maps), &self.model.spans, &w.x, &mut w.local.q);
                 w.known.forget();
-                let B = &mut w.operators.B[d.local..d.local + own.len() * d.direct];
+                let B = &mut w.operators[0][d.local..d.local + own.len() * d.direct];
                 maps[d.index].tangent(t, &w.local.q[..len], &mut w.x[own], B);
             }
             moved |= maps[d.index].segment() != before;
@@ -261,7 +239,7 @@ pub(in crate::model) fn pull_back_forces(
     rates: bool,
 ) {
     let range = d.local..d.local + node.dim * d.direct;
-    let [B, B_dot] = [&w.operators.B, &w.operators.B_dot].map(|B| &B[range.clone()]);
+    let [B, B_dot, _] = w.operators.each_ref().map(|B| &B[range.clone()]);
     let (f, f_t) = (&mut w.local.q, &mut w.local.qv);
     let pull_back = |B: &[f64], r: &[f64], out: &mut [f64]| {
         out.iter_mut()

@@ -10,7 +10,7 @@ use crate::model::kinematics::mapped_node::MappedNode;
 use crate::model::{Context, ElementEntry, NONE, Node, NodeForm, Source};
 use nalgebra::Vector3;
 use pullback_manifold::map::pose::orientation;
-use pullback_manifold::map::{KinematicsMut, MapState, Parametrization, ToChart, ToPose};
+use pullback_manifold::map::{MapState, Parametrization, ToChart, ToPose};
 use pullback_manifold::so3;
 
 /// A node for the pose of a frame, at the end of all nodes.
@@ -155,14 +155,7 @@ fn motion_by(map: &mut dyn Parametrization, t: f64, of: &[[f64; 6]; 3]) -> [[f64
     let mut operators = [[0.0; 36]; 3];
     let [x, x_dot, x_ddot] = &mut out;
     let [B, B_dot, B_ddot] = &mut operators;
-    let to = KinematicsMut {
-        x,
-        x_dot,
-        x_ddot,
-        B,
-        B_dot,
-        B_ddot,
-    };
-    map.kinematics(t, &of[0], &of[1], &of[2], to);
+    let motion = of.each_ref().map(|x| &x[..]);
+    map.evaluate(t, motion, &mut [[x, B], [x_dot, B_dot], [x_ddot, B_ddot]]);
     out
 }

@@ -158,7 +158,7 @@ pub(super) fn root_matters(
     let mut value = |y: &[f64]| {
         let mut h = [0.0; 6];
         let mut J = vec![0.0; 6 * y.len()];
-        tree.tangent(0.0, y, &mut h, &mut J);
+        tree.evaluate(0.0, [y, &[], &[]], &mut [[&mut h, &mut J]]);
         h
     };
     let far = |k: usize, s: f64| 0.4 * (1.3 * k as f64 + s).sin();

@@ -6,7 +6,7 @@ use crate::blocks::{three, three_or_zero};
 use crate::joint::Pose;
 use nalgebra::{Matrix3, SVector, Vector3};
 use pullback_manifold::map::pose::orientation;
-use pullback_manifold::map::{KinematicsMut, Map, Parametrization, write_block};
+use pullback_manifold::map::{Map, Order, Parametrization, write_block};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::skew;
 
@@ -90,8 +90,14 @@ impl CoincidePoses {
             omega: [Omega, Omega_dot],
         }
     }
+}
 
-    fn write(&self, motion: [&[f64]; 3], out: &mut [[&mut [f64]; 2]]) {
+impl Parametrization for CoincidePoses {
+    fn dims(&self) -> (usize, usize) {
+        (12, 6)
+    }
+
+    fn evaluate(&mut self, _t: f64, motion: [&[f64]; 3], out: &mut [Order<'_>]) {
         let at = self.at(motion);
         let still = [Matrix3::identity(), Matrix3::zeros(), Matrix3::zeros()];
         let shifts = turned(still, &at);
@@ -108,20 +114,6 @@ impl CoincidePoses {
             write_block(B, 6, [3, 3], &turns[k]);
             write_block(B, 6, [3, 9], &-turns[k]);
         }
-    }
-}
-
-impl Parametrization for CoincidePoses {
-    fn dims(&self) -> (usize, usize) {
-        (12, 6)
-    }
-
-    fn tangent(&mut self, _t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
-        self.write([q, &[], &[]], &mut [[x, B]]);
-    }
-
-    fn kinematics(&mut self, _t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
-        self.write([q, v, a], &mut out.orders());
     }
 
     fn geometric_stiffness(&mut self, _t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {

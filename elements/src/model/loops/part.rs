@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use pullback_manifold::map::{KinematicsMut, Parametrization};
+use pullback_manifold::map::{Order, Parametrization};
 
 /// Some consecutive unknowns of a loop, as the coordinates of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,22 +22,14 @@ impl Parametrization for Part {
         (self.of, self.len)
     }
 
-    fn tangent(&mut self, _t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
-        x.copy_from_slice(&q[self.first..self.first + self.len]);
-        B.fill(0.0);
-        for i in 0..self.len {
-            B[i + (self.first + i) * self.len] = 1.0;
+    fn evaluate(&mut self, _t: f64, motion: [&[f64]; 3], out: &mut [Order<'_>]) {
+        for (k, [x, B]) in out.iter_mut().enumerate() {
+            x.copy_from_slice(&motion[k][self.first..self.first + self.len]);
+            B.fill(0.0);
+            for i in 0..if k == 0 { self.len } else { 0 } {
+                B[i + (self.first + i) * self.len] = 1.0;
+            }
         }
-    }
-
-    fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
-        self.tangent(t, q, out.x, out.B);
-        out.x_dot
-            .copy_from_slice(&v[self.first..self.first + self.len]);
-        out.x_ddot
-            .copy_from_slice(&a[self.first..self.first + self.len]);
-        out.B_dot.fill(0.0);
-        out.B_ddot.fill(0.0);
     }
 
     fn geometric_stiffness(&mut self, _t: f64, _q: &[f64], _f: &[f64], K: &mut [f64]) {

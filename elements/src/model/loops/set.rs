@@ -135,7 +135,7 @@ fn nothing_follows(
         return Err(ModelError::AllPrescribed { joints, prescribed });
     }
     let mut h = vec![0.0; 6 * chains.len()];
-    equations.tangent(0.0, &[], &mut h, &mut []);
+    equations.evaluate(0.0, [&[]; 3], &mut [[&mut h, &mut []]]);
     for (chain, h) in chains.iter().zip(h.chunks_exact(6)) {
         let gap = Vector3::new(h[0], h[1], h[2]).norm();
         let turn = Vector3::new(h[3], h[4], h[5]).norm();

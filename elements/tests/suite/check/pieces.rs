@@ -12,8 +12,8 @@ use pullback_elements::model::{Context, ModelBuilder, NodeId};
 use pullback_elements::time::Constant;
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::map::{
-    Kinematics, KinematicsMut, Map, MapState, Parametrization, Segments, derived,
-    write_geometric_stiffness, write_kinematics, write_tangent,
+    Kinematics, Map, MapState, Order, Parametrization, Segments, derived,
+    write_geometric_stiffness, write_orders,
 };
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::system::{ChartChanges, Quantity};
@@ -77,12 +77,8 @@ impl Parametrization for Along {
         Parametrization::domain(&mut self.0, t, q)
     }
 
-    fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
-        write_tangent(self, t, q, x, B);
-    }
-
-    fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
-        write_kinematics(self, t, [q, v, a], out);
+    fn evaluate(&mut self, t: f64, motion: [&[f64]; 3], out: &mut [Order<'_>]) {
+        write_orders(self, t, motion, out);
     }
 
     fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {

@@ -10,9 +10,7 @@ use pullback_elements::joint::{
     Chain, Helical, Joint, JointCoordinate, JointMap, Offset, Planar, Pose, Revolute, Slide,
     Spherical, Universal,
 };
-use pullback_manifold::map::{
-    KinematicsMut, Map, MapGraph, MapState, Parametrization, Read, derived,
-};
+use pullback_manifold::map::{Map, MapGraph, MapState, Parametrization, Read, derived};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::{self, Quaternion};
 use pullback_manifold::system::Quantity;
@@ -113,20 +111,12 @@ fn closed_forms_are_the_derivatives_of_the_composed_pose() {
 }
 
 /// x and B with their rates.
-fn kinematics(map: &dyn Parametrization, t: f64, [q, v, a]: [&[f64]; 3]) -> [[Vec<f64>; 2]; 3] {
+fn kinematics(map: &dyn Parametrization, t: f64, motion: [&[f64]; 3]) -> [[Vec<f64>; 2]; 3] {
     let (d, n) = map.dims();
-    let [mut x, mut x_dot, mut x_ddot] = [0; 3].map(|_| vec![0.0; n]);
-    let [mut B, mut B_dot, mut B_ddot] = [0; 3].map(|_| vec![0.0; n * d]);
-    let out = KinematicsMut {
-        x: &mut x,
-        x_dot: &mut x_dot,
-        x_ddot: &mut x_ddot,
-        B: &mut B,
-        B_dot: &mut B_dot,
-        B_ddot: &mut B_ddot,
-    };
-    map.duplicate().kinematics(t, q, v, a, out);
-    [[x, B], [x_dot, B_dot], [x_ddot, B_ddot]]
+    let mut all = [(); 3].map(|()| [vec![0.0; n], vec![0.0; n * d]]);
+    let mut out = all.each_mut().map(|[x, B]| [&mut x[..], &mut B[..]]);
+    map.duplicate().evaluate(t, motion, &mut out);
+    all
 }
 
 #[test]

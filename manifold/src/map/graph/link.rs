@@ -48,6 +48,15 @@ impl Link {
         }
     }
 
+    /// Evaluates these orders of its map at the coordinates.
+    pub(super) fn evaluate(&mut self, t: f64, orders: usize) {
+        let motion = self.q.each_ref().map(|q| &q[..]);
+        let [x, x_dot, x_ddot] = self.x.each_mut().map(|x| &mut x[..]);
+        let [B, B_dot, B_ddot] = self.own.each_mut().map(|B| &mut B[..]);
+        let out = &mut [[x, B], [x_dot, B_dot], [x_ddot, B_ddot]];
+        self.map.evaluate(t, motion, &mut out[..orders]);
+    }
+
     /// Computes operators with respect to the inputs, by the chain rule.
     pub(super) fn chain(&mut self, before: &[Self], orders: usize) {
         let n = self.n;

@@ -7,7 +7,7 @@ use nalgebra::{SVector, Vector2, Vector3};
 use pullback_conformance as check;
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::implicit::{Choice, Implicit, ImplicitMap};
-use pullback_manifold::map::{KinematicsMut, Linear, Parametrization, Reparametrization};
+use pullback_manifold::map::{Linear, Order, Parametrization, Reparametrization};
 use pullback_manifold::scalar::Scalar;
 
 /// A four-bar linkage: absolute angles of crank, coupler, rocker; ground pivots `d` apart. The
@@ -182,20 +182,11 @@ impl Parametrization for Planted {
         self.map.domain(t, q)
     }
 
-    fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
-        self.map.tangent(t, q, x, B);
-    }
-
-    fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
-        let [x, x_dot, x_ddot, B, B_dot, B_ddot] = motion(&self.map, t, [q, v, a]);
-        out.x.copy_from_slice(&x);
-        out.x_dot.copy_from_slice(&x_dot);
-        out.x_ddot.copy_from_slice(&x_ddot);
-        out.B.copy_from_slice(&B);
-        let factor = if self.error == "half B_dot" { 0.5 } else { 1.0 };
-        let both = out.B_dot.iter_mut().zip(B_dot);
-        both.for_each(|(out, b)| *out = factor * b);
-        out.B_ddot.copy_from_slice(&B_ddot);
+    fn evaluate(&mut self, t: f64, motion: [&[f64]; 3], out: &mut [Order<'_>]) {
+        self.map.evaluate(t, motion, out);
+        if let ([_, [_, B_dot], _], "half B_dot") = (out, self.error) {
+            B_dot.iter_mut().for_each(|b| *b *= 0.5);
+        }
     }
 
     fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {

@@ -9,22 +9,15 @@ mod map;
 mod rank;
 mod steep;
 
-use pullback_manifold::map::{KinematicsMut, Parametrization};
+use pullback_manifold::map::Parametrization;
 
 /// x, ẋ, ẍ, B, Ḃ and B̈.
-fn motion(map: &dyn Parametrization, t: f64, [q, v, a]: [&[f64]; 3]) -> [Vec<f64>; 6] {
+fn motion(map: &dyn Parametrization, t: f64, motion: [&[f64]; 3]) -> [Vec<f64>; 6] {
     let (d, n) = map.dims();
     let mut all = [n, n, n, n * d, n * d, n * d].map(|len| vec![0.0; len]);
     let [x, x_dot, x_ddot, B, B_dot, B_ddot] = &mut all;
-    let out = KinematicsMut {
-        x,
-        x_dot,
-        x_ddot,
-        B,
-        B_dot,
-        B_ddot,
-    };
-    map.duplicate().kinematics(t, q, v, a, out);
+    let out = &mut [[&mut x[..], &mut B[..]], [x_dot, B_dot], [x_ddot, B_ddot]];
+    map.duplicate().evaluate(t, motion, out);
     all
 }
 

@@ -6,7 +6,7 @@ use nalgebra::{DVector, SVector};
 use pullback_conformance::{Layout, Mapped, Random, Report, TestState, kinematics};
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::implicit::{Choice, Implicit, ImplicitMap};
-use pullback_manifold::map::{KinematicsMut, MapState, Parametrization};
+use pullback_manifold::map::{MapState, Order, Parametrization};
 use pullback_manifold::scalar::Scalar;
 
 /// The unit circle.
@@ -36,12 +36,8 @@ impl Parametrization for Steep {
         Some(&mut self.0)
     }
 
-    fn tangent(&mut self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
-        self.0.tangent(t, q, x, B);
-    }
-
-    fn kinematics(&mut self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
-        self.0.kinematics(t, q, v, a, out);
+    fn evaluate(&mut self, t: f64, motion: [&[f64]; 3], out: &mut [Order<'_>]) {
+        self.0.evaluate(t, motion, out);
     }
 
     fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {

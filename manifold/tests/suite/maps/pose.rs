@@ -7,9 +7,7 @@ use nalgebra::{SVector, Vector3, Vector6};
 use pullback_conformance::{self as check, Random};
 use pullback_manifold::jet::Moving;
 use pullback_manifold::map::pose::orientation;
-use pullback_manifold::map::{
-    KinematicsMut, Map, MapGraph, Parametrization, Read, ToChart, ToPose, derived,
-};
+use pullback_manifold::map::{Map, MapGraph, Parametrization, Read, ToChart, ToPose, derived};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::{self, Quaternion};
 use std::f64::consts::{PI, TAU};
@@ -24,17 +22,9 @@ fn kinematics<const D: usize>(
 ) -> [Vec<f64>; 6] {
     let n = map.dims().1;
     let mut out: [Vec<f64>; 6] = std::array::from_fn(|k| vec![0.0; if k < 3 { n } else { n * D }]);
-    let [x, x_dot, x_ddot, B, B_dot, B_ddot] = &mut out;
-    let to = KinematicsMut {
-        x,
-        x_dot,
-        x_ddot,
-        B,
-        B_dot,
-        B_ddot,
-    };
-    let [q, v, a] = motion.each_ref().map(|x| x.as_slice());
-    map.kinematics(0.3, q, v, a, to);
+    let [x, x_dot, x_ddot, B, B_dot, B_ddot] = out.each_mut().map(|x| &mut x[..]);
+    let motion = motion.each_ref().map(|x| x.as_slice());
+    map.evaluate(0.3, motion, &mut [[x, B], [x_dot, B_dot], [x_ddot, B_ddot]]);
     out
 }
 

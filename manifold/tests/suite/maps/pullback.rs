@@ -5,7 +5,7 @@
 use crate::support::{Offset, Revolute};
 use nalgebra::{DMatrix, DVector, SVector, Vector3};
 use pullback_conformance::{self as check, Forces, TestState};
-use pullback_manifold::map::{KinematicsMut, Map, Parametrization};
+use pullback_manifold::map::{Map, Parametrization};
 use pullback_manifold::pullback::{self, Slot, Tangents};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::system::Weights;
@@ -65,24 +65,16 @@ impl Position {
         }
     }
 
-    fn kinematics(&mut self, t: f64, [q, v, a]: [&[f64]; 3]) {
-        let [x, x_dot, x_ddot] = &mut self.x;
+    fn kinematics(&mut self, t: f64, motion: [&[f64]; 3]) {
+        let [x, x_dot, x_ddot] = self.x.each_mut().map(|x| &mut x[..]);
         let Some(map) = &mut self.map else {
-            x.copy_from_slice(q);
-            x_dot.copy_from_slice(v);
-            x_ddot.copy_from_slice(a);
+            for (x, given) in [x, x_dot, x_ddot].into_iter().zip(motion) {
+                x.copy_from_slice(given);
+            }
             return;
         };
-        let [B, B_dot, B_ddot] = &mut self.B;
-        let out = KinematicsMut {
-            x,
-            x_dot,
-            x_ddot,
-            B,
-            B_dot,
-            B_ddot,
-        };
-        map.kinematics(t, q, v, a, out);
+        let [B, B_dot, B_ddot] = self.B.each_mut().map(|B| &mut B[..]);
+        map.evaluate(t, motion, &mut [[x, B], [x_dot, B_dot], [x_ddot, B_ddot]]);
     }
 
     fn slot(&self) -> Slot<'_> {
