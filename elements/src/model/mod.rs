@@ -44,7 +44,6 @@ use assembly::workspace::Workspace;
 use kinematics::free_coordinates::FreeCoordinates;
 use kinematics::mapped_node::MappedNode;
 use nalgebra::Vector3;
-use pullback_manifold::map::Parametrization;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::Quantity;
 use std::ops::{Deref, Range};
@@ -52,21 +51,15 @@ use std::ops::{Deref, Range};
 /// Marks an absent index.
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// Source of a node's coordinates.
-#[derive(Clone)]
-enum Source {
-    /// Coordinates of the model itself.
-    Own,
-    /// A constraint map from other nodes' coordinates.
-    Mapped(Box<MappedNode>),
-}
-
-impl Source {
-    /// A map of the `direct` coordinates of these parents.
-    fn map(map: Box<dyn Parametrization>, parents: Vec<u32>, direct: usize) -> Self {
-        let mapped = MappedNode::new(map, vec![parents], direct);
-        Self::Mapped(Box::new(mapped))
-    }
+/// The mapped nodes among some nodes, with their maps.
+fn mapped<'a, 'b>(
+    nodes: &'a [Node],
+    some: &'b [u32],
+) -> impl DoubleEndedIterator<Item = (u32, &'a Node, &'a MappedNode)> + use<'a, 'b> {
+    some.iter().filter_map(|&n| {
+        let node = &nodes[n as usize];
+        Some((n, node, node.mapped()?))
+    })
 }
 
 /// Kind of a node's coordinates.
@@ -121,14 +114,20 @@ pub struct Node {
     dim: usize,
     /// First coordinate in the vector of all nodes' coordinates.
     first: usize,
-    source: Source,
+    /// The constraint map from other nodes' coordinates; `None` for coordinates of the model itself.
+    map: Option<Box<MappedNode>>,
     /// Of a frame the node of its pose, of a pose that of its frame, or [`NONE`].
     partner: u32,
 }
 
 impl Node {
     /// A node without a position: scalar coordinates.
-    fn new(name: String, form: NodeForm, quantities: &[Quantity], source: Source) -> Self {
+    fn new(
+        name: String,
+        form: NodeForm,
+        quantities: &[Quantity],
+        map: Option<Box<MappedNode>>,
+    ) -> Self {
         Self {
             name,
             position: Vector3::zeros(),
@@ -136,7 +135,7 @@ impl Node {
             dim: quantities.len(),
             quantities: quantities.to_vec(),
             first: 0,
-            source,
+            map,
             partner: NONE,
         }
     }
@@ -160,15 +159,12 @@ impl Node {
     }
 
     fn is_own(&self) -> bool {
-        self.mapped().is_none()
+        self.map.is_none()
     }
 
     /// Its map and parents; `None` for coordinates of the model itself.
     fn mapped(&self) -> Option<&MappedNode> {
-        match &self.source {
-            Source::Own => None,
-            Source::Mapped(d) => Some(d),
-        }
+        self.map.as_deref()
     }
 
     /// The parents of its map in all segments.

@@ -3,8 +3,7 @@
 use super::Context;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{
-    ChartChanges, Charts, Energetics, Energies, Evaluation, Events, Point, RigidRates, Scales,
-    Symmetry, System, SystemError,
+    ChartChanges, Charts, Energetics, Evaluation, Events, Point, Scales, System, SystemError,
 };
 
 impl System for Context {
@@ -83,57 +82,5 @@ impl Charts for Context {
             warnings.extend(why.map(|why| format!("joint at node {name}: {why}")));
         }
         warnings
-    }
-}
-
-impl Events for Context {
-    fn kinks(&self) -> Vec<f64> {
-        let prescribed = self
-            .model
-            .prescribed
-            .iter()
-            .flat_map(|p| p.function.kinks());
-        let loads = self.model.elements.iter().flat_map(|e| e.element.kinks());
-        prescribed.chain(loads).collect()
-    }
-
-    fn inputs(&mut self) -> &mut [f64] {
-        &mut self.state.inputs
-    }
-
-    fn value(&mut self, from: Point<'_>, to: Point<'_>) -> f64 {
-        self.find_overshoot(from, to)
-    }
-
-    fn apply(&mut self, from: Point<'_>, to: Point<'_>, since: f64) {
-        self.enter_segments(from, to, since);
-    }
-
-    fn kept_momentum(&mut self, at: Option<Point<'_>>, p: &mut [f64]) -> Result<bool, SystemError> {
-        self.mean_momentum(at, p)
-    }
-}
-
-impl Energetics for Context {
-    fn energies(&mut self, at: Point<'_>) -> Result<Energies, SystemError> {
-        self.enter_element_charts();
-        Ok(self.evaluate_energies(at, false)?.energies)
-    }
-
-    fn dissipation(&mut self, at: Point<'_>) -> Result<f64, SystemError> {
-        self.enter_element_charts();
-        self.evaluate_dissipation(at)
-    }
-
-    fn momentum(&mut self, at: Point<'_>, p: &mut [f64]) -> Result<bool, SystemError> {
-        self.generalised_momentum(at, p)
-    }
-
-    fn symmetries(&mut self, span: [f64; 2], q: &[f64], v: &[f64]) -> Vec<Symmetry> {
-        self.find_symmetries(span, q, v)
-    }
-
-    fn rigid_rates(&mut self, q: &[f64], motion: &RigidRates, rates: &mut [f64]) {
-        self.write_rigid_rates(q, motion, rates);
     }
 }

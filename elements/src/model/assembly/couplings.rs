@@ -1,7 +1,7 @@
 //! Nodes that tangents couple with mapped nodes, and the positions of these tangents.
 
 use crate::model::kinematics::mapped_node::MappedNode;
-use crate::model::{ElementEntry, NONE, Node, Source};
+use crate::model::{ElementEntry, NONE, Node, mapped};
 
 /// The nodes coupled with a mapped node before it is pulled back to its parents: those of its elements,
 /// and of all that depends on it.
@@ -65,11 +65,9 @@ impl Couplings {
             .map(|(n, &block)| n.is_own() && block == NONE);
         self.1.clear();
         self.1.extend(held);
-        for &n in dependent {
-            if let Source::Mapped(d) = &nodes[n as usize].source {
-                let mut parents = segments(d).iter().flatten();
-                self.1[n as usize] = parents.all(|&m| self.1[m as usize]);
-            }
+        for (n, _, d) in mapped(nodes, dependent) {
+            let mut parents = segments(d).iter().flatten();
+            self.1[n as usize] = parents.all(|&m| self.1[m as usize]);
         }
         for coupled in &mut self.0 {
             coupled.partners.clear();
@@ -81,10 +79,7 @@ impl Couplings {
                 self.couple(nodes, &e.nodes);
             }
         }
-        for &n in dependent.iter().rev() {
-            let Source::Mapped(d) = &nodes[n as usize].source else {
-                continue;
-            };
+        for (_, _, d) in mapped(nodes, dependent).rev() {
             if !self.0[d.index].loaded {
                 continue;
             }
@@ -125,10 +120,8 @@ impl Couplings {
     }
 
     fn load(&mut self, nodes: &[Node], group: &[u32]) {
-        for &n in group {
-            if let Source::Mapped(d) = &nodes[n as usize].source {
-                self.0[d.index].loaded |= !self.1[n as usize];
-            }
+        for (n, _, d) in mapped(nodes, group) {
+            self.0[d.index].loaded |= !self.1[n as usize];
         }
     }
 
@@ -191,10 +184,10 @@ impl Couplings {
 
 /// Index of the node of a pair that is pulled back first, and the other node; `None` if both are own.
 fn owner(nodes: &[Node], i: u32, j: u32) -> Option<(usize, u32)> {
-    match [i, j].map(|n| &nodes[n as usize].source) {
-        [Source::Own, Source::Own] => None,
-        [Source::Mapped(a), Source::Mapped(b)] if a.index < b.index => Some((b.index, i)),
-        [Source::Mapped(a), _] => Some((a.index, j)),
-        [Source::Own, Source::Mapped(b)] => Some((b.index, i)),
+    match [i, j].map(|n| nodes[n as usize].mapped()) {
+        [None, None] => None,
+        [Some(a), Some(b)] if a.index < b.index => Some((b.index, i)),
+        [Some(a), _] => Some((a.index, j)),
+        [None, Some(b)] => Some((b.index, i)),
     }
 }

@@ -5,7 +5,7 @@
 use crate::model::assembly::couplings::{CoupledBlock, Couplings};
 use crate::model::assembly::pull_back::Piece;
 use crate::model::kinematics::mapped_node::Maps;
-use crate::model::{ElementEntry, NONE, Node, Source, Span};
+use crate::model::{ElementEntry, NONE, Node, Span, mapped};
 use pullback_manifold::sparse::BlockPattern;
 use std::ops::Range;
 
@@ -66,7 +66,7 @@ impl ScatterMap {
         let (mut pieces, mut scratch) = (0, 0);
         for (coupled, &n) in couplings.0.iter_mut().zip(dependent) {
             let node = &nodes[n as usize];
-            if let Source::Mapped(d) = &node.source {
+            if let Some(d) = node.mapped() {
                 let parents = d.segments.iter().map(Vec::len).max().unwrap_or(0);
                 coupled.parents.reserve_exact(parents);
                 pieces += parents * (parents + 2 * coupled.partners.len());
@@ -109,10 +109,7 @@ impl ScatterMap {
             }
         }
         self.pieces.clear();
-        for (k, &n) in dependent.iter().enumerate() {
-            let Source::Mapped(d) = &nodes[n as usize].source else {
-                continue;
-            };
+        for (k, (_, _, d)) in mapped(nodes, dependent).enumerate() {
             if !self.couplings.0[k].loaded {
                 continue;
             }

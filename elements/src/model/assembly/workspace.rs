@@ -5,7 +5,7 @@ use crate::model::assembly::scatter_map::ScatterMap;
 use crate::model::charts::nodes::Reparametrization;
 use crate::model::charts::segments::SegmentChanges;
 use crate::model::kinematics::mapped_node::Operators;
-use crate::model::{ElementEntry, Node, Source};
+use crate::model::{ElementEntry, Node};
 use pullback_manifold::system::{Point, Scales};
 
 /// Buffers of an evaluation.
@@ -127,11 +127,8 @@ impl Workspace {
         levers: [f64; 2],
     ) -> Self {
         let total = nodes.iter().map(|n| n.dim).sum::<usize>();
-        let direct = |node: &Node| match &node.source {
-            Source::Own => 0,
-            Source::Mapped(d) => d.direct,
-        };
-        let parents = nodes.iter().map(direct).max().unwrap_or(0);
+        let direct = nodes.iter().filter_map(|node| Some(node.mapped()?.direct));
+        let parents = direct.max().unwrap_or(0);
         let n = elements.iter().map(|e| e.element.dim()).max().unwrap_or(0);
         let zeros = |len: usize| vec![0.0; len];
         let scales = Scales {
@@ -143,34 +140,21 @@ impl Workspace {
             x: zeros(total),
             v: zeros(total),
             a: zeros(total),
-            t: 0.0,
-            assemblies: 0,
             r: zeros(total),
             r_t: zeros(total),
             direct: zeros(total),
             previous: zeros(total),
-            has_previous: false,
-            moving: false,
-            stirred: false,
-            known: Known::default(),
             operators: [(); 3].map(|()| vec![0.0; operators]),
             scatter_map,
             coupled: zeros(coupled),
             scratch: zeros(scratch),
             local: ElementWorkspace::new(n, parents),
-            accelerations: Vec::new(),
-            parts: [Vec::new(), Vec::new()],
-            reparametrizations: Vec::new(),
-            segments_changed: false,
-            segment_changes: SegmentChanges::default(),
-            acceleration_step: None,
-            released: Vec::new(),
             scales,
-            exerted: Scales::default(),
             dead_loads: DeadLoads {
                 r: zeros(total),
                 ..DeadLoads::default()
             },
+            ..Self::default()
         }
     }
 }

@@ -3,9 +3,10 @@
 use crate::element::Element;
 use crate::model::assembly::residual::MAX_NODES;
 use crate::model::kinematics::formulation::RotationMaps;
+use crate::model::kinematics::mapped_node::MappedNode;
 use crate::model::kinematics::pose::add_pose;
 use crate::model::loops::Closing;
-use crate::model::{ElementEntry, ModelError, NONE, Node, NodeForm, NodeList, Source};
+use crate::model::{ElementEntry, ModelError, NONE, Node, NodeForm, NodeList};
 use crate::time::{Constant, Input, TimeFunction};
 use nalgebra::Vector3;
 use pullback_manifold::map::Parametrization;
@@ -111,7 +112,7 @@ impl ModelBuilder {
         position: [f64; 3],
     ) -> Result<NodeId, ModelError> {
         let (form, quantities) = (NodeForm::Frame, &FRAME_QUANTITIES);
-        self.add_node(name.into(), position, form, quantities, Source::Own)
+        self.add_node(name.into(), position, form, quantities, None)
     }
 
     /// Adds scalar coordinates, such as those of a joint.
@@ -133,7 +134,7 @@ impl ModelBuilder {
         form: NodeForm,
         quantities: &[Quantity],
     ) -> Result<NodeId, ModelError> {
-        self.add_node(name.into(), [0.0; 3], form, quantities, Source::Own)
+        self.add_node(name.into(), [0.0; 3], form, quantities, None)
     }
 
     /// Adds a rotation vector, such as the three coordinates of a spherical joint. Its chart
@@ -151,7 +152,7 @@ impl ModelBuilder {
         position: [f64; 3],
         form: NodeForm,
         quantities: &[Quantity],
-        source: Source,
+        map: Option<Box<MappedNode>>,
     ) -> Result<NodeId, ModelError> {
         if position.iter().any(|x| !x.is_finite()) {
             return Err(ModelError::NotFinite {
@@ -166,7 +167,7 @@ impl ModelBuilder {
         };
         self.nodes.push(Node {
             position: position.into(),
-            ..Node::new(name, form, quantities, source)
+            ..Node::new(name, form, quantities, map)
         });
         Ok(id)
     }
@@ -225,7 +226,7 @@ impl ModelBuilder {
         map: Box<dyn Parametrization>,
     ) {
         self.gears.insert(follower, (leader, ratio));
-        self.nodes[follower.0 as usize].source = Source::map(map, vec![leader.0], 1);
+        self.nodes[follower.0 as usize].map = Some(MappedNode::of(map, vec![leader.0]));
     }
 
     pub(in crate::model) fn check_own(

@@ -2,7 +2,7 @@
 
 use crate::memory;
 use crate::model::kinematics::mapped_node::Maps;
-use crate::model::{ModelError, Node, Source};
+use crate::model::{ModelError, Node};
 use std::collections::HashSet;
 
 /// For every node, all sets of own nodes that it can depend on: one for each combination of
@@ -116,7 +116,7 @@ pub(in crate::model) fn arrange(nodes: &mut [Node], order: &[u32]) -> usize {
     let mut operators = 0;
     for (index, &n) in order.iter().enumerate() {
         let node = &mut nodes[n as usize];
-        if let Source::Mapped(d) = &mut node.source {
+        if let Some(d) = &mut node.map {
             (d.index, d.local) = (index, operators);
             operators += node.dim * d.direct;
         }

@@ -4,7 +4,7 @@ use crate::model::assembly::residual::MAX_NODES;
 use crate::model::build::builder::{FRAME, FRAME_QUANTITIES, ModelBuilder, NodeId};
 use crate::model::kinematics::mapped_node::MappedNode;
 use crate::model::kinematics::pose::{add_pose, new_pose};
-use crate::model::{ModelError, NodeForm, Source};
+use crate::model::{ModelError, NodeForm};
 use pullback_manifold::map::{Parametrization, ToChart};
 use pullback_manifold::system::Quantity;
 
@@ -37,8 +37,14 @@ impl ModelBuilder {
         segments: &[&[NodeId]],
     ) -> Result<NodeId, ModelError> {
         let name = name.into();
-        let source = self.mapped(&name, FRAME, map, segments)?;
-        self.add_node(name, position, NodeForm::Frame, &FRAME_QUANTITIES, source)
+        let map = self.mapped(&name, FRAME, map, segments)?;
+        self.add_node(
+            name,
+            position,
+            NodeForm::Frame,
+            &FRAME_QUANTITIES,
+            Some(map),
+        )
     }
 
     /// Adds a frame node whose pose is a map of the coordinates of `parents`; a frame among them is given by
@@ -53,11 +59,11 @@ impl ModelBuilder {
         map: Box<dyn Parametrization>,
         parents: &[NodeId],
     ) -> Result<NodeId, ModelError> {
-        let source = self.mapped(&name, FRAME, map, &[parents])?;
+        let map = self.mapped(&name, FRAME, map, &[parents])?;
         let [frame, pose] = [0, 1].map(|k| self.nodes.len() as u32 + k);
-        let view = Source::map(Box::new(ToChart::default()), vec![pose], FRAME);
+        let view = Some(MappedNode::of(Box::new(ToChart::default()), vec![pose]));
         let id = self.add_node(name, position, NodeForm::Frame, &FRAME_QUANTITIES, view)?;
-        let node = new_pose(&mut self.nodes, frame, source);
+        let node = new_pose(&mut self.nodes, frame, map);
         self.nodes.push(node);
         Ok(id)
     }
@@ -92,8 +98,8 @@ impl ModelBuilder {
         parents: &[NodeId],
     ) -> Result<NodeId, ModelError> {
         let name = name.into();
-        let source = self.mapped(&name, quantities.len(), map, &[parents])?;
-        self.add_node(name, [0.0; 3], NodeForm::Coordinates, quantities, source)
+        let map = self.mapped(&name, quantities.len(), map, &[parents])?;
+        self.add_node(name, [0.0; 3], NodeForm::Coordinates, quantities, Some(map))
     }
 
     /// A map to the `dim` coordinates of the node `name`, with its parents.
@@ -103,7 +109,7 @@ impl ModelBuilder {
         dim: usize,
         map: Box<dyn Parametrization>,
         segments: &[&[NodeId]],
-    ) -> Result<Source, ModelError> {
+    ) -> Result<Box<MappedNode>, ModelError> {
         let (d, n) = map.dims();
         for parents in segments {
             self.check_own(parents, || format!("joint at node {name}"))?;
@@ -127,6 +133,6 @@ impl ModelBuilder {
         }
         let numbers = |parents: &&[NodeId]| parents.iter().map(|m| m.0).collect();
         let segments = segments.iter().map(numbers).collect();
-        Ok(Source::Mapped(Box::new(MappedNode::new(map, segments, d))))
+        Ok(MappedNode::along(map, segments))
     }
 }

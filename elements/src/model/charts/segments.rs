@@ -6,7 +6,7 @@ use crate::model::assembly::workspace::Workspace;
 use crate::model::kinematics::mapped_node::{MappedNode, pull_back_forces};
 use crate::model::kinematics::node_entries::collect;
 use crate::model::{Context, Node};
-use pullback_manifold::system::{Point, SystemError};
+use pullback_manifold::system::{Events, Point, SystemError};
 
 /// Buffers for maps with several segments.
 #[derive(Clone, Default)]
@@ -21,16 +21,25 @@ pub(in crate::model) struct SegmentChanges {
     segments: Vec<usize>,
 }
 
-impl Context {
-    /// See [`Events::value`](pullback_manifold::system::Events::value).
-    pub(in crate::model) fn find_overshoot(&mut self, from: Point<'_>, to: Point<'_>) -> f64 {
+impl Events for Context {
+    fn kinks(&self) -> Vec<f64> {
+        let prescribed = self.model.prescribed.iter();
+        let prescribed = prescribed.flat_map(|p| p.function.kinks());
+        let loads = self.model.elements.iter().flat_map(|e| e.element.kinks());
+        prescribed.chain(loads).collect()
+    }
+
+    fn inputs(&mut self) -> &mut [f64] {
+        &mut self.state.inputs
+    }
+
+    fn value(&mut self, from: Point<'_>, to: Point<'_>) -> f64 {
         self.collect_overshoots(from, to);
         let ahead = self.work.segment_changes.overshoots.iter();
         ahead.fold(f64::NEG_INFINITY, |most, (_, by, _)| most.max(*by))
     }
 
-    /// See [`Events::apply`](pullback_manifold::system::Events::apply).
-    pub(in crate::model) fn enter_segments(&mut self, from: Point<'_>, to: Point<'_>, since: f64) {
+    fn apply(&mut self, from: Point<'_>, to: Point<'_>, since: f64) {
         self.collect_overshoots(from, to);
         for (n, by, segment) in &self.work.segment_changes.overshoots {
             let mapped = self.model.nodes[*n as usize].mapped();
@@ -42,6 +51,30 @@ impl Context {
         }
     }
 
+    fn kept_momentum(&mut self, at: Option<Point<'_>>, p: &mut [f64]) -> Result<bool, SystemError> {
+        if !self.work.segments_changed {
+            return Ok(false);
+        }
+        let mut momenta = std::mem::take(&mut self.work.segment_changes.momenta);
+        let known = at.map_or(Ok(()), |at| self.node_momenta(at));
+        if at.is_none() {
+            self.work.r.clone_from(&momenta);
+        }
+        momenta.clone_from(&self.work.r);
+        p.fill(0.0);
+        for before in [false, true] {
+            self.work.r.copy_from_slice(&momenta);
+            self.pull_back_momenta(before);
+            for (p, &c) in p.iter_mut().zip(&self.model.coordinates) {
+                *p += 0.5 * self.work.r[c];
+            }
+        }
+        self.work.segment_changes.momenta = momenta;
+        known.map(|()| true)
+    }
+}
+
+impl Context {
     fn collect_overshoots(&mut self, from: Point<'_>, to: Point<'_>) {
         let h = to.t - from.t;
         self.work.segment_changes.overshoots.clear();
@@ -107,34 +140,6 @@ impl Context {
         let segment =
             |node: &Node| segmented_map(node).map_or(0, |d| self.state.maps[d.index].segment());
         changes.segments.extend(nodes.map(segment));
-    }
-
-    /// See [`Events::kept_momentum`](pullback_manifold::system::Events::kept_momentum):
-    /// ½ (B₊ + B₋)ᵀ M ẋ.
-    pub(in crate::model) fn mean_momentum(
-        &mut self,
-        at: Option<Point<'_>>,
-        p: &mut [f64],
-    ) -> Result<bool, SystemError> {
-        if !self.work.segments_changed {
-            return Ok(false);
-        }
-        let mut momenta = std::mem::take(&mut self.work.segment_changes.momenta);
-        let known = at.map_or(Ok(()), |at| self.node_momenta(at));
-        if at.is_none() {
-            self.work.r.clone_from(&momenta);
-        }
-        momenta.clone_from(&self.work.r);
-        p.fill(0.0);
-        for before in [false, true] {
-            self.work.r.copy_from_slice(&momenta);
-            self.pull_back_momenta(before);
-            for (p, &c) in p.iter_mut().zip(&self.model.coordinates) {
-                *p += 0.5 * self.work.r[c];
-            }
-        }
-        self.work.segment_changes.momenta = momenta;
-        known.map(|()| true)
     }
 
     /// Pulls back from the nodes to the unknowns, by the present maps or by those before the change.

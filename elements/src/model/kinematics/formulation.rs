@@ -5,7 +5,7 @@
 use crate::model::assembly::workspace::Workspace;
 use crate::model::build::builder::{FRAME, ModelBuilder, NodeId};
 use crate::model::kinematics::mapped_node::MappedNode;
-use crate::model::{Context, Model, NONE, Node, NodeForm, Source, among};
+use crate::model::{Context, Model, NONE, Node, NodeForm, among};
 use crate::time::TimeFunction;
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::chart::{Charted, RotationChart, WienerMilenkovic};
@@ -127,15 +127,9 @@ pub(in crate::model) fn apply(
             true => of_frames.clone(),
             false => alone.clone(),
         };
-        let mapped = MappedNode::new(map, vec![vec![own]], node.dim);
         let (name, quantities) = (node.name.clone(), node.quantities.clone());
-        nodes.push(Node::new(
-            name,
-            NodeForm::Increment,
-            &quantities,
-            Source::Own,
-        ));
-        nodes[n].source = Source::Mapped(Box::new(mapped));
+        nodes.push(Node::new(name, NodeForm::Increment, &quantities, None));
+        nodes[n].map = Some(MappedNode::of(map, vec![own]));
         carriers.insert(NodeId(n as u32), NodeId(own));
     }
     for (n, ..) in prescribed {
@@ -145,10 +139,7 @@ pub(in crate::model) fn apply(
 
 /// The node behind a frame or a rotation by increments.
 fn behind(nodes: &[Node], node: &Node) -> Option<usize> {
-    let Source::Mapped(d) = &node.source else {
-        return None;
-    };
-    let first = *d.initial_parents().first()? as usize;
+    let first = *node.mapped()?.initial_parents().first()? as usize;
     (nodes[first].form == NodeForm::Increment).then_some(first)
 }
 
@@ -214,9 +205,7 @@ impl Context {
     /// The coordinates θ behind a frame whose rates are angular velocities at present, the frame's
     /// increments, and the kind of velocity.
     fn spin_coordinates(&mut self, n: u32) -> Option<(Range<usize>, u32, VelocityKind)> {
-        let Source::Mapped(d) = &self.model.nodes[n as usize].source else {
-            return None;
-        };
+        let d = self.model.nodes[n as usize].mapped()?;
         let own = d.parents(&self.state.maps)[0];
         let end = self.model.spans[own as usize].range().end;
         let kind = self.state.maps[d.index]

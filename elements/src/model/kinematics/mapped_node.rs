@@ -8,7 +8,7 @@ use crate::model::assembly::pull_back::Operator;
 use crate::model::assembly::scatter::ScatterTarget;
 use crate::model::assembly::workspace::Workspace;
 use crate::model::kinematics::node_entries::{collect, distribute};
-use crate::model::{Context, Node, NodeForm, Source, Span};
+use crate::model::{Context, Node, NodeForm, Span, mapped};
 use pullback_manifold::map::Parametrization;
 use pullback_manifold::pullback;
 use pullback_manifold::system::{ChartChanges, Point, SystemError, Weights};
@@ -39,20 +39,25 @@ pub(in crate::model) struct MappedNode {
 pub(in crate::model) type Operators = [Vec<f64>; 3];
 
 impl MappedNode {
-    pub(in crate::model) fn new(
+    /// A map of some parents.
+    pub(in crate::model) fn of(map: Box<dyn Parametrization>, parents: Vec<u32>) -> Box<Self> {
+        Self::along(map, vec![parents])
+    }
+
+    /// A map with different parents in its segments.
+    pub(in crate::model) fn along(
         mut map: Box<dyn Parametrization>,
         segments: Vec<Vec<u32>>,
-        direct: usize,
-    ) -> Self {
-        Self {
+    ) -> Box<Self> {
+        Box::new(Self {
             reparametrizes: map.reparametrization().is_some(),
+            direct: map.dims().0,
             map,
             segments,
-            direct,
             index: 0,
             read: true,
             local: 0,
-        }
+        })
     }
 
     /// The parents in the initial segment.
@@ -93,12 +98,9 @@ impl Context {
     pub(in crate::model) fn expand_node(&mut self, t: f64, n: u32) -> Result<(), SystemError> {
         let (w, spans) = (&mut self.work, &self.model.spans);
         let node = &self.model.nodes[n as usize];
-        let Source::Mapped(d) = &node.source else {
+        let Some(d) = node.mapped().filter(|d| d.read) else {
             return Ok(());
         };
-        if !d.read {
-            return Ok(());
-        }
         let parents = d.parents(&self.state.maps);
         let (map, k) = (&mut self.state.maps[d.index], d.direct);
         let ElementWorkspace { q, qv, qa, .. } = &mut w.local;
@@ -127,14 +129,8 @@ impl Context {
         [statics, rates]: [bool; 2],
     ) {
         let w = &mut self.work;
-        for &n in self.model.dependent.iter().rev() {
-            let node = &self.model.nodes[n as usize];
-            let Source::Mapped(d) = &node.source else {
-                continue;
-            };
-            if !d.read {
-                continue;
-            }
+        let all = mapped(&self.model.nodes, &self.model.dependent).rev();
+        for (n, node, d) in all.filter(|(_, _, d)| d.read) {
             let parents = d.parents(&self.state.maps);
             let map = &mut self.state.maps[d.index];
             pull_back_forces(d, parents, node, &self.model.spans, w, rates);
@@ -174,15 +170,10 @@ impl Context {
         self.expand(at)?;
         let mut all = ChartChanges::default();
         let (mut changed, mut moved) = (false, false);
-        for &n in &self.model.dependent {
-            let node = &self.model.nodes[n as usize];
+        let model = &*self.model;
+        let read = mapped(&model.nodes, &model.dependent).filter(|(_, _, d)| d.read);
+        for (_, node, d) in read {
             let own = node.range();
-            let Source::Mapped(d) = &node.source else {
-                continue;
-            };
-            if !d.read {
-                continue;
-            }
             let (w, maps) = (&mut self.work, &mut self.state.maps);
             let before = maps[d.index].segment();
             // On a new segment the map has other parents, and may need other charts.

@@ -7,21 +7,26 @@
 use crate::model::assembly::workspace::Workspace;
 use crate::model::build::builder::FRAME_QUANTITIES;
 use crate::model::kinematics::mapped_node::MappedNode;
-use crate::model::{Context, ElementEntry, NONE, Node, NodeForm, Source};
+use crate::model::{Context, ElementEntry, NONE, Node, NodeForm};
 use nalgebra::Vector3;
 use pullback_manifold::map::pose::orientation;
 use pullback_manifold::map::{MapState, Parametrization, ToChart, ToPose};
 use pullback_manifold::so3;
 
 /// A node for the pose of a frame, at the end of all nodes.
-pub(in crate::model) fn new_pose(nodes: &mut [Node], frame: u32, source: Source) -> Node {
+pub(in crate::model) fn new_pose(nodes: &mut [Node], frame: u32, map: Box<MappedNode>) -> Node {
     let number = nodes.len() as u32;
     let node = &mut nodes[frame as usize];
     node.partner = number;
     Node {
         position: node.position,
         partner: frame,
-        ..Node::new(node.name.clone(), NodeForm::Pose, &FRAME_QUANTITIES, source)
+        ..Node::new(
+            node.name.clone(),
+            NodeForm::Pose,
+            &FRAME_QUANTITIES,
+            Some(map),
+        )
     }
 }
 
@@ -32,8 +37,8 @@ pub(in crate::model) fn add_pose(nodes: &mut Vec<Node>, frame: u32) -> u32 {
         return frame;
     }
     if node.partner == NONE {
-        let mapped = MappedNode::new(Box::new(ToPose), vec![vec![frame]], node.dim);
-        let pose = new_pose(nodes, frame, Source::Mapped(Box::new(mapped)));
+        let map = MappedNode::of(Box::new(ToPose), vec![frame]);
+        let pose = new_pose(nodes, frame, map);
         nodes.push(pose);
     }
     nodes[frame as usize].partner
@@ -65,7 +70,7 @@ pub(in crate::model) fn mark_unread(nodes: &mut [Node], elements: &[ElementEntry
         let pose = nodes[n].partner as usize;
         let alone = readers[pose] == 1;
         for (n, unread) in [(n, true), (pose, alone && nodes[pose].is_fixed())] {
-            if let (true, Source::Mapped(d)) = (unread, &mut nodes[n].source) {
+            if let (true, Some(d)) = (unread, &mut nodes[n].map) {
                 d.read = false;
             }
         }
@@ -75,11 +80,8 @@ pub(in crate::model) fn mark_unread(nodes: &mut [Node], elements: &[ElementEntry
 impl Node {
     /// Whether it is the chart of its pose.
     pub(in crate::model) fn is_view(&self) -> bool {
-        self.form == NodeForm::Frame
-            && match &self.source {
-                Source::Mapped(d) => *d.initial_parents() == [self.partner],
-                Source::Own => false,
-            }
+        let of_partner = |d: &MappedNode| *d.initial_parents() == [self.partner];
+        self.form == NodeForm::Frame && self.mapped().is_some_and(of_partner)
     }
 
     /// Whether it is the pose of a frame fixed to another one.

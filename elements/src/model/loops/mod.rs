@@ -19,9 +19,10 @@ mod coincide;
 mod part;
 mod set;
 
-use super::{ModelError, Node, Source};
+use super::kinematics::mapped_node::MappedNode;
+use super::{ModelError, Node};
 use crate::joint::{JointMap, Offset};
-use crate::model::build::builder::{FRAME, ModelBuilder, NodeId};
+use crate::model::build::builder::{ModelBuilder, NodeId};
 use crate::model::build::closures::Closure;
 use crate::model::kinematics::pose::add_pose;
 use crate::time::TimeFunction;
@@ -190,9 +191,9 @@ pub(in crate::model) fn close(
         });
         let parent = add_pose(nodes, frame.0);
         let pose = add_pose(nodes, child.0);
-        nodes[pose as usize].source = Source::map(Box::new(same), vec![parent], FRAME);
-        nodes[child.0 as usize].source =
-            Source::map(Box::new(ToChart::default()), vec![pose], FRAME);
+        let chart = Box::new(ToChart::default());
+        nodes[pose as usize].map = Some(MappedNode::of(Box::new(same), vec![parent]));
+        nodes[child.0 as usize].map = Some(MappedNode::of(chart, vec![pose]));
     }
     for set in connected(nodes, &loops, held, length)? {
         reports.push(close_set(nodes, &set, held, preferences, length)?);

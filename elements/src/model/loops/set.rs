@@ -6,7 +6,8 @@ use super::part::Part;
 use super::{APART, EQUATIONS, Held, LoopReport, StartPreferences};
 use crate::model::assembly::residual::MAX_NODES;
 use crate::model::build::builder::NodeId;
-use crate::model::{ModelError, NONE, Node, NodeForm, Source};
+use crate::model::kinematics::mapped_node::MappedNode;
+use crate::model::{ModelError, NONE, Node, NodeForm};
 use nalgebra::Vector3;
 use pullback_manifold::implicit::{Description, Equation, ImplicitMap, Unknown};
 use pullback_manifold::map::{MapGraph, Parametrization, Read};
@@ -295,7 +296,7 @@ fn add_map(
     let mut parents: Vec<u32> = given.iter().map(|&(n, _)| n).collect();
     if D > 0 {
         let (name, own) = (format!("loop of {joints}"), vec![quantity; D]);
-        nodes.push(Node::new(name, NodeForm::Coordinates, &own, Source::Own));
+        nodes.push(Node::new(name, NodeForm::Coordinates, &own, None));
         parents.insert(0, nodes.len() as u32 - 1);
     }
     if parents.len() > MAX_NODES {
@@ -305,9 +306,14 @@ fn add_map(
             limit: MAX_NODES,
         });
     }
-    let source = Source::map(Box::new(map), parents, D + inputs.parameters);
+    let map = MappedNode::of(Box::new(map), parents);
     let name = format!("coordinates of {joints}");
-    nodes.push(Node::new(name, NodeForm::Coordinates, &quantities, source));
+    nodes.push(Node::new(
+        name,
+        NodeForm::Coordinates,
+        &quantities,
+        Some(map),
+    ));
     let x = nodes.len() as u32 - 1;
     for &(n, first) in unknown {
         let node = &mut nodes[n as usize];
@@ -316,7 +322,7 @@ fn add_map(
             first: first - inputs.parameters,
             len: node.dim,
         };
-        node.source = Source::map(Box::new(part), vec![x], quantities.len());
+        node.map = Some(MappedNode::of(Box::new(part), vec![x]));
     }
     Ok(x)
 }

@@ -8,9 +8,9 @@ use crate::model::assembly::residual::named;
 use crate::model::assembly::workspace::Workspace;
 use crate::model::kinematics::mapped_node::Maps;
 use crate::model::kinematics::pose::spatial;
-use crate::model::{Context, ElementEntry, Model, Node, Source};
+use crate::model::{Context, ElementEntry, Model, Node, mapped};
 use nalgebra::Vector3;
-use pullback_manifold::system::{Energies, Point, SystemError};
+use pullback_manifold::system::{Energetics, Energies, Point, RigidRates, Symmetry, SystemError};
 
 /// Linear and angular momentum, components in the global frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -47,6 +47,50 @@ impl Momentum {
             }
             k += node.dim;
         }
+    }
+}
+
+impl Energetics for Context {
+    fn energies(&mut self, at: Point<'_>) -> Result<Energies, SystemError> {
+        self.enter_element_charts();
+        Ok(self.evaluate_energies(at, false)?.energies)
+    }
+
+    /// Without forces and mass matrices.
+    fn dissipation(&mut self, at: Point<'_>) -> Result<f64, SystemError> {
+        self.enter_element_charts();
+        self.expand(at)?;
+        let (w, model) = (&mut self.work, &*self.model);
+        let mut dissipated = 0.0;
+        for (e, state) in model.elements.iter().zip(&self.state.elements) {
+            let Some(energies) = e.element.abilities().energies else {
+                continue;
+            };
+            let local = &mut w.local;
+            let rates = w.moving.then_some([&w.v[..], &w.a]);
+            local.read((e, state), &model.spans, &w.x, rates);
+            dissipated += energies.dissipation(&local.motion(e, at.t, at.is_static()));
+        }
+        Ok(dissipated)
+    }
+
+    /// p = Bᵀ M ẋ; false if nothing is prescribed, as it cannot jump then.
+    fn momentum(&mut self, at: Point<'_>, p: &mut [f64]) -> Result<bool, SystemError> {
+        if self.model.prescribed.is_empty() && self.model.dependent.is_empty() {
+            return Ok(false);
+        }
+        self.node_momenta(at)?;
+        self.pull_back_nodes(at.t, None, [false; 2]);
+        self.model.free.gather(&self.work.r, "momentum p", p)?;
+        Ok(true)
+    }
+
+    fn symmetries(&mut self, span: [f64; 2], q: &[f64], v: &[f64]) -> Vec<Symmetry> {
+        self.find_symmetries(span, q, v)
+    }
+
+    fn rigid_rates(&mut self, q: &[f64], motion: &RigidRates, rates: &mut [f64]) {
+        self.write_rigid_rates(q, motion, rates);
     }
 }
 
@@ -129,42 +173,6 @@ impl Context {
         Ok(out)
     }
 
-    /// The power of all dampers, without forces and mass matrices.
-    pub(in crate::model) fn evaluate_dissipation(
-        &mut self,
-        at: Point<'_>,
-    ) -> Result<f64, SystemError> {
-        self.expand(at)?;
-        let (w, model) = (&mut self.work, &*self.model);
-        let mut dissipated = 0.0;
-        for (e, state) in model.elements.iter().zip(&self.state.elements) {
-            let Some(energies) = e.element.abilities().energies else {
-                continue;
-            };
-            let local = &mut w.local;
-            let rates = w.moving.then_some([&w.v[..], &w.a]);
-            local.read((e, state), &model.spans, &w.x, rates);
-            dissipated += energies.dissipation(&local.motion(e, at.t, at.is_static()));
-        }
-        Ok(dissipated)
-    }
-
-    /// The generalised momentum p = Bᵀ M ẋ of the unknowns at a point in motion; false if nothing
-    /// is prescribed, as it cannot jump then.
-    pub(in crate::model) fn generalised_momentum(
-        &mut self,
-        at: Point<'_>,
-        p: &mut [f64],
-    ) -> Result<bool, SystemError> {
-        if self.model.prescribed.is_empty() && self.model.dependent.is_empty() {
-            return Ok(false);
-        }
-        self.node_momenta(at)?;
-        self.pull_back_nodes(at.t, None, [false; 2]);
-        self.model.free.gather(&self.work.r, "momentum p", p)?;
-        Ok(true)
-    }
-
     /// Writes the momenta M ẋ of all nodes to the residuals.
     pub(in crate::model) fn node_momenta(&mut self, at: Point<'_>) -> Result<(), SystemError> {
         self.expand(at)?;
@@ -205,14 +213,11 @@ fn supplied_at_nodes(model: &Model, maps: &Maps, w: &Workspace) -> f64 {
     for p in &model.prescribed {
         supplied -= w.r[p.coordinate] * w.v[p.coordinate];
     }
-    for &n in &model.dependent {
-        let node = &model.nodes[n as usize];
+    for (_, node, d) in mapped(&model.nodes, &model.dependent) {
         let own = node.range();
-        if let Source::Mapped(d) = &node.source {
-            let r = &w.r[own.clone()];
-            let through = d.carried_power(d.parents(maps), r, &model.spans, &w.v, &w.operators);
-            supplied -= dot(r, &w.v[own]) - through;
-        }
+        let r = &w.r[own.clone()];
+        let through = d.carried_power(d.parents(maps), r, &model.spans, &w.v, &w.operators);
+        supplied -= dot(r, &w.v[own]) - through;
     }
     supplied
 }
