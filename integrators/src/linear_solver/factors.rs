@@ -2,7 +2,6 @@
 
 use pullback_manifold::sparse::BlockPattern;
 
-use super::solution::forward;
 use super::symbolic::{BlockCopy, Symbolic};
 use super::{LinearError, MatrixSymmetry, kernels, rounding_level, scaling};
 
@@ -208,8 +207,7 @@ impl Factors {
     /// Scales the right-hand side of panel `k` into `y` and substitutes it through the lower factor.
     #[inline(always)]
     fn substitute_forward(&mut self, k: usize, b: &[f64]) {
-        let symbolic = &self.symbolic;
-        let panel = &symbolic.panels[k];
+        let panel = &self.symbolic.panels[k];
         let own = panel.first..panel.first + panel.size;
         let b = &b[panel.unknown..panel.unknown + panel.size];
         for (i, b) in own.zip(b) {
@@ -217,17 +215,7 @@ impl Factors {
             self.y[i] += b;
             self.largest_rhs = self.largest_rhs.max(b.abs());
         }
-        let links = &symbolic.links[symbolic.links_of(k)];
-        let (swaps, swapped) = (&self.swaps, self.swapped[k]);
-        forward(
-            symbolic,
-            k,
-            links,
-            &self.factors,
-            swaps,
-            swapped,
-            &mut self.y,
-        );
+        self.forward(k);
     }
 }
 

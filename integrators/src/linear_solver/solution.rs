@@ -1,7 +1,7 @@
 //! Solutions by the block factors: substitution, and the residual.
 
 use super::factors::Factors;
-use super::symbolic::{ColumnPanel, PanelLink, Symbolic};
+use super::symbolic::ColumnPanel;
 use super::{
     LinearError, MatrixSymmetry, REFINEMENTS, first_non_finite, is_final, kernels, max_abs,
 };
@@ -40,15 +40,31 @@ impl Factors {
 
     /// Solves for the vector in `y`, in place; the largest entry of the solution.
     pub fn substitute(&mut self) -> f64 {
-        let symbolic = &self.symbolic;
-        let mut links = 0;
-        for (k, panel) in symbolic.panels.iter().enumerate() {
-            let own = &symbolic.links[links..panel.links];
-            let (swaps, swapped) = (&self.swaps, self.swapped[k]);
-            forward(symbolic, k, own, &self.factors, swaps, swapped, &mut self.y);
-            links = panel.links;
+        for k in 0..self.symbolic.panels.len() {
+            self.forward(k);
         }
         self.substitute_back()
+    }
+
+    /// Substitutes the unknowns of panel `k` through the lower factor, and subtracts their share from
+    /// later ones.
+    #[inline(always)]
+    pub fn forward(&mut self, k: usize) {
+        let symbolic = &self.symbolic;
+        let panel = &symbolic.panels[k];
+        let n = panel.size;
+        let (left, right) = self.y.split_at_mut(panel.first + n);
+        let own = &mut left[panel.first..];
+        if self.swapped[k] {
+            for (i, &row) in self.swaps[panel.first..panel.first + n].iter().enumerate() {
+                own.swap(i, row as usize);
+            }
+        }
+        kernels::solve_lower(n, &self.factors[panel.start..], own);
+        for link in &symbolic.links[symbolic.links_of(k)] {
+            let later = &mut right[link.first - panel.first - n..];
+            kernels::subtract(link.size, n, &self.factors[link.start..], own, later);
+        }
     }
 
     /// The second half: backward substitution through the upper factor.
@@ -152,33 +168,5 @@ impl Factors {
             what: "solution",
             unknown: symbolic.panels.iter().find_map(bad).unwrap_or(0),
         })
-    }
-}
-
-/// Substitutes the unknowns of panel `k` through the lower factor, and subtracts their share from
-/// later ones.
-#[inline(always)]
-pub(super) fn forward(
-    symbolic: &Symbolic,
-    k: usize,
-    links: &[PanelLink],
-    factors: &[f64],
-    swaps: &[u32],
-    swapped: bool,
-    y: &mut [f64],
-) {
-    let panel = &symbolic.panels[k];
-    let n = panel.size;
-    let (left, right) = y.split_at_mut(panel.first + n);
-    let own = &mut left[panel.first..];
-    if swapped {
-        for (i, &row) in swaps[panel.first..panel.first + n].iter().enumerate() {
-            own.swap(i, row as usize);
-        }
-    }
-    kernels::solve_lower(n, &factors[panel.start..], own);
-    for link in links {
-        let later = &mut right[link.first - panel.first - n..];
-        kernels::subtract(link.size, n, &factors[link.start..], own, later);
     }
 }
