@@ -3,7 +3,6 @@
 use pullback_manifold::system::{
     ChartChanges, Energies, Events, Point, RigidRates, Symmetry, System, SystemError,
 };
-use std::ops::{Deref, DerefMut};
 
 /// See [`Charts::change_charts`](pullback_manifold::system::Charts::change_charts).
 pub(crate) fn change_charts(
@@ -31,32 +30,12 @@ struct Smooth;
 
 impl Events for Smooth {}
 
-/// The discontinuities of a system, if it has any, else those of a smooth one.
-pub(crate) struct EventsOf<'a>(Option<&'a mut dyn Events>, Smooth);
-
-impl<'a> Deref for EventsOf<'a> {
-    type Target = dyn Events + 'a;
-
-    fn deref(&self) -> &Self::Target {
-        match &self.0 {
-            Some(events) => &**events,
-            None => &self.1,
-        }
-    }
-}
-
-impl DerefMut for EventsOf<'_> {
-    fn deref_mut(&mut self) -> &mut Self::Target {
-        match &mut self.0 {
-            Some(events) => &mut **events,
-            None => &mut self.1,
-        }
-    }
-}
-
-/// The discontinuities of a system.
-pub(crate) fn events(system: &mut dyn System) -> EventsOf<'_> {
-    EventsOf(system.events(), Smooth)
+/// The discontinuities of a system; those of a smooth one by default.
+pub(crate) fn events(system: &mut dyn System) -> &mut dyn Events {
+    // Of no size: nothing is allocated.
+    system
+        .events()
+        .unwrap_or_else(|| Box::leak(Box::new(Smooth)))
 }
 
 /// See [`Energetics::energies`](pullback_manifold::system::Energetics::energies).
