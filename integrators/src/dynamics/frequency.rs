@@ -3,11 +3,14 @@
 use super::{DynamicsError, Scheme, State};
 use crate::failure::find_mechanism;
 use crate::linear_solver::{LinearError, LinearSolver};
+use crate::linearization::Krylov;
 use pullback_manifold::system::{Evaluation, System, Weights};
 
 /// Largest number of Lanczos steps.
 const MOST: usize = 120;
-/// Relative change of the largest Ritz value, over a few steps, at which it has converged.
+/// Steps between two looks at the largest Ritz value; a divisor of `MOST`.
+const LOOK: usize = 4;
+/// Relative change between two looks at which it has converged.
 const SETTLED: f64 = 1e-9;
 
 /// The largest stable step of a conditionally stable scheme, from the largest frequency at this state;
@@ -56,7 +59,7 @@ pub(super) fn check_step(
     })
 }
 
-/// The largest ω² of K x = ω² M x by Lanczos' method with M⁻¹K in the scalar product of M, which is
+/// The largest ω² of K x = ω² M x in a Krylov subspace of M⁻¹K, with the scalar product of M, which is
 /// already factorised.
 fn largest(
     system: &dyn System,
@@ -64,40 +67,27 @@ fn largest(
     [K, M]: [&[f64]; 2],
 ) -> Result<f64, LinearError> {
     let pattern = system.pattern();
-    let n = pattern.dim();
-    let times = |A: &[f64], x: &[f64], y: &mut [f64]| {
-        y.fill(0.0);
+    let times = |A: &[f64], x: &[f64], y: &mut Vec<f64>| {
+        y.clear();
+        y.resize(x.len(), 0.0);
         pattern.multiply_add(1.0, A, x, y);
     };
-    let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
+    let gram = |x: &[f64], y: &mut Vec<f64>| times(M, x, y);
+    let mut krylov = Krylov::new(pattern.dim());
     // A start vector with a component of every mode.
-    let mut x: Vec<f64> = (0..n).map(|i| 1.0 + (1.7 * (i * i) as f64).sin()).collect();
-    let (mut before, mut y, mut Mx) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
-    let (mut alphas, mut betas) = (Vec::new(), Vec::new());
-    let (mut found, mut beta) = (0.0_f64, 0.0);
-    for step in 0..MOST.min(n) {
-        times(M, &x, &mut Mx);
-        let size = dot(&x, &Mx).abs().sqrt();
-        if size <= f64::EPSILON * beta || size == 0.0 {
-            break;
-        }
-        if step > 0 {
-            betas.push(size);
-        }
-        beta = size;
-        x.iter_mut().for_each(|x| *x /= size);
-        times(K, &x, &mut y);
-        alphas.push(dot(&x, &y));
-        solver.solve(Some(M), &mut y)?;
-        let alpha = alphas[step];
-        for i in 0..n {
-            let back = if step > 0 { beta * before[i] } else { 0.0 };
-            y[i] -= alpha * x[i] + back;
-        }
-        std::mem::swap(&mut before, &mut x);
-        std::mem::swap(&mut x, &mut y);
-        if step % 4 == 3 || step + 1 == MOST.min(n) {
-            let value = top(&alphas, &betas);
+    let start = (0..pattern.dim()).map(|i| 1.0 + (1.7 * (i * i) as f64).sin());
+    krylov.add(start.collect(), &gram);
+    let mut found = 0.0_f64;
+    while krylov.len() < MOST
+        && let Some((v, _)) = krylov.next()
+    {
+        let mut product = Vec::new();
+        times(K, v, &mut product);
+        solver.solve(Some(M), &mut product)?;
+        krylov.take(product, &gram, true);
+        if krylov.len().is_multiple_of(LOOK) || krylov.is_exhausted() {
+            let pairs = krylov.ritz(true).unwrap_or_default();
+            let value = pairs.iter().map(|pair| pair.theta.re).fold(0.0, f64::max);
             let settled = (value - found).abs() <= SETTLED * value.abs();
             found = value;
             if settled {
@@ -105,44 +95,5 @@ fn largest(
             }
         }
     }
-    Ok(found.max(top(&alphas, &betas)))
-}
-
-/// The largest eigenvalue of a symmetric tridiagonal matrix, by bisection with Sturm's count.
-fn top(alphas: &[f64], betas: &[f64]) -> f64 {
-    let beta = |i: usize| betas.get(i).copied().unwrap_or(0.0).abs();
-    let radius = |i: usize| beta(i) + if i > 0 { beta(i - 1) } else { 0.0 };
-    let bounds = alphas
-        .iter()
-        .enumerate()
-        .map(|(i, a)| (a - radius(i), a + radius(i)));
-    let (mut low, mut high) = bounds.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), (a, b)| {
-        (l.min(a), h.max(b))
-    });
-    if low > high {
-        return 0.0;
-    }
-    for _ in 0..80 {
-        let middle = 0.5 * (low + high);
-        // A positive pivot of A − middle is an eigenvalue above it.
-        let (mut pivot, mut above) = (1.0_f64, false);
-        for (i, alpha) in alphas.iter().enumerate() {
-            let off = if i > 0 {
-                beta(i - 1).powi(2) / pivot
-            } else {
-                0.0
-            };
-            pivot = alpha - middle - off;
-            if pivot == 0.0 {
-                pivot = -f64::MIN_POSITIVE;
-            }
-            above |= pivot > 0.0;
-        }
-        if above {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    0.5 * (low + high)
+    Ok(found)
 }

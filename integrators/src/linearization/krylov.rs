@@ -26,10 +26,10 @@ const SMALL: f64 = 1e-4;
 const PASSES: usize = 3;
 
 /// Writes G w to its second argument.
-pub(super) type Gram<'a> = dyn Fn(&[f64], &mut Vec<f64>) + 'a;
+pub(crate) type Gram<'a> = dyn Fn(&[f64], &mut Vec<f64>) + 'a;
 
 /// An orthonormal basis, and the operator in it.
-pub(super) struct Krylov {
+pub(crate) struct Krylov {
     /// One vector after the other.
     basis: Vec<f64>,
     /// Length of a vector.

@@ -34,6 +34,7 @@ mod steady;
 
 pub use buckling::{BucklingError, BucklingMode, buckling};
 pub use campbell::{CampbellDiagram, CampbellError, CampbellOptions, campbell};
+pub(crate) use krylov::Krylov;
 pub use modes::{Mode, ModeOptions, Modes, ModesError, Selection, modes, modes_while};
 pub use stability::{StabilityError, StabilityLimit, stability_limit};
 pub use state_space::{OutputDerivatives, StateSpace, StateSpaceError, output_derivatives};

@@ -6,7 +6,7 @@ use faer::{Mat, Side};
 use num_complex::Complex64;
 
 /// An approximate eigenvalue of an operator, and its eigenvector in a basis.
-pub(super) struct RitzPair {
+pub(crate) struct RitzPair {
     /// The eigenvalue.
     pub theta: Complex64,
     /// Coefficients of the eigenvector, of length one.
