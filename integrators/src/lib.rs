@@ -23,5 +23,6 @@ mod random;
 mod rounding;
 pub mod spectrum;
 pub mod statics;
+mod vectors;
 
 pub use failure::significant;

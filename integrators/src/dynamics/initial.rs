@@ -3,7 +3,8 @@
 use super::{DynamicsError, State};
 use crate::abilities::{energies, events, momentum};
 use crate::failure::find_mechanism;
-use crate::linear_solver::{LinearError, LinearSolver};
+use crate::linear_solver::{LinearError, LinearSolver, max_abs};
+use crate::vectors::add;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{Evaluation, Point, System, Weights};
 
@@ -112,17 +113,6 @@ fn is_damped(system: &mut dyn System, state: &State, h: f64) -> Result<bool, Dyn
 /// 4/(λh) of them remains. Motions that the steps resolve are exact but for (λh)⁴.
 const PASSES: usize = 4;
 
-fn add(x: &mut [f64], sign: f64, more: &[f64]) {
-    x.iter_mut()
-        .zip(more)
-        .for_each(|(x, more)| *x += sign * more);
-}
-
-/// Largest magnitude of a vector.
-fn size(x: &[f64]) -> f64 {
-    x.iter().fold(0.0_f64, |m, x| m.max(x.abs()))
-}
-
 /// Applies the impulse at a jump of a prescribed velocity: the momentum of the free coordinates is
 /// continuous, so their velocities jump by M⁻¹ (p₋ − p₊), with p₊ from the new prescribed and the
 /// old free velocities. At a change of segment this is repeated until p equals
@@ -151,11 +141,11 @@ pub(super) fn apply_impulse(
             false => events(motion.system).kept_momentum(Some(at), missing),
         };
         known.map_err(DynamicsError::at(t))?;
-        let largest = size(before).max(size(missing));
+        let largest = max_abs(before).max(max_abs(missing));
         for (missing, before) in missing.iter_mut().zip(before) {
             *missing = before - *missing;
         }
-        if size(missing) <= ROUNDING * largest {
+        if max_abs(missing) <= ROUNDING * largest {
             return Ok(count);
         }
         motion.solve_mass(state, (h, damping), Some(missing))?;
@@ -208,7 +198,7 @@ impl Equations<'_> {
             }
             keep(self.r, &massless, true);
             add(&mut rates, 1.0, self.r);
-            if size(self.r) <= FINE * size(&rates) {
+            if max_abs(self.r) <= FINE * max_abs(&rates) {
                 state.v = rates;
                 return Ok(());
             }

@@ -23,6 +23,7 @@
 use super::invariants::Invariants;
 use super::{DynamicsError, Scheme, State};
 use crate::abilities::{momentum, rigid_rates, symmetries};
+use crate::vectors::{add, dot};
 use nalgebra::Vector3;
 use pullback_manifold::system::{
     Energies, Evaluation, Point, RigidRates, Symmetry, System, Weights,
@@ -176,8 +177,8 @@ impl InvariantProjection {
             *v += (s - 1.0) * w;
         }
         for (d, gamma) in self.basis[..self.rank].iter().zip(gammas) {
-            axpy(d.j - d.c, &d.e, &mut state.v);
-            axpy(eta * gamma, &d.e, &mut state.q);
+            add(&mut state.v, d.j - d.c, &d.e);
+            add(&mut state.q, eta * gamma, &d.e);
         }
         if eta != 0.0 {
             // Charts that are recentred at the end of a step are recentred again.
@@ -288,8 +289,8 @@ impl InvariantProjection {
                 }
                 for known in done.iter() {
                     let along = dot(&d.Me, &known.e);
-                    axpy(-along, &known.e, &mut d.e);
-                    axpy(-along, &known.xi, &mut d.xi);
+                    add(&mut d.e, -along, &known.e);
+                    add(&mut d.xi, -along, &known.xi);
                     d.j -= along * known.j;
                 }
             }
@@ -305,7 +306,7 @@ impl InvariantProjection {
             d.j /= left;
             d.c = dot(&d.e, &self.p);
             let along = dot(&d.Me, &state.v);
-            axpy(-along, &d.e, &mut self.w);
+            add(&mut self.w, -along, &d.e);
             self.rank += 1;
         }
         missing
@@ -317,7 +318,7 @@ impl InvariantProjection {
         let mut Omega = [0.0; 6];
         let mut momentum = 0.0;
         for d in &self.basis[..self.rank] {
-            axpy(d.j, &d.xi, &mut Omega);
+            add(&mut Omega, d.j, &d.xi);
             momentum += d.j * d.j;
         }
         for (gamma, d) in gammas.iter_mut().zip(&self.basis[..self.rank]) {
@@ -362,14 +363,4 @@ pub(super) fn energies(
     known.ok_or(DynamicsError::NoEnergy {
         scheme: scheme.name,
     })
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn axpy(factor: f64, x: &[f64], y: &mut [f64]) {
-    for (y, x) in y.iter_mut().zip(x) {
-        *y += factor * x;
-    }
 }

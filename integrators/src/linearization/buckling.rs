@@ -3,11 +3,11 @@
 #![allow(non_snake_case)]
 
 use super::inputs::central;
-use super::krylov::dot;
 use super::modes::ModesError;
 use super::search::Search;
 use super::{Linearized, linearize};
 use crate::linear_solver::{AutoSolver, LinearError, LinearSolver, MatrixSymmetry};
+use crate::vectors::dot;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
 use std::ops::ControlFlow;
 use thiserror::Error;

@@ -3,11 +3,11 @@
 #![allow(non_snake_case)]
 
 use super::Linearized;
-use super::krylov::{add, dot};
 use super::modes::Mode;
 use super::search::Parts;
 use super::shift_invert::Order;
 use crate::linear_solver::scaling;
+use crate::vectors::{add, dot};
 use num_complex::Complex64;
 
 /// Rounding errors of φᵀ K φ in units of those of its terms.

@@ -10,6 +10,7 @@
 #![allow(non_snake_case)]
 
 use super::ritz::{RitzPair, ritz_pairs};
+use crate::vectors::{add, dot};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, ColMut, ColRef, Mat, MatRef, Par};
 use std::collections::VecDeque;
@@ -177,27 +178,5 @@ impl Krylov {
             .col_iter()
             .map(|x| x.iter().copied().collect())
             .collect()
-    }
-}
-
-/// xᵀ y.
-pub(super) fn dot(x: &[f64], y: &[f64]) -> f64 {
-    // Four sums, which a processor adds at the same time.
-    let (xs, x_rest) = x.as_chunks::<4>();
-    let (ys, y_rest) = y.as_chunks::<4>();
-    let mut sums = [0.0; 4];
-    for (x, y) in xs.iter().zip(ys) {
-        for k in 0..4 {
-            sums[k] += x[k] * y[k];
-        }
-    }
-    let rest: f64 = x_rest.iter().zip(y_rest).map(|(x, y)| x * y).sum();
-    sums.iter().sum::<f64>() + rest
-}
-
-/// x ← x + α y.
-pub(super) fn add(x: &mut [f64], alpha: f64, y: &[f64]) {
-    for (x, y) in x.iter_mut().zip(y) {
-        *x += alpha * y;
     }
 }

@@ -1,8 +1,8 @@
 //! The inverse of a shifted pencil, whose largest eigenvalues belong to the modes nearest to the shift.
 
 use super::Linearized;
-use super::krylov::add;
 use crate::linear_solver::{AutoSolver, LinearError, LinearSolver, MatrixSymmetry};
+use crate::vectors::add;
 
 /// Order of an eigenvalue problem in its eigenvalue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 use super::{DENSE, Inner, Krylov, ModesError, Order, Search, Selection};
 use crate::linear_solver::LinearError;
 use crate::linear_solver::scaling;
-use crate::linearization::krylov::dot;
+use crate::vectors::dot;
 
 impl<'a> Search<'a> {
     /// A first shift, factorised.
