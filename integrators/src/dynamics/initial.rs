@@ -291,10 +291,11 @@ impl Equations<'_> {
 
 /// Which rows of M are zero.
 fn massless(pattern: &BlockPattern, M: &[f64]) -> Vec<bool> {
-    let mut mass = vec![0.0; pattern.dim()];
-    let sizes: Vec<f64> = M.iter().map(|m| m.abs()).collect();
-    pattern.multiply_add(1.0, &sizes, &vec![1.0; pattern.dim()], &mut mass);
-    mass.iter().map(|m| *m == 0.0).collect()
+    let mut massless = vec![true; pattern.dim()];
+    for (r, _, m) in pattern.triplets(M) {
+        massless[r] &= m == 0.0;
+    }
+    massless
 }
 
 /// M with the entries of S between coordinates without mass.
