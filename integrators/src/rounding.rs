@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case)]
 
+use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{CoordinateInfo, Quantity, System};
 
 /// The test of a step's residuals for equilibrium, per quantity.
@@ -64,9 +65,9 @@ impl ResidualTest {
 }
 
 /// The largest entries per quantity of a residual vector, and of `others`.
-pub(crate) fn largest(coordinates: &[CoordinateInfo], r: &[f64], others: [f64; 3]) -> [f64; 3] {
+pub(crate) fn largest(pattern: &BlockPattern, r: &[f64], others: [f64; 3]) -> [f64; 3] {
     let mut largest = others;
-    for (r, info) in r.iter().zip(coordinates) {
+    for (r, info) in r.iter().zip(pattern.coordinates()) {
         let entry = &mut largest[info.quantity.index()];
         *entry = entry.max(r.abs());
     }
@@ -99,10 +100,7 @@ pub(crate) fn is_rounding(
 ) -> bool {
     let is_multiplier = |i: usize| system.pattern().coordinates()[i].is_multiplier;
     let multipliers = (0..q.len()).filter(|&i| is_multiplier(i));
-    let gaps = match multipliers.clone().next() {
-        Some(_) => rounding_of_gaps(system, S, q, [&mut *sizes, &mut *floor]),
-        None => 0.0,
-    };
+    let gaps = rounding_of_gaps(system, S, q, [&mut *sizes, &mut *floor]);
     let largest = multipliers.fold(0.0, |most, i| f64::max(most, q[i].abs()));
     find_rounding(system, S, q, (largest, false), [sizes, &mut *floor]);
     (r.iter().zip(&*floor).enumerate()).all(|(i, (r, floor))| {
@@ -120,8 +118,11 @@ pub(crate) fn rounding_of_gaps(
     q: &[f64],
     [sizes, floor]: [&mut [f64]; 2],
 ) -> f64 {
-    find_rounding(system, S, q, (0.0, true), [sizes, &mut *floor]);
     let gaps = (0..q.len()).filter(|&i| system.pattern().coordinates()[i].is_multiplier);
+    if gaps.clone().next().is_none() {
+        return 0.0;
+    }
+    find_rounding(system, S, q, (0.0, true), [sizes, &mut *floor]);
     gaps.fold(0.0, |most, i| f64::max(most, floor[i]))
 }
 

@@ -244,7 +244,7 @@ impl Stepper {
             } else {
                 self.stage(system, k, from, None)?;
             }
-            residual = largest(system.pattern().coordinates(), &self.r, residual);
+            residual = largest(system.pattern(), &self.r, residual);
             let own = (k - group.start) * self.r.len();
             self.dq[own..own + self.r.len()].copy_from_slice(&self.r);
         }
@@ -255,7 +255,7 @@ impl Stepper {
     fn linear_residual(&mut self, pattern: &BlockPattern) -> [f64; 3] {
         pattern.multiply_add(-1.0, &self.S, &self.dq, &mut self.r);
         self.dq[..self.r.len()].copy_from_slice(&self.r);
-        largest(pattern.coordinates(), &self.r, [0.0; 3])
+        largest(pattern, &self.r, [0.0; 3])
     }
 
     /// Residual of a stage and a tangent; the first iteration of a step comes `from` another time.

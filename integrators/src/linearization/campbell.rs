@@ -236,7 +236,7 @@ fn is_balanced(system: &mut dyn System, at: Point<'_>) -> bool {
     if system.evaluate(at, Evaluation::residual(&mut r)).is_err() {
         return false;
     }
-    let worst = largest(system.pattern().coordinates(), &r, [0.0; 3]);
+    let worst = largest(system.pattern(), &r, [0.0; 3]);
     let measures = system.scales().measures();
     (worst.iter().zip(measures)).all(|(worst, measure)| *worst <= BALANCED * measure)
 }
@@ -259,7 +259,7 @@ impl Linearized {
                 change[r] = change[r].max(((own - other) * unit).abs());
             }
         }
-        let most = largest(coordinates, &size, [0.0; 3]);
+        let most = largest(&self.pattern, &size, [0.0; 3]);
         let changed = |r: &usize| change[*r] > STEADY * most[coordinates[*r].quantity.index()];
         match (0..n).find(changed) {
             Some(r) => Err(self.names[r].clone()),

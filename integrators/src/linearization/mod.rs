@@ -153,8 +153,8 @@ impl Linearized {
             }
         }
         let coordinates = self.pattern.coordinates();
-        let worst = largest(coordinates, r, [0.0; 3]);
-        let measures = largest(coordinates, &inertia, loads);
+        let worst = largest(&self.pattern, r, [0.0; 3]);
+        let measures = largest(&self.pattern, &inertia, loads);
         for quantity in Quantity::ALL {
             let (residual, measure) = (worst[quantity.index()], measures[quantity.index()]);
             // The evaluation was finite.

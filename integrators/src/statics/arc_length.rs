@@ -7,6 +7,7 @@
 use super::newton::{Condition, Newton};
 use super::{Iteration, Problem};
 use crate::failure::Cause;
+use crate::rounding::largest;
 
 /// Position on the path with its unit tangent.
 #[derive(Clone)]
@@ -94,7 +95,7 @@ impl Newton {
             *q = q0 + ds * dq;
         }
         next.lambda = at.lambda + ds * at.d_lambda;
-        let loads = self.largest(&self.r_lambda);
+        let loads = largest(problem.system.pattern(), &self.r_lambda, [0.0; 3]);
         self.history.clear();
         self.history.push(Iteration {
             residual: loads.map(|r| r * (ds * at.d_lambda).abs()),

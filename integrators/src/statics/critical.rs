@@ -28,6 +28,7 @@ use super::newton::Newton;
 use super::{Iteration, Problem, StaticNewtonOptions, StaticsError};
 use crate::failure::Cause;
 use crate::random::Random;
+use crate::rounding::largest;
 use held::Held;
 use pullback_manifold::system::{Point, System};
 
@@ -241,7 +242,7 @@ impl Newton {
             let correction = self.size(&x.dq);
             let found = correction <= BALANCED
                 || (correction < EXACT.sqrt() && correction > DECREASE * last);
-            let residual = self.largest(&self.r);
+            let residual = largest(problem.system.pattern(), &self.r, [0.0; 3]);
             let measures = problem.system.scales().measures();
             self.history.push(Iteration {
                 residual,

@@ -4,6 +4,7 @@ use super::newton::Newton;
 use super::{Iteration, Problem};
 use crate::abilities::change_charts;
 use crate::failure::Cause;
+use crate::rounding::largest;
 use pullback_manifold::system::ChartChanges;
 
 /// State of the tangent at the beginning of a step.
@@ -36,7 +37,7 @@ impl Newton {
         for ((dq, r), rate) in self.dq.iter_mut().zip(&self.r).zip(&self.r_lambda) {
             *dq = r + rate * (to - from);
         }
-        let residual = self.largest(&self.dq);
+        let residual = largest(problem.system.pattern(), &self.dq, [0.0; 3]);
         let solved = problem.solver.solve(Some(&self.S), &mut self.dq);
         solved.map_err(Cause::linear)?;
         for (q, dq) in q.iter_mut().zip(&self.dq) {

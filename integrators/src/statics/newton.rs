@@ -19,7 +19,7 @@ use crate::convergence::ConvergencePredictor;
 use crate::failure::{Cause, Cost, FailedStep, FailureContext, StepParameter};
 use crate::linear_solver::MatrixSymmetry;
 use crate::rounding::{ResidualTest, inverse_scales, is_rounding, largest, rounding_of_gaps};
-use pullback_manifold::system::{CoordinateInfo, Evaluation, Point, System, SystemError, Weights};
+use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
 
 /// A condition c·(q − q₀) + c_λ (λ − λ₀) = ds that replaces a fixed load.
 pub(super) struct Condition<'a> {
@@ -53,13 +53,9 @@ pub(super) struct Newton {
     simplified: Vec<f64>,
     /// 1 / typical size of each coordinate; zero for multipliers.
     pub inverse_scale: Vec<f64>,
-    /// Quantity of each coordinate.
-    coordinates: Vec<CoordinateInfo>,
     pub history: Vec<Iteration>,
     pub cost: Cost,
     pub test: ResidualTest,
-    /// Whether there are gaps of multipliers.
-    has_gaps: bool,
     /// Number of predictions in the history, made before any residual was known.
     predicted: usize,
     pub options: StaticNewtonOptions,
@@ -89,15 +85,9 @@ impl Newton {
             trial: zeros(),
             simplified: zeros(),
             inverse_scale: inverse_scales(*system),
-            coordinates: system.pattern().coordinates().to_vec(),
             history: Vec::with_capacity(options.max_iterations.min(100) + 1),
             cost: Cost::default(),
             test: ResidualTest::new(options.relative, options.absolute),
-            has_gaps: system
-                .pattern()
-                .coordinates()
-                .iter()
-                .any(|c| c.is_multiplier),
             predicted: 0,
             options: *options,
         })
@@ -170,11 +160,6 @@ impl Newton {
         solutions(&self.history)
     }
 
-    /// Largest entry per quantity of a residual vector.
-    pub(super) fn largest(&self, r: &[f64]) -> [f64; 3] {
-        largest(&self.coordinates, r, [0.0; 3])
-    }
-
     /// Whether the last correction left only rounding errors. A prediction, by the tangent at
     /// another load, says nothing about convergence.
     fn is_rounding(&mut self, system: &dyn System, q: &[f64], residual: [f64; 3]) -> bool {
@@ -187,7 +172,7 @@ impl Newton {
 
     /// Whether the residual evaluated last is within the tolerance, or rounding.
     pub(super) fn is_balanced(&mut self, system: &dyn System, q: &[f64]) -> bool {
-        let residual = self.largest(&self.r);
+        let residual = largest(system.pattern(), &self.r, [0.0; 3]);
         let work = [&mut self.trial[..], &mut self.simplified[..]];
         self.test.ratio(residual, system.scales().measures()) <= 1.0
             || is_rounding(system, &self.S, q, &self.r, work)
@@ -212,12 +197,10 @@ impl Newton {
         }
         self.evaluate(problem, previous, q, *lambda)
             .map_err(Cause::System)?;
-        if self.has_gaps {
-            let work = [&mut self.trial[..], &mut self.simplified[..]];
-            self.test.gaps = rounding_of_gaps(problem.system, &self.S, q, work);
-        }
+        let work = [&mut self.trial[..], &mut self.simplified[..]];
+        self.test.gaps = rounding_of_gaps(problem.system, &self.S, q, work);
         loop {
-            let residual = self.largest(&self.r);
+            let residual = largest(problem.system.pattern(), &self.r, [0.0; 3]);
             let ratio = (self.test).ratio(residual, problem.system.scales().measures());
             let on_condition =
                 condition.is_none_or(|c| c.defect(q, *lambda).abs() <= 1e-9 * c.ds.abs() + 1e-14);
@@ -325,7 +308,8 @@ impl Newton {
         ratio: f64,
     ) -> Result<bool, Cause> {
         let measures = problem.system.scales().measures();
-        if self.test.ratio(self.largest(&self.r), measures) <= ratio {
+        let residual = largest(problem.system.pattern(), &self.r, [0.0; 3]);
+        if self.test.ratio(residual, measures) <= ratio {
             return Ok(true);
         }
         self.simplified.copy_from_slice(&self.r);
