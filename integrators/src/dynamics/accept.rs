@@ -6,7 +6,6 @@ use super::step::Stepper;
 use super::stops::equal_steps;
 use super::{DynamicsError, Progress, State};
 use crate::abilities;
-use crate::linear_solver::LinearSolver;
 use pullback_manifold::system::{Energies, Point, System};
 
 impl MotionRun {
@@ -15,7 +14,6 @@ impl MotionRun {
     pub(super) fn accept(
         &mut self,
         system: &mut dyn System,
-        solver: &mut dyn LinearSolver,
         progress: &mut Progress,
         h: f64,
     ) -> Result<usize, DynamicsError> {
@@ -55,12 +53,12 @@ impl MotionRun {
             balance.check_growth(left)?;
         }
         if segments_changed {
-            self.jump(system, solver, progress, left, false)?;
+            self.jump(system, progress, false)?;
         }
         match kink {
             // The end of a run does not pass a kink.
             Some(_) if left >= self.options.to => progress.at_kink = true,
-            Some(stop) => self.pass(system, solver, progress, stop)?,
+            Some(stop) => self.pass(system, progress, stop)?,
             None => {}
         }
         self.double_step(progress);

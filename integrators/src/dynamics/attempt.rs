@@ -6,7 +6,6 @@ use super::step::{Stepper, rebase};
 use super::stops::{equal_steps, first_end};
 use super::{DynamicsError, Progress, State};
 use crate::failure::Cause;
-use crate::linear_solver::LinearSolver;
 use pullback_manifold::system::System;
 
 /// The end of an attempted step.
@@ -25,7 +24,6 @@ impl MotionRun {
         &mut self,
         system: &mut Y,
         events: &mut [UserEvent<Y>],
-        solver: &mut dyn LinearSolver,
         progress: &mut Progress,
     ) -> Result<Option<f64>, DynamicsError> {
         let from = progress.state.t;
@@ -33,15 +31,14 @@ impl MotionRun {
         rebase(progress, h);
         let before = (self.stepper.evaluations, self.stepper.factorisations);
         let scheme = &self.options.scheme;
-        let outcome = (self.stepper).step(system, solver, scheme, &progress.state, to);
-        let outcome =
-            outcome.and_then(|()| self.locate(system, events, solver, progress, [to, last]));
+        let outcome = (self.stepper).step(system, scheme, &progress.state, to);
+        let outcome = outcome.and_then(|()| self.locate(system, events, progress, [to, last]));
         progress.summary.evaluations += self.stepper.evaluations - before.0;
         progress.summary.factorisations += self.stepper.factorisations - before.1;
         let end = match outcome {
             Ok(Some(end)) => end,
             Ok(None) => {
-                self.change_segments_at_start(system, solver, progress)?;
+                self.change_segments_at_start(system, progress)?;
                 return Ok(None);
             }
             Err(failure) => {

@@ -5,7 +5,6 @@ use super::run::MotionRun;
 use super::segment_changes::SHORT;
 use super::{DynamicsError, Progress, State};
 use crate::failure::Cause;
-use crate::linear_solver::LinearSolver;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError};
 use std::ops::ControlFlow;
 
@@ -50,7 +49,6 @@ impl MotionRun {
         &mut self,
         system: &mut Y,
         events: &mut [UserEvent<Y>],
-        solver: &mut dyn LinearSolver,
         progress: &mut Progress,
     ) -> Result<(), DynamicsError> {
         let now = &mut self.occurrences;
@@ -68,7 +66,7 @@ impl MotionRun {
             now.stopped |= (events[k].apply)(system, &mut progress.state).is_break();
         }
         check(&self.options, progress, system)?;
-        self.refresh(system, solver, progress)?;
+        self.refresh(system, progress)?;
         self.watch(system, events, progress)
     }
 

@@ -1,8 +1,8 @@
 //! The largest frequency of K and M, and the stability limit of a step.
 
-use super::{DynamicsError, Scheme, State};
+use super::{DynamicsError, Scheme, State, Stepper};
 use crate::failure::find_mechanism;
-use crate::linear_solver::{LinearError, LinearSolver};
+use crate::linear_solver::{AutoSolver, LinearError, LinearSolver};
 use crate::linearization::Krylov;
 use pullback_manifold::system::{Evaluation, System, Weights};
 
@@ -18,11 +18,10 @@ const SETTLED: f64 = 1e-9;
 /// stiffens the system later, it is not evaluated again; the energy balance shows the instability.
 pub(super) fn check_step(
     system: &mut dyn System,
-    solver: &mut dyn LinearSolver,
+    Stepper { solver, r, S, .. }: &mut Stepper,
     state: &State,
     scheme: &Scheme,
     step: f64,
-    [r, S]: [&mut [f64]; 2],
 ) -> Result<Option<f64>, DynamicsError> {
     let Some(limit) = scheme.properties().limit else {
         return Ok(None);
@@ -63,7 +62,7 @@ pub(super) fn check_step(
 /// already factorised.
 fn largest(
     system: &dyn System,
-    solver: &mut dyn LinearSolver,
+    solver: &mut AutoSolver,
     [K, M]: [&[f64]; 2],
 ) -> Result<f64, LinearError> {
     let pattern = system.pattern();

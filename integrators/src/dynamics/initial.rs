@@ -1,6 +1,6 @@
 //! Consistent initial accelerations, M q̈ = r(t, q, q̇, 0), and multipliers.
 
-use super::{DynamicsError, State};
+use super::{DynamicsError, State, Stepper};
 use crate::abilities::{energies, events, momentum};
 use crate::failure::find_mechanism;
 use crate::linear_solver::{LinearError, LinearSolver, max_abs};
@@ -45,62 +45,6 @@ pub fn start(system: &dyn System, t: f64, q: &[f64], v: &[f64]) -> Result<State,
     })
 }
 
-/// The equations of motion with their solver, a residual and a tangent.
-struct Equations<'a> {
-    system: &'a mut dyn System,
-    solver: &'a mut dyn LinearSolver,
-    r: &'a mut [f64],
-    S: &'a mut [f64],
-}
-
-/// Computes the accelerations of a state, true and algorithmic, its multipliers, and the velocities
-/// of coordinates with damping but no mass.
-///
-/// The residual is linear in q̈ and λ, so one linear solution suffices:
-/// [M h_xᵀ; h_x 0] (q̈, λ) = (r, −ḧ at q̈ = 0).
-///
-/// Accelerations that the state already has are corrected, with r and ḧ at these: coordinates
-/// without mass keep theirs, as only a step can determine them.
-pub(super) fn accelerate(
-    system: &mut dyn System,
-    solver: &mut dyn LinearSolver,
-    state: &mut State,
-    h: f64,
-    [r, S]: [&mut [f64]; 2],
-) -> Result<(), DynamicsError> {
-    let n = state.q.len();
-    state.a.resize(n, 0.0);
-    let multipliers = |i: &usize| system.pattern().coordinates()[*i].is_multiplier;
-    let multipliers: Vec<usize> = (0..n).filter(multipliers).collect();
-    for &i in &multipliers {
-        (state.q[i], state.v[i], state.a[i]) = (0.0, 0.0, 0.0);
-    }
-    let mut motion = Equations {
-        system,
-        solver,
-        r,
-        S,
-    };
-    let mut passes = 1;
-    if !motion.solve_mass(state, (h, 0.0), None)? {
-        motion.solve_rates(state)?;
-        motion.solve_mass(state, (h, 0.0), None)?;
-    } else if is_damped(motion.system, state, h)? {
-        passes = PASSES;
-    }
-    for _ in 0..passes {
-        if passes > 1 {
-            motion.solve_mass(state, (h, h), None)?;
-        }
-        add(&mut state.a, 1.0, motion.r);
-    }
-    for &i in &multipliers {
-        (state.q[i], state.a[i]) = (motion.r[i], 0.0);
-    }
-    state.algorithmic.clone_from(&state.a);
-    Ok(())
-}
-
 /// Whether dampers dissipate power at a state, more than by rounding errors of velocities.
 fn is_damped(system: &mut dyn System, state: &State, h: f64) -> Result<bool, DynamicsError> {
     let energies = energies(system, state.point()).map_err(DynamicsError::at(state.t))?;
@@ -113,59 +57,6 @@ fn is_damped(system: &mut dyn System, state: &State, h: f64) -> Result<bool, Dyn
 /// 4/(λh) of them remains. Motions that the steps resolve are exact but for (λh)⁴.
 const PASSES: usize = 4;
 
-/// Applies the impulse at a jump of a prescribed velocity: the momentum of the free coordinates is
-/// continuous, so their velocities jump by M⁻¹ (p₋ − p₊), with p₊ from the new prescribed and the
-/// old free velocities. At a change of segment this is repeated until p equals
-/// [`Events::kept_momentum`](pullback_manifold::system::Events::kept_momentum). Returns the number of impulses.
-pub(super) fn apply_impulse(
-    system: &mut dyn System,
-    solver: &mut dyn LinearSolver,
-    state: &mut State,
-    (before, prescribed): (&[f64], bool),
-    t: f64,
-    h: f64,
-    [r, S, missing]: [&mut [f64]; 3],
-) -> Result<usize, DynamicsError> {
-    let mut motion = Equations {
-        system,
-        solver,
-        r,
-        S,
-    };
-    let (mut damping, mut most) = (0.0, if prescribed { 1 } else { IMPULSES });
-    let mut count = 0;
-    while count < most {
-        let at = Point { t, ..state.point() };
-        let known = match prescribed {
-            true => momentum(motion.system, at, missing),
-            false => events(motion.system).kept_momentum(Some(at), missing),
-        };
-        known.map_err(DynamicsError::at(t))?;
-        let largest = max_abs(before).max(max_abs(missing));
-        for (missing, before) in missing.iter_mut().zip(before) {
-            *missing = before - *missing;
-        }
-        if max_abs(missing) <= ROUNDING * largest {
-            return Ok(count);
-        }
-        motion.solve_mass(state, (h, damping), Some(missing))?;
-        // For a multiplier, this is the impulse of its constraint.
-        for (i, dv) in motion.r.iter_mut().enumerate() {
-            if motion.system.pattern().coordinates()[i].is_multiplier {
-                *dv = 0.0;
-            }
-        }
-        add(&mut state.v, 1.0, motion.r);
-        if prescribed && damping == 0.0 && is_damped(motion.system, state, h)? {
-            add(&mut state.v, -1.0, motion.r);
-            (damping, most) = (h, PASSES);
-        } else {
-            count += 1;
-        }
-    }
-    Ok(most)
-}
-
 /// Largest number of impulses; each leaves ½ (1 − cos θ) of the missing momentum at a corner of θ.
 const IMPULSES: usize = 30;
 /// Differences of momentum below this part of the momentum, and dissipated energies below this part of the kinetic one, are
@@ -177,28 +68,118 @@ const CORRECTIONS: usize = 30;
 /// Corrections below this part of the velocities are rounding errors.
 const FINE: f64 = 1e-14;
 
-impl Equations<'_> {
+impl Stepper {
+    /// Computes the accelerations of a state, true and algorithmic, its multipliers, and the velocities
+    /// of coordinates with damping but no mass.
+    ///
+    /// The residual is linear in q̈ and λ, so one linear solution suffices:
+    /// [M h_xᵀ; h_x 0] (q̈, λ) = (r, −ḧ at q̈ = 0).
+    ///
+    /// Accelerations that the state already has are corrected, with r and ḧ at these: coordinates
+    /// without mass keep theirs, as only a step can determine them.
+    pub(super) fn accelerate(
+        &mut self,
+        system: &mut dyn System,
+        state: &mut State,
+        h: f64,
+    ) -> Result<(), DynamicsError> {
+        let n = state.q.len();
+        state.a.resize(n, 0.0);
+        let multipliers = |i: &usize| system.pattern().coordinates()[*i].is_multiplier;
+        let multipliers: Vec<usize> = (0..n).filter(multipliers).collect();
+        for &i in &multipliers {
+            (state.q[i], state.v[i], state.a[i]) = (0.0, 0.0, 0.0);
+        }
+        let mut passes = 1;
+        if !self.solve_mass(system, state, (h, 0.0), None)? {
+            self.solve_rates(system, state)?;
+            self.solve_mass(system, state, (h, 0.0), None)?;
+        } else if is_damped(system, state, h)? {
+            passes = PASSES;
+        }
+        for _ in 0..passes {
+            if passes > 1 {
+                self.solve_mass(system, state, (h, h), None)?;
+            }
+            add(&mut state.a, 1.0, &self.r);
+        }
+        for &i in &multipliers {
+            (state.q[i], state.a[i]) = (self.r[i], 0.0);
+        }
+        state.algorithmic.clone_from(&state.a);
+        Ok(())
+    }
+
+    /// Applies the impulse at a jump of a prescribed velocity: the momentum of the free coordinates is
+    /// continuous, so their velocities jump by M⁻¹ (p₋ − p₊), with p₊ from the new prescribed and the
+    /// old free velocities. At a change of segment this is repeated until p equals
+    /// [`Events::kept_momentum`](pullback_manifold::system::Events::kept_momentum). Returns the number of impulses.
+    pub(super) fn apply_impulse(
+        &mut self,
+        system: &mut dyn System,
+        state: &mut State,
+        (before, missing): (&[f64], &mut [f64]),
+        prescribed: bool,
+        h: f64,
+    ) -> Result<usize, DynamicsError> {
+        let (mut damping, mut most) = (0.0, if prescribed { 1 } else { IMPULSES });
+        let mut count = 0;
+        while count < most {
+            let at = state.point();
+            let known = match prescribed {
+                true => momentum(system, at, missing),
+                false => events(system).kept_momentum(Some(at), missing),
+            };
+            known.map_err(DynamicsError::at(state.t))?;
+            let largest = max_abs(before).max(max_abs(missing));
+            for (missing, before) in missing.iter_mut().zip(before) {
+                *missing = before - *missing;
+            }
+            if max_abs(missing) <= ROUNDING * largest {
+                return Ok(count);
+            }
+            self.solve_mass(system, state, (h, damping), Some(missing))?;
+            // For a multiplier, this is the impulse of its constraint.
+            for (i, dv) in self.r.iter_mut().enumerate() {
+                if system.pattern().coordinates()[i].is_multiplier {
+                    *dv = 0.0;
+                }
+            }
+            add(&mut state.v, 1.0, &self.r);
+            if prescribed && damping == 0.0 && is_damped(system, state, h)? {
+                add(&mut state.v, -1.0, &self.r);
+                (damping, most) = (h, PASSES);
+            } else {
+                count += 1;
+            }
+        }
+        Ok(most)
+    }
+
     /// Solves for velocities without mass: if rows of M are zero and their damping is regular, the
     /// residual is a first-order equation r(t, q, q̇) = 0, such as C ż = f of a dashpot or a
     /// controller. A step from other rates would lose an order.
     ///
     /// Without a solution the velocities stay: coordinates with neither mass nor damping are left
     /// to the first step.
-    fn solve_rates(&mut self, state: &mut State) -> Result<(), DynamicsError> {
+    fn solve_rates(
+        &mut self,
+        system: &mut dyn System,
+        state: &mut State,
+    ) -> Result<(), DynamicsError> {
         let mut rates = state.v.clone();
-        self.evaluate(state, &rates, Weights::MASS, 0.0)?;
-        let (M, massless) = (self.S.to_vec(), massless(self.system.pattern(), self.S));
+        self.evaluate_at(system, state, &rates, Weights::MASS, 0.0)?;
+        let (M, massless) = (self.S.clone(), massless(system.pattern(), &self.S));
         for _ in 0..CORRECTIONS {
-            self.evaluate(state, &rates, Weights::DAMPING, 0.0)?;
-            let both = stand_in(self.system.pattern(), &M, self.S, &massless);
-            keep(self.r, &massless, true);
-            let factorised = self.solver.factorise(&both);
-            if (factorised.and_then(|()| self.solver.solve(Some(&both), self.r))).is_err() {
+            self.evaluate_at(system, state, &rates, Weights::DAMPING, 0.0)?;
+            let both = stand_in(system.pattern(), &M, &self.S, &massless);
+            keep(&mut self.r, &massless, true);
+            if (self.solver.factorise_and_solve(&both, &mut self.r)).is_err() {
                 return Ok(());
             }
-            keep(self.r, &massless, true);
-            add(&mut rates, 1.0, self.r);
-            if max_abs(self.r) <= FINE * max_abs(&rates) {
+            keep(&mut self.r, &massless, true);
+            add(&mut rates, 1.0, &self.r);
+            if max_abs(&self.r) <= FINE * max_abs(&rates) {
                 state.v = rates;
                 return Ok(());
             }
@@ -207,8 +188,9 @@ impl Equations<'_> {
     }
 
     /// Residual and tangent at a state with other velocities; see [`Evaluation::accelerations`].
-    fn evaluate(
+    fn evaluate_at(
         &mut self,
+        system: &mut dyn System,
         state: &State,
         v: &[f64],
         weights: Weights,
@@ -216,10 +198,10 @@ impl Equations<'_> {
     ) -> Result<(), DynamicsError> {
         let out = Evaluation {
             accelerations: Some(h),
-            ..Evaluation::with_tangent(self.r, weights, self.S)
+            ..Evaluation::with_tangent(&mut self.r, weights, &mut self.S)
         };
         let at = Point { v, ..state.point() };
-        let evaluated = self.system.evaluate(at, out);
+        let evaluated = system.evaluate(at, out);
         evaluated.map_err(DynamicsError::at(state.t))
     }
 
@@ -231,6 +213,7 @@ impl Equations<'_> {
     /// zero, only these rows are replaced, and all other accelerations are exact.
     fn solve_mass(
         &mut self,
+        system: &mut dyn System,
         state: &State,
         (h, damping): (f64, f64),
         b: Option<&[f64]>,
@@ -239,26 +222,25 @@ impl Equations<'_> {
         let mut M = Vec::new();
         for (C, K) in [(damping, 0.0), (h, h * h)] {
             let step = if b.is_some() { 0.0 } else { h };
-            self.evaluate(state, &state.v, Weights { K, C, M: 1.0 }, step)?;
+            self.evaluate_at(system, state, &state.v, Weights { K, C, M: 1.0 }, step)?;
             if let Some(b) = b {
                 self.r.copy_from_slice(b);
             }
-            if !M.is_empty() && self.solve_massive(&M).is_ok() {
+            if !M.is_empty() && self.solve_massive(system, &M).is_ok() {
                 return Ok(false);
             }
-            let factorised = self.solver.factorise(self.S);
-            match factorised.and_then(|()| self.solver.solve(Some(self.S), self.r)) {
+            match self.solver.factorise_and_solve(&self.S, &mut self.r) {
                 Ok(()) => return Ok(M.is_empty()),
                 Err(error) => refused = Some(error),
             }
-            M = self.S.to_vec();
+            M = self.S.clone();
         }
         match refused {
             None => Ok(true),
             Some(source) => Err(DynamicsError::Accelerations {
                 t: state.t,
                 source,
-                mechanism: find_mechanism(self.system, self.S),
+                mechanism: find_mechanism(system, &self.S),
             }),
         }
     }
@@ -269,8 +251,8 @@ impl Equations<'_> {
     /// # Errors
     /// [`LinearError`] if there is still no solution, or no coordinate without mass; `r` is then
     /// unchanged.
-    fn solve_massive(&mut self, M: &[f64]) -> Result<(), LinearError> {
-        let (pattern, S) = (self.system.pattern(), &*self.S);
+    fn solve_massive(&mut self, system: &dyn System, M: &[f64]) -> Result<(), LinearError> {
+        let (pattern, S) = (system.pattern(), &self.S);
         let massless = massless(pattern, M);
         let both = stand_in(pattern, M, S, &massless);
         self.solver.factorise(&both)?;

@@ -2,13 +2,11 @@
 
 #![allow(non_snake_case)]
 
-use super::initial::apply_impulse;
 use super::run::MotionRun;
 use super::step::Stepper;
 use super::stops::StopTime;
 use super::{DynamicsError, Progress, State};
 use crate::abilities::{events, momentum};
-use crate::linear_solver::LinearSolver;
 use pullback_manifold::system::{Energies, Point, System};
 
 impl MotionRun {
@@ -16,7 +14,6 @@ impl MotionRun {
     pub(super) fn pass(
         &mut self,
         system: &mut dyn System,
-        solver: &mut dyn LinearSolver,
         progress: &mut Progress,
         stop: StopTime,
     ) -> Result<(), DynamicsError> {
@@ -31,9 +28,9 @@ impl MotionRun {
         let known = known.map_err(|source| DynamicsError::System { t: *t, source })?;
         *t = stop.right;
         if known {
-            self.jump(system, solver, progress, stop.right, true)?;
+            self.jump(system, progress, true)?;
         } else {
-            self.renew(system, solver, progress, true)?;
+            self.renew(system, progress, true)?;
         }
         self.set_target(system, progress)
     }
@@ -42,24 +39,22 @@ impl MotionRun {
     pub(super) fn take_inputs(
         &mut self,
         system: &mut dyn System,
-        solver: &mut dyn LinearSolver,
         progress: &mut Progress,
     ) -> Result<(), DynamicsError> {
         if events(system).inputs() == progress.inputs {
             return Ok(());
         }
-        self.refresh(system, solver, progress)
+        self.refresh(system, progress)
     }
 
     /// Continues after a change of forces or velocities that needs no impulse.
     pub(super) fn refresh(
         &mut self,
         system: &mut dyn System,
-        solver: &mut dyn LinearSolver,
         progress: &mut Progress,
     ) -> Result<(), DynamicsError> {
         progress.inputs = events(system).inputs().to_vec();
-        self.renew(system, solver, progress, true)?;
+        self.renew(system, progress, true)?;
         self.set_target(system, progress)
     }
 
@@ -67,42 +62,31 @@ impl MotionRun {
     pub(super) fn jump(
         &mut self,
         system: &mut dyn System,
-        solver: &mut dyn LinearSolver,
         progress: &mut Progress,
-        t: f64,
         supplied: bool,
     ) -> Result<(), DynamicsError> {
         let h = self.options.step.min(progress.next_step);
-        let Stepper { r, S, .. } = &mut self.stepper;
-        let buffers: [&mut [f64]; 3] = [r, S, &mut self.missing];
         let state = &mut progress.state;
         // A prescribed velocity jumps, or a map changed its segment.
-        let impulses = apply_impulse(
-            system,
-            solver,
-            state,
-            (&self.momentum, supplied),
-            t,
-            h,
-            buffers,
-        )?;
+        let momenta = (&self.momentum[..], &mut self.missing[..]);
+        let impulses = (self.stepper).apply_impulse(system, state, momenta, supplied, h)?;
         progress.summary.evaluations += impulses;
         progress.summary.factorisations += impulses;
         if let (false, Some(projection), Some(kept)) =
             (supplied, &mut self.projection, &mut progress.invariants)
         {
             // The energy is continuous at a corner.
+            let (t, Stepper { r, S, .. }) = (state.t, &mut self.stepper);
             projection.restore(system, &self.options.scheme, state, kept, (t, 0.0), [r, S])?;
             progress.summary.evaluations += projection.take_evaluations();
         }
-        self.renew(system, solver, progress, supplied)
+        self.renew(system, progress, supplied)
     }
 
     /// Updates accelerations and energies after a jump; `supplied` says that supports do its work.
     fn renew(
         &mut self,
         system: &mut dyn System,
-        solver: &mut dyn LinearSolver,
         progress: &mut Progress,
         supplied: bool,
     ) -> Result<(), DynamicsError> {
@@ -110,7 +94,7 @@ impl MotionRun {
         if supplied {
             progress.state.a.clear();
         }
-        self.accelerate(system, solver, progress)?;
+        self.accelerate(system, progress)?;
         let now = self.energies(system, &progress.state, progress.state.t)?;
         if let (Some(now), Some(balance)) = (now, &mut progress.summary.energy) {
             if supplied {

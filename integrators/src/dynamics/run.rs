@@ -2,7 +2,6 @@
 
 use super::events::{Occurrences, UserEvent};
 use super::frequency::check_step;
-use super::initial::accelerate;
 use super::options::check;
 use super::projection::InvariantProjection;
 use super::segment_changes::SegmentSearch;
@@ -10,13 +9,12 @@ use super::step::Stepper;
 use super::stops::{StopTime, Stops};
 use super::{DynamicOptions, DynamicsError, EnergyBalance, Progress, State, StepReport};
 use crate::abilities::{self, change_charts, start, symmetries};
-use crate::linear_solver::{LinearSolver, MatrixSymmetry};
 use pullback_manifold::system::{Energies, Point, System};
 
 /// Number of steps ahead for which symmetries are found if there is no kink.
 const FAR: f64 = 1e3;
 
-/// The engine of a run: all that a step needs beside the system, the solver and the progress.
+/// The engine of a run: all that a step needs beside the system and the progress.
 pub(super) struct MotionRun {
     pub(super) stepper: Stepper,
     /// Times at which a step must end.
@@ -43,15 +41,10 @@ impl MotionRun {
     /// The engine at the state of `progress`, ready for its next step.
     pub(super) fn new(
         system: &mut dyn System,
-        solver: &mut dyn LinearSolver,
         progress: &mut Progress,
         options: &DynamicOptions,
     ) -> Result<Self, DynamicsError> {
         check(options, progress, system)?;
-        // Gyroscopic and centrifugal tangents are not symmetric, even if the stiffness is.
-        solver
-            .analyse(system.pattern(), MatrixSymmetry::General)
-            .map_err(|source| DynamicsError::Analysis { source })?;
         let n = system.pattern().dim();
         let mut run = Self {
             stepper: Stepper::new(system, options)?,
@@ -63,7 +56,7 @@ impl MotionRun {
             projection: (options.scheme.keeps_energy()).then(|| InvariantProjection::new(n)),
             options: *options,
         };
-        run.begin(system, solver, progress)?;
+        run.begin(system, progress)?;
         Ok(run)
     }
 
@@ -72,19 +65,18 @@ impl MotionRun {
         &mut self,
         system: &mut Y,
         events: &mut [UserEvent<Y>],
-        solver: &mut dyn LinearSolver,
         progress: &mut Progress,
     ) -> Result<Option<Accepted>, DynamicsError> {
         while progress.state.t < self.options.to && !self.occurrences.stopped {
-            self.take_inputs(system, solver, progress)?;
+            self.take_inputs(system, progress)?;
             if progress.events.len() < events.len() {
                 self.watch(system, events, progress)?;
             }
-            let Some(step_size) = self.attempt(system, events, solver, progress)? else {
+            let Some(step_size) = self.attempt(system, events, progress)? else {
                 continue;
             };
-            let chart_changes = self.accept(system, solver, progress, step_size)?;
-            self.apply_events(system, events, solver, progress)?;
+            let chart_changes = self.accept(system, progress, step_size)?;
+            self.apply_events(system, events, progress)?;
             let iterations = self.stepper.iterations();
             progress.summary.iterations += iterations;
             progress.summary.finished = progress.state.t >= self.options.to;
@@ -114,7 +106,6 @@ impl MotionRun {
     fn begin(
         &mut self,
         system: &mut dyn System,
-        solver: &mut dyn LinearSolver,
         progress: &mut Progress,
     ) -> Result<(), DynamicsError> {
         let fresh = progress.state.a.is_empty();
@@ -139,10 +130,10 @@ impl MotionRun {
             progress.state.a = vec![0.0; progress.state.q.len()];
         }
         if std::mem::take(&mut progress.at_kink) && self.stops.is_kink(t) {
-            self.pass(system, solver, progress, StopTime::end(t))?;
+            self.pass(system, progress, StopTime::end(t))?;
         } else if fresh {
             progress.state.a.clear();
-            self.accelerate(system, solver, progress)?;
+            self.accelerate(system, progress)?;
         }
         if fresh {
             self.open_balance(system, progress)?;
@@ -157,17 +148,15 @@ impl MotionRun {
             Some(_) if self.projection.is_some() => {}
             _ => self.set_target(system, progress)?,
         }
-        self.find_stable_step(system, solver, progress)
+        self.find_stable_step(system, progress)
     }
 
     /// Finds the stability limit of the step at the present state, and rejects a step beyond it.
     fn find_stable_step(
         &mut self,
         system: &mut dyn System,
-        solver: &mut dyn LinearSolver,
         progress: &mut Progress,
     ) -> Result<(), DynamicsError> {
-        let Stepper { r, S, .. } = &mut self.stepper;
         let scheme = &self.options.scheme;
         let step = match self.options.adaptivity {
             // An embedded method limits the steps by itself.
@@ -176,7 +165,7 @@ impl MotionRun {
             None => self.options.step,
         };
         progress.summary.stable_step =
-            check_step(system, solver, &progress.state, scheme, step, [r, S])?;
+            check_step(system, &mut self.stepper, &progress.state, scheme, step)?;
         Ok(())
     }
 
@@ -219,18 +208,16 @@ impl MotionRun {
         Ok(())
     }
 
-    /// Updates the accelerations of the state; see [`accelerate`].
+    /// Updates the accelerations of the state; see [`Stepper::accelerate`].
     pub(super) fn accelerate(
         &mut self,
         system: &mut dyn System,
-        solver: &mut dyn LinearSolver,
         progress: &mut Progress,
     ) -> Result<(), DynamicsError> {
-        let Stepper { r, S, .. } = &mut self.stepper;
         progress.summary.evaluations += 1;
         progress.summary.factorisations += 1;
         let h = self.options.step.min(progress.next_step);
-        accelerate(system, solver, &mut progress.state, h, [r, S])
+        (self.stepper).accelerate(system, &mut progress.state, h)
     }
 
     pub(super) fn energies(

@@ -6,7 +6,6 @@ use super::step::rebase;
 use super::{DynamicsError, Progress};
 use crate::abilities::events;
 use crate::failure::Cause;
-use crate::linear_solver::LinearSolver;
 use pullback_manifold::system::System;
 
 /// Tolerance of the time of an event, as a part of a step.
@@ -42,7 +41,6 @@ impl MotionRun {
         &mut self,
         system: &mut Y,
         watched: &mut [UserEvent<Y>],
-        solver: &mut dyn LinearSolver,
         progress: &mut Progress,
         [to, last]: [f64; 2],
     ) -> Result<Option<f64>, Cause> {
@@ -85,8 +83,7 @@ impl MotionRun {
             (end, near) = (target, if ahead { 0.0 } else { h });
             rebase(progress, end - from);
             let scheme = &self.options.scheme;
-            self.stepper
-                .step(system, solver, scheme, &progress.state, end)?;
+            self.stepper.step(system, scheme, &progress.state, end)?;
         }
         Ok(Some(end))
     }
@@ -114,7 +111,6 @@ impl MotionRun {
     pub(super) fn change_segments_at_start(
         &mut self,
         system: &mut dyn System,
-        solver: &mut dyn LinearSolver,
         progress: &mut Progress,
     ) -> Result<(), DynamicsError> {
         let t = progress.state.t;
@@ -126,10 +122,10 @@ impl MotionRun {
         if progress.summary.steps == 0 {
             // Initial velocities are valid after the change.
             progress.state.a.clear();
-            self.accelerate(system, solver, progress)?;
+            self.accelerate(system, progress)?;
             self.open_balance(system, progress)?;
             return self.set_target(system, progress);
         }
-        self.jump(system, solver, progress, t, false)
+        self.jump(system, progress, false)
     }
 }

@@ -4,7 +4,6 @@ use super::events::UserEvent;
 use super::run::MotionRun;
 use super::{DynamicOptions, DynamicsError, Progress, State, StepReport};
 use crate::abilities::events;
-use crate::linear_solver::AutoSolver;
 use pullback_manifold::system::System;
 use std::ops::{ControlFlow, Deref, DerefMut};
 
@@ -23,7 +22,6 @@ where
 {
     system: S,
     events: Vec<UserEvent<S::Target>>,
-    solver: AutoSolver,
     run: MotionRun,
     progress: Progress,
 }
@@ -60,12 +58,10 @@ where
         mut progress: Progress,
         options: &DynamicOptions,
     ) -> Result<Self, DynamicsError> {
-        let mut solver = AutoSolver::new();
-        let run = MotionRun::new(&mut *system, &mut solver, &mut progress, options)?;
+        let run = MotionRun::new(&mut *system, &mut progress, options)?;
         Ok(Self {
             system,
             events: Vec::new(),
-            solver,
             run,
             progress,
         })
@@ -76,8 +72,8 @@ where
     /// # Errors
     /// [`DynamicsError`]; the run is then at the last accepted step.
     pub fn step(&mut self) -> Result<Option<StepReport<'_>>, DynamicsError> {
-        let (events, solver) = (&mut self.events, &mut self.solver);
-        let step = (self.run).next(&mut *self.system, events, solver, &mut self.progress)?;
+        let (events, progress) = (&mut self.events, &mut self.progress);
+        let step = self.run.next(&mut *self.system, events, progress)?;
         Ok(step.map(|step| self.run.report(&self.progress, &step)))
     }
 
@@ -158,7 +154,7 @@ where
         };
         let mut progress = self.progress.clone();
         progress.next_step = step;
-        self.run = MotionRun::new(&mut *self.system, &mut self.solver, &mut progress, &options)?;
+        self.run = MotionRun::new(&mut *self.system, &mut progress, &options)?;
         self.progress = progress;
         Ok(())
     }
@@ -183,8 +179,7 @@ where
         S::Target: Clone,
     {
         let (mut system, mut progress) = (snapshot.system.clone(), snapshot.progress.clone());
-        let (solver, options) = (&mut self.solver, self.run.options);
-        self.run = MotionRun::new(&mut system, solver, &mut progress, &options)?;
+        self.run = MotionRun::new(&mut system, &mut progress, &self.run.options)?;
         (*self.system, self.progress) = (system, progress);
         Ok(())
     }
@@ -202,9 +197,8 @@ pub fn integrate<Y: System>(
     options: &DynamicOptions,
     observer: &mut dyn FnMut(&mut Y, &StepReport<'_>) -> ControlFlow<()>,
 ) -> Result<(), DynamicsError> {
-    let solver = &mut AutoSolver::new();
-    let mut run = MotionRun::new(system, solver, progress, options)?;
-    while let Some(step) = run.next(system, &mut [], solver, progress)? {
+    let mut run = MotionRun::new(system, progress, options)?;
+    while let Some(step) = run.next(system, &mut [], progress)? {
         if observer(system, &run.report(progress, &step)).is_break() {
             break;
         }

@@ -7,14 +7,15 @@ use super::{
 };
 use crate::convergence::ConvergencePredictor;
 use crate::failure::{Cause, Cost, FailedStep, FailureContext, StepParameter};
-use crate::linear_solver::LinearSolver;
+use crate::linear_solver::{AutoSolver, LinearSolver, MatrixSymmetry};
 use crate::rounding::{ResidualTest, inverse_scales, is_rounding, largest, rounding_of_gaps};
 use crate::statics::{Iteration, solutions};
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{Evaluation, Point, Quantity, System, SystemError, Weights};
 
-/// Buffers of the step routine.
+/// The step routine: its linear solver and buffers.
 pub(crate) struct Stepper {
+    pub solver: AutoSolver,
     pub r: Vec<f64>,
     pub S: Vec<f64>,
     /// Residuals, then corrections, of the stages of a group, one after the other.
@@ -43,6 +44,11 @@ impl Stepper {
         system: &dyn System,
         options: &DynamicOptions,
     ) -> Result<Self, DynamicsError> {
+        let mut solver = AutoSolver::new();
+        // Gyroscopic and centrifugal tangents are not symmetric, even if the stiffness is.
+        solver
+            .analyse(system.pattern(), MatrixSymmetry::General)
+            .map_err(|source| DynamicsError::Analysis { source })?;
         let (scheme, newton) = (&options.scheme, options.newton);
         let n = system.pattern().dim();
         let zeros = || vec![0.0; n];
@@ -65,6 +71,7 @@ impl Stepper {
         let mut others = (coordinates.filter(|c| c.quantity == Quantity::Other)).peekable();
         let gaps = others.peek().is_some() && others.all(|c| c.is_multiplier);
         Ok(Self {
+            solver,
             r: zeros(),
             S: vec![0.0; system.pattern().len()],
             dq: vec![0.0; widest * n],
@@ -88,7 +95,6 @@ impl Stepper {
     pub(crate) fn step(
         &mut self,
         system: &mut dyn System,
-        solver: &mut dyn LinearSolver,
         scheme: &Scheme,
         state: &State,
         t: f64,
@@ -103,7 +109,7 @@ impl Stepper {
             let group = self.groups[k];
             let earlier = self.history.len();
             self.predict(step, &group);
-            if let Err(failure) = self.balance(system, solver, step, &group) {
+            if let Err(failure) = self.balance(system, step, &group) {
                 self.history.drain(..earlier);
                 return Err(failure);
             }
@@ -143,7 +149,6 @@ impl Stepper {
     fn balance(
         &mut self,
         system: &mut dyn System,
-        solver: &mut dyn LinearSolver,
         step: Attempt<'_>,
         group: &StageGroup,
     ) -> Result<(), Cause> {
@@ -182,7 +187,7 @@ impl Stepper {
                 self.evaluate(system, step, group, first, true)?;
                 renewed = true;
             }
-            self.solve(solver, group, renewed)?;
+            self.solve(group, renewed)?;
             let correction = self.correct(step, group);
             self.record(residual, ratio, correction, 1.0);
             let start = self.history[earlier].ratio;
@@ -344,12 +349,7 @@ impl Stepper {
     }
 
     /// Solves for the corrections of a group.
-    fn solve(
-        &mut self,
-        solver: &mut dyn LinearSolver,
-        group: &StageGroup,
-        fresh: bool,
-    ) -> Result<(), Cause> {
+    fn solve(&mut self, group: &StageGroup, fresh: bool) -> Result<(), Cause> {
         self.factorisations += usize::from(fresh);
         let solved = match &mut self.coupled {
             Some(coupled) if group.len() > 1 => {
@@ -359,9 +359,9 @@ impl Stepper {
             _ => {
                 let b = &mut self.dq[..self.r.len()];
                 if fresh {
-                    solver.factorise_and_solve(&self.S, b)
+                    self.solver.factorise_and_solve(&self.S, b)
                 } else {
-                    solver.solve(Some(&self.S), b)
+                    self.solver.solve(Some(&self.S), b)
                 }
             }
         };

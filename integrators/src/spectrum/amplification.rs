@@ -3,7 +3,6 @@
 use crate::dynamics::{
     DynamicOptions, DynamicsError, NewtonOptions, Scheme, State, Stepper, Summary,
 };
-use crate::linear_solver::{AutoSolver, LinearSolver, MatrixSymmetry};
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError};
 
@@ -55,10 +54,6 @@ pub fn amplification(scheme: &Scheme, Omega: f64) -> Result<[[f64; 3]; 3], Dynam
         },
         ..DynamicOptions::new(1.0, 1.0)
     };
-    let mut solver = AutoSolver::new();
-    solver
-        .analyse(system.pattern(), MatrixSymmetry::General)
-        .map_err(|source| DynamicsError::Analysis { source })?;
     let mut stepper = Stepper::new(&system, &options)?;
     let unit = [1.0, 1.0 + Omega, 1.0 + Omega * Omega];
     let mut A = [[0.0; 3]; 3];
@@ -73,7 +68,7 @@ pub fn amplification(scheme: &Scheme, Omega: f64) -> Result<[[f64; 3]; 3], Dynam
             algorithmic: vec![entry(2)],
         };
         stepper
-            .step(&mut system, &mut solver, scheme, &state, 1.0)
+            .step(&mut system, scheme, &state, 1.0)
             .map_err(|failure| {
                 stepper.fail(&mut system, failure, [0.0, 1.0], &Summary::default())
             })?;

@@ -4,10 +4,11 @@
 //! (λ/λ_scale)², which is independent of mesh and units. Each step solves on the hyperplane normal
 //! to the tangent at its start, so that limit points in λ are passed.
 
+use super::Iteration;
 use super::newton::{Condition, Newton};
-use super::{Iteration, Problem};
 use crate::failure::Cause;
 use crate::rounding::largest;
+use pullback_manifold::system::System;
 
 /// Position on the path with its unit tangent.
 #[derive(Clone)]
@@ -61,14 +62,14 @@ impl Newton {
     /// Unit tangent at a position, in the direction of its present one.
     pub(super) fn tangent(
         &mut self,
-        problem: &mut Problem<'_>,
+        system: &mut dyn System,
         at: &mut Position,
         norm: &Norm,
     ) -> Result<(), Cause> {
-        self.evaluate(problem, None, &at.q, at.lambda)
+        self.evaluate(system, None, &at.q, at.lambda)
             .map_err(Cause::System)?;
-        self.factorise(problem)?;
-        self.solve_rate(problem)?;
+        self.factorise()?;
+        self.solve_rate()?;
         let rate = (self.q_lambda.as_slice(), 1.0);
         let length = norm.dot(rate, rate).sqrt();
         let sense = norm.dot(rate, (&at.dq, at.d_lambda)).signum() / length;
@@ -85,7 +86,7 @@ impl Newton {
     /// Predicts along the tangent and corrects on the hyperplane normal to it.
     pub(super) fn advance(
         &mut self,
-        problem: &mut Problem<'_>,
+        system: &mut dyn System,
         at: &Position,
         ds: f64,
         norm: &Norm,
@@ -95,7 +96,7 @@ impl Newton {
             *q = q0 + ds * dq;
         }
         next.lambda = at.lambda + ds * at.d_lambda;
-        let loads = largest(problem.system.pattern(), &self.r_lambda, [0.0; 3]);
+        let loads = largest(system.pattern(), &self.r_lambda, [0.0; 3]);
         self.history.clear();
         self.history.push(Iteration {
             residual: loads.map(|r| r * (ds * at.d_lambda).abs()),
@@ -115,7 +116,7 @@ impl Newton {
         };
         let (q, lambda) = (&mut next.q, &mut next.lambda);
         self.correct(
-            problem,
+            system,
             q,
             lambda,
             Some(&condition),

@@ -25,8 +25,9 @@
 mod held;
 
 use super::newton::Newton;
-use super::{Iteration, Problem, StaticNewtonOptions, StaticsError};
+use super::{Iteration, StaticNewtonOptions, StaticsError};
 use crate::failure::Cause;
+use crate::linear_solver::LinearSolver;
 use crate::random::Random;
 use crate::rounding::largest;
 use held::Held;
@@ -83,11 +84,9 @@ pub fn critical_point(
     options: &StaticNewtonOptions,
 ) -> Result<CriticalPoint, StaticsError> {
     super::options::check(&[], options)?;
-    let solver = &mut crate::linear_solver::AutoSolver::new();
-    let problem = &mut Problem { system, solver };
-    let mut newton = Newton::new(problem, options)?;
+    let mut newton = Newton::new(system, options)?;
     newton
-        .critical_point(problem, (at.q, at.t), shape)
+        .critical_point(system, (at.q, at.t), shape)
         .map_err(|cause| {
             let reason = match cause {
                 Cause::System(error) => error.to_string(),
@@ -135,24 +134,24 @@ impl Newton {
     /// See [`critical_point`].
     pub(super) fn critical_point(
         &mut self,
-        problem: &mut Problem<'_>,
+        system: &mut dyn System,
         guess: (&[f64], f64),
         shape: Option<&[f64]>,
     ) -> Result<CriticalPoint, Cause> {
         self.history.clear();
         self.test.first = [0.0; 3];
-        self.evaluate(problem, None, guess.0, guess.1)
+        self.evaluate(system, None, guess.0, guess.1)
             .map_err(Cause::System)?;
         let estimate = match shape {
             Some(shape) => shape.to_vec(),
-            None => self.null_vector(problem)?,
+            None => self.null_vector(system)?,
         };
         let relative = |i: &usize| (estimate[*i] * self.inverse_scale[*i]).abs();
         let largest = (0..estimate.len()).max_by(|i, j| relative(i).total_cmp(&relative(j)));
         let k = largest.ok_or(Cause::Diverged)?;
-        let mut held = Held::at(k, self, problem).ok_or(Cause::Diverged)?;
-        held.update(self, problem)?;
-        let (w, h) = held.solve(problem, &self.r_lambda, 1.0)?;
+        let mut held = Held::at(k, self, system).ok_or(Cause::Diverged)?;
+        held.update(self)?;
+        let (w, h) = held.solve(&mut self.solver, &self.r_lambda, 1.0)?;
         // The tangent of the path is w − (h/g) ψ.
         let likely = match (h / held.g).abs() * self.size(&held.psi.dq) > self.size(&w.dq) {
             true => CriticalKind::Limit,
@@ -162,9 +161,9 @@ impl Newton {
             CriticalKind::Limit => CriticalKind::Bifurcation,
             CriticalKind::Bifurcation => CriticalKind::Limit,
         };
-        let found = self.extended(problem, guess, &mut held, likely);
+        let found = self.extended(system, guess, &mut held, likely);
         found.or_else(|cause| {
-            let found = self.extended(problem, guess, &mut held, other);
+            let found = self.extended(system, guess, &mut held, other);
             found.map_err(|_| cause)
         })
     }
@@ -172,7 +171,7 @@ impl Newton {
     /// Newton's method for one kind of point.
     fn extended(
         &mut self,
-        problem: &mut Problem<'_>,
+        system: &mut dyn System,
         guess: (&[f64], f64),
         held: &mut Held,
         kind: CriticalKind,
@@ -181,7 +180,7 @@ impl Newton {
         let mut corrections: Vec<f64> = Vec::new();
         let mut load = t.abs();
         loop {
-            let eq = self.equations(problem, &mut q, t, held, kind)?;
+            let eq = self.equations(system, &mut q, t, held, kind)?;
             let on_path = [eq.h, held.g, -eq.phi_r];
             let singular = [eq.psi_w, eq.psi_psi, -held.g];
             let crossing = [eq.w_w, eq.psi_w, -eq.h];
@@ -205,8 +204,8 @@ impl Newton {
             q.iter_mut().zip(&self.dq).for_each(|(q, dq)| *q += dq);
             t += dt;
             if is_exact(&corrections) {
-                self.hold(problem, &mut q, t, held)?;
-                if !self.is_balanced(problem.system, &q) {
+                self.hold(system, &mut q, t, held)?;
+                if !self.is_balanced(system, &q) {
                     return Err(Cause::Diverged);
                 }
                 let scale = self.size(&held.psi.dq);
@@ -228,7 +227,7 @@ impl Newton {
     /// Equilibrium with k held, from `q`; its tangent is evaluated and factorised.
     fn hold(
         &mut self,
-        problem: &mut Problem<'_>,
+        system: &mut dyn System,
         q: &mut [f64],
         t: f64,
         held: &mut Held,
@@ -236,14 +235,14 @@ impl Newton {
         let (mut last, mut previous) = (f64::INFINITY, q.to_vec());
         for iteration in 0..=self.options.max_iterations {
             let from = (iteration > 0).then_some((t, &previous[..]));
-            self.evaluate(problem, from, q, t).map_err(Cause::System)?;
-            held.update(self, problem)?;
-            let (x, _) = held.solve(problem, &self.r, 0.0)?;
+            self.evaluate(system, from, q, t).map_err(Cause::System)?;
+            held.update(self)?;
+            let (x, _) = held.solve(&mut self.solver, &self.r, 0.0)?;
             let correction = self.size(&x.dq);
             let found = correction <= BALANCED
                 || (correction < EXACT.sqrt() && correction > DECREASE * last);
-            let residual = largest(problem.system.pattern(), &self.r, [0.0; 3]);
-            let measures = problem.system.scales().measures();
+            let residual = largest(system.pattern(), &self.r, [0.0; 3]);
+            let measures = system.scales().measures();
             self.history.push(Iteration {
                 residual,
                 ratio: self.test.ratio(residual, measures),
@@ -266,20 +265,20 @@ impl Newton {
     /// Finds the equilibrium with k held, and evaluates everything there.
     fn equations(
         &mut self,
-        problem: &mut Problem<'_>,
+        system: &mut dyn System,
         q: &mut [f64],
         t: f64,
         held: &mut Held,
         kind: CriticalKind,
     ) -> Result<Equations, Cause> {
-        self.hold(problem, q, t, held)?;
-        let (_, phi_r) = held.solve(problem, &self.r, 0.0)?;
-        let (w, h) = held.solve(problem, &self.r_lambda, 1.0)?;
+        self.hold(system, q, t, held)?;
+        let (_, phi_r) = held.solve(&mut self.solver, &self.r, 0.0)?;
+        let (w, h) = held.solve(&mut self.solver, &self.r_lambda, 1.0)?;
         let mut second = |along: &PathDirection, with: &[&PathDirection]| {
             let mut out = [0.0; 2];
-            let changes = self.second(problem, (q, t), along, with)?;
+            let changes = self.second(system, (q, t), along, with)?;
             for (out, change) in out.iter_mut().zip(changes) {
-                *out = held.solve(problem, &change, 0.0)?.1;
+                *out = held.solve(&mut self.solver, &change, 0.0)?.1;
             }
             Ok(out)
         };
@@ -301,7 +300,7 @@ impl Newton {
     /// Second derivatives of r in one direction and each of some others, by central differences of tangents.
     fn second(
         &mut self,
-        problem: &mut Problem<'_>,
+        system: &mut dyn System,
         (q, t): (&[f64], f64),
         along: &PathDirection,
         with: &[&PathDirection],
@@ -312,11 +311,11 @@ impl Newton {
         for sign in [1.0, -1.0] {
             let s = sign * step;
             let near: Vec<f64> = q.iter().zip(&along.dq).map(|(q, dq)| q + s * dq).collect();
-            self.evaluate(problem, None, &near, t + s * along.dt)
+            self.evaluate(system, None, &near, t + s * along.dt)
                 .map_err(Cause::System)?;
             let weight = 1.0 / (2.0 * s);
             for (change, direction) in changes.iter_mut().zip(with) {
-                let pattern = problem.system.pattern();
+                let pattern = system.pattern();
                 pattern.multiply_add(-weight, &self.S, &direction.dq, change);
                 for (change, r_t) in change.iter_mut().zip(&self.r_lambda) {
                     *change += weight * direction.dt * r_t;
@@ -355,16 +354,15 @@ impl Newton {
     }
 
     /// A vector that the tangent evaluated last almost annihilates, by inverse iteration.
-    fn null_vector(&mut self, problem: &mut Problem<'_>) -> Result<Vec<f64>, Cause> {
+    fn null_vector(&mut self, system: &dyn System) -> Result<Vec<f64>, Cause> {
         let mut values = self.S.clone();
-        let solver = &mut *problem.solver;
         self.cost.factorisations += 1;
-        if solver.factorise(&values).is_err() {
-            let entries: Vec<usize> = problem.system.pattern().diagonal().collect();
+        if self.solver.factorise(&values).is_err() {
+            let entries: Vec<usize> = system.pattern().diagonal().collect();
             let largest = values.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
             let shift = SHIFT * if largest > 0.0 { largest } else { 1.0 };
             entries.into_iter().for_each(|k| values[k] += shift);
-            solver.factorise(&values).map_err(Cause::linear)?;
+            self.solver.factorise(&values).map_err(Cause::linear)?;
         }
         let mut random = Random(1);
         let mut x: Vec<f64> = self.r.iter().map(|_| random.next()).collect();
@@ -373,7 +371,9 @@ impl Newton {
             for (x, s) in x.iter_mut().zip(&self.inverse_scale) {
                 *x *= s * s / size;
             }
-            solver.solve(Some(&values), &mut x).map_err(Cause::linear)?;
+            self.solver
+                .solve(Some(&values), &mut x)
+                .map_err(Cause::linear)?;
         }
         Ok(x)
     }

@@ -5,11 +5,12 @@ use super::newton::Newton;
 use super::options::check;
 use super::start::begin;
 use super::steps::StaticAnalysis;
-use super::{Converged, Problem, StaticOptions, StaticSummary, StaticsError, Step};
+use super::{Converged, StaticOptions, StaticSummary, StaticsError, Step};
 use crate::abilities::{change_charts, start};
 use crate::failure::Cause;
+use pullback_manifold::system::System;
 
-/// The engine of a run: all that a step needs beside the system and the solver.
+/// The engine of a run: all that a step needs beside the system.
 pub struct LoadRun {
     newton: Newton,
     options: StaticOptions,
@@ -30,7 +31,7 @@ impl StaticAnalysis for LoadRun {
     type Summary = StaticSummary;
 
     fn new(
-        problem: &mut Problem<'_>,
+        system: &mut dyn System,
         mut q: Vec<f64>,
         options: &StaticOptions,
     ) -> Result<Self, StaticsError> {
@@ -42,7 +43,7 @@ impl StaticAnalysis for LoadRun {
             ("max_step", options.max_step),
         ];
         check(&numbers, &options.newton)?;
-        let newton = Newton::new(problem, &options.newton)?;
+        let newton = Newton::new(system, &options.newton)?;
         q.resize(newton.r.len(), 0.0);
         let first_step = options.first_step.abs().min(options.max_step.abs());
         Ok(Self {
@@ -63,10 +64,10 @@ impl StaticAnalysis for LoadRun {
     }
 
     /// Goes on to the next equilibrium.
-    fn next(&mut self, problem: &mut Problem<'_>) -> Result<bool, StaticsError> {
+    fn next(&mut self, system: &mut dyn System) -> Result<bool, StaticsError> {
         if self.known.is_none() {
             let (q, summary) = (&mut self.q, &mut self.summary);
-            let (known, start) = begin(&mut self.newton, problem, q, summary)?;
+            let (known, start) = begin(&mut self.newton, system, q, summary)?;
             self.known = Some(known);
             if let Some(start) = start {
                 self.reached = start;
@@ -82,15 +83,15 @@ impl StaticAnalysis for LoadRun {
                 false => self.summary.t + self.dt,
             };
             let known = self.known.unwrap_or(TangentStatus::Nothing);
-            let attempt = self.attempt(problem, t, known);
+            let attempt = self.attempt(system, t, known);
             self.summary.count(self.newton.cost);
             match attempt {
                 Ok(chart_changes) => {
                     self.summary.finished = last;
-                    self.accept(problem, t, chart_changes);
+                    self.accept(system, t, chart_changes);
                     return Ok(true);
                 }
-                Err(failure) => self.halve(problem, t, known, failure)?,
+                Err(failure) => self.halve(system, t, known, failure)?,
             }
         }
         Ok(false)
@@ -113,18 +114,18 @@ impl LoadRun {
     /// One attempt at a step to `t`; the number of changes of chart.
     fn attempt(
         &mut self,
-        problem: &mut Problem<'_>,
+        system: &mut dyn System,
         t: f64,
         known: TangentStatus,
     ) -> Result<usize, Cause> {
         let (newton, q, from) = (&mut self.newton, &mut self.q, self.summary.t);
         self.start.copy_from_slice(q);
-        newton.predict(problem, q, [from, t], known)?;
-        newton.settle(problem, q, t, Some((from, &self.start)))
+        newton.predict(system, q, [from, t], known)?;
+        newton.settle(system, q, t, Some((from, &self.start)))
     }
 
     /// Accepts the equilibrium at `t`.
-    fn accept(&mut self, problem: &mut Problem<'_>, t: f64, chart_changes: usize) {
+    fn accept(&mut self, system: &mut dyn System, t: f64, chart_changes: usize) {
         let (newton, summary) = (&mut self.newton, &mut self.summary);
         let iterations = newton.iterations();
         summary.steps += 1;
@@ -133,7 +134,7 @@ impl LoadRun {
         let step_size = t - summary.t;
         summary.t = t;
         // The next step begins with this factorisation: the last one was made at the iterate before.
-        let (known, unstable) = newton.prepare(problem);
+        let (known, unstable) = newton.prepare(system);
         self.known = Some(known);
         summary.count(newton.cost);
         if iterations <= self.options.easy {
@@ -153,7 +154,7 @@ impl LoadRun {
     /// Halves the step to `t` after a failure, or ends the run.
     fn halve(
         &mut self,
-        problem: &mut Problem<'_>,
+        system: &mut dyn System,
         t: f64,
         known: TangentStatus,
         failure: Cause,
@@ -164,16 +165,10 @@ impl LoadRun {
         let hopeless = exact && unpredicted && matches!(failure, Cause::Linear { .. });
         self.summary.rejected += 1;
         self.known = Some(TangentStatus::Nothing);
-        let mut failed = self.newton.fail(problem, failure, &self.summary, t);
+        let mut failed = self.newton.fail(system, failure, &self.summary, t);
         self.q.copy_from_slice(&self.start);
-        start(problem.system, self.summary.t, &self.q);
-        change_charts(
-            problem.system,
-            self.summary.t,
-            &mut self.q,
-            &mut [],
-            &mut [],
-        );
+        start(system, self.summary.t, &self.q);
+        change_charts(system, self.summary.t, &mut self.q, &mut [], &mut []);
         self.dt = 0.5 * (t - self.summary.t);
         let too_small = self.dt.abs() < self.options.min_step.abs() || self.dt == 0.0;
         if hopeless || too_small {

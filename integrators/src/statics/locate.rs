@@ -8,7 +8,7 @@
 use super::arc_length::{Norm, Position, SHARPEST_BEND};
 use super::critical::{CriticalKind, PathDirection};
 use super::newton::Newton;
-use super::{Event, Iteration, Problem};
+use super::{Event, Iteration};
 use crate::failure::Cause;
 use pullback_manifold::system::System;
 
@@ -113,7 +113,7 @@ const START: f64 = 1e-6;
 /// The events of a step, in order.
 pub(super) fn locate(
     newton: &mut Newton,
-    problem: &mut Problem<'_>,
+    system: &mut dyn System,
     step: PathStep<'_>,
     events: &[(Event, bool)],
 ) -> Result<Vec<Located>, Cause> {
@@ -122,19 +122,19 @@ pub(super) fn locate(
         if step.passes(event) {
             let mut one = match event {
                 Event::TurningPoint | Event::Bifurcation => {
-                    find_critical(newton, problem, step, event)?
+                    find_critical(newton, system, step, event)?
                 }
                 Event::Load(_) | Event::Coordinate { .. } => {
-                    let mut one = find(newton, problem, step, event)?;
+                    let mut one = find(newton, system, step, event)?;
                     // If the tangent is singular, its direction is unknown.
-                    if (newton.tangent(problem, &mut one.position, step.norm)).is_ok() {
-                        one.unstable = newton.unstable(problem);
+                    if (newton.tangent(system, &mut one.position, step.norm)).is_ok() {
+                        one.unstable = newton.unstable(system);
                     }
                     one
                 }
             };
             if step.bend(&one.position) < SHARPEST_BEND {
-                return Err(unlocated(problem, event));
+                return Err(unlocated(system, event));
             }
             one.index = index;
             found.push(one);
@@ -144,15 +144,15 @@ pub(super) fn locate(
     Ok(found)
 }
 
-fn unlocated(problem: &Problem<'_>, event: Event) -> Cause {
-    let position = describe(problem.system, event);
+fn unlocated(system: &dyn System, event: Event) -> Cause {
+    let position = describe(system, event);
     Cause::Unlocated { position }
 }
 
 /// A critical point by its extended system.
 fn find_critical(
     newton: &mut Newton,
-    problem: &mut Problem<'_>,
+    system: &mut dyn System,
     step: PathStep<'_>,
     event: Event,
 ) -> Result<Located, Cause> {
@@ -171,11 +171,11 @@ fn find_critical(
         .map(|(a, b)| between(*a, *b))
         .collect();
     let guess = (&q[..], between(at.lambda, next.lambda));
-    let point = newton.critical_point(problem, guess, shape);
-    let point = point.map_err(|_| unlocated(problem, event))?;
+    let point = newton.critical_point(system, guess, shape);
+    let point = point.map_err(|_| unlocated(system, event))?;
     let (along, branch) = step.oriented(&point.paths);
     let Some(along) = along.filter(|_| point.kind == kind) else {
-        return Err(unlocated(problem, event));
+        return Err(unlocated(system, event));
     };
     let position = Position {
         q: point.q,
@@ -188,7 +188,7 @@ fn find_critical(
     let s = norm.dot(start, (&moved, position.lambda - at.lambda));
     let within = s > -START * step.ds && s <= step.ds && !norm.strays(at, &position, s);
     if !within {
-        return Err(unlocated(problem, event));
+        return Err(unlocated(system, event));
     }
     Ok(Located {
         index: 0,
@@ -205,7 +205,7 @@ fn find_critical(
 /// if the last bit cannot be resolved.
 fn find(
     newton: &mut Newton,
-    problem: &mut Problem<'_>,
+    system: &mut dyn System,
     step: PathStep<'_>,
     event: Event,
 ) -> Result<Located, Cause> {
@@ -231,7 +231,7 @@ fn find(
         } else {
             (a * fb - b * fa) / (fb - fa)
         };
-        if let Err(failure) = newton.advance(problem, at, s, norm, &mut trial) {
+        if let Err(failure) = newton.advance(system, at, s, norm, &mut trial) {
             if least.is_finite() {
                 break;
             }
@@ -257,7 +257,7 @@ fn find(
     }
     match least <= largest_miss(newton, event, norm) {
         true => Ok(best),
-        false => Err(unlocated(problem, event)),
+        false => Err(unlocated(system, event)),
     }
 }
 

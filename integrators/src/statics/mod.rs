@@ -28,8 +28,6 @@ pub(crate) use stability::enforced_equations;
 pub(crate) use steps::equilibrium_from;
 pub use steps::{LoadSteps, PathSteps, Steps, equilibrium, solve_statics, trace_path};
 
-use steps::Problem;
-
 /// One Newton iteration of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Iteration {

@@ -14,10 +14,10 @@
 //! simplified correction K⁻¹r at the new point is smaller (Deuflhard 2004, Newton Methods for Nonlinear
 //! Problems, section 3.3). A trial outside the domain of a chart is always damped.
 
-use super::{Iteration, Problem, StaticNewtonOptions, StaticSummary, StaticsError, solutions};
+use super::{Iteration, StaticNewtonOptions, StaticSummary, StaticsError, solutions};
 use crate::convergence::ConvergencePredictor;
 use crate::failure::{Cause, Cost, FailedStep, FailureContext, StepParameter};
-use crate::linear_solver::MatrixSymmetry;
+use crate::linear_solver::{AutoSolver, LinearSolver, MatrixSymmetry};
 use crate::rounding::{ResidualTest, inverse_scales, is_rounding, largest, rounding_of_gaps};
 use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
 
@@ -40,8 +40,9 @@ impl Condition<'_> {
     }
 }
 
-/// Buffers and history of an iteration.
+/// The linear solver, buffers and history of an iteration.
 pub(super) struct Newton {
+    pub solver: AutoSolver,
     pub r: Vec<f64>,
     pub S: Vec<f64>,
     pub r_lambda: Vec<f64>,
@@ -62,21 +63,23 @@ pub(super) struct Newton {
 }
 
 impl Newton {
-    /// Buffers for a problem, whose pattern the linear solver analyses.
+    /// A solver and buffers for a system.
     pub(super) fn new(
-        Problem { system, solver }: &mut Problem<'_>,
+        system: &dyn System,
         options: &StaticNewtonOptions,
     ) -> Result<Self, StaticsError> {
         let symmetry = match system.is_symmetric() {
             true => MatrixSymmetry::Symmetric,
             false => MatrixSymmetry::General,
         };
+        let mut solver = AutoSolver::new();
         solver
             .analyse(system.pattern(), symmetry)
             .map_err(|source| StaticsError::Analysis { source })?;
         let n = system.pattern().dim();
         let zeros = || vec![0.0; n];
         Ok(Self {
+            solver,
             r: zeros(),
             S: vec![0.0; system.pattern().len()],
             r_lambda: zeros(),
@@ -84,7 +87,7 @@ impl Newton {
             q_lambda: zeros(),
             trial: zeros(),
             simplified: zeros(),
-            inverse_scale: inverse_scales(*system),
+            inverse_scale: inverse_scales(system),
             history: Vec::with_capacity(options.max_iterations.min(100) + 1),
             cost: Cost::default(),
             test: ResidualTest::new(options.relative, options.absolute),
@@ -104,7 +107,7 @@ impl Newton {
     /// Residual, tangent and ∂r/∂λ; the tangent may extrapolate from a previous iterate.
     pub(super) fn evaluate(
         &mut self,
-        problem: &mut Problem<'_>,
+        system: &mut dyn System,
         previous: Option<(f64, &[f64])>,
         q: &[f64],
         lambda: f64,
@@ -118,13 +121,13 @@ impl Newton {
             previous: previous.map(|(t, from)| rest(t, from)),
             accelerations: None,
         };
-        problem.system.evaluate(rest(lambda, q), out)
+        system.evaluate(rest(lambda, q), out)
     }
 
     /// Report of a failed step to `to`.
     pub(super) fn fail(
         &self,
-        problem: &mut Problem<'_>,
+        system: &mut dyn System,
         cause: Cause,
         summary: &StaticSummary,
         to: f64,
@@ -140,18 +143,18 @@ impl Newton {
             rejected: summary.rejected,
             cost: self.cost,
         };
-        FailedStep::new(problem.system, context)
+        FailedStep::new(system, context)
     }
 
-    pub(super) fn factorise(&mut self, problem: &mut Problem<'_>) -> Result<(), Cause> {
+    pub(super) fn factorise(&mut self) -> Result<(), Cause> {
         self.cost.factorisations += 1;
-        problem.solver.factorise(&self.S).map_err(Cause::linear)
+        self.solver.factorise(&self.S).map_err(Cause::linear)
     }
 
     /// dq/dλ = K⁻¹ r_λ with the present factorisation.
-    pub(super) fn solve_rate(&mut self, problem: &mut Problem<'_>) -> Result<(), Cause> {
+    pub(super) fn solve_rate(&mut self) -> Result<(), Cause> {
         self.q_lambda.copy_from_slice(&self.r_lambda);
-        let solved = problem.solver.solve(Some(&self.S), &mut self.q_lambda);
+        let solved = self.solver.solve(Some(&self.S), &mut self.q_lambda);
         solved.map_err(Cause::linear)
     }
 
@@ -183,7 +186,7 @@ impl Newton {
     /// solution are up to date.
     pub(super) fn correct(
         &mut self,
-        problem: &mut Problem<'_>,
+        system: &mut dyn System,
         q: &mut [f64],
         lambda: &mut f64,
         condition: Option<&Condition<'_>>,
@@ -195,27 +198,26 @@ impl Newton {
             self.predicted = self.history.len();
             self.test.first = prediction.residual;
         }
-        self.evaluate(problem, previous, q, *lambda)
+        self.evaluate(system, previous, q, *lambda)
             .map_err(Cause::System)?;
         let work = [&mut self.trial[..], &mut self.simplified[..]];
-        self.test.gaps = rounding_of_gaps(problem.system, &self.S, q, work);
+        self.test.gaps = rounding_of_gaps(system, &self.S, q, work);
         loop {
-            let residual = largest(problem.system.pattern(), &self.r, [0.0; 3]);
-            let ratio = (self.test).ratio(residual, problem.system.scales().measures());
+            let residual = largest(system.pattern(), &self.r, [0.0; 3]);
+            let ratio = (self.test).ratio(residual, system.scales().measures());
             let on_condition =
                 condition.is_none_or(|c| c.defect(q, *lambda).abs() <= 1e-9 * c.ds.abs() + 1e-14);
             // One correction is made even if the prediction is in balance: a small load beside a
             // large one that sets the tolerance would otherwise only see the tangent of the step
             // before.
             let corrected = self.history.len() > self.predicted || ratio == 0.0;
-            let balanced =
-                corrected && (ratio <= 1.0 || self.is_rounding(problem.system, q, residual));
+            let balanced = corrected && (ratio <= 1.0 || self.is_rounding(system, q, residual));
             let converged = on_condition && balanced;
             let (mut correction, mut damping) = (0.0, 0.0);
             let ended = converged || self.history.len() >= self.options.max_iterations;
             if !ended {
-                let d_lambda = self.solve(problem, q, *lambda, condition)?;
-                damping = self.damped_step(problem, q, lambda, d_lambda, ratio)?;
+                let d_lambda = self.solve(q, *lambda, condition)?;
+                damping = self.damped_step(system, q, lambda, d_lambda, ratio)?;
                 correction = self.size(&self.dq);
             }
             self.history.push(Iteration {
@@ -235,21 +237,19 @@ impl Newton {
     /// Writes the correction at (q, λ) to `dq`; returns that of λ.
     fn solve(
         &mut self,
-        problem: &mut Problem<'_>,
         q: &[f64],
         lambda: f64,
         condition: Option<&Condition<'_>>,
     ) -> Result<f64, Cause> {
         self.cost.factorisations += 1;
         self.dq.copy_from_slice(&self.r);
-        let solver = &mut *problem.solver;
-        solver
+        self.solver
             .factorise_and_solve(&self.S, &mut self.dq)
             .map_err(Cause::linear)?;
         let Some(c) = condition else {
             return Ok(0.0);
         };
-        self.solve_rate(problem)?;
+        self.solve_rate()?;
         let dot = |v: &[f64]| -> f64 { c.c.iter().zip(v).map(|(c, v)| c * v).sum() };
         let slope = dot(&self.q_lambda) + c.c_lambda;
         let d_lambda = (c.defect(q, lambda) - dot(&self.dq)) / slope;
@@ -266,7 +266,7 @@ impl Newton {
     /// evaluation.
     fn damped_step(
         &mut self,
-        problem: &mut Problem<'_>,
+        system: &mut dyn System,
         q: &mut [f64],
         lambda: &mut f64,
         d_lambda: f64,
@@ -286,10 +286,10 @@ impl Newton {
             }
             let trial = std::mem::take(&mut self.trial);
             let t = *lambda + damping * d_lambda;
-            let outcome = self.evaluate(problem, Some((*lambda, &*q)), &trial, t);
+            let outcome = self.evaluate(system, Some((*lambda, &*q)), &trial, t);
             self.trial = trial;
             last = outcome.err();
-            if last.is_none() && (free || self.approaches(problem, damping, full, ratio)?) {
+            if last.is_none() && (free || self.approaches(system, damping, full, ratio)?) {
                 q.copy_from_slice(&self.trial);
                 *lambda = t;
                 return Ok(damping);
@@ -302,18 +302,18 @@ impl Newton {
     /// The natural monotonicity test at the trial.
     fn approaches(
         &mut self,
-        problem: &mut Problem<'_>,
+        system: &dyn System,
         damping: f64,
         full: f64,
         ratio: f64,
     ) -> Result<bool, Cause> {
-        let measures = problem.system.scales().measures();
-        let residual = largest(problem.system.pattern(), &self.r, [0.0; 3]);
+        let measures = system.scales().measures();
+        let residual = largest(system.pattern(), &self.r, [0.0; 3]);
         if self.test.ratio(residual, measures) <= ratio {
             return Ok(true);
         }
         self.simplified.copy_from_slice(&self.r);
-        let solved = problem.solver.solve(None, &mut self.simplified);
+        let solved = self.solver.solve(None, &mut self.simplified);
         solved.map_err(Cause::linear)?;
         Ok(self.size(&self.simplified) <= (1.0 - 0.25 * damping) * full)
     }

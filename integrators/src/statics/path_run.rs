@@ -7,17 +7,15 @@ use super::newton::Newton;
 use super::options::check;
 use super::start::begin;
 use super::steps::StaticAnalysis;
-use super::{
-    ArcLengthOptions, Converged, Event, Iteration, PathSummary, Problem, StaticsError, Step,
-};
+use super::{ArcLengthOptions, Converged, Event, Iteration, PathSummary, StaticsError, Step};
 use crate::abilities::change_charts;
 use crate::failure::Cause;
-use pullback_manifold::system::ChartChanges;
+use pullback_manifold::system::{ChartChanges, System};
 
 /// Cosine below which the next step is shorter.
 const GENTLE_BEND: f64 = 0.9;
 
-/// The engine of a path: all that a step needs beside the system and the solver.
+/// The engine of a path: all that a step needs beside the system.
 pub struct PathRun {
     newton: Newton,
     norm: Norm,
@@ -77,7 +75,7 @@ impl StaticAnalysis for PathRun {
     type Summary = PathSummary;
 
     fn new(
-        problem: &mut Problem<'_>,
+        system: &mut dyn System,
         mut q: Vec<f64>,
         options: &ArcLengthOptions,
     ) -> Result<Self, StaticsError> {
@@ -89,10 +87,10 @@ impl StaticAnalysis for PathRun {
         ];
         check(&numbers, &options.newton)?;
         let counts = |(event, _): &(Event, bool)| *event == Event::Bifurcation;
-        if options.events.iter().any(counts) && !problem.system.is_symmetric() {
+        if options.events.iter().any(counts) && !system.is_symmetric() {
             return Err(StaticsError::Asymmetric);
         }
-        let newton = Newton::new(problem, &options.newton)?;
+        let newton = Newton::new(system, &options.newton)?;
         let n = newton.r.len();
         q.resize(n, 0.0);
         let weights = newton.inverse_scale.iter().map(|s| s * s / n as f64);
@@ -125,12 +123,12 @@ impl StaticAnalysis for PathRun {
     }
 
     /// Goes on to the next equilibrium or event.
-    fn next(&mut self, problem: &mut Problem<'_>) -> Result<bool, StaticsError> {
+    fn next(&mut self, system: &mut dyn System) -> Result<bool, StaticsError> {
         loop {
             match std::mem::replace(&mut self.phase, Phase::Advance) {
                 Phase::Begin => {
                     let summary = &mut self.out.summary;
-                    let (_, start) = begin(&mut self.newton, problem, &mut self.at.q, summary)?;
+                    let (_, start) = begin(&mut self.newton, system, &mut self.at.q, summary)?;
                     if let Some(step) = start {
                         let history = self.newton.history.clone();
                         self.reach(step, history);
@@ -140,15 +138,15 @@ impl StaticAnalysis for PathRun {
                 Phase::Advance if self.out.summary.steps >= self.options.max_steps => {
                     self.phase = Phase::End;
                 }
-                Phase::Advance => self.advance(problem)?,
+                Phase::Advance => self.advance(system)?,
                 Phase::Report(mut converging) => {
                     match converging.located.next() {
-                        Some(found) => self.report_event(problem, found, converging)?,
-                        None => self.accept(problem, converging),
+                        Some(found) => self.report_event(system, found, converging)?,
+                        None => self.accept(system, converging),
                     }
                     return Ok(true);
                 }
-                Phase::Prepare(iterations, bend) => self.prepare(problem, iterations, bend),
+                Phase::Prepare(iterations, bend) => self.prepare(system, iterations, bend),
                 Phase::End => {
                     self.phase = Phase::End;
                     return Ok(false);
@@ -189,16 +187,16 @@ impl PathRun {
     }
 
     /// One attempt at a step; a failed one is halved.
-    fn advance(&mut self, problem: &mut Problem<'_>) -> Result<(), StaticsError> {
+    fn advance(&mut self, system: &mut dyn System) -> Result<(), StaticsError> {
         self.newton.history.clear();
         let ready = if self.fresh {
             Ok(())
         } else {
-            self.find_tangent(problem)
+            self.find_tangent(system)
         };
         // A smaller step would begin with the same tangent.
         let hopeless = ready.is_err();
-        let outcome = ready.and_then(|()| self.attempt(problem));
+        let outcome = ready.and_then(|()| self.attempt(system));
         let summary = &mut self.out.summary;
         summary.count(self.newton.cost);
         match outcome {
@@ -208,37 +206,37 @@ impl PathRun {
                 self.phase = Phase::Report(step);
                 Ok(())
             }
-            Err(failure) => self.halve(problem, failure, hopeless),
+            Err(failure) => self.halve(system, failure, hopeless),
         }
     }
 
     /// Changes charts, and finds the tangent at the present position.
-    fn find_tangent(&mut self, problem: &mut Problem<'_>) -> Result<(), Cause> {
+    fn find_tangent(&mut self, system: &mut dyn System) -> Result<(), Cause> {
         let at = &mut self.at;
-        let changed = change_charts(problem.system, at.lambda, &mut at.q, &mut at.dq, &mut []);
+        let changed = change_charts(system, at.lambda, &mut at.q, &mut at.dq, &mut []);
         self.changes += changed.charts;
-        (self.newton.tangent(problem, at, &self.norm)).map_err(off_path)?;
-        self.unstable = self.newton.unstable(problem);
+        (self.newton.tangent(system, at, &self.norm)).map_err(off_path)?;
+        self.unstable = self.newton.unstable(system);
         Ok(())
     }
 
     /// A step from the present position, with its tangent and the events within it.
-    fn attempt(&mut self, problem: &mut Problem<'_>) -> Result<Converging, Cause> {
+    fn attempt(&mut self, system: &mut dyn System) -> Result<Converging, Cause> {
         let (at, next, norm, ds) = (&self.at, &mut self.next, &self.norm, self.ds);
         let newton = &mut self.newton;
         newton
-            .advance(problem, at, ds, norm, next)
+            .advance(system, at, ds, norm, next)
             .map_err(off_path)?;
         let (iterations, history) = (newton.iterations(), newton.history.clone());
         next.dq.copy_from_slice(&at.dq);
         next.d_lambda = at.d_lambda;
-        newton.tangent(problem, next, norm).map_err(off_path)?;
+        newton.tangent(system, next, norm).map_err(off_path)?;
         let bend = norm.dot((&at.dq, at.d_lambda), (&next.dq, next.d_lambda));
         // The step back from its end must arrive as well.
         if bend < SHARPEST_BEND || norm.strays(at, next, ds) || norm.strays(next, at, -ds) {
             return Err(Cause::OffPath);
         }
-        let unstable = newton.unstable(problem);
+        let unstable = newton.unstable(system);
         let step = PathStep {
             at,
             next,
@@ -246,7 +244,7 @@ impl PathRun {
             norm,
             unstable: [self.unstable, unstable],
         };
-        let located = locate(newton, problem, step, &self.options.events)?;
+        let located = locate(newton, system, step, &self.options.events)?;
         Ok(Converging {
             moved: !located.is_empty(),
             unreported: iterations + located.iter().map(|l| l.iterations).sum::<usize>(),
@@ -261,14 +259,14 @@ impl PathRun {
     /// Halves the step after a failure, or ends the path.
     fn halve(
         &mut self,
-        problem: &mut Problem<'_>,
+        system: &mut dyn System,
         failure: Cause,
         hopeless: bool,
     ) -> Result<(), StaticsError> {
         self.out.summary.rejected += 1;
         self.fresh = false;
         let to = self.at.lambda + self.ds * self.at.d_lambda;
-        let mut failed = self.newton.fail(problem, failure, &self.out.summary, to);
+        let mut failed = self.newton.fail(system, failure, &self.out.summary, to);
         self.ds *= 0.5;
         if self.ds < self.options.min_step || hopeless {
             failed.min_step = (!hopeless).then_some(self.options.min_step);
@@ -280,7 +278,7 @@ impl PathRun {
     /// Reports an event of a converged step.
     fn report_event(
         &mut self,
-        problem: &mut Problem<'_>,
+        system: &mut dyn System,
         found: Located,
         mut step: Converging,
     ) -> Result<(), StaticsError> {
@@ -297,10 +295,10 @@ impl PathRun {
         self.out.events.push((found.index, lambda));
         let newton = &mut self.newton;
         newton
-            .evaluate(problem, None, &q, lambda)
+            .evaluate(system, None, &q, lambda)
             .map_err(|source| {
                 let failure = Cause::System(source);
-                StaticsError::Step(newton.fail(problem, failure, summary, lambda))
+                StaticsError::Step(newton.fail(system, failure, summary, lambda))
             })?;
         self.reached = Reached {
             step: Converged {
@@ -349,7 +347,7 @@ impl PathRun {
     }
 
     /// Accepts and reports the end of a converged step.
-    fn accept(&mut self, problem: &mut Problem<'_>, step: Converging) {
+    fn accept(&mut self, system: &mut dyn System, step: Converging) {
         std::mem::swap(&mut self.at, &mut self.next);
         // Where nothing is known, the count before is the best one.
         self.unstable = step.unstable.or(self.unstable);
@@ -358,7 +356,7 @@ impl PathRun {
         summary.t = at.lambda;
         if step.moved {
             // Locating events has moved the system: restore it.
-            (self.newton.evaluate(problem, None, &at.q, at.lambda)).ok();
+            (self.newton.evaluate(system, None, &at.q, at.lambda)).ok();
         }
         let end = Converged {
             number: summary.steps,
@@ -373,10 +371,10 @@ impl PathRun {
     }
 
     /// Changes charts after a step, and chooses the size of the next one.
-    fn prepare(&mut self, problem: &mut Problem<'_>, iterations: usize, bend: f64) {
+    fn prepare(&mut self, system: &mut dyn System, iterations: usize, bend: f64) {
         let at = &mut self.at;
         // The next step uses this tangent, unless charts change.
-        let changed = change_charts(problem.system, at.lambda, &mut at.q, &mut at.dq, &mut []);
+        let changed = change_charts(system, at.lambda, &mut at.q, &mut at.dq, &mut []);
         self.changes = changed.charts;
         self.fresh = changed == ChartChanges::default();
         let ease = (self.options.target_iterations as f64 / iterations.max(1) as f64).sqrt();

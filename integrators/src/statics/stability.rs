@@ -7,20 +7,20 @@
 //! points: Nocedal & Wright 2006, Numerical Optimization, theorem 16.3), so the number of equations
 //! is subtracted.
 
-use super::Problem;
 use super::newton::Newton;
+use crate::linear_solver::LinearSolver;
 use pullback_manifold::sparse::BlockPattern;
+use pullback_manifold::system::System;
 
 impl Newton {
     /// Number of unstable directions at the state evaluated and factorised last.
     ///
     /// `None` if the tangent is not symmetric, or the solver does not provide it.
-    pub(super) fn unstable(&self, problem: &mut Problem<'_>) -> Option<usize> {
-        let system = &*problem.system;
+    pub(super) fn unstable(&mut self, system: &dyn System) -> Option<usize> {
         if !system.is_symmetric() {
             return None;
         }
-        let negative = problem.solver.negative_pivots(&self.S)?;
+        let negative = self.solver.negative_pivots(&self.S)?;
         let is_multiplier = |i: usize| system.pattern().coordinates()[i].is_multiplier;
         negative.checked_sub(enforced_equations(system.pattern(), &self.S, is_multiplier))
     }

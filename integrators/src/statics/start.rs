@@ -6,9 +6,10 @@
 
 use super::fixed_load::TangentStatus;
 use super::newton::Newton;
-use super::{Converged, Problem, StaticSummary, StaticsError};
+use super::{Converged, StaticSummary, StaticsError};
 use crate::abilities::{change_charts, start};
 use crate::failure::Cause;
+use pullback_manifold::system::System;
 
 /// Balances the loads at `summary.t`, from `q`: the state of the tangent, and the equilibrium if
 /// there are any loads.
@@ -17,25 +18,25 @@ use crate::failure::Cause;
 /// [`StaticsError::Step`] with the number 0.
 pub(super) fn begin(
     newton: &mut Newton,
-    problem: &mut Problem<'_>,
+    system: &mut dyn System,
     q: &mut [f64],
     summary: &mut StaticSummary,
 ) -> Result<(TangentStatus, Option<Converged>), StaticsError> {
     let t = summary.t;
-    start(problem.system, t, q);
-    summary.chart_changes += change_charts(problem.system, t, q, &mut [], &mut []).charts;
+    start(system, t, q);
+    summary.chart_changes += change_charts(system, t, q, &mut [], &mut []).charts;
     newton.history.clear();
-    let evaluated = newton.evaluate(problem, None, q, t).map_err(Cause::System);
+    let evaluated = newton.evaluate(system, None, q, t).map_err(Cause::System);
     if evaluated.is_ok() && newton.r.iter().all(|r| *r == 0.0) {
         return Ok((TangentStatus::Evaluated, None));
     }
-    let settled = evaluated.and_then(|()| newton.settle(problem, q, t, None));
+    let settled = evaluated.and_then(|()| newton.settle(system, q, t, None));
     let chart_changes = settled.map_err(|failure| {
-        let mut failed = newton.fail(problem, failure, summary, t);
+        let mut failed = newton.fail(system, failure, summary, t);
         failed.step = 0;
         StaticsError::Step(failed)
     })?;
-    let (known, unstable) = newton.prepare(problem);
+    let (known, unstable) = newton.prepare(system);
     summary.iterations = newton.iterations();
     summary.chart_changes += chart_changes;
     summary.count(newton.cost);

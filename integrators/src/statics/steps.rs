@@ -3,17 +3,10 @@
 use super::load_run::LoadRun;
 use super::path_run::PathRun;
 use super::{ArcLengthOptions, PathSummary, StaticOptions, StaticSummary, StaticsError, Step};
-use crate::linear_solver::{AutoSolver, LinearSolver};
 use pullback_manifold::system::System;
 use std::ops::{ControlFlow, DerefMut};
 
-/// A system, and the linear solver of its tangents.
-pub struct Problem<'a> {
-    pub(super) system: &'a mut dyn System,
-    pub(super) solver: &'a mut dyn LinearSolver,
-}
-
-/// The engine of an analysis: all that a step needs beside the system and the solver.
+/// The engine of an analysis: all that a step needs beside the system.
 pub trait StaticAnalysis: Sized {
     /// Its options.
     type Options;
@@ -22,13 +15,13 @@ pub trait StaticAnalysis: Sized {
 
     /// An analysis from the coordinates `q`; missing ones are zero.
     fn new(
-        problem: &mut Problem<'_>,
+        system: &mut dyn System,
         q: Vec<f64>,
         options: &Self::Options,
     ) -> Result<Self, StaticsError>;
 
     /// Goes on to the next equilibrium; false at the end.
-    fn next(&mut self, problem: &mut Problem<'_>) -> Result<bool, StaticsError>;
+    fn next(&mut self, system: &mut dyn System) -> Result<bool, StaticsError>;
 
     /// The equilibrium reached last.
     fn report(&self) -> Step<'_>;
@@ -50,7 +43,6 @@ pub trait StaticAnalysis: Sized {
 /// Loads at the start are balanced first, as step 0.
 pub struct Steps<S, A> {
     system: S,
-    solver: AutoSolver,
     analysis: A,
 }
 
@@ -70,17 +62,8 @@ where
     /// # Errors
     /// [`StaticsError`] for invalid options.
     pub fn new(mut system: S, q: Vec<f64>, options: &A::Options) -> Result<Self, StaticsError> {
-        let mut solver = AutoSolver::new();
-        let mut problem = Problem {
-            system: &mut *system,
-            solver: &mut solver,
-        };
-        let analysis = A::new(&mut problem, q, options)?;
-        Ok(Self {
-            system,
-            solver,
-            analysis,
-        })
+        let analysis = A::new(&mut *system, q, options)?;
+        Ok(Self { system, analysis })
     }
 
     /// The next equilibrium or event; `None` at the end of the load range or path.
@@ -88,11 +71,7 @@ where
     /// # Errors
     /// [`StaticsError`] with the failed step, its load, the cause and the residuals.
     pub fn step(&mut self) -> Result<Option<Step<'_>>, StaticsError> {
-        let mut problem = Problem {
-            system: &mut *self.system,
-            solver: &mut self.solver,
-        };
-        let more = self.analysis.next(&mut problem)?;
+        let more = self.analysis.next(&mut *self.system)?;
         Ok(more.then(|| self.analysis.report()))
     }
 
@@ -136,12 +115,9 @@ fn run<A, Y: System>(
 where
     A: StaticAnalysis<Summary: Clone>,
 {
-    let solver = &mut AutoSolver::new();
-    let mut problem = Problem { system, solver };
-    let mut analysis = A::new(&mut problem, q.clone(), options)?;
+    let mut analysis = A::new(system, q.clone(), options)?;
     let outcome = loop {
-        let mut problem = Problem { system, solver };
-        match analysis.next(&mut problem) {
+        match analysis.next(system) {
             Ok(true) if observer(system, &analysis.report()).is_continue() => {}
             Ok(_) => break Ok(()),
             Err(error) => break Err(error),
@@ -182,12 +158,8 @@ pub(crate) fn equilibrium_from(
     q: Vec<f64>,
     options: &StaticOptions,
 ) -> Result<Vec<f64>, StaticsError> {
-    let mut problem = Problem {
-        system,
-        solver: &mut AutoSolver::new(),
-    };
-    let mut run = LoadRun::new(&mut problem, q, options)?;
-    while run.next(&mut problem)? {}
+    let mut run = LoadRun::new(system, q, options)?;
+    while run.next(system)? {}
     Ok(run.q().to_vec())
 }
 

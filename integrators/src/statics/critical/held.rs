@@ -2,8 +2,9 @@
 
 use super::PathDirection;
 use crate::failure::Cause;
-use crate::statics::Problem;
+use crate::linear_solver::{AutoSolver, LinearSolver};
 use crate::statics::newton::Newton;
+use pullback_manifold::system::System;
 
 /// The tangent with a spring at the held coordinate k, factorised, and its results.
 pub(super) struct Held {
@@ -23,8 +24,8 @@ pub(super) struct Held {
 
 impl Held {
     /// For the coordinate k, with a spring as stiff as the tangent that was evaluated last is there.
-    pub fn at(k: usize, newton: &Newton, problem: &Problem<'_>) -> Option<Self> {
-        let entry = problem.system.pattern().diagonal().nth(k)?;
+    pub fn at(k: usize, newton: &Newton, system: &dyn System) -> Option<Self> {
+        let entry = system.pattern().diagonal().nth(k)?;
         let spring = newton.S[entry].abs();
         Some(Self {
             k,
@@ -41,7 +42,7 @@ impl Held {
     }
 
     /// Factorises the tangent that was evaluated last.
-    pub fn update(&mut self, newton: &mut Newton, problem: &mut Problem<'_>) -> Result<(), Cause> {
+    pub fn update(&mut self, newton: &mut Newton) -> Result<(), Cause> {
         self.values.copy_from_slice(&newton.S);
         let spring = self.spring.max(2.0 * newton.S[self.entry].abs());
         self.values[self.entry] += spring;
@@ -49,9 +50,7 @@ impl Held {
         let psi = &mut self.psi.dq;
         psi.fill(0.0);
         psi[self.k] = 1.0;
-        let solver = &mut *problem.solver;
-        let solved = solver.factorise(&self.values);
-        let solved = solved.and_then(|()| solver.solve(Some(&self.values), psi));
+        let solved = newton.solver.factorise_and_solve(&self.values, psi);
         solved.map_err(Cause::linear)?;
         self.compliance = psi[self.k];
         self.g = spring - 1.0 / self.compliance;
@@ -62,12 +61,12 @@ impl Held {
     /// Displacements under a force with k held, and the reaction there, φᵀ force.
     pub fn solve(
         &self,
-        problem: &mut Problem<'_>,
+        solver: &mut AutoSolver,
         force: &[f64],
         dt: f64,
     ) -> Result<(PathDirection, f64), Cause> {
         let mut dq = force.to_vec();
-        let solved = problem.solver.solve(Some(&self.values), &mut dq);
+        let solved = solver.solve(Some(&self.values), &mut dq);
         solved.map_err(Cause::linear)?;
         let at_k = dq[self.k];
         for (x, psi) in dq.iter_mut().zip(&self.psi.dq) {
