@@ -5,7 +5,7 @@ use super::newton::Newton;
 use super::options::check;
 use super::start::begin;
 use super::steps::StaticAnalysis;
-use super::{Converged, StaticOptions, StaticSummary, StaticsError, Step};
+use super::{StaticOptions, StaticSummary, StaticsError, Step};
 use crate::abilities::{change_charts, start};
 use crate::failure::Cause;
 use pullback_manifold::system::System;
@@ -23,7 +23,7 @@ pub struct LoadRun {
     /// The tangent at the present equilibrium; `None` before the first one.
     known: Option<TangentStatus>,
     /// The equilibrium reported last.
-    reached: Converged,
+    reached: Step<'static>,
 }
 
 impl StaticAnalysis for LoadRun {
@@ -59,7 +59,7 @@ impl StaticAnalysis for LoadRun {
             q,
             dt: (options.to - options.from).signum() * first_step,
             known: None,
-            reached: Converged::default(),
+            reached: Step::default(),
         })
     }
 
@@ -98,7 +98,11 @@ impl StaticAnalysis for LoadRun {
     }
 
     fn report(&self) -> Step<'_> {
-        self.reached.report(&self.q, &self.newton.history)
+        Step {
+            q: &self.q,
+            residuals: &self.newton.history,
+            ..self.reached
+        }
     }
 
     fn q(&self) -> &[f64] {
@@ -141,13 +145,14 @@ impl LoadRun {
             let longest = self.options.max_step.abs();
             self.dt = self.dt.signum() * (2.0 * self.dt.abs()).min(longest);
         }
-        self.reached = Converged {
+        self.reached = Step {
             number: summary.steps,
             t,
             step_size,
             iterations,
             chart_changes,
             unstable,
+            ..Step::default()
         };
     }
 

@@ -47,7 +47,7 @@ pub(crate) fn solutions(history: &[Iteration]) -> usize {
 }
 
 /// Report of a converged step, for observers.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Step<'a> {
     /// Number of the step, from 1; located events have the number of their step. 0 is the
     /// equilibrium under the loads at the start, if there are any.
@@ -108,32 +108,4 @@ pub struct PathSummary {
     pub summary: StaticSummary,
     /// Events in order: index and load parameter.
     pub events: Vec<(usize, f64)>,
-}
-
-/// An equilibrium that a step has reached.
-#[derive(Clone, Copy, Default)]
-struct Converged {
-    number: usize,
-    t: f64,
-    step_size: f64,
-    iterations: usize,
-    chart_changes: usize,
-    unstable: Option<usize>,
-}
-
-impl Converged {
-    /// The report of the step.
-    fn report<'a>(&self, q: &'a [f64], residuals: &'a [Iteration]) -> Step<'a> {
-        Step {
-            number: self.number,
-            t: self.t,
-            step_size: self.step_size,
-            q,
-            iterations: self.iterations,
-            residuals,
-            chart_changes: self.chart_changes,
-            event: None,
-            unstable: self.unstable,
-        }
-    }
 }

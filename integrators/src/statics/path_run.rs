@@ -7,7 +7,7 @@ use super::newton::Newton;
 use super::options::check;
 use super::start::begin;
 use super::steps::StaticAnalysis;
-use super::{ArcLengthOptions, Converged, Event, Iteration, PathSummary, StaticsError, Step};
+use super::{ArcLengthOptions, Event, Iteration, PathSummary, StaticsError, Step};
 use crate::abilities::change_charts;
 use crate::failure::Cause;
 use pullback_manifold::system::{ChartChanges, System};
@@ -64,8 +64,8 @@ struct Converging {
 /// A reported equilibrium.
 #[derive(Default)]
 struct Reached {
-    step: Converged,
-    event: Option<usize>,
+    /// Without its coordinates and history.
+    step: Step<'static>,
     q: Vec<f64>,
     history: Vec<Iteration>,
 }
@@ -157,14 +157,15 @@ impl StaticAnalysis for PathRun {
 
     fn report(&self) -> Step<'_> {
         Step {
-            event: self.reached.event,
-            ..(self.reached.step).report(&self.reached.q, &self.reached.history)
+            q: &self.reached.q,
+            residuals: &self.reached.history,
+            ..self.reached.step
         }
     }
 
     /// The coordinates of the last event if the run ended there, of the last step otherwise.
     fn q(&self) -> &[f64] {
-        match self.reached.event {
+        match self.reached.step.event {
             Some(_) => &self.reached.q,
             None => &self.at.q,
         }
@@ -177,10 +178,9 @@ impl StaticAnalysis for PathRun {
 
 impl PathRun {
     /// The present position is an equilibrium to report.
-    fn reach(&mut self, step: Converged, history: Vec<Iteration>) {
+    fn reach(&mut self, step: Step<'static>, history: Vec<Iteration>) {
         self.reached = Reached {
             step,
-            event: None,
             q: self.at.q.clone(),
             history,
         };
@@ -301,15 +301,16 @@ impl PathRun {
                 StaticsError::Step(newton.fail(system, failure, summary, lambda))
             })?;
         self.reached = Reached {
-            step: Converged {
+            step: Step {
                 number: summary.steps,
                 t: lambda,
                 step_size: found.s,
                 iterations: spent,
                 chart_changes: self.changes,
+                event: Some(found.index),
                 unstable: found.unstable,
+                ..Step::default()
             },
-            event: Some(found.index),
             q,
             history: found.history,
         };
@@ -358,13 +359,14 @@ impl PathRun {
             // Locating events has moved the system: restore it.
             (self.newton.evaluate(system, None, &at.q, at.lambda)).ok();
         }
-        let end = Converged {
+        let end = Step {
             number: summary.steps,
             t: at.lambda,
             step_size: self.ds,
             iterations: step.iterations,
             chart_changes: self.changes,
             unstable: step.unstable,
+            ..Step::default()
         };
         self.reach(end, step.history);
         self.phase = Phase::Prepare(step.iterations, step.bend);

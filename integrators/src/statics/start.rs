@@ -6,7 +6,7 @@
 
 use super::fixed_load::TangentStatus;
 use super::newton::Newton;
-use super::{Converged, StaticSummary, StaticsError};
+use super::{StaticSummary, StaticsError, Step};
 use crate::abilities::{change_charts, start};
 use crate::failure::Cause;
 use pullback_manifold::system::System;
@@ -21,7 +21,7 @@ pub(super) fn begin(
     system: &mut dyn System,
     q: &mut [f64],
     summary: &mut StaticSummary,
-) -> Result<(TangentStatus, Option<Converged>), StaticsError> {
+) -> Result<(TangentStatus, Option<Step<'static>>), StaticsError> {
     let t = summary.t;
     start(system, t, q);
     summary.chart_changes += change_charts(system, t, q, &mut [], &mut []).charts;
@@ -40,13 +40,12 @@ pub(super) fn begin(
     summary.iterations = newton.iterations();
     summary.chart_changes += chart_changes;
     summary.count(newton.cost);
-    let start = Converged {
-        number: 0,
+    let start = Step {
         t,
-        step_size: 0.0,
         iterations: summary.iterations,
         chart_changes,
         unstable,
+        ..Step::default()
     };
     Ok((known, Some(start)))
 }
