@@ -271,7 +271,7 @@ pub fn solve(
         Plan::Static(options) => solve_statics(context, &mut q, options, &mut seen),
         Plan::Path(options, _) => {
             step_limit = Some(options.max_steps);
-            trace_path(context, &mut q, options, &mut seen).map(|path| path.summary)
+            trace_path(context, &mut q, options, &mut seen)
         }
         Plan::Dynamic(plan) => {
             let solved =

@@ -28,7 +28,6 @@ pub struct LoadRun {
 
 impl StaticAnalysis for LoadRun {
     type Options = StaticOptions;
-    type Summary = StaticSummary;
 
     fn new(
         system: &mut dyn System,

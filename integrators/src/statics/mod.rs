@@ -90,7 +90,7 @@ pub struct StaticSummary {
     pub factorisations: usize,
     /// Changes of chart.
     pub chart_changes: usize,
-    /// Whether the end of the load was reached (an observer may stop earlier).
+    /// Whether the end of the load, or an ending event of a path, was reached (an observer may stop earlier).
     pub finished: bool,
 }
 
@@ -99,13 +99,4 @@ impl StaticSummary {
     fn count(&mut self, cost: Cost) {
         (self.evaluations, self.factorisations) = (cost.evaluations, cost.factorisations);
     }
-}
-
-/// Results of path following.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct PathSummary {
-    /// Counters as in load stepping; `finished` says that an ending event was reached.
-    pub summary: StaticSummary,
-    /// Events in order: index and load parameter.
-    pub events: Vec<(usize, f64)>,
 }

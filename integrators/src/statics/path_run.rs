@@ -7,7 +7,7 @@ use super::newton::Newton;
 use super::options::check;
 use super::start::begin;
 use super::steps::StaticAnalysis;
-use super::{ArcLengthOptions, Event, Iteration, PathSummary, StaticsError, Step};
+use super::{ArcLengthOptions, Event, Iteration, StaticSummary, StaticsError, Step};
 use crate::abilities::change_charts;
 use crate::failure::Cause;
 use pullback_manifold::system::{ChartChanges, System};
@@ -20,7 +20,7 @@ pub struct PathRun {
     newton: Newton,
     norm: Norm,
     options: ArcLengthOptions,
-    out: PathSummary,
+    summary: StaticSummary,
     at: Position,
     next: Position,
     ds: f64,
@@ -72,7 +72,6 @@ struct Reached {
 
 impl StaticAnalysis for PathRun {
     type Options = ArcLengthOptions;
-    type Summary = PathSummary;
 
     fn new(
         system: &mut dyn System,
@@ -98,8 +97,6 @@ impl StaticAnalysis for PathRun {
             weights: weights.collect(),
             load: 1.0 / (options.load_scale * options.load_scale),
         };
-        let mut out = PathSummary::default();
-        out.summary.t = options.from;
         let at = Position {
             q,
             lambda: options.from,
@@ -109,7 +106,10 @@ impl StaticAnalysis for PathRun {
         Ok(Self {
             newton,
             norm,
-            out,
+            summary: StaticSummary {
+                t: options.from,
+                ..StaticSummary::default()
+            },
             next: at.clone(),
             at,
             ds: options.first_step,
@@ -127,7 +127,7 @@ impl StaticAnalysis for PathRun {
         loop {
             match std::mem::replace(&mut self.phase, Phase::Advance) {
                 Phase::Begin => {
-                    let summary = &mut self.out.summary;
+                    let summary = &mut self.summary;
                     let (_, start) = begin(&mut self.newton, system, &mut self.at.q, summary)?;
                     if let Some(step) = start {
                         let history = self.newton.history.clone();
@@ -135,7 +135,7 @@ impl StaticAnalysis for PathRun {
                         return Ok(true);
                     }
                 }
-                Phase::Advance if self.out.summary.steps >= self.options.max_steps => {
+                Phase::Advance if self.summary.steps >= self.options.max_steps => {
                     self.phase = Phase::End;
                 }
                 Phase::Advance => self.advance(system)?,
@@ -171,8 +171,8 @@ impl StaticAnalysis for PathRun {
         }
     }
 
-    fn summary(&self) -> &PathSummary {
-        &self.out
+    fn summary(&self) -> &StaticSummary {
+        &self.summary
     }
 }
 
@@ -197,7 +197,7 @@ impl PathRun {
         // A smaller step would begin with the same tangent.
         let hopeless = ready.is_err();
         let outcome = ready.and_then(|()| self.attempt(system));
-        let summary = &mut self.out.summary;
+        let summary = &mut self.summary;
         summary.count(self.newton.cost);
         match outcome {
             Ok(step) => {
@@ -263,10 +263,10 @@ impl PathRun {
         failure: Cause,
         hopeless: bool,
     ) -> Result<(), StaticsError> {
-        self.out.summary.rejected += 1;
+        self.summary.rejected += 1;
         self.fresh = false;
         let to = self.at.lambda + self.ds * self.at.d_lambda;
-        let mut failed = self.newton.fail(system, failure, &self.out.summary, to);
+        let mut failed = self.newton.fail(system, failure, &self.summary, to);
         self.ds *= 0.5;
         if self.ds < self.options.min_step || hopeless {
             failed.min_step = (!hopeless).then_some(self.options.min_step);
@@ -289,10 +289,9 @@ impl PathRun {
             found.iterations
         };
         step.unreported -= spent;
-        let summary = &mut self.out.summary;
+        let summary = &mut self.summary;
         summary.iterations += spent;
         let Position { q, lambda, .. } = found.position.clone();
-        self.out.events.push((found.index, lambda));
         let newton = &mut self.newton;
         newton
             .evaluate(system, None, &q, lambda)
@@ -352,7 +351,7 @@ impl PathRun {
         std::mem::swap(&mut self.at, &mut self.next);
         // Where nothing is known, the count before is the best one.
         self.unstable = step.unstable.or(self.unstable);
-        let (at, summary) = (&self.at, &mut self.out.summary);
+        let (at, summary) = (&self.at, &mut self.summary);
         summary.iterations += step.iterations;
         summary.t = at.lambda;
         if step.moved {

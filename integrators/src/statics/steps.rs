@@ -2,7 +2,7 @@
 
 use super::load_run::LoadRun;
 use super::path_run::PathRun;
-use super::{ArcLengthOptions, PathSummary, StaticOptions, StaticSummary, StaticsError, Step};
+use super::{ArcLengthOptions, StaticOptions, StaticSummary, StaticsError, Step};
 use pullback_manifold::system::System;
 use std::ops::{ControlFlow, DerefMut};
 
@@ -10,8 +10,6 @@ use std::ops::{ControlFlow, DerefMut};
 pub trait StaticAnalysis: Sized {
     /// Its options.
     type Options;
-    /// Its counters and results.
-    type Summary;
 
     /// An analysis from the coordinates `q`; missing ones are zero.
     fn new(
@@ -29,8 +27,8 @@ pub trait StaticAnalysis: Sized {
     /// The present coordinates.
     fn q(&self) -> &[f64];
 
-    /// Counters and results so far.
-    fn summary(&self) -> &Self::Summary;
+    /// Counters so far.
+    fn summary(&self) -> &StaticSummary;
 }
 
 /// Equilibria step by step: under growing loads ([`LoadSteps`]) or along a path ([`PathSteps`]).
@@ -89,8 +87,8 @@ where
         self.analysis.q()
     }
 
-    /// Counters, and events on a path, so far.
-    pub fn summary(&self) -> &A::Summary {
+    /// Counters so far.
+    pub fn summary(&self) -> &StaticSummary {
         self.analysis.summary()
     }
 
@@ -106,15 +104,12 @@ where
 }
 
 /// All steps of an analysis from `q`, which ends as the coordinates reached.
-fn run<A, Y: System>(
+fn run<A: StaticAnalysis, Y: System>(
     system: &mut Y,
     q: &mut Vec<f64>,
     options: &A::Options,
     observer: &mut dyn FnMut(&mut Y, &Step<'_>) -> ControlFlow<()>,
-) -> Result<A::Summary, StaticsError>
-where
-    A: StaticAnalysis<Summary: Clone>,
-{
+) -> Result<StaticSummary, StaticsError> {
     let mut analysis = A::new(system, q.clone(), options)?;
     let outcome = loop {
         match analysis.next(system) {
@@ -173,6 +168,6 @@ pub fn trace_path<Y: System>(
     q: &mut Vec<f64>,
     options: &ArcLengthOptions,
     observer: &mut dyn FnMut(&mut Y, &Step<'_>) -> ControlFlow<()>,
-) -> Result<PathSummary, StaticsError> {
+) -> Result<StaticSummary, StaticsError> {
     run::<PathRun, Y>(system, q, options, observer)
 }

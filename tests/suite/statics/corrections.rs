@@ -17,7 +17,10 @@ fn located(text: &str, analysis: &str) -> Result<(Context, Vec<f64>), StaticsErr
     let mut found = vec![];
     let mut job = assemble_text("model.toml", &format!("{text}\n{analysis}\n")).unwrap();
     let mut q = vec![];
-    let proceed = &mut |_: &mut Context, _: &Step<'_>| ControlFlow::Continue(());
+    let proceed = &mut |_: &mut Context, step: &Step<'_>| {
+        found.extend(step.event.map(|_| step.t));
+        ControlFlow::Continue(())
+    };
     match &job.plan {
         Plan::Static(options) => {
             let done = solve_statics(&mut job.context, &mut q, options, proceed)?;
@@ -25,8 +28,7 @@ fn located(text: &str, analysis: &str) -> Result<(Context, Vec<f64>), StaticsErr
         }
         Plan::Path(options, _) => {
             let done = trace_path(&mut job.context, &mut q, options, proceed)?;
-            assert!(done.summary.finished, "{analysis}");
-            found = done.events.iter().map(|(_, load)| *load).collect();
+            assert!(done.finished, "{analysis}");
         }
         _ => unreachable!("a motion"),
     }

@@ -28,7 +28,7 @@ fn trace(q: &mut Vec<f64>, options: &ArcLengthOptions) -> Vec<(usize, f64, f64)>
         ControlFlow::Continue(())
     })
     .unwrap();
-    assert!(summary.summary.finished, "{summary:?}");
+    assert!(summary.finished, "{summary:?}");
     found
 }
 
