@@ -103,7 +103,8 @@ pub fn buckling(
         return Err(BucklingError::Unstable);
     }
     let found = search.run(&mut |_| ControlFlow::Continue(()))?;
-    let modes = found.vectors.into_iter().map(|([shape, _], _)| {
+    let modes = found.vectors.into_iter().map(|(shape, _)| {
+        let shape: Vec<f64> = shape.iter().map(|x| x.re).collect();
         let form = |values: &[f64]| dot(&shape, &lin.product(values, &shape));
         let (stiffness, change) = (form(&lin.K), form(&lin.M));
         let distance = stiffness / change;

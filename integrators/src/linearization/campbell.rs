@@ -14,11 +14,10 @@
 #![allow(non_snake_case)]
 
 use super::modes::{Mode, ModeOptions, ModesError, modes_while};
-use super::{LinearizationError, Linearized, SteadyMotion, linearize};
+use super::{LinearizationError, Linearized, SteadyMotion, inner_product, linearize};
 use crate::rounding::largest;
 use crate::significant;
 use crate::statics::{StaticOptions, StaticsError, equilibrium_from};
-use num_complex::Complex64;
 use pullback_manifold::system::{Evaluation, Point, System};
 use std::ops::ControlFlow;
 use thiserror::Error;
@@ -326,19 +325,10 @@ fn conjugate(mode: &Mode) -> Mode {
 
 /// The modal assurance criterion of each mode with each of others, shapes with their velocities.
 fn assurance(before: &[&Mode], found: &[Mode], lin: &Linearized) -> Vec<Vec<f64>> {
-    let product = |shape: &[Complex64]| -> Vec<Complex64> {
-        let part = |pick: fn(&Complex64) -> f64| -> Vec<f64> { shape.iter().map(pick).collect() };
-        let re = lin.product(&lin.M, &part(|x| x.re));
-        let im = lin.product(&lin.M, &part(|x| x.im));
-        let pairs = re.into_iter().zip(im);
-        pairs.map(|(re, im)| Complex64::new(re, im)).collect()
-    };
-    let dot = |x: &[Complex64], y: &[Complex64]| -> Complex64 {
-        x.iter().zip(y).map(|(x, y)| x.conj() * y).sum()
-    };
+    let product = |mode: &Mode| lin.complex_product(&lin.M, &mode.shape);
     let sizes: Vec<f64> = found
         .iter()
-        .map(|mode| dot(&mode.shape, &product(&mode.shape)).re)
+        .map(|mode| inner_product(&mode.shape, &product(mode)).re)
         .collect();
     let omega = before.iter().map(|mode| mode.omega()).fold(0.0, f64::max);
     // (s² + λ̄ μ)² over the squares of the lengths; of rigid modes alone, one.
@@ -353,12 +343,13 @@ fn assurance(before: &[&Mode], found: &[Mode], lin: &Linearized) -> Vec<Vec<f64>
     before
         .iter()
         .map(|mode| {
-            let image = product(&mode.shape);
-            let size = dot(&mode.shape, &image).re;
+            let image = product(mode);
+            let size = inner_product(&mode.shape, &image).re;
             let pairs = found.iter().zip(&sizes);
             pairs
                 .map(|(other, other_size)| {
-                    let shapes = dot(&other.shape, &image).norm_sqr() / (size * other_size);
+                    let shapes =
+                        inner_product(&other.shape, &image).norm_sqr() / (size * other_size);
                     shapes * velocities(other, mode)
                 })
                 .collect()

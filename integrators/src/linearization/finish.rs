@@ -2,12 +2,10 @@
 
 #![allow(non_snake_case)]
 
-use super::Linearized;
 use super::modes::Mode;
-use super::search::Parts;
 use super::shift_invert::Order;
+use super::{Linearized, inner_product};
 use crate::linear_solver::scaling;
-use crate::vectors::{add, dot};
 use num_complex::Complex64;
 
 /// Rounding errors of φᵀ K φ in units of those of its terms.
@@ -40,55 +38,44 @@ impl<'a> Finish<'a> {
     }
 
     /// A mode of an eigenvector of any length, and the eigenvalue of the search: ω² or λ.
-    pub fn mode(&self, shape: &Parts, found: Complex64) -> Mode {
+    pub fn mode(&self, mut shape: Vec<Complex64>, found: Complex64) -> Mode {
         let lin = self.lin;
-        let images = match self.order {
-            Order::Squares => [Some(&lin.K), None, Some(&lin.M)],
-            Order::Quadratic => [&lin.K, &lin.C, &lin.M].map(Some),
+        let image = |values: &[f64]| lin.complex_product(values, &shape);
+        let damping = match self.order {
+            Order::Squares => Vec::new(),
+            Order::Quadratic => image(&lin.C),
         };
-        let images = images.map(|values| match values {
-            Some(values) => shape.each_ref().map(|part| self.product(values, part)),
-            None => Parts::default(),
-        });
+        let images = [image(&lin.K), damping, image(&lin.M)];
         // φᴴ y, real for a symmetric matrix.
-        let form = |[re, im]: &Parts| dot(&shape[0], re) + dot(&shape[1], im);
+        let form = |y: &[Complex64]| inner_product(&shape, y).re;
         let mass = form(&images[2]);
-        let eigenvalue = self.eigenvalue(shape, found, [form(&images[0]), mass]);
-        let residual = self.residual(shape, &images, eigenvalue);
-        let [re, im] = shape;
-        let mut complex: Vec<Complex64> = match im.is_empty() {
-            true => re.iter().map(|re| (*re).into()).collect(),
-            false => re
-                .iter()
-                .zip(im)
-                .map(|(re, im)| Complex64::new(*re, *im))
-                .collect(),
-        };
+        let eigenvalue = self.eigenvalue(&shape, found, [form(&images[0]), mass]);
+        let residual = self.residual(&shape, &images, eigenvalue);
         let mut largest = (0.0, Complex64::ONE);
-        for (x, s) in complex.iter().zip(&self.scales) {
+        for (x, s) in shape.iter().zip(&self.scales) {
             let size = x.norm_sqr() / (s * s);
             if size > largest.0 {
                 largest = (size, *x);
             }
         }
-        let has_mass = mass > ROUNDING * self.norms[2] * self.square(shape);
+        let has_mass = mass > ROUNDING * self.norms[2] * self.square(&shape);
         let size = if has_mass {
             mass.sqrt()
         } else {
             largest.1.norm()
         };
         let factor = largest.1.conj() / (largest.1.norm() * size);
-        complex.iter_mut().for_each(|x| *x *= factor);
+        shape.iter_mut().for_each(|x| *x *= factor);
         Mode {
             // No negative zero.
             eigenvalue: eigenvalue + Complex64::ZERO,
-            shape: complex,
+            shape,
             residual,
         }
     }
 
     /// λ of a mode with the forms φᴴ K φ and φᴴ M φ, from the eigenvalue of the search.
-    fn eigenvalue(&self, shape: &Parts, found: Complex64, forms: [f64; 2]) -> Complex64 {
+    fn eigenvalue(&self, shape: &[Complex64], found: Complex64, forms: [f64; 2]) -> Complex64 {
         let value = match (self.order, self.symmetric) {
             (Order::Quadratic, _) => found,
             // The quotient's error is the square of the eigenvector's.
@@ -113,33 +100,21 @@ impl<'a> Finish<'a> {
         if self.order == Order::Squares || mode.eigenvalue != Complex64::ZERO {
             return false;
         }
-        let part = |part: fn(&Complex64) -> f64| {
-            let part: Vec<f64> = mode.shape.iter().map(part).collect();
-            self.product(&self.lin.M, &part)
-        };
-        let (re, im) = (part(|x| x.re), part(|x| x.im));
+        let image = self.lin.complex_product(&self.lin.M, &mode.shape);
         let rigid = modes.iter().filter(|m| m.eigenvalue == Complex64::ZERO);
-        let parts = rigid.map(|m| {
-            let images = re.iter().zip(&im).map(|(re, im)| Complex64::new(*re, *im));
-            let terms = m.shape.iter().zip(images).map(|(x, y)| x.conj() * y);
-            terms.sum::<Complex64>().norm_sqr()
-        });
+        let parts = rigid.map(|m| inner_product(&m.shape, &image).norm_sqr());
         parts.sum::<f64>() > 0.99
     }
 
     /// Whether λ is zero but for rounding errors of a mode of this shape φ, with the forms φᴴ K φ and φᴴ M φ.
-    fn is_rigid(&self, shape: &Parts, lambda: f64, [stiffness, mass]: [f64; 2]) -> bool {
+    fn is_rigid(&self, shape: &[Complex64], lambda: f64, [stiffness, mass]: [f64; 2]) -> bool {
         let square = self.square(shape);
         let inertia = lambda * lambda * mass;
         let whole = self.norms.map(|norm| ROUNDING * norm * square);
         if stiffness.abs().max(inertia) > whole[0] && lambda * mass > whole[1] {
             return false;
         }
-        let [re, im] = shape;
-        let mut sizes: Vec<f64> = re.iter().map(|x| x.abs()).collect();
-        for (size, im) in sizes.iter_mut().zip(im) {
-            *size = size.hypot(*im);
-        }
+        let sizes: Vec<f64> = shape.iter().map(|x| x.norm()).collect();
         let mut sum = 0.0;
         for (r, c, K) in self.lin.pattern.triplets(&self.lin.K) {
             sum += K.abs() * sizes[r] * sizes[c];
@@ -150,49 +125,33 @@ impl<'a> Finish<'a> {
     }
 
     /// Square of the length of a vector in scaled coordinates.
-    fn square(&self, x: &Parts) -> f64 {
-        let squares = |x: &Vec<f64>| -> f64 {
-            let scaled = x.iter().zip(&self.scales);
-            scaled.map(|(x, s)| (x / s).powi(2)).sum()
-        };
-        x.iter().map(squares).sum()
+    fn square(&self, x: &[Complex64]) -> f64 {
+        let scaled = x.iter().zip(&self.scales);
+        scaled.map(|(x, s)| (x / s).norm_sqr()).sum()
     }
 
     /// Length of (K + λ C + λ² M) φ, relative to the bounds of the three terms.
-    fn residual(&self, shape: &Parts, images: &[Parts; 3], eigenvalue: Complex64) -> f64 {
+    fn residual(
+        &self,
+        shape: &[Complex64],
+        images: &[Vec<Complex64>; 3],
+        eigenvalue: Complex64,
+    ) -> f64 {
         let factors = [Complex64::ONE, eigenvalue, eigenvalue * eigenvalue];
-        let mut sums = [(); 2].map(|()| vec![0.0; self.lin.dim()]);
+        let mut sum = vec![Complex64::ZERO; self.lin.dim()];
         let mut bound = 0.0;
-        for (([re, im], factor), norm) in images.iter().zip(factors).zip(self.norms) {
-            for (k, weight, part) in [
-                (0, factor.re, re),
-                (0, -factor.im, im),
-                (1, factor.im, re),
-                (1, factor.re, im),
-            ] {
-                if weight != 0.0 {
-                    add(&mut sums[k], weight, part);
-                }
+        for ((image, factor), norm) in images.iter().zip(factors).zip(self.norms) {
+            for (sum, x) in sum.iter_mut().zip(image) {
+                *sum += factor * x;
             }
             bound += factor.norm() * norm;
         }
-        let scaled = |r: &Vec<f64>| -> f64 {
-            let scaled = r.iter().zip(&self.scales);
-            scaled.map(|(r, s)| (r * s).powi(2)).sum()
-        };
-        let square: f64 = sums.iter().map(scaled).sum();
+        let scaled = sum.iter().zip(&self.scales);
+        let square: f64 = scaled.map(|(r, s)| (r * s).norm_sqr()).sum();
         // Of λ = 0 without stiffness, all terms are zero.
         match bound {
             0.0 => 0.0,
             _ => (square / self.square(shape)).sqrt() / bound,
-        }
-    }
-
-    /// A x; of nothing, nothing.
-    fn product(&self, values: &[f64], x: &[f64]) -> Vec<f64> {
-        match x {
-            [] => Vec::new(),
-            x => self.lin.product(values, x),
         }
     }
 }

@@ -42,6 +42,7 @@ pub use steady::SteadyMotion;
 
 use crate::abilities::events;
 use crate::rounding::{is_rounding, largest};
+use num_complex::Complex64;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{Evaluation, Point, Quantity, System, SystemError, Weights};
 use std::cell::LazyCell;
@@ -180,6 +181,15 @@ impl Linearized {
         y
     }
 
+    /// A x of a complex vector.
+    fn complex_product(&self, values: &[f64], x: &[Complex64]) -> Vec<Complex64> {
+        let part = |part: fn(&Complex64) -> f64| -> Vec<f64> {
+            self.product(values, &x.iter().map(part).collect::<Vec<_>>())
+        };
+        let pairs = part(|x| x.re).into_iter().zip(part(|x| x.im));
+        pairs.map(|(re, im)| Complex64::new(re, im)).collect()
+    }
+
     /// Whether a matrix is symmetric but for rounding errors.
     fn is_symmetric(&self, values: &[f64]) -> bool {
         let p = &self.pattern;
@@ -212,6 +222,11 @@ impl Linearized {
         }
         symmetric
     }
+}
+
+/// xᴴ y.
+fn inner_product(x: &[Complex64], y: &[Complex64]) -> Complex64 {
+    x.iter().zip(y).map(|(x, y)| x.conj() * y).sum()
 }
 
 /// Largest difference of a pair of entries that counts as rounding, relative to their rows.

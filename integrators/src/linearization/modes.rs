@@ -166,7 +166,7 @@ pub fn modes_while(
     let finish = Finish::new(lin, order, symmetric, found.scales);
     let mut modes: Vec<Mode> = Vec::with_capacity(found.vectors.len());
     for (vector, eigenvalue) in found.vectors {
-        let mode = finish.mode(&vector, eigenvalue);
+        let mode = finish.mode(vector, eigenvalue);
         if !finish.repeats(&modes, &mode) {
             modes.push(mode);
         }

@@ -149,7 +149,7 @@ impl<'a> Search<'a> {
 
     fn report(
         self,
-        vectors: Vec<(Parts, Complex64)>,
+        vectors: Vec<(Vec<Complex64>, Complex64)>,
         counted: Option<usize>,
         complete: bool,
     ) -> Found {
@@ -315,7 +315,7 @@ impl<'a> Search<'a> {
         &mut self,
         krylov: &Krylov,
         pairs: &[RitzPair],
-    ) -> Result<Vec<(Parts, Complex64)>, ModesError> {
+    ) -> Result<Vec<(Vec<Complex64>, Complex64)>, ModesError> {
         let mut chosen: Vec<&RitzPair> = pairs
             .iter()
             .filter(|p| self.is_upper(p) && self.is_in_range(p))
@@ -351,10 +351,12 @@ impl<'a> Search<'a> {
         for pair in chosen {
             let re = images.next().unwrap_or_default();
             let im = match is_real(pair) {
-                true => Vec::new(),
+                true => vec![0.0; dim],
                 false => images.next().unwrap_or_default(),
             };
-            vectors.push(([re, im], self.eigenvalue(pair)));
+            let parts = re.into_iter().zip(im);
+            let vector = parts.map(|(re, im)| Complex64::new(re, im)).collect();
+            vectors.push((vector, self.eigenvalue(pair)));
         }
         Ok(vectors)
     }
@@ -378,12 +380,9 @@ enum Inner {
     Coordinates,
 }
 
-/// Real and imaginary part of a vector; the latter is empty if it is zero.
-pub(super) type Parts = [Vec<f64>; 2];
-
 /// Eigenvectors of any length, and their eigenvalues ω² or λ.
 pub(super) struct Found {
-    pub vectors: Vec<(Parts, Complex64)>,
+    pub vectors: Vec<(Vec<Complex64>, Complex64)>,
     /// See [`Modes`](super::Modes).
     pub counted: Option<usize>,
     /// Whether there are no others.
