@@ -1,6 +1,7 @@
 //! A scaled block-sparse matrix in compressed columns for general sparse solvers, with the checks
 //! of their factorisations and solutions.
 
+use crate::random::Random;
 use pullback_manifold::sparse::BlockPattern;
 
 use super::{
@@ -109,17 +110,10 @@ impl Columns {
     /// Solves with `inverse` for a fixed right-hand side without structure (magnitudes between 1/2
     /// and 1, mixed signs); the condition number that the solution, now in `x`, indicates.
     pub fn probe(&mut self, inverse: impl FnOnce(&mut [f64])) -> f64 {
-        let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+        let mut random = Random(0);
         for x in &mut self.x {
-            state ^= state << 13;
-            state ^= state >> 7;
-            state ^= state << 17;
-            let magnitude = 0.5 + (state >> 12) as f64 / (1u64 << 53) as f64;
-            *x = if state & 1 == 0 {
-                magnitude
-            } else {
-                -magnitude
-            };
+            let r = random.next();
+            *x = r + 0.5_f64.copysign(r);
         }
         inverse(&mut self.x);
         self.norm * max_abs(&self.x)
