@@ -99,11 +99,6 @@ impl BlockLu {
             }),
         }
     }
-
-    /// Smallest pivot of the last factorisation relative to its original diagonal scale.
-    pub fn smallest_pivot(&self) -> f64 {
-        self.ready.as_ref().map_or(f64::NAN, |r| r.smallest)
-    }
 }
 
 impl LinearSolver for BlockLu {

@@ -21,7 +21,6 @@ pub(super) struct Factors {
     /// Sum of squares of each block row and column.
     pub squares: Vec<f64>,
     pub norm: f64,
-    pub smallest: f64,
     /// Bounds on the row sums of |L||U|, the largest of each panel; see [`Factors::error_bound`].
     pub products: Vec<f64>,
     /// Row sums of |U| of one panel.
@@ -56,7 +55,6 @@ impl Factors {
             scales: vec![1.0; n],
             squares: vec![0.0; panels],
             norm: 0.0,
-            smallest: 0.0,
             products: vec![0.0; panels],
             sums: vec![0.0; symbolic.panels.iter().map(|p| p.size).max().unwrap_or(0)],
             y: vec![0.0; n],
@@ -95,7 +93,6 @@ impl Factors {
             self.y.fill(0.0);
             self.largest_rhs = 0.0;
         }
-        self.smallest = f64::INFINITY;
         for k in 0..self.symbolic.panels.len() {
             if !self.load(k, values, scaled) {
                 return Err(FactorError::Scale);
@@ -142,7 +139,6 @@ impl Factors {
         let swaps = &mut self.swaps[panel.first..panel.first + n];
         let pivots = kernels::lu(n, d, swaps, floor);
         self.swapped[k] = pivots.swapped;
-        self.smallest = self.smallest.min(pivots.smallest);
         if !(pivots.smallest > limit && pivots.largest < GROWTH_LIMIT) && floor == 0.0 {
             return Err(FactorError::Error(name_pivot(panel.unknown, n, d, limit)));
         }

@@ -94,7 +94,7 @@ fn interchanges_inside_a_block_keep_the_count() {
             let mut solver = BlockLu::new();
             solver.analyse(&pattern, MatrixSymmetry::Symmetric).unwrap();
             // Blocks that are singular by chance are not for this solver.
-            if solver.factorise(&values).is_ok() && solver.smallest_pivot() > 1e-6 {
+            if solver.factorise(&values).is_ok() {
                 let count = solver.negative_pivots(&values);
                 assert_eq!(count, Some(negative(dense)), "size {size}, seed {seed}");
                 counts.extend(count);
