@@ -186,7 +186,11 @@ impl Linearized {
         let part = |part: fn(&Complex64) -> f64| -> Vec<f64> {
             self.product(values, &x.iter().map(part).collect::<Vec<_>>())
         };
-        let pairs = part(|x| x.re).into_iter().zip(part(|x| x.im));
+        let real = part(|x| x.re).into_iter();
+        if x.iter().all(|x| x.im == 0.0) {
+            return real.map(Complex64::from).collect();
+        }
+        let pairs = real.zip(part(|x| x.im));
         pairs.map(|(re, im)| Complex64::new(re, im)).collect()
     }
 
