@@ -49,7 +49,9 @@ pub use block::Block;
 pub use elements::{InCharts, element, joint, same};
 pub use forces::{Forces, TestState, forces, forces_at, states, system};
 pub use layout::{CoordinateGroup, Layout};
-pub use maps::{Mapped, chart, implicit, kinematics, map, parametrization, pieces, rewriting};
+pub use maps::{
+    Mapped, chart, implicit, kinematics, map, motion, parametrization, pieces, rewriting,
+};
 pub use models::{ModelOptions, model};
 pub use report::{LawRow, Measure, Report};
 pub use sample::Random;

@@ -116,6 +116,14 @@ impl Report {
         self.rows.iter().filter(|r| !r.passed).collect()
     }
 
+    /// Laws that do not hold, each once, in alphabetical order.
+    pub fn failing_laws(&self) -> Vec<String> {
+        let mut laws: Vec<_> = self.failures().iter().map(|r| r.law.clone()).collect();
+        laws.sort();
+        laws.dedup();
+        laws
+    }
+
     /// Whether at least one law was checked, and all of them hold.
     pub fn is_ok(&self) -> bool {
         !self.rows.is_empty() && self.rows.iter().all(|r| r.passed)

@@ -1,9 +1,8 @@
 //! The laws of the map of an implicit constraint, whose coordinates are changed during a run.
 
-use super::kinematics::{KinematicArrays, Mapped};
+use super::kinematics::motion;
 use super::map::{agree, shortened, slopes};
 use crate::forces::TestState;
-use crate::layout::Layout;
 use crate::report::Report;
 use crate::sample::Random;
 use crate::vectors::{norm, relative};
@@ -35,8 +34,8 @@ pub fn implicit(map: &ImplicitMap, t: f64) -> Report {
             report.impossible("domain", at, "outside the domain");
             continue;
         };
-        let rest = state(t, &q, [vec![0.0; d], vec![0.0; d]]);
-        let allowed = RESIDUAL * (1.0 + norm(&motion(map, &rest)[0]));
+        let rest = vec![0.0; d];
+        let allowed = RESIDUAL * (1.0 + norm(&motion(map, t, [&q, &rest, &rest])[0]));
         let h = map.clone().violation(t, &q);
         report.defect("h(t, phi) = 0", at, h, allowed);
         let mut vector = || random_vector(d, &mut random);
@@ -108,8 +107,8 @@ fn exchange<M: Parametrization + Clone>(
     }
     let mut unit = 1.0;
     for (a, new_a) in a.iter().zip(&new_a) {
-        let before = motion(map, &state(t, q, [v.clone(), a.clone()]));
-        let after = motion(&changed, &state(t, &new_q, [new_v.clone(), new_a.clone()]));
+        let before = motion(map, t, [q, &v, a]);
+        let after = motion(&changed, t, [&new_q, &new_v, new_a]);
         let [x, x_dot, x_ddot, ..] = [0, 1, 2].map(|k| norm(&before[k]));
         unit = 1.0 + x + x_dot + x_ddot;
         let gaps = [0, 1, 2].map(|k| relative(&after[k], &before[k], unit));
@@ -152,12 +151,6 @@ fn roomy(map: &ImplicitMap, t: f64, q: &[f64]) -> bool {
         map.domain(t, &there).is_ok()
     };
     margin * REGULAR > 1.0 && (0..q.len()).all(|j| step(j, 1.0) && step(j, -1.0))
-}
-
-fn motion(map: &dyn Parametrization, s: &TestState) -> KinematicArrays {
-    let (d, n) = map.dims();
-    let (rows, columns) = (&Layout::plain(n), &Layout::plain(d));
-    Mapped { map, rows, columns }.kinematics(s)
 }
 
 fn state(t: f64, q: &[f64], [v, a]: [Vec<f64>; 2]) -> TestState {

@@ -20,13 +20,23 @@ pub struct Mapped<'a> {
 }
 
 /// x, ẋ, ẍ, B, Ḃ, B̈; matrices column by column.
-pub(crate) type KinematicArrays = [Vec<f64>; 6];
+type KinematicArrays = [Vec<f64>; 6];
 
 /// Largest relative difference of an operator by two formulas: see the closed forms of [`map`](super::map()).
 const SAME: f64 = 1e-10;
 
 /// Largest first step.
 const FIRST: f64 = 0.1;
+
+/// x, ẋ, ẍ, B, Ḃ, B̈ of a map at time `t` and a motion (q, v, a); matrices column by column.
+pub fn motion(map: &dyn Parametrization, t: f64, motion: [&[f64]; 3]) -> KinematicArrays {
+    let (d, n) = map.dims();
+    let mut all = [n, n, n, n * d, n * d, n * d].map(|len| vec![f64::NAN; len]);
+    let [x, x_dot, x_ddot, B, B_dot, B_ddot] = all.each_mut().map(|x| &mut x[..]);
+    let out = &mut [[x, B], [x_dot, B_dot], [x_ddot, B_ddot]];
+    map.duplicate().evaluate(t, motion, out);
+    all
+}
 
 impl Mapped<'_> {
     fn margin(&self, t: f64, q: &[f64]) -> f64 {
@@ -45,13 +55,7 @@ impl Mapped<'_> {
     }
 
     pub(crate) fn kinematics(&self, s: &TestState) -> KinematicArrays {
-        let (d, n) = self.map.dims();
-        let mut all = [n, n, n, n * d, n * d, n * d].map(|len| vec![f64::NAN; len]);
-        let [x, x_dot, x_ddot, B, B_dot, B_ddot] = &mut all;
-        let motion = [&s.x, &s.v, &s.a].map(|x| x.as_slice());
-        let mut map = self.map.duplicate();
-        map.evaluate(s.t, motion, &mut [[x, B], [x_dot, B_dot], [x_ddot, B_ddot]]);
-        all
+        motion(self.map, s.t, [&s.x, &s.v, &s.a].map(|x| x.as_slice()))
     }
 
     /// Bᵀ f.
@@ -191,7 +195,7 @@ pub fn kinematics(
     let allowed: Vec<f64> = sizes.iter().map(|s| SAME * s).collect();
     let name = law("x and B are the same at rest and in motion");
     report.defects(&name, at, &defects.concat(), &allowed.repeat(2));
-    motion(report, prefix, of, at, s, &k, &sizes);
+    rates(report, prefix, of, at, s, &k, &sizes);
     // Without coordinates there are no forces.
     if !q.is_empty() {
         // A covector whose power at one unit of every row is about one.
@@ -279,7 +283,7 @@ fn symmetric(report: &mut Report, law: &str, at: &str, K: &[f64], units: &[f64],
 }
 
 /// ẋ, ẍ and Ḃ, B̈ along the motion.
-fn motion(
+fn rates(
     report: &mut Report,
     prefix: &str,
     of: Mapped<'_>,

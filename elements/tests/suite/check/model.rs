@@ -2,56 +2,27 @@
 
 #![allow(non_snake_case)]
 
-use crate::support::{coupled, section};
+use crate::support::{frame_model, sine};
 use nalgebra::{Matrix3, Matrix6, Vector3};
 use pullback_conformance::{self as check, ModelOptions};
 use pullback_elements::beam::{Interpolation, Section};
 use pullback_elements::body::RigidBody;
 use pullback_elements::inertia::Inertia;
 use pullback_elements::joint::{Revolute, Spherical, Universal};
-use pullback_elements::load::{LoadKind, NodalLoad};
 use pullback_elements::model::{BeamLine, Context, Dof, ModelBuilder, StraightLine};
 use pullback_elements::spring::{AxialSpring, Bushing, CoordinateLaw, CoordinateSpring};
-use pullback_elements::time::{Constant, Sine};
-
-fn sine(amplitude: f64) -> Sine {
-    Sine {
-        amplitude,
-        omega: 2.3,
-        phase: 0.4,
-        offset: 0.1,
-    }
-}
+use pullback_elements::time::Constant;
 
 /// Everything at once: beams of two orders, a body on a revolute joint and a rigid link, a ball
 /// joint, a slide, springs, a bushing, loads of all kinds and a driven support.
 fn everything() -> Context {
     let mut b = ModelBuilder::new();
-    let root = b.node("root", [0.0; 3]).unwrap();
-    let corner = b.node("corner", [1.0, 0.2, 0.0]).unwrap();
-    let tip = b.node("tip", [1.0, 1.0, 0.5]).unwrap();
     let inertia = Inertia::about_centre(
         0.7,
         Vector3::new(0.0, 0.02, 0.01),
         Matrix3::from_diagonal(&Vector3::new(0.03, 0.02, 0.015)),
     );
-    for (name, ends, order, section) in [
-        ("arm", [root, corner], 2, coupled()),
-        ("leg", [corner, tip], 1, section()),
-    ] {
-        let axis = StraightLine {
-            from: b.position(ends[0]),
-            to: b.position(ends[1]),
-            second: None,
-            twist: 0.3,
-        };
-        let line = BeamLine {
-            elements: 2,
-            order,
-            section: section.with_inertia(inertia).unwrap(),
-        };
-        b.line(name, &axis, ends, &line).unwrap();
-    }
+    let [root, corner, tip] = frame_model(&mut b, Some(inertia));
     let hinge = b
         .attach("hinge", tip, Revolute::new([1.0, 2.0, -1.0]).unwrap())
         .unwrap();
@@ -92,15 +63,6 @@ fn everything() -> Context {
     let K = Matrix6::from_diagonal(&[5.0, 6.0, 7.0, 0.5, 0.6, 0.7].into());
     let mount = Bushing::new(&positions, &Matrix3::identity(), &K, &(K * 0.1)).unwrap();
     b.element("mount", mount, &[far, root]).unwrap();
-    for (which, k) in [
-        (LoadKind::FollowerForce, 0.0),
-        (LoadKind::SpatialMoment, 1.0),
-        (LoadKind::DeadForce, 2.0),
-        (LoadKind::FollowerMoment, 3.0),
-    ] {
-        let load = NodalLoad::new(which, [1.0 + k, -2.0, 0.5 * k], sine(1.0 + k));
-        b.element(format!("load {k}"), load, &[tip]).unwrap();
-    }
     b.support(root, &[Dof::X, Dof::Y, Dof::RX, Dof::RY]);
     b.prescribe(root, Dof::Z, sine(0.2));
     b.prescribe(root, Dof::RZ, sine(0.5));

@@ -6,14 +6,13 @@ use crate::support::elastic_joint::ElasticJoint;
 use crate::support::gravity::Gravity;
 use crate::support::polynomial_spring::PolynomialSpring;
 use crate::support::strain_beam::{FrameInertia, GreenLagrange, Reissner, strain_beam};
-use crate::support::{coupled, moving, response, section};
-use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, Vector3};
+use crate::support::{coupled, eccentric, forces, moving, section, sine};
+use nalgebra::{DVector, Matrix3, Matrix6, SMatrix, SVector, Vector3};
 use pullback_conformance as check;
-use pullback_elements::beam::{Beam, BeamError, Damping, Section};
+use pullback_elements::beam::{Beam, Damping, Section};
 use pullback_elements::body::RigidBody;
-use pullback_elements::element::{Element, Motion, Properties, Response};
+use pullback_elements::element::{Element, Properties};
 use pullback_elements::energy::{ByEnergy, EnergyElement, EnergySample};
-use pullback_elements::inertia::Inertia;
 use pullback_elements::load::{LoadKind, NodalLoad};
 use pullback_elements::model::frame_along;
 use pullback_elements::spring::{AxialSpring, Bushing, CoordinateLaw, CoordinateSpring};
@@ -30,24 +29,18 @@ fn frame() -> Matrix3<f64> {
     frame_along(&(b - a), Some(&Vector3::new(0.3, 0.2, 0.9)))
 }
 
-/// A section in which everything couples, with mass off its axis.
-fn eccentric() -> Section {
-    let J = Matrix3::new(0.9, 0.1, -0.05, 0.1, 0.7, 0.02, -0.05, 0.02, 0.5);
-    let inertia = Inertia::about_centre(2.3, Vector3::new(0.02, 0.3, -0.2), J);
-    coupled().with_inertia(inertia).unwrap()
-}
-
 fn sections() -> [Section; 4] {
     let damping = Damping {
         mass: 0.7,
         stiffness: 0.04,
     };
+    let massive = coupled().with_inertia(eccentric()).unwrap();
     let centred = section().with_mass(2.0, Matrix3::from_diagonal(&[3.0, 1.0, 2.0].into()));
     [
         section(),
         centred,
-        eccentric(),
-        eccentric().with_damping(damping).unwrap(),
+        massive,
+        massive.with_damping(damping).unwrap(),
     ]
 }
 
@@ -73,19 +66,6 @@ fn reissners_beam_is_the_one_that_was_derived_by_hand() {
     // Another strain is another beam.
     let other = strain_beam(GreenLagrange, &positions(), &frame(), &section()).unwrap();
     assert!(!check::same(&other, &reissner(&section())).is_ok());
-}
-
-#[test]
-fn impossible_beams_are_refused() {
-    let one = [positions()[0]; 2];
-    let error = strain_beam(Reissner, &one, &frame(), &section())
-        .err()
-        .unwrap();
-    assert!(matches!(error, BeamError::ZeroLength { .. }));
-    let error = strain_beam(Reissner, &positions(), &-frame(), &section())
-        .err()
-        .unwrap();
-    assert!(matches!(error, BeamError::Orientation { .. }));
 }
 
 #[test]
@@ -129,7 +109,7 @@ fn springs() {
         assert!((r[6 + k] + 11.6 * along[k]).abs() < 1e-13);
         assert!((r[k] - 11.6 * along[k]).abs() < 1e-13);
     }
-    let energy = element.abilities().energy(&rest(&x));
+    let energy = element.abilities().energy(&moving(&x, &[], &[]));
     assert!((energy - (6.0 - 3.2 / 3.0 + 3.6)).abs() < 1e-13);
     x[6..9].copy_from_slice((positions()[0] - positions()[1]).as_slice());
     let error = residual(&element, &x).unwrap_err().to_string();
@@ -205,24 +185,13 @@ impl EnergyElement<6> for Pull {
 
 #[test]
 fn a_load_has_its_rate() {
-    let sine = Sine {
-        amplitude: 1.7,
-        omega: 2.3,
-        phase: 0.4,
-        offset: 0.9,
-    };
+    let sine = sine(1.7);
     let f = Vector3::new(0.8, -1.4, 2.2);
     let pull = Pull(f, sine).into_element();
     assert!(pull.properties().load);
     check::element(&pull).assert();
-    let mut x = [0.3; 6];
-    x[1] = -0.8;
     let hand = NodalLoad::new(LoadKind::DeadForce, f.into(), sine);
-    let [(r, r_t), (r_hand, r_t_hand)] = [&pull as &dyn Element, &hand].map(|e| loaded(e, &x));
-    for k in 0..6 {
-        assert!((r[k] - r_hand[k]).abs() < 1e-14, "{r:?}");
-        assert!((r_t[k] - r_t_hand[k]).abs() < 1e-14, "{r_t:?}");
-    }
+    check::same(&pull, &hand).assert();
 }
 
 #[test]
@@ -241,7 +210,7 @@ fn gravity_pulls_with_the_square_of_the_distance() {
     for (k, f) in [-2.4, 0.0, -3.2, 0.0, 0.0, 0.0].into_iter().enumerate() {
         assert!((r[k] - f).abs() < 1e-14, "{r:?}");
     }
-    assert!((element.abilities().energy(&rest(&[0.0; 6])) + 20.0).abs() < 1e-13);
+    assert!((element.abilities().energy(&moving(&[0.0; 6], &[], &[])) + 20.0).abs() < 1e-13);
     let there = [-3.0, 0.0, -4.0, 0.0, 0.0, 0.0];
     assert!(residual(&element, &there).is_err());
 }
@@ -262,9 +231,7 @@ fn a_kinetic_energy_linear_in_the_velocities_turns_the_motion() {
     check::element(&element).assert();
     // At x₀ = 0 the mass is 2.5 and stationary: r = −2.5 a + 3 (v₁, −v₀).
     let (x, v, a) = ([0.0, 0.7], [0.4, -0.9], [1.0, 2.0]);
-    let mut r = [0.0; 2];
-    let at = moving(&x, &v, &a);
-    element.evaluate(&at, &mut response(&mut r)).unwrap();
+    let (r, _) = forces(&element, &moving(&x, &v, &a)).unwrap();
     assert!((r[0] - (-2.5 - 2.7)).abs() < 1e-14, "{r:?}");
     assert!((r[1] - (-5.0 - 1.2)).abs() < 1e-14, "{r:?}");
 }
@@ -279,30 +246,11 @@ fn what_is_not_written_is_zero() {
     let element: ByEnergy<3> = Nothing.into_element();
     check::element(&element).assert();
     let r = residual(&element, &[1.0, 2.0, 3.0]).unwrap();
-    assert_eq!(r, [0.0; 3]);
+    assert_eq!(r.as_slice(), [0.0; 3]);
 }
 
-fn rest(x: &[f64]) -> Motion<'_> {
-    Motion {
-        t: 0.37,
-        ..moving(x, &[], &[])
-    }
-}
-
-fn residual(element: &dyn Element, x: &[f64]) -> Result<Vec<f64>, DomainError> {
-    let mut r = vec![0.0; x.len()];
-    element.evaluate(&rest(x), &mut response(&mut r))?;
-    Ok(r)
-}
-
-fn loaded(element: &dyn Element, x: &[f64]) -> (Vec<f64>, Vec<f64>) {
-    let (mut r, mut r_t) = (vec![0.0; x.len()], vec![0.0; x.len()]);
-    let mut out = Response {
-        r_t: Some(&mut r_t),
-        ..response(&mut r)
-    };
-    element.evaluate(&rest(x), &mut out).unwrap();
-    (r, r_t)
+fn residual(element: &dyn Element, x: &[f64]) -> Result<DVector<f64>, DomainError> {
+    Ok(forces(element, &moving(x, &[], &[]))?.0)
 }
 
 /// A spring to space or a steady load, in one type.

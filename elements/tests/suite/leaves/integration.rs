@@ -2,10 +2,9 @@
 
 #![allow(non_snake_case)]
 
-use crate::support::{moving, response};
+use crate::support::{forces, moving};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use pullback_elements::beam::{Beam, Section};
-use pullback_elements::element::Response;
 
 /// K and M of a straight beam of unit shear stiffness along e2 and unit mass per length at rest, with its
 /// nodes at these positions on e1.
@@ -15,16 +14,8 @@ fn tangents(positions: &[f64]) -> [DMatrix<f64>; 2] {
     let section = section.with_mass(1.0, Matrix3::identity());
     let positions: Vec<_> = along.collect();
     let beam = Beam::along(&positions, &|_| Matrix3::identity(), &section).unwrap();
-    let n = beam.dim();
-    let (zero, mut r) = (vec![0.0; n], vec![0.0; n]);
-    let [mut K, mut M] = [(); 2].map(|()| DMatrix::zeros(n, n));
-    let at = moving(&zero, &zero, &zero);
-    let mut out = Response {
-        K: Some(K.as_mut_slice()),
-        M: Some(M.as_mut_slice()),
-        ..response(&mut r)
-    };
-    beam.evaluate(&at, &mut out).unwrap();
+    let zero = vec![0.0; beam.dim()];
+    let (_, [K, _, M]) = forces(&*beam, &moving(&zero, &zero, &zero)).unwrap();
     [K, M]
 }
 

@@ -1,6 +1,6 @@
 //! Forces per length: what they add up to on a straight element of length 1.5.
 
-use crate::support::at_rest;
+use crate::support::{forces, moving};
 use nalgebra::Vector3;
 use pullback_elements::beam::{BeamError, Interpolation};
 use pullback_elements::load::LineLoad;
@@ -26,13 +26,13 @@ fn a_line_load_adds_up_to_force_times_length() {
     for nodes in 2..=4 {
         let positions = positions(nodes);
         let load = LineLoad::new(&positions, FORCE, false, Constant(1.0));
-        let (r, _) = at_rest(&load.unwrap(), &vec![0.2; 6 * nodes]).unwrap();
+        let (r, _) = forces(&load.unwrap(), &moving(&vec![0.2; 6 * nodes], &[], &[])).unwrap();
         let expected = [1.5, -3.0, 6.0, 0.0, 0.0, 0.0];
-        for (sum, f) in resultant(&r).iter().zip(expected) {
+        for (sum, f) in resultant(r.as_slice()).iter().zip(expected) {
             assert!((sum - f).abs() < 1e-14, "{nodes} nodes: {sum} for {f}");
         }
         // The resultant acts at the middle.
-        let arms = positions.iter().zip(r.chunks(6));
+        let arms = positions.iter().zip(r.as_slice().chunks(6));
         let moment: f64 = arms.map(|(p, r)| p.x * r[1]).sum();
         assert!(
             (moment + 3.0 * 0.75).abs() < 1e-14,
@@ -56,9 +56,9 @@ fn a_follower_line_load_turns_with_a_rigid_rotation() {
                 let load = LineLoad::new(&positions(nodes), FORCE, true, Constant(2.0));
                 let load = load.unwrap().with_interpolation(interpolation);
                 let x = [[0.2; 3], psi].concat().repeat(nodes);
-                let (r, _) = at_rest(&load, &x).unwrap();
+                let (r, _) = forces(&load, &moving(&x, &[], &[])).unwrap();
                 let expected = [turned, [0.0; 3]].concat();
-                for (sum, f) in resultant(&r).iter().zip(expected) {
+                for (sum, f) in resultant(r.as_slice()).iter().zip(expected) {
                     let f = 2.0 * 1.5 * f;
                     assert!((sum - f).abs() < 2e-14, "{nodes} nodes: {sum} for {f}");
                 }

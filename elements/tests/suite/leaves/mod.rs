@@ -1,7 +1,6 @@
 //! Elements, joints and loads on their own.
 
 mod bodies;
-mod bushing;
 mod elements;
 mod energy;
 mod energy_wrong;

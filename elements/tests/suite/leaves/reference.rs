@@ -2,11 +2,10 @@
 
 #![allow(non_snake_case)]
 
-use crate::support::{matrix, moving, numbers, reference, response, vector};
-use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, Vector3};
+use crate::support::{forces, matrix, moving, numbers, reference, vector};
+use nalgebra::{DVector, Matrix3, Matrix6, Vector3};
 use pullback_elements::Asymmetry;
 use pullback_elements::beam::{Beam, Material, Section, SectionError, rectangle_torsion};
-use pullback_elements::element::Response;
 use std::f64::consts::PI;
 
 #[test]
@@ -30,12 +29,7 @@ fn beam_is_that_of_the_reference() {
         let beam = Beam::along(&positions, &|_| R0, &section).unwrap();
         let x = numbers(&row["q"]);
         let at = moving(&x, &[], &[]);
-        let (mut r, mut K) = (DVector::zeros(12), DMatrix::zeros(12, 12));
-        let mut out = Response {
-            K: Some(K.as_mut_slice()),
-            ..response(r.as_mut_slice())
-        };
-        beam.evaluate(&at, &mut out).unwrap();
+        let (r, [K, ..]) = forces(&*beam, &at).unwrap();
         let expected = vector(&row["f_int"]);
         assert!((&r + &expected).amax() < 1e-12 * expected.amax());
         let expected = matrix(&row["K_int"]);
@@ -78,15 +72,7 @@ fn inertia_of_the_beam_is_that_of_the_reference() {
             let [N, M] = [&N, &M].map(|c| [0, 1, 2].map(|k| soft * c[k]));
             let section = Section::diagonal(N[0], [N[1], N[2]], M[0], [M[1], M[2]]).unwrap();
             let beam = Beam::along(&positions, &|_| R0, &section.with_mass(A_rho, J)).unwrap();
-            let mut r = DVector::zeros(12);
-            let [mut K, mut C, mut M] = [(); 3].map(|()| DMatrix::zeros(12, 12));
-            let mut out = Response {
-                K: Some(K.as_mut_slice()),
-                C: Some(C.as_mut_slice()),
-                M: Some(M.as_mut_slice()),
-                ..response(r.as_mut_slice())
-            };
-            beam.evaluate(&at, &mut out).unwrap();
+            let (r, [K, C, M]) = forces(&*beam, &at).unwrap();
             let f = vector(&row["f_int"]) * soft + vector(&row["f_acc"]);
             assert!((r + &f).amax() < 1e-11 * f.amax(), "f_acc, {soft}");
             let v = DVector::from_column_slice(&v);

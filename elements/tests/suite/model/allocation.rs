@@ -4,7 +4,7 @@
 
 use crate::support::polynomial_spring::PolynomialSpring;
 use crate::support::strain_beam::{Reissner, strain_beam};
-use crate::support::{Coupling, Offset, coupled};
+use crate::support::{Coupling, Offset, coupled, lay};
 use allocation_counter::measure;
 use nalgebra::{Matrix3, Matrix6, Vector3};
 use pullback_elements::beam::{Damping, Interpolation};
@@ -12,7 +12,7 @@ use pullback_elements::body::RigidBody;
 use pullback_elements::energy::EnergyElement;
 use pullback_elements::joint::Revolute;
 use pullback_elements::load::{LineLoad, LoadKind, NodalLoad};
-use pullback_elements::model::{BeamLine, Context, Dof, ModelBuilder, StraightLine, frame_along};
+use pullback_elements::model::{Context, Dof, ModelBuilder, frame_along};
 use pullback_elements::spring::{AxialSpring, Bushing};
 use pullback_elements::time::{Constant, Proportional, Table};
 use pullback_manifold::map::Map;
@@ -23,18 +23,7 @@ fn nothing_is_allocated_after_the_first_evaluation() {
     let mut b = ModelBuilder::new();
     let root = b.node("root", [0.0; 3]).unwrap();
     let end = b.node("end", [3.0, 0.0, 0.0]).unwrap();
-    let axis = StraightLine {
-        from: b.position(root),
-        to: b.position(end),
-        second: None,
-        twist: 0.2,
-    };
-    let line = BeamLine {
-        elements: 3,
-        order: 2,
-        section: coupled(),
-    };
-    let nodes = b.line("line", &axis, [root, end], &line).unwrap().nodes;
+    let nodes = lay(&mut b, "line", [root, end], 3, 2, coupled());
     // The other interpolation, between the same nodes.
     let damping = Damping {
         mass: 0.1,

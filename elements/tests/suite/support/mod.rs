@@ -11,11 +11,14 @@ pub mod polynomial_spring;
 #[path = "../../../../examples/elements/strain_beam.rs"]
 pub mod strain_beam;
 
-use nalgebra::{DMatrix, DVector, Matrix6, SVector, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, SVector, Vector3};
 use pullback_conformance::InCharts;
 use pullback_elements::beam::Section;
 use pullback_elements::element::{Element, Motion, Properties, Response};
+use pullback_elements::inertia::Inertia;
+use pullback_elements::load::{LineLoad, LoadKind, NodalLoad};
 use pullback_elements::model::{BeamLine, ModelBuilder, NodeId, StraightLine};
+use pullback_elements::time::Sine;
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::map::Map;
 use pullback_manifold::scalar::Scalar;
@@ -38,6 +41,22 @@ pub fn coupled() -> Section {
         }
     }
     Section::new(C).unwrap()
+}
+
+/// An inertia per length in which everything couples: mass centre off the axis, products.
+pub fn eccentric() -> Inertia {
+    let J = Matrix3::new(0.9, 0.1, -0.05, 0.1, 0.7, 0.02, -0.05, 0.02, 0.5);
+    let inertia = Inertia::about_centre(2.3, Vector3::new(0.02, 0.3, -0.2), J);
+    inertia.checked().unwrap()
+}
+
+pub fn sine(amplitude: f64) -> Sine {
+    Sine {
+        amplitude,
+        omega: 2.3,
+        phase: 0.4,
+        offset: 0.1,
+    }
 }
 
 pub fn reference(section: &str) -> Vec<Value> {
@@ -199,6 +218,45 @@ pub fn simple() -> (ModelBuilder, [NodeId; 2]) {
     (b, ends)
 }
 
+/// An L of two lines, quadratic and linear, with nodal loads of all kinds at its tip and a line load.
+pub fn frame_model(b: &mut ModelBuilder, inertia: Option<Inertia>) -> [NodeId; 3] {
+    let root = b.node("root", [0.0; 3]).unwrap();
+    let corner = b.node("corner", [1.0, 0.2, 0.0]).unwrap();
+    let tip = b.node("tip", [1.0, 1.0, 0.5]).unwrap();
+    for (name, ends, order, mut section) in [
+        ("arm", [root, corner], 2, coupled()),
+        ("leg", [corner, tip], 1, section()),
+    ] {
+        if let Some(inertia) = inertia {
+            section = section.with_inertia(inertia).unwrap();
+        }
+        let axis = StraightLine {
+            twist: 0.3,
+            ..straight(b, ends)
+        };
+        let line = BeamLine {
+            elements: 2,
+            order,
+            section,
+        };
+        b.line(name, &axis, ends, &line).unwrap();
+    }
+    for (which, k) in [
+        (LoadKind::FollowerForce, 0.0),
+        (LoadKind::SpatialMoment, 1.0),
+        (LoadKind::DeadForce, 2.0),
+        (LoadKind::FollowerMoment, 3.0),
+    ] {
+        let load = NodalLoad::new(which, [1.0 + k, -2.0, 0.5 * k], sine(1.0 + k));
+        b.element(format!("load {k}"), load, &[tip]).unwrap();
+    }
+    let first = [corner, b.find("leg/1").unwrap()];
+    let positions = first.map(|n| b.position(n));
+    let wind = LineLoad::new(&positions, [0.0, 2.0, 1.0], true, sine(2.0)).unwrap();
+    b.element("wind", wind, &first).unwrap();
+    [root, corner, tip]
+}
+
 /// Any number of coordinates, no force.
 pub struct Idle(pub usize);
 
@@ -224,37 +282,29 @@ pub fn moving<'a>(x: &'a [f64], v: &'a [f64], a: &'a [f64]) -> Motion<'a> {
     }
 }
 
-/// What an element adds to its residual, and to nothing else.
-pub fn response(r: &mut [f64]) -> Response<'_> {
-    Response {
-        r,
-        K: None,
-        C: None,
-        M: None,
-        r_t: None,
-    }
-}
-
-/// Evaluates an element of frames in their charts.
-pub fn in_charts(
-    element: &dyn Element,
-    at: &Motion<'_>,
-    out: &mut Response<'_>,
-) -> Result<(), DomainError> {
-    match element.properties().reads_poses {
-        true => InCharts(element).evaluate(at, out),
-        false => element.evaluate(at, out),
-    }
-}
-
-/// Residual and K at a motion at rest.
-pub fn at_rest(element: &dyn Element, x: &[f64]) -> Result<(Vec<f64>, DMatrix<f64>), DomainError> {
+/// Residual, K, C and M of an element at a motion; frames in their charts.
+pub fn forces(element: &dyn Element, at: &Motion<'_>) -> Result<Answer, DomainError> {
     let n = element.dim();
-    let (mut r, mut K) = (vec![0.0; n], DMatrix::zeros(n, n));
+    let (mut r, zeros) = (DVector::zeros(n), || DMatrix::zeros(n, n));
+    let [mut K, mut C, mut M] = [zeros(), zeros(), zeros()];
     let mut out = Response {
+        r: r.as_mut_slice(),
         K: Some(K.as_mut_slice()),
-        ..response(&mut r)
+        C: Some(C.as_mut_slice()),
+        M: Some(M.as_mut_slice()),
+        r_t: None,
     };
-    in_charts(element, &moving(x, &[], &[]), &mut out)?;
-    Ok((r, K))
+    match element.properties().reads_poses {
+        true => InCharts(element).evaluate(at, &mut out)?,
+        false => element.evaluate(at, &mut out)?,
+    }
+    Ok((r, [K, C, M]))
+}
+
+type Answer = (DVector<f64>, [DMatrix<f64>; 3]);
+
+/// Spatial force and moment of the covector `r` of a node at `x`: R T⁻ᵀ = T⁻¹.
+pub fn spatial(x: &[f64], r: &[f64]) -> [Vector3<f64>; 2] {
+    let [psi, force, f] = [&x[3..6], &r[..3], &r[3..6]].map(Vector3::from_column_slice);
+    [force, so3::tangent_inverse(&psi) * f]
 }

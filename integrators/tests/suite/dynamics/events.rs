@@ -2,72 +2,13 @@
 
 #![allow(non_snake_case)]
 
-use crate::support::dynamics::{Pendulum, schemes};
+use crate::support::dynamics::{Oscillator, Pendulum, schemes};
 use pullback_integrators::dynamics::{
     Adaptivity, DynamicOptions, Scheme, Simulation, State, start,
 };
-use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::{
-    Energetics, Energies, Evaluation, Events, Point, System, SystemError,
-};
+use pullback_manifold::system::System;
 use std::ops::ControlFlow::{self, Break, Continue};
 use std::sync::{Arc, Mutex};
-
-/// A unit mass under a constant force: the schemes are exact.
-#[derive(Clone)]
-struct Mass {
-    pattern: BlockPattern,
-    force: f64,
-    kinks: Vec<f64>,
-}
-
-impl Mass {
-    fn new(force: f64) -> Self {
-        Self {
-            pattern: BlockPattern::dense(1),
-            force,
-            kinks: Vec::new(),
-        }
-    }
-}
-
-impl System for Mass {
-    fn pattern(&self) -> &BlockPattern {
-        &self.pattern
-    }
-
-    fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
-        out.r[0] = self.force - at.a[0];
-        if let Some((w, S)) = out.S {
-            S[0] = w.M;
-        }
-        Ok(())
-    }
-
-    fn events(&mut self) -> Option<&mut dyn Events> {
-        Some(self)
-    }
-
-    fn energetics(&mut self) -> Option<&mut dyn Energetics> {
-        Some(self)
-    }
-}
-
-impl Events for Mass {
-    fn kinks(&self) -> Vec<f64> {
-        self.kinks.clone()
-    }
-}
-
-impl Energetics for Mass {
-    fn energies(&mut self, at: Point<'_>) -> Result<Energies, SystemError> {
-        Ok(Energies {
-            kinetic: 0.5 * at.v[0] * at.v[0],
-            supplied: self.force * at.v[0],
-            ..Energies::default()
-        })
-    }
-}
 
 type Record = Arc<Mutex<Vec<(usize, f64)>>>;
 
@@ -113,7 +54,7 @@ fn a_load_is_released_where_the_mass_passes() {
     let equal = equal.map(|scheme| (scheme, None));
     let adapted = [Scheme::default(), Scheme::tsitouras()].map(|scheme| (scheme, Some(adaptive)));
     for (scheme, adaptivity) in equal.chain(adapted) {
-        let mut system = Mass::new(3.0);
+        let mut system = Oscillator::mass(3.0);
         let state = start(&system, 0.0, &[], &[]).unwrap();
         let options = DynamicOptions {
             scheme,
@@ -169,7 +110,7 @@ fn a_run_stops_where_a_pendulum_is_lowest() {
 }
 
 /// A ball that falls to the floor at 0 and leaves it at half its speed.
-fn bounce(run: &mut Simulation<&mut Mass>) -> usize {
+fn bounce(run: &mut Simulation<&mut Oscillator>) -> usize {
     run.add_event(
         |_, state| -state.q[0],
         |_, state| {
@@ -183,7 +124,7 @@ fn bounce(run: &mut Simulation<&mut Mass>) -> usize {
 fn a_ball_bounces_also_within_a_step() {
     // It falls 1.25 m in 0.5 s, and its flights take 0.5 s, 0.25 s, ...: the last is far below a step.
     fn sent<T: Send>(_: &T) {}
-    let mut system = Mass::new(-10.0);
+    let mut system = Oscillator::mass(-10.0);
     let state = start(&system, 0.0, &[1.25], &[]).unwrap();
     let options = DynamicOptions::new(2.0, 0.1);
     let mut run = Simulation::new(&mut system, state, &options).unwrap();
@@ -204,11 +145,24 @@ fn a_ball_bounces_also_within_a_step() {
 #[test]
 fn steps_across_events_are_saved_and_restored() {
     let damped = Scheme::chung_hulbert(0.5).unwrap();
-    for scheme in [Scheme::default(), damped, Scheme::tsitouras()] {
-        let mut system = Mass::new(-10.0);
+    let adaptive = Adaptivity {
+        tolerance: 1e-5,
+        max_step: 0.2,
+    };
+    let schemes = [Scheme::default(), damped, Scheme::tsitouras()];
+    for (scheme, adaptivity) in schemes
+        .iter()
+        .flat_map(|s| [(*s, None), (*s, Some(adaptive))])
+    {
+        // On a spring, the accelerations of a damped scheme are not those of the equation of motion.
+        let mut system = Oscillator {
+            k: 3.0,
+            ..Oscillator::mass(-10.0)
+        };
         let state = start(&system, 0.0, &[1.25], &[]).unwrap();
         let options = DynamicOptions {
             scheme,
+            adaptivity,
             ..DynamicOptions::new(0.9, 0.07)
         };
         let mut run = Simulation::new(&mut system, state, &options).unwrap();
@@ -237,7 +191,7 @@ fn steps_across_events_are_saved_and_restored() {
 fn events_at_the_end_of_a_step_and_several_in_one_step() {
     // At the speed 1, x = t. The times of the first three are ends of steps, one by a rounding error late.
     let at = [0.3, 0.1 + 0.2, 1.0, 0.35, 0.37, 0.37 + 1e-10, 0.55, 0.551];
-    let mut system = Mass::new(0.0);
+    let mut system = Oscillator::mass(0.0);
     system.kinks = vec![0.55];
     let state = start(&system, 0.0, &[], &[1.0]).unwrap();
     let options = DynamicOptions::new(1.0, 0.1);
@@ -263,11 +217,11 @@ fn an_event_at_its_own_location_occurs_once() {
         (1e-12, vec![(0, 1.0)]),
         (1.0, vec![(0, 1.0), (0, 2.0), (0, 3.0)]),
     ] {
-        let mut system = Mass::new(0.0);
+        let mut system = Oscillator::mass(0.0);
         let state = start(&system, 0.0, &[], &[1.0]).unwrap();
         let options = DynamicOptions::new(3.5, 0.3);
         let mut run = Simulation::new(&mut system, state, &options).unwrap();
-        let effect = move |_: &mut Mass, state: &mut State| {
+        let effect = move |_: &mut Oscillator, state: &mut State| {
             state.q[0] -= back;
             Continue(())
         };
@@ -287,7 +241,7 @@ fn a_value_that_almost_reaches_zero_does_not_lengthen_steps() {
         (0.5 + 1e-9, vec![]),
         (0.4999, vec![(0, 1.0 - 2e-4_f64.sqrt())]),
     ] {
-        let mut system = Mass::new(-1.0);
+        let mut system = Oscillator::mass(-1.0);
         let state = start(&system, 0.0, &[], &[1.0]).unwrap();
         let options = DynamicOptions::new(2.0, 0.1);
         let mut run = Simulation::new(&mut system, state, &options).unwrap();
@@ -310,7 +264,7 @@ fn a_value_that_almost_reaches_zero_does_not_lengthen_steps() {
 #[test]
 fn an_impact_takes_a_value_across_zero() {
     // The velocity jumps from −5 to 2.5: an event of its own, just behind. At the top it falls again.
-    let mut system = Mass::new(-10.0);
+    let mut system = Oscillator::mass(-10.0);
     let state = start(&system, 0.0, &[1.25], &[]).unwrap();
     let options = DynamicOptions::new(0.8, 0.1);
     let mut run = Simulation::new(&mut system, state, &options).unwrap();
@@ -332,7 +286,7 @@ fn an_impact_takes_a_value_across_zero() {
 
 #[test]
 fn a_value_that_is_no_number_is_refused() {
-    let mut system = Mass::new(0.0);
+    let mut system = Oscillator::mass(0.0);
     let state = start(&system, 0.0, &[], &[1.0]).unwrap();
     let options = DynamicOptions::new(1.0, 0.25);
     let mut run = Simulation::new(&mut system, state, &options).unwrap();
@@ -345,10 +299,10 @@ fn a_value_that_is_no_number_is_refused() {
         assert!(error.contains(text), "{error}");
     }
     // Nor does an effect change the number of coordinates.
-    let mut system = Mass::new(0.0);
+    let mut system = Oscillator::mass(0.0);
     let state = start(&system, 0.0, &[], &[1.0]).unwrap();
     let mut run = Simulation::new(&mut system, state, &options).unwrap();
-    let clear = |_: &mut Mass, state: &mut State| {
+    let clear = |_: &mut Oscillator, state: &mut State| {
         state.v.clear();
         Continue(())
     };

@@ -3,7 +3,6 @@
 mod error_estimate;
 mod events;
 mod explicit;
-mod inertia;
 mod runs;
 mod steps;
 mod tsitouras;

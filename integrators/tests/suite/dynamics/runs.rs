@@ -10,7 +10,7 @@ use pullback_integrators::dynamics::{
 use pullback_manifold::domain::{CHART_EDGE, DomainError};
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{
-    Charts, Energetics, Energies, Evaluation, Events, Point, System, SystemError,
+    Charts, Energetics, Energies, Evaluation, Point, System, SystemError,
 };
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
@@ -179,25 +179,9 @@ fn steps_end_at_the_multiples_of_an_interval() {
 #[test]
 fn a_kink_where_a_run_starts_is_behind_it() {
     // By a rounding error after the start, as sums of times are.
-    struct Late(Oscillator);
-    impl System for Late {
-        fn pattern(&self) -> &BlockPattern {
-            self.0.pattern()
-        }
-        fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
-            self.0.evaluate(at, out)
-        }
-        fn events(&mut self) -> Option<&mut dyn Events> {
-            Some(self)
-        }
-    }
-    impl Events for Late {
-        fn kinks(&self) -> Vec<f64> {
-            vec![0.1 + 0.2]
-        }
-    }
-    let mut system = Late(Oscillator::new(1.0, 1.0));
-    assert!(Events::kinks(&system)[0] > 0.3);
+    let mut system = Oscillator::new(1.0, 1.0);
+    system.kinks = vec![0.1 + 0.2];
+    assert!(system.kinks[0] > 0.3);
     let mut progress = Progress::new(start(&system, 0.3, &[1.0], &[]).unwrap());
     let mut sizes = Vec::new();
     let options = DynamicOptions::new(0.7, 0.1);
@@ -250,41 +234,6 @@ fn newton_converges_quadratically_and_a_kept_tangent_linearly() {
 }
 
 #[test]
-fn a_run_goes_on_from_a_copy_to_the_last_bit() {
-    let damped = Scheme::chung_hulbert(0.5).unwrap();
-    for scheme in [Scheme::default(), damped, Scheme::tsitouras()] {
-        for adaptivity in [
-            None,
-            Some(Adaptivity {
-                tolerance: 1e-5,
-                max_step: 0.2,
-            }),
-        ] {
-            let options = DynamicOptions {
-                scheme,
-                adaptivity,
-                ..DynamicOptions::new(3.0, 0.07)
-            };
-            let mut system = Pendulum::new();
-            let mut whole = Progress::new(start(&system, 0.0, &[1.0], &[2.0]).unwrap());
-            let mut copy = None;
-            let mut observe = |_: &mut Pendulum, step: &StepReport<'_>| {
-                if step.progress.summary.steps == 11 {
-                    copy = Some(step.progress.clone());
-                }
-                ControlFlow::Continue(())
-            };
-            integrate(&mut system, &mut whole, &options, &mut observe).unwrap();
-            let mut rest = copy.unwrap();
-            integrate(&mut Pendulum::new(), &mut rest, &options, &mut onward).unwrap();
-            // That of an explicit scheme is found where a run begins.
-            rest.summary.stable_step = whole.summary.stable_step;
-            assert_eq!(whole, rest);
-        }
-    }
-}
-
-#[test]
 fn adaptive_steps_follow_the_error() {
     let exact = [0.986_291_751_131_875_f64, -0.165_010_853_125_541];
     let mut last = f64::INFINITY;
@@ -309,26 +258,7 @@ fn adaptive_steps_follow_the_error() {
 }
 
 #[test]
-fn parameters_and_options_are_refused_with_their_range() {
-    let says = |r: Result<Scheme, DynamicsError>, text: &str| {
-        let error = r.unwrap_err().to_string();
-        assert!(error.contains(text), "{error}");
-    };
-    says(
-        Scheme::newmark(0.25, 0.4),
-        "Newmark's gamma = 0.4 is outside its range [0.5, 1]",
-    );
-    says(
-        Scheme::newmark(0.0, 0.5),
-        "Newmark's beta = 0.0 is outside its range [0.01, 1]",
-    );
-    says(
-        Scheme::hht(-0.4),
-        "alpha of HHT = -0.4 is outside its range [-0.3333333, 0]",
-    );
-    says(Scheme::hht(f64::NAN), "alpha of HHT = NaN");
-    says(Scheme::wbz(1.1), "rho of WBZ = 1.1");
-    says(Scheme::chung_hulbert(-0.1), "rho of Chung-Hulbert = -0.1");
+fn options_are_refused_with_their_range() {
     let try_run = |options: DynamicOptions| {
         let mut system = Pendulum::new();
         let mut progress = Progress::new(start(&system, 0.0, &[], &[]).unwrap());

@@ -4,7 +4,6 @@
 
 use crate::support::dynamics::*;
 use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
-use pullback_integrators::dynamics::scheme::Coefficients;
 use pullback_integrators::dynamics::{
     DynamicOptions, NewtonOptions, Progress, Scheme, State, StepReport, integrate, start,
 };
@@ -12,50 +11,7 @@ use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{
     Energetics, Energies, Evaluation, Events, Point, System, SystemError,
 };
-use std::f64::consts::TAU;
 use std::ops::ControlFlow;
-
-#[test]
-fn the_pendulum_of_iftomm_with_order_two() {
-    // published.json, R04: position (sin φ, −cos φ) at t = 1 and 5, start from (−1, 0) at rest.
-    let exact: [(f64, [f64; 2]); 2] = [
-        (1.0, [0.986_291_751_131_875, -0.165_010_853_125_541]),
-        (5.0, [-0.942_305_435_043_757, -0.334_754_338_414_001]),
-    ];
-    for scheme in schemes() {
-        assert_eq!(scheme.order(), 2, "{scheme:?}");
-        for (t, [x, y]) in exact {
-            let errors: Vec<[f64; 3]> = [1600.0, 3200.0, 6400.0]
-                .into_iter()
-                .map(|n| {
-                    let options = DynamicOptions {
-                        scheme,
-                        newton: NewtonOptions {
-                            relative: 1e-12,
-                            ..NewtonOptions::default()
-                        },
-                        ..DynamicOptions::new(t, t / n)
-                    };
-                    let end = run(Pendulum::new(), -TAU / 4.0, 0.0, &options).state;
-                    let phi = x.atan2(-y);
-                    // Energy gives the velocity, the equation of motion the acceleration.
-                    let v = (2.0 * 9.81 * -y).sqrt();
-                    [
-                        (end.q[0] - phi).abs(),
-                        (end.v[0].abs() - v).abs(),
-                        (end.a[0] + 9.81 * x).abs(),
-                    ]
-                })
-                .collect();
-            for k in 0..3 {
-                let e: Vec<f64> = errors.iter().map(|e| e[k]).collect();
-                for slope in slopes(&e) {
-                    assert!((slope - 2.0).abs() < 0.1, "{scheme:?} at {t}: {e:?}");
-                }
-            }
-        }
-    }
-}
 
 #[test]
 fn steps_that_change_their_size_keep_the_order() {
@@ -81,106 +37,6 @@ fn steps_that_change_their_size_keep_the_order() {
         };
         for slope in slopes(&[error(40), error(80), error(160)]) {
             assert!((slope - 2.0).abs() < 0.1, "{scheme:?}: {slope}");
-        }
-    }
-}
-
-#[test]
-fn many_turns_of_the_pendulum() {
-    // Thrown over the top: energy e = v²/2 − g cos φ fixes the velocity at the top at once.
-    let v: f64 = 8.0;
-    let options = DynamicOptions::new(10.0, 1e-3);
-    let end = run(Pendulum::new(), 0.0, v, &options).state;
-    assert!(end.q[0] > 8.0 * TAU);
-    let e = 0.5 * v * v - 9.81;
-    let found = 0.5 * end.v[0] * end.v[0] - 9.81 * end.q[0].cos();
-    assert!((found - e).abs() < 1e-4, "{found} {e}");
-}
-
-#[test]
-fn newmark_with_gamma_above_one_half_has_order_one() {
-    let scheme = Scheme::newmark(0.3025, 0.6).unwrap();
-    assert_eq!(scheme.order(), 1);
-    let omega = 3.0_f64;
-    let errors: Vec<f64> = [1600.0, 3200.0, 6400.0]
-        .into_iter()
-        .map(|n| {
-            let options = DynamicOptions {
-                scheme,
-                ..DynamicOptions::new(2.0, 2.0 / n)
-            };
-            let end = run(Oscillator::new(1.0, omega * omega), 1.0, 0.0, &options).state;
-            (end.q[0] - (2.0 * omega).cos()).abs()
-        })
-        .collect();
-    for slope in slopes(&errors) {
-        assert!((slope - 1.0).abs() < 0.1, "{errors:?}");
-    }
-}
-
-/// Amplification matrix of (q, h q̇, h² a) at Ω = ω h, columns by unit states.
-fn amplification(scheme: Scheme, Omega: f64) -> Matrix3<f64> {
-    let h = 0.5;
-    let mut A = Matrix3::zeros();
-    for k in 0..3 {
-        let unit = |i: usize| if i == k { 1.0 } else { 0.0 };
-        let mut system = Oscillator::new(1.0, (Omega / h).powi(2));
-        // The true acceleration is that of the equation of motion.
-        let state = State {
-            t: 2.0,
-            q: vec![unit(0)],
-            v: vec![unit(1) / h],
-            a: vec![-(Omega / h).powi(2) * unit(0)],
-            algorithmic: vec![unit(2) / (h * h)],
-        };
-        let mut progress = Progress::new(state);
-        let options = DynamicOptions {
-            scheme,
-            newton: NewtonOptions {
-                relative: 1e-14,
-                absolute: 1e-14,
-                ..NewtonOptions::default()
-            },
-            ..DynamicOptions::new(2.0 + h, h)
-        };
-        integrate(&mut system, &mut progress, &options, &mut onward).unwrap();
-        let end = progress.state;
-        A.set_column(
-            k,
-            &Vector3::new(end.q[0], h * end.v[0], h * h * end.algorithmic[0]),
-        );
-    }
-    A
-}
-
-#[test]
-fn amplification_matrices_have_the_characteristic_polynomials_of_theory() {
-    // integrators.json, "char_poly_general": undamped, W = Ω².
-    for s in schemes() {
-        for Omega in [0.1, 1.0, 3.0, 10.0] {
-            let W: f64 = Omega * Omega;
-            let Coefficients {
-                alpha_m: m,
-                alpha_f: f,
-                beta: b,
-                gamma: g,
-            } = s.coefficients().unwrap();
-            let p = [
-                1.0 - m + b * (1.0 - f) * W,
-                3.0 * m - 2.0 + W * (3.0 * f * b - f * g - 0.5 * f - 2.0 * b + g + 0.5),
-                1.0 - 3.0 * m + W * (-3.0 * f * b + 2.0 * f * g + b - g + 0.5),
-                m + W * (f * b - f * g + 0.5 * f),
-            ];
-            let A = amplification(s, Omega);
-            let minors = A[(0, 0)] * A[(1, 1)] - A[(0, 1)] * A[(1, 0)] + A[(0, 0)] * A[(2, 2)]
-                - A[(0, 2)] * A[(2, 0)]
-                + A[(1, 1)] * A[(2, 2)]
-                - A[(1, 2)] * A[(2, 1)];
-            let found = [-A.trace(), minors, -A.determinant()];
-            for k in 0..3 {
-                let gap = (found[k] - p[k + 1] / p[0]).abs();
-                assert!(gap < 1e-12 * (1.0 + W), "{s:?} at {Omega}: {gap:e}");
-            }
         }
     }
 }

@@ -2,6 +2,7 @@
 
 mod allocation;
 mod fallback;
+mod inertia;
 mod residuals;
 mod singular;
 mod solutions;

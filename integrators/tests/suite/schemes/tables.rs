@@ -1,4 +1,4 @@
-//! Words, tables, limits and local errors of the schemes.
+//! Words, tables and limits of the schemes.
 
 use pullback_integrators::dynamics::Scheme;
 use pullback_integrators::dynamics::scheme::{SCHEMES, STAGES, SchemeProperties, Stage};
@@ -42,7 +42,9 @@ fn words_make_schemes_and_schemes_say_their_words() {
         (0.25, 0.5, None),
         (0.3, 0.6, None),
     ] {
-        let claimed = Scheme::newmark(beta, gamma).unwrap().properties().limit;
+        let scheme = Scheme::newmark(beta, gamma).unwrap();
+        assert!((scheme.cubic_error() - (beta - 1.0 / 6.0)).abs() < 1e-15);
+        let claimed = scheme.properties().limit;
         let gap = claimed.zip(limit).map(|(a, b)| (a - b).abs());
         assert_eq!(claimed.is_some(), limit.is_some(), "{beta} {gamma}");
         assert!(gap.is_none_or(|gap| gap < 1e-12), "{claimed:?} {limit:?}");
@@ -77,6 +79,15 @@ fn words_that_make_none_are_refused_with_what_there_is() {
             "hht:0.3",
             &["rho of HHT (or alpha, which is not positive) = 0.3 is outside its range [0.5, 1]"],
         ),
+        (
+            "newmark:0.25:0.4",
+            &["Newmark's gamma = 0.4 is outside its range [0.5, 1]"],
+        ),
+        (
+            "newmark:0:0.5",
+            &["Newmark's beta = 0.0 is outside its range [0.01, 1]"],
+        ),
+        ("wbz:1.1", &["rho of WBZ = 1.1"]),
         ("hht:-0.1:2", &["2 numbers are given", "hht:ALPHA"]),
         ("wbz:x", &["scheme `wbz:x`: `x` is no number"]),
         (
@@ -150,42 +161,4 @@ fn spectral_radii_at_infinity_are_those_of_the_schemes() {
             "{word}: {found}"
         );
     }
-}
-
-#[test]
-fn factors_of_the_local_error_are_those_of_taylors_series() {
-    let newmark = |beta: f64| (beta - 1.0 / 6.0).abs();
-    // 1/12 + Δ²/4 with the best damping β, Δ = α_m − α_f.
-    let filtered = |delta: f64| 1.0 / 12.0 + 0.25 * delta * delta;
-    let radius = |rho: f64| filtered((rho - 1.0) / (rho + 1.0));
-    // Σ Q c of the trapezoidal rule up to γ and the differences from there, less 1/6.
-    let bathe = |g: f64| ((g * g - 2.0 * g + 2.0) / (4.0 * (2.0 - g)) - 1.0 / 6.0).abs();
-    for (word, expected) in [
-        ("newmark", 1.0 / 12.0),
-        ("newmark:0.3025:0.6", newmark(0.3025)),
-        ("newmark:0.5:0.5", newmark(0.5)),
-        ("central-difference", newmark(0.0)),
-        ("hht:-0.1", filtered(-0.1)),
-        ("hht:0.5", radius(0.5)),
-        ("wbz:0", radius(0.0)),
-        ("wbz:0.8", radius(0.8)),
-        ("ga:0", radius(0.0)),
-        ("ga:0.5", radius(0.5)),
-        ("ga:0.8", radius(0.8)),
-        ("ga:1", 1.0 / 12.0),
-        ("projected-newmark", 1.0 / 12.0),
-        ("projected-newmark:0.8", radius(0.8)),
-        ("bathe:0.5", bathe(0.5)),
-        ("bathe", bathe(2.0 - 2.0_f64.sqrt())),
-    ] {
-        let scheme: Scheme = word.parse().unwrap();
-        let found = scheme.cubic_error().abs();
-        assert!(
-            (found - expected).abs() < 1e-15,
-            "{word}: {found} {expected}"
-        );
-        assert!(scheme.estimates_error(), "{word}");
-    }
-    let radau: Scheme = "radau".parse().unwrap();
-    assert!(!radau.estimates_error(), "its error is of the fourth order");
 }

@@ -11,13 +11,17 @@ use pullback_manifold::system::{
 };
 use std::ops::ControlFlow;
 
-/// m ẍ + c ẋ + k x = p(t): r and its tangents for one coordinate.
+/// m ẍ + k x = p(t): r and its tangents for one coordinate.
+#[derive(Clone)]
 pub struct Oscillator {
     pub pattern: BlockPattern,
     pub m: f64,
     pub k: f64,
+    /// Constant load.
+    pub force: f64,
     /// Hat load: peak at t = 0.5, ends at t = 1.
     pub hat: f64,
+    pub kinks: Vec<f64>,
 }
 
 impl Oscillator {
@@ -26,12 +30,23 @@ impl Oscillator {
             pattern: BlockPattern::dense(1),
             m,
             k,
+            force: 0.0,
             hat: 0.0,
+            kinks: vec![0.0, 1.0, 0.5, 0.5],
+        }
+    }
+
+    /// A unit mass under a constant force: the schemes are exact.
+    pub fn mass(force: f64) -> Self {
+        Self {
+            force,
+            kinks: Vec::new(),
+            ..Self::new(1.0, 0.0)
         }
     }
 
     pub fn load(&self, t: f64) -> f64 {
-        self.hat * (1.0 - (2.0 * t - 1.0).abs()).max(0.0)
+        self.force + self.hat * (1.0 - (2.0 * t - 1.0).abs()).max(0.0)
     }
 }
 
@@ -75,7 +90,7 @@ impl Energetics for Oscillator {
 
 impl Events for Oscillator {
     fn kinks(&self) -> Vec<f64> {
-        vec![0.0, 1.0, 0.5, 0.5]
+        self.kinks.clone()
     }
 }
 

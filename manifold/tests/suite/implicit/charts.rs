@@ -2,24 +2,27 @@
 
 #![allow(non_snake_case, clippy::unwrap_used)]
 
-use super::motion;
+use super::linear::Linear;
+use crate::support::Circle;
 use nalgebra::{SMatrix, SVector, Vector2};
+use pullback_conformance::motion;
 use pullback_manifold::implicit::{
-    Description, Equation, Implicit, ImplicitError, ImplicitMap, Unknown,
+    Description, Equation, Equations, Implicit, ImplicitError, ImplicitMap, Unknown,
 };
 use pullback_manifold::map::{Map, MapState, Parametrization, Reparametrization};
 use pullback_manifold::scalar::Scalar;
 
 const LINKS: usize = 5;
 
-/// A chain of bars of length one between two points; the last one may be longer, and the equations
-/// may say everything twice.
+/// A chain of bars of length one between two points that are this far apart at t = 0.
 #[derive(Clone, Copy, Debug)]
-struct Chain;
+struct Chain(f64);
+
+const CHAIN: Equations<Chain> = Equations(Chain(3.0));
 
 impl Implicit<LINKS, 2> for Chain {
     fn h<S: Scalar>(&self, t: S, x: &SVector<S, LINKS>) -> SVector<S, 2> {
-        let mut end = Vector2::new(S::constant(-3.0) - t * 0.1 * t, t * 0.2);
+        let mut end = Vector2::new(S::constant(-self.0) - t * 0.1 * t, t * 0.2);
         for x in x.iter() {
             end[0] += x.cos();
             end[1] += x.sin();
@@ -34,7 +37,7 @@ struct Twice;
 
 impl Map<LINKS, 4> for Twice {
     fn phi<S: Scalar>(&self, t: S, x: &SVector<S, LINKS>) -> SVector<S, 4> {
-        let h = Chain.h(t, x);
+        let h = CHAIN.phi(t, x);
         SVector::<S, 4>::new(h[0], h[1], h[0] + h[1], h[0] - h[1])
     }
 }
@@ -135,21 +138,12 @@ fn derivatives_are_those_of_a_closed_form_with_redundant_equations() {
     }
 }
 
-/// The first bar is given from outside: (p, x) as one vector.
-#[derive(Clone, Copy)]
-struct Given;
-
-impl Map<LINKS, 2> for Given {
-    fn phi<S: Scalar>(&self, t: S, y: &SVector<S, LINKS>) -> SVector<S, 2> {
-        Chain.h(t, y)
-    }
-}
-
 #[test]
 fn parameters_are_independent_coordinates_from_outside() {
+    // The first bar is given: (p, x) as one vector.
     let x = start();
     let starts: Vec<Option<f64>> = x.iter().skip(1).copied().map(Some).collect();
-    let mut map = ImplicitMap::new(Given.boxed(), about(&starts, 2), T, &[x[0]]).unwrap();
+    let mut map = ImplicitMap::new(CHAIN.boxed(), about(&starts, 2), T, &[x[0]]).unwrap();
     assert_eq!(map.freedoms(), 2);
     let (mut q, mut v) = ([0.0, 0.0, x[0]], [0.0; 3]);
     assert!(map.switch(T, Some(&[0, 1]), &mut q, &mut v, &mut []));
@@ -228,48 +222,20 @@ fn what_does_not_close_is_named() {
     );
     assert!(error.to_string().contains('h'), "{error}");
     // Stretched out, the bars can only move sideways: the equations along them say nothing.
-    let straight = Implicitly(5.0);
+    let straight = Equations(Chain(5.0));
     let error = ImplicitMap::new(straight.boxed(), about(&[None; LINKS], 2), 0.0, &[])
         .err()
         .unwrap();
     assert!(matches!(error, ImplicitError::Singular { .. }), "{error}");
 }
 
-/// The chain over another span.
-#[derive(Clone, Copy)]
-struct Implicitly(f64);
-
-impl Map<LINKS, 2> for Implicitly {
-    fn phi<S: Scalar>(&self, _t: S, x: &SVector<S, LINKS>) -> SVector<S, 2> {
-        let mut end = Vector2::new(S::constant(-self.0), S::zero());
-        for x in x.iter() {
-            end[0] += x.cos();
-            end[1] += x.sin();
-        }
-        end
-    }
-}
-
 const ROWS: usize = 22;
 const COLUMNS: usize = ROWS + 1;
-
-/// Linear equations.
-#[derive(Clone, Copy)]
-struct Linear(SMatrix<f64, ROWS, COLUMNS>);
-
-impl Map<COLUMNS, ROWS> for Linear {
-    fn phi<S: Scalar>(&self, _t: S, x: &SVector<S, COLUMNS>) -> SVector<S, ROWS> {
-        SVector::from_fn(|i, _| {
-            let row = x.iter().enumerate().map(|(k, x)| *x * self.0[(i, k)]);
-            row.fold(S::zero(), |sum, x| sum + x)
-        })
-    }
-}
 
 /// Kahan's matrix (1966), whose columns look ever less independent one after the other and are all but
 /// dependent, with a last column that would mend this and looks smaller still. Its equations are mixed by
 /// rotations until all have the same length, which changes no column's length.
-fn kahan() -> Linear {
+fn kahan() -> Equations<Linear<COLUMNS, ROWS>> {
     let (c, s) = (0.6, 0.8_f64);
     let mut J = SMatrix::<f64, ROWS, COLUMNS>::from_fn(|i, j| {
         let entry = match j.cmp(&i) {
@@ -295,7 +261,7 @@ fn kahan() -> Linear {
         J.set_row(i, &(first * cosine + second * sine));
         J.set_row(j, &(second * cosine - first * sine));
     }
-    Linear(J)
+    Equations(Linear(J))
 }
 
 #[test]
@@ -314,21 +280,11 @@ fn where_pivoting_finds_no_good_split_the_tangent_space_is_taken() {
     assert!(by(0) < 1.001 * tangent);
 }
 
-/// A point on a circle.
-#[derive(Clone, Copy)]
-struct Circle;
-
-impl Map<2, 1> for Circle {
-    fn phi<S: Scalar>(&self, _t: S, x: &SVector<S, 2>) -> SVector<S, 1> {
-        SVector::<S, 1>::new(x[0] * x[0] + x[1] * x[1] - S::constant(1.0))
-    }
-}
-
 /// The circle at an angle, its first coordinate preferred or not.
 fn circle(angle: f64, preference: f64) -> ImplicitMap {
     let mut about = about(&[Some(angle.cos()), Some(angle.sin())], 1);
     about.unknowns[0].preference = preference;
-    ImplicitMap::new(Circle.boxed(), about, 0.0, &[]).unwrap()
+    ImplicitMap::new(Equations(Circle).boxed(), about, 0.0, &[]).unwrap()
 }
 
 #[test]

@@ -9,7 +9,7 @@ use pullback_manifold::scalar::Scalar;
 
 /// A x = 0.
 #[derive(Clone, Copy, Debug)]
-struct Linear<const X: usize, const M: usize>(SMatrix<f64, M, X>);
+pub(super) struct Linear<const X: usize, const M: usize>(pub SMatrix<f64, M, X>);
 
 impl<const X: usize, const M: usize> Implicit<X, M> for Linear<X, M> {
     fn h<S: Scalar>(&self, _t: S, x: &SVector<S, X>) -> SVector<S, M> {

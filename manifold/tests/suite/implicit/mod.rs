@@ -9,17 +9,9 @@ mod map;
 mod rank;
 mod steep;
 
-use pullback_manifold::map::Parametrization;
-
-/// x, ẋ, ẍ, B, Ḃ and B̈.
-fn motion(map: &dyn Parametrization, t: f64, motion: [&[f64]; 3]) -> [Vec<f64>; 6] {
-    let (d, n) = map.dims();
-    let mut all = [n, n, n, n * d, n * d, n * d].map(|len| vec![0.0; len]);
-    let [x, x_dot, x_ddot, B, B_dot, B_ddot] = &mut all;
-    let out = &mut [[&mut x[..], &mut B[..]], [x_dot, B_dot], [x_ddot, B_ddot]];
-    map.duplicate().evaluate(t, motion, out);
-    all
-}
+use pullback_manifold::domain::DomainError;
+use pullback_manifold::implicit::ImplicitMap;
+use pullback_manifold::map::{MapState, Order, Parametrization};
 
 /// x and B.
 fn tangent(map: &dyn Parametrization, t: f64, q: &[f64]) -> [Vec<f64>; 2] {
@@ -33,4 +25,38 @@ fn gap(a: &[f64], b: &[f64]) -> f64 {
     assert_eq!(a.len(), b.len());
     let gaps = a.iter().zip(b).map(|(a, b)| (a - b).abs());
     gaps.fold(0.0, |most, gap| if most > gap { most } else { gap })
+}
+
+/// A solved constraint with factors at Ḃ and K_σ.
+#[derive(Clone)]
+struct Planted {
+    map: ImplicitMap,
+    B_dot: f64,
+    K: f64,
+}
+
+impl Parametrization for Planted {
+    fn dims(&self) -> (usize, usize) {
+        self.map.dims()
+    }
+
+    fn domain(&mut self, t: f64, q: &[f64]) -> Result<f64, DomainError> {
+        self.map.domain(t, q)
+    }
+
+    fn state(&mut self) -> Option<&mut dyn MapState> {
+        Some(&mut self.map)
+    }
+
+    fn evaluate(&mut self, t: f64, motion: [&[f64]; 3], out: &mut [Order<'_>]) {
+        self.map.evaluate(t, motion, out);
+        if let [_, [_, B_dot], _] = out {
+            B_dot.iter_mut().for_each(|b| *b *= self.B_dot);
+        }
+    }
+
+    fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
+        self.map.geometric_stiffness(t, q, f, K);
+        K.iter_mut().for_each(|k| *k *= self.K);
+    }
 }

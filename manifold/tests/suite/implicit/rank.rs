@@ -4,6 +4,7 @@
 
 use super::map::{FourBar, GRASHOF};
 use super::tangent;
+use crate::support::Circle;
 use nalgebra::SVector;
 use pullback_conformance as check;
 use pullback_manifold::domain::DomainError;
@@ -118,16 +119,6 @@ fn an_equation_that_follows_no_more_is_found_by_its_ninth_digit() {
         let mut map = ImplicitMap::of(Loosens(off), 1, 0.0, [0.0; 2], Choice::Split).unwrap();
         assert!(map.domain(0.0, &[0.1]).is_ok());
         assert_eq!(map.domain(1.0, &[0.1]).is_ok(), holds, "{off}");
-    }
-}
-
-/// A point on a circle.
-#[derive(Clone, Copy, Debug)]
-struct Circle;
-
-impl Implicit<2, 1> for Circle {
-    fn h<S: Scalar>(&self, _t: S, x: &SVector<S, 2>) -> SVector<S, 1> {
-        SVector::<S, 1>::new(x[0] * x[0] + x[1] * x[1] - S::constant(1.0))
     }
 }
 

@@ -2,20 +2,11 @@
 
 #![allow(non_snake_case)]
 
-use nalgebra::{SVector, Vector1};
-use pullback_manifold::implicit::{Choice, Description, Equation, Implicit, ImplicitMap, Unknown};
+use crate::support::Circle;
+use nalgebra::Vector1;
+use pullback_manifold::implicit::{Choice, Description, Equation, ImplicitMap, Unknown};
 use pullback_manifold::map::{Linear, Map, MapGraph, MapState, Parametrization, Read};
 use pullback_manifold::scalar::Scalar;
-
-/// The unit circle.
-#[derive(Clone)]
-struct Circle;
-
-impl Implicit<2, 1> for Circle {
-    fn h<S: Scalar>(&self, _t: S, x: &SVector<S, 2>) -> SVector<S, 1> {
-        Vector1::new(x[0] * x[0] + x[1] * x[1] - 1.0)
-    }
-}
 
 /// The ordinate of a point on the unit circle, less 0.8, of its abscissa.
 fn ordinate(choice: Choice) -> MapGraph {

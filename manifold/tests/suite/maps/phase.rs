@@ -2,7 +2,6 @@
 
 #![allow(non_snake_case)]
 
-use nalgebra::SVector;
 use pullback_manifold::jet::{Grad, Phase};
 use pullback_manifold::scalar::Scalar;
 
@@ -67,18 +66,4 @@ fn a_phase_is_what_nested_gradients_are() {
     assert_eq!(gradient.value, found.value);
     assert_eq!(gradient.x, found.x);
     assert_eq!(gradient.v, found.v);
-}
-
-#[test]
-fn vectors_are_turned_as_by_their_matrices() {
-    use nalgebra::Vector3;
-    use pullback_manifold::quotients::TangentQuotients;
-    use pullback_manifold::so3;
-    let psi = Vector3::new(1.0, -2.0, 2.4);
-    let a = SVector::<f64, 3>::new(0.3, 0.8, -0.5);
-    let c = TangentQuotients::new(psi.dot(&psi));
-    assert!((so3::turned(&psi, &a, &c) - so3::rotation(&psi) * a).norm() < 1e-15);
-    let back = so3::rotation(&psi).tr_mul(&a);
-    assert!((so3::turned(&-psi, &a, &c) - back).norm() < 1e-15);
-    assert!((so3::spun(&psi, &a, &c) - so3::tangent(&psi) * a).norm() < 1e-15);
 }

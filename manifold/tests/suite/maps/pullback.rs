@@ -195,28 +195,6 @@ fn forces(positions: &mut [Position], s: &TestState) -> Forces {
 }
 
 #[test]
-fn the_toy_residual_is_right() {
-    check::forces("toy", N, false, |s| {
-        let zero = DVector::zeros(N);
-        let (v, a) = if s.is_static() {
-            (&zero, &zero)
-        } else {
-            (&s.v, &s.a)
-        };
-        let [K, C, M] = tangents(&s.x, v, a);
-        Some(Forces {
-            r: residual(&s.x, v, a),
-            K,
-            C: Some(C),
-            M: Some(M),
-            r_t: None,
-            energy: None,
-        })
-    })
-    .assert();
-}
-
-#[test]
 fn tangents_of_the_pulled_back_residual() {
     let mut positions = positions();
     let states: Vec<_> = check::states(11)

@@ -6,6 +6,7 @@ pub mod double_double;
 
 use nalgebra::{SMatrix, SVector, Vector3};
 use pullback_manifold::domain::{CHART_EDGE, DomainError};
+use pullback_manifold::implicit::Implicit;
 use pullback_manifold::map::Map;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;
@@ -47,6 +48,16 @@ impl Map<4, 3> for Revolute {
     }
 }
 
+/// A point on the unit circle.
+#[derive(Clone, Copy, Debug)]
+pub struct Circle;
+
+impl Implicit<2, 1> for Circle {
+    fn h<S: Scalar>(&self, _t: S, x: &SVector<S, 2>) -> SVector<S, 1> {
+        SVector::<S, 1>::new(x[0] * x[0] + x[1] * x[1] - S::one())
+    }
+}
+
 /// The rows of a section of the reference tensors.
 pub fn reference(section: &str) -> Vec<Value> {
     let path = concat!(
@@ -55,7 +66,9 @@ pub fn reference(section: &str) -> Vec<Value> {
     );
     let text = std::fs::read_to_string(path).expect("reference file");
     let data: Value = serde_json::from_str(&text).expect("valid JSON");
-    data[section].as_array().expect("rows").clone()
+    let rows = data[section].as_array().expect("rows").clone();
+    assert_eq!(rows.len(), 4);
+    rows
 }
 
 pub fn vector<const N: usize>(v: &Value) -> SVector<f64, N> {
@@ -76,7 +89,7 @@ pub fn relative<const R: usize, const C: usize>(
     expected: &SMatrix<f64, R, C>,
     tolerance: f64,
 ) {
-    let error = (found - expected).amax() / expected.amax();
+    let error = (found - expected).amax() / expected.amax().max(f64::MIN_POSITIVE);
     assert!(
         error <= tolerance,
         "{name}: {error:e}\n{found:e}{expected:e}"
