@@ -243,6 +243,11 @@ fn equilibrium(by: Closure) -> (f64, Vector2<f64>) {
 fn a_loop_in_equilibrium_all_three_ways() {
     let (crank, force) = equilibrium(Closure::Map);
     assert!((crank - CRANK_START).abs() > 0.05, "it hardly moves");
+    // The slope of the potential over its curvature is how far the crank is off.
+    let bars = by_crank(crank);
+    let twist = bars[2] - closed_form(CRANK_START)[1];
+    let V = potential(bars) + twist * twist * (0.5 * 300.0);
+    assert!((V.x[1] / V.x[2]).abs() < 1e-8, "{V:?}");
     // The rocker in balance about its foot: r × F + (r/2) × weight = k times its turn.
     let [_, rocker] = closed_form(crank);
     let turn = rocker - closed_form(CRANK_START)[1];

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::support::dynamics::*;
+use crate::support::loops::gap;
 use pullback::input::assemble_text;
 use pullback::integrators::dynamics::Scheme;
 use pullback::studies::gallery::MODELS;
@@ -70,11 +71,6 @@ fn end(run: &Run, words: &str, step: f64) -> (Vec<f64>, usize) {
     (positions, unknowns)
 }
 
-fn apart(a: &[f64], b: &[f64]) -> f64 {
-    let both = a.iter().zip(b);
-    both.fold(0.0, |m, (a, b)| f64::max(m, (a - b).abs()))
-}
-
 #[test]
 fn every_mechanism_moves_alike_however_its_loops_are_closed() {
     for run in RUNS {
@@ -83,15 +79,15 @@ fn every_mechanism_moves_alike_however_its_loops_are_closed() {
             .map(|words| [*h, 0.5 * h].map(|h| end(run, words, h)));
         let [map, other] = &methods;
         assert!(other[0].1 > map[0].1, "{name} has multipliers");
-        let steps = methods.each_ref().map(|m| apart(&m[0].0, &m[1].0));
+        let steps = methods.each_ref().map(|m| gap(&m[0].0, &m[1].0));
         let [map, other] = methods.each_ref().map(|[coarse, fine]| -> Vec<f64> {
             let both = coarse.0.iter().zip(&fine.0);
             both.map(|(c, f)| f + (f - c) / 3.0).collect()
         });
-        let limits = apart(&map, &other);
+        let limits = gap(&map, &other);
         let words =
             format!("closure = \"penalty\"\npenalty = {penalty}\npenalty_damping = {damping}");
-        let soft = apart(&end(run, &words, 0.5 * h).0, &methods[1][1].0);
+        let soft = gap(&end(run, &words, 0.5 * h).0, &methods[1][1].0);
         println!("{name}: steps {steps:?}, limits apart {limits:e}, penalty {soft:e}");
         // Of order two, all of them: what is left without steps is a hundredth of what the steps cost.
         assert!(steps[0].min(steps[1]) > 1e-9, "{name} moves: {steps:?}");

@@ -1,13 +1,11 @@
-//! The word `closure` in model files: three methods for one file, what the program says, refuses and
-//! takes up again.
+//! The word `closure` in model files: three methods for one file, what the program says and refuses.
 #![allow(clippy::unwrap_used)]
 
+use crate::support::closures::{arm, body, hinge};
 use crate::support::program::{
-    check, directory, history, number, program, read, recorded, refusal, succeeded, write,
+    check, directory, history, number, program, recorded, refusal, succeeded, write,
 };
 use pullback::input::assemble_text;
-use pullback::run::{resume, run};
-use std::ops::ControlFlow;
 
 const FOUR_BAR: &str = include_str!("../../../examples/models/four_bar.toml");
 const CHILD: &str = "child = \"rocker tip\"";
@@ -203,96 +201,24 @@ fn a_penalty_that_drowns_the_model_gets_a_word() {
     }
 }
 
-#[test]
-fn a_resumed_run_with_multipliers_gives_the_same_bits() {
-    let text = closed_by("closure = \"multipliers\"")
-        .replace("to = 0.5", "to = 0.2\ncheckpoint_every = 50");
-    let [straight, broken] = ["closures-straight", "closures-broken"].map(directory);
-    let go_on = |_: &pullback::solve::Advance<'_>| ControlFlow::Continue(());
-    run(&write(&straight, &text), None, &mut { go_on }).unwrap();
-    let model = write(&broken, &text);
-    let mut steps = 0;
-    run(&model, None, &mut |_| {
-        steps += 1;
-        if steps < 110 {
-            ControlFlow::Continue(())
-        } else {
-            ControlFlow::Break(())
-        }
-    })
-    .unwrap();
-    resume(&model, None, &mut { go_on }).unwrap();
-    let csv = [&straight, &broken].map(|out| read(out.join("model.out/history.csv")));
-    assert!(csv[0] == csv[1], "history.csv differs");
-}
-
-#[test]
-fn the_conformance_kit_passes_models_with_multipliers_and_penalties() {
-    let penalty = "closure = \"penalty\"\npenalty = 50\npenalty_damping = 0.2";
-    for words in ["closure = \"multipliers\"", penalty] {
-        let mut job = assemble_text("model.toml", &closed_by(words)).unwrap();
-        let report = pullback::check::job(&mut job, 0);
-        let table = pullback::check::table(&report);
-        assert!(table.contains("closure of C"), "{table}");
-        assert!(report.failures().is_empty(), "{words}\n{table}");
-    }
-}
-
 /// A double pendulum whose second body flies freely but for a joint.
-const FLYING: &str = r#"
-[nodes]
-ground = [0, 0, 0]
-free = [1.7, 0, 0]
-
-[[joints]]
-name = "A"
-type = "revolute"
-parent = "ground"
-axis = [0, 0, 1]
-
-[[joints]]
-name = "arm"
-type = "offset"
-parent = "A"
-position = [1, 0, 0]
-
-[[joints]]
-name = "P"
-type = "revolute"
-parent = "arm"
-axis = [0, 0, 1]
-{closed}
-
-[[bodies]]
-name = "first"
-node = "A"
-mass = 2
-center = [0.5, 0, 0]
-inertia = [0.01, 0.2, 0.2]
-
-[[bodies]]
-name = "second"
-node = "free"
-mass = 1
-inertia = [0.01, 0.1, 0.1]
-
-[[supports]]
-node = "ground"
-fix = "all"
-
-[[loads]]
-gravity = [0, -9.81, 0]
-
-[analysis.dynamic]
-to = 1
-step = {step}
-scheme = { generalised-alpha = 0.8 }
-
-[[probes]]
-name = "body"
-quantity = "position"
-node = "free"
-"#;
+fn flying(closed: &str, step: &str) -> String {
+    [
+        "[nodes]\nground = [0, 0, 0]\nfree = [1.7, 0, 0]\n\
+         [[supports]]\nnode = \"ground\"\nfix = \"all\"\n\
+         [[loads]]\ngravity = [0, -9.81, 0]\n",
+        &hinge("A", "ground", ""),
+        &arm("arm", "A", [1.0, 0.0, 0.0]),
+        &hinge("P", "arm", closed),
+        &body("arm"),
+        &body("free"),
+        &format!(
+            "[analysis.dynamic]\nto = 1\nstep = {step}\nscheme = {{ generalised-alpha = 0.8 }}\n"
+        ),
+        "[[probes]]\nname = \"body\"\nquantity = \"position\"\nnode = \"free\"\n",
+    ]
+    .concat()
+}
 
 #[test]
 fn bodies_that_fly_are_linked() {
@@ -302,8 +228,7 @@ fn bodies_that_fly_are_linked() {
     let tree = "\n[[joints]]\nname = \"rod\"\ntype = \"offset\"\nparent = \"P\"\n\
                 position = [1.7, 0, 0]\nchild = \"free\"";
     let end = |closed: &str, step: &str| {
-        let text = FLYING.replace("{closed}", closed).replace("{step}", step);
-        let rows = recorded("closures-flying", &text);
+        let rows = recorded("closures-flying", &flying(closed, step));
         ["body.x", "body.y"].map(|k| number(rows.last().unwrap(), k))
     };
     let gaps = ["0.004", "0.002", "0.001"].map(|step| {
@@ -315,8 +240,7 @@ fn bodies_that_fly_are_linked() {
     }
     assert!(gaps[2] < 1e-5, "{gaps:?}");
     // No map closes that.
-    let text = FLYING.replace("{step}", "0.001");
     let map = format!("child = \"tip\"\n\n{tip}");
-    let said = refusal(&text.replace("{closed}", &map)).to_string();
+    let said = refusal(&flying(&map, "0.001")).to_string();
     assert!(said.contains("joint P") && said.contains("free"), "{said}");
 }

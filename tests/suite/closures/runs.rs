@@ -1,4 +1,4 @@
-//! Flexible loops, changes of chart and drives that jump: multipliers and penalties against the map.
+//! Changes of chart and drives that jump: multipliers against the map.
 
 #![allow(non_snake_case, clippy::unwrap_used)]
 
@@ -9,76 +9,8 @@ use crate::support::loops::*;
 use nalgebra::Vector3;
 use pullback::elements::model::{BEFORE_START, Closure, Context, ModelBuilder};
 use pullback::elements::time::Table;
-use pullback::input::assemble_text;
 use pullback::integrators::dynamics::Scheme;
-use pullback::manifold::system::{Evaluation, System};
-
-// Flexible -------------------------------------------------------------------------------------
-
-const FLEXIBLE: &str = include_str!("../../../examples/models/four_bar_flexible.toml");
-
-/// The flexible linkage under weights that come at once, with other words in its file, for 0.6 s: crank, tip, and the pin's force.
-fn flexible(words: &str, step: f64) -> Vec<f64> {
-    let text = FLEXIBLE.replace(
-        "child = \"coupler tip\"",
-        &format!("child = \"coupler tip\"\n{words}"),
-    );
-    let mut job = assemble_text("flexible.toml", &text).unwrap();
-    let options = tight(Scheme::chung_hulbert(0.3).unwrap(), 0.6, step);
-    let [tip, pin] = ["coupler tip", "C"].map(|n| job.context.find(n).unwrap());
-    let start = [&job.start.q[..], &job.start.v[..]];
-    let mut out = Vec::new();
-    observed(&mut job.context, start, &options, &mut |model, step| {
-        let s = &step.progress.state;
-        let at = point(s);
-        let mut r = vec![0.0; s.q.len()];
-        model.evaluate(at, Evaluation::residual(&mut r)).unwrap();
-        let state = model.node_state(tip);
-        let force = model.joint_force(pin).unwrap()[0];
-        out = [state.position, state.velocity, force]
-            .iter()
-            .flat_map(|x| x.iter().copied())
-            .collect();
-    });
-    out
-}
-
-#[test]
-fn a_flexible_loop_all_three_ways() {
-    let apart = |a: &[f64], b: &[f64]| -> Vec<f64> {
-        (0..3)
-            .map(|k| gap(&a[3 * k..3 * k + 3], &b[3 * k..3 * k + 3]))
-            .collect()
-    };
-    let names = ["position", "velocity", "force"];
-    // Different coordinates are integrated: the methods differ by a small part of the steps' error.
-    let by = |words: &str, h: f64| flexible(words, h);
-    let [map, other] = ["", "closure = \"multipliers\""].map(|words| by(words, 2e-3));
-    let finer = by("closure = \"multipliers\"", 1e-3);
-    let (methods, steps) = (apart(&map, &other), apart(&other, &finer));
-    println!("flexible: methods {methods:?} apart, steps {steps:?}");
-    assert!(steps[0] > 1e-8, "{}", steps[0]);
-    for k in 0..3 {
-        assert!(
-            methods[k] < 0.1 * steps[k],
-            "{}: {methods:?} {steps:?}",
-            names[k]
-        );
-    }
-    let limit = flexible("closure = \"multipliers\"", 1e-3);
-    let all: Vec<Vec<f64>> = [1e7, 2e7, 4e7]
-        .iter()
-        .map(|p| {
-            let words = format!("closure = \"penalty\"\npenalty = {p}\npenalty_damping = 1e-3");
-            let errors = apart(&flexible(&words, 1e-3), &limit);
-            println!("flexible, penalty {p}: {errors:?}");
-            errors
-        })
-        .collect();
-    assert_slopes("penalty", &names, &all, 1.0, 0.15);
-}
-
-// Charts, drives, steps ------------------------------------------------------------------------
+use pullback::manifold::system::System;
 
 #[test]
 fn multipliers_go_through_changes_of_chart() {

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::support::comparisons;
+use crate::support::dynamics::slopes;
 use crate::support::laboratory::options;
 use pullback::studies::compare::{Comparison, ComparisonOptions, ComparisonRow, ErrorQuantity};
 
@@ -50,10 +51,6 @@ fn errors(rows: &[ComparisonRow], scheme: &str) -> Vec<f64> {
     let own = rows.iter().filter(|row| row.scheme == scheme);
     own.map(|row| row.error.unwrap().of(ErrorQuantity::Rotation))
         .collect()
-}
-
-fn slopes(errors: &[f64]) -> Vec<f64> {
-    errors.windows(2).map(|e| (e[0] / e[1]).log2()).collect()
 }
 
 /// About a fixed axis the other chart has the same coordinate less 2π, which no scheme sees.

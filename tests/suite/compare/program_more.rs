@@ -319,7 +319,7 @@ fn the_command_runs_on_every_model_of_the_gallery_that_moves() {
         let steps = format!("{},{step}", 2.0 * step);
         let asked = [
             "--schemes",
-            "newmark,ga:0.8,lie-ga:0.8",
+            "newmark,ga:0.8,projected-newmark:0.8,bathe,lie-ga:0.8",
             "--steps",
             &steps,
             "-q",
@@ -336,7 +336,8 @@ fn the_command_runs_on_every_model_of_the_gallery_that_moves() {
             }
         };
         assert_eq!(json["complete"], true, "{name}");
-        for row in rows(&json, "ga:0.8") {
+        let damped = ["ga:0.8", "projected-newmark:0.8", "bathe"];
+        for row in damped.iter().flat_map(|scheme| rows(&json, scheme)) {
             assert!(row["failure"].is_null(), "{name}: {row}");
             assert!(row["error"]["energy"].as_f64().is_some(), "{name}: {row}");
         }

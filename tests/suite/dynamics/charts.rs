@@ -203,22 +203,6 @@ fn about_a_fixed_axis_histories_agree_to_round_off() {
 }
 
 #[test]
-fn in_space_histories_agree_to_the_order_of_the_scheme() {
-    for scheme in second_order() {
-        let to = 0.8;
-        let differences = |other: &dyn Fn(usize) -> Vec<NodeState>| -> Vec<Vec<f64>> {
-            [160, 320, 640]
-                .map(|n| distances(&spatial().changed(scheme, to, n, None), &other(n)).to_vec())
-                .to_vec()
-        };
-        let started = differences(&|n| spatial().complement().changed(scheme, to, n, None));
-        let midway = differences(&|n| spatial().changed(scheme, to, n, Some(n / 2)));
-        assert_slopes("other chart", &QUANTITIES, &started, 2.0, 0.1);
-        assert_slopes("changed midway", &QUANTITIES, &midway, 2.0, 0.1);
-    }
-}
-
-#[test]
 fn nothing_in_space_jumps_at_a_change() {
     for problem in [spatial, || beam([0.3, 0.8, -1.0], [1.0, -0.5, 3.0])] {
         let Problem {

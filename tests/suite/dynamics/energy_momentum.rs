@@ -313,31 +313,6 @@ fn a_heavy_top_keeps_energy_and_vertical_momentum() {
 }
 
 #[test]
-fn a_free_body_keeps_energy_and_momenta() {
-    // About the axis of the middle moment of inertia, from which it tumbles again and again. All its
-    // velocities are rigid: only a turn can mend its energy.
-    let mut b = ModelBuilder::new();
-    let node = b.node("body", [0.0; 3]).unwrap();
-    let J = Matrix3::from_diagonal(&Vector3::new(0.3, 0.25, 0.1));
-    let free = RigidBody::new(1.0, J, [0.0, 0.1, 0.0].into()).unwrap();
-    b.element("body", free, &[node]).unwrap();
-    let mut context = Context::new(b.build().unwrap());
-    let mut v = vec![0.0; 6];
-    let motion = RigidMotion {
-        omega: Vector3::new(0.3, 3.0, 0.2),
-        velocity: Vector3::new(0.1, 0.0, 0.3),
-        ..RigidMotion::default()
-    };
-    context.set_velocity(&[0.0; 6], &mut v, None, &motion);
-    let start = at_start(&mut context, &v);
-    let (kept, _) = run(&mut context, &v, &options(em(), 60.0, 3000), start, ALL);
-    assert!(
-        kept[0] < 1e-12 && kept[1] < 1e-12 && kept[2] < 1e-11,
-        "{kept:?}"
-    );
-}
-
-#[test]
 fn constant_loads_change_momentum_by_their_impulse() {
     let push = |b: &mut ModelBuilder, ends: [NodeId; 2]| {
         weight(b, ends);

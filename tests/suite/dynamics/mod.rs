@@ -10,7 +10,6 @@ mod joints;
 mod kinks;
 mod newton;
 mod order;
-mod reference;
 mod tsitouras;
 mod twist;
 mod waves;

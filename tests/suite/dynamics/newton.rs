@@ -15,9 +15,9 @@
 
 use crate::support::beams;
 use crate::support::dynamics::*;
-use nalgebra::{Matrix3, SVector, Vector3};
+use nalgebra::{Matrix3, Vector3};
 use pullback::elements::beam::Section;
-use pullback::elements::joint::{Joint, JointCoordinate, Pose, Revolute};
+use pullback::elements::joint::{Curve, Helical, OnCurve, Planar, Revolute};
 use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId};
 use pullback::elements::time::Sine;
 use pullback::integrators::dynamics::{
@@ -25,60 +25,17 @@ use pullback::integrators::dynamics::{
 };
 use pullback::integrators::statics::Iteration;
 use pullback::manifold::scalar::Scalar;
-use pullback::manifold::so3::Quaternion;
 use pullback::manifold::sparse::BlockPattern;
-use pullback::manifold::system::{Evaluation, Point, Quantity, Scales, System, SystemError};
-use std::f64::consts::FRAC_PI_2;
+use pullback::manifold::system::{Evaluation, Point, Scales, System, SystemError};
+use std::f64::consts::{FRAC_PI_2, TAU};
 use std::ops::ControlFlow;
 
-/// Joints by their maps alone, as a user writes them; those of the examples.
 #[derive(Clone)]
-struct Screw;
+struct Coil;
 
-impl Joint<1> for Screw {
-    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 1>) -> Pose<S> {
-        let axis = Vector3::new(0.6, 0.0, 0.8);
-        Pose::identity()
-            .translated(&(axis.map(S::constant) * (q[0] * 0.3)))
-            .rotated(&Quaternion::about(&axis, q[0]))
-    }
-
-    fn coordinates(&self) -> [JointCoordinate; 1] {
-        [("angle", Quantity::Angle)]
-    }
-}
-
-#[derive(Clone)]
-struct PinInSlot;
-
-impl Joint<2> for PinInSlot {
-    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 2>) -> Pose<S> {
-        let (along, pin) = (Vector3::new(0.6, 0.0, 0.8), Vector3::new(-0.8, 0.0, 0.6));
-        Pose::identity()
-            .translated(&(along.map(S::constant) * q[0]))
-            .rotated(&Quaternion::about(&pin, q[1]))
-    }
-
-    fn coordinates(&self) -> [JointCoordinate; 2] {
-        [
-            ("displacement", Quantity::Length),
-            ("angle", Quantity::Angle),
-        ]
-    }
-}
-
-#[derive(Clone)]
-struct PointOnCurve;
-
-impl Joint<1> for PointOnCurve {
-    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 1>) -> Pose<S> {
-        let s = q[0];
-        Pose::identity()
-            .translated(&Vector3::new(s.sin(), -s.cos() + 1.0, s * 0.75).map(|x| x * 0.8))
-    }
-
-    fn coordinates(&self) -> [JointCoordinate; 1] {
-        [("displacement", Quantity::Length)]
+impl Curve for Coil {
+    fn at<S: Scalar>(&self, s: S) -> Vector3<S> {
+        Vector3::new(s.sin(), -s.cos() + 1.0, s * 0.75).map(|x| x * 0.8)
     }
 }
 
@@ -91,9 +48,15 @@ const HINGE: Hang = |b, on| {
         .frame
 };
 const DERIVED: [Hang; 3] = [
-    |b, on| b.attach("screw", on, Screw).unwrap().frame,
-    |b, on| b.attach("slot", on, PinInSlot).unwrap().frame,
-    |b, on| b.attach("curve", on, PointOnCurve).unwrap().frame,
+    |b, on| {
+        let screw = Helical::new([0.6, 0.0, 0.8], 0.3 * TAU).unwrap();
+        b.attach("screw", on, screw).unwrap().frame
+    },
+    |b, on| {
+        let plane = Planar::new([-0.8, 0.0, 0.6], [0.6, 0.0, 0.8]).unwrap();
+        b.attach("plane", on, plane).unwrap().frame
+    },
+    |b, on| b.attach("curve", on, OnCurve::new(Coil)).unwrap().frame,
 ];
 
 /// A flexible beam from a support that is thrown into motion; at its end a rigid link, on that a

@@ -4,7 +4,7 @@
 
 #![allow(non_snake_case, clippy::unwrap_used)]
 
-use crate::support::dynamics::{slopes, tight};
+use crate::support::dynamics::*;
 use nalgebra::{Matrix3, Matrix6, Vector3};
 use pullback::elements::beam::Interpolation;
 use pullback::elements::body::RigidBody;
@@ -12,6 +12,7 @@ use pullback::elements::spring::Bushing;
 use pullback::elements::time::Sine;
 use pullback::integrators::dynamics::{Progress, Scheme, integrate, start};
 use pullback::integrators::statics::{StaticsError, solve_statics};
+use pullback::manifold::so3;
 use pullback::manifold::system::{Charts, System};
 use pullback::prelude::*;
 use std::f64::consts::{PI, TAU};
@@ -82,10 +83,7 @@ fn energy(by: By, base: f64, twist: f64, steps: usize) -> Result<f64, StaticsErr
     b.prescribe(root, Dof::RX, Proportional(base));
     b.prescribe(tip, Dof::RX, Proportional(base + twist));
     let mut context = Context::new(b.build().unwrap());
-    let mut q = Vec::new();
-    solve_statics(&mut context, &mut q, &options(steps), &mut |_, _| {
-        ControlFlow::Continue(())
-    })?;
+    equilibrium(&mut context, &options(steps))?;
     Ok(context.strain_energy(1.0))
 }
 
@@ -208,7 +206,7 @@ fn a_disk_swings_by_nearly_a_turn_on_one_element() {
             let mut go = |progress: &mut Progress, context: &mut Context| {
                 integrate(context, progress, &options, &mut |context, step| {
                     let state = &step.progress.state;
-                    crate::support::dynamics::configure(context, state);
+                    configure(context, state);
                     let theta = 5.5 * (omega * state.t).sin();
                     let found = (2.0 * context.strain_energy(state.t) / GJ).sqrt();
                     errors = errors.max((found - theta.abs()).abs());
@@ -236,5 +234,42 @@ fn a_disk_swings_by_nearly_a_turn_on_one_element() {
         }
         // At the seventieth of 400 steps the disk has turned by 4.5 rad.
         assert_eq!(run(400, Some(70)), errors[2], "{by:?}");
+    }
+}
+
+#[test]
+fn a_bushing_between_frames_that_both_turn_many_times() {
+    // Behind a driven shaft of angle W t a disk starts with the rate W + A ω: its angle is W t + A sin ωt.
+    let (W, A, k, inertia, to) = (3.0, 2.0, 0.7, 0.1_f64, 6.0);
+    let omega = (k / inertia).sqrt();
+    let errors = [600, 1200, 2400].map(|n| {
+        let (mut b, ground) = grounded();
+        let [shaft, disk] =
+            ["shaft", "disk"].map(|name| revolute(&mut b, name, ground, [1.0, 2.0, 2.0]));
+        b.prescribe_coordinate(shaft.coordinates[0], 0, Proportional(W));
+        let J = Matrix3::identity() * inertia;
+        let body = RigidBody::new(1.0, J, Vector3::zeros()).unwrap();
+        b.element("disk", body, &[disk.frame]).unwrap();
+        let K = Matrix6::from_diagonal(&[1.0, 1.0, 1.0, k, k, k].into());
+        let ends = [Vector3::zeros(); 2];
+        let coupling = Bushing::new(&ends, &Matrix3::identity(), &K, &Matrix6::zeros()).unwrap();
+        b.element("coupling", coupling, &[shaft.frame, disk.frame])
+            .unwrap();
+        let mut context = Context::new(b.build().unwrap());
+        let options = tight(Scheme::default(), to, to / f64::from(n));
+        let start = [&[0.0][..], &[W + A * omega]];
+        let mut error = 0.0_f64;
+        observed(&mut context, start, &options, &mut |context, step| {
+            let t = step.progress.state.t;
+            let [angle, _] = context.coordinate(disk.coordinates[0], 0).unwrap();
+            let turned = so3::rotation(&(Vector3::new(1.0, 2.0, 2.0) * (angle / 3.0)));
+            assert!((context.node_state(disk.frame).R - turned).amax() < 1e-13);
+            error = error.max((angle - W * t - A * (omega * t).sin()).abs());
+        });
+        error
+    });
+    assert!(W * to - A > 2.0 * TAU, "both turn more than twice");
+    for slope in slopes(&errors) {
+        assert!((slope - 2.0).abs() < 0.05, "{errors:?}");
     }
 }

@@ -3,6 +3,5 @@
 mod charts;
 mod exact;
 mod lie_group;
-mod order;
 mod page;
 mod spin_vectors;

@@ -3,19 +3,17 @@
 
 #![allow(clippy::unwrap_used)]
 
-use crate::support::dynamics::{assert_slopes, configure, grounded, point, revolute, sine, tight};
+use crate::support::dynamics::{assert_slopes, grounded, observed, point, revolute, sine, tight};
 use nalgebra::Matrix3;
 use pullback::elements::joint::{
     ConstantVelocity, Curve, Cylindrical, Helical, OnCurve, OnSurface, Planar, Prismatic, Revolute,
     Spherical, Surface, Universal,
 };
 use pullback::elements::time::TimeFunction;
-use pullback::integrators::dynamics::{Progress, StepReport, integrate};
 use pullback::manifold::so3;
 use pullback::manifold::system::Point;
 use pullback::manifold::system::{Evaluation, System};
 use pullback::prelude::*;
-use std::ops::ControlFlow;
 
 const MASS: f64 = 2.0;
 
@@ -161,17 +159,14 @@ fn a_carriage_on_a_driven_boom_is_flung_and_pulls_at_the_drive() {
             b.element("mass", PointMass::new(MASS).unwrap(), &[boom.frame])
                 .unwrap();
             let mut context = Context::new(b.build().unwrap());
-            let mut progress = Progress::new(start(&context, 0.0, &[first], &[0.0]).unwrap());
             let options = tight(Scheme::newmark(0.25, 0.5).unwrap(), to, to / steps as f64);
-            let go_on = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
-            integrate(&mut context, &mut progress, &options, go_on).unwrap();
-            configure(&mut context, &progress.state);
+            let run = observed(&mut context, [&[first], &[0.0]], &options, &mut |_, _| ());
             // r̈ = Ω² r, and the moment of the drive is the rate of m r² Ω.
             let (r, rate) = (
                 first * (omega * to).cosh(),
                 first * omega * (omega * to).sinh(),
             );
-            let state = &progress.state;
+            let state = &run.state;
             let at = point(state);
             context
                 .evaluate(at, Evaluation::residual(&mut [0.0]))

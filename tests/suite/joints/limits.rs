@@ -227,20 +227,11 @@ fn a_spring_along_a_line_lets_its_nodes_turn() {
     let mut context = Context::new(b.build().unwrap());
     let (q, mut v) = (vec![0.0; 6], vec![0.0; 6]);
     v[5] = rate;
-    let mut progress = Progress::new(start(&context, 0.0, &q, &v).unwrap());
     let options = tight(Scheme::default(), to, 0.01);
-    integrate(
-        &mut context,
-        &mut progress,
-        &options,
-        &mut |context, step| {
-            configure(context, &step.progress.state);
-            let now = context.node_state(end);
-            let turned = so3::rotation(&Vector3::new(0.0, 0.0, rate * step.progress.state.t));
-            assert!((now.R - turned).norm() < 1e-9 && now.d.norm() < 1e-12);
-            ControlFlow::Continue(())
-        },
-    )
-    .unwrap();
-    assert_eq!(progress.state.t, to);
+    let run = observed(&mut context, [&q, &v], &options, &mut |context, step| {
+        let now = context.node_state(end);
+        let turned = so3::rotation(&Vector3::new(0.0, 0.0, rate * step.progress.state.t));
+        assert!((now.R - turned).norm() < 1e-9 && now.d.norm() < 1e-12);
+    });
+    assert_eq!(run.state.t, to);
 }

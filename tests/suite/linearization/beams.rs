@@ -3,6 +3,7 @@
 
 use crate::support::beams::straight;
 use nalgebra::{Matrix3, Matrix4};
+use pullback::elements::beam::Damping;
 use pullback::integrators::linearization::{
     Linearized, ModeOptions, Modes, Selection, linearize, modes,
 };
@@ -18,6 +19,7 @@ pub struct Beam {
     pub EI: [f64; 2],
     pub A_rho: f64,
     pub I_rho: [f64; 2],
+    pub damping: Damping,
 }
 
 pub const BEAM: Beam = Beam {
@@ -27,16 +29,19 @@ pub const BEAM: Beam = Beam {
     EI: [1.0, 1.7],
     A_rho: 1.0,
     I_rho: [2.5e-3, 4.25e-3],
+    damping: Damping {
+        mass: 0.0,
+        stiffness: 0.0,
+    },
 };
 
 impl Beam {
     pub fn section(&self) -> Section {
         let section = Section::diagonal(self.EA, [self.GA; 2], self.GJ, self.EI).unwrap();
         let [I2, I3] = self.I_rho;
-        section.with_mass(
-            self.A_rho,
-            Matrix3::from_diagonal(&[I2 + I3, I2, I3].into()),
-        )
+        let inertia = Matrix3::from_diagonal(&[I2 + I3, I2, I3].into());
+        let section = section.with_mass(self.A_rho, inertia);
+        section.with_damping(self.damping).unwrap()
     }
 
     /// Elements of order three, clamped at the first node or free.
@@ -148,6 +153,25 @@ fn modes_of_a_cantilever() {
         assert!((order - 6.0).abs() < 0.2, "mode {}: order {order}", k + 1);
     }
     assert!(errors[1].iter().all(|e| *e < 1e-6), "{errors:?}");
+}
+
+#[test]
+fn damping_of_modes_is_rayleighs() {
+    let (mass, stiffness) = (0.4, 2e-3);
+    let damped = Beam {
+        damping: Damping { mass, stiffness },
+        ..BEAM
+    };
+    let lin = linear(&mut damped.context(16, 3, true));
+    let found = modes(&lin, &ModeOptions::lowest(6)).unwrap();
+    for (mode, omega) in found.modes.iter().zip(BEAM.frequencies(6)) {
+        assert!((mode.omega() / omega - 1.0).abs() < 1e-6);
+        let (ratio, exact) = (
+            mode.damping_ratio(),
+            0.5 * (mass / omega + stiffness * omega),
+        );
+        assert!((ratio / exact - 1.0).abs() < 1e-6, "{ratio} {exact}");
+    }
 }
 
 #[test]

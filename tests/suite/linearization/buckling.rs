@@ -1,7 +1,8 @@
 //! Critical loads by linear extrapolation against exact solutions.
 #![allow(clippy::unwrap_used, non_snake_case)]
 
-use crate::support::beams::line;
+use super::assert_near;
+use crate::support::beams::{COLUMN, PINNED, line};
 use pullback::input::{Plan, assemble_text};
 use pullback::integrators::linearization::{BucklingError, BucklingMode, buckling};
 use pullback::integrators::statics::{
@@ -41,40 +42,24 @@ fn assert_direct(text: &str, mode: &BucklingMode, tolerance: f64) {
     assert!(corrections[2] < corrections[1].powf(1.5), "{corrections:?}");
 }
 
-fn assert_near(found: f64, exact: f64, tolerance: f64) {
-    assert!((found / exact - 1.0).abs() < tolerance, "{found} {exact}");
-}
-
 /// With EA = GA the equation of a pinned column is EI φ″ + P φ = 0; elements of order one make its critical loads
 /// 4 EI/h² tan²(kπh/2L).
 #[test]
 fn a_pinned_column_in_both_planes() {
-    let pinned = r#"
-        [[supports]]
-        node = "A"
-        fix = ["x", "y", "z"]
-        [[supports]]
-        node = "B"
-        fix = ["y", "z", "rx"]
-        [[loads]]
-        node = "B"
-        force = [-1, 0, 0]
-    "#;
-    let stiffness = "EA = 1e4, GA = [1e4, 1e4], GJ = 10.0, EI = [3.0, 1.0]";
     let n = 16.0;
     let load = |EI: f64, k: f64| 4.0 * EI * n * n * (k * PI / (2.0 * n)).tan().powi(2);
     let exact = [load(1.0, 1.0), load(3.0, 1.0), load(1.0, 2.0)];
     for from in [0.0, 5.0] {
-        let found = critical(&line(stiffness, 16, 1, pinned), from, 3).unwrap();
+        let found = critical(&line(COLUMN, 16, 1, PINNED), from, 3).unwrap();
         for (mode, exact) in found.iter().zip(exact) {
             assert_near(mode.load, exact, 1e-6);
         }
     }
-    let text = line(stiffness, 16, 1, pinned);
+    let text = line(COLUMN, 16, 1, PINNED);
     for mode in critical(&text, 0.0, 3).unwrap() {
         assert_direct(&text, &mode, 1e-9);
     }
-    let beyond = critical(&line(stiffness, 16, 1, pinned), 12.0, 1);
+    let beyond = critical(&line(COLUMN, 16, 1, PINNED), 12.0, 1);
     assert_eq!(beyond, Err(BucklingError::Unstable));
 }
 

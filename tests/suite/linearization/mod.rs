@@ -8,3 +8,8 @@ mod inputs;
 mod linkages;
 mod rotating;
 mod state_space;
+
+#[track_caller]
+fn assert_near(found: f64, exact: f64, tolerance: f64) {
+    assert!((found / exact - 1.0).abs() < tolerance, "{found} {exact}");
+}

@@ -1,7 +1,8 @@
 //! Blades and shafts in steady rotation, in coordinates relative to a rotating hub.
 #![allow(clippy::unwrap_used, non_snake_case)]
 
-use super::beams::{Beam, omegas};
+use super::assert_near;
+use super::beams::{BEAM, Beam, omegas};
 use crate::support::beams::straight;
 use pullback::elements::beam::Interpolation;
 use pullback::elements::joint::Revolute;
@@ -94,40 +95,6 @@ fn undamped(lin: &Linearized, count: usize) -> Vec<f64> {
     omegas(&found)
 }
 
-fn assert_near(found: f64, exact: f64, tolerance: f64) {
-    assert!((found / exact - 1.0).abs() < tolerance, "{found} {exact}");
-}
-
-const BLADE: Beam = Beam {
-    EA: 1e8,
-    GA: 2e7,
-    GJ: 1e4,
-    EI: [1.0, 1.0],
-    A_rho: 1.0,
-    I_rho: [1e-9; 2],
-};
-
-/// Flap of a clamped blade without hub, w'''' − η² (T w')' = μ² w, T = (1 − x²)/2: power series, 60 digits;
-/// Wright, Smith, Thresher & Wang 1982. Lag: μ² − η².
-pub(super) const FLAP: [(f64, [f64; 2]); 3] = [
-    (0.0, [3.516015268500151, 22.03449156466677]),
-    (2.0, [4.13731957303, 22.6149219565]),
-    (6.0, [7.360373019310019, 26.8090816785]),
-];
-
-#[test]
-fn flap_and_lag_of_a_rotating_blade() {
-    let held: [&[usize]; 2] = [&[0, 1, 2, 3, 4, 5], &[]];
-    let mut rotor = Rotor::new(&BLADE, [0.0, 0.0, 1.0], 8, held);
-    for (eta, flap) in FLAP {
-        let lag = flap.map(|mu| (mu * mu - eta * eta).sqrt());
-        let found = undamped(&rotor.linearize(eta), 4);
-        for (k, exact) in [lag[0], flap[0], lag[1], flap[1]].into_iter().enumerate() {
-            assert_near(found[k], exact, 1e-6);
-        }
-    }
-}
-
 /// (ρA + ρI κ²) ω² ∓ 2 ρI κ² Ω ω = EI κ⁴ with κ = nπ/L for forward and backward whirl, seen from the shaft.
 #[test]
 fn whirl_of_a_spinning_shaft() {
@@ -136,8 +103,8 @@ fn whirl_of_a_spinning_shaft() {
         GA: 1e8,
         GJ: 1e6,
         EI: [1.0, 1.0],
-        A_rho: 1.0,
         I_rho: [1e-3; 2],
+        ..BEAM
     };
     let held: [&[usize]; 2] = [&[0, 1, 2, 3], &[1, 2]];
     let mut rotor = Rotor::new(&shaft, [1.0, 0.0, 0.0], 16, held);

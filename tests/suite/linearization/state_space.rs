@@ -3,28 +3,13 @@
 
 use super::linkages::sprung;
 use crate::support::closures::{GROUND, angle, arm, hinge};
-use crate::support::program::{command, directory, ended, read, succeeded, write};
+use crate::support::program::{command, directory, ended, matrix, read, succeeded, write};
 use nalgebra::{Complex, DMatrix};
 use pullback::elements::model::Context;
 use pullback::input::{Closure, ModelFile, Time, job};
 use pullback::integrators::linearization::{linearize, output_derivatives};
 use pullback::manifold::system::Point;
 use std::path::Path;
-
-/// A matrix of a file in Matrix Market format.
-fn matrix(path: &Path) -> DMatrix<f64> {
-    let text = read(path);
-    let mut lines = text.lines().skip(1).map(|line| {
-        let numbers = line.split(' ').map(|x| x.parse::<f64>().unwrap());
-        numbers.collect::<Vec<_>>()
-    });
-    let size = lines.next().unwrap();
-    let mut out = DMatrix::zeros(size[0] as usize, size[1] as usize);
-    for entry in lines {
-        out[(entry[0] as usize - 1, entry[1] as usize - 1)] = entry[2];
-    }
-    out
-}
 
 const PENDULUM: &str = r#"
     [[bodies]]

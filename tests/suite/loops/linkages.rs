@@ -4,7 +4,6 @@
 #![allow(non_snake_case, clippy::unwrap_used)]
 
 use crate::support::dynamics::*;
-use crate::support::loops::four_bar::*;
 use crate::support::loops::*;
 use nalgebra::{SVector, Vector2, Vector3};
 use pullback::conformance as check;
@@ -17,7 +16,7 @@ use pullback::elements::time::Constant;
 use pullback::integrators::dynamics::Scheme;
 use pullback::manifold::implicit::{Choice, Equations, Implicit, ImplicitMap};
 use pullback::manifold::jet::Moving;
-use pullback::manifold::map::{Linear, Map, Parametrization};
+use pullback::manifold::map::{Linear, Map};
 use pullback::manifold::scalar::Scalar;
 use pullback::manifold::system::Quantity;
 
@@ -240,92 +239,6 @@ fn a_slider_crank_in_coordinates_that_turn_back() {
             .collect();
         assert_slopes("slider-crank", &["motion", "energy"], &errors, 2.0, 0.2);
     }
-}
-
-// Four-bar linkage -----------------------------------------------------------------------------
-
-/// Angles of crank, coupler and rocker.
-#[derive(Clone, Copy, Debug)]
-struct FourBar;
-
-impl Implicit<3, 2> for FourBar {
-    fn h<S: Scalar>(&self, _t: S, x: &SVector<S, 3>) -> SVector<S, 2> {
-        let [a, b, c] = BARS;
-        Vector2::new(
-            x[0].cos() * a + x[1].cos() * b - x[2].cos() * c - BASE,
-            x[0].sin() * a + x[1].sin() * b - x[2].sin() * c,
-        )
-    }
-
-    fn coordinate(&self, k: usize) -> String {
-        ["crank", "coupler", "rocker"][k].to_owned()
-    }
-}
-
-fn four_bar() -> (Context, NodeId, Vec<f64>) {
-    let [coupler, rocker] = closed_form(CRANK_START);
-    let guess = [CRANK_START + 0.05, coupler - 0.05, rocker];
-    let assembled = |guess| ImplicitMap::of(FourBar, 1, 0.0, guess, Choice::Split).unwrap();
-    // From the assembled configuration to the one that is wanted: the crank as q.
-    let mut map = assembled(guess).with_independent(&[0]).unwrap();
-    let (mut x, mut B) = ([0.0; 3], [0.0; 3]);
-    let q = [CRANK_START - map.reference()[0]];
-    map.evaluate(0.0, [&q, &[], &[]], &mut [[&mut x, &mut B]]);
-    let mut map = assembled(x);
-    assert!(gap(&map.reference(), &[CRANK_START, coupler, rocker]) < 1e-15);
-    map.evaluate(0.0, [&[0.0], &[], &[]], &mut [[&mut x, &mut B]]);
-    let rate = CRANK_RATE / B[0];
-    let (mut b, ground) = grounded();
-    let q = b.coordinates("q", &[Quantity::Angle]).unwrap();
-    let x = b
-        .mapped_coordinates("x", &[Quantity::Angle; 3], Box::new(map), &[q])
-        .unwrap();
-    let crank = pick::<3>(&mut b, x, 0, Quantity::Angle);
-    let relative = Linear::sum([-1.0, 1.0, 0.0], 0.0).boxed();
-    let coupler = b
-        .mapped_coordinates("relative", &[Quantity::Angle], relative, &[x])
-        .unwrap();
-    let third = pick::<3>(&mut b, x, 2, Quantity::Angle);
-    let first = bar(&mut b, ground, [0.0; 3], crank, BARS[0], MASSES[0]);
-    bar(
-        &mut b,
-        first,
-        [BARS[0], 0.0, 0.0],
-        coupler,
-        BARS[1],
-        MASSES[1],
-    );
-    bar(&mut b, ground, [BASE, 0.0, 0.0], third, BARS[2], MASSES[2]);
-    (Context::new(b.build().unwrap()), x, vec![rate])
-}
-
-#[test]
-fn a_four_bar_linkage_goes_around() {
-    let to = 3.0;
-    let exact = four_bar_exact(to);
-    let runs = [2400, 4800, 9600].map(|n| {
-        let (context, x, v) = four_bar();
-        let h = |x: &Vector3<f64>| FourBar.h(0.0, x).amax();
-        run(context, x, &v, &h, [to, to / f64::from(n)])
-    });
-    for run in &runs {
-        println!(
-            "gap {:.2e}, drift {:.2e}, residual {:.1e}, {:?}",
-            gap(&run.end, &exact),
-            run.drift,
-            run.residual,
-            run.notes
-        );
-        // Not before the first step, but on the way.
-        let changed = run.notes.iter().any(|(t, _)| *t > 0.01 * to);
-        assert!(changed, "no change: {:?}", run.notes);
-        assert!(run.residual < 1e-14, "{:e}", run.residual);
-    }
-    let errors: Vec<Vec<f64>> = runs
-        .iter()
-        .map(|r| vec![gap(&r.end, &exact), r.drift])
-        .collect();
-    assert_slopes("four-bar", &["motion", "energy"], &errors, 2.0, 0.2);
 }
 
 #[test]

@@ -4,7 +4,7 @@
 #![allow(non_snake_case, clippy::unwrap_used)]
 
 use crate::support::dynamics::revolute;
-use crate::support::program::{command, directory, history, number, program, succeeded, write};
+use crate::support::program::{command, directory, number, program, recorded, succeeded, write};
 use nalgebra::{Matrix3, SVector, Vector3};
 use pullback::elements::body::RigidBody;
 use pullback::elements::joint::{Joint, JointCoordinate, Pose, Revolute};
@@ -168,11 +168,7 @@ fn a_loop_may_stand_on_a_frame_that_another_loop_moves() {
     for base in ["ground", "post"] {
         let starts =
             [("map", ""), ("multipliers", "closure = \"multipliers\"")].map(|(name, closure)| {
-                let out = directory(&format!("boom_{base}_{name}"));
-                let ran = program(&[&write(&out, &boom(base, closure))]);
-                let said = String::from_utf8_lossy(&ran.stderr).into_owned();
-                assert!(ran.status.success(), "{name}: {said}");
-                history(&out.join("model.out")).remove(0)
+                recorded(&format!("boom_{base}_{name}"), &boom(base, closure)).remove(0)
             });
         for of in HOLDING.iter().chain(&["ground"]) {
             for end in ["force", "moment"]
@@ -210,10 +206,5 @@ fn a_loop_that_is_locked_is_left_alone() {
         said.contains("the loop closed by joint C cannot move"),
         "{said}"
     );
-    let checked = command("check", &[&model]);
-    assert!(
-        checked.status.success(),
-        "{}",
-        String::from_utf8_lossy(&checked.stdout)
-    );
+    succeeded(&command("check", &[&model]));
 }

@@ -1,24 +1,5 @@
-//! docs/adding_a_joint.md includes the example, all of it; .ci/run runs the example's model file.
+//! Joints of the examples that docs/adding_a_joint.md includes.
 #![allow(clippy::unwrap_used)]
-
-const PAGE: &str = "docs/adding_a_joint.md";
-
-#[test]
-fn its_code_is_the_example() {
-    let example = "examples/helical_joint.rs";
-    crate::support::included::hold(PAGE, "```rust\n", 0..7, example, true);
-}
-
-#[test]
-fn its_cam_is_the_example() {
-    crate::support::included::hold(PAGE, "```rust\n", 7..11, "examples/cam.rs", false);
-}
-
-#[test]
-fn its_model_file_is_the_example() {
-    let file = "examples/helical_joint.toml";
-    crate::support::included::hold(PAGE, "```toml\n", 0..1, file, true);
-}
 
 /// Lines of code of a joint: from its struct to the end of its `impl`.
 fn lines(example: &str, from: &str, to: &str) -> usize {

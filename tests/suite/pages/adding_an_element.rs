@@ -1,14 +1,4 @@
-//! docs/adding_an_element.md includes the example, all of it, and an element of the library.
-
-const PAGE: &str = "docs/adding_an_element.md";
-
-#[test]
-fn its_code_is_the_example() {
-    let example = "examples/nonlinear_spring.rs";
-    crate::support::included::hold(PAGE, "```rust\n", 0..5, example, true);
-    let bushing = "examples/elements/elastic_joint.rs";
-    crate::support::included::hold(PAGE, "```rust\n", 5..6, bushing, false);
-}
+//! The element of docs/adding_an_element.md.
 
 #[test]
 fn its_element_has_fifteen_lines_at_most() {

@@ -1,10 +1,9 @@
 //! Pages of the documentation against the sources they show.
 
-mod adding_a_constraint;
 mod adding_a_joint;
 mod adding_an_element;
 mod adding_an_integrator;
-mod embedding;
+mod included;
 mod joint_pictures;
 mod modes;
 mod readme;

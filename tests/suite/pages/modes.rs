@@ -1,40 +1,14 @@
-//! docs/modes.md includes the example, all of it, and a model with the numbers that it states.
+//! The model of docs/modes.md has the numbers that the page states.
 #![allow(clippy::unwrap_used)]
 
-use crate::support::included::hold;
-use crate::support::program::{directory, program, write};
-
-#[test]
-fn its_code_is_the_example() {
-    hold(
-        "docs/modes.md",
-        "```rust\n",
-        0..3,
-        "examples/rotating_blade.rs",
-        true,
-    );
-    hold(
-        "docs/modes.md",
-        "```rust\n",
-        3..6,
-        "examples/cart_pole.rs",
-        true,
-    );
-}
+use crate::support::program::{directory, ran, read};
 
 #[test]
 fn its_model_has_the_frequencies_stated() {
     let page = include_str!("../../../docs/modes.md");
     let (_, rest) = page.split_once("```toml\n").unwrap();
     let (model, _) = rest.split_once("```").unwrap();
-    let out = directory("page of modes");
-    let ran = program(&[&write(&out, model)]);
-    assert!(
-        ran.status.success(),
-        "{}",
-        String::from_utf8_lossy(&ran.stderr)
-    );
-    let table = std::fs::read_to_string(out.join("model.out/modes.csv")).unwrap();
+    let table = read(ran(&directory("page of modes"), model).join("modes.csv"));
     let mode: Vec<f64> = (table.lines().nth(1).unwrap().split(','))
         .map(|x| x.parse().unwrap())
         .collect();

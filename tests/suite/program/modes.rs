@@ -1,7 +1,11 @@
 //! `[analysis.modes]` and `pullback linearize`.
 #![allow(clippy::unwrap_used, non_snake_case)]
 
-use crate::support::program::{MODEL, command, directory, program, results, write};
+use crate::support::beams::{COLUMN, PINNED, line};
+use crate::support::program::{
+    MODEL, command, directory, ended, matrix, program, results, succeeded, write,
+};
+use nalgebra::DMatrix;
 use pullback::input::assemble_text;
 use pullback::run;
 use pullback::solve::Advance;
@@ -77,8 +81,7 @@ fn modes_of_two_masses() {
         "two masses",
         &format!("{MASSES}\n[analysis.modes]\ncount = 5\n"),
     );
-    let said = String::from_utf8_lossy(&ran.stderr);
-    assert!(ran.status.success(), "{said}");
+    let said = succeeded(&ran);
     assert!(
         said.contains("the model has 2 modes, fewer than count = 5"),
         "{said}"
@@ -153,39 +156,16 @@ fn settings_of_modes_are_checked() {
 }
 
 /// A pinned column of elements of order one with EA = GA: 4 EI/h² tan²(πh/2L).
-const COLUMN: &str = r#"
-[sections.main]
-stiffness = { EA = 1e4, GA = [1e4, 1e4], GJ = 10.0, EI = [3.0, 1.0] }
-[nodes]
-A = [0, 0, 0]
-B = [1, 0, 0]
-[[lines]]
-name = "column"
-from = "A"
-to = "B"
-elements = 8
-section = "main"
-[[supports]]
-node = "A"
-fix = ["x", "y", "z"]
-[[supports]]
-node = "B"
-fix = ["y", "z", "rx"]
-[[loads]]
-node = "B"
-force = [-1, 0, 0]
-"#;
+fn column() -> String {
+    line(COLUMN, 8, 1, PINNED)
+}
 
 #[test]
 fn critical_loads_of_a_column() {
     for after in ["", "after = { static = { to = 4.0 } }"] {
-        let text = format!("{COLUMN}\n[analysis.buckling]\ncount = 2\n{after}\n");
+        let text = format!("{}\n[analysis.buckling]\ncount = 2\n{after}\n", column());
         let (out, ran) = run("buckling", &text);
-        assert!(
-            ran.status.success(),
-            "{}",
-            String::from_utf8_lossy(&ran.stderr)
-        );
+        succeeded(&ran);
         let table = std::fs::read_to_string(out.join("buckling.csv")).unwrap();
         let loads = table
             .lines()
@@ -205,42 +185,19 @@ fn an_unstable_equilibrium_has_no_critical_loads() {
     let after = "after = { static = { to = 12.0 } }";
     let (_, ran) = run(
         "unstable",
-        &format!("{COLUMN}\n[analysis.buckling]\n{after}\n"),
+        &format!("{}\n[analysis.buckling]\n{after}\n", column()),
     );
     let said = String::from_utf8_lossy(&ran.stderr);
     assert_eq!(ran.status.code(), Some(1));
     assert!(said.contains("is not stable"), "{said}");
 }
 
-/// The triplets of a Matrix Market file, as a full matrix.
-fn read(path: &std::path::Path) -> Vec<Vec<f64>> {
-    let text = std::fs::read_to_string(path).unwrap();
-    let mut lines = text.lines();
-    assert_eq!(
-        lines.next(),
-        Some("%%MatrixMarket matrix coordinate real general")
-    );
-    let numbers =
-        |line: &str| -> Vec<f64> { line.split(' ').map(|x| x.parse().unwrap()).collect() };
-    let size = numbers(lines.next().unwrap());
-    let mut full = vec![vec![0.0; size[1] as usize]; size[0] as usize];
-    let mut count = 0;
-    for line in lines {
-        let entry = numbers(line);
-        full[entry[0] as usize - 1][entry[1] as usize - 1] = entry[2];
-        count += 1;
-    }
-    assert_eq!(count, size[2] as usize);
-    full
-}
-
 #[test]
 fn matrices_at_the_end_of_a_path_that_does_not_end() {
     let out = directory("no end");
     let path = "[analysis.arc_length]\nmax_steps = 1\n";
-    let ran = command("linearize", &[&write(&out, &format!("{COLUMN}\n{path}"))]);
-    let said = String::from_utf8_lossy(&ran.stderr);
-    assert_eq!(ran.status.code(), Some(1));
+    let ran = command("linearize", &[&write(&out, &(column() + path))]);
+    let said = ended(&ran, 1);
     assert!(said.contains("within max_steps = 1"), "{said}");
 }
 
@@ -248,16 +205,15 @@ fn matrices_at_the_end_of_a_path_that_does_not_end() {
 fn matrices_of_two_masses() {
     let out = directory("matrices");
     let model = write(&out, &format!("{MASSES}\n[analysis.modes]\n"));
-    let ran = command("linearize", &[&model]);
-    assert!(
-        ran.status.success(),
-        "{}",
-        String::from_utf8_lossy(&ran.stderr)
-    );
-    let matrix = |name: &str| read(&out.join("model.linear").join(name));
-    assert_eq!(matrix("K.mtx"), [[3.0, -1.0], [-1.0, 1.0]]);
-    assert_eq!(matrix("M.mtx"), [[3.0, 0.0], [0.0, 1.0]]);
-    assert_eq!(matrix("C.mtx"), [[0.0, 0.0], [0.0, 0.0]]);
+    succeeded(&command("linearize", &[&model]));
+    for (name, known) in [
+        ("K.mtx", [3.0, -1.0, -1.0, 1.0]),
+        ("M.mtx", [3.0, 0.0, 0.0, 1.0]),
+        ("C.mtx", [0.0; 4]),
+    ] {
+        let found = matrix(&out.join("model.linear").join(name));
+        assert_eq!(found, DMatrix::from_row_slice(2, 2, &known));
+    }
     let names = std::fs::read_to_string(out.join("model.linear/coordinates.txt")).unwrap();
     assert_eq!(
         names,
@@ -270,7 +226,6 @@ fn matrices_of_a_motion_are_those_of_an_instant() {
     let out = directory("moving matrices");
     let motion = "[[initial]]\nnode = \"a\"\nvelocity = [1, 0, 0]\n[analysis.dynamic]\nto = 0.1\nstep = 0.01\n";
     let ran = command("linearize", &[&write(&out, &format!("{MASSES}\n{motion}"))]);
-    let said = String::from_utf8_lossy(&ran.stderr);
-    assert!(ran.status.success(), "{said}");
+    let said = succeeded(&ran);
     assert!(said.contains("warning: the state moves"), "{said}");
 }

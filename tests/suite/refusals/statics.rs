@@ -52,36 +52,21 @@ fn iterations_that_were_converging_are_asked_for() {
 #[test]
 fn a_mechanism_is_told_at_once_and_first() {
     // Two bars in line between hinges, and a hinge where they meet.
-    let text = r#"
-        [sections.main]
-        stiffness = { EA = 1e6, GA = [1e6, 1e6], GJ = 2.0, EI = [2.0, 2.0] }
-        [nodes]
-        A = [0, 0, 0]
-        B = [1, 0, 0]
-        [[lines]]
-        name = "beam"
-        from = "A"
-        to = "B"
-        elements = 2
-        section = "main"
-        [[joints]]
-        name = "hinge"
-        type = "revolute"
-        parent = "B"
-        axis = [0, 0, 1]
-        [[bodies]]
-        name = "flag"
-        node = "hinge"
-        mass = 1
-        center = [1, 0, 0]
-        [[supports]]
-        node = "A"
-        fix = "all"
-        [[loads]]
-        node = "hinge"
-        force = [0, 1, 0]
-    "#;
-    let said = failure("messages_mechanism", text);
+    let hinge = r#"
+[[joints]]
+name = "hinge"
+type = "revolute"
+parent = "B"
+axis = [0, 0, 1]
+[[bodies]]
+name = "flag"
+node = "hinge"
+mass = 1
+center = [1, 0, 0]
+"#;
+    let load = "node = \"hinge\"\nforce = [0, 1, 0]";
+    let text = with("node = \"B\"\nmoment = [0, 0, 3.141592653589793]", load) + hinge;
+    let said = failure("messages_mechanism", &text);
     has(
         &said,
         &[
@@ -99,29 +84,9 @@ fn a_mechanism_is_told_at_once_and_first() {
 #[test]
 fn a_load_that_jumps_is_told_of_and_small_numbers_are_readable() {
     // A strut that is pushed through by a load that comes at once, in nanoseconds of t.
-    let strut = r#"
-        [sections.main]
-        stiffness = { EA = 1e6, GA = [1e6, 1e6], GJ = 2.0, EI = [2.0, 2.0] }
-        [nodes]
-        A = [0, 0, 0]
-        B = [1, 0, 0]
-        [[lines]]
-        name = "beam"
-        from = "A"
-        to = "B"
-        elements = 8
-        section = "main"
-        [[supports]]
-        node = "A"
-        fix = "all"
-        [[loads]]
-        node = "B"
-        force = [0, 3e5, 0]
-        time = { pulse = { start = 2.5e-9, end = 1 } }
-        [analysis.static]
-        to = 4e-9
-    "#;
-    let said = failure("messages_jump", strut);
+    let pulse = "force = [0, 3e5, 0]\ntime = { pulse = { start = 2.5e-9, end = 1 } }";
+    let strut = with("moment = [0, 0, 3.141592653589793]", pulse).replace("steps = 4", "to = 4e-9");
+    let said = failure("messages_jump", &strut);
     has(
         &said,
         &[

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::support::dynamics::{observed, tight};
-use crate::support::landing::{G, Track};
+use crate::support::landing::{G, Track, bowl};
 use nalgebra::Vector3;
 use pullback::elements::model::Context;
 use pullback::integrators::dynamics::{Progress, Scheme, Simulation, State, start};
@@ -32,11 +32,6 @@ fn errors(
         );
     });
     (worst, progress)
-}
-
-/// Sides of half a metre, each steeper than the one before.
-fn bowl() -> Track {
-    Track::of(&[[0.5, 0.2], [0.5, 0.35], [0.5, 0.6], [0.5, 0.9]])
 }
 
 #[test]

@@ -2,6 +2,7 @@
 #![allow(non_snake_case, clippy::unwrap_used)]
 
 use crate::support::dynamics::{configure, observed, slopes, tight};
+use crate::support::loops::gap;
 use nalgebra::{Matrix3, Vector3};
 use pullback::elements::beam::{Interpolation, Section};
 use pullback::elements::body::RigidBody;
@@ -125,11 +126,6 @@ const FORMULATIONS: [Formulation; 5] = [
     Formulation::WienerMilenkovic,
 ];
 
-fn apart(a: &[f64], b: &[f64]) -> f64 {
-    let pairs = a.iter().zip(b).map(|(a, b)| (a - b).abs());
-    pairs.fold(0.0, f64::max)
-}
-
 #[test]
 fn who_moves_with_a_free_chain_sees_the_same() {
     let whole = Vector3::new(7.0, -20.0, 3.0);
@@ -149,7 +145,7 @@ fn who_moves_with_a_free_chain_sees_the_same() {
         for (k, x) in other.iter_mut().enumerate().take(3 * rest.nodes.len()) {
             *x -= whole[k % 3] * TO;
         }
-        assert!(apart(&one, &other) < 1e-8, "{:e}", apart(&one, &other));
+        assert!(gap(&one, &other) < 1e-8, "{:e}", gap(&one, &other));
     }
 }
 
@@ -169,9 +165,9 @@ fn total_and_geodesic_chains_move_alike_in_the_plane_in_all_formulations() {
     }
     for shape in &shapes {
         assert!(
-            apart(shape, &shapes[0]) < 1e-8,
+            gap(shape, &shapes[0]) < 1e-8,
             "{:e}",
-            apart(shape, &shapes[0])
+            gap(shape, &shapes[0])
         );
     }
 }
@@ -263,7 +259,7 @@ fn the_error_falls_with_order_two_over_corners() {
             let run = chain.run(Vector3::zeros(), &options, &mut |_, _| ());
             chain.shape(&run.state)
         });
-        let steps: Vec<f64> = shapes.windows(2).map(|s| apart(&s[0], &s[1])).collect();
+        let steps: Vec<f64> = shapes.windows(2).map(|s| gap(&s[0], &s[1])).collect();
         for slope in slopes(&steps) {
             assert!((slope - 2.0).abs() < 0.3, "{scheme}: {steps:?}");
         }
@@ -302,9 +298,9 @@ fn failing_steps_are_halved_over_landings_and_come_to_an_end() {
             Ok(()) => {
                 let shape = chain.shape(&progress.state);
                 assert!(
-                    apart(&shape, &reference) < 0.03,
+                    gap(&shape, &reference) < 0.03,
                     "{}",
-                    apart(&shape, &reference)
+                    gap(&shape, &reference)
                 );
             }
             Err(error) => {

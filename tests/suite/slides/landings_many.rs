@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::support::dynamics::{observed, slopes, tight};
-use crate::support::landing::{G, Track, bead};
+use crate::support::landing::{G, Track, bead, bowl};
 use nalgebra::{Vector2, Vector3};
 use pullback::elements::joint::JointNodes;
 use pullback::elements::model::{Context, ModelBuilder, NodeId};
@@ -11,6 +11,9 @@ use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::integrators::dynamics::{
     Adaptivity, DynamicOptions, DynamicsError, Progress, Scheme, StepReport, integrate, start,
 };
+use pullback::integrators::statics::Cause;
+use pullback::manifold::domain::DomainError;
+use pullback::manifold::system::SystemError;
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
@@ -34,10 +37,6 @@ fn worst(
         }
     });
     (worst, progress)
-}
-
-fn bowl() -> Track {
-    Track::of(&[[0.5, 0.2], [0.5, 0.35], [0.5, 0.6], [0.5, 0.9]])
 }
 
 #[test]
@@ -152,6 +151,11 @@ fn a_slide_goes_round_a_closed_ring_as_often_as_its_chain_does() {
         "{text}"
     );
     assert!(failed.to - failed.from >= options.min_step, "{text}");
+    let Cause::System(SystemError::Domain { what, why }) = &failed.cause else {
+        panic!("{text}");
+    };
+    assert_eq!(what, "joint at node bead");
+    assert!(matches!(why, DomainError::Beyond { margin, .. } if *margin <= 0.0));
     assert!(progress.summary.failed < 30, "{}", progress.summary.failed);
     assert!(
         (progress.state.q[0] - 6.0).abs() < 1e-4,

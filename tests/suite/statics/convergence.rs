@@ -3,47 +3,26 @@
 #![allow(non_snake_case)]
 
 use crate::support::beams::{beam, straight};
+use crate::support::dynamics::observed;
 use nalgebra::Matrix3;
 use pullback::elements::load::LineLoad;
 use pullback::elements::spring::AxialSpring;
+use pullback::input::assemble_text;
 use pullback::integrators::dynamics::Summary;
-use pullback::integrators::dynamics::{Progress, StepReport, integrate};
-use pullback::integrators::statics::{StaticsError, solve_statics};
+use pullback::integrators::statics::StaticsError;
 use pullback::prelude::*;
-use std::ops::ControlFlow;
 
 /// Displacement of the crown of a von Mises truss of height `rise` and half span 1 (stiffness 1 of
 /// each bar) under a load that presses it down, with another node held `far` away.
 fn truss(rise: f64, load: f64, far: f64) -> Result<f64, StaticsError> {
-    let mut b = ModelBuilder::new();
-    let positions = [[-1.0, 0.0, 0.0], [0.0, rise, 0.0], [1.0, 0.0, 0.0]];
-    let names = ["left", "crown", "right"];
-    let [left, crown, right] = std::array::from_fn(|k| b.node(names[k], positions[k]).unwrap());
-    for (name, ends) in [("bar 1", [left, crown]), ("bar 2", [crown, right])] {
-        let bar = AxialSpring::new(&ends.map(|n| b.position(n)), 1.0, 0.0).unwrap();
-        b.element(name, bar, &ends).unwrap();
-    }
-    b.support(left, &Dof::ALL);
-    b.support(right, &Dof::ALL);
-    b.support(crown, &[Dof::X, Dof::Z, Dof::RX, Dof::RY, Dof::RZ]);
-    let other = b.node("other", [far, 0.0, 0.0]).unwrap();
-    b.element("mass", PointMass::new(1.0).unwrap(), &[other])
-        .unwrap();
-    b.support(other, &Dof::ALL);
-    let force = NodalLoad::new(LoadKind::DeadForce, [0.0, -load, 0.0], Proportional(1.0));
-    b.element("load", force, &[crown]).unwrap();
-    let mut context = Context::new(b.build().unwrap());
-    let mut found = 0.0;
-    solve_statics(
-        &mut context,
-        &mut vec![],
-        &StaticOptions::default(),
-        &mut |context, _| {
-            found = context.coordinate(crown, 1).unwrap()[0];
-            ControlFlow::Continue(())
-        },
-    )?;
-    Ok(found)
+    let nodes = format!("other = [{far:?}, 0, 0]\nT = ");
+    let text = super::corrections::truss(1.0, rise, load).replace("T = ", &nodes)
+        + "[[bodies]]\nname = \"mass\"\nnode = \"other\"\nmass = 1\n\
+           [[supports]]\nnode = \"other\"\nfix = \"all\"\n";
+    let mut context = assemble_text("truss.toml", &text).unwrap().context;
+    equilibrium(&mut context, &StaticOptions::default())?;
+    let crown = context.find("T").unwrap();
+    Ok(context.coordinate(crown, 1).unwrap()[0])
 }
 
 #[test]
@@ -96,11 +75,9 @@ fn a_stiff_spring_keeps_what_turns_on_it() {
         for (node, rate) in [(masses[0], -0.5), (masses[1], 0.5)] {
             v[context.unknown(node, Dof::Y).unwrap()] = rate;
         }
-        let mut progress = Progress::new(start(&context, 0.0, &q, &v).unwrap());
         let mut options = DynamicOptions::new(1.0, 0.01);
         options.scheme = Scheme::chung_hulbert(0.8).unwrap();
-        let proceed = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
-        integrate(&mut context, &mut progress, &options, proceed).unwrap();
+        observed(&mut context, [&q, &v], &options, &mut |_, _| ());
         let at = |node: NodeId, k: usize| context.coordinate(node, k).unwrap();
         let [x, y] = [0, 1].map(|k| at(masses[1], k)[0] - at(masses[0], k)[0]);
         let [u, w] = [0, 1].map(|k| at(masses[1], k)[1] - at(masses[0], k)[1]);
@@ -143,10 +120,7 @@ fn rod(E: f64, length: f64, elements: usize) -> (ModelBuilder, Vec<NodeId>) {
 /// Runs from rest.
 fn fall(context: &mut Context, options: &DynamicOptions) -> Summary {
     let rest = vec![0.0; context.initial().len()];
-    let mut progress = Progress::new(start(context, 0.0, &rest, &rest).unwrap());
-    let proceed = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
-    integrate(context, &mut progress, options, proceed).unwrap();
-    progress.summary
+    observed(context, [&rest, &rest], options, &mut |_, _| ()).summary
 }
 
 #[test]
@@ -203,18 +177,8 @@ fn a_load_on_a_support_measures_nothing() {
             b.element(name, load, &[node]).unwrap();
         }
         let mut context = Context::new(b.build().unwrap());
-        let mut end = [0.0; 2];
-        solve_statics(
-            &mut context,
-            &mut vec![],
-            &StaticOptions::default(),
-            &mut |context, _| {
-                end = [0, 1].map(|k| context.coordinate(tip, k).unwrap()[0]);
-                ControlFlow::Continue(())
-            },
-        )
-        .unwrap();
-        end
+        equilibrium(&mut context, &StaticOptions::default()).unwrap();
+        [0, 1].map(|k| context.coordinate(tip, k).unwrap()[0])
     };
     let expected = bent(0.0);
     for pressed in [1.0, 1e8, 1e11, 1e15] {

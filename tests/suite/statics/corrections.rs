@@ -153,7 +153,7 @@ fn what_converges_slowly_is_not_called_rounding() {
 
 /// Two springs of stiffness `k` from (∓1, 0) to (0, `h`), pressed down there. There is nothing but
 /// springs in this model.
-fn truss(k: f64, h: f64, P: f64) -> String {
+pub(super) fn truss(k: f64, h: f64, P: f64) -> String {
     format!(
         "[nodes]\nA = [-1, 0, 0]\nB = [1, 0, 0]\nT = [0, {h}, 0]\n\
          [[springs]]\nname = \"s1\"\nnodes = [\"A\", \"T\"]\nstiffness = {k}\n\

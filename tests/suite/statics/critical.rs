@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, non_snake_case)]
 
+use crate::support::beams::{COLUMN, PINNED, line};
 use crate::support::closures::failure;
 use crate::support::laboratory::model;
 use crate::support::program::{directory, history, number, ran, results};
@@ -54,38 +55,24 @@ fn limit_points_directly() {
     }
 }
 
-/// A pinned column with EA = GA and a force of 20 t; EI = 1 in the plane of its motion.
-const COLUMN: &str = r#"
-    [sections.main]
-    stiffness = { EA = 1e4, GA = [1e4, 1e4], GJ = 10.0, EI = [3.0, 1.0] }
-    [nodes]
-    A = [0, 0, 0]
-    B = [1, 0, 0]
-    [[lines]]
-    name = "column"
-    from = "A"
-    to = "B"
-    elements = 8
-    order = 3
-    section = "main"
-    [[supports]]
-    node = "A"
-    fix = ["x", "y", "z", "rx", "ry"]
-    [[supports]]
-    node = "B"
-    fix = ["y", "z", "rx", "ry"]
-    [[loads]]
-    node = "B"
-    force = [-20, 0, 0]
-    [[probes]]
-    name = "end"
-    quantity = "displacement"
-    node = "B"
-    [analysis.arc_length]
-    branch = "switch"
-    stop = [{ load = 0.9 }]
-    max_step = 0.05
-"#;
+/// A pinned column with a force of 20 t; EI = 1 in the plane of its motion.
+fn column() -> String {
+    let planar = PINNED
+        .replace("\"z\"]", "\"z\", \"rx\", \"ry\"]")
+        .replace("\"rx\"]", "\"rx\", \"ry\"]")
+        .replace("[-1,", "[-20,");
+    let path = r#"
+        [[probes]]
+        name = "end"
+        quantity = "displacement"
+        node = "B"
+        [analysis.arc_length]
+        branch = "switch"
+        stop = [{ load = 0.9 }]
+        max_step = 0.05
+    "#;
+    line(COLUMN, 8, 3, &(planar + path))
+}
 
 /// Complete elliptic integrals K and E, by the arithmetic-geometric mean (Abramowitz & Stegun 17.6).
 fn elliptic(k: f64) -> [f64; 2] {
@@ -104,7 +91,7 @@ fn elliptic(k: f64) -> [f64; 2] {
 /// 2 (1 − E/K) + P/EA.
 #[test]
 fn a_column_follows_the_elastica() {
-    let out = ran(&directory("critical_elastica"), COLUMN);
+    let out = ran(&directory("critical_elastica"), &column());
     let rows = history(&out);
     let found = rows
         .iter()
@@ -130,7 +117,7 @@ fn a_column_follows_the_elastica() {
 
 #[test]
 fn followers_have_no_count_of_unstable_directions() {
-    let text = COLUMN.replace("[-20, 0, 0]", "[-20, 0, 0]\nfollower = true");
+    let text = column().replace("[-20, 0, 0]", "[-20, 0, 0]\nfollower = true");
     let said = failure("critical_follower", &text);
     assert!(said.contains("follower loads have no potential"), "{said}");
 }

@@ -2,14 +2,12 @@
 
 #![allow(non_snake_case)]
 
+use crate::support::dynamics::observed;
 use nalgebra::Matrix3;
 use pullback::elements::energy::EnergyElement;
 use pullback::elements::model::NodeState;
-use pullback::integrators::dynamics::{Progress, integrate};
-use pullback::integrators::statics::solve_statics;
 use pullback::prelude::*;
 use std::f64::consts::PI;
-use std::ops::ControlFlow;
 
 #[path = "../../../examples/elements/gravity.rs"]
 mod gravity;
@@ -40,12 +38,7 @@ fn tip<M: StrainMeasure + Copy + 'static>(measure: M, n: usize, load: NodalLoad)
     b.support(nodes[0], &Dof::ALL);
     b.element("load", load, &[nodes[n]]).unwrap();
     let mut context = Context::new(b.build().unwrap());
-    let mut q = Vec::new();
-    let options = StaticOptions::default();
-    solve_statics(&mut context, &mut q, &options, &mut |_, _| {
-        ControlFlow::Continue(())
-    })
-    .unwrap();
+    equilibrium(&mut context, &StaticOptions::default()).unwrap();
     context.node_state(nodes[n])
 }
 
@@ -108,13 +101,11 @@ fn a_planet_is_at_its_aphelion_after_half_its_year() {
         b.element("gravity", gravity.into_element(), &[planet])
             .unwrap();
         let mut context = Context::new(b.build().unwrap());
-        let mut progress = Progress::new(start(&context, 0.0, &[0.0; 2], &[0.0, speed]).unwrap());
         let options = DynamicOptions::new(half, half / f64::from(steps));
-        integrate(&mut context, &mut progress, &options, &mut |_, _| {
-            ControlFlow::Continue(())
-        })
-        .unwrap();
-        let q = &progress.state.q;
+        let from = [&[0.0; 2][..], &[0.0, speed]];
+        let q = observed(&mut context, from, &options, &mut |_, _| ())
+            .state
+            .q;
         errors.push((q[0] + 4.0).hypot(q[1]));
     }
     let order = (errors[0] / errors[1]).log2();

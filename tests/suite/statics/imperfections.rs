@@ -2,22 +2,14 @@
 
 #![allow(clippy::unwrap_used)]
 
-use crate::support::beams::line;
+use crate::support::beams::{COLUMN, PINNED, line};
 use crate::support::program::{directory, ran, read, refusal, results};
 use serde_json::Value;
 
-const STIFF_COLUMN: &str = "EA = 1e8, GA = [1e8, 1e8], GJ = 10.0, EI = [3.0, 1.0]";
-const COLUMN: &str = r#"
-    [[supports]]
-    node = "A"
-    fix = ["x", "y", "z"]
-    [[supports]]
-    node = "B"
-    fix = ["y", "z", "rx"]
-    [[loads]]
-    node = "B"
-    force = [-5, 0, 0]
-"#;
+fn stiff_column() -> String {
+    let stiff = COLUMN.replace("1e4", "1e8");
+    line(&stiff, 12, 3, &PINNED.replace("[-1,", "[-5,"))
+}
 
 const NARROW: &str = "EA = 1e7, GA = [1e7, 1e7], GJ = 0.25, EI = [1e7, 1.0]";
 const CANTILEVER: &str = r#"
@@ -34,7 +26,7 @@ const CANTILEVER: &str = r#"
 #[test]
 fn a_small_imperfection_grows_with_the_load() {
     for (name, text, amplitude) in [
-        ("column", line(STIFF_COLUMN, 12, 3, COLUMN), 1e-6),
+        ("column", stiff_column(), 1e-6),
         ("cantilever", line(NARROW, 12, 3, CANTILEVER), -1e-4),
     ] {
         let directory = directory(&format!("imperfection_{name}"));
@@ -84,7 +76,7 @@ fn a_small_imperfection_grows_with_the_load() {
 #[test]
 fn other_shapes_are_refused() {
     let directory = directory("imperfection_refused");
-    let text = line(STIFF_COLUMN, 12, 3, COLUMN);
+    let text = stiff_column();
     let out = ran(
         &directory,
         &format!("{text}\n[analysis.modes]\ncount = 1\n").replace(

@@ -1,6 +1,7 @@
 //! What a run in statics records and warns of.
 #![allow(clippy::unwrap_used, non_snake_case)]
 
+use super::corrections::truss;
 use crate::support::closures::{CLOSURES, GROUND, arm, hinge, joint};
 use crate::support::program::{
     MODEL, directory, grid_array, history, number, program, read, results, succeeded, with, write,
@@ -305,35 +306,8 @@ fn figures_tell_exaggeration_and_incompleteness() {
 
 #[test]
 fn a_truss_of_springs_snaps_through_and_is_drawn() {
-    let truss = r#"
-        [nodes]
-        A = [-1, 0, 0]
-        B = [1, 0, 0]
-        T = [0, 0.5, 0]
-        [[springs]]
-        name = "s1"
-        nodes = ["A", "T"]
-        stiffness = 1
-        [[springs]]
-        name = "s2"
-        nodes = ["T", "B"]
-        stiffness = 1
-        [[supports]]
-        node = "A"
-        fix = "position"
-        [[supports]]
-        node = "B"
-        fix = "position"
-        [[supports]]
-        node = "T"
-        fix = ["z"]
-        [[loads]]
-        node = "T"
-        force = [0, -0.1, 0]
-        [analysis.arc_length]
-        record = ["turning_point"]
-    "#;
-    let (rows, result, out) = run("statics_springs", truss);
+    let analysis = "[analysis.arc_length]\nrecord = [\"turning_point\"]\n";
+    let (rows, result, out) = run("statics_springs", &(truss(1.0, 0.5, 0.1) + analysis));
     // dP/dy = 0 of P = 2 y (l₀/l − 1) where l³ = l₀.
     let rest = 1.25_f64.sqrt();
     let y = (rest.powf(2.0 / 3.0) - 1.0).sqrt();

@@ -2,7 +2,8 @@
 //! limit points.
 #![allow(clippy::unwrap_used, non_snake_case)]
 
-use crate::support::program::{directory, history, number, program, results, write};
+use crate::support::beams::{COLUMN, PINNED, line};
+use crate::support::program::{directory, history, number, program, results, succeeded, write};
 use pullback::input::{Plan, assemble_text};
 use pullback::integrators::statics::{Step, solve_statics, trace_path};
 use pullback::prelude::*;
@@ -12,39 +13,9 @@ use std::ops::ControlFlow;
 /// Elements of a column.
 const ELEMENTS: usize = 16;
 
-/// A straight column along x between A and B, pinned about both cross axes at B and by `base` at A,
-/// with a compressive force of 1 at B. EA = GA₂ = GA₃.
-fn column(base: &str, analysis: &str) -> String {
-    format!(
-        r#"
-        [sections.main]
-        stiffness = {{ EA = 1e4, GA = [1e4, 1e4], GJ = 10.0, EI = [3.0, 1.0] }}
-        [nodes]
-        A = [0, 0, 0]
-        B = [1, 0, 0]
-        {base}
-        [[lines]]
-        name = "column"
-        from = "A"
-        to = "B"
-        elements = {ELEMENTS}
-        section = "main"
-        [[supports]]
-        node = "B"
-        fix = ["y", "z", "rx"]
-        [[loads]]
-        node = "B"
-        force = [-1, 0, 0]
-        {analysis}
-        "#
-    )
+fn column(analysis: &str) -> String {
+    line(COLUMN, ELEMENTS, 1, &format!("{PINNED}{analysis}"))
 }
-
-const PINNED: &str = r#"
-    [[supports]]
-    node = "A"
-    fix = ["x", "y", "z"]
-"#;
 
 /// Critical loads up to `most` of half waves in bending with the stiffness EI.
 ///
@@ -90,7 +61,7 @@ fn each_eulers_load_of_a_straight_column_is_one_more_direction() {
     for P in &critical {
         for to in [P * (1.0 - 1e-6), P * (1.0 + 1e-6)] {
             let steps = format!("[analysis.static]\nto = {to:?}\nsteps = 3");
-            let rows = counts(&column(PINNED, &steps));
+            let rows = counts(&column(&steps));
             assert_eq!(rows.len(), 3);
             for (t, unstable) in rows {
                 let passed = critical.iter().filter(|P| **P < t).count();
@@ -101,7 +72,7 @@ fn each_eulers_load_of_a_straight_column_is_one_more_direction() {
     // Along the path.
     let path = "[analysis.arc_length]\nload_scale = 30\nstop = [{ load = 110 }]\n\
                 record = [{ load = 9.8 }, { load = 9.95 }]";
-    let rows = counts(&column(PINNED, path));
+    let rows = counts(&column(path));
     assert!(rows.len() > 20);
     for (t, unstable) in rows {
         let passed = critical.iter().filter(|P| **P < t).count();
@@ -112,9 +83,8 @@ fn each_eulers_load_of_a_straight_column_is_one_more_direction() {
 #[test]
 fn multipliers_do_not_count() {
     // The hinge at A as a joint that is closed by multipliers, one of six equations redundant or not.
-    let base = r#"
-        [nodes.ground]
-        [[supports]]
+    let pinned = "node = \"A\"\nfix = [\"x\", \"y\", \"z\"]";
+    let hinged = r#"
         node = "G"
         fix = "all"
         [[joints]]
@@ -124,12 +94,13 @@ fn multipliers_do_not_count() {
         axis = [0, 0, 1]
         child = "A"
         closure = "multipliers"
-    "#
-    .replace("[nodes.ground]", "G = [0, 0, 0]");
+    "#;
     let first = euler_loads(1.0, 20.0)[0];
     for (load, expected) in [(0.99 * first, 0), (1.01 * first, 1)] {
         let steps = format!("[analysis.static]\nto = {load:?}\nsteps = 2");
-        let rows = counts(&column(&base, &steps));
+        let text = column(&steps).replace("A = [0, 0, 0]", "A = [0, 0, 0]\nG = [0, 0, 0]");
+        assert!(text.contains(pinned));
+        let rows = counts(&text.replace(pinned, hinged));
         assert_eq!(rows[0].1, Some(0), "{load}");
         assert_eq!(rows[1].1, Some(expected), "{load}");
     }
@@ -140,10 +111,8 @@ fn a_column_beyond_its_load_is_warned_of() {
     let directory = directory("stability_column");
     let first = euler_loads(1.0, 20.0)[0];
     let steps = format!("[analysis.static]\nto = {}\nsteps = 2", 1.5 * first);
-    let model = write(&directory, &column(PINNED, &steps));
-    let output = program(&[&model]);
-    assert!(output.status.success());
-    let said = String::from_utf8(output.stderr).unwrap();
+    let model = write(&directory, &column(&steps));
+    let said = succeeded(&program(&[&model]));
     let result = results(&directory.join("model.out"));
     let warnings = result["warnings"].as_array().unwrap();
     assert_eq!(warnings.len(), 1, "{warnings:?}");
@@ -176,8 +145,7 @@ fn a_deep_arch_is_unstable_from_its_limit_point_on() {
         "/examples/models/deep_arch.toml"
     );
     let out = directory.join("out");
-    let output = program(&[example.as_ref(), "--out".as_ref(), &out]);
-    assert!(output.status.success());
+    succeeded(&program(&[example.as_ref(), "--out".as_ref(), &out]));
     let rows = history(&out);
     let turning = rows.iter().position(|r| r["event"] == "turning_point");
     let turning = turning.unwrap();

@@ -4,11 +4,10 @@
 #![allow(non_snake_case)]
 
 use crate::support::beams::beam;
-use crate::support::dynamics::{grounded, revolute};
+use crate::support::dynamics::{grounded, observed, revolute};
 use nalgebra::{Matrix3, Matrix6};
 use pullback::elements::body::RigidBody;
 use pullback::elements::spring::{Bushing, CoordinateLaw, CoordinateSpring};
-use pullback::integrators::dynamics::{DynamicOptions, Progress, StepReport, integrate, start};
 use pullback::integrators::statics::solve_statics;
 use pullback::prelude::*;
 use std::ops::ControlFlow;
@@ -131,10 +130,9 @@ fn swung(u: Units) -> ([f64; 2], usize) {
     beam(&mut b, "rod", [foot, tip], 3, section);
     let mut context = Context::new(b.build().unwrap());
     let options = DynamicOptions::new(2.0 * u.time, 0.02 * u.time);
-    let rest = vec![0.0; context.initial().len()];
-    let mut progress = Progress::new(start(&context, 0.0, context.initial(), &rest).unwrap());
-    let proceed = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
-    integrate(&mut context, &mut progress, &options, proceed).unwrap();
+    let q = context.initial().to_vec();
+    let start = [&q[..], &vec![0.0; q.len()]];
+    let progress = observed(&mut context, start, &options, &mut |_, _| ());
     let [angle, rate] = context.coordinate(hinge.coordinates[0], 0).unwrap();
     ([angle, rate * u.time], progress.summary.iterations)
 }
@@ -193,13 +191,8 @@ fn what_hangs_at_one_place_knows_no_metre() {
     // k θ = m g l (…) with a weight along x and −z of the size of the spring: θ + cos θ + sin θ = 0.
     for (arm, far) in arms() {
         let (mut context, angle) = pendulum(arm, far, 9.81, [9.81, 0.0, -9.81]);
-        let mut found = 0.0;
-        let options = StaticOptions::default();
-        solve_statics(&mut context, &mut vec![], &options, &mut |context, _| {
-            found = context.coordinate(angle, 0).unwrap()[0];
-            ControlFlow::Continue(())
-        })
-        .unwrap();
+        equilibrium(&mut context, &StaticOptions::default()).unwrap();
+        let [found, _] = context.coordinate(angle, 0).unwrap();
         let gap = found + found.cos() + found.sin();
         assert!(gap.abs() < 1e-9, "{arm:e}, {far:e}: {gap:.1e}");
     }
@@ -213,10 +206,8 @@ fn what_swings_at_one_place_knows_no_metre() {
         let n = context.initial().len();
         let (mut q, rest) = (vec![0.0; n], vec![0.0; n]);
         q[u] = 1.5;
-        let mut progress = Progress::new(start(&context, 0.0, &q, &rest).unwrap());
-        let proceed = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
         let options = DynamicOptions::new(1.3, 0.01);
-        integrate(&mut context, &mut progress, &options, proceed).unwrap();
+        observed(&mut context, [&q, &rest], &options, &mut |_, _| ());
         context.coordinate(angle, 0).unwrap()
     };
     let expected = swing(1.0, 0.0);
@@ -258,13 +249,8 @@ fn a_force_turned_by_a_bushing_is_followed_in_any_unit() {
             b.element(name, load, &[end]).unwrap();
         }
         let mut context = Context::new(b.build().unwrap());
-        let mut found = Vector3::zeros();
-        let options = StaticOptions::default();
-        solve_statics(&mut context, &mut vec![], &options, &mut |context, _| {
-            found = Vector3::from_fn(|k, _| context.coordinate(end, k).unwrap()[0]) / length;
-            ControlFlow::Continue(())
-        })
-        .unwrap();
+        equilibrium(&mut context, &StaticOptions::default()).unwrap();
+        let found = Vector3::from_fn(|k, _| context.coordinate(end, k).unwrap()[0]) / length;
         let gap = (found - expected).norm();
         assert!(gap < 1e-8, "{length:e}: {gap:.1e}");
     }

@@ -64,3 +64,19 @@ pub fn line(stiffness: &str, elements: usize, order: usize, rest: &str) -> Strin
         "#
     )
 }
+
+/// Stiffness of a column whose critical loads are Euler's, as EA = GA.
+pub const COLUMN: &str = "EA = 1e4, GA = [1e4, 1e4], GJ = 10.0, EI = [3.0, 1.0]";
+
+/// Supports of a line pinned about both cross axes, with a compressive force of 1 at B.
+pub const PINNED: &str = r#"
+[[supports]]
+node = "A"
+fix = ["x", "y", "z"]
+[[supports]]
+node = "B"
+fix = ["y", "z", "rx"]
+[[loads]]
+node = "B"
+force = [-1, 0, 0]
+"#;

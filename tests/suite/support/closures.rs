@@ -5,6 +5,7 @@ use crate::support::program::{directory, history, program, write};
 use pullback::input::assemble_text;
 use pullback::manifold::system::Point;
 use std::collections::HashMap;
+use std::f64::consts::{PI, TAU};
 
 pub const GROUND: &str =
     "[nodes]\nground = [0, 0, 0]\n[[supports]]\nnode = \"ground\"\nfix = \"all\"\n";
@@ -59,6 +60,56 @@ pub fn five_bar([at_a, at_d, at_c]: [&str; 3]) -> String {
         &hinge("C", "e", &format!("child = \"d\"\n{at_c}")),
     ]
     .concat()
+}
+
+/// Crank 1, coupler 1.5, rocker √3.77, ground 1.6; words for crank, coupler and rocker, and how the
+/// last joint closes the loop.
+pub fn four_bar(words: [&str; 3], closure: &str) -> String {
+    four_bar_of(1.0, words, closure)
+}
+
+/// The same linkage of another size.
+pub fn four_bar_of(size: f64, [a, b, d]: [&str; 3], closure: &str) -> String {
+    let at = |x: f64, y: f64| [x * size, y * size, 0.0];
+    [
+        hinge("A", "ground", a),
+        arm("crank tip", "A", at(0.0, 1.0)),
+        hinge("B", "crank tip", b),
+        arm("coupler tip", "B", at(1.2, 1.9)),
+        arm("foot", "ground", at(1.6, 0.0)),
+        hinge("D", "foot", d),
+        arm("rocker tip", "D", at(1.2, 1.9)),
+        hinge(
+            "C",
+            "coupler tip",
+            &format!("child = \"rocker tip\"\n{closure}"),
+        ),
+        body("A"),
+        body("B"),
+        body("D"),
+        ["A", "B", "D"].map(angle).concat(),
+    ]
+    .concat()
+}
+
+/// Angles of its coupler against the crank and of its rocker at an angle of the crank, on the branch
+/// that is drawn: the coupler's circle about the crank's tip meets the rocker's about its foot.
+pub fn linkage(crank: f64) -> [f64; 2] {
+    let angles = |crank: f64| {
+        let tip = [-crank.sin(), crank.cos()];
+        let (x, y) = (tip[0] - 1.6, tip[1]);
+        let (d, r, c) = (x.hypot(y), 0.4_f64.hypot(1.9), 1.5);
+        let rocker = y.atan2(x) - ((r * r + d * d - c * c) / (2.0 * r * d)).acos();
+        let end = [1.6 + r * rocker.cos(), r * rocker.sin()];
+        [(end[1] - tip[1]).atan2(end[0] - tip[0]), rocker]
+    };
+    let ([b, d], [b0, d0]) = (angles(crank), angles(0.0));
+    [b - b0 - crank, d - d0]
+}
+
+/// The difference of two angles, whole turns aside.
+pub fn apart(a: f64, b: f64) -> f64 {
+    ((a - b + PI).rem_euclid(TAU) - PI).abs()
 }
 
 pub fn angle(joint: &str) -> String {

@@ -372,12 +372,3 @@ pub fn integrate_ode<const N: usize>(
     }
     y
 }
-
-/// Complete elliptic integral K(k), modulus k, by the arithmetic-geometric mean.
-pub fn elliptic_K(k: f64) -> f64 {
-    let (mut a, mut g) = (1.0_f64, (1.0 - k * k).sqrt());
-    while (a - g).abs() > 1e-15 * a {
-        (a, g) = (0.5 * (a + g), (a * g).sqrt());
-    }
-    std::f64::consts::FRAC_PI_2 / a
-}

@@ -139,3 +139,8 @@ pub fn bead(b: &mut ModelBuilder, name: &str, nodes: &[NodeId], start: f64) -> J
         .unwrap();
     bead
 }
+
+/// Sides of half a metre, each steeper than the one before.
+pub fn bowl() -> Track {
+    Track::of(&[[0.5, 0.2], [0.5, 0.35], [0.5, 0.6], [0.5, 0.9]])
+}

@@ -3,6 +3,7 @@
 
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
+use nalgebra::DMatrix;
 use pullback::input::{InputError, assemble_text};
 use serde_json::Value;
 use std::collections::HashMap;
@@ -208,6 +209,26 @@ pub fn history(out: &Path) -> Vec<HashMap<String, String>> {
 /// A cell as a number.
 pub fn number(row: &HashMap<String, String>, column: &str) -> f64 {
     row[column].parse().unwrap()
+}
+
+/// The matrix of a file in Matrix Market format.
+pub fn matrix(path: &Path) -> DMatrix<f64> {
+    let text = read(path);
+    let mut lines = text.lines();
+    let kind = "%%MatrixMarket matrix coordinate real general";
+    assert_eq!(lines.next(), Some(kind));
+    let mut rows = lines.map(|line| -> Vec<f64> {
+        let numbers = line.split(' ');
+        numbers.map(|x| x.parse().unwrap()).collect()
+    });
+    let size = rows.next().unwrap();
+    let mut out = DMatrix::zeros(size[0] as usize, size[1] as usize);
+    let entries: Vec<_> = rows.collect();
+    assert_eq!(entries.len(), size[2] as usize);
+    for entry in entries {
+        out[(entry[0] as usize - 1, entry[1] as usize - 1)] = entry[2];
+    }
+    out
 }
 
 /// Numbers of an array of a grid.

@@ -31,7 +31,7 @@ pub const CRANK_START: f64 = 1.2;
 pub const CRANK_RATE: f64 = 6.0;
 
 /// Angles of all bars by that of the crank, with their derivatives by it.
-fn by_crank(angle: f64) -> [Moving<0>; 3] {
+pub fn by_crank(angle: f64) -> [Moving<0>; 3] {
     let angle = Moving::<0>::given([angle, 1.0, 0.0]);
     let [coupler, rocker] = closed_form(angle);
     [angle, coupler, rocker]
@@ -48,10 +48,15 @@ pub fn crank_acceleration(angle: f64, rate: f64) -> f64 {
         + k2 * between * (m2 * a * b)
         + k3 * k3 * (m3 * c * c / 3.0)
         + (m1 * a * a / 3.0 + m2 * a * a);
-    let V = angle.sin() * ((0.5 * m1 + m2) * G * a)
+    one_freedom(M, potential([angle, coupler, rocker]), rate)
+}
+
+/// Potential of the weights.
+pub fn potential([angle, coupler, rocker]: [Moving<0>; 3]) -> Moving<0> {
+    let ([a, b, c], [m1, m2, m3]) = (BARS, MASSES);
+    angle.sin() * ((0.5 * m1 + m2) * G * a)
         + coupler.sin() * (0.5 * m2 * G * b)
-        + rocker.sin() * (0.5 * m3 * G * c);
-    one_freedom(M, V, rate)
+        + rocker.sin() * (0.5 * m3 * G * c)
 }
 
 pub fn four_bar_exact(to: f64) -> Vec<f64> {
