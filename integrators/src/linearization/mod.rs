@@ -25,7 +25,6 @@ mod finish;
 mod inputs;
 mod krylov;
 mod modes;
-mod ritz;
 mod search;
 mod shift_invert;
 mod stability;

@@ -3,9 +3,8 @@
 #![allow(non_snake_case)]
 
 use super::Linearized;
-use super::krylov::Krylov;
+use super::krylov::{Krylov, RitzPair};
 use super::modes::{ModeOptions, ModesError, Selection};
-use super::ritz::RitzPair;
 use super::shift_invert::{Order, ShiftInvert};
 use crate::linear_solver::LinearError;
 use crate::random::Random;
