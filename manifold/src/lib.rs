@@ -10,7 +10,7 @@
 //! | system | [`system::System`] | residual and combined tangent of an equation of motion |
 //!
 //! The rest follows: [`map::derived`] gives B, Ḃ, B̈ and K_σ(f) by exact differentiation over the
-//! number types of [`jet`], [`pullback`] transforms residuals and tangents by a map, and the crate
+//! number types of [`jet`], [`pullback`] transforms tangents by a map, and the crate
 //! `pullback-conformance` verifies every implementation by convergence slopes.
 //!
 //! # Conventions

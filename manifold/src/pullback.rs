@@ -7,94 +7,49 @@
 //! C_mr = Bᵀ (C B + 2 M Ḃ)
 //! K_mr = Bᵀ (K B + C Ḃ + M B̈) − K_σ(r)
 //! ```
-//!
-//! An element's coordinates x come in slots (its nodes), each with a map of its own, so B is
-//! block-diagonal; a slot without a map is the identity. With the integrator's weights the
-//! three tangents combine to
-//!
-//! ```text
-//! S_ij = B_iᵀ (W_ij B_j + Y_ij Ḃ_j + Z_ij B̈_j) − cK δ_ij K_σ,i(r_i)
-//! W = cK K + cC C + cM M,   Y = cK C + 2 cC M,   Z = cK M
-//! ```
 
 #![allow(non_snake_case)]
 
-use crate::system::Weights;
+use nalgebra::{RowSVector, SMatrix, SVector};
 
-/// Kinematic operators of one slot; matrices column by column.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Slot<'a> {
-    /// Rows n: embedding coordinates of the slot.
-    pub n: usize,
-    /// Columns d: coordinates after the pull-back; equal to n for the identity.
-    pub d: usize,
-    /// B (n×d), or `None` for the identity (then the others are not read).
-    pub B: Option<&'a [f64]>,
-    /// Ḃ (n×d), empty where C and M are absent.
-    pub B_dot: &'a [f64],
-    /// B̈ (n×d), empty where M is absent.
-    pub B_ddot: &'a [f64],
-    /// K_σ(r) of the slot's own residual (d×d); empty without a tangent, or if it is added elsewhere.
-    pub K_sigma: &'a [f64],
-}
+/// Factors of B, Ḃ and B̈ in the columns of K, C and M.
+const FACTORS: [[f64; 3]; 3] = [[1.0, 1.0, 1.0], [1.0, 2.0, 0.0], [1.0, 0.0, 0.0]];
 
-/// Tangents of an element in its own coordinates, n×n column by column; absent ones are zero.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Tangents<'a> {
-    /// K = −∂r/∂x.
-    pub K: Option<&'a [f64]>,
-    /// C = −∂r/∂ẋ.
-    pub C: Option<&'a [f64]>,
-    /// M = −∂r/∂ẍ.
-    pub M: Option<&'a [f64]>,
-}
-
-/// r_mr = Bᵀ r, slot by slot.
-pub fn residual(slots: &[Slot<'_>], r: &[f64], r_mr: &mut [f64]) {
-    let (mut row, mut column) = (0, 0);
-    for slot in slots {
-        let r = &r[row..row + slot.n];
-        let out = &mut r_mr[column..column + slot.d];
-        match slot.B {
-            None => out.copy_from_slice(r),
-            Some(B) => out
-                .iter_mut()
-                .zip(transposed(B, r))
-                .for_each(|(o, f)| *o = f),
-        }
-        row += slot.n;
-        column += slot.d;
-    }
-}
-
-/// The combined tangent S_mr (d×d, column by column, overwritten) of all slots.
+/// Pulls tangents back in place, by a map of D of the coordinates to as many others.
 ///
-/// `work` needs room for n values, n the number of embedding coordinates.
-pub fn tangent(
-    slots: &[Slot<'_>],
-    tangents: Tangents<'_>,
-    weights: Weights,
-    S_mr: &mut [f64],
-    work: &mut [f64],
+/// `parts` are K, C and M of n coordinates (n×n, by columns), at rest K alone; the map is one of the coordinates from
+/// `first` on, with the operators `B`, Ḃ and B̈, and with `K_sigma` for the residual before its own pull-back.
+/// Maps of other coordinates may follow one after the other.
+pub fn tangents<const D: usize>(
+    parts: &mut [&mut [f64]],
+    n: usize,
+    first: usize,
+    B: &[SMatrix<f64, D, D>; 3],
+    K_sigma: &SMatrix<f64, D, D>,
 ) {
-    let n: usize = slots.iter().map(|s| s.n).sum();
-    let d: usize = slots.iter().map(|s| s.d).sum();
-    let work = &mut work[..n];
-    let (mut x_j, mut q_j) = (0, 0);
-    for sj in slots {
-        for column in 0..sj.d {
-            pulled_column(work, tangents, weights, x_j, sj, column);
-            let out = &mut S_mr[(q_j + column) * d..(q_j + column + 1) * d];
-            residual(slots, work, out);
-            if let (Some(_), Some(K_sigma)) = (sj.B, sj.K_sigma.get(column * sj.d..)) {
-                let own = &mut out[q_j..q_j + sj.d];
-                for (s, k) in own.iter_mut().zip(K_sigma) {
-                    *s -= weights.K * k;
-                }
+    for order in 0..parts.len() {
+        for i in 0..n {
+            let mut row = RowSVector::<f64, D>::zeros();
+            for (k, part) in parts[order..].iter().enumerate() {
+                let given = RowSVector::<f64, D>::from_fn(|_, j| part[i + (first + j) * n]);
+                row += given * B[k] * FACTORS[order][k];
+            }
+            for (j, value) in row.iter().enumerate() {
+                parts[order][i + (first + j) * n] = *value;
             }
         }
-        x_j += sj.n;
-        q_j += sj.d;
+        for column in parts[order].chunks_exact_mut(n) {
+            let own = &mut column[first..first + D];
+            let pulled = B[0].tr_mul(&SVector::<f64, D>::from_column_slice(own));
+            own.copy_from_slice(pulled.as_slice());
+        }
+    }
+    let Some(K) = parts.first_mut() else { return };
+    for (j, column) in K_sigma.column_iter().enumerate() {
+        let own = &mut K[first + (first + j) * n..][..D];
+        for (K, K_sigma) in own.iter_mut().zip(column.iter()) {
+            *K -= K_sigma;
+        }
     }
 }
 
@@ -107,57 +62,4 @@ pub fn transposed(B: &[f64], f: &[f64]) -> impl Iterator<Item = f64> {
         (Some(f), Ok(B)) => B.iter().zip(f).map(|(b, f)| b * f).sum(),
         _ => B.iter().zip(f).map(|(b, f)| b * f).sum(),
     })
-}
-
-/// out = (W B + Y Ḃ + Z B̈) e_column: one column of S_mr, of a slot whose coordinates start at the
-/// element's `first`, before its rows are pulled back. `out` has the element's n rows.
-fn pulled_column(
-    out: &mut [f64],
-    tangents: Tangents<'_>,
-    weights: Weights,
-    first: usize,
-    slot: &Slot<'_>,
-    column: usize,
-) {
-    out.fill(0.0);
-    let Some(B) = slot.B else {
-        add_column(out, tangents, weights, first + column, [1.0, 0.0, 0.0]);
-        return;
-    };
-    for k in 0..slot.n {
-        let at = column * slot.n + k;
-        let factors = [
-            B[at],
-            slot.B_dot.get(at).copied().unwrap_or(0.0),
-            slot.B_ddot.get(at).copied().unwrap_or(0.0),
-        ];
-        add_column(out, tangents, weights, first + k, factors);
-    }
-}
-
-/// out += (b W + ḃ Y + b̈ Z) e_k, with `factors` b, ḃ, b̈.
-fn add_column(
-    out: &mut [f64],
-    tangents: Tangents<'_>,
-    weights: Weights,
-    k: usize,
-    factors: [f64; 3],
-) {
-    let n = out.len();
-    let [b, b_dot, b_ddot] = factors;
-    let mut add = |matrix: Option<&[f64]>, factor: f64| {
-        if let Some(matrix) = matrix
-            && factor != 0.0
-        {
-            for (o, m) in out.iter_mut().zip(&matrix[k * n..(k + 1) * n]) {
-                *o += factor * m;
-            }
-        }
-    };
-    add(tangents.K, weights.K * b);
-    add(tangents.C, weights.C * b + weights.K * b_dot);
-    add(
-        tangents.M,
-        weights.M * b + 2.0 * weights.C * b_dot + weights.K * b_ddot,
-    );
 }

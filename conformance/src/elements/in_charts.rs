@@ -1,13 +1,13 @@
 //! An element that reads poses, in the charts of its frames.
 
 use crate::vectors::add;
+use nalgebra::{Matrix6, Vector6};
 use pullback_elements::element::{
     Abilities, Element, ElementEnergies, Motion, Properties, Response,
 };
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::map::{Parametrization, ToPose};
-use pullback_manifold::pullback::{Slot, Tangents, residual, tangent};
-use pullback_manifold::system::Weights;
+use pullback_manifold::pullback::tangents;
 
 /// Calls `laws` with an element of chart coordinates.
 pub(crate) fn in_charts<T>(element: &dyn Element, laws: impl FnOnce(&dyn Element) -> T) -> T {
@@ -95,45 +95,30 @@ impl Element for InCharts<'_> {
             r_t: Some(&mut r_t),
         };
         self.0.evaluate(&poses.motion(at), &mut own)?;
-        let mut K_sigma = vec![0.0; FRAME * n];
-        for ((x, r), K) in (at.x.chunks_exact(FRAME).zip(r.chunks_exact(FRAME)))
-            .zip(K_sigma.chunks_exact_mut(OPERATOR))
-        {
-            ToPose.geometric_stiffness(at.t, x, r, K);
-        }
-        let slots: Vec<Slot<'_>> = (0..n / FRAME)
-            .map(|k| {
-                let own = k * OPERATOR..(k + 1) * OPERATOR;
-                let [B, B_dot, B_ddot] = poses.B.each_ref().map(|B| &B[own.clone()]);
-                Slot {
-                    n: FRAME,
-                    d: FRAME,
-                    B: Some(B),
-                    B_dot,
-                    B_ddot,
-                    K_sigma: &K_sigma[own],
-                }
-            })
-            .collect();
-        let all = Tangents {
-            K: Some(&K),
-            C: moving.then_some(&C),
-            M: moving.then_some(&M),
-        };
-        let (mut work, mut pulled) = (vec![0.0; n], vec![0.0; n * n]);
-        for (to, weights) in [&mut out.K, &mut out.C, &mut out.M]
-            .into_iter()
-            .zip(Weights::PARTS)
-        {
-            if let Some(to) = to {
-                tangent(&slots, all, weights, &mut pulled, &mut work);
-                add(to, &pulled, 1.0);
+        let mut parts = [&mut K[..], &mut C, &mut M];
+        let parts = &mut parts[..if moving { 3 } else { 1 }];
+        for first in (0..n).step_by(FRAME) {
+            let own = first..first + FRAME;
+            let operator =
+                |B: &Vec<f64>| Matrix6::from_column_slice(&B[first * FRAME..][..OPERATOR]);
+            let B = poses.B.each_ref().map(operator);
+            let mut K_sigma = Matrix6::zeros();
+            let (x, f) = (&at.x[own.clone()], &r[own.clone()]);
+            ToPose.geometric_stiffness(at.t, x, f, K_sigma.as_mut_slice());
+            tangents(parts, n, first, &B, &K_sigma);
+            for covector in [&mut r, &mut r_t] {
+                let own = &mut covector[own.clone()];
+                let pulled = B[0].tr_mul(&Vector6::from_column_slice(own));
+                own.copy_from_slice(pulled.as_slice());
             }
         }
-        for (to, own) in [(Some(&mut *out.r), &r), (out.r_t.as_deref_mut(), &r_t)] {
-            residual(&slots, own, &mut work);
-            add(to.unwrap_or_default(), &work, 1.0);
+        for (to, pulled) in [&mut out.K, &mut out.C, &mut out.M].into_iter().zip(parts) {
+            if let Some(to) = to {
+                add(to, pulled, 1.0);
+            }
         }
+        add(out.r, &r, 1.0);
+        add(out.r_t.as_deref_mut().unwrap_or_default(), &r_t, 1.0);
         Ok(())
     }
 

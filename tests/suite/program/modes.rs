@@ -60,7 +60,7 @@ fn exact() -> [f64; 2] {
 fn a_run_in_memory_warns_as_one_with_files() {
     let texts = [
         format!("{MASSES}\n[analysis.modes]\ncount = 50\n"),
-        format!("{COLUMN}\n[analysis.buckling]\ncount = 50\n"),
+        format!("{}\n[analysis.buckling]\ncount = 50\n", column()),
     ];
     for (k, text) in texts.iter().enumerate() {
         let path = write(&directory(&format!("in memory {k}")), text);

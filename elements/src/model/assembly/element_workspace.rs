@@ -11,7 +11,6 @@ use crate::model::kinematics::node_entries::{collect, distribute};
 use crate::model::state::ElementState;
 use crate::model::{ElementEntry, NONE, Node, Span};
 use pullback_manifold::domain::DomainError;
-use pullback_manifold::pullback::{self, Slot, Tangents};
 use pullback_manifold::system::{Scales, Weights};
 use std::ops::Range;
 
@@ -30,10 +29,6 @@ pub(in crate::model) struct ElementWorkspace {
     C: Vec<f64>,
     pub M: Vec<f64>,
     pub S: Vec<f64>,
-    /// Second set, for a pull-back in two stages.
-    K2: Vec<f64>,
-    C2: Vec<f64>,
-    M2: Vec<f64>,
     pub work: Vec<f64>,
     pub K_sigma: Vec<f64>,
     pub q: Vec<f64>,
@@ -58,9 +53,6 @@ impl ElementWorkspace {
             C: zeros(n * n),
             M: zeros(n * n),
             S: zeros(n * n),
-            K2: zeros(n * n),
-            C2: zeros(n * n),
-            M2: zeros(n * n),
             work: zeros(n.max(parents)),
             K_sigma: zeros(parents * parents),
             q: zeros(parents),
@@ -267,37 +259,12 @@ impl ElementWorkspace {
         tangents: usize,
         rates: bool,
     ) {
-        let switched = state.switched;
-        if switched == 0 {
-            return;
-        }
         let n = e.element.dim();
-        for (i, psi) in switched_rotations(e, switched, spans) {
-            self.complements[i].load(&self.r[psi]);
-        }
-        let (slots, count) = slots(&self.complements, (e, switched), spans);
-        let slots = &slots[..count];
-        let [K, C, M] = [&self.K, &self.C, &self.M].map(|all| Some(&all[..n * n]));
-        let [C, M] = [C, M].map(|all| all.filter(|_| tangents == 3));
-        let given = Tangents { K, C, M };
-        let into = [&mut self.K2, &mut self.C2, &mut self.M2];
-        for (one, into) in Weights::PARTS.into_iter().zip(into).take(tangents) {
-            pullback::tangent(slots, given, one, into, &mut self.work);
-        }
-        if rates {
-            // d/dt (B_sᵀ r) at fixed unknowns = B_sᵀ ∂r/∂t + Ḃ_sᵀ r: before r is overwritten.
-            pullback::residual(slots, &self.r_t, &mut self.work);
-            self.r_t[..n].copy_from_slice(&self.work[..n]);
-            for (i, psi) in switched_rotations(e, switched, spans) {
-                self.complements[i].add_rate(&self.r[psi.clone()], &mut self.r_t[psi]);
-            }
-        }
-        pullback::residual(slots, &self.r, &mut self.work);
-        self.r[..n].copy_from_slice(&self.work[..n]);
-        let all = [&mut self.K, &mut self.C, &mut self.M];
-        let pulled_back = [&mut self.K2, &mut self.C2, &mut self.M2];
-        for (all, pulled_back) in all.into_iter().zip(pulled_back).take(tangents) {
-            std::mem::swap(all, pulled_back);
+        let parts = [&mut self.K, &mut self.C, &mut self.M];
+        let mut parts = parts.map(|part| &mut part[..n * n]);
+        for (i, psi) in switched_rotations(e, state.switched, spans) {
+            let r_t = rates.then_some(&mut self.r_t[..n]);
+            self.complements[i].pull_back(psi, &mut parts[..tangents], r_t, &mut self.r[..n]);
         }
     }
 
@@ -348,35 +315,6 @@ fn switched_rotations<'a>(
         first += spans[node as usize].range().len();
         (switched & (1 << i) != 0).then_some((i, psi))
     })
-}
-
-/// The changes of chart of an element's nodes, and their number.
-fn slots<'a>(
-    complements: &'a [ComplementOperators],
-    (e, switched): (&ElementEntry, u32),
-    spans: &[Span],
-) -> ([Slot<'a>; 2 * MAX_NODES], usize) {
-    let mut slots = [Slot::default(); 2 * MAX_NODES];
-    let mut count = 0;
-    let mut add = |slot| {
-        slots[count] = slot;
-        count += 1;
-    };
-    let same = |dim| Slot {
-        n: dim,
-        d: dim,
-        ..Slot::default()
-    };
-    for ((i, &node), complement) in e.nodes.iter().enumerate().zip(complements) {
-        if switched & (1 << i) != 0 {
-            // The translation has no other chart.
-            add(same(3));
-            add(complement.slot());
-        } else {
-            add(same(spans[node as usize].range().len()));
-        }
-    }
-    (slots, count)
 }
 
 /// The element's combined tangent, if the parts are not needed: in motion, for nodes that are not

@@ -5,34 +5,17 @@
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::chart::Complement;
 use pullback_manifold::jet::Moving;
-use pullback_manifold::map::{Kinematics, Map};
-use pullback_manifold::pullback::Slot;
+use pullback_manifold::map::Map;
+use pullback_manifold::pullback;
 use pullback_manifold::scalar::Scalar;
+use std::ops::Range;
 
 /// Operators of the complement map for one node of an element in the other chart.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(in crate::model) struct ComplementOperators {
     psi: Vector3<f64>,
-    kinematics: Kinematics<3, 3>,
-    K_sigma: Matrix3<f64>,
-}
-
-impl Default for ComplementOperators {
-    fn default() -> Self {
-        let zero = Matrix3::zeros();
-        Self {
-            psi: Vector3::zeros(),
-            kinematics: Kinematics {
-                x: Vector3::zeros(),
-                x_dot: Vector3::zeros(),
-                x_ddot: Vector3::zeros(),
-                B: zero,
-                B_dot: zero,
-                B_ddot: zero,
-            },
-            K_sigma: zero,
-        }
-    }
+    /// B, Ḃ, B̈.
+    B: [Matrix3<f64>; 3],
 }
 
 impl ComplementOperators {
@@ -48,32 +31,32 @@ impl ComplementOperators {
         psi.copy_from_slice(k.x.as_slice());
         v.copy_from_slice(k.x_dot.as_slice());
         a.copy_from_slice(k.x_ddot.as_slice());
-        self.kinematics = k;
+        self.B = [k.B, k.B_dot, k.B_ddot];
     }
 
-    /// Computes K_σ for the moment that the element exerts in its own chart.
-    pub(in crate::model) fn load(&mut self, f: &[f64]) {
-        self.K_sigma =
-            Complement.geometric_stiffness(0.0, &self.psi, &Vector3::from_column_slice(f));
-    }
-
-    pub(in crate::model) fn slot(&self) -> Slot<'_> {
-        Slot {
-            n: 3,
-            d: 3,
-            B: Some(self.kinematics.B.as_slice()),
-            B_dot: self.kinematics.B_dot.as_slice(),
-            B_ddot: self.kinematics.B_ddot.as_slice(),
-            K_sigma: self.K_sigma.as_slice(),
+    /// Pulls back what an element has found in its own chart: tangents, ∂r/∂t if there is one, and the residual. Ψ is
+    /// at `psi` among its coordinates.
+    pub(in crate::model) fn pull_back(
+        &self,
+        psi: Range<usize>,
+        tangents: &mut [&mut [f64]],
+        r_t: Option<&mut [f64]>,
+        r: &mut [f64],
+    ) {
+        let n = r.len();
+        let moment = &mut r[psi.clone()];
+        let f = Vector3::from_column_slice(moment);
+        if !tangents.is_empty() {
+            let K_sigma = Complement.geometric_stiffness(0.0, &self.psi, &f);
+            pullback::tangents(tangents, n, psi.start, &self.B, &K_sigma);
         }
-    }
-
-    /// out += Ḃᵀ f.
-    pub(in crate::model) fn add_rate(&self, f: &[f64], out: &mut [f64]) {
-        let df = self.kinematics.B_dot.tr_mul(&Vector3::from_column_slice(f));
-        for (o, d) in out.iter_mut().zip(df.iter()) {
-            *o += d;
+        if let Some(r_t) = r_t {
+            // d/dt (Bᵀ r) at fixed unknowns = Bᵀ ∂r/∂t + Ḃᵀ r.
+            let own = &mut r_t[psi];
+            let rate = self.B[0].tr_mul(&Vector3::from_column_slice(own)) + self.B[1].tr_mul(&f);
+            own.copy_from_slice(rate.as_slice());
         }
+        moment.copy_from_slice(self.B[0].tr_mul(&f).as_slice());
     }
 }
 
