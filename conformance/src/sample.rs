@@ -1,6 +1,6 @@
 //! A seeded random generator, and the positions at which laws are checked.
 
-use nalgebra::{DVector, SVector};
+use nalgebra::{DVector, SVector, Vector3};
 use std::f64::consts::{PI, TAU};
 
 /// Points closer than this to the boundary of a domain are left out.
@@ -85,6 +85,13 @@ impl Random {
                 return;
             }
         }
+    }
+
+    /// A vector of a norm in a random direction.
+    pub(crate) fn of_norm(&mut self, norm: f64) -> Vector3<f64> {
+        let mut out = Vector3::zeros();
+        self.direction(norm, out.as_mut_slice());
+        out
     }
 
     /// All positions with this number of coordinates, with their names. Every three consecutive coordinates have the

@@ -51,13 +51,12 @@ pub enum InertiaError {
     },
 }
 
-/// Motion of a frame: Ψ and its two rates, ẋ and ẍ of its origin.
+/// Motion of a frame: Ψ and its two rates, ẍ of its origin.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FrameMotion {
     pub psi: Vector3<f64>,
     pub psi_dot: Vector3<f64>,
     pub psi_ddot: Vector3<f64>,
-    pub x_dot: Vector3<f64>,
     pub x_ddot: Vector3<f64>,
 }
 
@@ -271,31 +270,6 @@ impl InertiaTerms<'_> {
         let turning = so3::C2(&(self.h() * K), psi, c) + T.tr_mul(&h_q);
         put(&mut tangent, 3, 3, &turning);
         tangent
-    }
-
-    /// Momentum covector p = M (ẋ, Ψ̇) and its derivative with respect to (x, Ψ).
-    pub fn momentum(&self) -> (Vector6<f64>, Matrix6<f64>) {
-        let Self {
-            inertia: Inertia { mass, S, J },
-            motion,
-            quotients: c,
-            T,
-            Omega,
-            ..
-        } = self;
-        let C1 = so3::C1(&motion.psi_dot, &motion.psi, c);
-        let (mut linear, mut k, mut inner) = (motion.x_dot * *mass, J * Omega, J * C1);
-        let mut D = Matrix6::zeros();
-        if let Some(Eccentric { R, .. }) = &self.eccentric {
-            let (u, w) = (R.tr_mul(&motion.x_dot), Omega.cross(S));
-            linear += R * w;
-            k += S.cross(&u);
-            inner += skew(S) * skew(&u) * T;
-            put(&mut D, 0, 3, &(R * (skew(&w) * T + skew(S) * C1) * -1.0));
-        }
-        let turning = so3::C2(&k, &motion.psi, c) + T.tr_mul(&inner);
-        put(&mut D, 3, 3, &turning);
-        (stack(&linear, &T.tr_mul(&k)), D)
     }
 }
 

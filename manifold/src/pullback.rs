@@ -15,7 +15,7 @@ use nalgebra::{RowSVector, SMatrix, SVector};
 /// Factors of B, Ḃ and B̈ in the columns of K, C and M.
 const FACTORS: [[f64; 3]; 3] = [[1.0, 1.0, 1.0], [1.0, 2.0, 0.0], [1.0, 0.0, 0.0]];
 
-/// Pulls tangents back in place, by a map of D of the coordinates to as many others.
+/// Overwrites tangents by those pulled back by a map of D of the coordinates to as many others.
 ///
 /// `parts` are K, C and M of n coordinates (n×n, by columns), at rest K alone; the map is one of the coordinates from
 /// `first` on, with the operators `B`, Ḃ and B̈, and with `K_sigma` for the residual before its own pull-back.

@@ -71,7 +71,7 @@ impl PySweep {
     }
 
     fn __len__(&self) -> usize {
-        self.sweep.len()
+        self.sweep.runs()
     }
 
     /// The table in a directory, with the rows that it has already.

@@ -59,9 +59,11 @@ pub(super) fn sweep(registry: &Registry, args: SweepArguments) -> u8 {
         Err(error) => return refuse(error),
     };
     let done: HashSet<usize> = table.rows().iter().map(|row| row.run).collect();
-    let runs: Vec<usize> = (0..sweep.len()).filter(|run| !done.contains(run)).collect();
+    let runs: Vec<usize> = (0..sweep.runs())
+        .filter(|run| !done.contains(run))
+        .collect();
     let mut progress = ProgressLine::new(args.quiet);
-    progress.count(sweep.len(), done.len());
+    progress.count(sweep.runs(), done.len());
     let processors = std::thread::available_parallelism().ok();
     let threads = args.workers.or(processors).map_or(1, NonZeroUsize::get);
     let mut unsaved = None;
@@ -83,7 +85,7 @@ pub(super) fn sweep(registry: &Registry, args: SweepArguments) -> u8 {
     match swept.map(|()| table.finish()) {
         Err(error) => complain(&error),
         Ok(Err(error)) => refuse(error),
-        Ok(Ok(rows)) => report(&rows, sweep.len(), &out, args.quiet),
+        Ok(Ok(rows)) => report(&rows, sweep.runs(), &out, args.quiet),
     }
 }
 

@@ -241,22 +241,20 @@ impl Sweep {
             axes,
             reductions,
         };
-        let many = (sweep.len().to_string(), "a sweep has at most 10000000 runs");
-        match refused.or((sweep.len() > MOST_RUNS).then_some(many)) {
+        let many = (
+            sweep.runs().to_string(),
+            "a sweep has at most 10000000 runs",
+        );
+        match refused.or((sweep.runs() > MOST_RUNS).then_some(many)) {
             Some((text, expected)) => Err(SweepError { text, expected }),
             None => Ok(sweep),
         }
     }
 
     /// Number of runs.
-    pub fn len(&self) -> usize {
+    pub fn runs(&self) -> usize {
         let counts = self.axes.iter().map(|axis| axis.values.len());
         counts.fold(1, usize::saturating_mul)
-    }
-
-    /// Whether there are no runs.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 
     /// The values of the parameters in a run.

@@ -56,13 +56,6 @@ pub(crate) fn laws(
     of.check(report, Law::Charts, states, random);
 }
 
-/// A vector of a norm in a random direction.
-pub(crate) fn vector(random: &mut Random, norm: f64) -> Vector3<f64> {
-    let mut out = Vector3::zeros();
-    random.direction(norm, out.as_mut_slice());
-    out
-}
-
 impl Component<&dyn Element> {
     /// A typical length: the unit of the first frame's displacement.
     fn length(&self) -> f64 {
@@ -78,8 +71,8 @@ impl Component<&dyn Element> {
         match law {
             Law::Charts => Carrier::Chart,
             Law::Objectivity => {
-                let shift = vector(random, self.length());
-                Carrier::still(self.center(), vector(random, 1.0), shift)
+                let shift = random.of_norm(self.length());
+                Carrier::still(self.center(), random.of_norm(1.0), shift)
             }
         }
     }
@@ -98,7 +91,7 @@ impl Component<&dyn Element> {
         let mut exact = Report::new(report.subject());
         for (at, s) in states {
             // Away from Ψ = 0, where there is no other chart.
-            let turn = Carrier::still(self.center(), vector(random, 1.3), Vector3::zeros());
+            let turn = Carrier::still(self.center(), random.of_norm(1.3), Vector3::zeros());
             let state = match law {
                 Law::Objectivity => s.clone(),
                 Law::Charts => carry(turn, 0.0, &self.frames, s).state,
@@ -173,10 +166,10 @@ impl Component<&dyn Element> {
         let (dx, dv, da) = (noise(), noise() * rate, noise() * (rate * rate));
         let rigid = Carrier::Rigid {
             about: self.center(),
-            turn: vector(random, 1.3),
-            spin: vector(random, if moving { rate } else { 0.0 }),
-            shift: vector(random, self.length()),
-            drift: vector(random, if moving { rate * self.length() } else { 0.0 }),
+            turn: random.of_norm(1.3),
+            spin: random.of_norm(if moving { rate } else { 0.0 }),
+            shift: random.of_norm(self.length()),
+            drift: random.of_norm(if moving { rate * self.length() } else { 0.0 }),
         };
         let to = self.carrier(law, random);
         let at = |e: f64| -> TestState {

@@ -39,8 +39,8 @@ pub fn chart<C: RotationChart>(chart: &C) -> Report {
         let gap = (chart.coordinates(&turn) - q).norm();
         report.defect("coordinates(quaternion(c)) = c", at, gap, allowed);
         let mut map = Charted::<C, 3>::new(*chart);
-        let v = random_vector(&mut random);
-        let a = random_vector(&mut random);
+        let v = random.of_norm(1.0);
+        let a = random.of_norm(1.0);
         let psi = so3::log_quaternion(&turn);
         change(
             &mut report,
@@ -63,12 +63,6 @@ pub fn chart<C: RotationChart>(chart: &C) -> Report {
         report.impossible("domain", "everywhere", "no position is inside the chart");
     }
     report
-}
-
-fn random_vector(random: &mut Random) -> Vector3<f64> {
-    let mut x = Vector3::zeros();
-    random.direction(1.0, x.as_mut_slice());
-    x
 }
 
 /// Checks that a change of coordinates keeps rotation, angular velocity and angular acceleration.

@@ -2,7 +2,7 @@
 
 use super::segments::{self, Child};
 use super::view::{self, maps, parent_state};
-use crate::elements::{Carrier, EXACT, FIRST, FrameAt, carry, vector};
+use crate::elements::{Carrier, EXACT, FIRST, FrameAt, carry};
 use crate::{Mapped, Random, Report, TestState, kinematics, pieces};
 use nalgebra::{DVector, Vector3};
 use pullback_elements::model::Context;
@@ -114,8 +114,8 @@ impl Carried<'_> {
 
     fn laws(&self, report: &mut Report, at: &str, s: &TestState, random: &mut Random) {
         let about = self.frames[0].position;
-        let turn = vector(random, 0.9);
-        let by = Carrier::still(about, turn, vector(random, self.length));
+        let turn = random.of_norm(0.9);
+        let by = Carrier::still(about, turn, random.of_norm(self.length));
         let most = |x: Vec<f64>| x.into_iter().fold(0.0, f64::max);
         let reach = most(self.of.rows.magnitudes(self.child(s).as_slice(), 0));
         let all = most(self.of.columns.magnitudes(s.x.as_slice(), 0));
@@ -144,7 +144,7 @@ impl Carried<'_> {
     ) {
         let noise = random.entries(&self.of.columns.units());
         let about = self.frames[0].position;
-        let rigid = Carrier::still(about, vector(random, 1.3), Vector3::zeros());
+        let rigid = Carrier::still(about, random.of_norm(1.3), Vector3::zeros());
         let near = |e: f64| {
             let mut x = s.x.clone();
             for f in self.frames {

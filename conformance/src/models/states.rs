@@ -61,16 +61,11 @@ struct Field {
 
 impl Field {
     fn new(random: &mut Random, size: f64, length: f64) -> Self {
-        let mut vector = |size: f64| {
-            let mut v = Vector3::zeros();
-            random.direction(size, v.as_mut_slice());
-            v
-        };
         Self {
-            base: vector(0.7 * size),
-            amplitude: vector(0.5 * size),
-            wave: vector(WAVES / length),
-            phase: vector(3.0).x,
+            base: random.of_norm(0.7 * size),
+            amplitude: random.of_norm(0.5 * size),
+            wave: random.of_norm(WAVES / length),
+            phase: random.of_norm(3.0).x,
         }
     }
 

@@ -26,7 +26,7 @@ use crate::element::{CombinedTangents, EDGE, Motion, overturned};
 use nalgebra::{Matrix3, Vector3, Vector6};
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::quotients::TangentQuotients;
-use pullback_manifold::so3::{self, skew};
+use pullback_manifold::so3;
 use pullback_manifold::system::Weights;
 
 /// The geodesic interpolation; see [`Interpolation::Geodesic`](super::Interpolation::Geodesic).
@@ -187,8 +187,12 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
             }
             let to = (&reference, &nodes);
             Self::add_products((at, viscous), to, [K_hat, C_hat], [k, c], out);
-            if k != 0.0 {
-                self.geometric(&reference, others(), &force, -k, out);
+            if k == 0.0 {
+                continue;
+            }
+            for (i, node) in others() {
+                let forces = [0, 3].map(|c| three(&force[i], c) * -k);
+                node.add_geometric(&reference, forces, out, 6 * NN, [6 * i, 6 * Self::R]);
             }
         }
         Ok(())
@@ -282,45 +286,5 @@ impl<const NN: usize> Geodesic<NN> {
                 }
             }
         }
-    }
-
-    /// Adds the factor times K_σ, the derivative of Bᵀ(n, m) with the forces (n, m) of z and ϑ fixed.
-    fn geometric<'a>(
-        &self,
-        reference: &Turn,
-        others: impl Iterator<Item = (usize, &'a RelativeNode)>,
-        force: &[[f64; 6]; NN],
-        factor: f64,
-        out: &mut [f64],
-    ) {
-        let (size, r) = (6 * NN, 6 * Self::R);
-        let T_r = &reference.T;
-        let mut h = Vector3::zeros();
-        for (i, node) in others {
-            let (n, m) = (three(&force[i], 0) * factor, three(&force[i], 3) * factor);
-            let RelativeNode { turn, seen, .. } = node;
-            // Force of δΘ_i and, negative, of δΘ_r.
-            let own = node.T_inverse.tr_mul(&m);
-            h -= seen.z.cross(&n) + node.T_inverse * m;
-            // D_ϑ(T⁻ᵀ m); as T⁻¹ = T⁻ᵀ + ϑ~, that of T⁻¹ m is C₆ − m~.
-            let C6 = so3::C6(&m, &seen.theta, &node.inverse);
-            let left = turn.T.tr_mul(&C6);
-            let own = so3::C2(&own, &turn.psi, &turn.quotients) + left * node.theta_psi;
-            let mixed = -left * node.theta_r;
-            let n = skew(&n);
-            let at_r = T_r.tr_mul(&(n * (skew(&seen.z) * T_r) + (C6 - skew(&m)) * node.theta_r));
-            // −R_r n~ T_r.
-            let d = -node.B.own.fixed_view::<3, 3>(0, 0).tr_mul(&(n * T_r));
-            add_block(out, size, 6 * i + 3, 6 * i + 3, &own);
-            add_block(out, size, 6 * i + 3, r + 3, &mixed);
-            add_block(out, size, r + 3, 6 * i + 3, &mixed.transpose());
-            add_block(out, size, r + 3, r + 3, &at_r);
-            add_block(out, size, 6 * i, r + 3, &d);
-            add_block(out, size, r + 3, 6 * i, &d.transpose());
-            add_block(out, size, r, r + 3, &-d);
-            add_block(out, size, r + 3, r, &-d.transpose());
-        }
-        let h = so3::C2(&h, &reference.psi, &reference.quotients);
-        add_block(out, size, r + 3, r + 3, &h);
     }
 }

@@ -23,23 +23,27 @@ pub struct MassPoint<const NN: usize> {
 }
 
 impl<const NN: usize> MassPoint<NN> {
-    /// Motion of the section, interpolated like x and Ψ.
+    /// Three entries of all nodes, from `first` on, interpolated.
     #[inline]
-    fn motion(&self, at: &Motion<'_>) -> FrameMotion {
-        let sum = |from: &[f64], first: usize| {
-            let nodes = from.chunks_exact(6).zip(&self.N);
-            nodes.fold(Vector3::zeros(), |sum, (x, N)| sum + three(x, first) * *N)
-        };
+    fn sum(&self, from: &[f64], first: usize) -> Vector3<f64> {
+        let nodes = from.chunks_exact(6).zip(&self.N);
+        nodes.fold(Vector3::zeros(), |sum, (x, N)| sum + three(x, first) * *N)
+    }
+
+    /// Motion of the section, interpolated like x and Ψ, with accelerations increased by α times the velocities:
+    /// inertia is linear in accelerations, so this adds the drag α M ẋ.
+    #[inline]
+    fn motion(&self, at: &Motion<'_>, alpha: f64) -> FrameMotion {
+        let psi_dot = self.sum(at.v, 3);
         FrameMotion {
-            psi: sum(at.x, 3),
-            psi_dot: sum(at.v, 3),
-            psi_ddot: sum(at.a, 3),
-            x_dot: sum(at.v, 0),
-            x_ddot: sum(at.a, 0),
+            psi: self.sum(at.x, 3),
+            psi_dot,
+            psi_ddot: self.sum(at.a, 3) + psi_dot * alpha,
+            x_ddot: self.sum(at.a, 0) + self.sum(at.v, 0) * alpha,
         }
     }
 
-    /// Adds −f_acc, the drag α p, and their tangents.
+    /// Adds −f_acc, the drag α M ẋ, and their tangents.
     #[inline]
     pub(super) fn add(
         &self,
@@ -48,13 +52,9 @@ impl<const NN: usize> MassPoint<NN> {
         r: &mut [f64],
         tangents: &mut CombinedTangents<'_>,
     ) {
-        let motion = self.motion(at);
+        let motion = self.motion(at, alpha);
         let moving = self.inertia.moving(&motion);
-        let mut f = moving.force();
-        let drag = (alpha > 0.0).then(|| moving.momentum());
-        if let Some((p, _)) = &drag {
-            f += p * alpha;
-        }
+        let f = moving.force();
         for (r, N) in r.chunks_exact_mut(6).zip(&self.N) {
             for (r, f) in r.iter_mut().zip(f.iter()) {
                 *r -= self.weight * N * f;
@@ -66,11 +66,7 @@ impl<const NN: usize> MassPoint<NN> {
                 continue;
             }
             let M = weights.M + alpha * weights.C;
-            let mut tangent = moving.tangent(Weights { M, ..*weights });
-            if let Some((_, p_q)) = &drag {
-                tangent += p_q * (alpha * weights.K);
-            }
-            self.spread(&tangent, out);
+            self.spread(&moving.tangent(Weights { M, ..*weights }), out);
         }
     }
 
@@ -105,9 +101,8 @@ impl<const NN: usize> MassPoint<NN> {
 
     /// Kinetic energy.
     pub(super) fn kinetic_energy(&self, at: &Motion<'_>) -> f64 {
-        let motion = self.motion(at);
-        let FrameMotion { psi, psi_dot, .. } = &motion;
-        self.weight * self.inertia.kinetic_energy(&motion.x_dot, psi, psi_dot)
+        let (x_dot, psi, psi_dot) = (self.sum(at.v, 0), self.sum(at.x, 3), self.sum(at.v, 3));
+        self.weight * self.inertia.kinetic_energy(&x_dot, &psi, &psi_dot)
     }
 }
 

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use crate::blocks::three;
+use crate::blocks::{add_block, three};
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 use pullback_manifold::quotients::{InverseQuotients, Quotients};
 use pullback_manifold::so3::{self, skew};
@@ -126,6 +126,38 @@ impl RelativeNode {
             &(T_inverse_dot * self.turn.T + T_inverse * T_dot),
             &(T_inverse_dot.transpose() * reference.T + T_inverse.transpose() * T_r_dot),
         )
+    }
+
+    /// Adds K_σ, the derivative of Bᵀ(n, m) with the forces n and m of z and ϑ fixed, to a matrix of `size` rows. The
+    /// coordinates of this node begin at i, those of the reference at r.
+    pub(crate) fn add_geometric(
+        &self,
+        reference: &Turn,
+        [n, m]: [Vector3<f64>; 2],
+        out: &mut [f64],
+        size: usize,
+        [i, r]: [usize; 2],
+    ) {
+        let (turn, seen, T_r) = (&self.turn, &self.seen, &reference.T);
+        // Moments of δΘ of this node and of the reference.
+        let own = self.T_inverse.tr_mul(&m);
+        let far = n.cross(&seen.z) - self.T_inverse * m;
+        // D_ϑ(T⁻ᵀ m); as T⁻¹ = T⁻ᵀ + ϑ~, that of T⁻¹ m is C₆ − m~.
+        let C6 = so3::C6(&m, &seen.theta, &self.inverse);
+        let left = turn.T.tr_mul(&C6);
+        let own = so3::C2(&own, &turn.psi, &turn.quotients) + left * self.theta_psi;
+        let mixed = -left * self.theta_r;
+        let n = skew(&n);
+        let far = so3::C2(&far, &reference.psi, &reference.quotients)
+            + T_r.tr_mul(&(n * (skew(&seen.z) * T_r) + (C6 - skew(&m)) * self.theta_r));
+        // −R_r n~ T_r.
+        let d = -self.B.own.fixed_view::<3, 3>(0, 0).tr_mul(&(n * T_r));
+        add_block(out, size, i + 3, i + 3, &own);
+        add_block(out, size, r + 3, r + 3, &far);
+        for (row, column, block) in [(i + 3, r + 3, mixed), (i, r + 3, d), (r, r + 3, -d)] {
+            add_block(out, size, row, column, &block);
+            add_block(out, size, column, row, &block.transpose());
+        }
     }
 }
 

@@ -4,8 +4,8 @@
 
 use crate::beam::relative::{Operator, RelativeNode, RelativePose, Turn, turn_between};
 use crate::blocks::three;
-use nalgebra::{Matrix3, SMatrix, SVector, Vector3, Vector6};
-use pullback_manifold::so3::{self, skew};
+use nalgebra::{SMatrix, SVector, Vector3, Vector6};
+use pullback_manifold::so3;
 
 type Vector12 = SVector<f64, 12>;
 
@@ -21,7 +21,6 @@ pub(super) struct Relation {
     /// (u, θ).
     pub y: Vector6<f64>,
     first: Turn,
-    R: Matrix3<f64>,
     second: RelativeNode,
 }
 
@@ -39,7 +38,6 @@ impl RelativeMap {
             y: Vector6::new(u.x, u.y, u.z, theta.x, theta.y, theta.z),
             second: RelativeNode::new(Turn::new(three(x, 9)), seen, &first, &R.transpose()),
             first,
-            R,
         }
     }
 }
@@ -66,41 +64,11 @@ impl Relation {
 
     /// K_σ(f) = D_x(Bᵀf) for fixed f = (n, m), symmetric 12×12.
     pub(super) fn K_sigma(&self, f: &Vector6<f64>) -> SMatrix<f64, 12, 12> {
-        let [n, m] = [0, 3].map(|i| three(f.as_slice(), i));
-        let RelativeNode {
-            turn,
-            seen: RelativePose { z: g, theta },
-            inverse,
-            T_inverse,
-            theta_psi,
-            theta_r,
-            ..
-        } = &self.second;
-        let (T1, T2) = (&self.first.T, &turn.T);
-        // The covectors are R₁n for x₂ and −x₁, T₁ᵀ(n × g − T⁻¹m) for Ψ₁ and T₂ᵀT⁻ᵀm for Ψ₂.
-        let moment = n.cross(g) - T_inverse * m;
-        let second = T_inverse.tr_mul(&m);
-        let force = -(self.R * (skew(&n) * T1));
-        // D_θ(T⁻ᵀm), and D_θ(T⁻¹m) = −C₆(m, −θ) because T⁻¹(θ) = T⁻ᵀ(−θ).
-        let C6 = so3::C6(&m, theta, inverse);
-        let C6_opposite = -so3::C6(&m, &-theta, inverse);
-        let theta_1 = -theta_r;
-        let first_first = so3::C2(&moment, &self.first.psi, &self.first.quotients)
-            + T1.tr_mul(&(skew(&n) * (skew(g) * T1) - C6_opposite * theta_1));
-        let second_first = T2.tr_mul(&(C6 * theta_1));
-        let second_second =
-            so3::C2(&second, &turn.psi, &turn.quotients) + T2.tr_mul(&(C6 * theta_psi));
+        let forces = [0, 3].map(|i| three(f.as_slice(), i));
         let mut K = SMatrix::<f64, 12, 12>::zeros();
-        let mut put = |i, j, block: &Matrix3<f64>| {
-            K.fixed_view_mut::<3, 3>(i, j).copy_from(block);
-            K.fixed_view_mut::<3, 3>(j, i).copy_from(&block.transpose());
-        };
-        put(0, 3, &-force);
-        put(6, 3, &force);
-        put(9, 3, &second_first);
-        // On the diagonal round-off alone is not symmetric.
-        put(3, 3, &((first_first + first_first.transpose()) * 0.5));
-        put(9, 9, &((second_second + second_second.transpose()) * 0.5));
-        K
+        let (second, first) = (&self.second, &self.first);
+        second.add_geometric(first, forces, K.as_mut_slice(), 12, [6, 0]);
+        // But for rounding it is.
+        (K + K.transpose()) * 0.5
     }
 }

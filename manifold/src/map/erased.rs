@@ -51,7 +51,7 @@ pub trait Parametrization: Duplicate + Send + Sync {
         true
     }
 
-    /// Writes the orders asked for: x and B at q alone, or these with ẋ and Ḃ, ẍ and B̈ along the motion q, q̇, q̈.
+    /// Writes as many orders as `out` has: x and B at q alone, or these with ẋ and Ḃ, ẍ and B̈ along the motion q, q̇, q̈.
     fn evaluate(&mut self, t: f64, motion: [&[f64]; 3], out: &mut [Order<'_>]);
 
     /// Writes K_σ(f) (d×d).

@@ -200,11 +200,6 @@ impl SchemeOrders {
             _ => Slope::Theory,
         })
     }
-
-    /// Whether the observed order of a quantity is that in theory ([`Slope::Theory`]).
-    pub fn is_asymptotic(&self, quantity: ErrorQuantity) -> bool {
-        self.slope(quantity) == Some(Slope::Theory)
-    }
 }
 
 /// Results of a comparison.

@@ -85,7 +85,7 @@ impl SweepTable {
                 .get(0)?
                 .parse()
                 .ok()
-                .filter(|run| *run < sweep.len())?;
+                .filter(|run| *run < sweep.runs())?;
             let first = 1 + sweep.axes.len();
             let number = |k: usize| match record.get(k)? {
                 "" => Some(f64::NAN),
@@ -133,7 +133,7 @@ impl SweepTable {
     /// [`TableError`]; rows that have been saved stay.
     pub fn save(&mut self) -> Result<(), TableError> {
         let (bytes, count) = self.saved;
-        let text = lines(&self.rows[count..])?;
+        let text = lines(None, &self.rows[count..])?;
         self.directory.append(ROWS, bytes, &text)?;
         self.saved = (bytes + text.len(), self.rows.len());
         self.at = Instant::now();
@@ -152,21 +152,19 @@ impl SweepTable {
     }
 
     fn write_all(&mut self) -> Result<(), TableError> {
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record(&self.names)?;
-        let head = writer
-            .into_inner()
-            .map_err(|error| csv::Error::from(error.into_error()))?;
-        let text = String::from_utf8_lossy(&head).into_owned() + &lines(&self.rows)?;
+        let text = lines(Some(&self.names), &self.rows)?;
         self.directory.write(ROWS, &text)?;
         self.saved = (text.len(), self.rows.len());
         Ok(())
     }
 }
 
-/// Rows as lines; numbers that are none are empty.
-fn lines(rows: &[SweepRow]) -> Result<String, csv::Error> {
+/// Names of columns, if given, and rows as lines; numbers that are none are empty.
+fn lines(names: Option<&Vec<String>>, rows: &[SweepRow]) -> Result<String, csv::Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
+    if let Some(names) = names {
+        writer.write_record(names)?;
+    }
     for row in rows {
         let number = |x: f64| match x.is_nan() {
             true => String::new(),

@@ -32,7 +32,7 @@ fn close_to_unit<const C: usize>(
 
 /// Rotation vectors at the angles where formulas are apt to fail, in random directions.
 fn rotation_vectors() -> Vec<V3> {
-    let mut random = Random::new(2005);
+    let mut random = Random::default();
     let mut angles = vec![
         0.0,
         1e-300,
@@ -129,7 +129,7 @@ fn switching_agrees_with_the_reference() {
 
 #[test]
 fn identities_hold() {
-    let mut random = Random::new(39);
+    let mut random = Random::default();
     let I = M3::identity();
     for Psi in rotation_vectors() {
         let (R, T) = (rotation(&Psi), tangent(&Psi));
@@ -143,9 +143,9 @@ fn identities_hold() {
         let size = tangent_inverse(&Psi).amax();
         close("T T⁻¹ = I", &(T * tangent_inverse(&Psi)), &I, 4e-15 * size);
         let turn = c.tangent();
-        close("R V", &turned(&Psi, &V, &turn), &(R * V), 2e-15);
-        close("Rᵀ V", &turned(&-Psi, &V, &turn), &R.tr_mul(&V), 2e-15);
-        close("T V", &spun(&Psi, &V, &turn), &(T * V), 2e-15);
+        close("R V", &turned(&Psi, &V, &turn), &(R * V), 4e-15);
+        close("Rᵀ V", &turned(&-Psi, &V, &turn), &R.tr_mul(&V), 4e-15);
+        close("T V", &spun(&Psi, &V, &turn), &(T * V), 4e-15);
         close("axial", &axial(&skew(&V)), &V, 1e-16);
         close(
             "(49)",
@@ -156,12 +156,10 @@ fn identities_hold() {
         let C3 = C3(&V, &W, &Psi, &c);
         close("C₃ symmetric", &C3, &C3.transpose(), 0.0);
         let quadratic = T_dot_psi_dot(&V, &Psi, &c);
-        close(
-            "C₁ d",
-            &T_varied(&V, &W, &Psi, &c),
-            &(C1(&V, &Psi, &c) * W),
-            2e-15,
-        );
+        // C₁ d may be much smaller than its terms.
+        let C1_V = C1(&V, &Psi, &c);
+        let gap = (T_varied(&V, &W, &Psi, &c) - C1_V * W).amax();
+        assert!(gap <= 2e-15 * C1_V.norm() * W.norm(), "C₁ d: {gap:e}");
         let (C1, C4, C5) = (C1(&W, &Psi, &c), C4(&V, &Psi, &c), C5(&V, &Psi, &c));
         let weights = [0.7, -1.3, 0.4];
         let parts = (C5 + C1) * weights[0] + C4 * weights[1] + T * weights[2];
@@ -276,7 +274,7 @@ fn constant<S: pullback_manifold::scalar::Scalar>(v: &V3) -> Vector3<S> {
 
 #[test]
 fn tensors_are_exact_derivatives() {
-    let mut random = Random::new(153);
+    let mut random = Random::default();
     for Psi in rotation_vectors() {
         let psi = Psi.norm();
         if psi > TAU - 0.1 + 1e-9 {
@@ -330,7 +328,7 @@ fn tensors_are_exact_derivatives() {
 
 #[test]
 fn complement_and_logarithm_have_exact_derivatives() {
-    let mut random = Random::new(188);
+    let mut random = Random::default();
     for Psi in rotation_vectors() {
         let psi = Psi.norm();
         if psi > TAU - 0.1 + 1e-9 {
