@@ -154,7 +154,8 @@ impl BlockPattern {
         })
     }
 
-    /// Entries of the matrix with these values: row, column, value; column by column in each block.
+    /// Entries of the matrix with these values: row, column, value; column by column in each block. Fast with
+    /// [`Iterator::for_each`].
     pub fn triplets<'a>(
         &'a self,
         values: &'a [f64],

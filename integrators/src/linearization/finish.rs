@@ -116,9 +116,8 @@ impl<'a> Finish<'a> {
         }
         let sizes: Vec<f64> = shape.iter().map(|x| x.norm()).collect();
         let mut sum = 0.0;
-        for (r, c, K) in self.lin.pattern.triplets(&self.lin.K) {
-            sum += K.abs() * sizes[r] * sizes[c];
-        }
+        let entries = self.lin.pattern.triplets(&self.lin.K);
+        entries.for_each(|(r, c, K)| sum += K.abs() * sizes[r] * sizes[c]);
         // Entries of φ have rounding errors themselves.
         let sum = ROUNDING * (sum + whole[0]);
         stiffness.abs() <= sum && (inertia <= sum || lambda * mass <= whole[1])

@@ -148,9 +148,8 @@ impl Linearized {
     ) -> Result<(), LinearizationError> {
         let mut inertia = vec![0.0; self.dim()];
         for (matrix, rates) in [(&self.M, at.a), (&self.C, at.v)] {
-            for (r, c, x) in self.pattern.triplets(matrix) {
-                inertia[r] += (x * rates[c]).abs();
-            }
+            let entries = self.pattern.triplets(matrix);
+            entries.for_each(|(r, c, x)| inertia[r] += (x * rates[c]).abs());
         }
         let coordinates = self.pattern.coordinates();
         let worst = largest(&self.pattern, r, [0.0; 3]);
@@ -198,9 +197,8 @@ impl Linearized {
         let p = &self.pattern;
         let roots = LazyCell::new(|| {
             let mut largest = vec![0.0_f64; self.dim()];
-            for (r, _, value) in p.triplets(values) {
-                largest[r] = largest[r].max(value.abs());
-            }
+            let entries = p.triplets(values);
+            entries.for_each(|(r, _, value)| largest[r] = largest[r].max(value.abs()));
             largest.iter().map(|x| x.sqrt()).collect::<Vec<f64>>()
         });
         let mut symmetric = true;

@@ -48,11 +48,11 @@ impl<'a> Search<'a> {
         let weights = |matrices: &[&Vec<f64>]| {
             let mut weights = vec![0.0; n];
             for values in matrices {
-                for (_, c, value) in lin.pattern.triplets(values) {
+                lin.pattern.triplets(values).for_each(|(_, c, value)| {
                     if value != 0.0 {
                         weights[c] = scales[c].powi(-2);
                     }
-                }
+                });
             }
             weights
         };
