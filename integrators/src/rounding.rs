@@ -147,6 +147,16 @@ fn find_rounding(
         };
     }
     floor.fill(0.0);
-    let add = |(r, c, x): (usize, usize, f64)| floor[r] += f64::EPSILON * x.abs() * sizes[c];
-    pattern.triplets(S).for_each(add);
+    // By blocks: entry by entry is slower in large models.
+    for j in 0..pattern.blocks() {
+        for (i, range) in pattern.column(j) {
+            let rows = pattern.unknowns(i);
+            let columns = S[range].chunks_exact(rows.len().max(1));
+            for (column, size) in columns.zip(&sizes[pattern.unknowns(j)]) {
+                for (floor, entry) in floor[rows.clone()].iter_mut().zip(column) {
+                    *floor += f64::EPSILON * entry.abs() * size;
+                }
+            }
+        }
+    }
 }
