@@ -157,8 +157,10 @@ impl ImplicitMap {
 /// The equations along the motion in the workspace.
 fn along(h: &mut dyn Parametrization, t: f64, w: &mut Work) {
     let motion = [&w.y[..], &w.y_dot, &w.y_ddot];
-    let x = [&mut w.h, &mut w.h_dot, &mut w.h_ddot];
-    let [B, B_dot, B_ddot] = [&mut w.J, &mut w.J_dot, &mut w.J_ddot];
-    let [x, x_dot, x_ddot] = x;
-    h.evaluate(t, motion, &mut [[x, B], [x_dot, B_dot], [x_ddot, B_ddot]]);
+    let out = &mut [
+        [&mut w.h[..], &mut w.J[..]],
+        [&mut w.h_dot, &mut w.J_dot],
+        [&mut w.h_ddot, &mut w.J_ddot],
+    ];
+    h.evaluate(t, motion, out);
 }

@@ -26,8 +26,10 @@ impl Parametrization for Part {
         for (k, [x, B]) in out.iter_mut().enumerate() {
             x.copy_from_slice(&motion[k][self.first..self.first + self.len]);
             B.fill(0.0);
-            for i in 0..if k == 0 { self.len } else { 0 } {
-                B[i + (self.first + i) * self.len] = 1.0;
+            if k == 0 {
+                let own = &mut B[self.first * self.len..];
+                let diagonal = own.iter_mut().step_by(self.len + 1);
+                diagonal.take(self.len).for_each(|b| *b = 1.0);
             }
         }
     }
