@@ -18,18 +18,16 @@ impl System for Context {
         }
         self.work.has_previous = out.previous.is_some();
         self.work.acceleration_step = out.accelerations;
-        if self.has_spins() && !at.is_static() && out.S.is_some() {
-            self.evaluate_spinning(at, out)
-        } else {
-            self.assemble(at, out)
+        match out.S {
+            Some(S) if self.has_spins() && !at.is_static() => {
+                self.evaluate_spinning(at, out.r, S, out.r_t)
+            }
+            S => self.assemble(at, Evaluation { S, ..out }),
         }
     }
 
     fn is_symmetric(&self) -> bool {
-        self.model
-            .elements
-            .iter()
-            .all(|e| e.element.properties().symmetric)
+        self.asymmetric().next().is_none()
     }
 
     fn scales(&self) -> Scales {

@@ -42,8 +42,6 @@ pub(in crate::model) struct Workspace {
     pub coupled: Vec<f64>,
     pub scratch: Vec<f64>,
     pub local: ElementWorkspace,
-    /// Accelerations of a map's coordinates during a reparametrization.
-    pub accelerations: Vec<Vec<f64>>,
     /// Parts C and M of a tangent, if rates are angular velocities.
     pub parts: [Vec<f64>; 2],
     /// Coordinates of the maps that may reparametrize them.
@@ -119,7 +117,7 @@ impl DeadLoads {
 
 impl Workspace {
     pub(in crate::model) fn new(
-        nodes: &[Node],
+        (nodes, dependent): (&[Node], &[u32]),
         elements: &[ElementEntry],
         [operators, coupled, scratch]: [usize; 3],
         scatter_map: ScatterMap,
@@ -149,6 +147,7 @@ impl Workspace {
             coupled: zeros(coupled),
             scratch: zeros(scratch),
             local: ElementWorkspace::new(n, parents),
+            reparametrizations: Reparametrization::all(nodes, dependent),
             scales,
             dead_loads: DeadLoads {
                 r: zeros(total),

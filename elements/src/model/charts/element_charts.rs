@@ -6,7 +6,6 @@
 //! move continuously, and a change of chart at its end keeps the rotation and may change the sign
 //! of the quaternion.
 
-use crate::model::charts::nodes::at_rest;
 use crate::model::state::ElementState;
 use crate::model::{Context, ElementEntry, NodeForm};
 use nalgebra::Vector3;
@@ -88,7 +87,7 @@ impl Context {
     pub(in crate::model) fn start_element_charts(&mut self, t: f64, q: &[f64]) {
         self.fold_prescribed_rotations(t);
         // A joint outside its domain is reported by the next evaluation.
-        if self.expand(at_rest(t, q)).is_err() {
+        if self.expand(Point::statics(t, q)).is_err() {
             return;
         }
         self.gather_rotations(|s| &mut s.after);

@@ -1,22 +1,39 @@
 //! Charts of nodes and elements, changed at converged states only.
 
 use crate::model::kinematics::complement::fold;
-use crate::model::kinematics::mapped_node::MappedNode;
 use crate::model::kinematics::node_entries::collect;
-use crate::model::{Context, Model, Node, NodeForm, among};
+use crate::model::{Context, Model, Node, among, mapped};
 use nalgebra::Vector3;
 use pullback_manifold::chart::Complement;
 use pullback_manifold::map::Map;
 use pullback_manifold::system::{ChartChanges, Point};
 use std::f64::consts::TAU;
 
-/// Coordinates of a map that reparametrizes them.
-#[derive(Clone, Default)]
+/// Coordinates of a map that may reparametrize them.
+#[derive(Clone)]
 pub(in crate::model) struct Reparametrization {
+    /// The mapped node.
     node: u32,
+    /// Whether the map has parents beside the first one.
+    reads_others: bool,
     q: Vec<f64>,
     v: Vec<f64>,
     a: Vec<Vec<f64>>,
+}
+
+impl Reparametrization {
+    /// Those of all maps, in the order of their nodes.
+    pub(in crate::model) fn all(nodes: &[Node], dependent: &[u32]) -> Vec<Self> {
+        let maps = mapped(nodes, dependent).filter(|(_, _, d)| d.reparametrizes);
+        let buffers = maps.map(|(node, _, d)| Self {
+            node,
+            reads_others: d.initial_parents().len() > 1,
+            q: vec![0.0; d.direct],
+            v: vec![0.0; d.direct],
+            a: Vec::new(),
+        });
+        buffers.collect()
+    }
 }
 
 impl Model {
@@ -146,118 +163,80 @@ impl Context {
         v: &mut [f64],
         accelerations: &mut [&mut [f64]],
     ) -> usize {
-        let mut changed = self.reparametrize_increments(t, q, v, accelerations);
-        let mut next = 0;
-        if !self
-            .model
-            .dependent
-            .iter()
-            .any(|&n| reparametrizing(&self.model.nodes, n).is_some())
-        {
-            return changed;
-        }
-        while self.collect_reparametrizations(t, q, v, accelerations) {
-            let mut all = std::mem::take(&mut self.work.reparametrizations);
-            let later = all[next..].iter_mut().enumerate();
-            let reparametrized = later.into_iter().find_map(|(k, c)| {
-                let d = self.model.nodes[c.node as usize].mapped()?;
-                let a = &mut c.a[..accelerations.len()];
-                let map = self.state.maps[d.index].reparametrization()?;
-                let changed = map.reparametrize(t, &mut c.q, &mut c.v, a);
-                changed.then(|| (k, d.parents(&self.state.maps)[0]))
-            });
-            if let Some((k, parent)) = reparametrized {
-                self.work.known.forget();
-                let new = &all[next + k];
-                let new = (&new.q[..], &new.v[..], &new.a[..]);
-                self.model.write_back(parent, new, q, v, accelerations);
-                changed += 1;
-                next += k + 1;
+        let mut all = std::mem::take(&mut self.work.reparametrizations);
+        let (mut changed, mut stale) = (0, true);
+        for k in 0..all.len() {
+            // The other parents may depend on coordinates that have just changed.
+            if stale && (k == 0 || all[k].reads_others) {
+                if !self.collect_reparametrizations(t, q, v, accelerations, &mut all) {
+                    break;
+                }
+                stale = false;
             }
-            self.work.reparametrizations = all;
-            // The next ones may depend on the coordinates that have just changed.
-            if reparametrized.is_none() {
-                break;
-            }
-        }
-        changed
-    }
-
-    /// The same for rotations by increments, each of which reads its own unknowns only.
-    fn reparametrize_increments(
-        &mut self,
-        t: f64,
-        q: &mut [f64],
-        v: &mut [f64],
-        accelerations: &mut [&mut [f64]],
-    ) -> usize {
-        let mut changed = 0;
-        for k in 0..self.model.dependent.len() {
-            let n = self.model.dependent[k] as usize;
-            if !by_increments(&self.model.nodes, &self.model.nodes[n]) {
-                continue;
-            }
-            self.collect_increments(n, t, q, v, accelerations);
-            let Some(d) = self.model.nodes[n].mapped() else {
+            let c = &mut all[k];
+            let Some(d) = self.model.nodes[c.node as usize].mapped() else {
                 continue;
             };
-            let (own, buffers) = (&mut self.work.local, &mut self.work.accelerations);
-            let (x, x_dot) = (&mut own.q[..d.direct], &mut own.qv[..d.direct]);
-            let x_ddot = &mut buffers[..accelerations.len()];
+            let a = &mut c.a[..accelerations.len()];
             let map = self.state.maps[d.index].reparametrization();
-            if !map.is_some_and(|map| map.reparametrize(t, x, x_dot, x_ddot)) {
-                continue;
+            if map.is_some_and(|map| map.reparametrize(t, &mut c.q, &mut c.v, a)) {
+                self.work.known.forget();
+                let parent = d.parents(&self.state.maps)[0];
+                let new = (&c.q[..], &c.v[..], &c.a[..]);
+                self.model.write_back(parent, new, q, v, accelerations);
+                changed += 1;
+                stale = true;
             }
-            changed += 1;
-            self.work.known.forget();
-            let parent = d.parents(&self.state.maps)[0];
-            let new = (&*x, &*x_dot, &*x_ddot);
-            self.model.write_back(parent, new, q, v, accelerations);
         }
+        self.work.reparametrizations = all;
         changed
     }
 
-    /// Writes coordinates, velocities and all accelerations of the parents of all maps that may
-    /// reparametrize them to the workspace; false if the point is outside a chart, which the next
-    /// evaluation reports.
+    /// Collects coordinates, velocities and all accelerations of the parents of all maps that may
+    /// reparametrize them; false if the point is outside a chart, which the next evaluation reports.
     fn collect_reparametrizations(
         &mut self,
         t: f64,
         q: &[f64],
         v: &[f64],
         accelerations: &[&mut [f64]],
+        all: &mut [Reparametrization],
     ) -> bool {
-        let rest: Vec<f64> = match (accelerations.is_empty(), v.is_empty()) {
-            (true, false) => vec![0.0; v.len()],
-            _ => Vec::new(),
+        let rest = match accelerations.is_empty() {
+            true => vec![0.0; v.len()],
+            false => Vec::new(),
         };
+        let expands = all.iter().any(|c| c.reads_others);
         for k in 0..accelerations.len().max(1) {
             let a = accelerations.get(k).map_or(&rest[..], |a| a);
-            if self.expand(Point { t, q, v, a }).is_err() {
+            if expands && self.expand(Point { t, q, v, a }).is_err() {
                 return false;
             }
-            let w = &mut self.work;
-            let mut count = 0;
-            for &node in &self.model.dependent {
-                let Some(d) = reparametrizing(&self.model.nodes, node) else {
+            let (w, spans) = (&self.work, &self.model.spans);
+            for c in &mut *all {
+                let Some(d) = self.model.nodes[c.node as usize].mapped() else {
                     continue;
                 };
-                if w.reparametrizations.len() <= count {
-                    w.reparametrizations.push(Reparametrization::default());
+                if c.a.len() <= k {
+                    c.a.push(vec![0.0; d.direct]);
                 }
-                let to = &mut w.reparametrizations[count];
-                count += 1;
-                if to.a.len() <= k {
-                    to.a.push(Vec::new());
-                }
-                to.node = node;
                 let parents = d.parents(&self.state.maps);
-                for to in [&mut to.q, &mut to.v, &mut to.a[k]] {
-                    to.resize(d.direct, 0.0);
+                let own = spans[parents[0] as usize].range();
+                let parts = [
+                    (&w.x, q, &mut c.q),
+                    (&w.v, v, &mut c.v),
+                    (&w.a, a, &mut c.a[k]),
+                ];
+                for (nodes, free, to) in parts {
+                    collect(parents, spans, nodes, to);
+                    // Rates of the unknowns as they are: they may be angular velocities.
+                    for (to, coordinate) in to.iter_mut().zip(own.clone()) {
+                        let u = self.model.unknown_of(coordinate);
+                        if let Some(x) = u.and_then(|u| free.get(u)) {
+                            *to = *x;
+                        }
+                    }
                 }
-                collect(parents, &self.model.spans, &w.x, &mut to.q);
-                collect(parents, &self.model.spans, &w.v, &mut to.v);
-                collect(parents, &self.model.spans, &w.a, &mut to.a[k]);
             }
         }
         true
@@ -287,17 +266,11 @@ impl Context {
     }
 }
 
-/// A point without velocities and accelerations.
-pub(in crate::model) fn at_rest(t: f64, q: &[f64]) -> Point<'_> {
-    let (v, a) = (&[][..], &[][..]);
-    Point { t, q, v, a }
-}
-
 /// A point with these rates, or at rest without them.
 fn moving<'a>(t: f64, q: &'a [f64], v: &'a [f64], accelerations: &'a [&mut [f64]]) -> Point<'a> {
     match accelerations.first() {
         Some(a) if !v.is_empty() => Point { t, q, v, a },
-        _ => at_rest(t, q),
+        _ => Point::statics(t, q),
     }
 }
 
@@ -318,17 +291,4 @@ fn settled(
     );
     *second = k.x_ddot;
     [k.x, k.x_dot]
-}
-
-/// Whether the rotation of a frame is by increments.
-fn by_increments(nodes: &[Node], node: &Node) -> bool {
-    let first = node.mapped().and_then(|d| d.initial_parents().first());
-    first.is_some_and(|&m| nodes[m as usize].form == NodeForm::Increment)
-}
-
-/// The map of a node if it may reparametrize its coordinates, increments excepted.
-fn reparametrizing(nodes: &[Node], n: u32) -> Option<&MappedNode> {
-    let node = &nodes[n as usize];
-    let mapped = node.mapped().filter(|d| d.reparametrizes);
-    mapped.filter(|_| !by_increments(nodes, node))
 }

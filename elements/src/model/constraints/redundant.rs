@@ -2,12 +2,11 @@
 
 #![allow(non_snake_case)]
 
-use crate::model::charts::nodes::at_rest;
 use crate::model::constraints::enforced::EnforcedEquations;
 use crate::model::constraints::start::start;
 use crate::model::{Context, Model, ModelError, NodeId};
 use nalgebra::{DMatrix, DVector};
-use pullback_manifold::system::System;
+use pullback_manifold::system::{Point, System};
 
 /// Remainder of a gradient, relative to the largest gradient, that counts as rounding.
 const RANK: f64 = 1e-8;
@@ -136,7 +135,7 @@ impl Context {
         }
         self.leave_out(&all, best);
         // Forces at this state are evaluated with these multipliers.
-        self.expand(at_rest(t, q)).is_ok()
+        self.expand(Point::statics(t, q)).is_ok()
     }
 
     /// State of the choice: the unknowns there, and the omitted equations.

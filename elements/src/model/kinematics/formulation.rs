@@ -2,10 +2,9 @@
 
 #![allow(non_snake_case)]
 
-use crate::model::assembly::workspace::Workspace;
 use crate::model::build::builder::{FRAME, ModelBuilder, NodeId};
 use crate::model::kinematics::mapped_node::MappedNode;
-use crate::model::{Context, Model, NONE, Node, NodeForm, among};
+use crate::model::{Context, Model, Node, NodeForm};
 use crate::time::TimeFunction;
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::chart::{Charted, RotationChart, WienerMilenkovic};
@@ -228,49 +227,6 @@ impl Context {
         }
     }
 
-    /// Writes the unknowns behind a frame by increments and their rates to the workspace.
-    pub(in crate::model) fn collect_increments(
-        &mut self,
-        n: usize,
-        t: f64,
-        q: &[f64],
-        v: &[f64],
-        accelerations: &[&mut [f64]],
-    ) {
-        let Some(own) = behind(&self.model.nodes, &self.model.nodes[n]) else {
-            return;
-        };
-        let Workspace {
-            local,
-            accelerations: kept,
-            ..
-        } = &mut self.work;
-        let count = accelerations.len().max(1);
-        if kept.len() < count {
-            kept.resize_with(count, Vec::new);
-        }
-        let range = self.model.spans[own].range();
-        for a in &mut kept[..count] {
-            a.resize(range.len(), 0.0);
-        }
-        for (i, c) in range.enumerate() {
-            let u = self.model.unknowns[c] as usize;
-            if self.model.unknowns[c] == NONE {
-                let p = among(&self.model.prescribed, c..c + 1).first();
-                let [x, x_dot, x_ddot] =
-                    p.map_or([0.0; 3], |p| p.function.at(t, &self.state.inputs));
-                (local.q[i], local.qv[i]) = (x, x_dot);
-                kept[..count].iter_mut().for_each(|a| a[i] = x_ddot);
-                continue;
-            }
-            local.q[i] = q[u];
-            local.qv[i] = v.get(u).copied().unwrap_or(0.0);
-            for (k, a) in kept[..count].iter_mut().enumerate() {
-                a[i] = accelerations.get(k).map_or(0.0, |from| from[u]);
-            }
-        }
-    }
-
     /// The residual and the tangent if rates are angular velocities.
     ///
     /// With θ̇ and θ̈ as functions of (θ, Ω, Ω̇), and δθ̇, δθ̈ along δθ = cK e, δΩ = cC e, δΩ̇ = cM e
@@ -280,16 +236,10 @@ impl Context {
     pub(in crate::model) fn evaluate_spinning(
         &mut self,
         at: Point<'_>,
-        out: Evaluation<'_>,
+        r: &mut [f64],
+        (weights, S): (Weights, &mut [f64]),
+        r_t: Option<&mut [f64]>,
     ) -> Result<(), SystemError> {
-        let Evaluation { r, S, r_t, .. } = out;
-        let Some((weights, S)) = S else {
-            let out = Evaluation {
-                r_t,
-                ..Evaluation::residual(r)
-            };
-            return self.assemble(at, out);
-        };
         let mut parts = std::mem::take(&mut self.work.parts);
         let mut outcome = Ok(());
         for (part, weights) in parts.iter_mut().zip([Weights::DAMPING, Weights::MASS]) {

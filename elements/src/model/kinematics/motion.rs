@@ -4,7 +4,6 @@
 
 use crate::blocks::three;
 use crate::model::build::builder::NodeId;
-use crate::model::charts::nodes::at_rest;
 use crate::model::kinematics::formulation::rotation_rate;
 use crate::model::kinematics::node_entries::collect;
 use crate::model::loops::upwards;
@@ -12,7 +11,7 @@ use crate::model::{Context, Model, NONE, Node, NodeForm, among};
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::quotients::Quotients;
 use pullback_manifold::so3;
-use pullback_manifold::system::SystemError;
+use pullback_manifold::system::{Point, SystemError};
 use std::f64::consts::PI;
 
 /// State of one frame node.
@@ -234,7 +233,7 @@ impl Context {
         given: &[usize],
     ) -> Result<Vec<usize>, SystemError> {
         let t = 0.0;
-        self.expand(at_rest(t, q))?;
+        self.expand(Point::statics(t, q))?;
         let closing = self
             .model
             .enforced

@@ -1,13 +1,12 @@
 //! Access to the nodes, maps and elements of a model, for tools such as the conformance kit.
 
 use crate::element::Element;
-use crate::model::charts::nodes::at_rest;
 use crate::model::kinematics::complement::ComplementOperators;
 use crate::model::kinematics::node_entries::collect;
 use crate::model::{Context, ElementEntry, Model, NONE, Node, NodeForm};
 use nalgebra::Vector3;
 use pullback_manifold::domain::DomainError;
-use pullback_manifold::system::{Charts, Quantity, SystemError};
+use pullback_manifold::system::{Charts, Point, Quantity, SystemError};
 use std::ops::Range;
 
 impl Node {
@@ -157,7 +156,7 @@ impl Context {
     pub fn settle_charts(&mut self, t: f64, q: &[f64]) -> Result<(), SystemError> {
         self.fold_prescribed_rotations(t);
         // A slide enters the line of its state first, and then the present one.
-        let at = at_rest(t, q);
+        let at = Point::statics(t, q);
         self.update_maps(at)?;
         self.update_maps(at)?;
         self.start(t, q);
@@ -175,8 +174,8 @@ impl Context {
         before: &[f64],
         after: &[f64],
     ) -> Result<(), SystemError> {
-        self.look_before(at_rest(t, before));
-        self.update_maps(at_rest(t, after))?;
+        self.look_before(Point::statics(t, before));
+        self.update_maps(Point::statics(t, after))?;
         self.follow_element_charts(t);
         Ok(())
     }
@@ -184,7 +183,7 @@ impl Context {
     /// Freezes every map to its piece at a state at rest, or releases it
     /// ([`MapState::freeze_piece`](pullback_manifold::map::MapState::freeze_piece)).
     pub fn freeze_pieces(&mut self, at: Option<(f64, &[f64])>) {
-        let known = at.is_none_or(|(t, q)| self.expand(at_rest(t, q)).is_ok());
+        let known = at.is_none_or(|(t, q)| self.expand(Point::statics(t, q)).is_ok());
         for &n in self.model.dependent.iter().filter(|_| known) {
             if let Some(d) = self.model.nodes[n as usize].mapped() {
                 let (w, maps) = (&mut self.work, &mut self.state.maps);

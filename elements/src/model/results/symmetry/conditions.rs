@@ -5,7 +5,6 @@
 use super::{Measured, NOTHING, motion_of, unit};
 use crate::blocks::three;
 use crate::model::assembly::residual::named;
-use crate::model::charts::nodes::at_rest;
 use crate::model::{NONE, Node, NodeForm};
 use nalgebra::Matrix3;
 use pullback_manifold::so3;
@@ -38,7 +37,7 @@ impl Measured<'_> {
         rows: &mut Vec<[f64; 6]>,
     ) -> Result<([f64; 6], f64), SystemError> {
         let (mut r, mut steady) = (vec![0.0; q.len()], vec![0.0; q.len()]);
-        let at = at_rest(t, q);
+        let at = Point::statics(t, q);
         self.0.evaluate(at, Evaluation::residual(&mut r))?;
         self.steady_loads(at, &mut steady)?;
         let fields = self.coordinate_rates(t, q)?;
