@@ -51,23 +51,22 @@ pub enum InertiaError {
     },
 }
 
-/// Motion of a frame: Ψ and its two rates, ẍ of its origin.
-#[derive(Clone, Copy, Debug)]
+/// Motion of a frame: Ψ and its two rates, ẍ of its origin, and Ω and A.
 pub(crate) struct FrameMotion {
     pub psi: Vector3<f64>,
-    pub psi_dot: Vector3<f64>,
-    pub psi_ddot: Vector3<f64>,
     pub x_ddot: Vector3<f64>,
+    pub quotients: Quotients,
+    pub T: Matrix3<f64>,
+    pub Omega: Vector3<f64>,
+    pub A: Vector3<f64>,
+    psi_dot: Vector3<f64>,
+    psi_ddot: Vector3<f64>,
 }
 
 /// Terms shared by force and tangents.
 pub(crate) struct InertiaTerms<'a> {
     inertia: &'a Inertia,
     motion: &'a FrameMotion,
-    quotients: Quotients,
-    T: Matrix3<f64>,
-    Omega: Vector3<f64>,
-    A: Vector3<f64>,
     /// Terms of the first moment of mass.
     eccentric: Option<Eccentric>,
 }
@@ -83,6 +82,58 @@ struct Eccentric {
 pub(crate) fn centrifugal(Omega: &Vector3<f64>, S: &Vector3<f64>) -> Matrix3<f64> {
     Matrix3::from_diagonal_element(Omega.dot(S)) + Omega * S.transpose()
         - S * Omega.transpose() * 2.0
+}
+
+impl FrameMotion {
+    /// A motion with accelerations increased by α times the velocities: inertia is linear in
+    /// accelerations, so this adds the drag α M ẋ.
+    #[inline]
+    pub fn new(
+        psi: Vector3<f64>,
+        [x_dot, psi_dot]: [Vector3<f64>; 2],
+        [x_ddot, psi_ddot]: [Vector3<f64>; 2],
+        alpha: f64,
+    ) -> Self {
+        let psi_ddot = psi_ddot + psi_dot * alpha;
+        let quotients = Quotients::new(psi.norm());
+        let T = so3::T(&psi, &quotients.tangent());
+        Self {
+            x_ddot: x_ddot + x_dot * alpha,
+            Omega: T * psi_dot,
+            A: T * psi_ddot + so3::T_dot_psi_dot(&psi_dot, &psi, &quotients),
+            psi,
+            psi_dot,
+            psi_ddot,
+            quotients,
+            T,
+        }
+    }
+
+    /// R(Ψ).
+    #[inline]
+    pub fn R(&self) -> Matrix3<f64> {
+        so3::R(&self.psi, &self.quotients.tangent())
+    }
+
+    /// A×S + Ω×(Ω×S), material: the mass times the acceleration of its centre relative to the origin.
+    #[inline]
+    pub fn l(&self, S: &Vector3<f64>) -> Vector3<f64> {
+        self.A.cross(S) + self.Omega.cross(&self.Omega.cross(S))
+    }
+
+    /// Variations of Ω and A with (Ψ, Ψ̇, Ψ̈), with the weights of a tangent: δΩ = C₁ δΨ + T δΨ̇,
+    /// δA = (C₅ + C₁(Ψ̈)) δΨ + C₄ δΨ̇ + T δΨ̈.
+    #[inline]
+    pub fn varied(&self, w: &Weights) -> [Matrix3<f64>; 2] {
+        if w.K == 0.0 && w.C == 0.0 {
+            return [Matrix3::zeros(), self.T * w.M];
+        }
+        let (psi, psi_dot, c) = (&self.psi, &self.psi_dot, &self.quotients);
+        [
+            so3::C1(psi_dot, psi, c) * w.K + self.T * w.C,
+            so3::A_varied([w.K, w.C, w.M], psi_dot, &self.psi_ddot, psi, c),
+        ]
+    }
 }
 
 fn stack(a: &Vector3<f64>, b: &Vector3<f64>) -> Vector6<f64> {
@@ -170,23 +221,13 @@ impl Inertia {
 
     #[inline]
     pub(crate) fn moving<'a>(&'a self, motion: &'a FrameMotion) -> InertiaTerms<'a> {
-        let quotients = Quotients::new(motion.psi.norm());
-        let c = quotients.tangent();
-        let T = so3::T(&motion.psi, &c);
-        let Omega = T * motion.psi_dot;
-        let A = T * motion.psi_ddot + so3::T_dot_psi_dot(&motion.psi_dot, &motion.psi, &quotients);
-        let S = &self.S;
-        let eccentric = (*S != Vector3::zeros()).then(|| Eccentric {
-            R: so3::R(&motion.psi, &c),
-            l: A.cross(S) + Omega.cross(&Omega.cross(S)),
+        let eccentric = (self.S != Vector3::zeros()).then(|| Eccentric {
+            R: motion.R(),
+            l: motion.l(&self.S),
         });
         InertiaTerms {
             inertia: self,
             motion,
-            quotients,
-            T,
-            Omega,
-            A,
             eccentric,
         }
     }
@@ -197,10 +238,13 @@ impl InertiaTerms<'_> {
     #[inline]
     fn h(&self) -> Vector3<f64> {
         let Inertia { S, J, .. } = self.inertia;
-        let h = J * self.A + self.Omega.cross(&(J * self.Omega));
+        let FrameMotion {
+            Omega, A, x_ddot, ..
+        } = self.motion;
+        let h = J * A + Omega.cross(&(J * Omega));
         match &self.eccentric {
             None => h,
-            Some(Eccentric { R, .. }) => h + S.cross(&R.tr_mul(&self.motion.x_ddot)),
+            Some(Eccentric { R, .. }) => h + S.cross(&R.tr_mul(x_ddot)),
         }
     }
 
@@ -211,20 +255,20 @@ impl InertiaTerms<'_> {
         if let Some(Eccentric { R, l }) = &self.eccentric {
             f += R * l;
         }
-        stack(&f, &self.T.tr_mul(&self.h()))
+        stack(&f, &self.motion.T.tr_mul(&self.h()))
     }
 
     /// M alone, for momenta and kinetic energies.
     #[inline]
     pub fn mass(&self) -> Matrix6<f64> {
-        let Inertia { mass, S, J } = self.inertia;
+        let (Inertia { mass, S, J }, T) = (self.inertia, &self.motion.T);
         let mut M = Matrix6::zeros();
         for k in 0..3 {
             M[(k, k)] = *mass;
         }
-        put(&mut M, 3, 3, &self.T.tr_mul(&(J * self.T)));
+        put(&mut M, 3, 3, &T.tr_mul(&(J * T)));
         if let Some(Eccentric { R, .. }) = &self.eccentric {
-            let B = R * skew(S) * self.T * -1.0;
+            let B = R * skew(S) * T * -1.0;
             put(&mut M, 0, 3, &B);
             put(&mut M, 3, 0, &B.transpose());
         }
@@ -232,34 +276,21 @@ impl InertiaTerms<'_> {
     }
 
     /// The exact tangent of f_acc over (x, Ψ): K, C and M with the given weights.
-    ///
-    /// A variation of the motion gives δΩ = C₁ δΨ + T δΨ̇ and δA = (C₅ + C₁) δΨ + C₄ δΨ̇ + T δΨ̈.
     #[inline]
     pub fn tangent(&self, weights: Weights) -> Matrix6<f64> {
-        let Self {
-            inertia: Inertia { mass, S, J },
-            motion,
-            quotients: c,
-            T,
-            Omega,
-            ..
-        } = self;
+        let Inertia { mass, S, J } = self.inertia;
         let FrameMotion {
-            psi,
-            psi_dot,
-            psi_ddot,
-            ..
-        } = *motion;
-        let Weights { K, C, M } = weights;
-        let Omega_q = so3::C1(&(psi_dot * K), psi, c) + T * C;
-        let A_q = so3::A_varied([K, C, M], psi_dot, psi_ddot, psi, c);
+            x_ddot, T, Omega, ..
+        } = self.motion;
+        let Weights { K, M, .. } = weights;
+        let [Omega_q, A_q] = self.motion.varied(&weights);
         // D_Ω (Ω×JΩ).
         let H = skew(Omega) * J - skew(&(J * Omega));
         let mut h_q = H * Omega_q + J * A_q;
         let mut tangent = Matrix6::zeros();
         if let Some(Eccentric { R, l }) = &self.eccentric {
             let S_skew = skew(S);
-            h_q += S_skew * skew(&R.tr_mul(&motion.x_ddot)) * T * K;
+            h_q += S_skew * skew(&R.tr_mul(x_ddot)) * T * K;
             let l_q = centrifugal(Omega, S) * Omega_q - S_skew * A_q - skew(l) * T * K;
             put(&mut tangent, 0, 3, &(R * l_q));
             put(&mut tangent, 3, 0, &(T.tr_mul(&S_skew) * R.transpose() * M));
@@ -267,7 +298,8 @@ impl InertiaTerms<'_> {
         for k in 0..3 {
             tangent[(k, k)] = mass * M;
         }
-        let turning = so3::C2(&(self.h() * K), psi, c) + T.tr_mul(&h_q);
+        let turning =
+            so3::C2(&(self.h() * K), &self.motion.psi, &self.motion.quotients) + T.tr_mul(&h_q);
         put(&mut tangent, 3, 3, &turning);
         tangent
     }

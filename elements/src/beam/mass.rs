@@ -30,19 +30,6 @@ impl<const NN: usize> MassPoint<NN> {
         nodes.fold(Vector3::zeros(), |sum, (x, N)| sum + three(x, first) * *N)
     }
 
-    /// Motion of the section, interpolated like x and Ψ, with accelerations increased by α times the velocities:
-    /// inertia is linear in accelerations, so this adds the drag α M ẋ.
-    #[inline]
-    fn motion(&self, at: &Motion<'_>, alpha: f64) -> FrameMotion {
-        let psi_dot = self.sum(at.v, 3);
-        FrameMotion {
-            psi: self.sum(at.x, 3),
-            psi_dot,
-            psi_ddot: self.sum(at.a, 3) + psi_dot * alpha,
-            x_ddot: self.sum(at.a, 0) + self.sum(at.v, 0) * alpha,
-        }
-    }
-
     /// Adds −f_acc, the drag α M ẋ, and their tangents.
     #[inline]
     pub(super) fn add(
@@ -52,7 +39,9 @@ impl<const NN: usize> MassPoint<NN> {
         r: &mut [f64],
         tangents: &mut CombinedTangents<'_>,
     ) {
-        let motion = self.motion(at, alpha);
+        // The motion of the section is interpolated like x and Ψ.
+        let [v, a] = [at.v, at.a].map(|x| [self.sum(x, 0), self.sum(x, 3)]);
+        let motion = FrameMotion::new(self.sum(at.x, 3), v, a, alpha);
         let moving = self.inertia.moving(&motion);
         let f = moving.force();
         for (r, N) in r.chunks_exact_mut(6).zip(&self.N) {

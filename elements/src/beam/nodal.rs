@@ -24,9 +24,8 @@
 use super::mass::MassPoint;
 use crate::blocks::{add_block, three};
 use crate::element::{CombinedTangents, Motion};
-use crate::inertia::{Inertia, centrifugal};
+use crate::inertia::{FrameMotion, Inertia, centrifugal};
 use nalgebra::{Matrix3, Vector3};
-use pullback_manifold::quotients::Quotients;
 use pullback_manifold::so3::{self, skew};
 use pullback_manifold::system::Weights;
 
@@ -37,68 +36,6 @@ pub(super) struct NodalInertia<const NN: usize> {
     pairs: [[Inertia; NN]; NN],
     /// Whether any S is not zero.
     eccentric: bool,
-}
-
-/// Motion of a node.
-struct Spin {
-    psi: Vector3<f64>,
-    psi_dot: Vector3<f64>,
-    psi_ddot: Vector3<f64>,
-    x_ddot: Vector3<f64>,
-    quotients: Quotients,
-    R: Matrix3<f64>,
-    T: Matrix3<f64>,
-    Omega: Vector3<f64>,
-    A: Vector3<f64>,
-}
-
-/// Variation of Ω and A of a node with (Ψ, Ψ̇, Ψ̈), with the weights of a tangent: δΩ = C₁ δΨ + T δΨ̇,
-/// δA = (C₅ + C₁(Ψ̈)) δΨ + C₄ δΨ̇ + T δΨ̈.
-struct Variation {
-    Omega: Matrix3<f64>,
-    A: Matrix3<f64>,
-}
-
-impl Spin {
-    /// The motion of a node with accelerations increased by α times the velocities: inertia is
-    /// linear in accelerations, so this adds the drag α M ẋ.
-    fn new(at: &Motion<'_>, node: usize, alpha: f64) -> Self {
-        let first = 6 * node + 3;
-        let (psi, psi_dot) = (three(at.x, first), three(at.v, first));
-        let psi_ddot = three(at.a, first) + psi_dot * alpha;
-        let quotients = Quotients::new(psi.norm());
-        let c = quotients.tangent();
-        let T = so3::T(&psi, &c);
-        Self {
-            R: so3::R(&psi, &c),
-            Omega: T * psi_dot,
-            A: T * psi_ddot + so3::T_dot_psi_dot(&psi_dot, &psi, &quotients),
-            x_ddot: three(at.a, 6 * node) + three(at.v, 6 * node) * alpha,
-            psi,
-            psi_dot,
-            psi_ddot,
-            quotients,
-            T,
-        }
-    }
-
-    fn variation(&self, w: &Weights) -> Variation {
-        let (psi, psi_dot, c) = (&self.psi, &self.psi_dot, &self.quotients);
-        let mut by = Variation {
-            Omega: Matrix3::zeros(),
-            A: self.T * w.M,
-        };
-        if w.K != 0.0 || w.C != 0.0 {
-            by.Omega = so3::C1(psi_dot, psi, c) * w.K + self.T * w.C;
-            by.A = so3::A_varied([w.K, w.C, w.M], psi_dot, &self.psi_ddot, psi, c);
-        }
-        by
-    }
-
-    /// A×S + Ω×(Ω×S), mass times the acceleration of the mass centre relative to the node.
-    fn l(&self, S: &Vector3<f64>) -> Vector3<f64> {
-        self.A.cross(S) + self.Omega.cross(&self.Omega.cross(S))
-    }
 }
 
 impl<const NN: usize> NodalInertia<NN> {
@@ -128,29 +65,32 @@ impl<const NN: usize> NodalInertia<NN> {
         r: &mut [f64],
         tangents: &mut CombinedTangents<'_>,
     ) {
-        let spins: [Spin; NN] = std::array::from_fn(|i| Spin::new(at, i, alpha));
-        let moments = self.forces(&spins, r);
+        let spins: [FrameMotion; NN] = std::array::from_fn(|i| {
+            let [v, a] = [at.v, at.a].map(|x| [three(x, 6 * i), three(x, 6 * i + 3)]);
+            FrameMotion::new(three(at.x, 6 * i + 3), v, a, alpha)
+        });
+        let R = match self.eccentric {
+            true => spins.each_ref().map(FrameMotion::R),
+            false => [Matrix3::zeros(); NN],
+        };
+        let moments = self.forces(&spins, &R, r);
         for (weights, out) in tangents.iter_mut().flatten() {
             // Accelerations contain α times the velocities.
             let w = Weights {
                 M: weights.M + alpha * weights.C,
                 ..*weights
             };
-            let by: [Variation; NN] = std::array::from_fn(|j| spins[j].variation(&w));
+            let by = spins.each_ref().map(|spin| spin.varied(&w));
             for (i, [h, momentum]) in moments.iter().enumerate() {
-                self.tangent(i, &spins, &by, &w, out);
+                self.tangent(i, (&spins, &R), &by, &w, out);
                 // The terms of the node's own rotation and angular velocity.
-                let Spin {
-                    psi,
-                    quotients,
-                    R,
-                    T,
-                    ..
+                let FrameMotion {
+                    psi, quotients, T, ..
                 } = &spins[i];
-                let mut own = skew(momentum) * by[i].Omega * -1.0;
+                let mut own = skew(momentum) * by[i][0] * -1.0;
                 if self.eccentric {
                     for (pair, spin) in self.pairs[i].iter().zip(&spins) {
-                        own += skew(&pair.S) * skew(&R.tr_mul(&spin.x_ddot)) * T * w.K;
+                        own += skew(&pair.S) * skew(&R[i].tr_mul(&spin.x_ddot)) * T * w.K;
                     }
                 }
                 let own = so3::C2(h, psi, quotients) * w.K + T.tr_mul(&own);
@@ -160,18 +100,23 @@ impl<const NN: usize> NodalInertia<NN> {
     }
 
     /// Adds −f_acc. Returns h_i and Σ_j J_ij Ω_j of each node.
-    fn forces(&self, spins: &[Spin; NN], r: &mut [f64]) -> [[Vector3<f64>; 2]; NN] {
+    fn forces(
+        &self,
+        spins: &[FrameMotion; NN],
+        R: &[Matrix3<f64>; NN],
+        r: &mut [f64],
+    ) -> [[Vector3<f64>; 2]; NN] {
         std::array::from_fn(|i| {
             let own = &spins[i];
             let (mut f, mut h, mut momentum) =
                 (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
-            for (Inertia { mass, S, J }, spin) in self.pairs[i].iter().zip(spins) {
+            for (j, (Inertia { mass, S, J }, spin)) in self.pairs[i].iter().zip(spins).enumerate() {
                 f += spin.x_ddot * *mass;
                 h += J * spin.A;
                 momentum += J * spin.Omega;
                 if self.eccentric {
-                    f += spin.R * spin.l(S);
-                    h += S.cross(&own.R.tr_mul(&spin.x_ddot));
+                    f += R[j] * spin.l(S);
+                    h += S.cross(&R[i].tr_mul(&spin.x_ddot));
                 }
             }
             h += own.Omega.cross(&momentum);
@@ -188,26 +133,28 @@ impl<const NN: usize> NodalInertia<NN> {
     fn tangent(
         &self,
         i: usize,
-        spins: &[Spin; NN],
-        by: &[Variation; NN],
+        (spins, R): (&[FrameMotion; NN], &[Matrix3<f64>; NN]),
+        by: &[[Matrix3<f64>; 2]; NN],
         w: &Weights,
         out: &mut [f64],
     ) {
         let (n, own) = (6 * NN, &spins[i]);
-        for (j, (Inertia { mass, S, J }, by)) in self.pairs[i].iter().zip(by).enumerate() {
+        for (j, (Inertia { mass, S, J }, [Omega_q, A_q])) in
+            self.pairs[i].iter().zip(by).enumerate()
+        {
             for k in 0..3 {
                 out[6 * i + k + (6 * j + k) * n] += mass * w.M;
             }
-            let h_q = J * by.A + skew(&own.Omega) * (J * by.Omega);
+            let h_q = J * A_q + skew(&own.Omega) * (J * Omega_q);
             add_block(out, n, 6 * i + 3, 6 * j + 3, &own.T.tr_mul(&h_q));
             if self.eccentric {
-                let Spin { R, T, Omega, .. } = &spins[j];
+                let FrameMotion { T, Omega, .. } = &spins[j];
                 let S_skew = skew(S);
-                let lever = own.T.tr_mul(&S_skew) * own.R.transpose() * w.M;
+                let lever = own.T.tr_mul(&S_skew) * R[i].transpose() * w.M;
                 add_block(out, n, 6 * i + 3, 6 * j, &lever);
                 let l = skew(&spins[j].l(S)) * T * w.K;
-                let l_q = centrifugal(Omega, S) * by.Omega - S_skew * by.A - l;
-                add_block(out, n, 6 * i, 6 * j + 3, &(R * l_q));
+                let l_q = centrifugal(Omega, S) * Omega_q - S_skew * A_q - l;
+                add_block(out, n, 6 * i, 6 * j + 3, &(R[j] * l_q));
             }
         }
     }
