@@ -141,17 +141,16 @@ impl ModelBuilder {
         preferred.extend(self.starts.keys().map(|&(n, _)| n));
         let used = self.elements.iter().flat_map(|e| e.nodes.iter());
         preferred.extend(used.map(|&n| NodeId(n)));
-        let preferences = loops::StartPreferences {
-            starts: &self.starts,
-            preferred,
-        };
-        let held = loops::Held {
+        let setting = loops::Setting {
             functions: &self.prescribed,
             inputs: &self.inputs,
+            starts: &self.starts,
+            preferred: &preferred,
+            length,
         };
         let nodes = &mut self.nodes;
-        let reports = loops::close(nodes, &self.closings, &held, &preferences, length)?;
-        let positions = loops::positions(nodes, enforced, &held, &preferences, length);
+        let reports = loops::close(nodes, &self.closings, &setting)?;
+        let positions = loops::positions(nodes, enforced, &setting);
         Ok((reports, positions))
     }
 }

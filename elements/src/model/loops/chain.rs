@@ -1,7 +1,7 @@
 //! The two chains of joints of a loop.
 
 use super::set::{self, Inputs};
-use super::{Closing, Held};
+use super::{Closing, Setting};
 use crate::model::{ModelError, Node, NodeForm};
 use pullback_manifold::map::{Parametrization, Read};
 use pullback_manifold::system::Quantity;
@@ -45,7 +45,7 @@ impl JointLoop {
     pub(super) fn find(
         nodes: &[Node],
         closing: Closing,
-        held: &Held<'_>,
+        setting: &Setting<'_>,
     ) -> Result<Self, ModelError> {
         let (frame, child) = (closing.frame.0, closing.child.0);
         let (a, b) = (upwards(nodes, frame), upwards(nodes, child));
@@ -69,7 +69,7 @@ impl JointLoop {
             let last = chain[chain.len() - 1];
             let node = &nodes[last as usize];
             let steady = match node.is_own() {
-                true => (0..6).all(|k| held.function(last as usize, k).is_some()),
+                true => (0..6).all(|k| setting.function(last as usize, k).is_some()),
                 false => reads_no_frame(nodes, last),
             };
             if !steady {
@@ -140,17 +140,17 @@ pub(super) fn root_matters(
     nodes: &[Node],
     chain: &JointLoop,
     root: u32,
-    held: &Held<'_>,
-    length: f64,
+    setting: &Setting<'_>,
 ) -> bool {
-    if nodes[root as usize].is_own() && held.still(root as usize, 6) {
+    if nodes[root as usize].is_own() && setting.still(root as usize, 6) {
         return false;
     }
     let own = coordinates(nodes, chain);
-    let nothing = Held {
+    let nothing = Setting {
         functions: &[],
-        inputs: &[],
+        ..*setting
     };
+    let length = setting.length;
     let inputs = Inputs::new(nodes, &own, &[root], &nothing);
     let mut tree = set::tree(nodes, std::slice::from_ref(chain), &inputs);
     let at = |first: usize| inputs.nodes.iter().find(|(_, f)| *f == first);

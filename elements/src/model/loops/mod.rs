@@ -110,21 +110,21 @@ impl ModelBuilder {
     }
 }
 
-/// Preferences for the coordinates of loops.
-pub(in crate::model) struct StartPreferences<'a> {
+/// What is known about the coordinates of the builder's nodes.
+#[derive(Clone, Copy)]
+pub(in crate::model) struct Setting<'a> {
+    /// Prescribed coordinates, and the values of inputs that they may read.
+    pub functions: &'a [(NodeId, usize, Arc<dyn TimeFunction>)],
+    pub inputs: &'a [f64],
     /// Desired initial values.
     pub starts: &'a HashMap<(NodeId, usize), f64>,
     /// Preferred independent coordinates.
-    pub preferred: HashSet<NodeId>,
+    pub preferred: &'a HashSet<NodeId>,
+    /// Size of the model.
+    pub length: f64,
 }
 
-/// Prescribed coordinates of the builder's nodes.
-pub(in crate::model) struct Held<'a> {
-    pub functions: &'a [(NodeId, usize, Arc<dyn TimeFunction>)],
-    pub inputs: &'a [f64],
-}
-
-impl Held<'_> {
+impl Setting<'_> {
     fn function(&self, node: usize, k: usize) -> Option<&dyn TimeFunction> {
         let found = self
             .functions
@@ -159,16 +159,15 @@ fn follows(nodes: &[Node], n: u32, from: u32) -> bool {
 pub(in crate::model) fn close(
     nodes: &mut Vec<Node>,
     closings: &[Closing],
-    held: &Held<'_>,
-    preferences: &StartPreferences<'_>,
-    length: f64,
+    setting: &Setting<'_>,
 ) -> Result<Vec<LoopReport>, ModelError> {
     let mut reports = Vec::new();
     let mut loops: Vec<Closing> = Vec::new();
     for &closing in closings {
         let Closing { frame, child, .. } = closing;
         let (a, b) = (&nodes[frame.0 as usize], &nodes[child.0 as usize]);
-        let free = b.is_own() && !held.any(child.0 as usize) && !follows(nodes, frame.0, child.0);
+        let free =
+            b.is_own() && !setting.any(child.0 as usize) && !follows(nodes, frame.0, child.0);
         if !free {
             // Poses are compared.
             add_pose(nodes, frame.0);
@@ -177,7 +176,7 @@ pub(in crate::model) fn close(
             continue;
         }
         let apart = a.position - b.position;
-        if apart.norm() > APART * length {
+        if apart.norm() > APART * setting.length {
             return Err(ModelError::Apart {
                 joint: a.name.clone(),
                 child: b.name.clone(),
@@ -195,8 +194,8 @@ pub(in crate::model) fn close(
         nodes[pose as usize].map = Some(MappedNode::of(Box::new(same), vec![parent]));
         nodes[child.0 as usize].map = Some(MappedNode::of(chart, vec![pose]));
     }
-    for set in connected(nodes, &loops, held, length)? {
-        reports.push(close_set(nodes, &set, held, preferences, length)?);
+    for set in connected(nodes, &loops, setting)? {
+        reports.push(close_set(nodes, &set, setting)?);
     }
     Ok(reports)
 }
@@ -210,15 +209,13 @@ pub(in crate::model) type Positions = Vec<(u32, usize, f64)>;
 pub(in crate::model) fn positions(
     nodes: &[Node],
     closings: &[Closing],
-    held: &Held<'_>,
-    preferences: &StartPreferences<'_>,
-    length: f64,
+    setting: &Setting<'_>,
 ) -> Positions {
-    let by_joints = |c: &&Closing| JointLoop::find(nodes, **c, held).is_ok();
+    let by_joints = |c: &&Closing| JointLoop::find(nodes, **c, setting).is_ok();
     let all = closings.len();
     let closings: Vec<Closing> = closings.iter().filter(by_joints).copied().collect();
     let mut copies: Vec<Node> = nodes.iter().map(Node::clone).collect();
-    if close(&mut copies, &closings, held, preferences, length).is_err() {
+    if close(&mut copies, &closings, setting).is_err() {
         return Vec::new();
     }
     let mut known = HashMap::new();
@@ -226,15 +223,12 @@ pub(in crate::model) fn positions(
     for n in (0..nodes.len() as u32).filter(|&n| nodes[n as usize].is_own()) {
         if copies[n as usize].is_own() {
             if closings.len() == all {
-                let own = preferences
-                    .starts
-                    .iter()
-                    .filter(|((node, _), _)| node.0 == n);
+                let own = setting.starts.iter().filter(|((node, _), _)| node.0 == n);
                 positions.extend(own.map(|(&(_, k), &x)| (n, k, x)));
             }
             continue;
         }
-        let Some(x) = value(&copies, n, held, preferences.starts, &mut known) else {
+        let Some(x) = value(&copies, n, setting, &mut known) else {
             return Vec::new();
         };
         positions.extend(x.into_iter().enumerate().map(|(k, x)| (n, k, x)));
@@ -247,8 +241,7 @@ pub(in crate::model) fn positions(
 fn value(
     nodes: &[Node],
     n: u32,
-    held: &Held<'_>,
-    starts: &HashMap<(NodeId, usize), f64>,
+    setting: &Setting<'_>,
     known: &mut HashMap<u32, Vec<f64>>,
 ) -> Option<Vec<f64>> {
     if let Some(found) = known.get(&n) {
@@ -259,14 +252,14 @@ fn value(
     match node.mapped() {
         None => {
             for (k, x) in x.iter_mut().enumerate() {
-                let given = || starts.get(&(NodeId(n), k)).copied().unwrap_or(0.0);
-                *x = held.initial(n as usize, k).unwrap_or_else(given);
+                let given = || setting.starts.get(&(NodeId(n), k)).copied().unwrap_or(0.0);
+                *x = setting.initial(n as usize, k).unwrap_or_else(given);
             }
         }
         Some(d) => {
             let mut q = Vec::new();
             for &m in d.initial_parents() {
-                q.extend(value(nodes, m, held, starts, known)?);
+                q.extend(value(nodes, m, setting, known)?);
             }
             let mut B = vec![0.0; node.dim * q.len()];
             let mut map = d.map.clone();
@@ -290,14 +283,13 @@ type Set = (BTreeSet<u32>, Vec<usize>);
 fn connected(
     nodes: &[Node],
     loops: &[Closing],
-    held: &Held<'_>,
-    length: f64,
+    setting: &Setting<'_>,
 ) -> Result<Vec<Vec<JointLoop>>, ModelError> {
-    let chains = loops.iter().map(|&l| JointLoop::find(nodes, l, held));
+    let chains = loops.iter().map(|&l| JointLoop::find(nodes, l, setting));
     let mut chains = chains.collect::<Result<Vec<_>, _>>()?;
     loop {
-        let sets = sharing(nodes, &chains, held);
-        let Some(k) = circular(nodes, &chains, &sets, held, length) else {
+        let sets = sharing(nodes, &chains, setting);
+        let Some(k) = circular(nodes, &chains, &sets, setting) else {
             let of = |(_, set): Set| set.iter().map(|&k| chains[k].clone()).collect();
             return Ok(sets.into_iter().map(of).collect());
         };
@@ -306,13 +298,13 @@ fn connected(
 }
 
 /// Groups loops into sets that share a free coordinate.
-fn sharing(nodes: &[Node], chains: &[JointLoop], held: &Held<'_>) -> Vec<Set> {
+fn sharing(nodes: &[Node], chains: &[JointLoop], setting: &Setting<'_>) -> Vec<Set> {
     let mut sets: Vec<Set> = Vec::new();
     for (k, chain) in chains.iter().enumerate() {
         let mut own: BTreeSet<u32> = coordinates(nodes, chain).into_iter().collect();
         own.retain(|&n| {
             let node = &nodes[n as usize];
-            (0..node.dim).any(|k| held.function(n as usize, k).is_none())
+            (0..node.dim).any(|k| setting.function(n as usize, k).is_none())
         });
         let (touching, rest): (Vec<Set>, _) =
             (sets.into_iter()).partition(|(other, _)| !own.is_disjoint(other));
@@ -333,8 +325,7 @@ fn circular(
     nodes: &[Node],
     chains: &[JointLoop],
     sets: &[Set],
-    held: &Held<'_>,
-    length: f64,
+    setting: &Setting<'_>,
 ) -> Option<usize> {
     // The sets that each loop needs for its root.
     let needs = |k: usize| -> Vec<usize> {
@@ -350,7 +341,7 @@ fn circular(
         let above = coordinates(nodes, &above);
         let set = |s: &usize| above.iter().any(|n| sets[*s].0.contains(n));
         let needed: Vec<usize> = (0..sets.len()).filter(set).collect();
-        if needed.is_empty() || !chain::root_matters(nodes, &chains[k], root, held, length) {
+        if needed.is_empty() || !chain::root_matters(nodes, &chains[k], root, setting) {
             return Vec::new();
         }
         needed

@@ -3,7 +3,7 @@
 use super::chain::{self, JointLoop, coordinates};
 use super::coincide::{Coincide, CoincidePoses};
 use super::part::Part;
-use super::{APART, EQUATIONS, Held, LoopReport, StartPreferences};
+use super::{APART, EQUATIONS, LoopReport, Setting};
 use crate::model::assembly::residual::MAX_NODES;
 use crate::model::build::builder::NodeId;
 use crate::model::kinematics::mapped_node::MappedNode;
@@ -31,9 +31,9 @@ pub(super) struct Inputs {
 
 impl Inputs {
     /// Sorts own coordinate nodes, and required roots, into parameters and unknowns.
-    pub(super) fn new(nodes: &[Node], own: &[u32], roots: &[u32], held: &Held<'_>) -> Self {
-        let moves = |n: &&u32| !held.still(**n as usize, nodes[**n as usize].dim);
-        let given = |n: &&u32| roots.contains(n) || held.any(**n as usize);
+    pub(super) fn new(nodes: &[Node], own: &[u32], roots: &[u32], setting: &Setting<'_>) -> Self {
+        let moves = |n: &&u32| !setting.still(**n as usize, nodes[**n as usize].dim);
+        let given = |n: &&u32| roots.contains(n) || setting.any(**n as usize);
         let all = roots.iter().chain(own).filter(moves);
         let (parameters, unknowns): (Vec<&u32>, Vec<&u32>) = all.partition(given);
         let mut out = Self {
@@ -126,7 +126,7 @@ fn nothing_follows(
     joints: String,
     given: &[(u32, usize)],
     equations: &mut dyn Parametrization,
-    length: f64,
+    setting: &Setting<'_>,
 ) -> Result<LoopReport, ModelError> {
     if !given.is_empty() {
         let names: Vec<&str> = (given.iter())
@@ -140,7 +140,7 @@ fn nothing_follows(
     for (chain, h) in chains.iter().zip(h.chunks_exact(6)) {
         let gap = Vector3::new(h[0], h[1], h[2]).norm();
         let turn = Vector3::new(h[3], h[4], h[5]).norm();
-        if gap > APART * length || turn > APART {
+        if gap > APART * setting.length || turn > APART {
             let name = |n: u32| nodes[n as usize].name.clone();
             let (joint, child) = (name(chain.frame), name(chain.child));
             return Err(ModelError::Rigid {
@@ -178,12 +178,12 @@ fn displaced(
 }
 
 /// Report on frames that coincide but are drawn apart.
-fn drawn_apart(nodes: &[Node], chains: &[JointLoop], length: f64) -> String {
+fn drawn_apart(nodes: &[Node], chains: &[JointLoop], setting: &Setting<'_>) -> String {
     let mut words = String::new();
     for chain in chains {
         let (a, b) = (&nodes[chain.frame as usize], &nodes[chain.child as usize]);
         let gap = (a.position - b.position).norm();
-        if gap > APART * length {
+        if gap > APART * setting.length {
             words += &format!("; {} and {} were drawn {gap:.3e} apart", a.name, b.name);
         }
     }
@@ -192,12 +192,7 @@ fn drawn_apart(nodes: &[Node], chains: &[JointLoop], length: f64) -> String {
 
 /// Preference of a coordinate as an independent one: above a half if requested by the user, and
 /// larger near the root of its loop.
-fn preference(
-    nodes: &[Node],
-    chains: &[JointLoop],
-    n: u32,
-    preferences: &StartPreferences<'_>,
-) -> f64 {
+fn preference(nodes: &[Node], chains: &[JointLoop], n: u32, setting: &Setting<'_>) -> f64 {
     let depth = chains.iter().flat_map(|chain| {
         [chain.frame, chain.child].into_iter().filter_map(|end| {
             let path = chain::upwards(nodes, end);
@@ -211,7 +206,7 @@ fn preference(
         })
     });
     let near = 0.5 / (1 + depth.min().unwrap_or(0)) as f64;
-    if preferences.preferred.contains(&NodeId(n)) {
+    if setting.preferred.contains(&NodeId(n)) {
         0.5 + near
     } else {
         near
@@ -223,8 +218,7 @@ fn described(
     nodes: &[Node],
     chains: &[JointLoop],
     inputs: &Inputs,
-    preferences: &StartPreferences<'_>,
-    length: f64,
+    setting: &Setting<'_>,
 ) -> Description {
     let (given, unknown) = inputs.nodes.split_at(inputs.given);
     let mut about = Description {
@@ -239,12 +233,9 @@ fn described(
         for (k, quantity) in node.quantities.iter().enumerate() {
             about.unknowns.push(Unknown {
                 name: node.coordinate_name(k),
-                size: match quantity {
-                    Quantity::Length => length,
-                    Quantity::Angle | Quantity::Other => 1.0,
-                },
-                start: preferences.starts.get(&(NodeId(n), k)).copied(),
-                preference: preference(nodes, chains, n, preferences),
+                size: quantity.size(setting.length),
+                start: setting.starts.get(&(NodeId(n), k)).copied(),
+                preference: preference(nodes, chains, n, setting),
             });
         }
     }
@@ -252,7 +243,7 @@ fn described(
         let name = &nodes[chain.frame as usize].name;
         about.equations.extend((0..6).map(|i| Equation {
             name: format!("{} at joint {name}", EQUATIONS[i]),
-            size: Some(if i < 3 { length } else { 1.0 }),
+            size: Some(if i < 3 { setting.length } else { 1.0 }),
         }));
     }
     let of = |&(n, _): &(u32, usize)| {
@@ -264,19 +255,19 @@ fn described(
 }
 
 /// The inputs of a set of loops: the joint coordinates of their chains, and roots that matter.
-fn inputs_of(nodes: &[Node], chains: &[JointLoop], held: &Held<'_>, length: f64) -> Inputs {
+fn inputs_of(nodes: &[Node], chains: &[JointLoop], setting: &Setting<'_>) -> Inputs {
     let mut own: Vec<u32> = chains.iter().flat_map(|c| coordinates(nodes, c)).collect();
     own.sort_unstable();
     own.dedup();
     let mut roots: Vec<u32> = Vec::new();
     for chain in chains {
-        let matters = |root: &u32| chain::root_matters(nodes, chain, *root, held, length);
+        let matters = |root: &u32| chain::root_matters(nodes, chain, *root, setting);
         roots.extend(chain.root.filter(matters));
         roots.extend(chain.ends.iter().flatten());
     }
     roots.sort_unstable();
     roots.dedup();
-    Inputs::new(nodes, &own, &roots, held)
+    Inputs::new(nodes, &own, &roots, setting)
 }
 
 /// Adds the nodes of a set of loops: the independent coordinates and all unknowns, which the map gives to the joints.
@@ -331,32 +322,30 @@ fn add_map(
 pub(super) fn close_set(
     nodes: &mut Vec<Node>,
     chains: &[JointLoop],
-    held: &Held<'_>,
-    preferences: &StartPreferences<'_>,
-    length: f64,
+    setting: &Setting<'_>,
 ) -> Result<LoopReport, ModelError> {
-    let inputs = inputs_of(nodes, chains, held, length);
+    let inputs = inputs_of(nodes, chains, setting);
     let (given, unknown) = inputs.nodes.split_at(inputs.given);
     let joints: Vec<&str> = (chains.iter())
         .map(|c| nodes[c.frame as usize].name.as_str())
         .collect();
     let joints = joints.join(", ");
-    let about = described(nodes, chains, &inputs, preferences, length);
+    let about = described(nodes, chains, &inputs, setting);
     let mut p = Vec::with_capacity(inputs.parameters);
     for &(n, _) in given {
-        let value = |k| held.initial(n as usize, k).unwrap_or(0.0);
+        let value = |k| setting.initial(n as usize, k).unwrap_or(0.0);
         p.extend((0..nodes[n as usize].dim).map(value));
     }
     let mut equations = Box::new(tree(nodes, chains, &inputs));
     if unknown.is_empty() {
-        return nothing_follows(nodes, chains, joints, given, &mut *equations, length);
+        return nothing_follows(nodes, chains, joints, given, &mut *equations, setting);
     }
     let map = ImplicitMap::new(equations, about, 0.0, &p).map_err(|source| ModelError::Loop {
         joints: joints.clone(),
         source,
     })?;
     let moved = displaced(nodes, unknown, &map, inputs.parameters);
-    let apart = drawn_apart(nodes, chains, length);
+    let apart = drawn_apart(nodes, chains, setting);
     let x = add_map(nodes, map, &inputs, &joints)?;
     let closing = match chains.len() {
         1 => format!("joint {joints} closes a loop"),
