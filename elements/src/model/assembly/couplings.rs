@@ -43,6 +43,18 @@ pub(in crate::model) struct CoupledBlock {
     pub order: usize,
 }
 
+impl CoupledBlock {
+    /// Its rows as columns.
+    pub(in crate::model) fn transposed(self) -> Self {
+        let (row, column) = (self.column, self.row);
+        Self {
+            row,
+            column,
+            ..self
+        }
+    }
+}
+
 /// The couplings of all mapped nodes, by [`MappedNode::index`], and the nodes that no unknown moves.
 #[derive(Clone, Default)]
 pub(in crate::model) struct Couplings(pub(in crate::model) Vec<Coupled>, Vec<bool>);
@@ -166,19 +178,18 @@ impl Couplings {
         let found = coupled.partners.binary_search_by_key(&partner, |p| p.node);
         let (first, width) = (coupled.partners[found.ok()?].first, coupled.width);
         let is_row = partner == j;
-        let (node, start) = if is_row {
-            (i, coupled.rows)
-        } else {
-            (j, coupled.columns)
+        let (node, start) = match is_row {
+            true => (i, coupled.rows),
+            false => (j, coupled.columns),
         };
         let n = nodes[node as usize].dim;
-        let [row, column] = if is_row { [1, n] } else { [n, 1] };
-        Some(CoupledBlock {
+        let block = CoupledBlock {
             start: start + first * n,
-            row,
-            column,
+            row: 1,
+            column: n,
             order: n * width,
-        })
+        };
+        Some(if is_row { block } else { block.transposed() })
     }
 }
 

@@ -20,6 +20,7 @@ use crate::model::NONE;
 use crate::model::assembly::couplings::CoupledBlock;
 use crate::model::assembly::scatter::ScatterTarget;
 use crate::model::assembly::scatter_map::ScatterMap;
+use crate::model::kinematics::node_entries::add;
 use std::ops::Range;
 
 /// Number of coordinates of a pose.
@@ -173,24 +174,6 @@ fn pose(x: &[f64]) -> [f64; POSE] {
     x.first_chunk().copied().unwrap_or_default()
 }
 
-/// out += factor x.
-#[inline(always)]
-pub(super) fn add(out: &mut [f64], x: &[f64], factor: f64) {
-    // Most nodes are frames: six sums without a loop.
-    if let (Ok(out), Ok(x)) = (
-        <&mut [f64; 6]>::try_from(&mut *out),
-        <&[f64; 6]>::try_from(x),
-    ) {
-        for k in 0..6 {
-            out[k] += factor * x[k];
-        }
-        return;
-    }
-    for (o, x) in out.iter_mut().zip(x) {
-        *o += factor * x;
-    }
-}
-
 #[inline(always)]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     if let (Ok(a), Ok(b)) = (<&[f64; 6]>::try_from(a), <&[f64; 6]>::try_from(b)) {
@@ -200,59 +183,29 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// The block of a parent and another node in a pulled-back matrix, or the transposed one: its position.
+/// The block of a parent and another node in a pulled-back matrix, with the rows of the parent.
 #[derive(Clone, Copy)]
 pub(super) struct Piece {
     /// First coordinate of the parent among those of all parents, and their number.
-    first: u32,
-    len: u32,
-    /// First value, [`NONE`] if there is no block.
-    start: u32,
-    /// Distances between coordinates of the parent, between those of the other node, and between K, C and M.
-    row: u32,
-    column: u32,
-    order: u32,
+    pub first: u32,
+    pub len: u32,
+    pub block: Option<CoupledBlock>,
     /// First coordinates of both nodes, if they are own nodes: the block is one of the pattern.
-    own: Option<[u32; 2]>,
+    pub own: Option<[u32; 2]>,
 }
 
 impl Piece {
-    /// The piece of a parent's coordinates, at the position of its rows or, `transposed`, its columns.
-    pub(super) fn new(
-        [first, len]: [usize; 2],
-        block: Option<CoupledBlock>,
-        transposed: bool,
-        own: Option<[u32; 2]>,
-    ) -> Self {
-        let [start, row, column, order] = block.map_or([NONE, 0, 0, 0], |block| {
-            [block.start, block.row, block.column, block.order].map(|k| k as u32)
-        });
-        let [row, column] = if transposed {
-            [column, row]
-        } else {
-            [row, column]
-        };
-        let [first, len] = [first, len].map(|k| k as u32);
-        Self {
-            first,
-            len,
-            start,
-            row,
-            column,
-            order,
-            own,
-        }
-    }
-
     /// Adds the parent's part of vectors of all orders (K, C, M), d apart, at coordinate c of the other node.
     #[inline(always)]
     fn add(&self, f: &[f64], d: usize, c: usize, free: &[u32], into: &mut ScatterTarget<'_>) {
-        if self.start == NONE {
+        let Some(block) = self.block else {
             return;
-        }
+        };
         let of_orders = f.chunks_exact(d).map(|f| &f[self.first as usize..]);
-        let [len, start, row, column] =
-            [self.len, self.start, self.row, self.column].map(|k| k as usize);
+        let len = self.len as usize;
+        let CoupledBlock {
+            start, row, column, ..
+        } = block;
         if let Some([parent, other]) = self.own {
             let c = free[other as usize + c];
             if c == NONE {
@@ -270,7 +223,7 @@ impl Piece {
         }
         let to = &mut into.coupled[start + c * column..];
         for (order, f) in of_orders.enumerate() {
-            let to = &mut to[order * self.order as usize..];
+            let to = &mut to[order * block.order..];
             if row == 1 {
                 add(&mut to[..len], &f[..len], 1.0);
                 continue;

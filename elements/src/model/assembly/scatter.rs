@@ -2,8 +2,8 @@
 
 #![allow(non_snake_case)]
 
-use crate::model::assembly::pull_back::add;
 use crate::model::assembly::scatter_map::{ScatterMap, free_part};
+use crate::model::kinematics::node_entries::add;
 use crate::model::{ElementEntry, NONE, Node};
 use pullback_manifold::system::Weights;
 use std::ops::Range;

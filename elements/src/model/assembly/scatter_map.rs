@@ -195,10 +195,18 @@ impl ScatterMap {
             } else {
                 self.couplings.block(nodes, i, j)
             };
-            let own = own.then_some([parent.first as u32, node.first as u32]);
-            let part = [first, parent.dim];
-            self.pieces.push(Piece::new(part, block, transposed, own));
-            first += parent.dim;
+            let len = parent.dim as u32;
+            self.pieces.push(Piece {
+                first,
+                len,
+                block: if transposed {
+                    block.map(CoupledBlock::transposed)
+                } else {
+                    block
+                },
+                own: own.then_some([parent.first as u32, node.first as u32]),
+            });
+            first += len;
         }
     }
 

@@ -1,5 +1,6 @@
 //! Transfer between the vectors of unknowns and of all coordinates.
 
+use super::node_entries::copy;
 use pullback_manifold::system::SystemError;
 use std::ops::Range;
 
@@ -72,16 +73,4 @@ pub(in crate::model) fn check_length(
         expected: format!("{expected} entries"),
         found: found.to_string(),
     })
-}
-
-/// Copies a run, without a call for a single frame.
-#[inline(always)]
-fn copy(from: &[f64], to: &mut [f64]) {
-    match (
-        <&[f64; 6]>::try_from(from),
-        <&mut [f64; 6]>::try_from(&mut *to),
-    ) {
-        (Ok(from), Ok(to)) => *to = *from,
-        _ => to.copy_from_slice(from),
-    }
 }

@@ -7,15 +7,7 @@ pub(in crate::model) fn collect(of: &[u32], spans: &[Span], x: &[f64], out: &mut
     let mut k = 0;
     for &m in of {
         let from = &x[spans[m as usize].range()];
-        let to = &mut out[k..k + from.len()];
-        // Most nodes are frames: six values are copied without a call.
-        match (
-            <&mut [f64; 6]>::try_from(&mut *to),
-            <&[f64; 6]>::try_from(from),
-        ) {
-            (Ok(to), Ok(from)) => *to = *from,
-            _ => to.copy_from_slice(from),
-        }
+        copy(from, &mut out[k..k + from.len()]);
         k += from.len();
     }
     k
@@ -28,18 +20,35 @@ pub(in crate::model) fn distribute(of: &[u32], spans: &[Span], local: &[f64], al
         let own = &mut all[spans[node as usize].range()];
         let (mine, others) = rest.split_at(own.len());
         rest = others;
-        // Most nodes are frames: six sums without a loop.
-        if let (Ok(own), Ok(mine)) = (
-            <&mut [f64; 6]>::try_from(&mut *own),
-            <&[f64; 6]>::try_from(mine),
-        ) {
-            for k in 0..6 {
-                own[k] += mine[k];
-            }
-            continue;
+        add(own, mine, 1.0);
+    }
+}
+
+/// Copies values, those of a frame without a call.
+#[inline(always)]
+pub(in crate::model) fn copy(from: &[f64], to: &mut [f64]) {
+    match (
+        <&[f64; 6]>::try_from(from),
+        <&mut [f64; 6]>::try_from(&mut *to),
+    ) {
+        (Ok(from), Ok(to)) => *to = *from,
+        _ => to.copy_from_slice(from),
+    }
+}
+
+/// out += factor x, for a frame without a loop.
+#[inline(always)]
+pub(in crate::model) fn add(out: &mut [f64], x: &[f64], factor: f64) {
+    if let (Ok(out), Ok(x)) = (
+        <&mut [f64; 6]>::try_from(&mut *out),
+        <&[f64; 6]>::try_from(x),
+    ) {
+        for k in 0..6 {
+            out[k] += factor * x[k];
         }
-        for (a, l) in own.iter_mut().zip(mine) {
-            *a += l;
-        }
+        return;
+    }
+    for (o, x) in out.iter_mut().zip(x) {
+        *o += factor * x;
     }
 }
