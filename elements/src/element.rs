@@ -85,7 +85,8 @@ pub(crate) const EDGE: f64 = std::f64::consts::TAU - 1e-3;
 pub struct Properties {
     /// It is an applied load, which sets the scale of convergence tests.
     pub load: bool,
-    /// The residual depends on time alone, so that all tangents are zero.
+    /// The residual depends on time alone, so that all tangents are zero; it has no moments at
+    /// frames, whose covectors depend on the rotation.
     pub dead: bool,
     /// It is a load with a time-independent potential, its energy. Its work is then known exactly,
     /// not only to the order of a scheme.

@@ -158,6 +158,7 @@ impl Element for LineLoad {
             dead: !self.follower,
             steady: !self.follower && self.amplitude.constant().is_some(),
             symmetric: !self.follower,
+            sees_rotations: self.follower,
             ..Properties::LOAD
         }
     }

@@ -70,7 +70,6 @@ impl Context {
 
     /// Brings all that follows from the state up to date after a change from outside.
     pub(super) fn forget(&mut self) {
-        self.work.dead_loads.forget();
         self.work.known.forget();
         self.locate_tangents();
     }

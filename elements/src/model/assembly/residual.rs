@@ -3,11 +3,10 @@
 #![allow(non_snake_case)]
 
 use crate::element::overturned;
+use crate::model::Context;
 use crate::model::assembly::scatter::ScatterTarget;
 use crate::model::kinematics::free_coordinates::check_length;
 use crate::model::kinematics::node_entries::distribute;
-use crate::model::state::ElementState;
-use crate::model::{Context, ElementEntry};
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
 use std::f64::consts::TAU;
@@ -44,7 +43,7 @@ impl Context {
         let (w, inputs) = (&mut self.work, &self.state.inputs);
         if w.local.inputs != *inputs {
             w.local.inputs.clone_from(inputs);
-            w.dead_loads.forget();
+            w.dead_loads.t = None;
             w.known.forget();
         }
     }
@@ -92,12 +91,12 @@ impl Context {
     fn begin_with_dead_loads(&mut self, t: f64) -> Result<(), SystemError> {
         let (w, model) = (&mut self.work, &*self.model);
         if w.dead_loads.t != Some(t) {
-            w.dead_loads.forget();
+            w.dead_loads.t = None;
             w.dead_loads.r.fill(0.0);
             w.scales.force = [0.0; 3];
             let moved = (&model.unknowns[..], &w.scatter_map.couplings);
             for (e, state) in model.elements.iter().zip(&self.state.elements) {
-                if !reads_only_time(e, state) {
+                if !e.dead {
                     continue;
                 }
                 let local = &mut w.local;
@@ -135,11 +134,11 @@ impl Context {
             if state.overturned {
                 return Err(named(overturned(TAU), &e.name));
             }
-            if !rates && reads_only_time(e, state) {
+            if !rates && e.dead {
                 continue;
             }
             let n = e.element.dim();
-            if !reads_only_time(e, state) {
+            if !e.dead {
                 if w.has_previous {
                     local.read_previous((e, state), spans, &w.previous);
                 }
@@ -266,11 +265,6 @@ impl Context {
         }
         Ok(())
     }
-}
-
-/// Whether an element is a dead load on nodes that are not switched.
-fn reads_only_time(e: &ElementEntry, state: &ElementState) -> bool {
-    e.dead && state.switched == 0
 }
 
 pub(in crate::model) fn named(why: DomainError, name: &str) -> SystemError {

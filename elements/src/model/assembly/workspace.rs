@@ -108,13 +108,6 @@ impl Known {
     }
 }
 
-impl DeadLoads {
-    /// Invalidates the loads after a change of element charts.
-    pub(in crate::model) fn forget(&mut self) {
-        self.t = None;
-    }
-}
-
 impl Workspace {
     pub(in crate::model) fn new(
         (nodes, dependent): (&[Node], &[u32]),

@@ -102,7 +102,6 @@ impl Context {
             std::mem::swap(now, previous);
         }
         let known = now.is(after);
-        self.work.dead_loads.forget();
         let elements = self.model.elements.iter().zip(&mut self.state.elements);
         for (k, (e, state)) in elements.enumerate() {
             state.overturned = false;
@@ -152,7 +151,7 @@ impl Context {
         } = &mut self.state.element_charts;
         // If one angle is beyond π by this much, the other is below by as much.
         let gain = 2.0 * *late + HYSTERESIS;
-        let (mut changed, mut stored) = (false, false);
+        let mut changed = false;
         // A single frame has no neighbours.
         for (e, state) in self.model.elements.iter().zip(&mut self.state.elements) {
             if e.frames.count_ones() < 2 {
@@ -176,11 +175,7 @@ impl Context {
             let seen = state.switched ^ flipped(e, before, after);
             let wanted = best(e, seen, after, possible, gain);
             changed |= wanted != seen;
-            stored |= seen != state.switched;
             (state.switched, state.wanted) = (seen, wanted);
-        }
-        if stored {
-            self.work.dead_loads.forget();
         }
         if now.t != t {
             std::mem::swap(now, previous);
@@ -197,7 +192,6 @@ impl Context {
         if std::mem::take(&mut self.state.element_charts.chosen) {
             let elements = self.state.elements.iter_mut();
             elements.for_each(|e| e.switched = e.wanted);
-            self.work.dead_loads.forget();
         }
     }
 
