@@ -37,6 +37,7 @@ pub use results::mobility::Mobility;
 pub use results::query::Reaction;
 pub use state::{ModelState, SavedState};
 
+use crate::constraint::Enforced;
 use crate::element::Element;
 use crate::time::TimeFunction;
 use assembly::residual::MAX_NODES;
@@ -221,6 +222,14 @@ pub struct ElementEntry {
     load: bool,
     /// Whether it is a load with a potential that does not depend on time.
     steady: bool,
+}
+
+impl ElementEntry {
+    /// The element if it enforces equations by multipliers.
+    fn multiplied(&self) -> Option<&dyn Enforced> {
+        let enforced = self.element.abilities().enforced;
+        enforced.filter(|e| e.penalty().is_none())
+    }
 }
 
 /// A coordinate that is a prescribed function of time.

@@ -299,7 +299,7 @@ impl ElementWorkspace {
 }
 
 /// The nodes that an element evaluates through the complement map, and their rotation vectors among its coordinates.
-fn switched_rotations<'a>(
+pub(in crate::model) fn switched_rotations<'a>(
     e: &'a ElementEntry,
     switched: u32,
     spans: &'a [Span],

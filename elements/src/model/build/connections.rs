@@ -17,7 +17,7 @@ pub(in crate::model) fn check_connections(
     let mut connected = vec![false; nodes.len()];
     for e in elements {
         for &n in e.nodes.iter() {
-            connected[n as usize] |= !e.element.properties().load;
+            connected[n as usize] |= !e.load;
         }
     }
     // From the end of a chain to its beginning.

@@ -20,11 +20,8 @@ const GAIN: f64 = 1.5;
 impl Model {
     /// The equations enforced by multipliers.
     fn counting(&self, all: &EnforcedEquations) -> Vec<usize> {
-        let counts = |&(k, _): &(usize, usize)| {
-            let enforced = self.elements[k].element.abilities().enforced;
-            enforced.is_some_and(|e| e.penalty().is_none())
-        };
-        (0..all.of.len()).filter(|&i| counts(&all.of[i])).collect()
+        let counts = |&i: &usize| self.elements[all.of[i].0].multiplied().is_some();
+        (0..all.of.len()).filter(counts).collect()
     }
 
     /// The multiplier of an equation of an element.

@@ -190,8 +190,7 @@ impl Context {
                 .map_err(|error| named(error, &e.name))?;
             let n = e.element.dim();
             local.r[..n].copy_from_slice(&local.work[..n]);
-            let enforced = e.element.abilities().enforced;
-            if let Some(enforced) = enforced.filter(|e| e.penalty().is_none()) {
+            if let Some(enforced) = e.multiplied() {
                 // The momentum of a multiplier is the rate of its equation.
                 let (N, M) = enforced.dims();
                 let mut rates = [0.0; MAX_EQUATIONS];

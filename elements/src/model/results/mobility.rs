@@ -2,7 +2,6 @@
 
 #![allow(non_snake_case)]
 
-use crate::constraint::Enforced;
 use crate::model::{Context, Model, NONE, Node, NodeForm};
 use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
 use std::fmt;
@@ -54,12 +53,6 @@ struct Closed {
 }
 
 impl Model {
-    /// Element `k` if it enforces equations by multipliers.
-    fn multiplied(&self, k: usize) -> Option<&dyn Enforced> {
-        let enforced = self.elements[k].element.abilities().enforced;
-        enforced.filter(|e| e.penalty().is_none())
-    }
-
     /// The loops closed by maps, with the name of the first joint of each.
     fn closed(&self) -> impl Iterator<Item = (&str, Closed)> {
         self.reports.iter().filter_map(|report| {
@@ -93,7 +86,7 @@ impl Model {
         };
         for report in &self.reports {
             out.loops += match report.element {
-                Some(k) => usize::from(self.multiplied(k as usize).is_some()),
+                Some(k) => usize::from(self.elements[k as usize].multiplied().is_some()),
                 None => report.closures.len(),
             };
         }
@@ -104,7 +97,7 @@ impl Model {
             out.redundant += closed.equations - (closed.x - closed.free);
         }
         for &k in &self.enforced {
-            let Some(e) = self.multiplied(k) else {
+            let Some(e) = self.elements[k].multiplied() else {
                 continue;
             };
             let redundant = self.start.elements[k].left_out.count_ones() as usize;

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use crate::element::{Motion, Properties, SectionState};
+use crate::element::{Motion, SectionState};
 use crate::model::build::builder::{Dof, ElementId, NodeId};
 use crate::model::{Context, Model, ModelError, NONE, Node, NodeForm};
 use nalgebra::Vector3;
@@ -122,11 +122,7 @@ impl Model {
                 part[a.max(b)] = a.min(b);
             }
         };
-        for e in self
-            .elements
-            .iter()
-            .filter(|e| !e.element.properties().load)
-        {
+        for e in self.elements.iter().filter(|e| !e.load) {
             join(&mut e.nodes.iter().map(|&n| n as usize));
         }
         for (n, node) in self.nodes.iter().enumerate() {
@@ -264,18 +260,18 @@ impl Context {
 
     /// Strain energy of all elements that are not loads, in the configuration last set.
     pub fn strain_energy(&self, t: f64) -> f64 {
-        self.energy_of(t, |p| !p.load)
+        self.energy_of(t, false)
     }
 
     /// Potential of the loads that have one, in the configuration last set.
     pub fn load_potential(&self, t: f64) -> f64 {
-        self.energy_of(t, |p| p.load)
+        self.energy_of(t, true)
     }
 
-    fn energy_of(&self, t: f64, counts: impl Fn(Properties) -> bool) -> f64 {
+    fn energy_of(&self, t: f64, load: bool) -> f64 {
         let elements = self.model.elements.iter().enumerate();
         elements
-            .filter(|(_, e)| counts(e.element.properties()))
+            .filter(|(_, e)| e.load == load)
             .map(|(k, e)| {
                 let [x, ..] = self.element_motion(k);
                 e.element.abilities().energy(&self.at_rest(t, &x))

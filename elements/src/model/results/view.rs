@@ -1,6 +1,7 @@
 //! Access to the nodes, maps and elements of a model, for tools such as the conformance kit.
 
 use crate::element::Element;
+use crate::model::assembly::element_workspace::switched_rotations;
 use crate::model::kinematics::complement::ComplementOperators;
 use crate::model::kinematics::node_entries::collect;
 use crate::model::{Context, ElementEntry, Model, NONE, Node, NodeForm};
@@ -123,13 +124,9 @@ impl Context {
             collect(&e.nodes, &self.model.spans, all, &mut own);
             own
         });
-        let mut first = 0;
-        for (k, &node) in e.nodes.iter().enumerate() {
-            if switched & (1 << k) != 0 {
-                let [x, v, a] = motion.each_mut().map(|own| &mut own[first + 3..first + 6]);
-                ComplementOperators::default().apply(x, v, a);
-            }
-            first += self.model.nodes[node as usize].dim;
+        for (_, psi) in switched_rotations(e, switched, &self.model.spans) {
+            let [x, v, a] = motion.each_mut().map(|own| &mut own[psi.clone()]);
+            ComplementOperators::default().apply(x, v, a);
         }
         motion
     }
