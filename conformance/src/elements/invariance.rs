@@ -94,9 +94,9 @@ impl Component<&dyn Element> {
             let turn = Carrier::still(self.center(), random.of_norm(1.3), Vector3::zeros());
             let state = match law {
                 Law::Objectivity => s.clone(),
-                Law::Charts => carry(turn, 0.0, &self.frames, s).state,
+                Law::Charts => carry(turn, &self.frames, s).state,
             };
-            let moved = carry(self.carrier(law, random), 0.0, &self.frames, &state);
+            let moved = carry(self.carrier(law, random), &self.frames, &state);
             if [&state, &moved.state].iter().all(|s| self.clear(s)) {
                 self.compare(&mut exact, name, at, &state, &moved);
             }
@@ -183,7 +183,7 @@ impl Component<&dyn Element> {
             for i in (0..units.len()).filter(|&i| !framed(i)) {
                 near.x[i] = s.x[i];
             }
-            carry(rigid, 0.0, &self.frames, &near).state
+            carry(rigid, &self.frames, &near).state
         };
         let law = format!("{name} in the limit of small strains");
         let name = format!("rigid, {}", if moving { "moving" } else { "at rest" });
@@ -195,7 +195,7 @@ impl Component<&dyn Element> {
         let sizes = sizes(&self.layout, &at(0.0), &all);
         let gap = |e: f64| {
             let state = at(e);
-            let moved = carry(to, 0.0, &self.frames, &state);
+            let moved = carry(to, &self.frames, &state);
             self.gap(&state, &moved)
         };
         report.slopes(&law, &name, order, FIRST, &sizes, |e| match gap(e) {

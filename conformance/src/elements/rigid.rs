@@ -86,8 +86,8 @@ pub(crate) struct Moved {
     pub B: DMatrix<f64>,
 }
 
-/// Changes all frames of a state; other coordinates stay.
-pub(crate) fn carry(by: Carrier, t: f64, frames: &[FrameAt], s: &TestState) -> Moved {
+/// Changes all frames of a state, at the time zero of the carrier; other coordinates stay.
+pub(crate) fn carry(by: Carrier, frames: &[FrameAt], s: &TestState) -> Moved {
     let n = s.x.len();
     let mut out = Moved {
         state: s.clone(),
@@ -99,7 +99,7 @@ pub(crate) fn carry(by: Carrier, t: f64, frames: &[FrameAt], s: &TestState) -> M
     };
     for &FrameAt { first, position } in frames {
         let map = Carried { by, position };
-        let k = map.kinematics(t, &six(&s.x, first), &six(&s.v, first), &six(&s.a, first));
+        let k = map.kinematics(0.0, &six(&s.x, first), &six(&s.v, first), &six(&s.a, first));
         let put = |to: &mut DVector<f64>, x: &SVector<f64, 6>| {
             if !to.is_empty() {
                 to.fixed_rows_mut::<6>(first).copy_from(x);

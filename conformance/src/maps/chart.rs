@@ -49,7 +49,7 @@ pub fn chart<C: RotationChart>(chart: &C) -> Report {
             &mut map,
             [psi, v, a],
         );
-        laws(&mut report, "", &map, at, &q, &mut random);
+        laws(&mut report, &map, at, &q, &mut random);
         if turn.w >= 0.0 {
             continue;
         }

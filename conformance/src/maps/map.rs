@@ -30,7 +30,7 @@ where
     let vector = |q: &[f64]| SVector::<f64, D>::from_column_slice(q);
     let margin = |q: &[f64]| map.domain(TIME, &vector(q)).unwrap_or(0.0);
     for (at, q) in within(&mut report, &mut random, D, margin) {
-        laws(&mut report, "", map, at, &vector(&q), &mut random);
+        laws(&mut report, map, at, &vector(&q), &mut random);
     }
     report
 }
@@ -149,7 +149,6 @@ pub(crate) fn plain(full: &str) -> String {
 /// All laws of a map at one point.
 pub(crate) fn laws<M, const D: usize, const N: usize>(
     report: &mut Report,
-    prefix: &str,
     map: &M,
     at: &str,
     q: &SVector<f64, D>,
@@ -158,7 +157,6 @@ pub(crate) fn laws<M, const D: usize, const N: usize>(
     M: Map<D, N> + Clone + 'static,
 {
     let t = TIME;
-    let law = |name: &str| format!("{prefix}{name}");
     let (v, a) = (random.vector::<D>(), random.vector::<D>());
     let f = random.vector::<N>();
     let vector = |x: &SVector<f64, D>| DVector::from_column_slice(x.as_slice());
@@ -168,7 +166,7 @@ pub(crate) fn laws<M, const D: usize, const N: usize>(
         v: vector(&v),
         a: vector(&a),
     };
-    if !slopes(report, prefix, &*map.clone().boxed(), at, &state, random) {
+    if !slopes(report, "", &*map.clone().boxed(), at, &state, random) {
         return;
     }
 
@@ -182,19 +180,19 @@ pub(crate) fn laws<M, const D: usize, const N: usize>(
     // φ over numbers is φ over jets.
     let size = tangent.x.norm() + tangent.B.norm() * (1.0 + q.norm());
     let gap = (map.phi(t, q) - tangent.x).norm();
-    report.defect(&law("x = phi"), at, gap, CLOSED_FORM * size);
+    report.defect("x = phi", at, gap, CLOSED_FORM * size);
     // A vector or operator may vanish by symmetry, as Ḃ at rest: its size is then that of B.
     let unit = exact.B.norm() + exact.x.norm();
     let gaps = [
         relative(tangent.x.as_slice(), exact_tangent.x.as_slice(), unit),
         relative(tangent.B.as_slice(), exact_tangent.B.as_slice(), unit),
     ];
-    agree(report, &law("tangent = derived"), at, &gaps);
+    agree(report, "tangent = derived", at, &gaps);
     let (found, exact) = (slices(&k), slices(&exact));
     let gaps = [0, 1, 2, 3, 4, 5].map(|i| relative(found[i], exact[i], unit));
-    agree(report, &law("kinematics = derived"), at, &gaps);
+    agree(report, "kinematics = derived", at, &gaps);
     let gap = relative(K.as_slice(), exact_K.as_slice(), unit * f.norm());
-    agree(report, &law("geometric_stiffness = derived"), at, &[gap]);
+    agree(report, "geometric_stiffness = derived", at, &[gap]);
 }
 
 /// x, ẋ, ẍ, B, Ḃ, B̈.

@@ -92,7 +92,7 @@ impl Carried<'_> {
     /// The distance of the frame from the rigid motion of its parents, in lengths and in radians, in any chart.
     fn defect(&self, by: Carrier, turn: &Vector3<f64>, s: &TestState) -> Vec<f64> {
         let still = TestState::statics(s.t, s.x.clone());
-        let mut moved = carry(by, 0.0, self.frames, &still).state;
+        let mut moved = carry(by, self.frames, &still).state;
         for &k in self.rotations {
             // Rotations of joints are those of frames, in global components.
             let psi = moved.x.fixed_rows::<3>(k).into_owned();
@@ -104,7 +104,7 @@ impl Carried<'_> {
             first: 0,
             position: self.position,
         }];
-        let right = carry(by, 0.0, &own, &here).state.x;
+        let right = carry(by, &own, &here).state.x;
         let found = self.child(&moved);
         let [a, b] = [&found, &right].map(|x| quaternion(&x.fixed_rows::<3>(3).into_owned()));
         let turns = a.conjugate().product(&b).v.norm() * 2.0;
@@ -152,7 +152,7 @@ impl Carried<'_> {
                     x[k] = noise[k] * e;
                 }
             }
-            carry(rigid, 0.0, self.frames, &TestState::statics(s.t, x)).state
+            carry(rigid, self.frames, &TestState::statics(s.t, x)).state
         };
         report.slopes(law, "rigid", 2.0, FIRST, sizes, |e| {
             self.defect(by, turn, &near(e))

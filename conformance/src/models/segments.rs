@@ -50,8 +50,8 @@ pub(super) fn laws(
             first: 0,
             position: of.position,
         }];
-        let other = carry(Carrier::Chart, 0.0, &own, &after);
-        let J = carry(Carrier::Chart, 0.0, &own, &before).B;
+        let other = carry(Carrier::Chart, &own, &after);
+        let J = carry(Carrier::Chart, &own, &before).B;
         after = other.state;
         back = J.tr_mul(&f);
     }

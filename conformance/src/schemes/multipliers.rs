@@ -59,10 +59,17 @@ impl Circle {
         let (motion, lambda) = Self::motion(t);
         Self::side(motion, lambda)
     }
+}
 
-    /// The equations of motion, and in the last row minus the enforced equation, or `twice` its derivative; the weight of
-    /// the tangent of this row and of λ is that of K or of M.
-    fn fill(at: Point<'_>, out: Evaluation<'_>, twice: bool) {
+impl System for Circle {
+    fn pattern(&self) -> &BlockPattern {
+        &self.pattern
+    }
+
+    /// The equations of motion, and in the last row minus the enforced equation, or for accelerations its second
+    /// derivative; the weight of the tangent of this row and of λ is that of K or of M.
+    fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
+        let twice = out.accelerations.is_some();
         let of = |z: &[f64]| [z[0], z[1]];
         let (x, v, a, lambda) = (of(at.q), of(at.v), of(at.a), at.q[2]);
         let (side, f) = (Self::side([x, v, a], lambda), Self::force(at.t));
@@ -73,7 +80,7 @@ impl Circle {
             true => -(dot(v, v) + dot(x, a)),
             false => -0.5 * (dot(x, x) - 1.0),
         };
-        let Some((w, S)) = out.S else { return };
+        let Some((w, S)) = out.S else { return Ok(()) };
         let held = if twice { w.M } else { w.K };
         S.fill(0.0);
         for i in 0..2 {
@@ -83,17 +90,6 @@ impl Circle {
             S[3 * 2 + i] = held * x[i];
         }
         S[3 + 1] += w.K * SPRING;
-    }
-}
-
-impl System for Circle {
-    fn pattern(&self) -> &BlockPattern {
-        &self.pattern
-    }
-
-    fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
-        let accelerations = out.accelerations.is_some();
-        Self::fill(at, out, accelerations);
         Ok(())
     }
 
