@@ -1,5 +1,6 @@
 //! The rows of a scheme's table.
 
+use nalgebra::SMatrix;
 use std::ops::Range;
 
 /// Largest number of stages of a step.
@@ -60,31 +61,13 @@ pub(in crate::dynamics) fn inverse(
     stages: &[Stage],
     group: &Range<usize>,
 ) -> Option<[[f64; STAGES]; STAGES]> {
-    let n = group.len();
-    let (mut A, mut X) = ([[0.0; STAGES]; STAGES], [[0.0; STAGES]; STAGES]);
+    let mut A = SMatrix::<f64, STAGES, STAGES>::identity();
     for (i, stage) in stages[group.clone()].iter().enumerate() {
-        A[i][..n].copy_from_slice(&stage.q[1 + group.start..1 + group.end]);
-        X[i][i] = 1.0;
-    }
-    // Gauss-Jordan elimination with row interchanges.
-    for k in 0..n {
-        let size = |i: &usize| A[*i][k].abs();
-        let best = (k..n).max_by(|i, j| size(i).total_cmp(&size(j)))?;
-        A.swap(k, best);
-        X.swap(k, best);
-        if A[k][k].abs() < 1e-12 {
-            return None;
-        }
-        let pivot = 1.0 / A[k][k];
-        A[k] = A[k].map(|a| a * pivot);
-        X[k] = X[k].map(|x| x * pivot);
-        for i in (0..n).filter(|i| *i != k) {
-            let factor = A[i][k];
-            for c in 0..n {
-                A[i][c] -= factor * A[k][c];
-                X[i][c] -= factor * X[k][c];
-            }
+        for (j, weight) in stage.q[1..][group.clone()].iter().enumerate() {
+            A[(i, j)] = *weight;
         }
     }
-    Some(X)
+    let inverse = A.try_inverse()?;
+    // By rows. Larger entries are those of weights that are singular but for rounding.
+    (inverse.amax() < 1e12).then(|| inverse.transpose().into())
 }
