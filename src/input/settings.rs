@@ -264,7 +264,6 @@ fn load_steps(at: &Location<'_>, s: &Static) -> Result<StaticOptions, InputError
         min_step,
         max_step,
         newton: newton(&at.at("newton"), &s.newton)?,
-        ..StaticOptions::default()
     })
 }
 

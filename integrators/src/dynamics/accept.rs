@@ -8,6 +8,9 @@ use super::{DynamicsError, Progress, State};
 use crate::abilities;
 use pullback_manifold::system::{Energies, Point, System};
 
+/// A halved step is doubled again after this many converged steps in a row.
+const EASY: usize = 4;
+
 impl MotionRun {
     /// Accepts the new state and updates charts, and accelerations after a kink; the number of
     /// changes of chart.
@@ -101,7 +104,7 @@ impl MotionRun {
         // With an odd number of steps left, doubled steps would miss the times of the steps before
         // they were halved.
         let pairs = rest % 2.0 == 0.0;
-        if progress.easy >= self.options.easy && progress.next_step < nominal && pairs {
+        if progress.easy >= EASY && progress.next_step < nominal && pairs {
             progress.next_step = nominal.min(2.0 * progress.next_step);
             progress.easy = 0;
         }

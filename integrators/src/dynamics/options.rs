@@ -15,8 +15,6 @@ pub struct DynamicOptions {
     pub interval: Option<f64>,
     /// A failed step is halved down to this size; then the run fails.
     pub min_step: f64,
-    /// A halved step is doubled again after this many converged steps in a row.
-    pub easy: usize,
     /// The scheme.
     pub scheme: Scheme,
     /// Newton's method inside a step.
@@ -36,7 +34,6 @@ impl DynamicOptions {
             step,
             interval: None,
             min_step: 1e-6 * step,
-            easy: 4,
             scheme: Scheme::default(),
             newton: NewtonOptions::default(),
             adaptivity: None,

@@ -10,6 +10,9 @@ use crate::abilities::{change_charts, start};
 use crate::failure::Cause;
 use pullback_manifold::system::System;
 
+/// A step of at most this many iterations is followed by one twice as large.
+const EASY: usize = 5;
+
 /// The engine of a run: all that a step needs beside the system.
 pub struct LoadRun {
     newton: Newton,
@@ -140,7 +143,7 @@ impl LoadRun {
         let (known, unstable) = newton.prepare(system);
         self.known = Some(known);
         summary.count(newton.cost);
-        if iterations <= self.options.easy {
+        if iterations <= EASY {
             let longest = self.options.max_step.abs();
             self.dt = self.dt.signum() * (2.0 * self.dt.abs()).min(longest);
         }

@@ -15,8 +15,6 @@ pub struct StaticOptions {
     pub min_step: f64,
     /// Largest step. Equal to `first_step` it gives equal steps (unless one fails).
     pub max_step: f64,
-    /// A step of at most this many iterations is followed by one twice as large.
-    pub easy: usize,
     /// Newton's method.
     pub newton: StaticNewtonOptions,
 }
@@ -29,7 +27,6 @@ impl Default for StaticOptions {
             first_step: 0.1,
             min_step: 1e-6,
             max_step: 0.25,
-            easy: 5,
             newton: StaticNewtonOptions::default(),
         }
     }

@@ -23,7 +23,6 @@ fn in_one_step(
         min_step: 1.0,
         max_step: 1.0,
         newton,
-        ..StaticOptions::default()
     };
     let (mut q, mut history) = (vec![w], Vec::new());
     solve_statics(spring, &mut q, &options, &mut |_, step| {
