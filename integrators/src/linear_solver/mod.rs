@@ -38,6 +38,7 @@ mod symbolic;
 pub use auto::{AutoSolver, SolverKind};
 pub use block::BlockLu;
 pub use faer::{FaerCholesky, FaerLu};
+pub(crate) use null_vector::softest;
 pub use null_vector::{NullVector, null_vector};
 
 use pullback_manifold::sparse::BlockPattern;

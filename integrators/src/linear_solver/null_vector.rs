@@ -26,6 +26,11 @@ const ITERATIONS: usize = 6;
 /// that fails (a saddle point matrix, whose pivots vanish without being singular), with a small
 /// shift of the diagonal and row interchanges. Of several mechanisms any combination may be found.
 pub fn null_vector(pattern: &BlockPattern, values: &[f64]) -> Option<NullVector> {
+    softest(pattern, values).filter(|v| v.residual <= LIMIT)
+}
+
+/// The same of any matrix: the direction of its smallest image, if it is found.
+pub(crate) fn softest(pattern: &BlockPattern, values: &[f64]) -> Option<NullVector> {
     if values.len() != pattern.len() || pattern.dim() == 0 {
         return None;
     }
@@ -67,7 +72,7 @@ pub fn null_vector(pattern: &BlockPattern, values: &[f64]) -> Option<NullVector>
             }
         }
     }
-    best.filter(|v| v.residual <= LIMIT)
+    best
 }
 
 struct Check<'a> {

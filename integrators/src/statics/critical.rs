@@ -27,8 +27,7 @@ mod held;
 use super::newton::Newton;
 use super::{Iteration, StaticNewtonOptions, StaticsError};
 use crate::failure::Cause;
-use crate::linear_solver::LinearSolver;
-use crate::random::Random;
+use crate::linear_solver::softest;
 use crate::rounding::largest;
 use held::Held;
 use pullback_manifold::system::{Point, System};
@@ -144,7 +143,11 @@ impl Newton {
             .map_err(Cause::System)?;
         let estimate = match shape {
             Some(shape) => shape.to_vec(),
-            None => self.null_vector(system)?,
+            None => {
+                self.cost.factorisations += 1;
+                let softest = softest(system.pattern(), &self.S);
+                softest.ok_or(Cause::Diverged)?.vector
+            }
         };
         let relative = |i: &usize| (estimate[*i] * self.inverse_scale[*i]).abs();
         let largest = (0..estimate.len()).max_by(|i, j| relative(i).total_cmp(&relative(j)));
@@ -352,33 +355,4 @@ impl Newton {
         roots.sort_by(|x, y| (x.0 * y.1).abs().total_cmp(&(y.0 * x.1).abs()));
         roots.map(|(s, tau)| direction(unit * s, tau)).to_vec()
     }
-
-    /// A vector that the tangent evaluated last almost annihilates, by inverse iteration.
-    fn null_vector(&mut self, system: &dyn System) -> Result<Vec<f64>, Cause> {
-        let mut values = self.S.clone();
-        self.cost.factorisations += 1;
-        if self.solver.factorise(&values).is_err() {
-            let entries: Vec<usize> = system.pattern().diagonal().collect();
-            let largest = values.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-            let shift = SHIFT * if largest > 0.0 { largest } else { 1.0 };
-            entries.into_iter().for_each(|k| values[k] += shift);
-            self.solver.factorise(&values).map_err(Cause::linear)?;
-        }
-        let mut random = Random(1);
-        let mut x: Vec<f64> = self.r.iter().map(|_| random.next()).collect();
-        for _ in 0..INVERSE_ITERATIONS {
-            let size = self.size(&x);
-            for (x, s) in x.iter_mut().zip(&self.inverse_scale) {
-                *x *= s * s / size;
-            }
-            self.solver
-                .solve(Some(&values), &mut x)
-                .map_err(Cause::linear)?;
-        }
-        Ok(x)
-    }
 }
-
-/// Shift of an exactly singular tangent, relative to its largest entry.
-const SHIFT: f64 = 1e-10;
-const INVERSE_ITERATIONS: usize = 3;
