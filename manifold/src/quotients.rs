@@ -323,20 +323,6 @@ pub fn sinc<S: Scalar>(z: S) -> S {
     TangentQuotients::new(z).sinc
 }
 
-/// (1 − cos √z)/z.
-#[inline]
-#[must_use]
-pub fn one_minus_cos<S: Scalar>(z: S) -> S {
-    TangentQuotients::new(z).one_minus_cos
-}
-
-/// (√z − sin √z)/z^{3/2} = c₅.
-#[inline]
-#[must_use]
-pub fn psi_minus_sin<S: Scalar>(z: S) -> S {
-    TangentQuotients::new(z).psi_minus_sin
-}
-
 /// cos √z; D cos ψ = −b₀, so its derivatives are those of the first family.
 #[must_use]
 pub fn cos_sqrt<S: Scalar>(z: S) -> S {

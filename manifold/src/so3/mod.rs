@@ -38,17 +38,6 @@ pub fn skew<S: Scalar>(a: &Vector3<S>) -> Matrix3<S> {
     Matrix3::new(o, -a.z, a.y, a.z, o, -a.x, -a.y, a.x, o)
 }
 
-/// The axial vector of the skew part of a matrix: `axial(skew(a)) = a`.
-#[inline]
-#[must_use]
-pub fn axial<S: Scalar>(A: &Matrix3<S>) -> Vector3<S> {
-    Vector3::new(
-        A[(2, 1)] - A[(1, 2)],
-        A[(0, 2)] - A[(2, 0)],
-        A[(1, 0)] - A[(0, 1)],
-    ) * S::constant(0.5)
-}
-
 /// α I + β Ψ~ + γ Ψ⊗Ψ, the form of R, T, T⁻¹ and of the isotropic part of every tensor.
 #[inline]
 pub(crate) fn isotropic<S: Scalar>(alpha: S, beta: S, gamma: S, Psi: &Vector3<S>) -> Matrix3<S> {

@@ -78,8 +78,10 @@ fn a_pose_moves_with_its_chart() {
         );
         // R̈ Rᵀ = ω̇~ + ω~ω~, of which the square is symmetric.
         for (rate, R_rate) in [(&x_dot, R_dot), (&x_ddot, R_ddot)] {
-            let turn = so3::axial(&(R_rate * R.transpose()));
-            near(&rate[3..], turn.as_slice(), 10.0, "omega");
+            let turn = R_rate * R.transpose();
+            let skew = (turn - turn.transpose()) * 0.5;
+            let right = so3::skew(&Vector3::from_column_slice(&rate[3..]));
+            near(right.as_slice(), skew.as_slice(), 10.0, "omega");
         }
     }
 }

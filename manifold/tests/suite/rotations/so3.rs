@@ -146,7 +146,6 @@ fn identities_hold() {
         close("R V", &turned(&Psi, &V, &turn), &(R * V), 4e-15);
         close("Rᵀ V", &turned(&-Psi, &V, &turn), &R.tr_mul(&V), 4e-15);
         close("T V", &spun(&Psi, &V, &turn), &(T * V), 4e-15);
-        close("axial", &axial(&skew(&V)), &V, 1e-16);
         close(
             "(49)",
             &C2(&V, &Psi, &c),
