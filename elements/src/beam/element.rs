@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::interpolation::{Interpolation, Rotations, Total};
+use super::interpolation::{Rotations, Total};
 use super::mass::MassPoint;
 use super::orientation::oriented;
 use super::point::{GaussPoint, mirror};
@@ -52,29 +52,11 @@ pub struct Beam<const NN: usize, I = Total<NN>> {
     damping: Damping,
 }
 
-impl Beam<2> {
-    /// A beam element through two, three or four reference positions (equidistant in the parameter)
-    /// with the section's orientation as a function of ξ ∈ [−1, 1] (columns E₁, E₂, E₃).
-    ///
-    /// E₁ is rotated to the tangent of the interpolated reference line; E₂ stays in its plane with it.
-    /// Rotations are interpolated by total rotation vectors; see [`Interpolation::beam`] for others.
-    ///
-    /// # Errors
-    /// [`BeamError`] for coinciding nodes, an invalid orientation or number of nodes.
-    pub fn along(
-        positions: &[Vector3<f64>],
-        frame: &dyn Fn(f64) -> Matrix3<f64>,
-        section: &Section,
-    ) -> Result<Box<dyn Element>, BeamError> {
-        Interpolation::Total.beam(positions, frame, section)
-    }
-}
-
 impl<const NN: usize, I: Rotations<NN>> Beam<NN, I> {
-    /// See [`Beam::along`].
+    /// See [`Interpolation::beam`](super::Interpolation::beam).
     ///
     /// # Errors
-    /// As [`Beam::along`].
+    /// [`BeamError`] for coinciding nodes and an invalid orientation.
     pub fn new(
         positions: &[Vector3<f64>; NN],
         frame: &dyn Fn(f64) -> Matrix3<f64>,

@@ -34,10 +34,13 @@ pub enum Interpolation {
 }
 
 impl Interpolation {
-    /// A beam element with this interpolation; see [`Beam::along`].
+    /// A beam element through two, three or four reference positions (equidistant in the parameter)
+    /// with the section's orientation as a function of ξ ∈ [−1, 1] (columns E₁, E₂, E₃).
+    ///
+    /// E₁ is rotated to the tangent of the interpolated reference line; E₂ stays in its plane with it.
     ///
     /// # Errors
-    /// As [`Beam::along`].
+    /// [`BeamError`] for coinciding nodes, an invalid orientation or number of nodes.
     pub fn beam(
         self,
         positions: &[Vector3<f64>],

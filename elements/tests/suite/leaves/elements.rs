@@ -5,7 +5,7 @@
 use crate::support::{Coupling, coupled, eccentric, forces, moving, section, sine};
 use nalgebra::{Matrix3, Vector3};
 use pullback_conformance as check;
-use pullback_elements::beam::{Beam, BeamError, Damping, Interpolation};
+use pullback_elements::beam::{BeamError, Damping, Interpolation};
 use pullback_elements::element::{Abilities, Element, ElementEnergies, Motion, Response};
 use pullback_elements::load::{LineLoad, LoadKind, NodalLoad};
 use pullback_elements::model::frame_along;
@@ -169,7 +169,9 @@ impl ElementEnergies for Wrong {
 #[test]
 fn every_law_of_an_element_finds_its_error() {
     let failing = |error| {
-        let beam = Beam::along(&helix(2), &along_helix, &section()).unwrap();
+        let beam = Interpolation::Total
+            .beam(&helix(2), &along_helix, &section())
+            .unwrap();
         check::element(&Wrong { beam, error }).failing_laws()
     };
     let found = |error, law: &str| {
@@ -195,7 +197,9 @@ fn every_law_of_an_element_finds_its_error() {
 
 #[test]
 fn beams_refuse_rotations_at_the_edge_of_the_chart() {
-    let beam = Beam::along(&helix(3), &along_helix, &section()).unwrap();
+    let beam = Interpolation::Total
+        .beam(&helix(3), &along_helix, &section())
+        .unwrap();
     let mut x = vec![0.0; 18];
     for node in 0..3 {
         x[6 * node + 4] = std::f64::consts::TAU - 1e-4;
@@ -235,15 +239,12 @@ fn loads_are_those_of_their_definition() {
 
 #[test]
 fn impossible_beams_are_refused_with_their_reason() {
-    let refused =
-        |positions: &[Vector3<f64>], frame: &dyn Fn(f64) -> Matrix3<f64>| match Beam::along(
-            positions,
-            frame,
-            &section(),
-        ) {
+    let refused = |positions: &[Vector3<f64>], frame: &dyn Fn(f64) -> Matrix3<f64>| {
+        match Interpolation::Total.beam(positions, frame, &section()) {
             Err(error) => error,
             Ok(_) => panic!("accepted"),
-        };
+        }
+    };
     let x = |x: f64| Vector3::new(x, 0.0, 0.0);
     let straight = |_: f64| Matrix3::identity();
     assert_eq!(refused(&[x(0.0)], &straight), BeamError::Nodes(1));

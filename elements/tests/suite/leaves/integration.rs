@@ -4,7 +4,7 @@
 
 use crate::support::{forces, moving};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
-use pullback_elements::beam::{Beam, Section};
+use pullback_elements::beam::{Interpolation, Section};
 
 /// K and M of a straight beam of unit shear stiffness along e2 and unit mass per length at rest, with its
 /// nodes at these positions on e1.
@@ -13,7 +13,9 @@ fn tangents(positions: &[f64]) -> [DMatrix<f64>; 2] {
     let section = Section::diagonal(1.0, [1.0, 1.0], 1.0, [1.0, 1.0]).unwrap();
     let section = section.with_mass(1.0, Matrix3::identity());
     let positions: Vec<_> = along.collect();
-    let beam = Beam::along(&positions, &|_| Matrix3::identity(), &section).unwrap();
+    let beam = Interpolation::Total
+        .beam(&positions, &|_| Matrix3::identity(), &section)
+        .unwrap();
     let zero = vec![0.0; beam.dim()];
     let (_, [K, _, M]) = forces(&*beam, &moving(&zero, &zero, &zero)).unwrap();
     [K, M]

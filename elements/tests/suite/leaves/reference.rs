@@ -5,7 +5,7 @@
 use crate::support::{forces, matrix, moving, numbers, reference, vector};
 use nalgebra::{DVector, Matrix3, Matrix6, Vector3};
 use pullback_elements::Asymmetry;
-use pullback_elements::beam::{Beam, Material, Section, SectionError, rectangle_torsion};
+use pullback_elements::beam::{Interpolation, Material, Section, SectionError, rectangle_torsion};
 use std::f64::consts::PI;
 
 #[test]
@@ -26,7 +26,9 @@ fn beam_is_that_of_the_reference() {
         let N = numbers(&row["EA_GA2_GA3"]);
         let M = numbers(&row["GJ_EI2_EI3"]);
         let section = Section::diagonal(N[0], [N[1], N[2]], M[0], [M[1], M[2]]).unwrap();
-        let beam = Beam::along(&positions, &|_| R0, &section).unwrap();
+        let beam = Interpolation::Total
+            .beam(&positions, &|_| R0, &section)
+            .unwrap();
         let x = numbers(&row["q"]);
         let at = moving(&x, &[], &[]);
         let (r, [K, ..]) = forces(&*beam, &at).unwrap();
@@ -71,7 +73,9 @@ fn inertia_of_the_beam_is_that_of_the_reference() {
         for soft in [1.0, 1e-20] {
             let [N, M] = [&N, &M].map(|c| [0, 1, 2].map(|k| soft * c[k]));
             let section = Section::diagonal(N[0], [N[1], N[2]], M[0], [M[1], M[2]]).unwrap();
-            let beam = Beam::along(&positions, &|_| R0, &section.with_mass(A_rho, J)).unwrap();
+            let beam = Interpolation::Total
+                .beam(&positions, &|_| R0, &section.with_mass(A_rho, J))
+                .unwrap();
             let (r, [K, C, M]) = forces(&*beam, &at).unwrap();
             let f = vector(&row["f_int"]) * soft + vector(&row["f_acc"]);
             assert!((r + &f).amax() < 1e-11 * f.amax(), "f_acc, {soft}");

@@ -5,7 +5,7 @@
 use crate::support::{Twin, coupled, forces, lay, moving, spatial};
 use nalgebra::{Matrix3, Vector3};
 use pullback_conformance::Random;
-use pullback_elements::beam::Beam;
+use pullback_elements::beam::Interpolation;
 use pullback_elements::element::SectionState;
 use pullback_elements::model::{Context, Dof, ModelBuilder, NodeId, frame_along};
 use pullback_elements::time::{Constant, Table, TimeFunction};
@@ -143,7 +143,9 @@ fn by_elements(values: &[[Vector3<f64>; 2]], order: usize) -> Physical {
     for first in (0..NODES - 1).step_by(order) {
         let own = first..=first + order;
         let positions: Vec<Vector3<f64>> = own.clone().map(position).collect();
-        let beam = Beam::along(&positions, &|_| frame, &coupled()).unwrap();
+        let beam = Interpolation::Total
+            .beam(&positions, &|_| frame, &coupled())
+            .unwrap();
         let largest = |switch: bool| {
             own.clone()
                 .map(|k| chart(&values[k][1], switch).norm())
@@ -254,8 +256,9 @@ fn the_way_a_node_is_stored_does_not_matter() {
         }
         let frame = frame_along(&Vector3::x(), None);
         for k in 0..NODES - 1 {
-            let beam =
-                Beam::along(&[position(k), position(k + 1)], &|_| frame, &coupled()).unwrap();
+            let beam = Interpolation::Total
+                .beam(&[position(k), position(k + 1)], &|_| frame, &coupled())
+                .unwrap();
             b.element(format!("beam {k}"), beam, &beam_nodes[k..k + 2])
                 .unwrap();
         }
@@ -308,7 +311,9 @@ fn partly_held_rotations_change_only_where_the_held_part_is_zero() {
         let mut b = ModelBuilder::new();
         let ends = [0, 1].map(|k| b.node(format!("n{k}"), position(k).into()).unwrap());
         let frame = frame_along(&Vector3::x(), None);
-        let beam = Beam::along(&[position(0), position(1)], &|_| frame, &coupled()).unwrap();
+        let beam = Interpolation::Total
+            .beam(&[position(0), position(1)], &|_| frame, &coupled())
+            .unwrap();
         b.element("beam".to_owned(), beam, &ends).unwrap();
         b.prescribe(ends[1], Dof::RX, held);
         b.prescribe(ends[1], Dof::RY, Constant(0.0));
@@ -358,7 +363,9 @@ fn reactions(angle: f64, changes: usize) {
     let displaced = |k: usize| R * g * position(k).x - position(k);
     for k in 0..2 {
         let positions = [position(k), position(k + 1)];
-        let beam = Beam::along(&positions, &|_| Matrix3::identity(), &coupled()).unwrap();
+        let beam = Interpolation::Total
+            .beam(&positions, &|_| Matrix3::identity(), &coupled())
+            .unwrap();
         b.element(format!("beam {k}"), beam, &nodes[k..k + 2])
             .unwrap();
         for i in 0..3 {

@@ -4,7 +4,7 @@
 
 use crate::support::coupled;
 use nalgebra::Vector3;
-use pullback_elements::beam::Beam;
+use pullback_elements::beam::Interpolation;
 use pullback_elements::model::{Context, Dof, ModelBuilder, frame_along};
 use pullback_manifold::system::{Charts, Evaluation, Point, System};
 
@@ -16,7 +16,9 @@ fn forces_of_an_accepted_state_do_not_depend_on_the_charts_to_come() {
     let positions = [Vector3::zeros(), Vector3::new(0.5, 0.0, 0.0)];
     let ends = [0, 1].map(|k| b.node(format!("n{k}"), positions[k].into()).unwrap());
     let frame = frame_along(&Vector3::x(), None);
-    let beam = Beam::along(&positions, &|_| frame, &coupled()).unwrap();
+    let beam = Interpolation::Total
+        .beam(&positions, &|_| frame, &coupled())
+        .unwrap();
     b.element("beam".to_owned(), beam, &ends).unwrap();
     let mut m = Context::new(b.build().unwrap());
     let turned = |angle: f64| {
