@@ -117,9 +117,6 @@ pub trait Enforced: Send + Sync {
     /// Writes h (M) alone.
     fn residual(&self, at: &Motion<'_>, h: &mut [f64]);
 
-    /// Writes ḣ (M) alone.
-    fn rates(&self, at: &Motion<'_>, h_dot: &mut [f64]);
-
     /// Name of equation `i`, for messages.
     fn equation(&self, i: usize) -> String;
 
@@ -172,11 +169,6 @@ impl<H: Map<N, M>, const N: usize, const M: usize> Enforced for NamedEquations<H
     fn residual(&self, at: &Motion<'_>, h: &mut [f64]) {
         let [x, ..] = vectors(at);
         h.copy_from_slice(self.h.phi(at.t, &x).as_slice());
-    }
-
-    fn rates(&self, at: &Motion<'_>, h_dot: &mut [f64]) {
-        let [x, v, a] = vectors(at);
-        h_dot.copy_from_slice(self.h.kinematics(at.t, &x, &v, &a).x_dot.as_slice());
     }
 
     fn equation(&self, i: usize) -> String {

@@ -2,7 +2,6 @@
 
 #![allow(non_snake_case)]
 
-use crate::constraint::MAX_EQUATIONS;
 use crate::model::assembly::element_workspace::ElementWorkspace;
 use crate::model::assembly::residual::named;
 use crate::model::assembly::workspace::Workspace;
@@ -193,10 +192,9 @@ impl Context {
             if let Some(enforced) = e.multiplied() {
                 // The momentum of a multiplier is the rate of its equation.
                 let (N, M) = enforced.dims();
-                let mut rates = [0.0; MAX_EQUATIONS];
-                enforced.rates(&local.motion(e, at.t, false), &mut rates[..M]);
+                let levels = enforced.levels(&local.motion(e, at.t, false));
                 for i in (0..M).filter(|i| state.left_out & (1 << i) == 0) {
-                    local.r[N + i] = rates[i];
+                    local.r[N + i] = levels.h_dot[i];
                 }
             }
             local.pull_back((e, state), &model.spans, 0, false);
