@@ -13,26 +13,13 @@ use pullback_elements::model::NodeId;
 use pullback_elements::spring::{AxialSpring, Bushing, SpringError};
 use pullback_elements::time::TimeFunction;
 
-/// A body with its node, for its weight.
+/// The weight of a body in a field times an amplitude, a load on its node.
+type Weight = Box<dyn Fn([f64; 3], Box<dyn TimeFunction>) -> Box<dyn Element>>;
+
+/// The node of a body and its weight.
 pub(super) struct PlacedBody {
     pub node: NodeId,
-    element: BodyElement,
-}
-
-/// A body as an element.
-enum BodyElement {
-    Point(PointMass),
-    Rigid(RigidBody),
-}
-
-impl PlacedBody {
-    /// Its weight in a field `g` times an amplitude, a load on its node.
-    pub fn weight(&self, g: [f64; 3], amplitude: Box<dyn TimeFunction>) -> Box<dyn Element> {
-        match &self.element {
-            BodyElement::Point(mass) => Box::new(mass.weight(g, amplitude)),
-            BodyElement::Rigid(rigid) => Box::new(rigid.weight(g, amplitude)),
-        }
-    }
+    pub weight: Weight,
 }
 
 impl Assembly<'_> {
@@ -42,19 +29,16 @@ impl Assembly<'_> {
         for (k, body) in self.file.bodies.iter().enumerate() {
             let at = self.at("bodies").at(k);
             let node = self.nodes.find(&at.at("node"), &body.node)?;
-            let element = element(body).map_err(|source| {
+            let (element, weight) = element(body).map_err(|source| {
                 let body = body.name.clone();
                 at.refuse(InputProblem::Body { body, source })
             })?;
             let name = format!("body {}", body.name);
-            match &element {
-                BodyElement::Point(mass) => self.builder.element(name, *mass, &[node]),
-                BodyElement::Rigid(rigid) => self.builder.element(name, *rigid, &[node]),
-            }
-            .map_err(|error| at.refuse(error))?;
+            let added = self.builder.element(name, element, &[node]);
+            added.map_err(|error| at.refuse(error))?;
             let center = body.center.unwrap_or_default().into();
             self.geometry.bodies.push(BodyGeometry { node, center });
-            out.push(PlacedBody { node, element });
+            out.push(PlacedBody { node, weight });
         }
         Ok(out)
     }
@@ -98,15 +82,21 @@ impl Assembly<'_> {
     }
 }
 
-fn element(body: &Body) -> Result<BodyElement, BodyError> {
+fn element(body: &Body) -> Result<(Box<dyn Element>, Weight), BodyError> {
     let center = Vector3::from(body.center.unwrap_or_default());
     let J = match body.inertia {
-        None if body.center.is_none() => return PointMass::new(body.mass).map(BodyElement::Point),
+        None if body.center.is_none() => {
+            let mass = PointMass::new(body.mass)?;
+            let weight = move |g, amplitude| Box::new(mass.weight(g, amplitude)) as _;
+            return Ok((Box::new(mass), Box::new(weight)));
+        }
         None => Matrix3::zeros(),
         Some(Tensor::Diagonal(d)) => Matrix3::from_diagonal(&Vector3::from(d)),
         Some(Tensor::Full(rows)) => Matrix3::from_fn(|i, j| rows[i][j]),
     };
-    RigidBody::new(body.mass, J, center).map(BodyElement::Rigid)
+    let rigid = RigidBody::new(body.mass, J, center)?;
+    let weight = move |g, amplitude| Box::new(rigid.weight(g, amplitude)) as _;
+    Ok((Box::new(rigid), Box::new(weight)))
 }
 
 fn axial_spring(

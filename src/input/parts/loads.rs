@@ -283,7 +283,7 @@ impl Entry<'_> {
             .zip(&to.file.bodies)
             .try_for_each(|(placed, body)| {
                 let name = format!("{}: weight of {}", self.name, body.name);
-                let weight = placed.weight(g, self.amplitude()?);
+                let weight = (placed.weight)(g, self.amplitude()?);
                 self.add(&mut to.builder, name, weight, &[placed.node])
             })
     }
