@@ -30,25 +30,34 @@ pub struct Inertia {
     pub J: Matrix3<f64>,
 }
 
-/// Error of an inertia.
+/// Error of a mass or an inertia.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "each message says what its variant is")]
 #[non_exhaustive]
 pub enum InertiaError {
-    #[error("inertia needs finite numbers, got {what} = {value}")]
-    NotFinite { what: &'static str, value: f64 },
-    #[error("mass must not be negative, got {0}")]
-    NegativeMass(f64),
-    #[error("the inertia tensor must be symmetric, but {0}")]
+    #[error("{quantity} must be finite, got {value}")]
+    NotFinite { quantity: &'static str, value: f64 },
+    #[error("the mass must be {required}, got {mass}")]
+    Mass { required: &'static str, mass: f64 },
+    #[error("the inertia must be symmetric, but {0}")]
     NotSymmetric(Asymmetry),
     #[error(
-        "principal moments of inertia about the mass centre {principal:?} are impossible: none may \
-         be negative, and none larger than the sum of the other two"
+        "the inertia must be positive semidefinite, but its principal moments about the centre of mass are {principal:?}"
     )]
-    Principal {
-        /// The three of them, ascending.
+    Negative {
+        /// Principal moments of inertia, increasing.
         principal: [f64; 3],
     },
+    #[error(
+        "no body has the principal moments of inertia {principal:?} about its centre of mass: the \
+         largest exceeds the sum of the others"
+    )]
+    Triangle {
+        /// Principal moments of inertia, increasing.
+        principal: [f64; 3],
+    },
+    #[error("a body needs mass or inertia, both are zero")]
+    Massless,
 }
 
 /// Motion of a frame: Ψ and its two rates, ẍ of its origin, and Ω and A.
@@ -140,6 +149,48 @@ fn stack(a: &Vector3<f64>, b: &Vector3<f64>) -> Vector6<f64> {
     Vector6::new(a.x, a.y, a.z, b.x, b.y, b.z)
 }
 
+/// Round-off of principal moments, relative to the largest moment from which they were computed.
+const ROUND_OFF: f64 = 1e-9;
+
+/// Tolerance of the largest principal moment beyond the sum of the others, relative to itself: the inertia of a flat
+/// body written with six digits.
+const FLAT: f64 = 1e-5;
+
+/// Refuses a mass, the position or first moment of its centre, and an inertia `J` that are not possible as a
+/// distribution of mass; the inertia about the centre is J + `shift`.
+pub(crate) fn check(
+    mass: f64,
+    (of_center, center): (&'static str, &Vector3<f64>),
+    J: &Matrix3<f64>,
+    shift: &Matrix3<f64>,
+) -> Result<(), InertiaError> {
+    let finite = |quantity, values: &[f64]| match values.iter().find(|x| !x.is_finite()) {
+        Some(&value) => Err(InertiaError::NotFinite { quantity, value }),
+        None => Ok(()),
+    };
+    finite("the mass", &[mass])?;
+    finite(of_center, center.as_slice())?;
+    finite("the inertia", J.as_slice())?;
+    if mass < 0.0 {
+        let required = "zero or positive";
+        return Err(InertiaError::Mass { required, mass });
+    }
+    let size = J.amax();
+    if let Some(asymmetry) = Asymmetry::of(J, |_, _| 1e-12 * size) {
+        return Err(InertiaError::NotSymmetric(asymmetry));
+    }
+    let mut principal: [f64; 3] = (J + shift).symmetric_eigenvalues().into();
+    principal.sort_by(f64::total_cmp);
+    let [a, b, c] = principal;
+    if a < -ROUND_OFF * size {
+        return Err(InertiaError::Negative { principal });
+    }
+    if c - (a + b) > FLAT * c + ROUND_OFF * size {
+        return Err(InertiaError::Triangle { principal });
+    }
+    Ok(())
+}
+
 impl Inertia {
     /// Inertia with the mass centre at `c` and the tensor `J` about the mass centre: by the
     /// parallel-axis theorem the tensor about the origin is J − m c~c~.
@@ -158,32 +209,13 @@ impl Inertia {
     /// # Errors
     /// [`InertiaError`].
     pub fn checked(mut self) -> Result<Self, InertiaError> {
-        let finite = |what, value: f64| match value.is_finite() {
-            true => Ok(()),
-            false => Err(InertiaError::NotFinite { what, value }),
+        let shift = match self.mass > 0.0 {
+            true => skew(&self.S) * skew(&self.S) / self.mass,
+            false => Matrix3::zeros(),
         };
-        finite("mass", self.mass)?;
-        self.S.iter().try_for_each(|&x| finite("first moment", x))?;
-        self.J.iter().try_for_each(|&x| finite("tensor entry", x))?;
-        if self.mass < 0.0 {
-            return Err(InertiaError::NegativeMass(self.mass));
-        }
-        let size = self.J.amax();
-        if let Some(asymmetry) = Asymmetry::of(&self.J, |_, _| 1e-12 * size) {
-            return Err(InertiaError::NotSymmetric(asymmetry));
-        }
+        let S = ("the first moment", &self.S);
+        check(self.mass, S, &self.J, &shift)?;
         self.J = (self.J + self.J.transpose()) * 0.5;
-        let central = if self.mass > 0.0 {
-            self.J + skew(&self.S) * skew(&self.S) / self.mass
-        } else {
-            self.J
-        };
-        let mut principal: [f64; 3] = central.symmetric_eigenvalues().into();
-        principal.sort_by(f64::total_cmp);
-        let slack = 1e-9 * size;
-        if principal[0] < -slack || principal[2] > principal[0] + principal[1] + slack {
-            return Err(InertiaError::Principal { principal });
-        }
         Ok(self)
     }
 

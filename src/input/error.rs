@@ -3,7 +3,7 @@
 use super::joints::BoxedError;
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 use pullback_elements::beam::SectionError;
-use pullback_elements::body::BodyError;
+use pullback_elements::inertia::InertiaError;
 use pullback_elements::model::ModelError;
 use pullback_elements::spring::SpringError;
 use pullback_elements::time::TimeFunctionError;
@@ -127,7 +127,7 @@ pub enum InputProblem {
     #[error("gravity acts on line \"{line}\", but its section \"{section}\" has no mass")]
     NoMass { line: String, section: String },
     #[error("body \"{body}\": {source}")]
-    Body { body: String, source: BodyError },
+    Body { body: String, source: InertiaError },
     #[error("spring {spring}: {source}")]
     Spring { spring: String, source: SpringError },
     #[error("spring \"{spring}\" must be either one along a line or a bushing")]

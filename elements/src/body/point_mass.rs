@@ -2,8 +2,8 @@
 
 #![allow(non_snake_case)]
 
-use super::BodyError;
 use crate::element::{Abilities, Element, ElementEnergies, Motion, Properties, Response};
+use crate::inertia::InertiaError;
 use crate::load::{LoadKind, NodalLoad};
 use crate::time::TimeFunction;
 use pullback_manifold::domain::DomainError;
@@ -21,27 +21,21 @@ impl PointMass {
     /// A mass (unit M).
     ///
     /// # Errors
-    /// [`BodyError`] unless the mass is positive and finite.
-    pub fn new(mass: f64) -> Result<Self, BodyError> {
+    /// [`InertiaError`] unless the mass is positive and finite.
+    pub fn new(mass: f64) -> Result<Self, InertiaError> {
         if !mass.is_finite() {
-            return Err(BodyError::NotFinite {
+            return Err(InertiaError::NotFinite {
                 quantity: "the mass",
                 value: mass,
             });
         }
         if mass <= 0.0 {
-            return Err(BodyError::Mass {
+            return Err(InertiaError::Mass {
                 required: "positive",
                 mass,
             });
         }
         Ok(Self { m: mass })
-    }
-
-    /// Its mass.
-    #[must_use]
-    pub fn mass(&self) -> f64 {
-        self.m
     }
 
     /// Its weight in a field g (acceleration, global components) times `amplitude`: a load on the

@@ -2,24 +2,15 @@
 
 #![allow(non_snake_case)]
 
-use super::BodyError;
-use crate::Asymmetry;
 use crate::blocks::{add_block, three};
 use crate::element::{Abilities, Element, ElementEnergies, Motion, Properties, Response};
-use crate::inertia::{Inertia, centrifugal};
+use crate::inertia::{Inertia, InertiaError, centrifugal, check};
 use crate::load::EccentricForce;
 use crate::time::TimeFunction;
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::map::pose::orientation;
 use pullback_manifold::so3::skew;
-
-/// Tolerance of a negative principal moment, relative to the largest: round-off.
-const ROUND_OFF: f64 = 1e-12;
-
-/// Tolerance of the largest principal moment beyond the sum of the others, relative to itself: the
-/// inertia of a flat body written with six digits.
-const FLAT: f64 = 1e-5;
 
 /// A rigid body moving with a frame node; dim 6. \[M04\] (119), (147), (152) without the integral.
 ///
@@ -46,30 +37,22 @@ impl RigidBody {
     /// with the body in its reference configuration.
     ///
     /// # Errors
-    /// [`BodyError`] for numbers that are not finite, a negative mass, an inertia that is not
+    /// [`InertiaError`] for numbers that are not finite, a negative mass, an inertia that is not
     /// symmetric (to 1e-12 of its largest entry), not positive semidefinite or impossible (the
     /// largest principal moment exceeds the sum of the others by more than 1e-5 of itself), and for
     /// neither mass nor inertia.
-    pub fn new(mass: f64, inertia: Matrix3<f64>, center: Vector3<f64>) -> Result<Self, BodyError> {
-        let finite = |quantity, values: &[f64]| match values.iter().find(|x| !x.is_finite()) {
-            Some(&value) => Err(BodyError::NotFinite { quantity, value }),
-            None => Ok(()),
-        };
-        finite("the mass", &[mass])?;
-        finite("the inertia", inertia.as_slice())?;
-        finite("the centre of mass", center.as_slice())?;
-        if mass < 0.0 {
-            return Err(BodyError::Mass {
-                required: "zero or positive",
-                mass,
-            });
-        }
-        check_inertia(&inertia)?;
+    pub fn new(
+        mass: f64,
+        inertia: Matrix3<f64>,
+        center: Vector3<f64>,
+    ) -> Result<Self, InertiaError> {
+        let position = ("the centre of mass", &center);
+        check(mass, position, &inertia, &Matrix3::zeros())?;
         let symmetric = (inertia + inertia.transpose()) * 0.5;
         let inertia = Inertia::about_centre(mass, center, symmetric);
         // The inertia about a distant node does not replace a missing mass.
         if mass == 0.0 && symmetric == Matrix3::zeros() {
-            return Err(BodyError::Massless);
+            return Err(InertiaError::Massless);
         }
         Ok(Self { inertia, center })
     }
@@ -91,23 +74,6 @@ impl RigidBody {
         let force = Vector3::from(g) * self.inertia.mass;
         EccentricForce::new(force.into(), self.center.into(), amplitude)
     }
-}
-
-fn check_inertia(J: &Matrix3<f64>) -> Result<(), BodyError> {
-    let size = J.amax();
-    if let Some(asymmetry) = Asymmetry::of(J, |_, _| 1e-12 * size) {
-        return Err(BodyError::NotSymmetric(asymmetry));
-    }
-    let mut principal: [f64; 3] = J.symmetric_eigenvalues().into();
-    principal.sort_by(f64::total_cmp);
-    let [a, b, c] = principal;
-    if a < -ROUND_OFF * size {
-        return Err(BodyError::NegativeInertia { principal });
-    }
-    if c - (a + b) > FLAT * c {
-        return Err(BodyError::Triangle { principal });
-    }
-    Ok(())
 }
 
 impl Element for RigidBody {

@@ -7,8 +7,9 @@ use crate::input::assemble::BodyGeometry;
 use crate::input::file::{Body, Six, Spring, Tensor};
 use crate::input::{InputError, InputProblem};
 use nalgebra::{Matrix3, Matrix6, Vector3};
-use pullback_elements::body::{BodyError, PointMass, RigidBody};
+use pullback_elements::body::{PointMass, RigidBody};
 use pullback_elements::element::Element;
+use pullback_elements::inertia::InertiaError;
 use pullback_elements::model::NodeId;
 use pullback_elements::spring::{AxialSpring, Bushing, SpringError};
 use pullback_elements::time::TimeFunction;
@@ -82,7 +83,7 @@ impl Assembly<'_> {
     }
 }
 
-fn element(body: &Body) -> Result<(Box<dyn Element>, Weight), BodyError> {
+fn element(body: &Body) -> Result<(Box<dyn Element>, Weight), InertiaError> {
     let center = Vector3::from(body.center.unwrap_or_default());
     let J = match body.inertia {
         None if body.center.is_none() => {

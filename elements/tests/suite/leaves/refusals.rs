@@ -4,7 +4,8 @@
 
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 use pullback_elements::Asymmetry;
-use pullback_elements::body::{BodyError, PointMass, RigidBody};
+use pullback_elements::body::{PointMass, RigidBody};
+use pullback_elements::inertia::InertiaError;
 use pullback_elements::spring::{
     AxialSpring, Bushing, CoordinateLaw, CoordinateSpring, SpringError,
 };
@@ -44,12 +45,12 @@ fn impossible_bodies_are_refused_with_their_reason() {
     );
     assert_eq!(
         message(1.0, diagonal(-1.0, 3.0, 2.0), zero),
-        "the inertia must be positive semidefinite, but its principal moments are [-1.0, 2.0, 3.0]"
+        "the inertia must be positive semidefinite, but its principal moments about the centre of mass are [-1.0, 2.0, 3.0]"
     );
     assert_eq!(
         message(1.0, diagonal(5.0, 1.0, 3.0), zero),
-        "no body has the principal moments of inertia [1.0, 3.0, 5.0]: the largest exceeds the sum \
-         of the others"
+        "no body has the principal moments of inertia [1.0, 3.0, 5.0] about its centre of mass: the \
+         largest exceeds the sum of the others"
     );
     assert_eq!(
         message(0.0, Matrix3::zeros(), [1.0, 2.0, 3.0]),
@@ -59,7 +60,7 @@ fn impossible_bodies_are_refused_with_their_reason() {
     skewed[(0, 2)] = 0.5;
     assert_eq!(
         RigidBody::new(1.0, skewed, Vector3::zeros()).unwrap_err(),
-        BodyError::NotSymmetric(Asymmetry {
+        InertiaError::NotSymmetric(Asymmetry {
             row: 1,
             column: 3,
             upper: 0.5,
