@@ -27,12 +27,11 @@ pub(super) fn joints<const N: usize>(
     let watched: Vec<&str> = watched
         .chain(pairs.as_flattened().iter().copied())
         .collect();
-    let mut begun = report.begin(&with_step(file, step), &watched)?;
-    let nodes = begun.nodes.clone();
+    let (mut run, nodes) = report.begin(&with_step(file, step), &watched)?;
     let (nodes, ends) = nodes.split_at(N);
     let (mut end, mut gap) = ([[f64::NAN; N]; 3], 0.0_f64);
-    begun.integrate(&mut |model, progress| {
-        model.configure(progress.state.point())?;
+    while run.step()?.is_some() {
+        let model = run.system();
         for (k, &node) in nodes.iter().enumerate() {
             let motion = model.coordinate_motion(node, 0).unwrap_or([f64::NAN; 3]);
             for d in 0..3 {
@@ -44,8 +43,7 @@ pub(super) fn joints<const N: usize>(
             gap = gap.max((a - b).norm());
         }
         seen(end[0]);
-        Ok(())
-    })?;
+    }
     Ok((end, gap))
 }
 

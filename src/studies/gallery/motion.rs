@@ -3,14 +3,9 @@
 use super::case::{CaseProblem, CaseReport, find};
 use crate::input::{self, ModelFile, Plan};
 use crate::probe::continue_rotation;
-use crate::solve::begin;
 use nalgebra::{SMatrix, Vector3};
 use pullback_elements::model::{Context, EnergiesAndMomentum, NodeId, NodeState};
-use pullback_integrators::dynamics::{
-    DynamicOptions, DynamicsError, Progress, StepReport, Summary, integrate,
-};
-use pullback_manifold::system::SystemError;
-use std::ops::ControlFlow;
+use pullback_integrators::dynamics::{DynamicsError, Simulation, Summary};
 
 /// A motion at its steps, the start included.
 pub(super) struct History {
@@ -66,66 +61,30 @@ impl History {
     }
 }
 
-/// A motion at its start.
-pub(super) struct Begun {
-    model: Context,
-    progress: Progress,
-    options: DynamicOptions,
-    /// The watched nodes.
-    pub nodes: Vec<NodeId>,
-}
-
-impl Begun {
-    /// Integrates to the end; `seen` is called at every step.
-    pub fn integrate(
-        &mut self,
-        seen: &mut dyn FnMut(&mut Context, &Progress) -> Result<(), SystemError>,
-    ) -> Result<(), CaseProblem> {
-        let mut failed = None;
-        let mut step = |model: &mut Context, step: &StepReport<'_>| {
-            failed = seen(model, step.progress).err();
-            match failed {
-                None => ControlFlow::Continue(()),
-                Some(_) => ControlFlow::Break(()),
-            }
-        };
-        integrate(
-            &mut self.model,
-            &mut self.progress,
-            &self.options,
-            &mut step,
-        )?;
-        failed.map_or(Ok(()), |source| Err(unusable(source)))
-    }
-}
-
-fn unusable(source: SystemError) -> CaseProblem {
-    DynamicsError::System { t: 0.0, source }.into()
-}
-
 impl CaseReport {
     /// Integrates a model file and records the named nodes.
     pub(super) fn motion(&self, file: &ModelFile, nodes: &[&str]) -> Result<History, CaseProblem> {
-        let mut begun = self.begin(file, nodes)?;
-        let ids = begun.nodes.clone();
+        let (mut run, nodes) = self.begin(file, nodes)?;
         let mut history = History {
             t: Vec::new(),
-            nodes: vec![Vec::new(); ids.len()],
+            nodes: vec![Vec::new(); nodes.len()],
             balances: Vec::new(),
             summary: Summary::default(),
         };
-        let mut record = |model: &mut Context, progress: &Progress| {
-            let balance = model.energies_and_momentum(progress.state.point())?;
-            history.t.push(progress.state.t);
-            history.balances.push(balance);
-            for (states, &id) in history.nodes.iter_mut().zip(&ids) {
-                states.push(model.node_state(id));
+        loop {
+            let state = run.state().clone();
+            let balance = run.system_mut().energies_and_momentum(state.point());
+            let failed = |source| DynamicsError::System { t: state.t, source };
+            history.t.push(state.t);
+            history.balances.push(balance.map_err(failed)?);
+            for (states, &node) in history.nodes.iter_mut().zip(&nodes) {
+                states.push(run.system().node_state(node));
             }
-            Ok(())
-        };
-        record(&mut begun.model, &begun.progress).map_err(unusable)?;
-        begun.integrate(&mut record)?;
-        history.summary = begun.progress.summary;
+            if run.step()?.is_none() {
+                break;
+            }
+        }
+        history.summary = run.progress().summary;
         Ok(history)
     }
 
@@ -141,23 +100,20 @@ impl CaseReport {
     }
 
     /// Builds a model file, finds the named nodes, and starts its motion.
-    pub(super) fn begin(&self, file: &ModelFile, nodes: &[&str]) -> Result<Begun, CaseProblem> {
+    pub(super) fn begin(
+        &self,
+        file: &ModelFile,
+        nodes: &[&str],
+    ) -> Result<(Simulation<Box<Context>>, Vec<NodeId>), CaseProblem> {
         let job = input::job(self.case, file, None).map_err(Box::new)?;
         let Plan::Dynamic(plan) = job.plan else {
             return Err(CaseProblem::Setup("its analysis is not dynamic"));
         };
-        let mut model = job.context;
-        let nodes = nodes.iter().map(|&node| find(&model, node));
+        let nodes = nodes.iter().map(|&node| find(&job.context, node));
         let nodes = nodes.collect::<Result<_, _>>()?;
-        let options = plan.options;
-        let mut progress = job.start.motion(&model)?;
-        begin(&mut model, &options, &mut progress)?;
-        Ok(Begun {
-            model,
-            progress,
-            options,
-            nodes,
-        })
+        let start = job.start.motion(&job.context)?;
+        let run = Simulation::resume(Box::new(job.context), start, &plan.options)?;
+        Ok((run, nodes))
     }
 }
 
