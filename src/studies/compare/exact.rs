@@ -2,7 +2,7 @@
 
 use super::CompareError;
 use super::reference::{Reference, exactly_conserved};
-use super::sample::{QUANTITIES, Sample, Values, sizes};
+use super::sample::{ErrorQuantity, QUANTITIES, Sample, Values, sizes};
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::so3;
 use std::fmt;
@@ -73,18 +73,9 @@ impl Exact {
 enum Column {
     Time,
     Energy,
-    /// Node, quantity (in the order of [`FIELDS`]), component.
+    /// Node, quantity (in the order of [`ErrorQuantity::ALL`]), component.
     Node(usize, usize, usize),
 }
-
-const FIELDS: [&str; 6] = [
-    "position",
-    "rotation",
-    "velocity",
-    "angular_velocity",
-    "acceleration",
-    "angular_acceleration",
-];
 
 /// Reads exact values from a CSV file: a column `t`, optionally `energy`, and columns
 /// `NODE.position.x`, `NODE.rotation.y` (rotation vector from the reference orientation), `NODE.velocity.z`,
@@ -170,14 +161,16 @@ fn column(name: &str, nodes: &[String]) -> Result<Column, String> {
         "energy" => return Ok(Column::Energy),
         _ => {}
     }
+    let quantities = ErrorQuantity::ALL[..6].iter().map(|of| of.key());
+    let quantities: Vec<String> = quantities.collect();
     let mut parts = name.rsplitn(3, '.');
     let (component, field, node) = (parts.next(), parts.next(), parts.next());
     let component = component.and_then(|c| ["x", "y", "z"].iter().position(|k| *k == c));
-    let field = field.and_then(|f| FIELDS.iter().position(|k| *k == f));
+    let field = field.and_then(|f| quantities.iter().position(|k| k == f));
     let (Some(component), Some(field), Some(node)) = (component, field, node) else {
         return Err(format!(
             "column `{name}` is none of t, energy, NODE.{}.x (or y, z)",
-            FIELDS.join(".x, NODE.")
+            quantities.join(".x, NODE.")
         ));
     };
     match nodes.iter().position(|known| known == node) {

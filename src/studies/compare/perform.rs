@@ -12,6 +12,7 @@ use crate::method::Method;
 use crate::solve::begin;
 use pullback_elements::model::Formulation;
 use pullback_integrators::dynamics::{DynamicOptions, Scheme};
+use pullback_manifold::system::System;
 use std::num::NonZeroUsize;
 use std::sync::{Mutex, PoisonError};
 
@@ -21,7 +22,6 @@ pub(super) struct Prepared {
     /// Grid of the long runs, if requested.
     long: Option<Grid>,
     reference: Method,
-    unknowns: usize,
     /// The model in total rotation vectors.
     job: Job,
     /// Schemes that cannot start, and why.
@@ -85,14 +85,13 @@ pub(super) fn prepare(
         let name = reference.to_string();
         return Err(CompareError::Reference { name });
     }
-    let start = job.start.motion(&job.context)?;
+    job.start.motion(&job.context)?;
     // With the reference's scheme: that of the file may not suit this model.
     begins(make, &reference.into())?;
     Ok(Prepared {
         grid,
         long,
         reference,
-        unknowns: start.state.q.len(),
         job,
         refused,
     })
@@ -176,7 +175,7 @@ pub(super) fn run(
         complete,
         to: grid.to,
         times: grid.times,
-        unknowns: prepared.unknowns,
+        unknowns: context.pattern().dim(),
         enforced: context.is_enforced(),
         multipliers,
         threads,

@@ -104,7 +104,7 @@ pub fn run_several(
     for comparison in &all {
         sections.push((comparison, drawn(comparison)?));
     }
-    let page = page(Format::Html, &sections, command);
+    let page = page(Format::Html, &sections);
     Directory::open_for(directory, &[PAGE])?.write(PAGE, &page)?;
     Ok(all)
 }
@@ -121,10 +121,9 @@ fn write(comparison: &Comparison, directory: &mut Directory) -> Result<(), Outpu
     for figure in &figures {
         directory.write(figure.name, &figure.svg)?;
     }
-    let command = comparison.command.as_deref();
     let section = [(comparison, figures)];
     for (name, format) in [(PAGE, Format::Html), (TEXT, Format::Markdown)] {
-        directory.write(name, &page(format, &section, command))?;
+        directory.write(name, &page(format, &section))?;
     }
     directory.write_json(NAME, comparison)
 }

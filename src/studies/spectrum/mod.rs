@@ -218,7 +218,7 @@ pub fn run(scheme: &Scheme, Omegas: &[f64]) -> Result<Spectrum, DynamicsError> {
     })
 }
 
-/// Spectra of schemes by name, on [`grid`].
+/// Spectra of schemes by name, at many Ω of a range.
 ///
 /// # Errors
 /// [`SpectrumError`].
@@ -229,7 +229,7 @@ pub fn all(
     if !(from >= RANGE[0] && to > from && to <= RANGE[1]) {
         return Err(SpectrumError::Range { from, to });
     }
-    let Omegas = grid(from, to, 161);
+    let Omegas = grid(from, to);
     let schemes = words.iter().map(|word| parse_scheme(word));
     let schemes = schemes.collect::<Result<Vec<_>, _>>()?;
     for (k, scheme) in schemes.iter().enumerate() {
@@ -346,8 +346,8 @@ pub fn csv(spectra: &[(Scheme, Spectrum)]) -> String {
 const RESOLVED: f64 = 2.0;
 
 /// Values of Ω for figures: logarithmic, denser where vibrations are resolved.
-pub fn grid(from: f64, to: f64, count: usize) -> Vec<f64> {
-    let mut all = logarithmic(from, to, count);
+fn grid(from: f64, to: f64) -> Vec<f64> {
+    let mut all = logarithmic(from, to, 161);
     let fine = (1..=40).map(|k| RESOLVED * f64::from(k) / 40.0);
     all.extend(fine.filter(|Omega| (from..=to).contains(Omega)));
     all.sort_by(f64::total_cmp);

@@ -36,11 +36,7 @@ figcaption{font-size:.9em;color:#444}\
 figure{margin:.8em 0}figure svg{max-height:108mm}th,td{padding:.12em .45em}h2{break-after:avoid}tr{break-inside:avoid}}";
 
 /// The page of comparisons, one per model, with their figures.
-pub(super) fn page(
-    format: Format,
-    all: &[(&Comparison, Vec<Figure>)],
-    command: Option<&str>,
-) -> String {
+pub(super) fn page(format: Format, all: &[(&Comparison, Vec<Figure>)]) -> String {
     let mut out = Page::new(format);
     let title = match all {
         [(c, _)] => format!("{}: schemes compared", title(c)),
@@ -59,7 +55,7 @@ pub(super) fn page(
         let class = if k > 0 { "another" } else { "" };
         out.heading(1, class, &self::title(comparison));
         // All of them have the same command.
-        let command = command.filter(|_| k == 0);
+        let command = comparison.command.as_deref().filter(|_| k == 0);
         section(&mut out, comparison, figures, command);
     }
     if out.is_html() {
