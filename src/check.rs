@@ -17,7 +17,7 @@
 use crate::input::{Job, Plan};
 use crate::terminal::longest;
 use pullback_manifold::system::Events;
-use serde::Serialize;
+use serde_json::{Value, json};
 use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
 
@@ -89,73 +89,50 @@ fn options(job: &Job, seed: u64) -> ModelOptions {
     }
 }
 
-/// A row of a report, for JSON.
-#[derive(Clone, Debug, Serialize)]
-pub struct Entry<'a> {
-    /// Name of the component.
-    pub component: &'a str,
-    /// The property that was checked.
-    pub property: &'a str,
-    /// The state at which the property was closest to failing, or failed worst.
-    pub at: &'a str,
-    /// `defect`, `slope`, or `impossible`.
-    pub measure: &'static str,
-    /// The defect or slope; null where the property could not be checked.
-    pub value: Option<f64>,
-    /// The largest defect, or the smallest slope, that passes.
-    pub limit: Option<f64>,
-    /// Why the property could not be checked.
-    pub reason: Option<&'a str>,
-    /// Whether the property holds.
-    pub passed: bool,
-    /// Wrong blocks, the worst first.
-    pub blocks: Vec<BlockEntry<'a>>,
-}
-
-/// A wrong block, for JSON; see [`Block`].
-#[derive(Clone, Debug, Serialize)]
-#[allow(missing_docs, reason = "fields are those of the block")]
-pub struct BlockEntry<'a> {
-    pub matrix: &'a str,
-    pub rows: &'a str,
-    pub columns: &'a str,
-    pub defect: f64,
-    pub right: f64,
-    pub factor: Option<f64>,
-}
-
 /// The rows of a report for JSON.
-pub fn entries(report: &Report) -> Vec<Entry<'_>> {
-    let finite = |x: f64| x.is_finite().then_some(x);
-    let mut out = Vec::new();
-    for row in report.rows() {
+///
+/// | key | |
+/// |---|---|
+/// | `component` | name of the component |
+/// | `property` | the property that was checked |
+/// | `at` | the state at which the property was closest to failing, or failed worst |
+/// | `measure` | `defect`, `slope`, or `impossible` |
+/// | `value` | the defect or slope; null where the property could not be checked |
+/// | `limit` | the largest defect, or the smallest slope, that passes |
+/// | `reason` | why the property could not be checked |
+/// | `passed` | whether the property holds |
+/// | `blocks` | wrong blocks, the worst first, with the fields of a [`Block`] |
+pub fn entries(report: &Report) -> Vec<Value> {
+    // A number that is not finite is null.
+    let block = |b: &Block| {
+        json!({
+            "matrix": b.matrix,
+            "rows": b.rows,
+            "columns": b.columns,
+            "defect": b.defect,
+            "right": b.right,
+            "factor": b.factor,
+        })
+    };
+    let entry = |row: &LawRow| {
         let (measure, value, reason) = match &row.measure {
-            Measure::Defect { defect, .. } => ("defect", finite(*defect), None),
-            Measure::Slope { slope, .. } => ("slope", finite(*slope), None),
-            Measure::Impossible(why) => ("impossible", None, Some(why.as_str())),
+            Measure::Defect { defect, .. } => ("defect", Some(*defect), None),
+            Measure::Slope { slope, .. } => ("slope", Some(*slope), None),
+            Measure::Impossible(why) => ("impossible", None, Some(why)),
         };
-        out.push(Entry {
-            component: &row.component,
-            property: &row.law,
-            at: &row.at,
-            measure,
-            value,
-            limit: finite(row.measure.limit()),
-            reason,
-            passed: row.passed,
-            blocks: (row.blocks.iter())
-                .map(|b| BlockEntry {
-                    matrix: &b.matrix,
-                    rows: &b.rows,
-                    columns: &b.columns,
-                    defect: b.defect,
-                    right: b.right,
-                    factor: finite(b.factor),
-                })
-                .collect(),
-        });
-    }
-    out
+        json!({
+            "component": row.component,
+            "property": row.law,
+            "at": row.at,
+            "measure": measure,
+            "value": value,
+            "limit": row.measure.limit(),
+            "reason": reason,
+            "passed": row.passed,
+            "blocks": row.blocks.iter().map(block).collect::<Vec<_>>(),
+        })
+    };
+    report.rows().iter().map(entry).collect()
 }
 
 /// A report as a table: one line for each component, with the property closest to failing and the number of properties.
