@@ -141,7 +141,7 @@ pub fn run_job(
     } = job;
     let directory = match &checkpoint {
         None => Directory::open(directory)?,
-        Some(checkpoint) => Directory::reopen(directory, &checkpoint.grids())?,
+        Some(checkpoint) => Directory::reopen(directory, checkpoint.grids(&plan))?,
     };
     let setting = Setting {
         source,

@@ -2,11 +2,12 @@
 //! same results.
 
 use super::directory::{self, OutputError};
+use super::grids::frames;
 use super::history::HistoryRow;
 use super::log::{self, Extent};
 use super::plot::Shapes;
 use super::recording::Seen;
-use super::vtu::VtuFrame;
+use crate::input::Plan;
 use pullback_elements::model::{Context, SavedState};
 use pullback_integrators::dynamics::Progress;
 use pullback_manifold::system::System;
@@ -30,8 +31,8 @@ pub(super) struct Record {
     pub shapes: Vec<(f64, Shapes)>,
     /// The shape of the last row, if it is not among them.
     pub latest: Option<(f64, Shapes)>,
-    /// The grid of the last row, if it has not been written.
-    pub pending: Option<(VtuFrame, String)>,
+    /// The number of the last row and its grid, if it has not been written.
+    pub pending: Option<(usize, String)>,
     /// Number of rows per shape.
     pub stride: usize,
     /// What is known of all steps.
@@ -62,9 +63,6 @@ pub struct Checkpoint {
     /// The rows in the log.
     #[serde(skip)]
     pub(super) rows: Vec<HistoryRow>,
-    /// The grids of rows in the log.
-    #[serde(skip)]
-    pub(super) frames: Vec<VtuFrame>,
 }
 
 /// Why a run cannot be resumed.
@@ -125,7 +123,6 @@ impl Checkpoint {
             record: Record::default(),
             log: Extent::default(),
             rows: Vec::new(),
-            frames: Vec::new(),
         }
     }
 
@@ -187,13 +184,14 @@ impl Checkpoint {
         if crc32fast::hash(lines) != read.log.crc32 {
             return Err(damaged(path, CHECKSUM));
         }
-        (read.rows, read.frames) = log::read(lines).map_err(|source| unusable(path, source))?;
+        read.rows = log::read(lines).map_err(|source| unusable(path, source))?;
         Ok(read)
     }
 
     /// Names of the ParaView files of the rows so far.
-    pub(crate) fn grids(&self) -> Vec<&str> {
-        self.frames.iter().map(|f| f.file.as_str()).collect()
+    pub(crate) fn grids(&self, plan: &Plan) -> Vec<String> {
+        let frames = frames(plan, &self.rows).into_iter();
+        frames.map(|frame| frame.file).collect()
     }
 }
 

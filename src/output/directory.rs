@@ -91,11 +91,11 @@ impl Directory {
     }
 
     /// Opens the directory of a resumed run, and removes the ParaView files written after its checkpoint.
-    pub fn reopen(path: &Path, kept: &[&str]) -> Result<Self, OutputError> {
+    pub fn reopen(path: &Path, kept: Vec<String>) -> Result<Self, OutputError> {
         let mut directory = Self::claimed(path)?;
-        let later = |name: &str| is_grid(name) && !kept.contains(&name);
+        let later = |name: &str| is_grid(name) && kept.iter().all(|kept| kept != name);
         directory.remove(&|name| is_temporary(name, &is_result) || later(name))?;
-        directory.files = kept.iter().map(|&name| name.to_owned()).collect();
+        directory.files = kept;
         Ok(directory)
     }
 

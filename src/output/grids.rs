@@ -1,5 +1,7 @@
 //! Selection and names of the grids (ParaView files) of rows.
 
+use super::history::HistoryRow;
+use super::vtu::VtuFrame;
 use crate::input::Plan;
 
 /// Approximate default number of grids of a motion.
@@ -11,6 +13,20 @@ pub(super) fn grid_name(plan: &Plan, number: usize) -> String {
         Plan::Dynamic(_) => format!("step_{number:06}.vtu"),
         _ => format!("step_{number:04}.vtu"),
     }
+}
+
+/// The grids of rows.
+pub(super) fn frames(plan: &Plan, rows: &[HistoryRow]) -> Vec<VtuFrame> {
+    let written = rows.iter().enumerate().filter(|(_, row)| row.grid);
+    let frame = |(number, row): (usize, &HistoryRow)| VtuFrame {
+        // A path may turn back in the load; ParaView needs ascending times.
+        t: match plan {
+            Plan::Path(..) => number as f64,
+            _ => row.t,
+        },
+        file: grid_name(plan, number),
+    };
+    written.map(frame).collect()
 }
 
 /// When a grid is written.

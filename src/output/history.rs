@@ -58,6 +58,8 @@ pub(crate) struct HistoryRow {
     pub motion: Option<[f64; 2]>,
     /// Values of the probes.
     pub probes: Vec<f64>,
+    /// Whether its grid has been written.
+    pub grid: bool,
 }
 
 /// The numbers of a history.

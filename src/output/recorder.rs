@@ -6,13 +6,13 @@ mod modes;
 
 use super::checkpoint::{self, Checkpoint, Record};
 use super::directory::{Directory, OutputError, encoding};
-use super::grids::{Grids, grid_name};
+use super::grids::{Grids, frames, grid_name};
 use super::history::csv;
 use super::log::{self, Extent};
 use super::plot::Shapes;
 use super::recording::Recording;
 use super::results::{Ending, FinalState, Statistics, final_state};
-use super::vtu::{VtuFrame, collection, grid};
+use super::vtu::{collection, grid};
 use crate::input::{Geometry, ModelFile, Plan};
 use crate::probe::{Answers, Probe};
 use crate::solve::Advance;
@@ -48,9 +48,8 @@ pub(crate) struct Recorder<'a> {
     /// The history and what else is in memory.
     pub recording: Recording<'a>,
     reference: Shapes,
-    frames: Vec<VtuFrame>,
     record: Record,
-    /// The rows and frames in the log of the last checkpoint.
+    /// The rows in the log of the last checkpoint.
     log: Extent,
     last: Option<FinalState>,
     grids: Grids,
@@ -85,7 +84,6 @@ impl<'a> Recorder<'a> {
             recording: Recording::new(setting.plan, probes, warnings),
             setting,
             directory,
-            frames: Vec::new(),
             log: Extent::default(),
             record: Record {
                 stride: 1,
@@ -114,7 +112,6 @@ impl<'a> Recorder<'a> {
         recording.rows = checkpoint.rows;
         self.record = checkpoint.record;
         recording.seen = self.record.seen.clone();
-        self.frames = checkpoint.frames;
         self.log = checkpoint.log;
         let answers = recording.resume(context, progress)?;
         let t = progress.state.t;
@@ -169,18 +166,12 @@ impl<'a> Recorder<'a> {
             self.record.latest = Some(shape);
         }
         if self.grids != Grids::None {
-            // A path may turn back in the load; ParaView needs ascending times.
-            let (at, load) = match self.setting.plan {
-                Plan::Dynamic(_) => (t, None),
-                Plan::Static(_) => (t, Some(t)),
-                Plan::Path(..) => (number as f64, Some(t)),
-            };
-            let frame = VtuFrame {
-                t: at,
-                file: grid_name(self.setting.plan, number),
+            let load = match self.setting.plan {
+                Plan::Dynamic(_) => None,
+                _ => Some(t),
             };
             let text = grid(context, self.setting.geometry, answers, load);
-            self.record.pending = Some((frame, text));
+            self.record.pending = Some((number, text));
             if self.grids.due(number, before, t) {
                 self.write_pending()?;
             }
@@ -200,16 +191,18 @@ impl<'a> Recorder<'a> {
     }
 
     fn write_pending(&mut self) -> Result<(), OutputError> {
-        if let Some((frame, text)) = self.record.pending.take() {
-            self.directory.write(&frame.file, &text)?;
-            self.frames.push(frame);
+        if let Some((number, text)) = self.record.pending.take() {
+            let name = grid_name(self.setting.plan, number);
+            self.directory.write(&name, &text)?;
+            self.recording.rows[number].grid = true;
             self.write_collection()?;
         }
         Ok(())
     }
 
     fn write_collection(&mut self) -> Result<(), OutputError> {
-        self.directory.write("steps.pvd", &collection(&self.frames))
+        let frames = frames(self.setting.plan, &self.recording.rows);
+        self.directory.write("steps.pvd", &collection(&frames))
     }
 
     fn write_history(&mut self) -> Result<(), OutputError> {
@@ -229,14 +222,11 @@ impl<'a> Recorder<'a> {
         progress: &Progress,
     ) -> Result<(), OutputError> {
         let before = self.log;
-        let name = |k| grid_name(self.setting.plan, before.rows + k);
-        let (all, frames) = (&self.recording.rows, &self.frames[before.frames..]);
-        let rows = &all[before.rows..];
-        let lines = log::lines(rows, frames, name).map_err(encoding(log::NAME))?;
+        let rows = &self.recording.rows;
+        let lines = log::lines(&rows[before.rows..]).map_err(encoding(log::NAME))?;
         self.directory.append(log::NAME, before.bytes, &lines)?;
         self.log = Extent {
-            rows: all.len(),
-            frames: self.frames.len(),
+            rows: rows.len(),
             bytes: before.bytes + lines.len(),
             crc32: before.crc32_with(&lines),
         };

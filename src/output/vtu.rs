@@ -11,11 +11,9 @@ use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use nalgebra::{Matrix3, Vector3};
 use pullback_elements::model::{Context, NodeId};
-use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 
 /// A grid and its time.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct VtuFrame {
     /// Load parameter or time, and along a path the number of the row.
     pub t: f64,

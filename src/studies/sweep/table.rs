@@ -56,7 +56,7 @@ impl SweepTable {
         let mut table = Self {
             directory: match there {
                 None => Directory::open_for(path, &[SWEEP, ROWS])?,
-                Some(there) if there.as_ref() == Some(&own) => Directory::reopen(path, &[])?,
+                Some(there) if there.as_ref() == Some(&own) => Directory::reopen(path, Vec::new())?,
                 Some(_) => return Err(TableError::Other(path.to_owned())),
             },
             names,
