@@ -1,7 +1,7 @@
 //! Panels of the figure of the history.
 
 use super::history::HistoryRow;
-use super::plot::{Panel, PlotCurve};
+use super::plot::{AxisScale, Graph, PlotCurve};
 use crate::input::{Dimension, Plan, ProbeQuantity, Units};
 use crate::probe::Probe;
 
@@ -59,7 +59,7 @@ pub(super) fn panels(
     probes: &[Probe],
     rows: &[HistoryRow],
     length: f64,
-) -> Vec<Panel> {
+) -> Vec<Graph> {
     let scales = Scales::of(length, rows);
     let curve = |label: String, value: &dyn Fn(&HistoryRow) -> f64| {
         PlotCurve::new(label, rows.iter().map(|row| (row.t, value(row))).collect())
@@ -100,7 +100,7 @@ pub(super) fn panels(
             let points = curves.iter_mut().flat_map(|c| &mut c.points);
             points.for_each(|p| *p = (p.1, p.0));
         }
-        Panel { x, y, curves }
+        Graph::new([x, y], [AxisScale::Linear; 2], curves)
     };
     panels.into_iter().map(panel).collect()
 }

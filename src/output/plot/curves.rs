@@ -1,7 +1,7 @@
 //! Curves in panels.
 
 use super::axes::{self, Area, Axes, Mark, legend_height, legend_rows};
-use super::{AxisScale, FINE, PALETTE, PlotError, figure, part};
+use super::{AxisScale, FINE, Graph, PALETTE, PlotError, figure, part};
 use plotters::style::{Color, RGBColor};
 
 /// A curve with a name.
@@ -50,23 +50,12 @@ impl PlotCurve {
     }
 }
 
-/// Curves over the same axes.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Panel {
-    /// Description of the horizontal axis.
-    pub x: String,
-    /// Description of the vertical axis.
-    pub y: String,
-    /// The curves.
-    pub curves: Vec<PlotCurve>,
-}
-
 /// Size of a plot without its legend, alone or beside another.
 const ALONE: [i32; 2] = [640, 420];
 const BESIDE: [i32; 2] = [520, 360];
 
-/// A figure of panels, two in a row, as SVG text.
-pub(crate) fn panels(title: Option<&str>, panels: &[Panel]) -> Result<String, PlotError> {
+/// A figure of graphs with linear axes, two in a row, each with a legend, as SVG text.
+pub(crate) fn panels(title: Option<&str>, panels: &[Graph]) -> Result<String, PlotError> {
     let [w, h] = if panels.len() > 1 { BESIDE } else { ALONE };
     let columns = panels.len().clamp(1, 2) as i32;
     let rows = (panels.len() as i32 + 1) / 2;
@@ -88,7 +77,7 @@ pub(crate) fn panels(title: Option<&str>, panels: &[Panel]) -> Result<String, Pl
     })
 }
 
-fn entries(panel: &Panel) -> Vec<(String, Mark)> {
+fn entries(panel: &Graph) -> Vec<(String, Mark)> {
     let curves = panel.curves.iter().enumerate();
     curves
         .map(|(position, curve)| {
@@ -128,12 +117,13 @@ fn thinned(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     out
 }
 
-fn draw(area: &Area<'_>, size: [i32; 2], panel: &Panel) -> Result<(), PlotError> {
+fn draw(area: &Area<'_>, size: [i32; 2], panel: &Graph) -> Result<(), PlotError> {
     let all = || panel.curves.iter().flat_map(|c| &c.points);
     let x = axes::range(all().map(|p| p.0));
     let y = axes::range(all().map(|p| p.1));
     let axes = Axes::new([x, y], size);
-    axes.draw(area, [AxisScale::Linear; 2], [&panel.x, &panel.y])?;
+    let [across, up] = &panel.description;
+    axes.draw(area, [AxisScale::Linear; 2], [across, up])?;
     for (position, curve) in panel.curves.iter().enumerate() {
         let color = curve.drawn_in(position);
         let finite = |p: &&(f64, f64)| p.0.is_finite() && p.1.is_finite();

@@ -9,7 +9,7 @@ mod shape;
 mod viewer;
 
 pub use curves::PlotCurve;
-pub(crate) use curves::{Panel, panels};
+pub(crate) use curves::panels;
 pub(crate) use formats::{pdf, png};
 pub use graph::{Graph, graphs};
 pub use scale::AxisScale;

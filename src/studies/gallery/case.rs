@@ -3,7 +3,7 @@
 use super::models::model;
 use super::motion::History;
 use crate::input::{self, Analysis, Dynamic, InputError, ModelFile};
-use crate::output::plot::{Panel, PlotCurve, panels};
+use crate::output::plot::{AxisScale, Graph, PlotCurve, panels};
 use pullback_elements::model::{Context, Dof, NodeId, NodeState};
 use pullback_integrators::dynamics::DynamicsError;
 use pullback_integrators::linearization::CampbellError;
@@ -187,23 +187,20 @@ impl CaseReport {
     pub(super) fn figure(
         &self,
         title: &str,
-        [x, y]: [&str; 2],
+        axes: [&str; 2],
         curves: Vec<PlotCurve>,
     ) -> Result<(), CaseProblem> {
         let Some(out) = &self.out else {
             return Ok(());
         };
         let path = out.join(format!("{}.svg", self.case));
-        let panel = Panel {
-            x: x.to_owned(),
-            y: y.to_owned(),
-            curves,
-        };
+        let axes = axes.map(str::to_owned);
+        let graph = Graph::new(axes, [AxisScale::Linear; 2], curves);
         let fail = |reason: String| CaseProblem::Plot {
             path: path.clone(),
             reason,
         };
-        let svg = panels(Some(title), &[panel]).map_err(|e| fail(e.to_string()))?;
+        let svg = panels(Some(title), &[graph]).map_err(|e| fail(e.to_string()))?;
         std::fs::create_dir_all(out).map_err(|e| fail(e.to_string()))?;
         std::fs::write(&path, svg).map_err(|e| fail(e.to_string()))
     }
