@@ -14,7 +14,7 @@ pub(crate) use formats::{pdf, png};
 pub use graph::{Graph, graphs};
 pub use scale::AxisScale;
 pub(crate) use shape::{Shapes, deformed};
-pub(crate) use viewer::viewer;
+pub(crate) use viewer::{escaped, viewer};
 
 use axes::Area;
 use plotters::drawing::DrawingAreaErrorKind;

@@ -51,10 +51,6 @@ pub(crate) fn viewer(
     });
     // Text of a model must not end the element that it is in.
     let data = data.to_string().replace('<', "\\u003c");
-    let escaped = |text: &str| {
-        let text = text.replace('&', "&amp;").replace('<', "&lt;");
-        text.replace('"', "&quot;")
-    };
     let title = escaped(title.unwrap_or("pullback"));
     let parameter = escaped(&parameter);
     format!(
@@ -69,6 +65,12 @@ pub(crate) fn viewer(
         include_str!("viewer/three.min.js"),
         include_str!("viewer/viewer.js"),
     )
+}
+
+/// A text in HTML.
+pub(crate) fn escaped(text: &str) -> String {
+    let text = text.replace('&', "&amp;").replace('<', "&lt;");
+    text.replace('>', "&gt;").replace('"', "&quot;")
 }
 
 /// Points and axes of bodies at a load parameter or time.

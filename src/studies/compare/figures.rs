@@ -2,9 +2,8 @@
 
 mod drift;
 
-use super::page::escaped;
 use super::{Comparison, ComparisonRow, ErrorQuantity};
-use crate::output::plot::{AxisScale, Graph, PlotCurve, PlotError, graphs};
+use crate::output::plot::{AxisScale, Graph, PlotCurve, PlotError, escaped, graphs};
 use drift::{PARTS, drift};
 
 /// Name of broken lines in the legend.

@@ -318,7 +318,7 @@ fn the_page_of_a_run_has_its_motion() {
     let out = ran(&directory("program_page"), CART);
     let page = read(out.join("deformed.html"));
     assert!(
-        page.contains("<title>Cart &amp; &lt;pole></title>"),
+        page.contains("<title>Cart &amp; &lt;pole&gt;</title>"),
         "no text of a model is markup"
     );
     let (_, rest) = page.split_once("id=\"data\">").unwrap();

@@ -10,6 +10,7 @@ mod writer;
 use super::figures::Figure;
 use super::tables::short;
 use super::{Comparison, ComparisonRow, ErrorQuantity};
+use crate::output::plot::escaped;
 use crate::terminal::plural;
 use writer::Page;
 
@@ -88,11 +89,6 @@ fn section(out: &mut Page, c: &Comparison, figures: &[Figure], command: Option<&
     conserved::drift(out, c);
     charts::charts(out, c);
     runs::failures(out, c);
-}
-
-pub(super) fn escaped(text: &str) -> String {
-    let text = text.replace('&', "&amp;").replace('<', "&lt;");
-    text.replace('>', "&gt;").replace('"', "&quot;")
 }
 
 fn head(out: &mut Page, c: &Comparison, command: Option<&str>) {
