@@ -72,6 +72,15 @@ fn shape(
     Ok(shape.nodes)
 }
 
+/// The Lagrange polynomials of an order on the nodes 0, 1, 2, …, at u.
+pub(crate) fn lagrange(order: usize, u: f64) -> impl Iterator<Item = f64> {
+    (0..=order).map(move |i| {
+        let others = (0..=order).filter(|&j| j != i);
+        let factors = others.map(|j| (u - j as f64) / (i as f64 - j as f64));
+        factors.product()
+    })
+}
+
 /// A curve displaced and turned by offsets of equidistant nodes, interpolated in each element.
 pub(super) struct Displaced {
     pub curve: Box<dyn ReferenceCurve>,
@@ -87,14 +96,8 @@ impl ReferenceCurve for Displaced {
         let intervals = self.offsets.len() - 1;
         let s = u * intervals as f64;
         let first = (s as usize).min(intervals - 1) / self.order * self.order;
-        let nodes = 0..=self.order;
         let mut sum = Offset::default();
-        for i in nodes.clone() {
-            let others = nodes.clone().filter(|j| *j != i);
-            let N: f64 = others
-                .map(|j| (s - (first + j) as f64) / (i as f64 - j as f64))
-                .product();
-            let offset = self.offsets[first + i];
+        for (N, offset) in lagrange(self.order, s - first as f64).zip(&self.offsets[first..]) {
             sum = [0, 1].map(|k| sum[k] + offset[k] * N);
         }
         (X + sum[0], Rotation3::new(sum[1]).matrix() * frame)

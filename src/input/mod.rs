@@ -27,6 +27,7 @@ pub use joints::{BoxedError, Registry, Site};
 pub use parameters::with_parameters;
 pub use settings::{DynamicPlan, Plan};
 
+pub(crate) use imperfection::lagrange;
 pub(crate) use names::closest;
 
 use location::{Location, Text};

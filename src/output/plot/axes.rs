@@ -244,12 +244,16 @@ pub(super) fn legend(
     Ok(())
 }
 
+/// The least and the largest of some values.
+pub(super) fn span(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
+        [low.min(v), high.max(v)]
+    })
+}
+
 /// A range of all values with a margin, never empty.
 pub(super) fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
-    let finite = values.filter(|v| v.is_finite());
-    let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| {
-        (a.min(v), b.max(v))
-    });
+    let [low, high] = span(values.filter(|v| v.is_finite()));
     if low > high {
         return [0.0, 1.0];
     }

@@ -1,9 +1,9 @@
 //! The shape of a structure: reference and deformed, with equal scales on all axes.
 
-use super::axes::{self, Area, Axes, Mark, legend_height, legend_rows};
+use super::axes::{self, Area, Axes, Mark, legend_height, legend_rows, span};
 use super::scale::tick;
 use super::{AxisScale, FINE, INK, PALE, PALETTE, PlotError, TEXT, figure, font, part};
-use crate::input::{Geometry, Units};
+use crate::input::{Geometry, Units, lagrange};
 use nalgebra::{Matrix3, Vector3};
 use plotters::element::{PathElement, Rectangle};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -112,13 +112,8 @@ fn interpolate(nodes: &[Vector3<f64>], order: usize) -> Vec<Vector3<f64>> {
         let own = &nodes[start..=start + order];
         for piece in 1..=PIECES {
             let u = (order * piece) as f64 / PIECES as f64;
-            let weight = |i: usize| -> f64 {
-                let others = (0..=order).filter(|&j| j != i);
-                others
-                    .map(|j| (u - j as f64) / (i as f64 - j as f64))
-                    .product()
-            };
-            out.push(own.iter().enumerate().map(|(i, x)| x * weight(i)).sum());
+            let weighted = own.iter().zip(lagrange(order, u));
+            out.push(weighted.map(|(x, weight)| x * weight).sum());
         }
     }
     out
@@ -150,13 +145,6 @@ impl View {
         let of = |pick: fn((f64, f64)) -> f64| span(points.iter().map(|p| pick(self.project(p))));
         [of(|p| p.0), of(|p| p.1)]
     }
-}
-
-/// The least and the largest of some values.
-fn span(values: impl Iterator<Item = f64>) -> [f64; 2] {
-    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
-        [low.min(v), high.max(v)]
-    })
 }
 
 fn extent([low, high]: [f64; 2]) -> f64 {
