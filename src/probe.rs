@@ -13,8 +13,8 @@ use std::f64::consts::TAU;
 /// The object of a probe.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Target {
-    /// A node and its name.
-    Node(NodeId, String),
+    /// A node.
+    Node(NodeId),
     /// An element.
     Element(ElementId),
     /// The coordinate that a joint releases.
@@ -131,7 +131,7 @@ impl Probe {
 
     /// Continues a rotation over a step that is not recorded.
     pub(crate) fn follow(&mut self, context: &Context) {
-        if let (ProbeQuantity::rotation, Target::Node(node, _)) = (self.quantity, &self.target) {
+        if let (ProbeQuantity::rotation, Target::Node(node)) = (self.quantity, &self.target) {
             self.continued = continue_rotation(&self.continued, &context.node_state(*node).psi);
         }
     }
@@ -221,11 +221,11 @@ impl Probe {
                 ProbeQuantity::K => s.K,
                 _ => s.N,
             }),
-            Target::Node(node, name) => {
+            Target::Node(node) => {
                 let state = context.node_state(*node);
                 let reaction = |part: fn(&Reaction) -> Vector3<f64>| {
-                    let all = &answers.reactions;
-                    let own = all.binary_search_by(|r| r.node.cmp(name));
+                    let (all, name) = (&answers.reactions, context.node(*node).name());
+                    let own = all.binary_search_by(|r| r.node.as_str().cmp(name));
                     own.map_or_else(|_| Vector3::zeros(), |k| part(&all[k]))
                 };
                 match self.quantity {

@@ -82,7 +82,7 @@ fn target(
                 let node = name.clone();
                 return Err(at.refuse(InputProblem::NoJoint { node }));
             }
-            Target::Node(node, name.clone())
+            Target::Node(node)
         }
         (ProbeQuantity::ELEMENT, None, Some(name), None) => {
             Target::Element(elements.find(&at.at("element"), name)?)

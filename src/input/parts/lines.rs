@@ -141,10 +141,10 @@ fn axis(
         None => straight(at, line, ends, second)?,
         Some(arc) => circular(at, line, arc, ends[0], second)?,
     };
-    if let (Some(given), Some(second)) = (line.second_axis, second) {
+    if let Some(second) = second {
         let across = tangent.normalize().cross(&second).norm();
         if second.norm() == 0.0 || across <= 1e-6 * second.norm() {
-            return Err(no_direction(at, line, "second_axis", given));
+            return Err(no_direction(at, line, "second_axis", second.into()));
         }
     }
     Ok(made)
