@@ -3,7 +3,7 @@
 
 use crate::support::closures::{arm, body, hinge};
 use crate::support::program::{
-    check, directory, history, number, program, recorded, refusal, succeeded, write,
+    check, check_table, directory, history, number, program, recorded, refusal, succeeded, write,
 };
 use pullback::input::assemble_text;
 
@@ -116,61 +116,23 @@ fn values_and_rates_are_satisfied_as_by_the_map() {
 
 #[test]
 fn nonsense_is_refused_where_it_stands() {
-    let with = |words: &str| closed_by(words);
-    check(
-        &with("closure = \"penalty\""),
-        "closure",
-        "joint \"C\": closure needs penalty",
-        "add it",
-    );
-    check(
-        &with("closure = \"penalty\"\npenalty = -2"),
-        "-2",
-        "penalty = -2 is out of range",
-        "a positive stiffness",
-    );
-    check(
-        &with("closure = \"penalty\"\npenalty = 0"),
-        "0",
-        "penalty = 0 is out",
-        "positive",
-    );
-    check(
-        &with("closure = \"penalty\"\npenalty = 1e6\npenalty_damping = -1"),
-        "-1",
-        "penalty_damping = -1 is out of range",
-        "zero or positive",
-    );
-    check(
-        &with("closure = \"multipliers\"\npenalty = 1e6"),
-        "penalty",
-        "joint \"C\": penalty needs closure = \"penalty\"",
-        "remove this key",
-    );
-    check(
-        &with("penalty_damping = 0.1"),
-        "penalty_damping",
-        "needs closure",
-        "remove",
-    );
-    check(
-        &closed_by("").replace(CHILD, "closure = \"multipliers\""),
-        "closure",
-        "joint \"C\": closure needs child",
-        "add it",
-    );
-    let said = refusal(&with("closure = 3")).to_string();
-    assert!(
-        said.contains("one of the words \"map\", \"multipliers\" and \"penalty\""),
-        "{said}"
-    );
-    let said = refusal(&with("closure = \"lagrange\"")).to_string();
-    assert!(
-        said.contains("lagrange") || said.contains("closure"),
-        "{said}"
+    check_table(
+        &closed_by(""),
+        refusal,
+        r#"
+child = "rocker tip" => &\nclosure = "penalty" | closure | joint "C": closure needs penalty | add it
+ => &\nclosure = "penalty"\npenalty = -2 | -2 | penalty = -2 is out of range | a positive stiffness
+ => &\nclosure = "penalty"\npenalty = 0 | 0 | penalty = 0 is out | positive
+ => &\nclosure = "penalty"\npenalty = 1e6\npenalty_damping = -1 | -1 | penalty_damping = -1 is out of range | zero or positive
+ => &\nclosure = "multipliers"\npenalty = 1e6 | penalty | joint "C": penalty needs closure = "penalty" | remove this key
+ => &\npenalty_damping = 0.1 | penalty_damping | needs closure | remove
+ => closure = "multipliers" | closure | joint "C": closure needs child | add it
+ => &\nclosure = 3 | | one of the words "map", "multipliers" and "penalty"
+ => &\nclosure = "lagrange" | | `lagrange`
+"#,
     );
     // What does not close names the joint and the gap.
-    let apart = with("closure = \"multipliers\"").replacen(
+    let apart = closed_by("closure = \"multipliers\"").replacen(
         "position = [1.2, 1.9, 0]",
         "position = [1.2, 1.9, 0.3]",
         1,

@@ -1,7 +1,9 @@
 //! `pullback compare`: its files, its page, its refusals.
 #![allow(clippy::unwrap_used)]
 
-use crate::support::program::{compare, directory, ended, files, program_in, read, succeeded};
+use crate::support::program::{
+    check_lines, compare, directory, ended, files, program_in, read, succeeded,
+};
 use pullback::studies::compare::FILES;
 use pullback::studies::gallery::{self, MODELS};
 use std::path::{Path, PathBuf};
@@ -192,43 +194,29 @@ fn several_models_make_one_page_and_a_directory_each() {
 #[test]
 fn refusals_name_what_is_wrong() {
     let directory = directory("program_compare_refusals");
-    let model = example(&directory, "pendulum.toml");
-    for (schemes, steps, word) in [
-        ("newmark,leapfog", "0.1,0.05", "leapfog"),
-        ("hht:-0.5", "0.1,0.05", "alpha of HHT = -0.5"),
-        ("newmark", "0.05,0.1", "0.1 comes after 0.05"),
-        ("newmark", "-0.1,0.05", "step size -0.1"),
-        ("newmark", "NaN,0.05", "step size NaN"),
-        ("newmark", "11,0.05", "11 is larger than the duration 10"),
-        ("newmark", "0.1", "two step sizes"),
-        ("newmark", "0.1,x", "x"),
-        ("newmark", "0.1,0.05s", "'0.05s'"),
-        ("newmark", "0.1,0.05s", "such as 0.01, or a multiple"),
-        ("newmark", "10,0.05", "step size 10 makes one step"),
-        (
-            "lie-bathe",
-            "0.1,0.05",
-            "newmark, hht, wbz, ga, projected-newmark, central-difference",
-        ),
-    ] {
-        let output = compare(&model, &["--schemes", schemes, "--steps", steps]);
-        let said = ended(&output, 2);
-        assert!(said.contains(word), "{said:?} lacks {word:?}");
-    }
-    for (arguments, word) in [
-        (["--threads", "0"], "1 or more"),
-        (["--reference", "lie-ga:0.8"], "without the prefix"),
-        (["--reference", "diffsol-bdf"], "`diffsol-bdf`"),
-        (["--reference", "gaa"], "no scheme is called so"),
-        (
-            ["--residual", "1e-30"],
-            "below the rounding of forces, 2.2e-16",
-        ),
-    ] {
-        let output = compare(&model, &[&ASKED[..], &arguments].concat());
-        let said = ended(&output, 2);
-        assert!(said.contains(word), "{said:?} lacks {word:?}");
-    }
+    example(&directory, "pendulum.toml");
+    check_lines(
+        &directory,
+        "compare model.toml",
+        "
+--schemes newmark,leapfog --steps 0.1,0.05 | leapfog
+--schemes hht:-0.5 --steps 0.1,0.05 | alpha of HHT = -0.5
+--schemes lie-bathe --steps 0.1,0.05 | newmark, hht, wbz, ga, projected-newmark, central-difference
+--schemes newmark --steps 0.05,0.1 | 0.1 comes after 0.05
+--schemes newmark --steps -0.1,0.05 | step size -0.1
+--schemes newmark --steps NaN,0.05 | step size NaN
+--schemes newmark --steps 11,0.05 | 11 is larger than the duration 10
+--schemes newmark --steps 0.1 | two step sizes
+--schemes newmark --steps 0.1,x | x
+--schemes newmark --steps 0.1,0.05s | '0.05s' | such as 0.01, or a multiple
+--schemes newmark --steps 10,0.05 | step size 10 makes one step
+--schemes newmark --steps 0.1,0.05 --threads 0 | 1 or more
+--schemes newmark --steps 0.1,0.05 --reference lie-ga:0.8 | without the prefix
+--schemes newmark --steps 0.1,0.05 --reference diffsol-bdf | `diffsol-bdf`
+--schemes newmark --steps 0.1,0.05 --reference gaa | no scheme is called so
+--schemes newmark --steps 0.1,0.05 --residual 1e-30 | below the rounding of forces, 2.2e-16
+",
+    );
     // A name that is neither a file nor a model has the nearest one beside it.
     let output = compare(Path::new("pendulm"), &ASKED);
     let said = ended(&output, 2);

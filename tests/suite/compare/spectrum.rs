@@ -1,7 +1,7 @@
 //! `pullback spectrum`: its table, its files, what it refuses.
 #![allow(clippy::unwrap_used)]
 
-use crate::support::program::ended;
+use crate::support::program::check_lines;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -95,40 +95,19 @@ fn a_range_without_files_is_noted() {
 
 #[test]
 fn what_it_refuses() {
-    for (arguments, text) in [
-        (
-            &["--schemes", "ga:2"][..],
-            "rho of Chung-Hulbert = 2.0 is outside its range",
-        ),
-        (
-            &["--schemes", "gaa"],
-            "scheme `gaa`: no scheme is called so; there are",
-        ),
-        (
-            &["--schemes", "newmark,lie-ga:0.8"],
-            "do not affect a linear vibration: leave the prefix out, `ga:0.8`",
-        ),
-        (
-            &["--schemes", "projected-newmark:0.5"],
-            "that of its step is the one of `ga:0.5`",
-        ),
-        (
-            &["--schemes", "projected-newmark"],
-            "that of its step is the one of `newmark`",
-        ),
-        (
-            &["--schemes", "diffsol-bdf"],
-            "`diffsol-bdf` is a general solver",
-        ),
-        (
-            &["--schemes", "newmark,bathe,newmark:0.25:0.5"],
-            "scheme `newmark` is given twice",
-        ),
-        (&["--from", "-1"], "Ω from -1 to 1000 is no range"),
-        (&["--from", "10", "--to", "1"], "Ω from 10 to 1 is no range"),
-    ] {
-        let output = spectrum(arguments);
-        let said = ended(&output, 2);
-        assert!(said.contains(text), "{said}");
-    }
+    check_lines(
+        Path::new(env!("CARGO_TARGET_TMPDIR")),
+        "spectrum",
+        "
+--schemes ga:2 | rho of Chung-Hulbert = 2.0 is outside its range
+--schemes gaa | scheme `gaa`: no scheme is called so; there are
+--schemes newmark,lie-ga:0.8 | do not affect a linear vibration: leave the prefix out, `ga:0.8`
+--schemes projected-newmark:0.5 | that of its step is the one of `ga:0.5`
+--schemes projected-newmark | that of its step is the one of `newmark`
+--schemes diffsol-bdf | `diffsol-bdf` is a general solver
+--schemes newmark,bathe,newmark:0.25:0.5 | scheme `newmark` is given twice
+--from -1 | Ω from -1 to 1000 is no range
+--from 10 --to 1 | Ω from 10 to 1 is no range
+",
+    );
 }

@@ -2,7 +2,9 @@
 
 #![allow(clippy::unwrap_used)]
 
-use crate::support::program::{directory, ended, history, number, program_in, read, succeeded};
+use crate::support::program::{
+    check_lines, directory, ended, history, number, program_in, read, succeeded,
+};
 use pullback::input::{assemble_text, with_parameters};
 use std::path::Path;
 
@@ -76,49 +78,24 @@ fn a_parameter_is_a_key_an_entry_or_a_part_by_name() {
 #[test]
 fn unknown_parameters_are_refused_with_those_there_are() {
     let directory = written("parameters_refused");
-    for (set, message, help) in [
-        ("loads.7.force.2=1", "loads has no 7", "`0`"),
-        (
-            "lines.bean.elements=5",
-            "lines has no bean",
-            "did you mean `beam`?",
-        ),
-        (
-            "sections.rid.damping=5",
-            "sections has no rid",
-            "did you mean `rod`?",
-        ),
-        (
-            "nodes.tap=[0,0,0]",
-            "nodes has no tap",
-            "did you mean `tip`?",
-        ),
-        (
-            "loads.0.forc.2=1",
-            "unknown key or word `forc`",
-            "did you mean `force`?",
-        ),
-        ("loads.0.force.2.1=1", "loads.0.force.2 has no 1", ""),
-        ("loads.0=1", "loads.0 is a whole part of the model", ""),
-        (
-            "a..b=1",
-            "\"a..b\" is no path of a parameter",
-            "such as loads.0.force.2",
-        ),
-        ("lines.0.elements=many", "invalid type", "a whole number"),
-        ("=1", "is no path", ""),
-        ("loads", "give PATH=VALUE", ""),
-    ] {
-        let said = ended(
-            &program_in(&directory, &format!("run beam.toml --set {set}")),
-            2,
-        );
-        assert!(
-            said.contains(message) && said.contains(help),
-            "{set}: {said}"
-        );
-        assert!(!directory.join("beam.out").exists());
-    }
+    check_lines(
+        &directory,
+        "run beam.toml --set",
+        r#"
+loads.7.force.2=1 | loads has no 7 | `0`
+lines.bean.elements=5 | lines has no bean | did you mean `beam`?
+sections.rid.damping=5 | sections has no rid | did you mean `rod`?
+nodes.tap=[0,0,0] | nodes has no tap | did you mean `tip`?
+loads.0.forc.2=1 | unknown key or word `forc` | did you mean `force`?
+loads.0.force.2.1=1 | loads.0.force.2 has no 1
+loads.0=1 | loads.0 is a whole part of the model
+a..b=1 | "a..b" is no path of a parameter | such as loads.0.force.2
+lines.0.elements=many | invalid type | a whole number
+=1 | is no path
+loads | give PATH=VALUE
+"#,
+    );
+    assert!(!directory.join("beam.out").exists());
 }
 
 /// A small deflection is P L³/3EI + P L/GA (Timoshenko): over two stiffnesses, in one thread and in two; and as a run
@@ -197,46 +174,25 @@ fn a_stopped_sweep_goes_on() {
 #[test]
 fn sweeps_are_refused_before_the_first_run() {
     let directory = written("sweep_refused");
-    for (arguments, message) in [
-        ("--over lines.0.element=[1]", "did you mean `elements`?"),
-        ("--over lines.1.elements=[1]", "lines has no 1"),
-        ("--over lines.0.elements", "a parameter is PATH=VALUES"),
-        (
-            "--over lines.0.elements=linspace(1,2)",
-            "a range is linspace(FROM,TO,COUNT)",
-        ),
-        (
-            "--over lines.0.elements=geomspace(-1,2,3)",
-            "a range is linspace",
-        ),
-        (
-            "--over lines.0.elements=7",
-            "values are linspace(FROM,TO,COUNT)",
-        ),
-        (
-            "--over lines.0.elements=[1] --keep mean",
-            "last, max, min or at(T)",
-        ),
-        ("--over lines.0.elements=[1] --workers 0", "--workers"),
-        (
-            "--over lines.0.elements=[]",
-            "a parameter has one value or more",
-        ),
-        (
-            "--over lines.0.elements=[1] --over lines.0.elements=[2]",
-            "all its values in one list",
-        ),
-        (
-            "--over nodes.tip.0=linspace(1,2,10000) --over nodes.tip.1=linspace(1,2,10000)",
-            "at most 10000000 runs",
-        ),
-        ("", "--over"),
-    ] {
-        let line = format!("sweep beam.toml {arguments}");
-        let said = ended(&program_in(&directory, line.trim()), 2);
-        assert!(said.contains(message), "{arguments}: {said}");
-        assert!(!directory.join("beam.sweep").exists());
-    }
+    check_lines(
+        &directory,
+        "sweep beam.toml",
+        "
+ | --over
+--over lines.0.element=[1] | did you mean `elements`?
+--over lines.1.elements=[1] | lines has no 1
+--over lines.0.elements | a parameter is PATH=VALUES
+--over lines.0.elements=linspace(1,2) | a range is linspace(FROM,TO,COUNT)
+--over lines.0.elements=geomspace(-1,2,3) | a range is linspace
+--over lines.0.elements=7 | values are linspace(FROM,TO,COUNT)
+--over lines.0.elements=[1] --keep mean | last, max, min or at(T)
+--over lines.0.elements=[1] --workers 0 | --workers
+--over lines.0.elements=[] | a parameter has one value or more
+--over lines.0.elements=[1] --over lines.0.elements=[2] | all its values in one list
+--over nodes.tip.0=linspace(1,2,10000) --over nodes.tip.1=linspace(1,2,10000) | at most 10000000 runs
+",
+    );
+    assert!(!directory.join("beam.sweep").exists());
 }
 
 /// The first frequency of a slender cantilever over its stiffness is a column.

@@ -1,264 +1,112 @@
 //! Mistakes in a model file are refused with their position and with what would be right.
 #![allow(clippy::unwrap_used)]
 
-use crate::support::program::{MODEL, check, directory, refusal, with};
+use crate::support::program::{MODEL, check_table, directory, refusal, with};
 use pullback::input::{assemble_text, load};
 
 #[test]
 fn words_of_earlier_versions_are_refused_with_those_of_today() {
-    let joint = |keys: &str| {
-        let joint = "[[joints]]\nname = \"J\"\n";
-        MODEL.replace("[[supports]]", &format!("{joint}{keys}\n[[supports]]"))
-    };
-    let hinge = |keys: &str| joint(&format!("type = \"revolute\"\naxis = [0, 0, 1]\n{keys}"));
-    for (text, word, now) in [
-        (hinge("master = \"A\""), "master", "parent"),
-        (
-            hinge("parent = \"A\"\ndriven = { constant = 1 }"),
-            "driven",
-            "prescribed",
-        ),
-        (
-            hinge("parent = \"A\"\nmotor = { constant = 1 }"),
-            "motor",
-            "actuator",
-        ),
-        (
-            hinge("parent = \"A\"\nactuator = { hat = { peak = 1, end = 2 } }"),
-            "hat",
-            "triangle",
-        ),
-        (
-            hinge("parent = \"A\"\nprescribed = { run-up = { rate = 1, duration = 2 } }"),
-            "run-up",
-            "spin_up",
-        ),
-        (
-            joint("type = \"offset\"\nparent = \"A\"\nplace = [1, 0, 0]"),
-            "place",
-            "position",
-        ),
-        (
-            joint(
-                "type = \"on_surface\"\nparent = \"A\"\nposition = [1, 0, 0]\n\
-                 surface = { sphere = { centre = [0, 0, 0] } }",
-            ),
-            "centre",
-            "center",
-        ),
-        (
-            MODEL.replace("fix = \"all\"", "fix = \"place\""),
-            "place",
-            "position",
-        ),
-        (
-            MODEL.replace("[analysis.static]", "[analysis.arc-length]"),
-            "arc-length",
-            "arc_length",
-        ),
-        (
-            joint("type = \"on-curve\"\nparent = \"A\""),
-            "on-curve",
-            "on_curve",
-        ),
-    ] {
-        let error = assemble_text("model.toml", &text).err().unwrap();
-        let said = error.report(false);
-        assert!(said.contains(&format!("`{word}` is now `{now}`")), "{said}");
-    }
+    let hinge = "[[joints]]\nname = \"J\"\ntype = \"revolute\"\naxis = [0, 0, 1]\nparent = \"A\"\n";
+    check_table(
+        &with("[[supports]]", &format!("{hinge}[[supports]]")),
+        refusal,
+        r#"
+parent = "A" => master = "A" | master | | `master` is now `parent`
+ => &\ndriven = { constant = 1 } | driven | | `driven` is now `prescribed`
+ => &\nmotor = { constant = 1 } | motor | | `motor` is now `actuator`
+ => &\nactuator = { hat = { peak = 1, end = 2 } } | hat | | `hat` is now `triangle`
+ => &\nprescribed = { run-up = { rate = 1, duration = 2 } } | run-up | | `run-up` is now `spin_up`
+type = "revolute"\naxis = [0, 0, 1] => type = "offset"\nplace = [1, 0, 0] | place | | `place` is now `position`
+ => type = "on_surface"\nposition = [1, 0, 0]\nsurface = { sphere = { centre = [0, 0, 0] } } | centre | | `centre` is now `center`
+ => type = "on-curve" | "on-curve" | | `on-curve` is now `on_curve`
+fix = "all" => fix = "place" | "place" | `place` is now `position`
+[analysis.static] => [analysis.arc-length] | arc-length | | `arc-length` is now `arc_length`
+"#,
+    );
 }
 
 #[test]
 fn unknown_keys_and_words_get_a_suggestion() {
-    check(
-        &with("elements = 8", "elemnets = 8"),
-        "elemnets",
-        "unknown key or word `elemnets`",
-        "did you mean `elements`?",
-    );
-    check(
-        &with("[nodes]", "[nods]"),
-        "nods",
-        "`nods`",
-        "did you mean `nodes`?",
-    );
-    check(
-        &with("EA = 1e6", "AE = 1e6"),
-        "AE",
-        "`AE`",
-        "did you mean `EA`?",
-    );
-    check(
-        &with("\"displacement\"", "\"displacment\""),
-        "\"displacment\"",
-        "`displacment`",
-        "did you mean `displacement`?",
-    );
-    check(
-        &with("[analysis.static]", "[analysis.sttic]"),
-        "sttic",
-        "`sttic`",
-        "`static`, `arc_length`",
-    );
-    check(
-        &with("steps = 4", "stepps = 4"),
-        "stepps",
-        "`stepps`",
-        "`steps`",
+    check_table(
+        MODEL,
+        refusal,
+        r#"
+elements = 8 => elemnets = 8 | elemnets | unknown key or word `elemnets` | did you mean `elements`?
+[nodes] => [nods] | nods | `nods` | did you mean `nodes`?
+EA = 1e6 => AE = 1e6 | AE | `AE` | did you mean `EA`?
+"displacement" => "displacment" | "displacment" | `displacment` | did you mean `displacement`?
+[analysis.static] => [analysis.sttic] | sttic | `sttic` | `static`, `arc_length`
+steps = 4 => stepps = 4 | stepps | `stepps` | `steps`
+"#,
     );
 }
 
 #[test]
 fn wrong_forms_are_refused_where_they_stand() {
-    check(
-        &with("A = [0, 0, 0]", "A = [0, 0]"),
-        "[0, 0]",
-        "array of length 3",
-        "[X, Y, Z]",
-    );
-    check(
-        &with("B = [1, 0, 0]", "B = [1, 0, 0, 0]"),
-        "[1, 0, 0, 0]",
-        "length 3",
-        "[X, Y, Z]",
-    );
-    for (wrong, found) in [
-        ("1e6", "floating point"),
-        ("[1e6]", "length 1"),
-        ("[1e6, 1e6, 1e6]", "length 3"),
-    ] {
-        let text = with("GA = [1e6, 1e6]", &format!("GA = {wrong}"));
-        check(&text, wrong, found, "GA = [GA2, GA3]");
-        check(&text, wrong, "expected an array of length 2", "two numbers");
-    }
-    let stiffness = "stiffness = { EA = 1e6, GA = [1e6, 1e6], GJ = 2.0, EI = [2.0, 2.0] }";
-    check(
-        &with(stiffness, "matrix = [[1, 0, 0, 0, 0, 0], [0, 1, 0]]"),
-        "[0, 1, 0]",
-        "array of length 6",
-        "six rows",
-    );
-    check(
-        &with("elements = 8", "elements = \"8\""),
-        "\"8\"",
-        "expected a whole number",
-        "such as 8",
-    );
-    check(
-        &with("elements = 8", "elements = -8"),
-        "-8",
-        "`-8`, expected a whole number that is not negative",
-        "such as 8",
-    );
-    check(
-        &with("fix = \"all\"", "fix = \"al\""),
-        "\"al\"",
-        "expected \"all\", \"position\", \"rotation\"",
-        "",
-    );
-    check(
-        &with("fix = \"all\"", "fix = [\"x\", \"q\"]"),
-        "[\"x\", \"q\"]",
-        "expected \"all\"",
-        "",
-    );
-    check(&with("title = ", "title "), "\"", "expected", "");
-    check(
-        &with("B = [1, 0, 0]", "A = [1, 0, 0]"),
-        "A",
-        "duplicate key",
-        "",
-    );
-    check(
-        &with("section = \"main\"\n", ""),
-        "[[lines]]",
-        "missing field `section`",
-        "",
+    check_table(
+        MODEL,
+        refusal,
+        r#"
+A = [0, 0, 0] => A = [0, 0] | [0, 0] | array of length 3 | [X, Y, Z]
+B = [1, 0, 0] => B = [1, 0, 0, 0] | [1, 0, 0, 0] | length 3 | [X, Y, Z]
+GA = [1e6, 1e6] => GA = 1e6 | 1e6 | floating point | GA = [GA2, GA3]
+ => GA = 1e6 | 1e6 | expected an array of length 2 | two numbers
+ => GA = [1e6] | [1e6] | length 1 | GA = [GA2, GA3]
+ => GA = [1e6] | [1e6] | expected an array of length 2 | two numbers
+ => GA = [1e6, 1e6, 1e6] | [1e6, 1e6, 1e6] | length 3 | GA = [GA2, GA3]
+ => GA = [1e6, 1e6, 1e6] | [1e6, 1e6, 1e6] | expected an array of length 2 | two numbers
+stiffness = { EA = 1e6, GA = [1e6, 1e6], GJ = 2.0, EI = [2.0, 2.0] } => matrix = [[1, 0, 0, 0, 0, 0], [0, 1, 0]] | [0, 1, 0] | array of length 6 | six rows
+elements = 8 => elements = "8" | "8" | expected a whole number | such as 8
+ => elements = -8 | -8 | `-8`, expected a whole number that is not negative | such as 8
+fix = "all" => fix = "al" | "al" | expected "all", "position", "rotation"
+ => fix = ["x", "q"] | ["x", "q"] | expected "all"
+title = " => title " | " | expected
+B = [1, 0, 0] => A = [1, 0, 0] | A | duplicate key
+section = "main"\n => | [[lines]] | missing field `section`
+"#,
     );
 }
 
 #[test]
 fn unusable_numbers_are_refused() {
-    check(
-        &with("A = [0, 0, 0]", "A = [0, nan, 0]"),
-        "nan",
-        "the number nan",
-        "finite",
-    );
-    check(
-        &with("EA = 1e6", "EA = inf"),
-        "inf",
-        "the number inf",
-        "finite",
-    );
-    check(
-        &with("EA = 1e6", "EA = 1e400"),
-        "1e400",
-        "the number 1e400",
-        "finite",
-    );
-    check(
-        &with("B = [1, 0, 0]", "B = [-1e200, 0, 0]"),
-        "-1e200",
-        "the number -1e200",
-        "1e100",
+    check_table(
+        MODEL,
+        refusal,
+        r#"
+A = [0, 0, 0] => A = [0, nan, 0] | nan | the number nan | finite
+EA = 1e6 => EA = inf | inf | the number inf | finite
+ => EA = 1e400 | 1e400 | the number 1e400 | finite
+B = [1, 0, 0] => B = [-1e200, 0, 0] | -1e200 | the number -1e200 | 1e100
+"#,
     );
 }
 
 #[test]
 fn unknown_names_get_a_suggestion() {
-    check(
-        &with("to = \"B\"", "to = \"C\""),
-        "\"C\"",
-        "no node named \"C\"",
-        "`A`, `B`",
-    );
-    check(
-        &with("section = \"main\"", "section = \"mian\""),
-        "\"mian\"",
-        "no section named \"mian\"",
-        "did you mean `main`?",
-    );
-    check(
-        &with("node = \"A\"\nfix", "node = \"beam/8\"\nfix"),
-        "\"beam/8\"",
-        "no node named \"beam/8\"",
-        "did you mean `beam/",
-    );
-    check(
-        &with("element = \"beam:4\"", "element = \"beam:9\""),
-        "\"beam:9\"",
-        "no element named \"beam:9\"",
-        "`beam:8`",
-    );
-    let loaded = with("node = \"B\"\nmoment", "line = \"bem\"\nforce_per_length");
-    check(
-        &loaded,
-        "\"bem\"",
-        "no line named \"bem\"",
-        "did you mean `beam`?",
+    check_table(
+        MODEL,
+        refusal,
+        r#"
+to = "B" => to = "C" | "C" | no node named "C" | `A`, `B`
+section = "main" => section = "mian" | "mian" | no section named "mian" | did you mean `main`?
+node = "A"\nfix => node = "beam/8"\nfix | "beam/8" | no node named "beam/8" | did you mean `beam/
+element = "beam:4" => element = "beam:9" | "beam:9" | no element named "beam:9" | `beam:8`
+node = "B"\nmoment => line = "bem"\nforce_per_length | "bem" | no line named "bem" | did you mean `beam`?
+"#,
     );
 }
 
 #[test]
 fn names_must_be_usable_and_distinct() {
-    let twice = MODEL.to_owned()
-        + "\n[[lines]]\nname = \"beam\"\nfrom = \"A\"\nto = \"B\"\nelements = 1\nsection = \"main\"\n";
-    check(&twice, "\"beam\"", "two lines named \"beam\"", "own name");
-    let probe =
-        MODEL.to_owned() + "\n[[probes]]\nname = \"tip\"\nnode = \"B\"\nquantity = \"position\"\n";
-    check(&probe, "\"tip\"", "two probes named \"tip\"", "own name");
-    check(
-        &with("name = \"beam\"", "name = \"be/am\""),
-        "\"be/am\"",
-        "line name \"be/am\"",
-        "must not contain",
-    );
-    check(
-        &with("[nodes]\n", "[nodes]\n\"beam/3\" = [0, 1, 0]\n"),
-        "\"beam/3\"",
-        "node name \"beam/3\"",
-        "inner node",
+    check_table(
+        MODEL,
+        refusal,
+        r#"
+component = "3" => &\n[[lines]]\nname = "beam"\nfrom = "A"\nto = "B"\nelements = 1\nsection = "main" | "beam" | two lines named "beam" | own name
+ => &\n[[probes]]\nname = "tip"\nnode = "B"\nquantity = "position" | "tip" | two probes named "tip" | own name
+name = "beam" => name = "be/am" | "be/am" | line name "be/am" | must not contain
+[nodes] => &\n"beam/3" = [0, 1, 0] | "beam/3" | node name "beam/3" | inner node
+"#,
     );
 }
 

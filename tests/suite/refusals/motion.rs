@@ -2,7 +2,7 @@
 //! with its position and with what would be right.
 #![allow(clippy::unwrap_used)]
 
-use crate::support::program::{check, directory, ended, program, ran, refusal, write};
+use crate::support::program::{check, check_table, directory, ended, program, ran, refusal, write};
 
 /// Everything a moving model can have.
 const MODEL: &str = r#"[sections.rod]
@@ -97,205 +97,68 @@ fn the_model_itself_is_fine() {
 
 #[test]
 fn joints() {
-    let cases = [
-        (
-            with("\"revolute\"", "\"revolut\""),
-            "\"revolut\"",
-            "revolut",
-            "did you mean `revolute`",
-        ),
-        (
-            with("axis = [0, 1, 0]\n", ""),
-            "[[joints]]",
-            "needs axis",
-            "",
-        ),
-        (
-            with("position = [1.5, 0, 0]\n", ""),
-            "[[joints]]",
-            "needs position",
-            "",
-        ),
-        (
-            with("parent = \"B\"\n", ""),
-            "[[joints]]",
-            "needs parent",
-            "",
-        ),
-        (
-            with("lines = [\"rod\"]\n", ""),
-            "[[joints]]",
-            "needs lines",
-            "",
-        ),
-        (
-            with("axis = [0, 1, 0]", "axis = [0, 0, 0]"),
-            "[0, 0, 0]",
-            "axis",
-            "",
-        ),
-        (
-            with("parent = \"B\"", "parent = \"Q\""),
-            "\"Q\"",
-            "no node named \"Q\"",
-            "here are",
-        ),
-        (
-            with("parent = \"B\"", "parent = \"hand\""),
-            "\"",
-            "wait for each other",
-            "start at a node",
-        ),
-        (with("start = 0.25", "axis = [0, 0, 1]"), "axis", "axis", ""),
-        (with("start = 0.25", "start = 9"), "9", "ring", ""),
-        (
-            with("lines = [\"rod\"]", "lines = [\"rope\"]"),
-            "\"rope\"",
-            "no line named \"rope\"",
-            "`rod`",
-        ),
-        (
-            with("elements = 4", "elements = 4\norder = 2"),
-            "\"rod\"",
-            "order",
-            "",
-        ),
-        (
-            with("name = \"ball\"", "name = \"hinge\""),
-            "\"hinge\"",
-            "hinge",
-            "",
-        ),
-        (
-            with(
-                "axis = [0, 1, 0]",
-                "axis = [0, 1, 0]\nprescribed = { proportional = 1 }\nspring = { k = 1 }",
-            ),
-            "spring",
-            "hinge",
-            "",
-        ),
-        (
-            with(
-                "axis = [0, 1, 0]",
-                "axis = [0, 1, 0]\nprescribed = { pulse = { end = 1 } }",
-            ),
-            "{ pulse",
-            "jump",
-            "ramp",
-        ),
-        (
-            with("axis = [0, 1, 0]", "axis = [0, 1, 0]\nspring = { k = nan }"),
-            "nan",
-            "",
-            "",
-        ),
-        (
-            with("node = \"A\"\nfix", "node = \"hinge\"\nfix"),
-            "",
-            "hinge",
-            "",
-        ),
-    ];
-    for (text, position, message, advice) in &cases {
-        check(text, position, message, advice);
-    }
+    check_table(
+        MODEL,
+        refusal,
+        r#"
+"revolute" => "revolut" | "revolut" | revolut | did you mean `revolute`
+axis = [0, 1, 0]\n => | [[joints]] | needs axis
+position = [1.5, 0, 0]\n => | [[joints]] | needs position
+parent = "B"\n => | [[joints]] | needs parent
+lines = ["rod"]\n => | [[joints]] | needs lines
+axis = [0, 1, 0] => axis = [0, 0, 0] | [0, 0, 0] | axis
+parent = "B" => parent = "Q" | "Q" | no node named "Q" | here are
+ => parent = "hand" | " | wait for each other | start at a node
+start = 0.25 => axis = [0, 0, 1] | axis | axis
+ => start = 9 | 9 | ring
+lines = ["rod"] => lines = ["rope"] | "rope" | no line named "rope" | `rod`
+elements = 4 => &\norder = 2 | "rod" | order
+name = "ball" => name = "hinge" | "hinge" | hinge
+axis = [0, 1, 0] => &\nprescribed = { proportional = 1 }\nspring = { k = 1 } | spring | hinge
+ => &\nprescribed = { pulse = { end = 1 } } | { pulse | jump | ramp
+ => &\nspring = { k = nan } | nan
+node = "A"\nfix => node = "hinge"\nfix | | hinge
+"#,
+    );
 }
 
 #[test]
 fn bodies_and_springs() {
-    let cases = [
-        (with("mass = 2.0", "mass = -2.0"), "[[bodies]]", "bob", ""),
-        // No body has a moment of inertia above the sum of the others.
-        (with("[1, 1, 1]", "[1, 1, 3]"), "[[bodies]]", "bob", ""),
-        (with("[1, 1, 1]", "[1, 1]"), "[1, 1]", "three numbers", ""),
-        (
-            with("[1, 1, 1]", "[[1, 2, 0], [0, 1, 0], [0, 0, 1]]"),
-            "[[bodies]]",
-            "bob",
-            "",
-        ),
-        (
-            with("node = \"C\"\nmass", "node = \"D\"\nmass"),
-            "\"D\"",
-            "no node named \"D\"",
-            "",
-        ),
-        (
-            with("name = \"bead\"", "name = \"bob\""),
-            "\"bob\"",
-            "bob",
-            "",
-        ),
-        (with("[\"C\", \"B\"]", "[\"C\", \"C\"]"), "", "rope", ""),
-        (with("stiffness = 10.0\n", ""), "[[springs]]", "rope", ""),
-        (
-            with("stiffness = 10.0", "stiffness = -10.0"),
-            "",
-            "rope",
-            "",
-        ),
-        (
-            with(
-                "stiffness = 10.0",
-                "bushing = { stiffness = [1, 1, 1, 1, 1] }",
-            ),
-            "[1, 1",
-            "six numbers",
-            "",
-        ),
-    ];
-    for (text, position, message, advice) in &cases {
-        check(text, position, message, advice);
-    }
+    // No body has a moment of inertia above the sum of the others.
+    check_table(
+        MODEL,
+        refusal,
+        r#"
+mass = 2.0 => mass = -2.0 | [[bodies]] | bob
+[1, 1, 1] => [1, 1, 3] | [[bodies]] | bob
+ => [1, 1] | [1, 1] | three numbers
+ => [[1, 2, 0], [0, 1, 0], [0, 0, 1]] | [[bodies]] | bob
+node = "C"\nmass => node = "D"\nmass | "D" | no node named "D"
+name = "bead" => name = "bob" | "bob" | bob
+["C", "B"] => ["C", "C"] | | rope
+stiffness = 10.0\n => | [[springs]] | rope
+stiffness = 10.0 => stiffness = -10.0 | | rope
+ => bushing = { stiffness = [1, 1, 1, 1, 1] } | [1, 1 | six numbers
+"#,
+    );
 }
 
 #[test]
 fn initial_conditions() {
-    let old = "node = \"ball\"\nangular_velocity = [0, 0, 1]";
-    let cases = [
-        ("node = \"ball\"", "[[initial]]", "", ""),
-        (
-            "node = \"ball\"\nline = \"rod\"\nvelocity = [0, 0, 1]",
-            "line",
-            "line",
-            "",
-        ),
-        ("rotation = [0, 0, 1]", "rotation", "rotation", "node"),
-        (
-            "node = \"hand\"\nvelocity = [0, 0, 1]",
-            "velocity",
-            "is attached to a joint",
-            "rate",
-        ),
-        (
-            "node = \"hinge\"\nangular_velocity = [0, 1, 0]",
-            "angular_velocity",
-            "is attached to a joint",
-            "rate",
-        ),
-        (
-            "node = \"A\"\ndisplacement = [0, 0, 1]",
-            "[0, 0, 1]",
-            "held",
-            "",
-        ),
-        (
-            "line = \"bar\"\nvelocity = [0, 0, 1]",
-            "\"bar\"",
-            "no line named \"bar\"",
-            "`rod`",
-        ),
-        (
-            "node = \"C\"\nangular_velocity = [0, 0, 1]\nbody_angular_velocity = [0, 0, 1]",
-            "body_angular_velocity",
-            "",
-            "",
-        ),
-    ];
-    for (new, position, message, advice) in cases {
-        check(&with(old, new), position, message, advice);
-    }
+    check_table(
+        MODEL,
+        refusal,
+        r#"
+node = "ball"\nangular_velocity = [0, 0, 1] => node = "ball" | [[initial]]
+ => node = "ball"\nline = "rod"\nvelocity = [0, 0, 1] | line | line
+ => rotation = [0, 0, 1] | rotation | rotation | node
+ => node = "hand"\nvelocity = [0, 0, 1] | velocity | is attached to a joint | rate
+ => node = "hinge"\nangular_velocity = [0, 1, 0] | angular_velocity | is attached to a joint | rate
+ => node = "A"\ndisplacement = [0, 0, 1] | [0, 0, 1] | held
+ => line = "bar"\nvelocity = [0, 0, 1] | "bar" | no line named "bar" | `rod`
+ => node = "C"\nangular_velocity = [0, 0, 1]\nbody_angular_velocity = [0, 0, 1] | body_angular_velocity
+"#,
+    );
     let statics = with(
         "[analysis.dynamic]\nto = 1.0\nstep = 0.1\nscheme = { hht = -0.1 }\n",
         "",
@@ -309,82 +172,44 @@ fn initial_conditions() {
 
 #[test]
 fn analyses_and_probes() {
-    let cases = [
-        (with("step = 0.1", "step = 0"), "0", "step", "positive"),
-        (with("step = 0.1", "step = 2"), "2", "step", "to"),
-        (with("to = 1.0", "to = -1.0"), "-1.0", "to", "positive"),
-        (
-            with("{ hht = -0.1 }", "{ hht = 0.1 }"),
-            "{ hht",
-            "alpha",
-            "",
-        ),
-        (
-            with("{ hht = -0.1 }", "{ newmark = [0.1, 0.2] }"),
-            "{ newmark",
-            "gamma",
-            "",
-        ),
-        (with("{ hht = -0.1 }", "{ wbz = 1.5 }"), "{ wbz", "rho", ""),
-        (
-            with("{ hht = -0.1 }", "{ rk4 = 1 }"),
-            "{ rk4",
-            "scheme `rk4`: no scheme is called so; there are",
-            "",
-        ),
-        (
-            with("step = 0.1", "step = 0.1\nrecord_every = 0"),
-            "0",
-            "record_every",
-            "",
-        ),
-        (
-            with("step = 0.1", "step = 0.1\nrecord_interval = -1"),
-            "-1",
-            "record_interval",
-            "",
-        ),
-        (
-            with(
-                "step = 0.1",
-                "step = 0.1\nrecord_every = 2\nrecord_interval = 0.5",
-            ),
-            "0.5",
-            "record_interval",
-            "no record_every",
-        ),
-        (
-            with("step = 0.1", "step = 0.1\nrecord_interval = 1e-10"),
-            "1e-10",
-            "record_interval",
-            "at most 1e9 rows",
-        ),
-        (
-            with("step = 0.1", "step = 0.1\nadaptive = { tolerance = 0 }"),
-            "0",
-            "tolerance",
-            "",
-        ),
-        (
-            with("joint = \"hinge\"", "joint = \"ball\""),
-            "\"ball\"",
-            "released coordinate",
-            "",
-        ),
-        (with("joint = \"hinge\"\n", ""), "", "needs", ""),
-        (
-            with(
-                "\"joint_coordinate\"\njoint = \"hinge\"",
-                "\"joint_force\"\nnode = \"C\"",
-            ),
-            "",
-            "is attached to no joint",
-            "",
-        ),
-    ];
-    for (text, position, message, advice) in &cases {
-        check(text, position, message, advice);
-    }
+    check_table(
+        MODEL,
+        refusal,
+        r#"
+step = 0.1 => step = 0 | 0 | step | positive
+ => step = 2 | 2 | step | to
+ => &\nrecord_every = 0 | 0 | record_every
+ => &\nrecord_interval = -1 | -1 | record_interval
+ => &\nrecord_every = 2\nrecord_interval = 0.5 | 0.5 | record_interval | no record_every
+ => &\nrecord_interval = 1e-10 | 1e-10 | record_interval | at most 1e9 rows
+ => &\nadaptive = { tolerance = 0 } | 0 | tolerance
+to = 1.0 => to = -1.0 | -1.0 | to | positive
+{ hht = -0.1 } => { hht = 0.1 } | { hht | alpha
+ => { newmark = [0.1, 0.2] } | { newmark | gamma
+ => { wbz = 1.5 } | { wbz | rho
+ => { rk4 = 1 } | { rk4 | scheme `rk4`: no scheme is called so; there are
+joint = "hinge" => joint = "ball" | "ball" | released coordinate
+joint = "hinge"\n => | | needs
+"joint_coordinate"\njoint = "hinge" => "joint_force"\nnode = "C" | | is attached to no joint
+"#,
+    );
+}
+
+#[test]
+fn forms_that_the_parser_knows_by_other_words() {
+    check_table(
+        MODEL,
+        refusal,
+        r#"
+axis = [0, 1, 0] => &\nactuator = 5 | 5 | a table with one key
+ => &\nactuator = "constant" | | a table with one key
+{ hht = -0.1 } => "hht" | "hht" | 0 numbers are given
+step = 0.1 => &\nadaptive = 1e-4 | 1e-4 | expected a table of its keys
+[[supports]] => [supports] | | two brackets
+[analysis.dynamic] => [analysis.static]\n[analysis.dynamic] | | exactly one key
+name = "angle" => name = "t" | "t" | another column "t" | another name
+"#,
+    );
 }
 
 #[test]
@@ -442,51 +267,6 @@ step = 0.01
         crate::support::program::read(out.join("result.json")),
         before
     );
-}
-
-#[test]
-fn forms_that_the_parser_knows_by_other_words() {
-    let motor = |form: &str| {
-        with(
-            "axis = [0, 1, 0]",
-            &format!("axis = [0, 1, 0]\nactuator = {form}"),
-        )
-    };
-    let cases = [
-        (motor("5"), "5", "a table with one key", ""),
-        (motor("\"constant\""), "", "a table with one key", ""),
-        (
-            with("{ hht = -0.1 }", "\"hht\""),
-            "\"hht\"",
-            "0 numbers are given",
-            "",
-        ),
-        (
-            with("step = 0.1", "step = 0.1\nadaptive = 1e-4"),
-            "1e-4",
-            "expected a table of its keys",
-            "",
-        ),
-        (with("[[supports]]", "[supports]"), "", "two brackets", ""),
-        (
-            with(
-                "[analysis.dynamic]",
-                "[analysis.static]\n[analysis.dynamic]",
-            ),
-            "",
-            "exactly one key",
-            "",
-        ),
-        (
-            with("name = \"angle\"", "name = \"t\""),
-            "\"t\"",
-            "another column \"t\"",
-            "another name",
-        ),
-    ];
-    for (text, position, message, advice) in &cases {
-        check(text, position, message, advice);
-    }
 }
 
 #[test]

@@ -3,12 +3,11 @@
 
 #![allow(clippy::unwrap_used, non_snake_case)]
 
-use crate::support::program::{directory, ended, history, number, write};
+use crate::support::program::{check_table, directory, ended, history, number, write};
 use pullback::check;
 use pullback::elements::beam::Interpolation;
 use pullback::elements::joint::{JointMap, JointNodes, Revolute};
-use pullback::input::Registry;
-use pullback::input::{BoxedError, InputError};
+use pullback::input::{BoxedError, Registry};
 use pullback::manifold::map::{MapGraph, Order, Parametrization};
 use pullback::manifold::system::Quantity;
 use pullback::prelude::*;
@@ -252,125 +251,29 @@ step = 0.001
     assert!(table.contains(blame) && table.lines().any(of_it), "{table}");
 }
 
-#[track_caller]
-fn refused(old: &str, new: &str) -> (InputError, String) {
-    assert!(MODEL.contains(old));
-    let text = MODEL.replacen(old, new, 1);
-    match registry().assemble_text("model.toml", &text) {
-        Ok(_) => panic!("this was accepted:\n{text}"),
-        Err(error) => (error, text),
-    }
-}
-
 #[test]
 fn what_is_wrong_with_its_keys_is_pointed_at() {
-    let cases = [
-        (
-            "\"bench\"",
-            "\"bensh\"",
-            "\"bensh\"",
-            "no type of joint",
-            "did you mean `bench`",
-        ),
-        (
-            "\"bench\"",
-            "\"screw\"",
-            "\"screw\"",
-            "no type of joint",
-            "`revolute`",
-        ),
-        (
-            "first =",
-            "frist =",
-            "frist",
-            "no use for frist",
-            "did you mean `first`",
-        ),
-        ("second = [0, 1, 0]\n", "", "[[joints]]", "needs second", ""),
-        (
-            "second = [0, 1, 0]",
-            "second = [0, 1]",
-            "[0, 1]",
-            "length 2",
-            "",
-        ),
-        (
-            "second = [0, 1, 0]",
-            "second = [0, 1, 0, 0]",
-            "[0, 1, 0, 0]",
-            "length 4",
-            "",
-        ),
-        (
-            "second = [0, 1, 0]",
-            "second = [0, \"1\", 0]",
-            "\"1\"",
-            "invalid type",
-            "",
-        ),
-        (
-            "second = [0, 1, 0]",
-            "second = [0, 1, 0]\nused = { scael = 2 }",
-            "scael",
-            "no use for used.scael",
-            "",
-        ),
-        (
-            "second = [0, 1, 0]",
-            "second = [0, 1, 0]\nused = { scale = \"big\" }",
-            "\"big\"",
-            "invalid type",
-            "",
-        ),
-        (
-            "second = [0, 1, 0]",
-            "second = [1, 0, 0]",
-            "[[joints]]",
-            "its two ways are one",
-            "",
-        ),
-        (
-            "second = [0, 1, 0]",
-            "second = [0, 1, 0]\nlines = [\"a\"]",
-            "lines",
-            "no use for lines",
-            "",
-        ),
-        (
-            "second = [0, 1, 0]",
-            "second = [0, 1, 0]\nspring = { k = 1 }",
-            "spring",
-            "no use for spring",
-            "",
-        ),
-        (
-            "{ left = ",
-            "{ lef = ",
-            "lef",
-            "no coordinate of the joint named \"lef\"",
-            "did you mean `left`",
-        ),
-        (
-            "parent = \"ground\"\n",
-            "",
-            "[[joints]]",
-            "needs parent",
-            "",
-        ),
-    ];
-    for (old, new, position, message, advice) in cases {
-        let (error, text) = refused(old, new);
-        let said = error.to_string();
-        assert!(said.contains(message), "{said:?} lacks {message:?}");
-        let help = error.problem.advice().unwrap_or_default();
-        assert!(help.contains(advice), "{said}: {help:?} lacks {advice:?}");
-        let span = error.span.clone().expect("a position");
-        assert!(
-            text[span.start..].starts_with(position),
-            "{said}: {:?}",
-            &text[span]
-        );
-    }
+    let refusal = |text: &str| (registry().assemble_text("model.toml", text).err()).expect(text);
+    check_table(
+        MODEL,
+        refusal,
+        r#"
+"bench" => "bensh" | "bensh" | no type of joint | did you mean `bench`
+ => "screw" | "screw" | no type of joint | `revolute`
+first = => frist = | frist | no use for frist | did you mean `first`
+second = [0, 1, 0]\n => | [[joints]] | needs second
+second = [0, 1, 0] => second = [0, 1] | [0, 1] | length 2
+ => second = [0, 1, 0, 0] | [0, 1, 0, 0] | length 4
+ => second = [0, "1", 0] | "1" | invalid type
+ => &\nused = { scael = 2 } | scael | no use for used.scael
+ => &\nused = { scale = "big" } | "big" | invalid type
+ => second = [1, 0, 0] | [[joints]] | its two ways are one
+ => &\nlines = ["a"] | lines | no use for lines
+ => &\nspring = { k = 1 } | spring | no use for spring
+{ left = => { lef = | lef | no coordinate of the joint named "lef" | did you mean `left`
+parent = "ground"\n => | [[joints]] | needs parent
+"#,
+    );
 }
 
 #[test]

@@ -97,7 +97,56 @@ pub fn refusal(text: &str) -> InputError {
 /// Refuses `text` with a message, advice, and a position whose text begins with `position`.
 #[track_caller]
 pub fn check(text: &str, position: &str, message: &str, advice: &str) {
-    let error = refusal(text);
+    check_error(text, &refusal(text), position, message, advice);
+}
+
+/// Rows of a table with bars between their cells; missing cells are empty. A row that begins with # is a comment.
+pub fn cells<const N: usize>(table: &str) -> impl Iterator<Item = [&str; N]> {
+    let rows = table.lines().map(str::trim);
+    let rows = rows.filter(|row| !row.is_empty() && !row.starts_with('#'));
+    rows.map(|row| {
+        let mut cells = row.split('|').map(str::trim);
+        let all = std::array::from_fn(|_| cells.next().unwrap_or_default());
+        assert_eq!(cells.next(), None, "{row}");
+        all
+    })
+}
+
+/// Refuses each change of a model in a table of `old => new | position | message | advice`. A row without `old`
+/// changes what the row before does; `&` in `new` is the old text, and `\n` ends a line.
+#[track_caller]
+pub fn check_table(model: &str, refusal: impl Fn(&str) -> InputError, table: &str) {
+    let mut old = String::new();
+    for [change, position, message, advice] in cells(table) {
+        println!("{change}");
+        let [from, to] = change.split_once("=>").unwrap().into();
+        if !from.is_empty() {
+            old = from.trim().replace("\\n", "\n");
+        }
+        assert!(model.contains(&old), "the model does not contain {old:?}");
+        let new = to.trim().replace("\\n", "\n").replace('&', &old);
+        let text = model.replacen(&old, &new, 1);
+        check_error(&text, &refusal(&text), position, message, advice);
+    }
+}
+
+/// Refuses each line of a table of `arguments | words of the refusal | more of them`, after the words of a command.
+#[track_caller]
+pub fn check_lines(directory: &Path, command: &str, table: &str) {
+    for [arguments, words, more] in cells(table) {
+        let said = ended(
+            &program_in(directory, format!("{command} {arguments}").trim()),
+            2,
+        );
+        assert!(
+            said.contains(words) && said.contains(more),
+            "{arguments}: {said}"
+        );
+    }
+}
+
+#[track_caller]
+fn check_error(text: &str, error: &InputError, position: &str, message: &str, advice: &str) {
     let said = error.to_string();
     assert!(said.contains(message), "message {said:?} lacks {message:?}");
     let help = error.problem.advice().unwrap_or_default();
