@@ -1,58 +1,10 @@
 //! The joints of the library in motion, from model files, against closed forms.
 #![allow(clippy::unwrap_used)]
 
-use crate::support::program::{check, number, recorded};
+use crate::support::closures::{angle, on_joint};
+use crate::support::program::{check_table, number, recorded, refusal};
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
-
-/// A body on a joint that is attached to the ground.
-fn model(joint: &str, body: &str, rest: &str) -> String {
-    format!(
-        r#"
-[nodes]
-ground = [0, 0, 0]
-
-[[joints]]
-name = "joint"
-parent = "ground"
-{joint}
-
-[[bodies]]
-name = "body"
-node = "joint"
-mass = 2.0
-{body}
-
-[[supports]]
-node = "ground"
-fix = "all"
-
-[[loads]]
-gravity = [0, 0, -9.81]
-
-[analysis.dynamic]
-to = 1.0
-step = 0.001
-scheme = {{ newmark = [0.25, 0.5] }}
-record_every = 10
-
-[output]
-figures = false
-paraview_every = 0
-
-[[probes]]
-name = "position"
-quantity = "position"
-node = "joint"
-
-{rest}
-"#
-    )
-}
-
-fn coordinate(name: &str) -> String {
-    format!("[[probes]]\nname = \"{name}\"\nquantity = \"joint_coordinate\"\njoint = \"{name}\"\n")
-}
 
 #[track_caller]
 fn ran(name: &str, text: &str) -> Vec<HashMap<String, String>> {
@@ -66,10 +18,10 @@ const G: f64 = 9.81;
 #[test]
 fn a_nut_runs_down_its_screw() {
     let pitch = 0.4;
-    let text = model(
+    let text = on_joint(
         &format!("type = \"helical\"\naxis = [0, 0, 1]\npitch = {pitch}"),
         "inertia = [0.06, 0.06, 0.05]",
-        &coordinate("joint"),
+        &angle("joint"),
     );
     // (J + m p²/4π²) φ̈ = −m g p/2π.
     let lead = pitch / TAU;
@@ -86,10 +38,10 @@ fn a_nut_runs_down_its_screw() {
 fn a_cylindrical_joint_falls_and_spins_by_itself() {
     let acts = "coordinates = { angle = { actuator = { constant = 0.3 }, rate = 2.0 }, \
                 displacement = { spring = { k = 50.0 } } }";
-    let text = model(
+    let text = on_joint(
         &format!("type = \"cylindrical\"\naxis = [0, 0, 1]\n{acts}"),
         "inertia = [1, 1, 0.6]",
-        &(coordinate("joint displacement") + &coordinate("joint angle")),
+        &(angle("joint displacement") + &angle("joint angle")),
     );
     for row in ran("joint_cylindrical", &text) {
         let t = number(&row, "t");
@@ -104,12 +56,10 @@ fn a_cylindrical_joint_falls_and_spins_by_itself() {
 fn a_puck_on_a_slope_flies_like_a_stone() {
     // The plane with the normal (0, −1, 1)/√2: half of gravity's square along the slope.
     let acts = "coordinates = { \"displacement 1\" = { rate = 3.0 }, angle = { rate = 4.0 } }";
-    let text = model(
+    let text = on_joint(
         &format!("type = \"planar\"\naxis = [0, -1, 1]\nsecond_axis = [1, 0, 0]\n{acts}"),
         "inertia = [1, 2, 2]",
-        &(coordinate("joint displacement 1")
-            + &coordinate("joint displacement 2")
-            + &coordinate("joint angle")),
+        &(angle("joint displacement 1") + &angle("joint displacement 2") + &angle("joint angle")),
     );
     let down = -G / 2.0_f64.sqrt();
     for row in ran("joint_planar", &text) {
@@ -144,7 +94,7 @@ fn a_body_on_a_coupling_goes_round_without_turning_about_its_shaft() {
     let rotation = "[[probes]]\nname = \"turn\"\nquantity = \"rotation\"\nnode = \"bob\"\n";
     let offset =
         "[[joints]]\nname = \"bob\"\ntype = \"offset\"\nparent = \"joint\"\nposition = [0, 0, -1]";
-    let text = model(&coupling, &body, rotation)
+    let text = on_joint(&coupling, &body, rotation)
         .replace("to = 1.0\nstep = 0.001", "to = 2.2\nstep = 0.0005")
         .replace("record_every = 10", "record_every = 44")
         .replace("\nnode = \"joint\"", "\nnode = \"bob\"")
@@ -176,7 +126,7 @@ fn what_is_welded_to_an_arm_turns_with_it() {
                  \"arm\"\ntype = \"offset\"\nparent = \"joint\"\nposition = [0.5, 0, 0]\n\n[[joints]]\nname = \
                  \"weld\"\ntype = \"weld\"\nparent = \"arm\"";
     let turn = "[[probes]]\nname = \"turn\"\nquantity = \"rotation\"\nnode = \"weld\"\n";
-    let text = model(joint, "inertia = [0.3, 0.4, 0.6]", turn)
+    let text = on_joint(joint, "inertia = [0.3, 0.4, 0.6]", turn)
         .replace("\nnode = \"joint\"", "\nnode = \"weld\"");
     for row in ran("joint_weld", &text) {
         let t = number(&row, "t");
@@ -273,26 +223,16 @@ component = "norm"
 
 #[test]
 fn coordinates_of_joints_are_refused_by_name() {
-    let two = |acts: &str| {
-        let joint =
-            format!("type = \"universal\"\naxis = [1, 0, 0]\nsecond_axis = [0, 1, 0]\n{acts}");
-        model(&joint, "inertia = [1, 1, 1]", "")
-    };
-    check(&two("rate = 1"), "rate", "universal", "");
-    check(
-        &two("coordinates = { angle = { rate = 1 } }"),
-        "angle",
-        "no coordinate of the joint named \"angle\"",
-        "angle 1",
+    let joint = "type = \"universal\"\naxis = [1, 0, 0]\nsecond_axis = [0, 1, 0]";
+    check_table(
+        &on_joint(joint, "inertia = [1, 1, 1]", ""),
+        refusal,
+        r#"
+second_axis = [0, 1, 0] => &\nrate = 1 | rate | universal
+ => &\ncoordinates = { angle = { rate = 1 } } | angle | no coordinate of the joint named "angle" | angle 1
+ => second_axis = [-2, 0, 0] | [1, 0, 0] | parallel
+ => | [[joints]] | needs second_axis
+type = "universal"\naxis = [1, 0, 0]\nsecond_axis = [0, 1, 0] => type = "weld"\naxis = [1, 0, 0] | axis | weld
+"#,
     );
-    let parallel = two("").replace("second_axis = [0, 1, 0]", "second_axis = [-2, 0, 0]");
-    check(&parallel, "[1, 0, 0]", "parallel", "");
-    let forgot = two("").replace("second_axis = [0, 1, 0]\n", "");
-    check(&forgot, "[[joints]]", "needs second_axis", "");
-    let weld = model(
-        "type = \"weld\"\naxis = [1, 0, 0]",
-        "inertia = [1, 1, 1]",
-        "",
-    );
-    check(&weld, "axis", "weld", "");
 }

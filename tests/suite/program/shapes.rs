@@ -1,7 +1,8 @@
 //! Points on curves and surfaces of model files, against closed forms.
 #![allow(clippy::unwrap_used)]
 
-use crate::support::program::{check, number, recorded};
+use crate::support::closures::on_joint;
+use crate::support::program::{check_table, number, recorded, refusal};
 use std::f64::consts::PI;
 
 /// A body on a joint that the ground bears, under gravity along −z: x, y, z at the times of all rows.
@@ -16,44 +17,14 @@ fn run(name: &str, joint: &str, gravity: f64, [to, step]: [f64; 2]) -> Vec<[f64;
 }
 
 fn model(joint: &str, gravity: f64, [to, step]: [f64; 2]) -> String {
-    format!(
-        r#"
-[nodes]
-ground = [0.5, 0.25, -1]
-
-[[joints]]
-name = "bead"
-parent = "ground"
-{joint}
-
-[[bodies]]
-name = "bead"
-node = "bead"
-mass = 2
-inertia = [0.03, 0.03, 0.03]
-
-[[supports]]
-node = "ground"
-fix = "all"
-
-[[loads]]
-gravity = [0, 0, -{gravity}]
-
-[analysis.dynamic]
-to = {to}
-step = {step}
-scheme = {{ newmark = [0.25, 0.5] }}
-
-[output]
-figures = false
-paraview_every = 0
-
-[[probes]]
-name = "position"
-quantity = "position"
-node = "bead"
-"#
-    )
+    on_joint(joint, "inertia = [0.03, 0.03, 0.03]", "")
+        .replace("ground = [0, 0, 0]", "ground = [0.5, 0.25, -1]")
+        .replace("-9.81", &format!("-{gravity}"))
+        .replace(
+            "to = 1.0\nstep = 0.001",
+            &format!("to = {to}\nstep = {step}"),
+        )
+        .replace("record_every = 10\n", "")
 }
 
 #[test]
@@ -151,39 +122,16 @@ fn a_point_on_a_plane_slides_down_it() {
 
 #[test]
 fn curves_and_surfaces_that_are_none_are_refused() {
-    let refuse = |joint: &str, position: &str, message: &str| {
-        check(&model(joint, 9.81, [1.0, 0.1]), position, message, "");
-    };
-    let on_curve = |keys: &str| format!("type = \"on_curve\"\n{keys}");
-    let named = "[[joints]]";
-    refuse(
-        &on_curve("through = [[0, 0, 0]]"),
-        named,
-        "2 points at least, got 1",
-    );
-    let two = "through = [[0, 0, 0], [1, 0, 0]]";
-    refuse(
-        &on_curve(&format!("{two}\nclosed = true")),
-        named,
-        "3 points",
-    );
-    refuse(
-        &on_curve(&format!("{two}\nstart = 1.5")),
-        named,
-        "between 0 and 1",
-    );
-    let twice = "through = [[0, 0, 0], [1, 0, 0], [1, 0, 0]]";
-    refuse(&on_curve(twice), named, "point 3 of its curve");
-    let on_surface =
-        |surface: &str| format!("type = \"on_surface\"\nposition = [0, 0, 1]\nsurface = {surface}");
-    refuse(
-        &on_surface("{ sphere = { center = [0, 0, 1] } }"),
-        named,
-        "has no direction",
-    );
-    refuse(
-        &on_surface("{ cylinder = { center = [0, 0, 5], axis = [0, 0, 1] } }"),
-        named,
-        "has no direction",
+    check_table(
+        &model("type = \"weld\"", 9.81, [1.0, 0.1]),
+        refusal,
+        r#"
+type = "weld" => type = "on_curve"\nthrough = [[0, 0, 0]] | [[joints]] | 2 points at least, got 1
+ => type = "on_curve"\nthrough = [[0, 0, 0], [1, 0, 0]]\nclosed = true | [[joints]] | 3 points
+ => type = "on_curve"\nthrough = [[0, 0, 0], [1, 0, 0]]\nstart = 1.5 | [[joints]] | between 0 and 1
+ => type = "on_curve"\nthrough = [[0, 0, 0], [1, 0, 0], [1, 0, 0]] | [[joints]] | point 3 of its curve
+ => type = "on_surface"\nposition = [0, 0, 1]\nsurface = { sphere = { center = [0, 0, 1] } } | [[joints]] | has no direction
+ => type = "on_surface"\nposition = [0, 0, 1]\nsurface = { cylinder = { center = [0, 0, 5], axis = [0, 0, 1] } } | [[joints]] | has no direction
+"#,
     );
 }

@@ -112,9 +112,55 @@ pub fn apart(a: f64, b: f64) -> f64 {
     ((a - b + PI).rem_euclid(TAU) - PI).abs()
 }
 
+/// The probe of a joint's coordinate, of its name.
 pub fn angle(joint: &str) -> String {
     format!(
         "[[probes]]\nname = \"{joint}\"\nquantity = \"joint_coordinate\"\njoint = \"{joint}\"\n"
+    )
+}
+
+/// A body of mass 2 on a joint that is attached to the ground, under gravity; with more of the file.
+pub fn on_joint(joint: &str, body: &str, rest: &str) -> String {
+    format!(
+        r#"
+[nodes]
+ground = [0, 0, 0]
+
+[[joints]]
+name = "joint"
+parent = "ground"
+{joint}
+
+[[bodies]]
+name = "body"
+node = "joint"
+mass = 2.0
+{body}
+
+[[supports]]
+node = "ground"
+fix = "all"
+
+[[loads]]
+gravity = [0, 0, -9.81]
+
+[analysis.dynamic]
+to = 1.0
+step = 0.001
+scheme = {{ newmark = [0.25, 0.5] }}
+record_every = 10
+
+[output]
+figures = false
+paraview_every = 0
+
+[[probes]]
+name = "position"
+quantity = "position"
+node = "joint"
+
+{rest}
+"#
     )
 }
 
