@@ -2,6 +2,7 @@
 
 mod balance;
 mod check;
+mod checkpoints;
 mod dynamic;
 mod figures;
 mod gallery_command;
