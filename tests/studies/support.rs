@@ -1,7 +1,5 @@
 //! Set-up that the suite has too.
 
-#[path = "../suite/support/andrews.rs"]
-pub mod andrews;
 #[path = "../suite/support/drawings.rs"]
 pub mod drawings;
 #[path = "../suite/support/dynamics.rs"]

@@ -1,6 +1,5 @@
 //! Cases of the gallery, and independent computations of them.
 
-mod andrews;
 mod exact;
 mod gallery;
 mod misaligned_linear;

@@ -1,6 +1,5 @@
 //! Set-up that several tests share.
 
-pub mod andrews;
 pub mod beams;
 pub mod closures;
 pub mod comparisons;
