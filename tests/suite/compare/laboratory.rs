@@ -66,8 +66,8 @@ fn an_exact_solution_comes_from_a_file() {
     let write = |head: &str, rows: &[f64]| {
         let mut text = head.to_owned() + "\n";
         for &t in rows {
-            let [theta, _] = pendulum(t);
-            text += &format!("{t:e},{:e},0,{:e}\n", -theta.sin(), -theta.cos());
+            let bob = pendulum(t).position;
+            text += &format!("{t:e},{:e},0,{:e}\n", bob.x, bob.z);
         }
         std::fs::write(&path, text).unwrap();
         read_exact(&path, &nodes, &times)
