@@ -30,8 +30,6 @@ struct Outcome {
     force: Vec<Vector3<f64>>,
     /// Largest gap on the way.
     gap: f64,
-    unknowns: usize,
-    progress: Progress,
 }
 
 /// Starts the linkage with the crank's rate.
@@ -61,7 +59,6 @@ fn go_with(scheme: Scheme, by: Closure, [to, step]: [f64; 2]) -> Outcome {
     let mut b = ModelBuilder::new();
     let angles = linkage_by(&mut b, CRANK_START, at_once, by);
     let mut context = Context::new(b.build().unwrap());
-    let unknowns = context.pattern().dim();
     let [q, v] = started(&mut context, angles[0]);
     let mut options = tight(scheme, to, step);
     options.newton.absolute = 1e-12;
@@ -69,7 +66,7 @@ fn go_with(scheme: Scheme, by: Closure, [to, step]: [f64; 2]) -> Outcome {
         ["tip of the coupler", "tip of the rocker", "C"].map(|n| context.find(n).unwrap());
     let [coupler, rocker] = closed_form(CRANK_START);
     let (mut end, mut force, mut gap) = (Vec::new(), Vec::new(), 0.0_f64);
-    let progress = observed(&mut context, [&q, &v], &options, &mut |context, step| {
+    observed(&mut context, [&q, &v], &options, &mut |context, step| {
         let [a, b, d] = [0, 1, 3].map(|k| context.coordinate(angles[k], 0).unwrap());
         end = vec![
             CRANK_START + a[0],
@@ -87,18 +84,21 @@ fn go_with(scheme: Scheme, by: Closure, [to, step]: [f64; 2]) -> Outcome {
         context.evaluate(at, Evaluation::residual(&mut r)).unwrap();
         force.push(context.joint_force(pin).unwrap()[0]);
     });
-    Outcome {
-        end,
-        force,
-        gap,
-        unknowns,
-        progress,
-    }
+    Outcome { end, force, gap }
 }
 
 fn flat(force: &Vector3<f64>) -> Vector2<f64> {
     assert!(force.z.abs() < 1e-9, "{force}");
     force.xy()
+}
+
+/// Errors of angles, rates and the force at the end.
+fn off(run: &Outcome, exact: &[f64], force: Vector2<f64>) -> [f64; 3] {
+    [
+        gap(&run.end[..3], &exact[..3]),
+        gap(&run.end[3..], &exact[3..]),
+        (flat(run.force.last().unwrap()) - force).norm(),
+    ]
 }
 
 #[test]
@@ -107,33 +107,13 @@ fn multipliers_are_of_order_two_with_their_forces() {
     let exact = four_bar_exact(to);
     let force = pin_force(exact[0], exact[3]);
     for by in [Closure::Map, Closure::Multipliers] {
-        let runs = [800, 1600, 3200].map(|n| go(by, [to, to / f64::from(n)]));
-        for run in &runs {
-            let summary = &run.progress.summary;
-            println!(
-                "{by:?}: {} unknowns, gap {:.1e}, error {:.2e}, force {:.2e} of {:.1}, {:.2} iterations a step",
-                run.unknowns,
-                run.gap,
-                gap(&run.end, &exact),
-                (flat(run.force.last().unwrap()) - force).norm(),
-                force.norm(),
-                summary.iterations as f64 / summary.steps as f64,
-            );
-        }
-        let errors: Vec<Vec<f64>> = runs
-            .iter()
-            .map(|run| {
-                let off = (flat(run.force.last().unwrap()) - force).norm();
-                vec![
-                    gap(&run.end[..3], &exact[..3]),
-                    gap(&run.end[3..], &exact[3..]),
-                    off,
-                ]
-            })
-            .collect();
+        let errors = [800, 1600, 3200].map(|n| {
+            let run = go(by, [to, to / f64::from(n)]);
+            assert!(run.gap < 1e-11, "{by:?}: {:e}", run.gap);
+            off(&run, &exact, force).to_vec()
+        });
         let names = ["angles", "rates", "force"];
         assert_slopes("four-bar", &names, &errors, 2.0, 0.2);
-        assert!(runs.iter().all(|r| r.gap < 1e-11));
     }
 }
 
@@ -152,13 +132,8 @@ fn stages_with_multipliers_have_the_orders_of_index_three() {
         let [coarse, fine] = [n, 2 * n].map(|n| {
             let run = go_with(scheme, Closure::Multipliers, [to, to / f64::from(n)]);
             assert!(run.gap < 1e-11, "{word}: {:e}", run.gap);
-            [
-                gap(&run.end[..3], &exact[..3]),
-                gap(&run.end[3..], &exact[3..]),
-                (flat(run.force.last().unwrap()) - force).norm(),
-            ]
+            off(&run, &exact, force)
         });
-        println!("{word}: {coarse:?} {fine:?}");
         [0, 1, 2].map(|k| (coarse[k] / fine[k]).log2())
     };
     let near = |slope: f64, order: f64| (slope - order).abs() < 0.25;
@@ -174,32 +149,13 @@ fn stages_with_multipliers_have_the_orders_of_index_three() {
     );
 }
 
-/// Errors against another outcome: angles, rates, the force at the end.
-fn errors(run: &Outcome, limit: &Outcome) -> Vec<f64> {
-    let force = run.force.last().unwrap() - limit.force.last().unwrap();
-    vec![
-        gap(&run.end[..3], &limit.end[..3]),
-        gap(&run.end[3..], &limit.end[3..]),
-        force.norm(),
-    ]
-}
-
 #[test]
 fn a_penalty_is_of_order_one_in_its_compliance() {
     // At the same steps.
     let span = [0.4, 1e-3];
     let limit = go(Closure::Multipliers, span);
-    let runs = [1e6, 2e6, 4e6].map(|p| go(penalty(p), span));
-    let all: Vec<Vec<f64>> = runs.iter().map(|run| errors(run, &limit)).collect();
-    for (run, errors) in runs.iter().zip(&all) {
-        let summary = &run.progress.summary;
-        println!(
-            "{} unknowns, gap {:.1e}, errors {errors:?}, {:.2} iterations a step",
-            run.unknowns,
-            run.gap,
-            summary.iterations as f64 / summary.steps as f64
-        );
-    }
+    let force = flat(limit.force.last().unwrap());
+    let all = [1e6, 2e6, 4e6].map(|p| off(&go(penalty(p), span), &limit.end, force).to_vec());
     assert_slopes("penalty", &["angles", "rates", "force"], &all, 1.0, 0.1);
 }
 
@@ -256,22 +212,12 @@ fn a_loop_in_equilibrium_all_three_ways() {
     let balance = r.perp(&force) + (r * 0.5).perp(&weight) - 300.0 * turn;
     assert!(balance.abs() < 1e-8, "{balance:e}");
     let (by_multipliers, its_force) = equilibrium(Closure::Multipliers);
-    println!(
-        "equilibrium: crank {:.1e} apart, force {:.1e} of {:.1}",
-        crank - by_multipliers,
-        (force - its_force).norm(),
-        force.norm()
-    );
     assert!((crank - by_multipliers).abs() < 1e-11);
     assert!((force - its_force).norm() < 1e-9 * force.norm());
-    let all: Vec<Vec<f64>> = [1e6, 2e6, 4e6]
-        .iter()
-        .map(|&p| {
-            let (other, its_force) = equilibrium(penalty(p));
-            println!("penalty {p:e}: {:.2e}", other - crank);
-            vec![(other - crank).abs(), (its_force - force).norm()]
-        })
-        .collect();
+    let all = [1e6, 2e6, 4e6].map(|p| {
+        let (other, its_force) = equilibrium(penalty(p));
+        vec![(other - crank).abs(), (its_force - force).norm()]
+    });
     assert_slopes("statics", &["crank", "force"], &all, 1.0, 0.02);
 }
 
@@ -320,7 +266,6 @@ fn conditioning_does_not_depend_on_the_step() {
         solver.factorise(&S).unwrap();
         let mut x = b.clone();
         solver.solve(Some(&S), &mut x).unwrap();
-        println!("step 1e-{k}: {:?}", solver.active());
         scaling::equilibrate(&pattern, &S, &mut scales, &mut vec![0.0; n]).unwrap();
         let scaled = DVector::from_fn(n, |i, _| b[i] * scales[i]);
         let exact = dense(&scales).lu().solve(&scaled).unwrap();
@@ -329,13 +274,12 @@ fn conditioning_does_not_depend_on_the_step() {
         conditions[0].push(raw);
         conditions[1].push(condition(dense(&scales)));
     }
-    println!("raw {:.1?}, as solved {:.1?}", conditions[0], conditions[1]);
     let spread = |c: &[f64]| {
         let least = c.iter().copied().fold(f64::INFINITY, f64::min);
         c.iter().copied().fold(0.0, f64::max) / least
     };
-    assert!(spread(&conditions[0]) > 1e8);
-    assert!(spread(&conditions[1]) < 10.0);
+    let [raw, solved] = conditions.map(|c| spread(&c));
+    assert!(raw > 1e8 && solved < 10.0, "{raw:.1e} {solved:.1e}");
 }
 
 // What is refused ------------------------------------------------------------------------------

@@ -63,11 +63,7 @@ fn multipliers_go_through_changes_of_chart() {
     // The limit of the map, extrapolated from two steps.
     let [coarse, fine] = [1000, 2000].map(map);
     let limit = fine + (fine - coarse) / 3.0;
-    let all: Vec<Vec<f64>> = [400, 800, 1600]
-        .iter()
-        .map(|&n| vec![(go(n) - limit).norm()])
-        .collect();
-    println!("balls by multipliers: {all:?}");
+    let all = [400, 800, 1600].map(|n| vec![(go(n) - limit).norm()]);
     assert_slopes("balls", &["position"], &all, 2.0, 0.25);
 }
 
@@ -99,13 +95,9 @@ fn a_drive_that_jumps_strikes_the_whole_loop() {
         });
         end
     };
-    let all: Vec<Vec<f64>> = [2e-3, 1e-3, 5e-4]
-        .iter()
-        .map(|&h| {
-            let [map, other] = [Closure::Map, Closure::Multipliers].map(|by| go(by, h));
-            println!("struck, step {h}: {map:.4?} {:.1e}", gap(&map, &other));
-            vec![gap(&map, &other)]
-        })
-        .collect();
+    let all = [2e-3, 1e-3, 5e-4].map(|h| {
+        let [map, other] = [Closure::Map, Closure::Multipliers].map(|by| go(by, h));
+        vec![gap(&map, &other)]
+    });
     assert_slopes("struck", &["pendulum"], &all, 2.0, 0.3);
 }

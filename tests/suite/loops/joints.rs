@@ -100,7 +100,6 @@ fn ball_joints_in_a_loop_change_their_charts() {
             drift = drift.max((energy - *start.get_or_insert(energy)).abs());
         });
         let changes = progress.summary.chart_changes;
-        println!("balls: drift {drift:.2e}, residual {residual:.1e}, {changes} changes");
         assert!(residual < 1e-13, "{residual:e}");
         assert!(
             changes >= 2 && turned <= std::f64::consts::PI,

@@ -143,24 +143,16 @@ fn the_same_equations_by_multipliers_and_by_a_penalty() {
         });
         end
     };
-    let errors: Vec<Vec<f64>> = [900, 1800, 3600]
-        .iter()
-        .map(|&n| {
-            let end = go(n, None);
-            println!("slider-crank by multipliers: {:.2e}", gap(&end, &exact));
-            vec![gap(&end[..3], &exact[..3]), gap(&end[3..], &exact[3..])]
-        })
-        .collect();
+    let errors = [900, 1800, 3600].map(|n| {
+        let end = go(n, None);
+        vec![gap(&end[..3], &exact[..3]), gap(&end[3..], &exact[3..])]
+    });
     assert_slopes("slider-crank", &["x", "x_dot"], &errors, 2.0, 0.2);
     let limit = go(900, None);
-    let errors: Vec<Vec<f64>> = [1e6, 2e6, 4e6]
-        .iter()
-        .map(|&p| {
-            let end = go(900, Some(p));
-            println!("slider-crank by a penalty: {:.2e}", gap(&end, &limit));
-            vec![gap(&end[..3], &limit[..3]), gap(&end[3..], &limit[3..])]
-        })
-        .collect();
+    let errors = [1e6, 2e6, 4e6].map(|p| {
+        let end = go(900, Some(p));
+        vec![gap(&end[..3], &limit[..3]), gap(&end[3..], &limit[3..])]
+    });
     assert_slopes("penalty", &["x", "x_dot"], &errors, 1.0, 0.1);
 }
 
@@ -217,26 +209,15 @@ fn a_slider_crank_in_coordinates_that_turn_back() {
     let to = 4.0;
     let exact = slider_crank_exact(to);
     for choice in [Choice::Split, Choice::Tangent] {
-        let runs = [2400, 4800, 9600].map(|n| {
+        let errors = [2400, 4800, 9600].map(|n| {
             let (context, x, v) = slider_crank(choice);
             let h = |x: &Vector3<f64>| SliderCrank.h(0.0, x).amax();
-            run(context, x, &v, &h, [to, to / f64::from(n)])
-        });
-        for run in &runs {
+            let run = run(context, x, &v, &h, [to, to / f64::from(n)]);
             let changes = run.progress.summary.chart_changes;
-            println!(
-                "{choice:?}: {changes} changes, gap {:.2e}, drift {:.2e}, residual {:.1e}",
-                gap(&run.end, &exact),
-                run.drift,
-                run.residual
-            );
             assert!(changes >= 6, "{changes} changes: {:?}", run.notes);
             assert!(run.residual < 1e-15, "{:e}", run.residual);
-        }
-        let errors: Vec<Vec<f64>> = runs
-            .iter()
-            .map(|r| vec![gap(&r.end, &exact), r.drift])
-            .collect();
+            vec![gap(&run.end, &exact), run.drift]
+        });
         assert_slopes("slider-crank", &["motion", "energy"], &errors, 2.0, 0.2);
     }
 }
@@ -247,10 +228,6 @@ fn the_residual_stays_at_round_off_for_long() {
     let (context, x, v) = slider_crank(Choice::Split);
     let h = |x: &Vector3<f64>| SliderCrank.h(0.0, x).amax();
     let run = run(context, x, &v, &h, [100.0, 5e-3]);
-    println!(
-        "long: {} changes, residual {:.1e}, drift {:.1e}",
-        run.progress.summary.chart_changes, run.residual, run.drift
-    );
     assert!(run.progress.summary.chart_changes > 100);
     assert!(run.residual < 1e-15, "{:e}", run.residual);
 }
