@@ -11,10 +11,7 @@ const OMEGA: f64 = 2.0;
 /// the algorithmic acceleration, which starts as q̈, has settled; the estimate is read from the size
 /// that the next step is given.
 fn estimate_over_error(scheme: Scheme, h: f64) -> f64 {
-    let equal = DynamicOptions {
-        scheme,
-        ..DynamicOptions::new(0.25, h)
-    };
+    let equal = steps_of(scheme, 0.25, h);
     let oscillator = || Oscillator::new(1.0, OMEGA * OMEGA);
     let before = run(oscillator(), 0.7, -1.1, &equal);
     let step = |tolerance: f64| {

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use crate::support::dynamics::{Oscillator, Pendulum, schemes};
+use crate::support::dynamics::{Oscillator, Pendulum, schemes, steps_of};
 use pullback_integrators::dynamics::{
     Adaptivity, DynamicOptions, Scheme, Simulation, State, start,
 };
@@ -91,10 +91,7 @@ fn a_run_stops_where_a_pendulum_is_lowest() {
     let quarter = std::f64::consts::FRAC_PI_2 / (a * system.g.sqrt());
     for (scheme, h) in [(Scheme::radau(), 0.001), (Scheme::tsitouras(), 0.01)] {
         let state = start(&system, 0.0, &[1.0], &[]).unwrap();
-        let options = DynamicOptions {
-            scheme,
-            ..DynamicOptions::new(2.0, h)
-        };
+        let options = steps_of(scheme, 2.0, h);
         let mut run = Simulation::new(&mut system, state, &options).unwrap();
         run.add_event(|_, state| -state.q[0], |_, _| Break(()));
         run.finish().unwrap();

@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case)]
 
+use crate::support::dynamics::steps_of;
 use pullback_integrators::dynamics::{
     Adaptivity, DynamicOptions, DynamicsError, Progress, Scheme, integrate, start,
 };
@@ -101,10 +102,7 @@ fn run(chain: &mut Chain, q: &[f64], options: &DynamicOptions) -> Result<Progres
 }
 
 fn explicit(to: f64, h: f64) -> DynamicOptions {
-    DynamicOptions {
-        scheme: Scheme::central_difference(),
-        ..DynamicOptions::new(to, h)
-    }
+    steps_of(Scheme::central_difference(), to, h)
 }
 
 #[test]
@@ -214,10 +212,7 @@ fn a_mode_keeps_its_amplitude_and_has_the_frequency_of_the_scheme() {
 #[test]
 fn the_pair_of_tsitouras_takes_six_evaluations_and_its_stable_step() {
     let mut chain = Chain::new(20, 100.0, 1.0);
-    let options = |to, step| DynamicOptions {
-        scheme: Scheme::tsitouras(),
-        ..DynamicOptions::new(to, step)
-    };
+    let options = |to, step| steps_of(Scheme::tsitouras(), to, step);
     let stable = Scheme::tsitouras().properties().limit.unwrap() / chain.frequency(20);
     let refused = run(&mut chain, &[], &options(1.0, 1.001 * stable)).unwrap_err();
     let DynamicsError::StepTooLarge { stable: said, .. } = refused else {

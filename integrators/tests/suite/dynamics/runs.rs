@@ -56,15 +56,9 @@ impl Charts for Skittish {
 
 #[test]
 fn failed_steps_are_halved_and_grow_back() {
-    let mut system = Skittish(Pendulum::new(), 1.5);
-    let mut progress = Progress::new(start(&system, 0.0, &[1.5], &[]).unwrap());
+    let system = Skittish(Pendulum::new(), 1.5);
     let options = DynamicOptions::new(2.0, 0.25);
-    let mut sizes = Vec::new();
-    let mut observe = |_: &mut Skittish, step: &StepReport<'_>| {
-        sizes.push(step.step_size);
-        ControlFlow::Continue(())
-    };
-    integrate(&mut system, &mut progress, &options, &mut observe).unwrap();
+    let (sizes, progress) = observed(system, 1.5, 0.0, &options, |step| step.step_size);
     assert_eq!(progress.state.t, 2.0);
     assert!(progress.summary.failed > 0);
     let smallest = sizes.iter().copied().fold(1.0, f64::min);
@@ -123,15 +117,10 @@ fn halved_steps_lead_back_to_round_times() {
     let each =
         |(k, n): (std::ops::RangeInclusive<i32>, f64)| k.map(move |k| [f64::from(k) / n, 1.0 / n]);
     let expected: Vec<[f64; 2]> = parts.into_iter().flat_map(each).collect();
-    let mut found = Vec::new();
-    let mut system = Stumbling(Pendulum::new(), 2);
-    let mut progress = Progress::new(start(&system, 0.0, &[1.0], &[]).unwrap());
+    let system = Stumbling(Pendulum::new(), 2);
     let options = DynamicOptions::new(2.0, 0.1);
-    integrate(&mut system, &mut progress, &options, &mut |_, step| {
-        found.push([step.progress.state.t, step.step_size]);
-        ControlFlow::Continue(())
-    })
-    .unwrap();
+    let ends = |step: &StepReport<'_>| [step.progress.state.t, step.step_size];
+    let (found, progress) = observed(system, 1.0, 0.0, &options, ends);
     assert_eq!(progress.summary.failed, 2);
     assert_eq!(found.len(), expected.len(), "{found:?}");
     for ([t, h], [end, size]) in found.iter().zip(&expected) {
@@ -156,14 +145,8 @@ fn steps_end_at_the_multiples_of_an_interval() {
                 adaptivity,
                 ..DynamicOptions::new(to, 0.04)
             };
-            let mut times = Vec::new();
-            let mut system = Pendulum::new();
-            let mut progress = Progress::new(start(&system, 0.0, &[1.0], &[]).unwrap());
-            integrate(&mut system, &mut progress, &options, &mut |_, step| {
-                times.push(step.progress.state.t);
-                ControlFlow::Continue(())
-            })
-            .unwrap();
+            let time = |step: &StepReport<'_>| step.progress.state.t;
+            let (times, _) = observed(Pendulum::new(), 1.0, 0.0, &options, time);
             for k in 1..=count {
                 // Where intervals are equal parts of the run, with the digits of such a part.
                 let exact = match to {
@@ -196,7 +179,6 @@ fn a_kink_where_a_run_starts_is_behind_it() {
 
 #[test]
 fn newton_converges_quadratically_and_a_kept_tangent_linearly() {
-    let mut system = Pendulum::new();
     // Nothing measures the forces of this system: it is solved down to rounding errors, by a kept
     // tangent with a contraction of 0.091 in log(ε)/log(0.091) = 15 corrections.
     for (tangent, most) in [(TangentUpdate::Every, 5), (TangentUpdate::Once, 15)] {
@@ -208,13 +190,11 @@ fn newton_converges_quadratically_and_a_kept_tangent_linearly() {
             },
             ..DynamicOptions::new(0.3, 0.3)
         };
-        let mut progress = Progress::new(start(&system, 0.0, &[2.0], &[1.0]).unwrap());
-        let mut history = Vec::new();
-        let mut observe = |_: &mut Pendulum, step: &StepReport<'_>| {
-            history = step.residuals.iter().map(|i| i.residual[1]).collect();
-            ControlFlow::Continue(())
+        let moments = |step: &StepReport<'_>| -> Vec<f64> {
+            step.residuals.iter().map(|i| i.residual[1]).collect()
         };
-        integrate(&mut system, &mut progress, &options, &mut observe).unwrap();
+        let (steps, progress) = observed(Pendulum::new(), 2.0, 1.0, &options, moments);
+        let history = &steps[0];
         assert!(progress.summary.iterations <= most, "{history:?}");
         let first = history[0];
         let scaled: Vec<f64> = history.iter().map(|r| r / first).collect();
@@ -289,9 +269,8 @@ fn a_coordinate_without_mass_is_found_by_its_stiffness_or_named() {
     // Without mass the coordinate follows its load: x = p/k at once.
     let mut system = Oscillator::new(0.0, 4.0);
     system.hat = 1.0;
-    let mut progress = Progress::new(start(&system, 0.0, &[], &[]).unwrap());
     let options = DynamicOptions::new(0.5, 0.05);
-    integrate(&mut system, &mut progress, &options, &mut onward).unwrap();
+    let progress = run(system, 0.0, 0.0, &options);
     assert!((progress.state.q[0] - 0.25).abs() < 1e-12);
     let mut nothing = Oscillator::new(0.0, 0.0);
     let mut progress = Progress::new(start(&nothing, 0.0, &[], &[]).unwrap());
@@ -346,10 +325,7 @@ fn a_motion_whose_energy_grows_without_bounds_is_unstable() {
     let ends = |k: f64, h: f64, scheme: Scheme| {
         let mut system = Stiffening(BlockPattern::dense(1), k);
         let mut progress = Progress::new(start(&system, 0.0, &[1.0], &[]).unwrap());
-        let options = DynamicOptions {
-            scheme,
-            ..DynamicOptions::new(5.0, h)
-        };
+        let options = steps_of(scheme, 5.0, h);
         integrate(&mut system, &mut progress, &options, &mut onward)
     };
     // ω h = 1.99 swings more widely than before, and stays there.

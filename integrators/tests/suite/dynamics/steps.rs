@@ -11,7 +11,6 @@ use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{
     Energetics, Energies, Evaluation, Events, Point, System, SystemError,
 };
-use std::ops::ControlFlow;
 
 #[test]
 fn steps_that_change_their_size_keep_the_order() {
@@ -25,10 +24,7 @@ fn steps_that_change_their_size_keep_the_order() {
                 let end = f64::from(k) / f64::from(parts);
                 for (to, step) in [(end - 2.0 * h, h), (end, 2.0 * h)] {
                     progress.next_step = step;
-                    let options = DynamicOptions {
-                        scheme,
-                        ..DynamicOptions::new(to, step)
-                    };
+                    let options = steps_of(scheme, to, step);
                     integrate(&mut system, &mut progress, &options, &mut onward).unwrap();
                 }
             }
@@ -67,17 +63,9 @@ fn kinks_of_a_load_are_ends_of_steps() {
         for h in [0.03, 0.015, 0.0075] {
             let mut system = Oscillator::new(1.0, omega * omega);
             system.hat = 1.0;
-            let options = DynamicOptions {
-                scheme,
-                ..DynamicOptions::new(2.2, h)
-            };
-            let mut times = Vec::new();
-            let mut observe = |_: &mut Oscillator, step: &StepReport<'_>| {
-                times.push(step.progress.state.t);
-                ControlFlow::Continue(())
-            };
-            let mut progress = Progress::new(start(&system, 0.0, &[], &[]).unwrap());
-            integrate(&mut system, &mut progress, &options, &mut observe).unwrap();
+            let options = steps_of(scheme, 2.2, h);
+            let time = |step: &StepReport<'_>| step.progress.state.t;
+            let (times, progress) = observed(system, 0.0, 0.0, &options, time);
             assert!(times.contains(&0.5) && times.contains(&1.0) && times.contains(&2.2));
             assert_eq!(times.len(), progress.summary.steps);
             errors.push((progress.state.q[0] - exact(2.2)).abs());

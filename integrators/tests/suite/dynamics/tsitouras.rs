@@ -102,10 +102,7 @@ fn the_order_survives_kinks() {
     };
     // No step but those that are cut ends at 0.5 or at 1.
     let errors = [0.045, 0.0225, 0.01125].map(|h| {
-        let options = DynamicOptions {
-            scheme: Scheme::tsitouras(),
-            ..DynamicOptions::new(1.7, h)
-        };
+        let options = steps_of(Scheme::tsitouras(), 1.7, h);
         let end = run(system(), 0.1, -0.2, &options).state;
         (end.q[0] - known[0]).abs().max((end.v[0] - known[1]).abs())
     });

@@ -5,14 +5,19 @@
 use crate::support::statics::{LIMIT, Scalar, TIGHT, truss};
 use pullback_integrators::statics::{
     ArcLengthOptions, Cause, Event, LoadSteps, PathSteps, StaticOptions, StaticsError, Step,
-    solve_statics, trace_path,
+    equilibrium, solve_statics, trace_path,
 };
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError};
 use std::ops::ControlFlow;
 
-fn ignore<Y: ?Sized>(_: &mut Y, _: &Step<'_>) -> ControlFlow<()> {
-    ControlFlow::Continue(())
+/// Options of a path with events, the last of which ends it.
+fn with_events<const N: usize>(events: [Event; N]) -> ArcLengthOptions {
+    let last = |(k, event)| (event, k + 1 == N);
+    ArcLengthOptions {
+        events: events.into_iter().enumerate().map(last).collect(),
+        ..ArcLengthOptions::default()
+    }
 }
 
 fn trace(q: &mut Vec<f64>, options: &ArcLengthOptions) -> Vec<(usize, f64, f64)> {
@@ -34,17 +39,13 @@ fn trace(q: &mut Vec<f64>, options: &ArcLengthOptions) -> Vec<(usize, f64, f64)>
 
 #[test]
 fn the_truss_snaps_through_and_back() {
-    let options = ArcLengthOptions {
-        events: vec![(Event::TurningPoint, false), (Event::Load(0.5), true)],
-        ..ArcLengthOptions::default()
-    };
+    let options = with_events([Event::TurningPoint, Event::Load(0.5)]);
     let mut q = vec![0.0];
     let there = trace(&mut q, &options);
     let back_options = ArcLengthOptions {
         from: 0.5,
         forward: false,
-        events: vec![(Event::TurningPoint, false), (Event::Load(-0.5), true)],
-        ..ArcLengthOptions::default()
+        ..with_events([Event::TurningPoint, Event::Load(-0.5)])
     };
     let back = trace(&mut q, &back_options);
     let root = 1.0 / 3.0_f64.sqrt();
@@ -64,14 +65,7 @@ fn the_truss_snaps_through_and_back() {
 #[test]
 fn the_truss_is_unstable_between_its_limit_points() {
     let root = 1.0 / 3.0_f64.sqrt();
-    let options = ArcLengthOptions {
-        events: vec![
-            (Event::TurningPoint, false),
-            (Event::Load(0.2), false),
-            (Event::Load(0.5), true),
-        ],
-        ..ArcLengthOptions::default()
-    };
+    let options = with_events([Event::TurningPoint, Event::Load(0.2), Event::Load(0.5)]);
     let mut seen = [0; 3];
     trace_path(&mut truss(), &mut vec![], &options, &mut |_, step| {
         if step.event == Some(0) {
@@ -90,9 +84,8 @@ fn the_truss_is_unstable_between_its_limit_points() {
 #[test]
 fn a_path_step_by_step_is_the_same() {
     let options = ArcLengthOptions {
-        events: vec![(Event::TurningPoint, false), (Event::Load(0.5), true)],
         newton: TIGHT,
-        ..ArcLengthOptions::default()
+        ..with_events([Event::TurningPoint, Event::Load(0.5)])
     };
     let row = |step: &Step<'_>| (step.number, step.event, step.t, step.q[0]);
     let (mut observed, mut q) = (Vec::new(), Vec::new());
@@ -135,19 +128,8 @@ fn load_steps_one_by_one_end_at_the_load() {
 
 #[test]
 fn coordinates_are_located_as_often_as_they_are_passed() {
-    let options = ArcLengthOptions {
-        events: vec![
-            (
-                Event::Coordinate {
-                    unknown: 0,
-                    value: 1.5,
-                },
-                false,
-            ),
-            (Event::Load(0.5), true),
-        ],
-        ..ArcLengthOptions::default()
-    };
+    let (unknown, value) = (0, 1.5);
+    let options = with_events([Event::Coordinate { unknown, value }, Event::Load(0.5)]);
     let found = trace(&mut vec![0.0], &options);
     assert_eq!(found.len(), 2);
     // f(1.5) = 1.5 · 0.5 · (−0.5).
@@ -157,10 +139,7 @@ fn coordinates_are_located_as_often_as_they_are_passed() {
 #[test]
 fn what_happens_exactly_at_the_end_of_a_step_is_located_once() {
     let path = |first: Event| {
-        let options = ArcLengthOptions {
-            events: vec![(first, false), (Event::Load(0.5), true)],
-            ..ArcLengthOptions::default()
-        };
+        let options = with_events([first, Event::Load(0.5)]);
         let mut steps = Vec::new();
         trace_path(&mut truss(), &mut vec![], &options, &mut |_, step| {
             steps.push((step.event, step.number, step.t, step.q[0]));
@@ -249,13 +228,7 @@ fn easy_steps_grow_and_the_end_is_met_exactly() {
 #[test]
 fn a_value_that_is_not_finite_fails_with_its_name() {
     let mut spring = Scalar::new(1.0, |w| [if w > 0.55 { f64::NAN } else { w }, 1.0]);
-    let error = solve_statics(
-        &mut spring,
-        &mut vec![],
-        &StaticOptions::default(),
-        &mut ignore,
-    )
-    .unwrap_err();
+    let error = equilibrium(&mut spring, &StaticOptions::default()).unwrap_err();
     let StaticsError::Step(failed) = error else {
         panic!("{error}");
     };
@@ -297,13 +270,7 @@ impl System for Loose {
 #[test]
 fn a_mechanism_is_found_and_named() {
     let mut system = Loose(BlockPattern::new(&[1, 1], [[0, 1]]));
-    let error = solve_statics(
-        &mut system,
-        &mut vec![],
-        &StaticOptions::default(),
-        &mut ignore,
-    )
-    .unwrap_err();
+    let error = equilibrium(&mut system, &StaticOptions::default()).unwrap_err();
     let StaticsError::Step(failed) = error else {
         panic!("{error}");
     };
@@ -322,30 +289,16 @@ fn a_mechanism_is_found_and_named() {
 
 #[test]
 fn senseless_options_are_refused_by_name() {
-    for (options, name) in [
-        (
-            StaticOptions {
-                first_step: f64::NAN,
-                ..StaticOptions::default()
-            },
-            "first_step",
-        ),
-        (
-            StaticOptions {
-                max_step: 0.0,
-                ..StaticOptions::default()
-            },
-            "max_step",
-        ),
-        (
-            StaticOptions {
-                to: f64::INFINITY,
-                ..StaticOptions::default()
-            },
-            "to",
-        ),
-    ] {
-        let error = solve_statics(&mut truss(), &mut vec![], &options, &mut ignore).unwrap_err();
+    type Change = fn(&mut StaticOptions);
+    let wrong: [(Change, &str); 3] = [
+        (|o| o.first_step = f64::NAN, "first_step"),
+        (|o| o.max_step = 0.0, "max_step"),
+        (|o| o.to = f64::INFINITY, "to"),
+    ];
+    for (change, name) in wrong {
+        let mut options = StaticOptions::default();
+        change(&mut options);
+        let error = equilibrium(&mut truss(), &options).unwrap_err();
         assert!(
             matches!(error, StaticsError::Option { name: n, .. } if n == name),
             "{error}"
@@ -355,12 +308,7 @@ fn senseless_options_are_refused_by_name() {
         first_step: -1.0,
         ..ArcLengthOptions::default()
     };
-    let error = trace_path(&mut truss(), &mut vec![], &options, &mut ignore).unwrap_err();
-    assert!(matches!(
-        error,
-        StaticsError::Option {
-            name: "first_step",
-            ..
-        }
-    ));
+    let error = PathSteps::new(&mut truss(), vec![], &options).err();
+    let name = "first_step";
+    assert!(matches!(error, Some(StaticsError::Option { name: n, .. }) if n == name));
 }

@@ -131,12 +131,35 @@ pub fn onward<Y: ?Sized>(_: &mut Y, _: &StepReport<'_>) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
-/// State after a run with equal steps.
-pub fn run<Y: System>(mut system: Y, q: f64, v: f64, options: &DynamicOptions) -> Progress {
-    let state = start(&system, 0.0, &[q], &[v]).unwrap();
-    let mut progress = Progress::new(state);
-    integrate(&mut system, &mut progress, options, &mut onward).unwrap();
-    progress
+/// Equal steps of a scheme.
+pub fn steps_of(scheme: Scheme, to: f64, step: f64) -> DynamicOptions {
+    DynamicOptions {
+        scheme,
+        ..DynamicOptions::new(to, step)
+    }
+}
+
+/// A run from a position and a velocity.
+pub fn run<Y: System>(system: Y, q: f64, v: f64, options: &DynamicOptions) -> Progress {
+    observed(system, q, v, options, |_| ()).1
+}
+
+/// A run, with what a function takes from each of its steps.
+pub fn observed<Y: System, T>(
+    mut system: Y,
+    q: f64,
+    v: f64,
+    options: &DynamicOptions,
+    of: impl Fn(&StepReport<'_>) -> T,
+) -> (Vec<T>, Progress) {
+    let mut progress = Progress::new(start(&system, 0.0, &[q], &[v]).unwrap());
+    let mut seen = Vec::new();
+    integrate(&mut system, &mut progress, options, &mut |_, step| {
+        seen.push(of(step));
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    (seen, progress)
 }
 
 pub fn schemes() -> Vec<Scheme> {
