@@ -95,55 +95,29 @@ impl Map<3, 2> for Planted {
 #[test]
 fn every_law_of_a_map_finds_its_error() {
     check::map(&Planted::Nothing).assert();
+    let (motion, kinematics) = ("B_dot, B_ddot along the motion", "kinematics = derived");
+    let (stiffness, derived) = ("K_sigma = d(B'f)/dq", "geometric_stiffness = derived");
+    let at_rest = "x and B are the same at rest and in motion";
+    let wrong_B = &[
+        "B = dphi/dq",
+        motion,
+        stiffness,
+        "tangent = derived",
+        at_rest,
+    ];
+    let wrong_rates = &[kinematics, "x_dot, x_ddot along the motion"];
     let cases: [(Planted, &[&str]); 11] = [
         (Planted::Phi, &["x = phi"]),
-        (
-            Planted::B,
-            &[
-                "B = dphi/dq",
-                "B_dot, B_ddot along the motion",
-                "K_sigma = d(B'f)/dq",
-                "tangent = derived",
-                "x and B are the same at rest and in motion",
-            ],
-        ),
-        (
-            Planted::SmallErrorInB,
-            &[
-                "B = dphi/dq",
-                "B_dot, B_ddot along the motion",
-                "K_sigma = d(B'f)/dq",
-                "tangent = derived",
-                "x and B are the same at rest and in motion",
-            ],
-        ),
-        (
-            Planted::XDot,
-            &["kinematics = derived", "x_dot, x_ddot along the motion"],
-        ),
-        (
-            Planted::XDdotWithoutTime,
-            &["kinematics = derived", "x_dot, x_ddot along the motion"],
-        ),
-        (
-            Planted::BDotHalf,
-            &["B_dot, B_ddot along the motion", "kinematics = derived"],
-        ),
-        (
-            Planted::BDdot,
-            &["B_dot, B_ddot along the motion", "kinematics = derived"],
-        ),
-        (
-            Planted::KSigmaSign,
-            &["K_sigma = d(B'f)/dq", "geometric_stiffness = derived"],
-        ),
+        (Planted::B, wrong_B),
+        (Planted::SmallErrorInB, wrong_B),
+        (Planted::XDot, wrong_rates),
+        (Planted::XDdotWithoutTime, wrong_rates),
+        (Planted::BDotHalf, &[motion, kinematics]),
+        (Planted::BDdot, &[motion, kinematics]),
+        (Planted::KSigmaSign, &[stiffness, derived]),
         (
             Planted::KSigmaNotSymmetric,
-            &[
-                "K_sigma = d(B'f)/dq",
-                "K_sigma symmetric",
-                "geometric_stiffness = derived",
-            ],
+            &[stiffness, "K_sigma symmetric", derived],
         ),
         (Planted::NotANumber, &["values are finite"]),
         (Planted::NoDomain, &["domain"]),
