@@ -5,5 +5,4 @@ mod hints;
 mod model;
 mod motion;
 mod registry;
-mod registry_nodes;
 mod statics;

@@ -3,6 +3,7 @@
 
 #![allow(clippy::unwrap_used, non_snake_case)]
 
+use crate::support::closures::{angle, on_joint};
 use crate::support::program::{check_table, directory, ended, history, number, write};
 use pullback::check;
 use pullback::elements::beam::Interpolation;
@@ -274,6 +275,38 @@ second = [0, 1, 0] => second = [0, 1] | [0, 1] | length 2
 parent = "ground"\n => | [[joints]] | needs parent
 "#,
     );
+}
+
+/// Two ways of one node: springs, drives and probes act on nodes of one coordinate.
+#[derive(Clone)]
+struct Pair;
+
+impl Joint<2> for Pair {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 2>) -> Pose<S> {
+        Pose::identity().translated(&Vector3::new(q[0], q[1], S::zero()))
+    }
+
+    fn coordinates(&self) -> [JointCoordinate; 2] {
+        [("x", Quantity::Length), ("y", Quantity::Length)]
+    }
+}
+
+#[test]
+fn a_node_of_two_coordinates_is_not_one_of_a_name() {
+    let registry = Registry::standard().joint("pair", |at, _: Empty| {
+        let ways = format!("{} ways", at.name);
+        let ways = at.builder.coordinates(ways, &[Quantity::Length; 2])?;
+        let frame = at
+            .builder
+            .add_joint_frame(at.name, at.parent, Pair, &[ways])?;
+        let coordinates = vec![ways];
+        Ok::<_, BoxedError>(JointNodes { frame, coordinates })
+    });
+    let text = on_joint("type = \"pair\"", "inertia = [1, 1, 0.6]", &angle("joint"));
+    let error = registry.assemble_text("model.toml", &text).err().unwrap();
+    let expected = "there is no joint with a released coordinate (a node of one coordinate) named \
+                    \"joint\"";
+    assert!(error.to_string().contains(expected), "{error}");
 }
 
 #[test]
