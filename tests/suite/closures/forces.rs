@@ -10,7 +10,6 @@ use crate::support::loops::*;
 use nalgebra::{DMatrix, DVector, Vector2, Vector3};
 use pullback::elements::constraint::PenaltyStiffness;
 use pullback::elements::model::{Closure, Context, ModelBuilder, NodeId};
-use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::integrators::dynamics::{DynamicsError, Progress, Scheme, integrate, start};
 use pullback::integrators::linear_solver::{AutoSolver, LinearSolver, MatrixSymmetry, scaling};
 use pullback::integrators::statics::{StaticNewtonOptions, StaticOptions, solve_statics};
@@ -165,12 +164,7 @@ fn a_penalty_is_of_order_one_in_its_compliance() {
 fn equilibrium(by: Closure) -> (f64, Vector2<f64>) {
     let mut b = ModelBuilder::new();
     let angles = linkage_by(&mut b, CRANK_START, growing, by);
-    let law = CoordinateLaw {
-        k: 300.0,
-        ..CoordinateLaw::default()
-    };
-    let spring = CoordinateSpring::new(law).unwrap();
-    b.element("spring", spring, &[angles[3]]).unwrap();
+    spring(&mut b, 300.0, angles[3]);
     let mut context = Context::new(b.build().unwrap());
     context.check_supports().unwrap();
     let mut q = context.initial().to_vec();

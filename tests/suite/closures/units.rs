@@ -4,7 +4,7 @@
 #![allow(non_snake_case, clippy::unwrap_used)]
 
 use crate::support::beams::line;
-use crate::support::closures::{apart, linkage};
+use crate::support::closures::{angle, apart, linkage};
 use crate::support::program::{number, recorded};
 use toml::{Table, Value};
 
@@ -133,12 +133,7 @@ fn compare(name: &str, model: &Table, columns: &[&str]) -> Vec<Step> {
 
 /// A model with probes of joints, with all else as it is.
 fn with_probes(text: &str, joints: &[&str]) -> Table {
-    let probe = |joint: &&str| {
-        format!(
-            "[[probes]]\nname = \"{joint}\"\nquantity = \"joint_coordinate\"\njoint = \"{joint}\"\n"
-        )
-    };
-    let probes: String = joints.iter().map(probe).collect();
+    let probes: String = joints.iter().map(|joint| angle(joint)).collect();
     format!("{text}{probes}").parse().unwrap()
 }
 

@@ -244,12 +244,7 @@ fn coordinates_that_change_their_meaning_are_nobody_elses() {
             .mapped_coordinates("x", &[Quantity::Length; 3], Box::new(map), &[q])
             .unwrap();
         pick::<3>(&mut b, x, 0, Quantity::Length);
-        let law = CoordinateLaw {
-            k: 1.0,
-            ..CoordinateLaw::default()
-        };
-        b.element("spring", CoordinateSpring::new(law).unwrap(), &[q])
-            .unwrap();
+        spring(&mut b, 1.0, q);
         b.build().map(|_| ())
     };
     let error = build(Choice::Split).unwrap_err();

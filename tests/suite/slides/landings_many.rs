@@ -2,12 +2,11 @@
 //! are handed over.
 #![allow(clippy::unwrap_used)]
 
-use crate::support::dynamics::{observed, slopes, tight};
+use crate::support::dynamics::{observed, slopes, spring, tight};
 use crate::support::landing::{G, Track, bead, bowl};
 use nalgebra::{Vector2, Vector3};
 use pullback::elements::joint::JointNodes;
 use pullback::elements::model::{Context, ModelBuilder, NodeId};
-use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::integrators::dynamics::{
     Adaptivity, DynamicOptions, DynamicsError, Progress, Scheme, StepReport, integrate, start,
 };
@@ -165,7 +164,7 @@ fn a_slide_goes_round_a_closed_ring_as_often_as_its_chain_does() {
 }
 
 /// A bead on a spring along a zigzag in a level plane: u = cos 2t whatever the corners.
-fn spring(sides: usize) -> (Context, JointNodes) {
+fn sprung(sides: usize) -> (Context, JointNodes) {
     let length = 4.0 / sides as f64;
     let position = |k: usize| {
         let right = (length * 0.8) * k as f64;
@@ -178,16 +177,7 @@ fn spring(sides: usize) -> (Context, JointNodes) {
     let mut b = ModelBuilder::new();
     let nodes = track.nodes(&mut b, "wire");
     let bead = bead(&mut b, "bead", &nodes, 2.0);
-    let law = CoordinateLaw {
-        k: 1.3 * 4.0,
-        ..CoordinateLaw::default()
-    };
-    b.element(
-        "spring",
-        CoordinateSpring::new(law).unwrap(),
-        &[bead.coordinates[0]],
-    )
-    .unwrap();
+    spring(&mut b, 1.3 * 4.0, bead.coordinates[0]);
     (Context::new(b.build().unwrap()), bead)
 }
 
@@ -210,7 +200,7 @@ fn schemes_of_every_family_keep_their_order_over_landings() {
         assert_eq!(scheme.order() as f64, order);
         let to = 2.3_f64;
         let errors = [60.0, 120.0, 240.0].map(|n| {
-            let (mut context, _) = spring(9);
+            let (mut context, _) = sprung(9);
             let options = tight(scheme, to, to / n);
             let run = observed(&mut context, [&[1.0], &[]], &options, &mut |_, _| ());
             assert!(
@@ -233,7 +223,7 @@ fn schemes_of_every_family_keep_their_order_over_landings() {
 fn adaptive_steps_are_not_spoilt_by_landings() {
     let to = 6.0;
     let run = |sides: usize, tolerance: f64| {
-        let (mut context, _) = spring(sides);
+        let (mut context, _) = sprung(sides);
         let options = DynamicOptions {
             adaptivity: Some(Adaptivity {
                 tolerance,

@@ -2,10 +2,10 @@
 
 #![allow(non_snake_case)]
 
-use crate::support::dynamics::{grounded, observed, revolute};
+use crate::support::dynamics::{grounded, observed, revolute, spring};
 use nalgebra::{Matrix3, Matrix6};
 use pullback::elements::body::RigidBody;
-use pullback::elements::spring::{Bushing, CoordinateLaw, CoordinateSpring};
+use pullback::elements::spring::Bushing;
 use pullback::prelude::*;
 
 /// A pendulum that is a body with its centre of mass `arm` away from a hinge, which is all that has a
@@ -18,16 +18,7 @@ fn pendulum(arm: f64, far: f64, k: f64, g: [f64; 3]) -> (Context, NodeId) {
     let weight = body.weight(g.map(|g| g * arm), Constant(1.0));
     b.element("body", body, &[hinge.frame]).unwrap();
     b.element("weight", weight, &[hinge.frame]).unwrap();
-    let law = CoordinateLaw {
-        k: k * arm * arm,
-        ..CoordinateLaw::default()
-    };
-    b.element(
-        "spring",
-        CoordinateSpring::new(law).unwrap(),
-        &[hinge.coordinates[0]],
-    )
-    .unwrap();
+    spring(&mut b, k * arm * arm, hinge.coordinates[0]);
     if far > 0.0 {
         let other = b.node("other", [far, 0.0, 0.0]).unwrap();
         b.element("mass", PointMass::new(1.0).unwrap(), &[other])

@@ -6,6 +6,7 @@ use nalgebra::{Matrix3, SVector, Vector3};
 use pullback::elements::body::RigidBody;
 use pullback::elements::joint::{JointNodes, Revolute};
 use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId, NodeState, RigidMotion};
+use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::elements::time::{Constant, Sine};
 use pullback::input::{Plan, assemble_text};
 use pullback::integrators::dynamics::{
@@ -294,6 +295,16 @@ pub fn body(b: &mut ModelBuilder, name: &str, node: NodeId, body: RigidBody) {
     b.element(name, body, &[node]).unwrap();
     let name = format!("weight of {name}");
     b.element(name, weight, &[node]).unwrap();
+}
+
+/// A linear spring at a coordinate.
+pub fn spring(b: &mut ModelBuilder, k: f64, coordinate: NodeId) {
+    let law = CoordinateLaw {
+        k,
+        ..CoordinateLaw::default()
+    };
+    let spring = CoordinateSpring::new(law).unwrap();
+    b.element("spring", spring, &[coordinate]).unwrap();
 }
 
 /// A builder, and a node at the origin that is held.
