@@ -2,10 +2,8 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::support::program::{
-    check, directory, number, program, recorded, refusal, succeeded, write,
+    check, directory, number, program, recorded, refusal, succeeded, told, write,
 };
-use pullback::run::run;
-use std::ops::ControlFlow;
 
 const FOUR_BAR: &str = include_str!("../../../examples/models/four_bar.toml");
 
@@ -198,7 +196,6 @@ fn degrees_of_freedom_are_told() {
 
 #[test]
 fn a_linkage_that_cannot_move_is_warned_of() {
-    let out = directory("loops-locked");
     // The coupler's first axis lies in the plane: nothing can turn. A pendulum beside it can.
     let wrong = with(&[
         ("to = 4", "to = 0.01"),
@@ -214,10 +211,7 @@ fn a_linkage_that_cannot_move_is_warned_of() {
              [[supports]]",
         ),
     ]);
-    let ran = run(&write(&out, &wrong), Some(&out.join("wrong")), &mut |_| {
-        ControlFlow::Continue(())
-    });
-    let warnings = ran.unwrap().warnings;
+    let [_, warnings] = told("loops-locked", &wrong);
     assert_eq!(warnings.len(), 1, "{warnings:?}");
     let said =
         "the loop closed by joint C cannot move: its 6 equations leave none of 4 coordinates";
@@ -226,7 +220,6 @@ fn a_linkage_that_cannot_move_is_warned_of() {
 
 #[test]
 fn coordinates_without_mass_are_warned_of() {
-    let out = directory("loops-massless");
     let bare = with(&[
         ("to = 4", "to = 0.01"),
         (
@@ -235,10 +228,7 @@ fn coordinates_without_mass_are_warned_of() {
              spring = { k = 1 }\n\n[[supports]]",
         ),
     ]);
-    let ran = run(&write(&out, &bare), Some(&out.join("bare")), &mut |_| {
-        ControlFlow::Continue(())
-    });
-    let warnings = ran.unwrap().warnings;
+    let [_, warnings] = told("loops-massless", &bare);
     assert_eq!(warnings.len(), 1, "{warnings:?}");
     let said = "no mass acts on P angle: without mass a coordinate follows forces at once.";
     assert!(warnings[0].starts_with(said), "{warnings:?}");

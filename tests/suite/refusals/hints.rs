@@ -1,12 +1,10 @@
 //! What the program says about motions that are not what they seem.
 #![allow(clippy::unwrap_used)]
 
-use crate::support::program::{directory, refusal, write};
+use crate::support::program::{refusal, told};
 use nalgebra::Vector3;
 use pullback::input::assemble_text;
 use pullback::manifold::system::Point;
-use pullback::run::run;
-use std::ops::ControlFlow;
 
 /// Notes and warnings of a short run of a model on a held ground.
 fn said(name: &str, rest: &str) -> [Vec<String>; 2] {
@@ -14,12 +12,12 @@ fn said(name: &str, rest: &str) -> [Vec<String>; 2] {
         "[nodes]\nground = [0, 0, 0]\ntip = [1, 0, 0]\n{rest}\n[analysis.dynamic]\nto = 0.02\n\
          step = 0.01\n\n[output]\nfigures = false\nparaview_every = 0\n"
     );
-    let out = directory(&format!("hints_{name}"));
-    let ran = run(&write(&out, &text), Some(&out.join("out")), &mut |_| {
-        ControlFlow::Continue(())
-    });
-    let ran = ran.unwrap();
-    [ran.notes, ran.warnings]
+    told(&format!("hints_{name}"), &text)
+}
+
+/// Whether a line begins so.
+fn any(lines: &[String], start: &str) -> bool {
+    lines.iter().any(|line| line.starts_with(start))
 }
 
 const HELD: &str = "[[supports]]\nnode = \"ground\"\nfix = \"all\"\n";
@@ -45,11 +43,11 @@ fn what_hangs_on_a_base_that_is_driven_from_the_start_moves_along() {
     let lost = "[[bodies]]\nname = \"t\"\nnode = \"tip\"\nmass = 1\ninertia = [1, 1, 1]\n";
     let [notes, _] = said("carried", &[base, &sprung, BODY, lost].concat());
     let note = "support of ground is prescribed with a velocity just before t = 0: what is attached to it by J";
-    assert!(notes.iter().any(|n| n.starts_with(note)), "{notes:?}");
+    assert!(any(&notes, note), "{notes:?}");
     // What the note advises is done: nothing hangs about.
     let rest = "[[initial]]\nvelocity = [0, 0, 0]\n";
     let [notes, _] = said("at_rest", &[base, &sprung, BODY, lost, rest].concat());
-    assert!(!notes.iter().any(|n| n.starts_with(note)), "{notes:?}");
+    assert!(!any(&notes, note), "{notes:?}");
 }
 
 #[test]
@@ -57,16 +55,10 @@ fn a_line_does_not_start_with_the_rate_of_its_joint() {
     let whole = |more: &str| [HELD, &joint("revolute", "rate = 3"), LINE, more].concat();
     let warning = "joint J starts with a rate, and the rest of line L at rest";
     let [_, warnings] = said("left", &whole(""));
-    assert!(
-        warnings.iter().any(|w| w.starts_with(warning)),
-        "{warnings:?}"
-    );
+    assert!(any(&warnings, warning), "{warnings:?}");
     let all = "[[initial]]\nline = \"L\"\nangular_velocity = [0, 0, 3]\n";
     let [_, warnings] = said("taken", &whole(all));
-    assert!(
-        !warnings.iter().any(|w| w.starts_with(warning)),
-        "{warnings:?}"
-    );
+    assert!(!any(&warnings, warning), "{warnings:?}");
 }
 
 #[test]
@@ -179,8 +171,8 @@ fn a_joint_is_let_go_with_its_spring_tight_without_a_warning() {
     // A line that is strained at the start is another matter.
     let held = "[[supports]]\nnode = \"tip\"\nfix = \"all\"\n";
     let [_, warnings] = said("strained", &[HELD, &let_go, LINE, held].concat());
-    let about = |w: &String| w.starts_with("joint J is not where the model is drawn");
-    assert!(warnings.iter().any(about), "{warnings:?}");
+    let about = "joint J is not where the model is drawn";
+    assert!(any(&warnings, about), "{warnings:?}");
 }
 
 #[test]
@@ -219,12 +211,7 @@ fn an_angle_that_steps_do_not_resolve_is_named() {
         )
     };
     let said = |rate: f64, step: f64| {
-        let out = directory("hints_turn");
-        let model = write(&out, &passing(rate, step));
-        let ran = run(&model, Some(&out.join("out")), &mut |_| {
-            ControlFlow::Continue(())
-        });
-        let warnings = ran.unwrap().warnings;
+        let [_, warnings] = told("hints_turn", &passing(rate, step));
         warnings.into_iter().find(|w| w.contains("steps do not"))
     };
     // It passes at t = (π/2 − 1.2)/2.

@@ -5,8 +5,10 @@ use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use nalgebra::DMatrix;
 use pullback::input::{InputError, assemble_text};
+use pullback::run::run;
 use serde_json::Value;
 use std::collections::HashMap;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -213,6 +215,14 @@ pub fn ended(output: &Output, code: i32) -> String {
 pub fn ran(directory: &Path, text: &str) -> PathBuf {
     succeeded(&program(&[&write(directory, text)]));
     directory.join("model.out")
+}
+
+/// Notes and warnings of a run in a new directory of a name.
+pub fn told(name: &str, text: &str) -> [Vec<String>; 2] {
+    let out = directory(name);
+    let ran = run(&write(&out, text), None, &mut |_| ControlFlow::Continue(()));
+    let ran = ran.unwrap();
+    [ran.notes, ran.warnings]
 }
 
 /// The rows that a model of this text leaves when it runs in a new directory of a name.
