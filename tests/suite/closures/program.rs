@@ -1,11 +1,10 @@
 //! The word `closure` in model files: three methods for one file, what the program says and refuses.
 #![allow(clippy::unwrap_used)]
 
-use crate::support::closures::{arm, body, hinge};
+use crate::support::closures::{arm, body, hinge, start};
 use crate::support::program::{
     check, check_table, directory, history, number, program, recorded, refusal, succeeded, write,
 };
-use pullback::input::assemble_text;
 
 const FOUR_BAR: &str = include_str!("../../../examples/models/four_bar.toml");
 const CHILD: &str = "child = \"rocker tip\"";
@@ -76,23 +75,8 @@ fn one_file_three_methods() {
 fn values_and_rates_are_satisfied_as_by_the_map() {
     let turned = |words: &str| {
         let text = closed_by(words).replace("rate = 4.5", "rate = 4.5\nvalue = 0.7");
-        let mut job = assemble_text("model.toml", &text).unwrap();
-        let at = pullback::manifold::system::Point {
-            t: 0.0,
-            q: &job.start.q,
-            v: &job.start.v,
-            a: &vec![0.0; job.start.q.len()],
-        };
-        job.context.configure(at).unwrap();
-        ["A", "B", "C", "D"].map(|name| {
-            let all: Vec<_> = job
-                .context
-                .joint_coordinates()
-                .map(|(n, s, _)| (n, s.to_owned()))
-                .collect();
-            let (node, _) = all.into_iter().find(|(_, s)| s.starts_with(name)).unwrap();
-            job.context.coordinate(node, 0).unwrap()
-        })
+        let (coordinates, _) = start(&text);
+        ["A", "B", "C", "D"].map(|joint| coordinates[&format!("{joint} angle")])
     };
     let map = turned("");
     let penalty = "closure = \"penalty\"\npenalty = 1e6";

@@ -1,8 +1,10 @@
 //! `pullback check`: every model of the gallery passes, and what it prints and returns.
 #![allow(clippy::unwrap_used)]
 
-use crate::support::closures::{CLOSURES, GROUND, RUN, STATIC, arm, body, five_bar, hinge, joint};
-use crate::support::program::{MODEL, directory, with, write};
+use crate::support::closures::{
+    CLOSURES, GROUND, RUN, STATIC, arm, body, five_bar, four_bar, hinge, joint,
+};
+use crate::support::program::{MODEL, command, directory, with, write};
 use pullback::check;
 use std::path::Path;
 
@@ -40,11 +42,8 @@ fn assert_right(what: &str, text: &str, seeds: impl IntoIterator<Item = u64>) {
 }
 
 fn run(arguments: &[&str]) -> (Option<i32>, String, String) {
-    let output = std::process::Command::new(env!("CARGO_BIN_EXE_pullback"))
-        .arg("check")
-        .args(arguments)
-        .output()
-        .unwrap();
+    let words: Vec<&Path> = arguments.iter().map(Path::new).collect();
+    let output = command("check", &words);
     let text = |bytes| String::from_utf8(bytes).unwrap();
     (
         output.status.code(),
@@ -338,21 +337,12 @@ fn loops_that_are_closed_in_two_ways_are_checked_where_they_can_be() {
 /// Random states satisfy nothing that multipliers hold, and least of all what they leave out.
 #[test]
 fn a_linkage_that_flies_closed_by_multipliers_is_right() {
+    let linkage = four_bar(["rate = 2", "", ""], CLOSURES[1]);
     let model = [
-        "[nodes]\nbase = [0, 0, 0]\n",
+        "[nodes]\nground = [0, 0, 0]\n",
         RUN,
-        &hinge("A", "base", "rate = 2"),
-        &arm("a", "A", [0.0, 1.0, 0.0]),
-        &hinge("B", "a", ""),
-        &arm("b", "B", [1.2, 1.9, 0.0]),
-        &arm("foot", "base", [1.6, 0.0, 0.0]),
-        &hinge("D", "foot", ""),
-        &arm("d", "D", [1.2, 1.9, 0.0]),
-        &hinge("C", "b", "child = \"d\"\nclosure = \"multipliers\""),
-        &body("base"),
-        &body("a"),
-        &body("b"),
-        &body("D"),
+        &linkage,
+        &body("ground"),
     ]
     .concat();
     assert_right("a linkage", &model, 0..3);
