@@ -237,40 +237,25 @@ fn what_makes_no_sense_is_refused_by_name() {
     };
     let good: [f64; 2] = [0.1, 0.05];
     refused(BODY, &[], &good, "no scheme");
-    refused(
-        BODY,
-        &["newmark", "newmark"],
-        &good,
-        "`newmark` is given twice",
-    );
-    refused(BODY, &["newmark"], &[], "two step sizes at least, 0 given");
-    refused(
-        BODY,
-        &["newmark"],
-        &[0.1],
-        "two step sizes at least, 1 given",
-    );
-    refused(BODY, &["newmark"], &[0.05, 0.1], "0.1 comes after 0.05");
-    refused(BODY, &["newmark"], &[0.1, 0.1], "0.1 comes after 0.1");
-    refused(BODY, &["newmark"], &[0.1, -0.05], "step size -0.05");
-    refused(BODY, &["newmark"], &[0.1, 0.0], "step size 0 ");
-    refused(BODY, &["newmark"], &[f64::NAN, 0.1], "step size NaN");
-    refused(BODY, &["newmark"], &[f64::INFINITY, 0.1], "step size inf");
-    refused(
-        BODY,
-        &["newmark"],
-        &[3.0, 0.1],
-        "3 is larger than the duration 2",
-    );
-    refused(
-        BODY,
-        &["newmark"],
-        &[0.1, 1e-12],
-        "1e-12 makes more than 1e8 steps",
-    );
-    refused(BODY, &["newmark"], &[0.1, 0.0999999999], "both come to");
+    let twice = &["newmark", "newmark"];
+    refused(BODY, twice, &good, "`newmark` is given twice");
     let still = include_str!("../../../examples/models/cantilever.toml");
     refused(still, &["newmark"], &good, "not dynamic");
+    for (steps, word) in [
+        (&[][..], "two step sizes at least, 0 given"),
+        (&[0.1], "two step sizes at least, 1 given"),
+        (&[0.05, 0.1], "0.1 comes after 0.05"),
+        (&[0.1, 0.1], "0.1 comes after 0.1"),
+        (&[0.1, -0.05], "step size -0.05"),
+        (&[0.1, 0.0], "step size 0 "),
+        (&[f64::NAN, 0.1], "step size NaN"),
+        (&[f64::INFINITY, 0.1], "step size inf"),
+        (&[3.0, 0.1], "3 is larger than the duration 2"),
+        (&[0.1, 1e-12], "1e-12 makes more than 1e8 steps"),
+        (&[0.1, 0.0999999999], "both come to"),
+    ] {
+        refused(BODY, &["newmark"], steps, word);
+    }
     for scheme in ["newmark:0.3025:0.6", "central-difference"] {
         let reference = Some(scheme.parse().unwrap());
         let asked = ComparisonOptions {
