@@ -14,10 +14,9 @@ use pullback::elements::model::{
     Context, Dof, Formulation, ModelBuilder, NodeId, NodeState, RigidMotion,
 };
 use pullback::elements::time::{Constant, Pulse};
-use pullback::integrators::dynamics::{DynamicOptions, Progress, Scheme, integrate, start};
+use pullback::integrators::dynamics::{DynamicOptions, Progress, Scheme};
 use pullback::manifold::scalar::Scalar;
 use pullback::manifold::system::{Energetics, Point, System};
-use std::ops::ControlFlow;
 
 const LENGTH: f64 = 1.0;
 const MASS: f64 = 1.0;
@@ -371,30 +370,6 @@ fn a_swinging_cantilever_keeps_energy() {
         }
         assert!(go("newmark").0[0] > 1e-5 && go("ga:0.8").0[0] > 1e-4);
     }
-}
-
-#[test]
-fn a_run_that_is_continued_is_the_same() {
-    let make = || model(1.0, Interpolation::Geodesic, Formulation::Total, |_, _| ());
-    let mut beam = make();
-    let (v, _) = spun(&mut beam);
-    let q = beam.initial().to_vec();
-    let mut whole = Progress::new(start(&beam, 0.0, &q, &v).unwrap());
-    let options = options(em(), 1.0, 50);
-    let mut middle = None;
-    integrate(&mut beam, &mut whole, &options, &mut |_, step| {
-        if step.progress.summary.steps == 20 {
-            middle = Some(step.progress.clone());
-        }
-        ControlFlow::Continue(())
-    })
-    .unwrap();
-    let mut later = middle.unwrap();
-    integrate(&mut make(), &mut later, &options, &mut |_, _| {
-        ControlFlow::Continue(())
-    })
-    .unwrap();
-    assert_eq!(whole, later);
 }
 
 #[test]

@@ -149,6 +149,14 @@ fn a_resumed_loop_gives_the_same_bits() {
     resumed("multipliers", &text, [3, 55, 110], 0);
 }
 
+#[test]
+fn a_resumed_projection_has_the_same_invariants() {
+    let text = include_str!("../../../examples/models/free_body.toml")
+        .replace("to = 8", "to = 1\ncheckpoint_every = 50")
+        .replace("{ newmark = [0.25, 0.5] }", "\"projected-newmark\"");
+    resumed("projected", &text, [3, 55, 110], 2);
+}
+
 fn resumed(name: &str, text: &str, stops: [usize; 3], least_changes: u64) {
     let directory = directory(&format!("program_resume_{name}"));
     let model = write(&directory, text);
