@@ -65,26 +65,13 @@ pub(crate) struct FrameMotion {
     pub psi: Vector3<f64>,
     pub x_ddot: Vector3<f64>,
     pub quotients: Quotients,
+    /// R(Ψ), for an eccentric mass only.
+    pub R: Matrix3<f64>,
     pub T: Matrix3<f64>,
     pub Omega: Vector3<f64>,
     pub A: Vector3<f64>,
     psi_dot: Vector3<f64>,
     psi_ddot: Vector3<f64>,
-}
-
-/// Terms shared by force and tangents.
-pub(crate) struct InertiaTerms<'a> {
-    inertia: &'a Inertia,
-    motion: &'a FrameMotion,
-    /// Terms of the first moment of mass.
-    eccentric: Option<Eccentric>,
-}
-
-/// Terms of a mass centre that is not the frame's origin.
-struct Eccentric {
-    R: Matrix3<f64>,
-    /// A×S + Ω×(Ω×S), material.
-    l: Vector3<f64>,
 }
 
 /// D_Ω (Ω×(Ω×S)), 3×3.
@@ -96,18 +83,24 @@ pub(crate) fn centrifugal(Omega: &Vector3<f64>, S: &Vector3<f64>) -> Matrix3<f64
 impl FrameMotion {
     /// A motion with accelerations increased by α times the velocities: inertia is linear in
     /// accelerations, so this adds the drag α M ẋ.
-    #[inline]
+    #[inline(always)]
     pub fn new(
         psi: Vector3<f64>,
         [x_dot, psi_dot]: [Vector3<f64>; 2],
         [x_ddot, psi_ddot]: [Vector3<f64>; 2],
         alpha: f64,
+        eccentric: bool,
     ) -> Self {
         let psi_ddot = psi_ddot + psi_dot * alpha;
         let quotients = Quotients::new(psi.norm());
-        let T = so3::T(&psi, &quotients.tangent());
+        let c = quotients.tangent();
+        let T = so3::T(&psi, &c);
         Self {
             x_ddot: x_ddot + x_dot * alpha,
+            R: match eccentric {
+                true => so3::R(&psi, &c),
+                false => Matrix3::zeros(),
+            },
             Omega: T * psi_dot,
             A: T * psi_ddot + so3::T_dot_psi_dot(&psi_dot, &psi, &quotients),
             psi,
@@ -118,28 +111,22 @@ impl FrameMotion {
         }
     }
 
-    /// R(Ψ).
-    #[inline]
-    pub fn R(&self) -> Matrix3<f64> {
-        so3::R(&self.psi, &self.quotients.tangent())
-    }
-
     /// A×S + Ω×(Ω×S), material: the mass times the acceleration of its centre relative to the origin.
-    #[inline]
+    #[inline(always)]
     pub fn l(&self, S: &Vector3<f64>) -> Vector3<f64> {
         self.A.cross(S) + self.Omega.cross(&self.Omega.cross(S))
     }
 
     /// Variations of Ω and A with (Ψ, Ψ̇, Ψ̈), with the weights of a tangent: δΩ = C₁ δΨ + T δΨ̇,
     /// δA = (C₅ + C₁(Ψ̈)) δΨ + C₄ δΨ̇ + T δΨ̈.
-    #[inline]
+    #[inline(always)]
     pub fn varied(&self, w: &Weights) -> [Matrix3<f64>; 2] {
         if w.K == 0.0 && w.C == 0.0 {
             return [Matrix3::zeros(), self.T * w.M];
         }
         let (psi, psi_dot, c) = (&self.psi, &self.psi_dot, &self.quotients);
         [
-            so3::C1(psi_dot, psi, c) * w.K + self.T * w.C,
+            so3::C1(&(psi_dot * w.K), psi, c) + self.T * w.C,
             so3::A_varied([w.K, w.C, w.M], psi_dot, &self.psi_ddot, psi, c),
         ]
     }
@@ -240,7 +227,7 @@ impl Inertia {
         let c = TangentQuotients::new(psi.norm_squared());
         let Omega = so3::spun(psi, psi_dot, &c);
         let mut energy = self.mass * x_dot.norm_squared() + Omega.dot(&(self.J * Omega));
-        if self.S != Vector3::zeros() {
+        if self.is_eccentric() {
             energy += 2.0 * so3::turned(psi, &Omega.cross(&self.S), &c).dot(x_dot);
         }
         0.5 * energy
@@ -251,56 +238,42 @@ impl Inertia {
         *self == Self::default()
     }
 
-    #[inline]
-    pub(crate) fn moving<'a>(&'a self, motion: &'a FrameMotion) -> InertiaTerms<'a> {
-        let eccentric = (self.S != Vector3::zeros()).then(|| Eccentric {
-            R: motion.R(),
-            l: motion.l(&self.S),
-        });
-        InertiaTerms {
-            inertia: self,
-            motion,
-            eccentric,
-        }
+    /// Whether the mass centre is not the frame's origin.
+    pub(crate) fn is_eccentric(&self) -> bool {
+        self.S != Vector3::zeros()
     }
-}
 
-impl InertiaTerms<'_> {
     /// J A + Ω×JΩ + S×g, material.
     #[inline]
-    fn h(&self) -> Vector3<f64> {
-        let Inertia { S, J, .. } = self.inertia;
-        let FrameMotion {
-            Omega, A, x_ddot, ..
-        } = self.motion;
-        let h = J * A + Omega.cross(&(J * Omega));
-        match &self.eccentric {
-            None => h,
-            Some(Eccentric { R, .. }) => h + S.cross(&R.tr_mul(x_ddot)),
+    fn h(&self, at: &FrameMotion) -> Vector3<f64> {
+        let h = self.J * at.A + at.Omega.cross(&(self.J * at.Omega));
+        match self.is_eccentric() {
+            true => h + self.S.cross(&at.R.tr_mul(&at.x_ddot)),
+            false => h,
         }
     }
 
     /// f_acc over (x, Ψ).
     #[inline]
-    pub fn force(&self) -> Vector6<f64> {
-        let mut f = self.motion.x_ddot * self.inertia.mass;
-        if let Some(Eccentric { R, l }) = &self.eccentric {
-            f += R * l;
+    pub(crate) fn force(&self, at: &FrameMotion) -> Vector6<f64> {
+        let mut f = at.x_ddot * self.mass;
+        if self.is_eccentric() {
+            f += at.R * at.l(&self.S);
         }
-        stack(&f, &self.motion.T.tr_mul(&self.h()))
+        stack(&f, &at.T.tr_mul(&self.h(at)))
     }
 
     /// M alone, for momenta and kinetic energies.
     #[inline]
-    pub fn mass(&self) -> Matrix6<f64> {
-        let (Inertia { mass, S, J }, T) = (self.inertia, &self.motion.T);
+    pub(crate) fn mass_matrix(&self, at: &FrameMotion) -> Matrix6<f64> {
+        let (Self { mass, S, J }, T) = (self, &at.T);
         let mut M = Matrix6::zeros();
         for k in 0..3 {
             M[(k, k)] = *mass;
         }
         put(&mut M, 3, 3, &T.tr_mul(&(J * T)));
-        if let Some(Eccentric { R, .. }) = &self.eccentric {
-            let B = R * skew(S) * T * -1.0;
+        if self.is_eccentric() {
+            let B = at.R * skew(S) * T * -1.0;
             put(&mut M, 0, 3, &B);
             put(&mut M, 3, 0, &B.transpose());
         }
@@ -309,29 +282,26 @@ impl InertiaTerms<'_> {
 
     /// The exact tangent of f_acc over (x, Ψ): K, C and M with the given weights.
     #[inline]
-    pub fn tangent(&self, weights: Weights) -> Matrix6<f64> {
-        let Inertia { mass, S, J } = self.inertia;
-        let FrameMotion {
-            x_ddot, T, Omega, ..
-        } = self.motion;
+    pub(crate) fn tangent(&self, at: &FrameMotion, weights: Weights) -> Matrix6<f64> {
+        let Self { mass, S, J } = self;
+        let FrameMotion { R, T, Omega, .. } = at;
         let Weights { K, M, .. } = weights;
-        let [Omega_q, A_q] = self.motion.varied(&weights);
+        let [Omega_q, A_q] = at.varied(&weights);
         // D_Ω (Ω×JΩ).
         let H = skew(Omega) * J - skew(&(J * Omega));
         let mut h_q = H * Omega_q + J * A_q;
         let mut tangent = Matrix6::zeros();
-        if let Some(Eccentric { R, l }) = &self.eccentric {
+        if self.is_eccentric() {
             let S_skew = skew(S);
-            h_q += S_skew * skew(&R.tr_mul(x_ddot)) * T * K;
-            let l_q = centrifugal(Omega, S) * Omega_q - S_skew * A_q - skew(l) * T * K;
+            h_q += S_skew * skew(&R.tr_mul(&at.x_ddot)) * T * K;
+            let l_q = centrifugal(Omega, S) * Omega_q - S_skew * A_q - skew(&at.l(S)) * T * K;
             put(&mut tangent, 0, 3, &(R * l_q));
             put(&mut tangent, 3, 0, &(T.tr_mul(&S_skew) * R.transpose() * M));
         }
         for k in 0..3 {
             tangent[(k, k)] = mass * M;
         }
-        let turning =
-            so3::C2(&(self.h() * K), &self.motion.psi, &self.motion.quotients) + T.tr_mul(&h_q);
+        let turning = so3::C2(&(self.h(at) * K), &at.psi, &at.quotients) + T.tr_mul(&h_q);
         put(&mut tangent, 3, 3, &turning);
         tangent
     }

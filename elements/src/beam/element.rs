@@ -18,7 +18,6 @@ use crate::element::{
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::so3;
-use pullback_manifold::system::Weights;
 
 /// Error of a beam element.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -47,8 +46,6 @@ pub struct Beam<const NN: usize, I = Total<NN>> {
     first: GaussPoint<NN>,
     others: Vec<GaussPoint<NN>>,
     pub(super) rotations: I,
-    /// Whether the section has mass.
-    massive: bool,
     damping: Damping,
 }
 
@@ -114,7 +111,6 @@ impl<const NN: usize, I: Rotations<NN>> Beam<NN, I> {
         Ok(Self {
             first,
             others,
-            massive: masses.is_some(),
             rotations: I::new(positions, masses),
             damping: section.damping,
         })
@@ -235,11 +231,10 @@ impl<const NN: usize, I: Rotations<NN>> ElementEnergies for Beam<NN, I> {
     }
 
     fn kinetic_energy(&self, at: &Motion<'_>) -> Option<f64> {
-        if self.massive {
-            self.rotations.kinetic_energy(at)
-        } else {
-            Some(0.0)
-        }
+        Some(match at.v.is_empty() {
+            true => 0.0,
+            false => self.rotations.kinetic_energy(at),
+        })
     }
 
     fn dissipation(&self, at: &Motion<'_>) -> f64 {
@@ -254,23 +249,12 @@ impl<const NN: usize, I: Rotations<NN>> ElementEnergies for Beam<NN, I> {
             let rates = Self::rates(p, seen.v.as_flattened());
             p.weight * Viscous::new(&mut s, &line, &rates, &p.law, stiffness).power()
         };
-        // The drag is α p = α M ẋ.
-        let mut M = [[[[0.0; 6]; NN]; 6]; NN];
-        let M = M.as_flattened_mut().as_flattened_mut().as_flattened_mut();
-        if self.massive && mass > 0.0 {
-            let mut r = [[0.0; 6]; NN];
-            let only = Weights {
-                M: mass,
-                K: 0.0,
-                C: 0.0,
-            };
-            let mut tangents: CombinedTangents<'_> = [Some((only, &mut *M)), None, None];
-            self.rotations
-                .inertia(at, 0.0, r.as_flattened_mut(), &mut tangents);
-        }
-        let rows = M.chunks_exact(6 * NN).zip(at.v);
-        let drag = rows.map(|(M, v)| v * M.iter().zip(at.v).map(|(m, v)| m * v).sum::<f64>());
-        self.points().map(viscous).sum::<f64>() + drag.sum::<f64>()
+        // The power of the drag α M ẋ is 2 α times the kinetic energy.
+        let drag = match mass > 0.0 {
+            true => 2.0 * mass * self.rotations.kinetic_energy(at),
+            false => 0.0,
+        };
+        self.points().map(viscous).sum::<f64>() + drag
     }
 }
 
@@ -309,7 +293,7 @@ impl<const NN: usize, I: Rotations<NN>> Combined for Beam<NN, I> {
             self.strain(viscous, at, r, tangents)
         };
         self.rotations.pull_back(viscous, at, r, tangents, kernel)?;
-        if self.massive && !at.v.is_empty() {
+        if !at.v.is_empty() {
             self.rotations.inertia(at, self.damping.mass, r, tangents);
         }
         Ok(())

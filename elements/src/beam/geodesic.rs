@@ -209,6 +209,11 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
             inertia.add(at, alpha, r, tangents);
         }
     }
+
+    fn kinetic_energy(&self, at: &Motion<'_>) -> f64 {
+        let inertia = self.inertia.as_ref();
+        inertia.map_or(0.0, |inertia| inertia.kinetic_energy(at))
+    }
 }
 
 /// Nodes that are not the reference, with x̂ and its rates.

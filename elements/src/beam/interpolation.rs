@@ -109,11 +109,8 @@ pub trait Rotations<const NN: usize>: Clone + Debug + Send + Sync + Sized {
         tangents: &mut CombinedTangents<'_>,
     );
 
-    /// Kinetic energy, if it can be computed faster than ½ ẋ·M ẋ.
-    fn kinetic_energy(&self, at: &Motion<'_>) -> Option<f64> {
-        let _ = at;
-        None
-    }
+    /// Kinetic energy.
+    fn kinetic_energy(&self, at: &Motion<'_>) -> f64;
 }
 
 /// The nodes in interpolated coordinates.
@@ -185,8 +182,9 @@ impl<const NN: usize> Rotations<NN> for Total<NN> {
             p.add(at, alpha, r, tangents);
         }
     }
-    fn kinetic_energy(&self, at: &Motion<'_>) -> Option<f64> {
+
+    fn kinetic_energy(&self, at: &Motion<'_>) -> f64 {
         let masses = self.masses.iter().flatten();
-        Some(masses.map(|p| p.kinetic_energy(at)).sum())
+        masses.map(|p| p.kinetic_energy(at)).sum()
     }
 }

@@ -41,9 +41,8 @@ impl<const NN: usize> MassPoint<NN> {
     ) {
         // The motion of the section is interpolated like x and Ψ.
         let [v, a] = [at.v, at.a].map(|x| [self.sum(x, 0), self.sum(x, 3)]);
-        let motion = FrameMotion::new(self.sum(at.x, 3), v, a, alpha);
-        let moving = self.inertia.moving(&motion);
-        let f = moving.force();
+        let motion = FrameMotion::new(self.sum(at.x, 3), v, a, alpha, self.inertia.is_eccentric());
+        let f = self.inertia.force(&motion);
         for (r, N) in r.chunks_exact_mut(6).zip(&self.N) {
             for (r, f) in r.iter_mut().zip(f.iter()) {
                 *r -= self.weight * N * f;
@@ -51,11 +50,12 @@ impl<const NN: usize> MassPoint<NN> {
         }
         for (weights, out) in tangents.iter_mut().flatten() {
             if weights.K == 0.0 && weights.C == 0.0 {
-                self.spread(&(moving.mass() * weights.M), out);
+                self.spread(&(self.inertia.mass_matrix(&motion) * weights.M), out);
                 continue;
             }
             let M = weights.M + alpha * weights.C;
-            self.spread(&moving.tangent(Weights { M, ..*weights }), out);
+            let weights = Weights { M, ..*weights };
+            self.spread(&self.inertia.tangent(&motion, weights), out);
         }
     }
 
@@ -63,7 +63,7 @@ impl<const NN: usize> MassPoint<NN> {
     #[inline]
     fn spread(&self, block: &Matrix6<f64>, out: &mut [f64]) {
         let n = 6 * NN;
-        let coupled = self.inertia.S != Vector3::zeros();
+        let coupled = self.inertia.is_eccentric();
         for j in 0..NN {
             for i in 0..NN {
                 let factor = self.weight * self.N[i] * self.N[j];

@@ -26,6 +26,7 @@ use crate::blocks::{add_block, three};
 use crate::element::{CombinedTangents, Motion};
 use crate::inertia::{FrameMotion, Inertia, centrifugal};
 use nalgebra::{Matrix3, Vector3};
+use pullback_manifold::quotients::TangentQuotients;
 use pullback_manifold::so3::{self, skew};
 use pullback_manifold::system::Weights;
 
@@ -53,7 +54,7 @@ impl<const NN: usize> NodalInertia<NN> {
         }
         Self {
             pairs,
-            eccentric: points.iter().any(|p| p.inertia.S != Vector3::zeros()),
+            eccentric: points.iter().any(|p| p.inertia.is_eccentric()),
         }
     }
 
@@ -67,13 +68,9 @@ impl<const NN: usize> NodalInertia<NN> {
     ) {
         let spins: [FrameMotion; NN] = std::array::from_fn(|i| {
             let [v, a] = [at.v, at.a].map(|x| [three(x, 6 * i), three(x, 6 * i + 3)]);
-            FrameMotion::new(three(at.x, 6 * i + 3), v, a, alpha)
+            FrameMotion::new(three(at.x, 6 * i + 3), v, a, alpha, self.eccentric)
         });
-        let R = match self.eccentric {
-            true => spins.each_ref().map(FrameMotion::R),
-            false => [Matrix3::zeros(); NN],
-        };
-        let moments = self.forces(&spins, &R, r);
+        let moments = self.forces(&spins, r);
         for (weights, out) in tangents.iter_mut().flatten() {
             // Accelerations contain α times the velocities.
             let w = Weights {
@@ -82,15 +79,19 @@ impl<const NN: usize> NodalInertia<NN> {
             };
             let by = spins.each_ref().map(|spin| spin.varied(&w));
             for (i, [h, momentum]) in moments.iter().enumerate() {
-                self.tangent(i, (&spins, &R), &by, &w, out);
+                self.tangent(i, &spins, &by, &w, out);
                 // The terms of the node's own rotation and angular velocity.
                 let FrameMotion {
-                    psi, quotients, T, ..
+                    psi,
+                    quotients,
+                    R,
+                    T,
+                    ..
                 } = &spins[i];
                 let mut own = skew(momentum) * by[i][0] * -1.0;
                 if self.eccentric {
                     for (pair, spin) in self.pairs[i].iter().zip(&spins) {
-                        own += skew(&pair.S) * skew(&R[i].tr_mul(&spin.x_ddot)) * T * w.K;
+                        own += skew(&pair.S) * skew(&R.tr_mul(&spin.x_ddot)) * T * w.K;
                     }
                 }
                 let own = so3::C2(h, psi, quotients) * w.K + T.tr_mul(&own);
@@ -99,24 +100,39 @@ impl<const NN: usize> NodalInertia<NN> {
         }
     }
 
+    /// T, see above.
+    pub(super) fn kinetic_energy(&self, at: &Motion<'_>) -> f64 {
+        let moving = |i: usize| {
+            let (psi, psi_dot) = (three(at.x, 6 * i + 3), three(at.v, 6 * i + 3));
+            let c = TangentQuotients::new(psi.norm_squared());
+            (three(at.v, 6 * i), psi, so3::spun(&psi, &psi_dot, &c), c)
+        };
+        let nodes: [_; NN] = std::array::from_fn(moving);
+        let mut energy = 0.0;
+        for ((d_dot, _, Omega, _), row) in nodes.iter().zip(&self.pairs) {
+            for ((d_dot_j, psi, Omega_j, c), Inertia { mass, S, J }) in nodes.iter().zip(row) {
+                energy += 0.5 * (mass * d_dot.dot(d_dot_j) + Omega.dot(&(J * Omega_j)));
+                if self.eccentric {
+                    energy += d_dot.dot(&so3::turned(psi, &Omega_j.cross(S), c));
+                }
+            }
+        }
+        energy
+    }
+
     /// Adds −f_acc. Returns h_i and Σ_j J_ij Ω_j of each node.
-    fn forces(
-        &self,
-        spins: &[FrameMotion; NN],
-        R: &[Matrix3<f64>; NN],
-        r: &mut [f64],
-    ) -> [[Vector3<f64>; 2]; NN] {
+    fn forces(&self, spins: &[FrameMotion; NN], r: &mut [f64]) -> [[Vector3<f64>; 2]; NN] {
         std::array::from_fn(|i| {
             let own = &spins[i];
             let (mut f, mut h, mut momentum) =
                 (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
-            for (j, (Inertia { mass, S, J }, spin)) in self.pairs[i].iter().zip(spins).enumerate() {
+            for (Inertia { mass, S, J }, spin) in self.pairs[i].iter().zip(spins) {
                 f += spin.x_ddot * *mass;
                 h += J * spin.A;
                 momentum += J * spin.Omega;
                 if self.eccentric {
-                    f += R[j] * spin.l(S);
-                    h += S.cross(&R[i].tr_mul(&spin.x_ddot));
+                    f += spin.R * spin.l(S);
+                    h += S.cross(&own.R.tr_mul(&spin.x_ddot));
                 }
             }
             h += own.Omega.cross(&momentum);
@@ -133,7 +149,7 @@ impl<const NN: usize> NodalInertia<NN> {
     fn tangent(
         &self,
         i: usize,
-        (spins, R): (&[FrameMotion; NN], &[Matrix3<f64>; NN]),
+        spins: &[FrameMotion; NN],
         by: &[[Matrix3<f64>; 2]; NN],
         w: &Weights,
         out: &mut [f64],
@@ -148,13 +164,13 @@ impl<const NN: usize> NodalInertia<NN> {
             let h_q = J * A_q + skew(&own.Omega) * (J * Omega_q);
             add_block(out, n, 6 * i + 3, 6 * j + 3, &own.T.tr_mul(&h_q));
             if self.eccentric {
-                let FrameMotion { T, Omega, .. } = &spins[j];
+                let FrameMotion { R, T, Omega, .. } = &spins[j];
                 let S_skew = skew(S);
-                let lever = own.T.tr_mul(&S_skew) * R[i].transpose() * w.M;
+                let lever = own.T.tr_mul(&S_skew) * own.R.transpose() * w.M;
                 add_block(out, n, 6 * i + 3, 6 * j, &lever);
                 let l = skew(&spins[j].l(S)) * T * w.K;
                 let l_q = centrifugal(Omega, S) * Omega_q - S_skew * A_q - l;
-                add_block(out, n, 6 * i, 6 * j + 3, &(R[j] * l_q));
+                add_block(out, n, 6 * i, 6 * j + 3, &(R * l_q));
             }
         }
     }
