@@ -65,7 +65,7 @@ pub(crate) struct FrameMotion {
     pub psi: Vector3<f64>,
     pub x_ddot: Vector3<f64>,
     pub quotients: Quotients,
-    /// R(Ψ), for an eccentric mass only.
+    /// R(Ψ); zero without an eccentric mass.
     pub R: Matrix3<f64>,
     pub T: Matrix3<f64>,
     pub Omega: Vector3<f64>,
@@ -74,15 +74,10 @@ pub(crate) struct FrameMotion {
     psi_ddot: Vector3<f64>,
 }
 
-/// D_Ω (Ω×(Ω×S)), 3×3.
-pub(crate) fn centrifugal(Omega: &Vector3<f64>, S: &Vector3<f64>) -> Matrix3<f64> {
-    Matrix3::from_diagonal_element(Omega.dot(S)) + Omega * S.transpose()
-        - S * Omega.transpose() * 2.0
-}
-
 impl FrameMotion {
     /// A motion with accelerations increased by α times the velocities: inertia is linear in
     /// accelerations, so this adds the drag α M ẋ.
+    /// R is needed for an `eccentric` mass only.
     #[inline(always)]
     pub fn new(
         psi: Vector3<f64>,
@@ -130,6 +125,12 @@ impl FrameMotion {
             so3::A_varied([w.K, w.C, w.M], psi_dot, &self.psi_ddot, psi, c),
         ]
     }
+}
+
+/// D_Ω (Ω×(Ω×S)), 3×3.
+pub(crate) fn centrifugal(Omega: &Vector3<f64>, S: &Vector3<f64>) -> Matrix3<f64> {
+    Matrix3::from_diagonal_element(Omega.dot(S)) + Omega * S.transpose()
+        - S * Omega.transpose() * 2.0
 }
 
 fn stack(a: &Vector3<f64>, b: &Vector3<f64>) -> Vector6<f64> {
