@@ -6,7 +6,7 @@
 //! special case in which every block has size one.
 
 use crate::coordinate::CoordinateInfo;
-use nalgebra::DMatrix;
+use nalgebra::{ComplexField, DMatrix};
 
 /// The fixed, structurally symmetric pattern of a square block-sparse matrix.
 ///
@@ -181,14 +181,17 @@ impl BlockPattern {
         matrix
     }
 
-    /// y ← y + α A x for the matrix of this pattern with the given values.
-    pub fn multiply_add(&self, alpha: f64, values: &[f64], x: &[f64], y: &mut [f64]) {
+    /// y ← y + α A x for the matrix of this pattern with the given values; x and y may be complex.
+    pub fn multiply_add<T>(&self, alpha: f64, values: &[f64], x: &[T], y: &mut [T])
+    where
+        T: Copy + ComplexField<RealField = f64>,
+    {
         for j in 0..self.blocks() {
             let x = &x[self.unknowns(j)];
             for (i, range) in self.column(j) {
                 let (block, y) = (&values[range], &mut y[self.unknowns(i)]);
                 match y.len() {
-                    6 => add_block::<6>(alpha, block, x, y),
+                    6 => add_block::<T, 6>(alpha, block, x, y),
                     _ => add_columns(alpha, block, x, y),
                 }
             }
@@ -197,23 +200,29 @@ impl BlockPattern {
 }
 
 /// y ← y + α A x for a block of any height.
-fn add_columns(alpha: f64, block: &[f64], x: &[f64], y: &mut [f64]) {
+fn add_columns<T>(alpha: f64, block: &[f64], x: &[T], y: &mut [T])
+where
+    T: Copy + ComplexField<RealField = f64>,
+{
     for (column, &x) in block.chunks_exact(y.len().max(1)).zip(x) {
         for (y, a) in y.iter_mut().zip(column) {
-            *y += alpha * a * x;
+            *y += x.scale(alpha * a);
         }
     }
 }
 
 /// y ← y + α A x for a block of height H.
-fn add_block<const H: usize>(alpha: f64, block: &[f64], x: &[f64], y: &mut [f64]) {
-    let mut sum = [0.0; H];
-    for (column, x) in block.as_chunks::<H>().0.iter().zip(x) {
+fn add_block<T, const H: usize>(alpha: f64, block: &[f64], x: &[T], y: &mut [T])
+where
+    T: Copy + ComplexField<RealField = f64>,
+{
+    let mut sum = [T::zero(); H];
+    for (column, &x) in block.as_chunks::<H>().0.iter().zip(x) {
         for k in 0..H {
-            sum[k] += column[k] * x;
+            sum[k] += x.scale(column[k]);
         }
     }
     for (y, sum) in y.iter_mut().zip(sum) {
-        *y += alpha * sum;
+        *y += sum.scale(alpha);
     }
 }

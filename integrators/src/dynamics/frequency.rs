@@ -66,12 +66,7 @@ fn largest(
     [K, M]: [&[f64]; 2],
 ) -> Result<f64, LinearError> {
     let pattern = system.pattern();
-    let times = |A: &[f64], x: &[f64], y: &mut Vec<f64>| {
-        y.clear();
-        y.resize(x.len(), 0.0);
-        pattern.multiply_add(1.0, A, x, y);
-    };
-    let gram = |x: &[f64], y: &mut Vec<f64>| times(M, x, y);
+    let gram = |x: &[f64], y: &mut [f64]| pattern.multiply_add(1.0, M, x, y);
     let mut krylov = Krylov::new(pattern.dim());
     // A start vector with a component of every mode.
     let start = (0..pattern.dim()).map(|i| 1.0 + (1.7 * (i * i) as f64).sin());
@@ -80,8 +75,8 @@ fn largest(
     while krylov.len() < MOST
         && let Some((v, _)) = krylov.next()
     {
-        let mut product = Vec::new();
-        times(K, v, &mut product);
+        let mut product = vec![0.0; v.len()];
+        pattern.multiply_add(1.0, K, v, &mut product);
         solver.solve(Some(M), &mut product)?;
         krylov.take(product, &gram, true);
         if krylov.len().is_multiple_of(LOOK) || krylov.is_exhausted() {

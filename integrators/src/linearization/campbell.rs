@@ -325,7 +325,7 @@ fn conjugate(mode: &Mode) -> Mode {
 
 /// The modal assurance criterion of each mode with each of others, shapes with their velocities.
 fn assurance(before: &[&Mode], found: &[Mode], lin: &Linearized) -> Vec<Vec<f64>> {
-    let product = |mode: &Mode| lin.complex_product(&lin.M, &mode.shape);
+    let product = |mode: &Mode| lin.product(&lin.M, &mode.shape);
     let sizes: Vec<f64> = found
         .iter()
         .map(|mode| inner_product(&mode.shape, &product(mode)).re)

@@ -40,7 +40,7 @@ impl<'a> Finish<'a> {
     /// A mode of an eigenvector of any length, and the eigenvalue of the search: ω² or λ.
     pub fn mode(&self, mut shape: Vec<Complex64>, found: Complex64) -> Mode {
         let lin = self.lin;
-        let image = |values: &[f64]| lin.complex_product(values, &shape);
+        let image = |values: &[f64]| lin.product(values, &shape);
         let damping = match self.order {
             Order::Squares => Vec::new(),
             Order::Quadratic => image(&lin.C),
@@ -48,9 +48,9 @@ impl<'a> Finish<'a> {
         let images = [image(&lin.K), damping, image(&lin.M)];
         // φᴴ y, real for a symmetric matrix.
         let form = |y: &[Complex64]| inner_product(&shape, y).re;
-        let mass = form(&images[2]);
-        let eigenvalue = self.eigenvalue(&shape, found, [form(&images[0]), mass]);
-        let residual = self.residual(&shape, &images, eigenvalue);
+        let forms @ [_, mass] = [form(&images[0]), form(&images[2])];
+        let eigenvalue = self.eigenvalue(&shape, found, forms);
+        let residual = self.residual(&shape, images, eigenvalue);
         let mut largest = (0.0, Complex64::ONE);
         for (x, s) in shape.iter().zip(&self.scales) {
             let size = x.norm_sqr() / (s * s);
@@ -100,7 +100,7 @@ impl<'a> Finish<'a> {
         if self.order == Order::Squares || mode.eigenvalue != Complex64::ZERO {
             return false;
         }
-        let image = self.lin.complex_product(&self.lin.M, &mode.shape);
+        let image = self.lin.product(&self.lin.M, &mode.shape);
         let rigid = modes.iter().filter(|m| m.eigenvalue == Complex64::ZERO);
         let parts = rigid.map(|m| inner_product(&m.shape, &image).norm_sqr());
         parts.sum::<f64>() > 0.99
@@ -129,22 +129,21 @@ impl<'a> Finish<'a> {
         scaled.map(|(x, s)| (x / s).norm_sqr()).sum()
     }
 
-    /// Length of (K + λ C + λ² M) φ, relative to the bounds of the three terms.
+    /// Length of (K + λ C + λ² M) φ, relative to the bounds of the three terms; `images` are the products K φ, C φ and M φ.
     fn residual(
         &self,
         shape: &[Complex64],
-        images: &[Vec<Complex64>; 3],
+        [mut sum, damping, inertia]: [Vec<Complex64>; 3],
         eigenvalue: Complex64,
     ) -> f64 {
-        let factors = [Complex64::ONE, eigenvalue, eigenvalue * eigenvalue];
-        let mut sum = vec![Complex64::ZERO; self.lin.dim()];
-        let mut bound = 0.0;
-        for ((image, factor), norm) in images.iter().zip(factors).zip(self.norms) {
+        let [stiffness, damped, mass] = self.norms;
+        let square = eigenvalue * eigenvalue;
+        for (image, factor) in [(damping, eigenvalue), (inertia, square)] {
             for (sum, x) in sum.iter_mut().zip(image) {
                 *sum += factor * x;
             }
-            bound += factor.norm() * norm;
         }
+        let bound = stiffness + eigenvalue.norm() * damped + square.norm() * mass;
         let scaled = sum.iter().zip(&self.scales);
         let square: f64 = scaled.map(|(r, s)| (r * s).norm_sqr()).sum();
         // Of λ = 0 without stiffness, all terms are zero.

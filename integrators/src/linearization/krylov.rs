@@ -1,7 +1,7 @@
 //! Krylov subspaces of an operator that is applied to one vector at a time.
 //!
-//! The vectors wait in the order in which they came: each is multiplied by the operator, and the part of
-//! the product that is new is appended (band Arnoldi method; Ruhe 1979, Math. Comp. 33). A start vector may
+//! Vectors are multiplied by the operator in the order in which they came, and the part of each product that is new is
+//! appended (band Arnoldi method; Ruhe 1979, Math. Comp. 33). A start vector may
 //! be added at any time, as a second copy of a repeated eigenvalue needs one; with all unit
 //! vectors at the beginning the method is dense. The inner product xᵀ G y may be semi-definite: vectors
 //! without length are dropped, and with them infinite eigenvalues of a pencil with the singular mass
@@ -13,32 +13,31 @@ use crate::vectors::{add, dot};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, ColMut, ColRef, Mat, MatRef, Par, Side};
 use num_complex::Complex64;
-use std::collections::VecDeque;
 
 /// Square of the length that a product must keep to count as a new direction, relative to its own.
 const NEW: f64 = 1e-26;
 /// The same for start vectors, whose lengths may have cancelled.
 const INDEPENDENT: f64 = 1e-14;
-/// Square of the part removed, relative to what is left: of a pass that leaves the image G w as it was, ...
-const NOTHING: f64 = 1e-26;
-/// ... and of one whose rounding errors are no more than those of w.
+/// Square of the part removed, relative to what is left, of a pass whose rounding errors are no more than those of w.
 const SMALL: f64 = 1e-4;
 /// Most passes: two suffice unless a vector vanishes.
 const PASSES: usize = 3;
+/// Number of vectors that memory is reserved for.
+const RESERVED: usize = 32;
 
-/// Writes G w to its second argument.
-pub(crate) type Gram<'a> = dyn Fn(&[f64], &mut Vec<f64>) + 'a;
+/// Adds G w to its second argument.
+pub(crate) type Gram<'a> = dyn Fn(&[f64], &mut [f64]) + 'a;
 
 /// An orthonormal basis, and the operator in it.
 pub(crate) struct Krylov {
     /// One vector after the other.
     basis: Vec<f64>,
+    /// G v of each of them: a projection then needs no product.
+    images: Vec<f64>,
     /// Length of a vector.
     dim: usize,
     /// Column j: coefficients of A vⱼ in the basis.
     columns: Vec<Vec<f64>>,
-    /// G v of the vectors that wait.
-    waiting: VecDeque<Vec<f64>>,
     /// Whether a product added no direction: what it had without length is in no column.
     dropped: bool,
 }
@@ -47,10 +46,10 @@ impl Krylov {
     /// An empty basis of vectors of a length.
     pub fn new(dim: usize) -> Self {
         Self {
-            basis: Vec::new(),
+            basis: Vec::with_capacity(RESERVED * dim),
+            images: Vec::with_capacity(RESERVED * dim),
             dim,
             columns: Vec::new(),
-            waiting: VecDeque::new(),
             dropped: false,
         }
     }
@@ -67,21 +66,21 @@ impl Krylov {
 
     /// The basis, a vector in each column.
     fn basis(&self) -> MatRef<'_, f64> {
-        let count = self.basis.len() / self.dim.max(1);
-        MatRef::from_column_major_slice(&self.basis, self.dim, count)
+        columns(&self.basis, self.dim)
     }
 
     /// Adds a start vector; false if the basis contains it.
     pub fn add(&mut self, w: Vec<f64>, gram: &Gram<'_>) -> bool {
         let before = self.basis().ncols();
-        let coefficients = self.append(w, Vec::new(), vec![0.0; before], gram, INDEPENDENT);
+        let coefficients = self.append(w, vec![0.0; before], gram, INDEPENDENT);
         coefficients.len() > before
     }
 
     /// The next vector v to multiply, and G v.
     pub fn next(&self) -> Option<(&[f64], &[f64])> {
-        let next = &self.basis[self.columns.len() * self.dim..];
-        Some((next.get(..self.dim)?, self.waiting.front()?))
+        let first = self.columns.len() * self.dim;
+        let next = first..first + self.dim;
+        Some((self.basis.get(next.clone())?, &self.images[next]))
     }
 
     /// Takes the product of the operator and [`Krylov::next`]; of a symmetric operator, the coefficients of earlier
@@ -90,61 +89,58 @@ impl Krylov {
         let j = self.columns.len();
         let before = self.basis().ncols();
         let mut known = vec![0.0; before];
-        let Gv = self.waiting.pop_front().unwrap_or_default();
         if symmetric {
             for (known, column) in known.iter_mut().zip(&self.columns) {
                 *known = column.get(j).copied().unwrap_or(0.0);
             }
-            known[j] = dot(&product, &Gv);
+            known[j] = dot(&product, &self.images[j * self.dim..][..self.dim]);
             for (v, known) in self.basis.chunks_exact(self.dim).zip(&known) {
                 if *known != 0.0 {
                     add(&mut product, -known, v);
                 }
             }
         }
-        let column = self.append(product, Gv, known, gram, NEW);
+        let column = self.append(product, known, gram, NEW);
         self.dropped |= column.len() == before;
         self.columns.push(column);
     }
 
     /// Orthogonalises a vector, less the part of it with known coefficients, and appends what is left; returns
-    /// all coefficients. `Gw` is a buffer.
+    /// all coefficients.
     fn append(
         &mut self,
         mut w: Vec<f64>,
-        mut Gw: Vec<f64>,
         mut coefficients: Vec<f64>,
         gram: &Gram<'_>,
         least: f64,
     ) -> Vec<f64> {
-        gram(&w, &mut Gw);
-        let mut left = dot(&w, &Gw);
-        let whole = left + dot(&coefficients, &coefficients);
+        let end = self.images.len();
+        self.images.resize(end + self.dim, 0.0);
+        let (images, Gw) = self.images.split_at_mut(end);
+        let (basis, images) = (columns(&self.basis, self.dim), columns(images, self.dim));
+        let mut left = 0.0;
         for _ in 0..PASSES {
-            let basis = self.basis();
-            let parts = basis.transpose() * ColRef::from_slice(&Gw);
+            let parts = images.transpose() * ColRef::from_slice(&w);
             let w_left = ColMut::from_slice_mut(&mut w);
             matmul(w_left, Accum::Add, basis, &parts, -1.0, Par::Seq);
             for (c, part) in coefficients.iter_mut().zip(parts.iter()) {
                 *c += part;
             }
-            let removed = parts.squared_norm_l2();
-            if removed <= NOTHING * left {
-                break;
-            }
-            gram(&w, &mut Gw);
-            left = dot(&w, &Gw);
+            Gw.fill(0.0);
+            gram(&w, Gw);
+            left = dot(&w, Gw);
             // The next pass removes what this one leaves by rounding errors.
-            if removed <= SMALL * left {
+            if parts.squared_norm_l2() <= SMALL * left {
                 break;
             }
         }
-        if left > least * whole {
+        if left > least * (left + dot(&coefficients, &coefficients)) {
             let length = left.sqrt();
-            w.iter_mut().chain(&mut Gw).for_each(|x| *x /= length);
-            self.basis.extend(w);
-            self.waiting.push_back(Gw);
+            Gw.iter_mut().for_each(|x| *x /= length);
+            self.basis.extend(w.iter().map(|x| x / length));
             coefficients.push(length);
+        } else {
+            self.images.truncate(end);
         }
         coefficients
     }
@@ -179,6 +175,11 @@ impl Krylov {
             .map(|x| x.iter().copied().collect())
             .collect()
     }
+}
+
+/// Vectors of a length, one after the other, as the columns of a matrix.
+fn columns(vectors: &[f64], dim: usize) -> MatRef<'_, f64> {
+    MatRef::from_column_major_slice(vectors, dim, vectors.len() / dim.max(1))
 }
 
 /// An approximate eigenvalue of an operator, and its eigenvector in a basis.

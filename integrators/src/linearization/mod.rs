@@ -41,6 +41,7 @@ pub use steady::SteadyMotion;
 
 use crate::abilities::events;
 use crate::rounding::{is_rounding, largest};
+use nalgebra::ComplexField;
 use num_complex::Complex64;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{Evaluation, Point, Quantity, System, SystemError, Weights};
@@ -173,23 +174,13 @@ impl Linearized {
     }
 
     /// A x for a matrix with these values.
-    fn product(&self, values: &[f64], x: &[f64]) -> Vec<f64> {
-        let mut y = vec![0.0; x.len()];
+    fn product<T>(&self, values: &[f64], x: &[T]) -> Vec<T>
+    where
+        T: Copy + ComplexField<RealField = f64>,
+    {
+        let mut y = vec![T::zero(); x.len()];
         self.pattern.multiply_add(1.0, values, x, &mut y);
         y
-    }
-
-    /// A x of a complex vector.
-    fn complex_product(&self, values: &[f64], x: &[Complex64]) -> Vec<Complex64> {
-        let part = |part: fn(&Complex64) -> f64| -> Vec<f64> {
-            self.product(values, &x.iter().map(part).collect::<Vec<_>>())
-        };
-        let real = part(|x| x.re).into_iter();
-        if x.iter().all(|x| x.im == 0.0) {
-            return real.map(Complex64::from).collect();
-        }
-        let pairs = real.zip(part(|x| x.im));
-        pairs.map(|(re, im)| Complex64::new(re, im)).collect()
     }
 
     /// Whether a matrix is symmetric but for rounding errors.

@@ -87,20 +87,18 @@ impl<'a> Search<'a> {
     }
 
     /// The inner product of the search: M if the problem is symmetric.
-    pub(super) fn gram(&self) -> impl Fn(&[f64], &mut Vec<f64>) + use<'a> {
+    pub(super) fn gram(&self) -> impl Fn(&[f64], &mut [f64]) + use<'a> {
         let lin = self.lin;
         let (matrix, weights) = match self.inner {
             Inner::Mass => (Some(&lin.M), Vec::new()),
             Inner::Stiffness => (Some(&lin.K), Vec::new()),
             Inner::Coordinates => (None, self.weights.clone()),
         };
-        move |x, y| {
-            y.clear();
-            match matrix {
-                None => y.extend(x.iter().zip(&weights).map(|(x, w)| w * x)),
-                Some(values) => {
-                    y.resize(x.len(), 0.0);
-                    lin.pattern.multiply_add(1.0, values, x, y);
+        move |x, y| match matrix {
+            Some(values) => lin.pattern.multiply_add(1.0, values, x, y),
+            None => {
+                for ((y, x), w) in y.iter_mut().zip(x).zip(&weights) {
+                    *y += w * x;
                 }
             }
         }
