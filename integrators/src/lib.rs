@@ -20,6 +20,7 @@ mod failure;
 pub mod linear_solver;
 pub mod linearization;
 mod random;
+mod registers;
 mod rounding;
 pub mod spectrum;
 pub mod statics;

@@ -23,6 +23,7 @@ use pullback_manifold::sparse::BlockPattern;
 
 use super::columns::Columns;
 use super::{LinearError, LinearSolver, MatrixSymmetry, max_abs, ready, rounding_level};
+use crate::registers::clear_upper_halves;
 
 fn structure(columns: &Columns) -> SymbolicSparseColMatRef<'_, usize> {
     let n = columns.scales.len();
@@ -69,8 +70,10 @@ impl Lu {
     fn factorise(&mut self, columns: &Columns) -> Result<bool, LinearError> {
         let (a, stack) = (matrix(columns), MemStack::new(&mut self.memory));
         let numeric = &mut self.numeric;
-        match (self.symbolic).factorize_numeric_lu(numeric, a, Par::Seq, stack, Default::default())
-        {
+        let result =
+            (self.symbolic).factorize_numeric_lu(numeric, a, Par::Seq, stack, Default::default());
+        clear_upper_halves();
+        match result {
             Ok(_) => Ok(true),
             Err(LuError::SymbolicSingular { .. }) => Ok(false),
             Err(LuError::Generic(error)) => Err(library(error)),
@@ -85,6 +88,7 @@ impl Lu {
             Par::Seq,
             stack,
         );
+        clear_upper_halves();
     }
 }
 
@@ -208,6 +212,7 @@ impl Cholesky {
             MemStack::new(&mut self.memory),
             Default::default(),
         );
+        clear_upper_halves();
         result.is_ok()
     }
 
@@ -227,6 +232,7 @@ impl Cholesky {
             MemStack::new(&mut memory),
             Default::default(),
         );
+        clear_upper_halves();
         result.is_ok()
     }
 
@@ -238,6 +244,7 @@ impl Cholesky {
             Par::Seq,
             stack,
         );
+        clear_upper_halves();
     }
 
     /// The diagonal of the factors.

@@ -9,6 +9,7 @@
 
 #![allow(non_snake_case)]
 
+use crate::registers::clear_upper_halves;
 use crate::vectors::{add, dot};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, ColMut, ColRef, Mat, MatRef, Par, Side};
@@ -123,6 +124,7 @@ impl Krylov {
             let parts = images.transpose() * ColRef::from_slice(&w);
             let w_left = ColMut::from_slice_mut(&mut w);
             matmul(w_left, Accum::Add, basis, &parts, -1.0, Par::Seq);
+            clear_upper_halves();
             for (c, part) in coefficients.iter_mut().zip(parts.iter()) {
                 *c += part;
             }
@@ -170,6 +172,7 @@ impl Krylov {
         let count = self.basis().ncols();
         let entry = |i: usize, j: usize| coefficients[j].get(i).copied().unwrap_or(0.0);
         let vectors = self.basis() * Mat::from_fn(count, coefficients.len(), entry);
+        clear_upper_halves();
         vectors
             .col_iter()
             .map(|x| x.iter().copied().collect())
@@ -214,6 +217,7 @@ pub(super) fn ritz_pairs(columns: &[Vec<f64>], symmetric: bool) -> Option<Vec<Ri
         };
         (0..n).map(|k| (pairs.S()[k], vector(k))).collect()
     };
+    clear_upper_halves();
     pairs.sort_by(|a, b| b.0.norm().total_cmp(&a.0.norm()));
     let height = columns.iter().map(Vec::len).max().unwrap_or(0);
     let residual = |s: &[Complex64]| {
