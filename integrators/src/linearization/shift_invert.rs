@@ -40,7 +40,7 @@ impl<'a> ShiftInvert<'a> {
             order,
             shift: 0.0,
             solver,
-            values: lin.K.clone(),
+            values: Vec::new(),
         })
     }
 
@@ -55,9 +55,8 @@ impl<'a> ShiftInvert<'a> {
         };
         self.shift = shift;
         let matrices = self.lin.K.iter().zip(&self.lin.M);
-        for (s, (K, M)) in self.values.iter_mut().zip(matrices) {
-            *s = K + m * M;
-        }
+        self.values.clear();
+        self.values.extend(matrices.map(|(K, M)| K + m * M));
         if c != 0.0 {
             add(&mut self.values, c, &self.lin.C);
         }
