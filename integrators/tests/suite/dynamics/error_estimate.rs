@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use crate::support::dynamics::*;
-use pullback_integrators::dynamics::{Adaptivity, DynamicOptions, Scheme, integrate};
+use pullback_integrators::dynamics::{Scheme, integrate};
 
 const OMEGA: f64 = 2.0;
 
@@ -15,14 +15,7 @@ fn estimate_over_error(scheme: Scheme, h: f64) -> f64 {
     let oscillator = || Oscillator::new(1.0, OMEGA * OMEGA);
     let before = run(oscillator(), 0.7, -1.1, &equal);
     let step = |tolerance: f64| {
-        let options = DynamicOptions {
-            to: 0.25 + h,
-            adaptivity: Some(Adaptivity {
-                tolerance,
-                max_step: 1.0,
-            }),
-            ..equal
-        };
+        let options = adaptive(steps_of(scheme, 0.25 + h, h), tolerance, 1.0);
         let mut progress = before.clone();
         integrate(&mut oscillator(), &mut progress, &options, &mut onward).unwrap();
         assert_eq!(progress.summary.steps, before.summary.steps + 1);

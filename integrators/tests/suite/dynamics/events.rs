@@ -2,15 +2,23 @@
 
 #![allow(non_snake_case)]
 
-use crate::support::dynamics::{Oscillator, Pendulum, schemes, steps_of};
-use pullback_integrators::dynamics::{
-    Adaptivity, DynamicOptions, Scheme, Simulation, State, start,
-};
+use crate::support::dynamics::{Oscillator, Pendulum, adaptive, schemes, steps_of};
+use pullback_integrators::dynamics::{DynamicOptions, Scheme, Simulation, State, start};
 use pullback_manifold::system::System;
 use std::ops::ControlFlow::{self, Break, Continue};
 use std::sync::{Arc, Mutex};
 
 type Record = Arc<Mutex<Vec<(usize, f64)>>>;
+
+/// A run from a position and a velocity.
+fn begun<'a, Y: System>(
+    system: &'a mut Y,
+    [q, v]: [f64; 2],
+    options: &DynamicOptions,
+) -> Simulation<&'a mut Y> {
+    let state = start(system, 0.0, &[q], &[v]).unwrap();
+    Simulation::new(system, state, options).unwrap()
+}
 
 /// The times of all events to the end of a run.
 fn times<Y: System>(run: &mut Simulation<&mut Y>) -> Vec<(usize, f64)> {
@@ -46,22 +54,13 @@ fn a_load_is_released_where_the_mass_passes() {
         "tsitouras",
     ];
     let named = |word: &&str| Scheme::named(word, &[]).unwrap();
-    let adaptive = Adaptivity {
-        tolerance: 1e-5,
-        max_step: 0.3,
-    };
+    let steps = |scheme| steps_of(scheme, 2.0, 0.1);
     let equal = schemes().into_iter().chain(more.iter().map(named));
-    let equal = equal.map(|scheme| (scheme, None));
-    let adapted = [Scheme::default(), Scheme::tsitouras()].map(|scheme| (scheme, Some(adaptive)));
-    for (scheme, adaptivity) in equal.chain(adapted) {
-        let mut system = Oscillator::mass(3.0);
-        let state = start(&system, 0.0, &[], &[]).unwrap();
-        let options = DynamicOptions {
-            scheme,
-            adaptivity,
-            ..DynamicOptions::new(2.0, 0.1)
-        };
-        let mut run = Simulation::new(&mut system, state, &options).unwrap();
+    let adapted = [Scheme::default(), Scheme::tsitouras()];
+    let adapted = adapted.map(|scheme| adaptive(steps(scheme), 1e-5, 0.3));
+    for options in equal.map(steps).chain(adapted) {
+        let (mut system, name) = (Oscillator::mass(3.0), options.scheme.name);
+        let mut run = begun(&mut system, [0.0; 2], &options);
         let release = run.add_event(
             |_, state| state.q[0] - 1.0,
             |system, _| {
@@ -71,10 +70,10 @@ fn a_load_is_released_where_the_mass_passes() {
         );
         close(&times(&mut run), &[(release, t1)], 1e-12);
         let end = run.state();
-        assert!(end.t == 2.0 && end.a[0].abs() < 1e-12, "{}", scheme.name);
-        assert!((end.v[0] - v1).abs() < 1e-11, "{}", scheme.name);
+        assert!(end.t == 2.0 && end.a[0].abs() < 1e-12, "{name}");
+        assert!((end.v[0] - v1).abs() < 1e-11, "{name}");
         let exact = 1.0 + v1 * (2.0 - t1);
-        assert!((end.q[0] - exact).abs() < 1e-11, "{}", scheme.name);
+        assert!((end.q[0] - exact).abs() < 1e-11, "{name}");
         let energy = run.progress().summary.energy.unwrap();
         assert!(energy.largest_defect < 1e-12, "{energy:?}");
     }
@@ -90,9 +89,7 @@ fn a_run_stops_where_a_pendulum_is_lowest() {
     }
     let quarter = std::f64::consts::FRAC_PI_2 / (a * system.g.sqrt());
     for (scheme, h) in [(Scheme::radau(), 0.001), (Scheme::tsitouras(), 0.01)] {
-        let state = start(&system, 0.0, &[1.0], &[]).unwrap();
-        let options = steps_of(scheme, 2.0, h);
-        let mut run = Simulation::new(&mut system, state, &options).unwrap();
+        let mut run = begun(&mut system, [1.0, 0.0], &steps_of(scheme, 2.0, h));
         run.add_event(|_, state| -state.q[0], |_, _| Break(()));
         run.finish().unwrap();
         let state = run.state();
@@ -122,9 +119,7 @@ fn a_ball_bounces_also_within_a_step() {
     // It falls 1.25 m in 0.5 s, and its flights take 0.5 s, 0.25 s, ...: the last is far below a step.
     fn sent<T: Send>(_: &T) {}
     let mut system = Oscillator::mass(-10.0);
-    let state = start(&system, 0.0, &[1.25], &[]).unwrap();
-    let options = DynamicOptions::new(2.0, 0.1);
-    let mut run = Simulation::new(&mut system, state, &options).unwrap();
+    let mut run = begun(&mut system, [1.25, 0.0], &DynamicOptions::new(2.0, 0.1));
     bounce(&mut run);
     sent(&run);
     let exact: Vec<_> = (0..20).map(|k| (0, 1.5 - 0.5_f64.powi(k))).collect();
@@ -142,27 +137,18 @@ fn a_ball_bounces_also_within_a_step() {
 #[test]
 fn steps_across_events_are_saved_and_restored() {
     let damped = Scheme::chung_hulbert(0.5).unwrap();
-    let adaptive = Adaptivity {
-        tolerance: 1e-5,
-        max_step: 0.2,
-    };
     let schemes = [Scheme::default(), damped, Scheme::tsitouras()];
-    for (scheme, adaptivity) in schemes
-        .iter()
-        .flat_map(|s| [(*s, None), (*s, Some(adaptive))])
+    let equal = schemes.map(|scheme| steps_of(scheme, 0.9, 0.07));
+    for options in equal
+        .into_iter()
+        .chain(equal.map(|o| adaptive(o, 1e-5, 0.2)))
     {
         // On a spring, the accelerations of a damped scheme are not those of the equation of motion.
         let mut system = Oscillator {
             k: 3.0,
             ..Oscillator::mass(-10.0)
         };
-        let state = start(&system, 0.0, &[1.25], &[]).unwrap();
-        let options = DynamicOptions {
-            scheme,
-            adaptivity,
-            ..DynamicOptions::new(0.9, 0.07)
-        };
-        let mut run = Simulation::new(&mut system, state, &options).unwrap();
+        let mut run = begun(&mut system, [1.25, 0.0], &options);
         bounce(&mut run);
         let mut snapshots = vec![run.save()];
         while run.step().unwrap().is_some() {
@@ -190,9 +176,7 @@ fn events_at_the_end_of_a_step_and_several_in_one_step() {
     let at = [0.3, 0.1 + 0.2, 1.0, 0.35, 0.37, 0.37 + 1e-10, 0.55, 0.551];
     let mut system = Oscillator::mass(0.0);
     system.kinks = vec![0.55];
-    let state = start(&system, 0.0, &[], &[1.0]).unwrap();
-    let options = DynamicOptions::new(1.0, 0.1);
-    let mut run = Simulation::new(&mut system, state, &options).unwrap();
+    let mut run = begun(&mut system, [0.0, 1.0], &DynamicOptions::new(1.0, 0.1));
     for (k, at) in at.into_iter().enumerate() {
         // Scales of values do not matter.
         let scale = 1e3_f64.powi(k as i32 % 5 - 2);
@@ -215,9 +199,7 @@ fn an_event_at_its_own_location_occurs_once() {
         (1.0, vec![(0, 1.0), (0, 2.0), (0, 3.0)]),
     ] {
         let mut system = Oscillator::mass(0.0);
-        let state = start(&system, 0.0, &[], &[1.0]).unwrap();
-        let options = DynamicOptions::new(3.5, 0.3);
-        let mut run = Simulation::new(&mut system, state, &options).unwrap();
+        let mut run = begun(&mut system, [0.0, 1.0], &DynamicOptions::new(3.5, 0.3));
         let effect = move |_: &mut Oscillator, state: &mut State| {
             state.q[0] -= back;
             Continue(())
@@ -239,9 +221,7 @@ fn a_value_that_almost_reaches_zero_does_not_lengthen_steps() {
         (0.4999, vec![(0, 1.0 - 2e-4_f64.sqrt())]),
     ] {
         let mut system = Oscillator::mass(-1.0);
-        let state = start(&system, 0.0, &[], &[1.0]).unwrap();
-        let options = DynamicOptions::new(2.0, 0.1);
-        let mut run = Simulation::new(&mut system, state, &options).unwrap();
+        let mut run = begun(&mut system, [0.0, 1.0], &DynamicOptions::new(2.0, 0.1));
         run.add_event(move |_, state| state.q[0] - height, onward);
         let mut found = Vec::new();
         while let Some(step) = run.step().unwrap() {
@@ -250,10 +230,8 @@ fn a_value_that_almost_reaches_zero_does_not_lengthen_steps() {
             found.extend(step.events.iter().map(|k| (*k, t)));
         }
         close(&found, &exact, 1e-11);
-        let [steps, evaluations] = {
-            let summary = run.progress().summary;
-            [summary.steps, summary.evaluations]
-        };
+        let summary = run.progress().summary;
+        let [steps, evaluations] = [summary.steps, summary.evaluations];
         assert!(steps < 25 && evaluations < 200, "{steps}, {evaluations}");
     }
 }
@@ -262,9 +240,7 @@ fn a_value_that_almost_reaches_zero_does_not_lengthen_steps() {
 fn an_impact_takes_a_value_across_zero() {
     // The velocity jumps from −5 to 2.5: an event of its own, just behind. At the top it falls again.
     let mut system = Oscillator::mass(-10.0);
-    let state = start(&system, 0.0, &[1.25], &[]).unwrap();
-    let options = DynamicOptions::new(0.8, 0.1);
-    let mut run = Simulation::new(&mut system, state, &options).unwrap();
+    let mut run = begun(&mut system, [1.25, 0.0], &DynamicOptions::new(0.8, 0.1));
     bounce(&mut run);
     let record = Record::default();
     let log = Arc::clone(&record);
@@ -284,9 +260,8 @@ fn an_impact_takes_a_value_across_zero() {
 #[test]
 fn a_value_that_is_no_number_is_refused() {
     let mut system = Oscillator::mass(0.0);
-    let state = start(&system, 0.0, &[], &[1.0]).unwrap();
     let options = DynamicOptions::new(1.0, 0.25);
-    let mut run = Simulation::new(&mut system, state, &options).unwrap();
+    let mut run = begun(&mut system, [0.0, 1.0], &options);
     run.add_event(|_, state| (0.5 - state.q[0]).sqrt() - 2.0, onward);
     let error = run.finish().unwrap_err().to_string();
     for text in [
@@ -297,8 +272,7 @@ fn a_value_that_is_no_number_is_refused() {
     }
     // Nor does an effect change the number of coordinates.
     let mut system = Oscillator::mass(0.0);
-    let state = start(&system, 0.0, &[], &[1.0]).unwrap();
-    let mut run = Simulation::new(&mut system, state, &options).unwrap();
+    let mut run = begun(&mut system, [0.0, 1.0], &options);
     let clear = |_: &mut Oscillator, state: &mut State| {
         state.v.clear();
         Continue(())

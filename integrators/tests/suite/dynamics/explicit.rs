@@ -2,14 +2,11 @@
 
 #![allow(non_snake_case)]
 
-use crate::support::dynamics::steps_of;
-use pullback_integrators::dynamics::{
-    Adaptivity, DynamicOptions, DynamicsError, Progress, Scheme, integrate, start,
-};
+use crate::support::dynamics::{adaptive, attempt, steps_of};
+use pullback_integrators::dynamics::{DynamicOptions, DynamicsError, Progress, Scheme};
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{Energetics, Energies, Evaluation, Point, System, SystemError};
 use std::f64::consts::PI;
-use std::ops::ControlFlow;
 
 /// Masses on a line between walls, springs of stiffness k between them.
 struct Chain {
@@ -94,11 +91,7 @@ impl Energetics for Chain {
 }
 
 fn run(chain: &mut Chain, q: &[f64], options: &DynamicOptions) -> Result<Progress, DynamicsError> {
-    let mut progress = Progress::new(start(chain, 0.0, q, &[])?);
-    integrate(chain, &mut progress, options, &mut |_, _| {
-        ControlFlow::Continue(())
-    })?;
-    Ok(progress)
+    attempt(chain, [q, &[]], options)
 }
 
 fn explicit(to: f64, h: f64) -> DynamicOptions {
@@ -150,14 +143,8 @@ fn steps_beyond_the_stable_one_are_refused_with_what_it_is() {
         assert!(error.contains(text), "{error}");
     }
     // Adaptive steps may grow up to max_step.
-    let adaptive = DynamicOptions {
-        adaptivity: Some(Adaptivity {
-            tolerance: 1e-3,
-            max_step: 1.0,
-        }),
-        ..explicit(1.0, 1e-3)
-    };
-    let error = run(&mut Chain::new(3, 10.0, 1.0), &[], &adaptive).unwrap_err();
+    let options = adaptive(explicit(1.0, 1e-3), 1e-3, 1.0);
+    let error = run(&mut Chain::new(3, 10.0, 1.0), &[], &options).unwrap_err();
     assert!(
         error.to_string().contains("step 1.0 is too large"),
         "{error}"
@@ -168,22 +155,10 @@ fn steps_beyond_the_stable_one_are_refused_with_what_it_is() {
 fn coordinates_without_mass_are_refused_by_name() {
     let mut chain = Chain::new(5, 10.0, 1.0);
     chain.m[3] = 0.0;
-    let adaptive = Adaptivity {
-        tolerance: 1e-6,
-        max_step: 1.0,
-    };
-    for (scheme, adaptivity) in [
-        (Scheme::central_difference(), None),
-        (Scheme::tsitouras(), None),
-        (Scheme::tsitouras(), Some(adaptive)),
-    ] {
-        let options = DynamicOptions {
-            scheme,
-            adaptivity,
-            ..DynamicOptions::new(1.0, 0.01)
-        };
+    let pair = steps_of(Scheme::tsitouras(), 1.0, 0.01);
+    for options in [explicit(1.0, 0.01), pair, adaptive(pair, 1e-6, 1.0)] {
         let error = run(&mut chain, &[], &options).unwrap_err().to_string();
-        let refused = format!("{} needs mass in every coordinate", scheme.name);
+        let refused = format!("{} needs mass in every coordinate", options.scheme.name);
         assert!(error.contains(&refused), "{error}");
         assert!(error.contains("mass 3"), "{error}");
     }
@@ -233,14 +208,7 @@ fn the_pair_of_tsitouras_takes_six_evaluations_and_its_stable_step() {
 
 #[test]
 fn schemes_of_order_three_are_refused_adaptive_steps() {
-    let options = DynamicOptions {
-        scheme: Scheme::radau(),
-        adaptivity: Some(Adaptivity {
-            tolerance: 1e-3,
-            max_step: 1.0,
-        }),
-        ..DynamicOptions::new(1.0, 0.1)
-    };
+    let options = adaptive(steps_of(Scheme::radau(), 1.0, 0.1), 1e-3, 1.0);
     let error = run(&mut Chain::new(3, 10.0, 1.0), &[], &options).unwrap_err();
     assert!(error.to_string().contains("schemes of order 2"), "{error}");
 }

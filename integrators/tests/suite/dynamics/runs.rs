@@ -4,8 +4,8 @@
 
 use crate::support::dynamics::*;
 use pullback_integrators::dynamics::{
-    Adaptivity, DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, StepReport,
-    TangentUpdate, integrate, start,
+    DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, StepReport, TangentUpdate,
+    integrate, start,
 };
 use pullback_manifold::domain::{CHART_EDGE, DomainError};
 use pullback_manifold::sparse::BlockPattern;
@@ -133,18 +133,11 @@ fn halved_steps_lead_back_to_round_times() {
 #[test]
 fn steps_end_at_the_multiples_of_an_interval() {
     for (to, interval, count) in [(2.0, 0.1, 20), (1.0, 0.3, 3)] {
-        for adaptivity in [
-            None,
-            Some(Adaptivity {
-                tolerance: 1e-4,
-                max_step: 0.5,
-            }),
-        ] {
-            let options = DynamicOptions {
-                interval: Some(interval),
-                adaptivity,
-                ..DynamicOptions::new(to, 0.04)
-            };
+        let equal = DynamicOptions {
+            interval: Some(interval),
+            ..DynamicOptions::new(to, 0.04)
+        };
+        for options in [equal, adaptive(equal, 1e-4, 0.5)] {
             let time = |step: &StepReport<'_>| step.progress.state.t;
             let (times, _) = observed(Pendulum::new(), 1.0, 0.0, &options, time);
             for k in 1..=count {
@@ -218,13 +211,7 @@ fn adaptive_steps_follow_the_error() {
     let exact = [0.986_291_751_131_875_f64, -0.165_010_853_125_541];
     let mut last = f64::INFINITY;
     for tolerance in [1e-4, 1e-5, 1e-6, 1e-7] {
-        let options = DynamicOptions {
-            adaptivity: Some(Adaptivity {
-                tolerance,
-                max_step: 0.5,
-            }),
-            ..DynamicOptions::new(1.0, 0.3)
-        };
+        let options = adaptive(DynamicOptions::new(1.0, 0.3), tolerance, 0.5);
         let end = run(Pendulum::new(), -TAU / 4.0, 0.0, &options);
         assert!(end.summary.inaccurate > 0, "the first step is too large");
         let error = (end.state.q[0] - exact[0].atan2(-exact[1])).abs();
@@ -239,21 +226,15 @@ fn adaptive_steps_follow_the_error() {
 
 #[test]
 fn options_are_refused_with_their_range() {
-    let try_run = |options: DynamicOptions| {
-        let mut system = Pendulum::new();
-        let mut progress = Progress::new(start(&system, 0.0, &[], &[]).unwrap());
-        integrate(&mut system, &mut progress, &options, &mut onward)
-            .unwrap_err()
-            .to_string()
-    };
     for (step, to, text) in [
         (0.0, 1.0, "option step = 0.0 is not usable"),
         (f64::NAN, 1.0, "option step = NaN"),
         (0.1, -1.0, "option to = -1.0"),
         (0.1, f64::INFINITY, "option to = inf"),
     ] {
-        let found = try_run(DynamicOptions::new(to, step));
-        assert!(found.contains(text), "{found}");
+        let options = DynamicOptions::new(to, step);
+        let error = attempt(&mut Pendulum::new(), [&[]; 2], &options).unwrap_err();
+        assert!(error.to_string().contains(text), "{error}");
     }
     let error = start(&Pendulum::new(), 0.0, &[1.0, 2.0], &[]).unwrap_err();
     assert_eq!(
@@ -273,8 +254,7 @@ fn a_coordinate_without_mass_is_found_by_its_stiffness_or_named() {
     let progress = run(system, 0.0, 0.0, &options);
     assert!((progress.state.q[0] - 0.25).abs() < 1e-12);
     let mut nothing = Oscillator::new(0.0, 0.0);
-    let mut progress = Progress::new(start(&nothing, 0.0, &[], &[]).unwrap());
-    let error = integrate(&mut nothing, &mut progress, &options, &mut onward).unwrap_err();
+    let error = attempt(&mut nothing, [&[]; 2], &options).unwrap_err();
     let text = error.to_string();
     assert!(
         text.contains("no consistent accelerations at time 0.000000"),
@@ -324,9 +304,7 @@ impl Energetics for Stiffening {
 fn a_motion_whose_energy_grows_without_bounds_is_unstable() {
     let ends = |k: f64, h: f64, scheme: Scheme| {
         let mut system = Stiffening(BlockPattern::dense(1), k);
-        let mut progress = Progress::new(start(&system, 0.0, &[1.0], &[]).unwrap());
-        let options = steps_of(scheme, 5.0, h);
-        integrate(&mut system, &mut progress, &options, &mut onward)
+        attempt(&mut system, [&[1.0], &[]], &steps_of(scheme, 5.0, h))
     };
     // ω h = 1.99 swings more widely than before, and stays there.
     let (h, explicit) = (0.1_f64, Scheme::central_difference());

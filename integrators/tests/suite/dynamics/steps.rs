@@ -207,9 +207,8 @@ fn first_order_equations_among_those_of_motion_keep_the_order() {
                 ..DynamicOptions::new(to, to / n)
             };
             let mut system = Maxwell(BlockPattern::dense(3));
-            let mut progress = Progress::new(start(&system, 0.0, &[1.0, 0.0, 0.0], &[]).unwrap());
-            integrate(&mut system, &mut progress, &options, &mut onward).unwrap();
-            let State { q, v, .. } = progress.state;
+            let progress = attempt(&mut system, [&[1.0, 0.0, 0.0], &[]], &options);
+            let State { q, v, .. } = progress.unwrap().state;
             [
                 q[0] - exact[0],
                 v[0] - exact[1],

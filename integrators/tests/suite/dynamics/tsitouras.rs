@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use crate::support::dynamics::*;
-use pullback_integrators::dynamics::{Adaptivity, DynamicOptions, Scheme};
+use pullback_integrators::dynamics::Scheme;
 use std::f64::consts::FRAC_PI_2;
 
 type Vector = [f64; 7];
@@ -109,14 +109,7 @@ fn the_order_survives_kinks() {
     for slope in slopes(&errors) {
         assert!((slope - 5.0).abs() < 0.2, "{errors:?}");
     }
-    let options = DynamicOptions {
-        scheme: Scheme::tsitouras(),
-        adaptivity: Some(Adaptivity {
-            tolerance: 1e-9,
-            max_step: 1.0,
-        }),
-        ..DynamicOptions::new(1.7, 0.3)
-    };
+    let options = adaptive(steps_of(Scheme::tsitouras(), 1.7, 0.3), 1e-9, 1.0);
     let end = run(system(), 0.1, -0.2, &options);
     assert!((end.state.q[0] - known[0]).abs() < 1e-8, "{:?}", end.state);
 }
@@ -128,14 +121,7 @@ fn adaptive_steps_meet_the_tolerance() {
     let exact = exact[0].atan2(-exact[1]);
     for exponent in 4..12 {
         let tolerance = 10.0_f64.powi(-exponent);
-        let options = DynamicOptions {
-            scheme: Scheme::tsitouras(),
-            adaptivity: Some(Adaptivity {
-                tolerance,
-                max_step: 10.0,
-            }),
-            ..DynamicOptions::new(1.0, 0.5)
-        };
+        let options = adaptive(steps_of(Scheme::tsitouras(), 1.0, 0.5), tolerance, 10.0);
         let end = run(Pendulum::new(), -FRAC_PI_2, 0.0, &options);
         let error = (end.state.q[0] - exact).abs();
         assert!(error < tolerance, "{tolerance:e}: {error:e}");

@@ -3,7 +3,7 @@
 #![allow(non_snake_case, dead_code)]
 
 use pullback_integrators::dynamics::{
-    DynamicOptions, Progress, Scheme, StepReport, integrate, start,
+    Adaptivity, DynamicOptions, DynamicsError, Progress, Scheme, StepReport, integrate, start,
 };
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{
@@ -137,6 +137,28 @@ pub fn steps_of(scheme: Scheme, to: f64, step: f64) -> DynamicOptions {
         scheme,
         ..DynamicOptions::new(to, step)
     }
+}
+
+/// The same with steps that follow a tolerance, none longer than `max_step`.
+pub fn adaptive(equal: DynamicOptions, tolerance: f64, max_step: f64) -> DynamicOptions {
+    DynamicOptions {
+        adaptivity: Some(Adaptivity {
+            tolerance,
+            max_step,
+        }),
+        ..equal
+    }
+}
+
+/// A run that may fail.
+pub fn attempt<Y: System>(
+    system: &mut Y,
+    [q, v]: [&[f64]; 2],
+    options: &DynamicOptions,
+) -> Result<Progress, DynamicsError> {
+    let mut progress = Progress::new(start(system, 0.0, q, v)?);
+    integrate(system, &mut progress, options, &mut onward)?;
+    Ok(progress)
 }
 
 /// A run from a position and a velocity.
