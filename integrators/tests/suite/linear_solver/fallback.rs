@@ -5,7 +5,7 @@
 
 use crate::support::linear_solver::*;
 use pullback_integrators::linear_solver::{
-    AutoSolver, BlockLu, LinearError, LinearSolver, MatrixSymmetry, SolverKind,
+    AutoSolver, BlockLu, LinearError, LinearSolver, SolverKind,
 };
 use pullback_manifold::sparse::BlockPattern;
 
@@ -42,14 +42,7 @@ impl Case {
     /// The block solver's error, of the same kind both ways and leaving b as it is.
     fn refusal(&self) -> LinearError {
         let solver = &mut BlockLu::new();
-        let two_calls = solve(
-            solver,
-            &self.pattern,
-            MatrixSymmetry::General,
-            &self.values,
-            &self.b,
-        )
-        .unwrap_err();
+        let two_calls = solve(solver, &self.pattern, General, &self.values, &self.b).unwrap_err();
         let mut b = self.b.clone();
         let one_call = solver.factorise_and_solve(&self.values, &mut b);
         let kinds = [&one_call.unwrap_err(), &two_calls].map(std::mem::discriminant);
@@ -60,9 +53,7 @@ impl Case {
 
     /// Everybody's solver finds x, by the general LU, both ways and again.
     fn falls_back(&self) {
-        let mut auto = AutoSolver::new();
-        auto.analyse(&self.pattern, MatrixSymmetry::General)
-            .unwrap();
+        let mut auto = analysed(AutoSolver::new(), &self.pattern, General);
         let mut harmless = self.values.clone();
         write(&self.pattern, &mut harmless, |r, c| {
             f64::from(u8::from(r == c))

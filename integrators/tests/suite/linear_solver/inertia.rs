@@ -2,10 +2,10 @@
 
 #![allow(clippy::unwrap_used)]
 
-use crate::support::linear_solver::write;
+use crate::support::linear_solver::{General, Symmetric, analysed, write};
 use nalgebra::DMatrix;
 use pullback_integrators::linear_solver::{
-    AutoSolver, BlockLu, FaerCholesky, FaerLu, LinearSolver, MatrixSymmetry,
+    AutoSolver, BlockLu, FaerCholesky, FaerLu, LinearSolver,
 };
 use pullback_manifold::sparse::BlockPattern;
 
@@ -64,7 +64,7 @@ fn the_signs_of_pivots_are_those_of_eigenvalues() {
                     ("cholesky", Box::new(FaerCholesky::new())),
                 ];
                 for (name, mut solver) in solvers {
-                    solver.analyse(&pattern, MatrixSymmetry::Symmetric).unwrap();
+                    solver.analyse(&pattern, Symmetric).unwrap();
                     assert_eq!(solver.negative_pivots(&values), None, "{name}: no factors");
                     solver.factorise(&values).unwrap();
                     let count = solver.negative_pivots(&values);
@@ -91,8 +91,7 @@ fn interchanges_inside_a_block_keep_the_count() {
                     _ => weight * hashed(i, j, seed) + if i == j { 0.5 } else { 0.0 },
                 }
             });
-            let mut solver = BlockLu::new();
-            solver.analyse(&pattern, MatrixSymmetry::Symmetric).unwrap();
+            let mut solver = analysed(BlockLu::new(), &pattern, Symmetric);
             // Blocks that are singular by chance are not for this solver.
             if solver.factorise(&values).is_ok() {
                 let count = solver.negative_pivots(&values);
@@ -108,14 +107,10 @@ fn interchanges_inside_a_block_keep_the_count() {
 fn an_unsymmetric_matrix_has_no_count() {
     let pattern = BlockPattern::new(&[3; 4], chain(4));
     let (values, _) = matrix(&pattern, |i, j| if i == j { 2.0 } else { 0.1 });
-    let mut general = BlockLu::new();
-    general.analyse(&pattern, MatrixSymmetry::General).unwrap();
+    let mut general = analysed(BlockLu::new(), &pattern, General);
     general.factorise(&values).unwrap();
     assert_eq!(general.negative_pivots(&values), None);
-    let mut interchanging = FaerLu::new();
-    interchanging
-        .analyse(&pattern, MatrixSymmetry::Symmetric)
-        .unwrap();
+    let mut interchanging = analysed(FaerLu::new(), &pattern, Symmetric);
     interchanging.factorise(&values).unwrap();
     assert_eq!(interchanging.negative_pivots(&values), None);
 }
@@ -135,8 +130,7 @@ fn saddle_points_that_need_interchanges_between_blocks_have_a_count() {
                 _ => hashed(i, j, seed),
             }
         });
-        let mut solver = AutoSolver::new();
-        solver.analyse(&pattern, MatrixSymmetry::Symmetric).unwrap();
+        let mut solver = analysed(AutoSolver::new(), &pattern, Symmetric);
         solver.factorise(&values).unwrap();
         let count = solver.negative_pivots(&values);
         assert_eq!(count, Some(negative(dense)), "seed {seed}");

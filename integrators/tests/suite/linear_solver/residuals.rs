@@ -2,8 +2,8 @@
 
 #![allow(clippy::unwrap_used)]
 
-use crate::support::linear_solver::Random;
-use pullback_integrators::linear_solver::{BlockLu, LinearSolver, MatrixSymmetry};
+use crate::support::linear_solver::{General, Random, analysed};
+use pullback_integrators::linear_solver::{BlockLu, LinearSolver};
 use pullback_manifold::sparse::BlockPattern;
 
 /// Largest relative residual of a solution that needs no refinement, and of one that is returned at all.
@@ -54,8 +54,7 @@ fn residuals_that_are_not_computed_are_small() {
             for _ in 0..20 {
                 let values = values(pattern, dominance, &mut random);
                 let b: Vec<f64> = (0..pattern.dim()).map(|_| random.next()).collect();
-                let mut solver = BlockLu::new();
-                solver.analyse(pattern, MatrixSymmetry::General).unwrap();
+                let mut solver = analysed(BlockLu::new(), pattern, General);
                 if solver.factorise(&values).is_err() {
                     continue;
                 }

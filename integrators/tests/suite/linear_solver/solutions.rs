@@ -5,8 +5,7 @@
 use crate::support::linear_solver::*;
 use nalgebra::DVector;
 use pullback_integrators::linear_solver::{
-    AutoSolver, BlockLu, FaerCholesky, FaerLu, LinearError, LinearSolver, MatrixSymmetry,
-    SolverKind, null_vector,
+    AutoSolver, BlockLu, FaerCholesky, FaerLu, LinearError, LinearSolver, SolverKind, null_vector,
 };
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::CoordinateInfo;
@@ -33,22 +32,14 @@ fn all_solvers_agree_with_a_dense_factorisation() {
                     .lu()
                     .solve(&DVector::from_column_slice(&b))
                     .unwrap();
-                let symmetry = if symmetric {
-                    MatrixSymmetry::Symmetric
-                } else {
-                    MatrixSymmetry::General
-                };
+                let symmetry = if symmetric { Symmetric } else { General };
                 let mut all = solvers();
                 all.push(("general", Box::new(BlockLu::new())));
                 if symmetric {
                     all.push(("cholesky", Box::new(FaerCholesky::new())));
                 }
                 for (name, mut solver) in all {
-                    let symmetry = if name == "general" {
-                        MatrixSymmetry::General
-                    } else {
-                        symmetry
-                    };
+                    let symmetry = if name == "general" { General } else { symmetry };
                     for way in [solve, solve_at_once] {
                         let x = way(&mut *solver, &pattern, symmetry, &values, &b)
                             .unwrap_or_else(|e| panic!("{name} on {shape}: {e}"));
@@ -89,19 +80,12 @@ fn empty_blocks_take_no_part() {
     let mut values = vec![0.0; pattern.len()];
     write(&pattern, &mut values, |r, c| if r == c { 4.0 } else { 1.0 });
     for (name, mut solver) in solvers() {
-        let x = solve(
-            &mut *solver,
-            &pattern,
-            MatrixSymmetry::General,
-            &values,
-            &[6.0; 3],
-        )
-        .unwrap();
+        let x = solve(&mut *solver, &pattern, General, &values, &[6.0; 3]).unwrap();
         assert!(x.iter().all(|x| (x - 1.0).abs() < 1e-14), "{name}: {x:?}");
     }
     let nothing = BlockPattern::new(&[], Vec::<[u32; 1]>::new());
     for (_, mut solver) in solvers() {
-        solve(&mut *solver, &nothing, MatrixSymmetry::General, &[], &[]).unwrap();
+        solve(&mut *solver, &nothing, General, &[], &[]).unwrap();
     }
 }
 
@@ -144,14 +128,7 @@ fn tip_error(elements: usize, l: f64, ei: f64, clamp_last: bool) -> Result<f64, 
     let tip = if clamp_last { 0 } else { 2 * (elements - 1) };
     let mut b = vec![0.0; pattern.dim()];
     b[tip] = 1.0;
-    let mut solver = BlockLu::new();
-    let x = solve(
-        &mut solver,
-        &pattern,
-        MatrixSymmetry::Symmetric,
-        &values,
-        &b,
-    )?;
+    let x = solve(&mut BlockLu::new(), &pattern, Symmetric, &values, &b)?;
     let length = l * elements as f64;
     Ok((x[tip] / (length.powi(3) / (3.0 * ei)) - 1.0).abs())
 }
@@ -172,18 +149,15 @@ fn a_long_cantilever_is_not_singular() {
         (10_000, 0.125, 64.0, 1e-10),
     ] {
         let error = tip_error(elements, l, ei, false).unwrap();
-        println!("{elements} elements: tip off by {error:.1e}");
         assert!(error < tolerance, "{elements} elements: {error}");
     }
     // Not dyadic, and from the wrong side: solved to backward stability (the solver checks the
     // residual), with an answer of the right sign and size at best.
     for (elements, clamp_last) in [(10_000, false), (1000, true), (10_000, true)] {
-        let error = tip_error(elements, 0.1, 7.3, clamp_last).unwrap();
-        println!("{elements} elements, clamp last {clamp_last}: tip off by {error:.1e}");
+        tip_error(elements, 0.1, 7.3, clamp_last).unwrap();
     }
     let (pattern, values) = cantilever(10_000, 1.0, 1.0, false);
-    let mut auto = AutoSolver::new();
-    auto.analyse(&pattern, MatrixSymmetry::Symmetric).unwrap();
+    let mut auto = analysed(AutoSolver::new(), &pattern, Symmetric);
     auto.factorise(&values).unwrap();
     assert_eq!(auto.active(), Some(SolverKind::Block));
 }
@@ -195,28 +169,25 @@ fn a_saddle_point_needs_the_fallback_and_gets_it() {
     let mut random = Random(5);
     let base = pattern.matrix(&random_values(&pattern, &mut random, true, false, 1.0));
     let mut values = vec![0.0; pattern.len()];
+    let multiplier = |i: usize| (3..5).contains(&i);
     write(&pattern, &mut values, |r, c| {
-        let multiplier = |i: usize| (3..5).contains(&i);
-        if multiplier(r) && multiplier(c) {
-            0.0
-        } else {
-            base[(r, c)]
+        match multiplier(r) && multiplier(c) {
+            true => 0.0,
+            false => base[(r, c)],
         }
     });
     let b: Vec<f64> = (0..8).map(|_| random.next()).collect();
     let exact = pattern
         .matrix(&values)
         .lu()
-        .solve(&DVector::from_column_slice(&b))
-        .unwrap();
-    let mut block = BlockLu::new();
-    block.analyse(&pattern, MatrixSymmetry::Symmetric).unwrap();
+        .solve(&DVector::from_column_slice(&b));
+    let exact = exact.unwrap();
+    let mut block = analysed(BlockLu::new(), &pattern, Symmetric);
     assert!(matches!(
         block.factorise(&values),
         Err(LinearError::VanishingPivot { unknown: 3, .. })
     ));
-    let mut auto = AutoSolver::new();
-    auto.analyse(&pattern, MatrixSymmetry::Symmetric).unwrap();
+    let mut auto = analysed(AutoSolver::new(), &pattern, Symmetric);
     for _ in 0..5 {
         auto.factorise(&values).unwrap();
         assert_eq!(auto.active(), Some(SolverKind::Lu));
@@ -229,34 +200,15 @@ fn a_saddle_point_needs_the_fallback_and_gets_it() {
             assert!((x[k] - e).abs() < 1e-10 && (at_once[k] - e).abs() < 1e-10);
         }
     }
-    let mut cholesky = FaerCholesky::new();
-    let x = solve(
-        &mut cholesky,
-        &pattern,
-        MatrixSymmetry::Symmetric,
-        &values,
-        &b,
-    )
-    .unwrap();
-    assert!(
-        x.iter()
-            .zip(exact.iter())
-            .all(|(x, e)| (x - e).abs() < 1e-10)
-    );
+    let x = solve(&mut FaerCholesky::new(), &pattern, Symmetric, &values, &b).unwrap();
+    assert!((DVector::from_vec(x) - &exact).amax() < 1e-10);
     assert!(null_vector(&pattern, &values).is_none());
 
     // A constraint twice: the multipliers are not unique, and their difference is the null vector.
-    let doubled = {
-        let mut values = values.clone();
-        let m = pattern.matrix(&values);
-        write(&pattern, &mut values, |r, c| {
-            let same = |i: usize| if i == 4 { 3 } else { i };
-            m[(same(r), same(c))]
-        });
-        values
-    };
-    let mut auto = AutoSolver::new();
-    auto.analyse(&pattern, MatrixSymmetry::Symmetric).unwrap();
+    let (mut doubled, m) = (values.clone(), pattern.matrix(&values));
+    let same = |i: usize| if i == 4 { 3 } else { i };
+    write(&pattern, &mut doubled, |r, c| m[(same(r), same(c))]);
+    let mut auto = analysed(AutoSolver::new(), &pattern, Symmetric);
     let error = auto.factorise(&doubled).unwrap_err();
     assert!(
         matches!(
@@ -279,8 +231,8 @@ fn the_same_bits_twice() {
         let values = random_values(&pattern, &mut random, false, true, 1e3);
         let b: Vec<f64> = (0..pattern.dim()).map(|_| random.next()).collect();
         for ((_, mut one), (_, mut two)) in solvers().into_iter().zip(solvers()) {
-            let x = solve(&mut *one, &pattern, MatrixSymmetry::General, &values, &b).unwrap();
-            let y = solve(&mut *two, &pattern, MatrixSymmetry::General, &values, &b).unwrap();
+            let x = solve(&mut *one, &pattern, General, &values, &b).unwrap();
+            let y = solve(&mut *two, &pattern, General, &values, &b).unwrap();
             assert_eq!(x, y);
             // And factorising again changes nothing.
             one.factorise(&values).unwrap();
@@ -294,19 +246,15 @@ fn the_same_bits_twice() {
 #[test]
 fn dense_grids_go_to_the_general_solver_and_chains_do_not() {
     let chain: Vec<[u32; 2]> = (1..200).map(|i| [i - 1, i]).collect();
-    let mut block = BlockLu::new();
-    block
-        .analyse(
-            &BlockPattern::new(&[6; 200], &chain),
-            MatrixSymmetry::General,
-        )
-        .unwrap();
+    let mut block = analysed(
+        BlockLu::new(),
+        &BlockPattern::new(&[6; 200], &chain),
+        General,
+    );
     assert!(block.suits());
     // Per node 144 for the pivots and 2 × 432 for panel and update.
     assert!((block.flops() - (200.0 * 144.0 + 199.0 * 864.0)).abs() < 1e-6);
-    block
-        .analyse(&BlockPattern::dense(500), MatrixSymmetry::General)
-        .unwrap();
+    block.analyse(&BlockPattern::dense(500), General).unwrap();
     assert!(!block.suits());
 }
 
@@ -350,11 +298,9 @@ fn saddle_points_are_solved_in_any_unit() {
             let x: Vec<f64> = (0..9).map(|i| solution[i] * size(i)).collect();
             let mut b = vec![0.0; 9];
             pattern.multiply_add(1.0, &values, &x, &mut b);
-            let mut lu = FaerLu::new();
-            lu.analyse(&pattern, MatrixSymmetry::General).unwrap();
-            for symmetry in [MatrixSymmetry::Symmetric, MatrixSymmetry::General] {
-                let mut auto = AutoSolver::new();
-                auto.analyse(&pattern, symmetry).unwrap();
+            let mut lu = analysed(FaerLu::new(), &pattern, General);
+            for symmetry in [Symmetric, General] {
+                let mut auto = analysed(AutoSolver::new(), &pattern, symmetry);
                 let solvers: [&mut dyn LinearSolver; 2] = [&mut auto, &mut lu];
                 for solver in solvers {
                     let mut found = b.clone();

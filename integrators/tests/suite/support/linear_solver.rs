@@ -2,9 +2,8 @@
 
 #![allow(dead_code, clippy::unwrap_used)]
 
-use pullback_integrators::linear_solver::{
-    AutoSolver, BlockLu, FaerLu, LinearError, LinearSolver, MatrixSymmetry,
-};
+pub use pullback_integrators::linear_solver::MatrixSymmetry::{self, General, Symmetric};
+use pullback_integrators::linear_solver::{AutoSolver, BlockLu, FaerLu, LinearError, LinearSolver};
 use pullback_manifold::sparse::BlockPattern;
 
 /// Numbers in (-1, 1), the same every time.
@@ -97,6 +96,16 @@ pub fn solvers() -> Vec<(&'static str, Box<dyn LinearSolver>)> {
         ("faer LU", Box::new(FaerLu::new())),
         ("auto", Box::new(AutoSolver::new())),
     ]
+}
+
+/// A solver that has analysed a pattern.
+pub fn analysed<S: LinearSolver>(
+    mut solver: S,
+    pattern: &BlockPattern,
+    symmetry: MatrixSymmetry,
+) -> S {
+    solver.analyse(pattern, symmetry).unwrap();
+    solver
 }
 
 pub fn solve(
