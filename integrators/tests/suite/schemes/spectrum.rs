@@ -3,6 +3,7 @@
 
 #![allow(non_snake_case)]
 
+use super::WORDS;
 use pullback_integrators::dynamics::Scheme;
 use pullback_integrators::spectrum::{
     FirstStep, Numbers, accuracy, amplification, characteristic, closed_first_step, closed_form,
@@ -17,29 +18,6 @@ fn reference() -> Value {
 fn scheme(word: &str) -> Scheme {
     word.parse().unwrap()
 }
-
-const WORDS: [&str; 20] = [
-    "newmark",
-    "newmark:0.3025:0.6",
-    "newmark:0.16666666666666666:0.5",
-    "newmark:0.08333333333333333:0.5",
-    "newmark:0.25:0.6",
-    "hht:-0.1",
-    "hht:0.5",
-    "hht:0.8",
-    "wbz:0",
-    "wbz:0.5",
-    "wbz:0.8",
-    "ga:0",
-    "ga:0.5",
-    "ga:0.8",
-    "ga:1",
-    "bathe",
-    "bathe:0.5",
-    "bathe:0.3",
-    "radau",
-    "central-difference",
-];
 
 fn by_steps(scheme: &Scheme, Omega: f64) -> [f64; 3] {
     characteristic(amplification(scheme, Omega).unwrap())
