@@ -2,27 +2,29 @@
 
 #![allow(non_snake_case)]
 
-use crate::support::{forces, matrix, moving, numbers, reference, vector};
+use crate::support::{forces, matrix, moving, numbers, reference, refused, vector};
 use nalgebra::{DVector, Matrix3, Matrix6, Vector3};
 use pullback_elements::Asymmetry;
 use pullback_elements::beam::{Interpolation, Material, Section, SectionError, rectangle_torsion};
+use serde_json::Value;
 use std::f64::consts::PI;
+
+/// Positions of the nodes and the frame of a beam of the reference.
+fn geometry(row: &Value) -> (Vec<Vector3<f64>>, Matrix3<f64>) {
+    let nodes = row["nodes"].as_array().expect("nodes").iter();
+    let positions = nodes.map(|p| Vector3::from_vec(numbers(p))).collect();
+    let R0 = matrix(&row["R0"]);
+    (positions, R0.fixed_view::<3, 3>(0, 0).into_owned())
+}
 
 #[test]
 fn beam_is_that_of_the_reference() {
     let rows = reference("beam");
     assert_eq!(rows.len(), 3);
     for row in &rows {
-        let positions: Vec<Vector3<f64>> = row["nodes"]
-            .as_array()
-            .expect("nodes")
-            .iter()
-            .map(|p| Vector3::from_vec(numbers(p)))
-            .collect();
+        let (positions, R0) = geometry(row);
         let length = row["length"].as_f64().expect("number");
         assert!(((positions[1] - positions[0]).norm() - length).abs() < 1e-14);
-        let R0 = matrix(&row["R0"]);
-        let R0 = Matrix3::from_fn(|i, j| R0[(i, j)]);
         let N = numbers(&row["EA_GA2_GA3"]);
         let M = numbers(&row["GJ_EI2_EI3"]);
         let section = Section::diagonal(N[0], [N[1], N[2]], M[0], [M[1], M[2]]).unwrap();
@@ -55,14 +57,7 @@ fn beam_is_that_of_the_reference() {
 #[test]
 fn inertia_of_the_beam_is_that_of_the_reference() {
     for row in &reference("beam") {
-        let positions: Vec<Vector3<f64>> = row["nodes"]
-            .as_array()
-            .expect("nodes")
-            .iter()
-            .map(|p| Vector3::from_vec(numbers(p)))
-            .collect();
-        let R0 = matrix(&row["R0"]);
-        let R0 = Matrix3::from_fn(|i, j| R0[(i, j)]);
+        let (positions, R0) = geometry(row);
         let A_rho = row["A_rho"].as_f64().expect("number");
         let J = Matrix3::from_diagonal(&Vector3::from_vec(numbers(&row["J"])));
         let (N, M) = (numbers(&row["EA_GA2_GA3"]), numbers(&row["GJ_EI2_EI3"]));
@@ -218,41 +213,25 @@ fn impossible_sections_are_refused_with_their_reason() {
     let positive = |quantity: &str, value: &str| {
         format!("{quantity} must be positive and finite, got {value}")
     };
-    assert_eq!(
-        message(Section::rectangle(STEEL, 0.0, 1.0)),
-        positive("width", "0")
-    );
-    assert_eq!(
-        message(Section::rectangle(STEEL, 1.0, f64::NAN)),
-        positive("height", "NaN")
-    );
-    assert_eq!(
-        message(Section::circle(STEEL, -1.0)),
-        positive("radius", "-1")
-    );
+    let of = |material: Material| Section::circle(material, 1.0);
+    refused! {
+        Section::rectangle(STEEL, 0.0, 1.0) => positive("width", "0"),
+        Section::rectangle(STEEL, 1.0, f64::NAN) => positive("height", "NaN"),
+        Section::circle(STEEL, -1.0) => positive("radius", "-1"),
+        of(Material { E: f64::INFINITY, ..STEEL }) => positive("Young's modulus E", "inf"),
+    }
+    assert!(message(of(Material { rho: -1.0, ..STEEL })).contains("density rho"));
     for (inner, outer) in [(0.5, 0.5), (0.0, 0.5), (-0.1, 0.5), (f64::NAN, 0.5)] {
-        assert_eq!(
-            message(Section::tube(STEEL, inner, outer)),
-            format!("a tube needs 0 < inner radius < outer radius, got {inner} and {outer}")
-        );
+        refused! {
+            Section::tube(STEEL, inner, outer) =>
+                format!("a tube needs 0 < inner radius < outer radius, got {inner} and {outer}"),
+        }
     }
     for nu in [-1.0, 0.51, f64::NAN] {
-        let material = Material { nu, ..STEEL };
-        assert_eq!(
-            message(Section::circle(material, 1.0)),
-            format!("Poisson's ratio must lie in (-1, 0.5], got {nu}")
-        );
+        refused! {
+            of(Material { nu, ..STEEL }) => format!("Poisson's ratio must lie in (-1, 0.5], got {nu}"),
+        }
     }
-    let rigid = Material {
-        E: f64::INFINITY,
-        ..STEEL
-    };
-    assert_eq!(
-        message(Section::circle(rigid, 1.0)),
-        positive("Young's modulus E", "inf")
-    );
-    let light = Material { rho: -1.0, ..STEEL };
-    assert!(message(Section::circle(light, 1.0)).contains("density rho"));
     // Each stiffness has its name.
     let names = [
         "axial stiffness EA",
@@ -265,26 +244,25 @@ fn impossible_sections_are_refused_with_their_reason() {
     for (k, name) in names.into_iter().enumerate() {
         let mut c = [1.0; 6];
         c[k] = 0.0;
-        let section = Section::diagonal(c[0], [c[1], c[2]], c[3], [c[4], c[5]]);
-        assert_eq!(message(section), positive(name, "0"));
+        refused! {
+            Section::diagonal(c[0], [c[1], c[2]], c[3], [c[4], c[5]]) => positive(name, "0"),
+        }
     }
-    let mut C = Matrix6::identity();
-    C[(1, 4)] = 0.5;
-    assert_eq!(
-        Section::new(C).unwrap_err(),
-        SectionError::NotSymmetric(Asymmetry {
-            row: 2,
-            column: 5,
-            upper: 0.5,
-            lower: 0.0
-        })
-    );
-    C[(4, 1)] = 0.5;
-    assert!(Section::new(C).is_ok());
+    let pair = |upper: f64, lower: f64| {
+        let mut C = Matrix6::identity();
+        (C[(1, 4)], C[(4, 1)]) = (upper, lower);
+        Section::new(C)
+    };
+    let asymmetry = Asymmetry {
+        row: 2,
+        column: 5,
+        upper: 0.5,
+        lower: 0.0,
+    };
+    assert_eq!(pair(0.5, 0.0), Err(SectionError::NotSymmetric(asymmetry)));
+    assert!(pair(0.5, 0.5).is_ok());
     for c in [1.0, 1.5] {
-        C[(1, 4)] = c;
-        C[(4, 1)] = c;
-        assert!(message(Section::new(C)).contains("must be positive definite"));
+        assert!(message(pair(c, c)).contains("must be positive definite"));
     }
     // Rounding errors of a symmetric law are no asymmetry, and a law that is hardly definite is one: both
     // relative to the diagonal, whatever the units of its entries.

@@ -25,6 +25,17 @@ use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;
 use serde_json::Value;
 
+/// What is refused, row by row, and with which words.
+macro_rules! refused {
+    ($($outcome:expr => $message:expr),* $(,)?) => {$(
+        let Err(error) = $outcome else {
+            panic!("accepted: {}", stringify!($outcome));
+        };
+        assert_eq!(error.to_string(), $message);
+    )*};
+}
+pub(crate) use refused;
+
 /// A diagonal section of which no two stiffnesses are equal.
 pub fn section() -> Section {
     Section::diagonal(100.0, [40.0, 50.0], 3.0, [5.0, 7.0]).unwrap()
