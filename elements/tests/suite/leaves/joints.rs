@@ -1,16 +1,15 @@
-//! Joints: every law of their maps, closed forms against derived ones, reference tensors.
+//! Joints: every law of their maps, reference tensors.
 
 #![allow(non_snake_case)]
 
 use crate::support::{numbers, reference};
 use nalgebra::{DMatrix, SVector, Vector3};
-use pullback_conformance::{self as check, Random};
+use pullback_conformance as check;
 use pullback_elements::beam::Interpolation;
 use pullback_elements::joint::{
-    Chain, Helical, Joint, JointCoordinate, JointMap, Offset, Planar, Pose, Revolute, Slide,
-    Spherical, Universal,
+    Chain, Helical, Joint, JointCoordinate, JointMap, Offset, Pose, Revolute, Slide, Spherical,
 };
-use pullback_manifold::map::{Map, MapGraph, MapState, Parametrization, Read, derived};
+use pullback_manifold::map::{MapGraph, MapState, Parametrization, Read};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::{self, Quaternion};
 use pullback_manifold::system::Quantity;
@@ -20,31 +19,13 @@ fn every_joint_obeys_the_laws_of_a_map() {
     let c = Vector3::new(0.4, -1.1, 0.7);
     check::joint(&Offset { c }).assert();
     check::joint(&Revolute::new([1.0, -2.0, 0.5]).unwrap()).assert();
+    check::joint(&Rheonomic).assert();
     let positions = [[0.0; 3], [1.0, 0.2, 0.0], [2.0, 0.0, 0.5]].map(Vector3::from);
     for interpolation in [Interpolation::Total, Interpolation::Geodesic] {
         let chain = Chain::new(&positions, 1.2).unwrap();
         check::map(&Slide::new(chain, interpolation)).assert();
     }
 }
-
-/// The map of a joint on a parent by differentiation of its pose, for joints of D - 6 coordinates.
-#[derive(Clone)]
-struct ByJets<J>(J);
-
-macro_rules! by_jets {
-    ($($D:literal of $d:literal),*) => {$(
-        impl<J: Joint<$d>> Map<$D, 6> for ByJets<J> {
-            fn phi<S: Scalar>(&self, t: S, q: &SVector<S, $D>) -> SVector<S, 6> {
-                let own = self.0.pose(t, &q.fixed_rows::<$d>(6).into_owned());
-                let start = self.0.pose(0.0, &SVector::zeros()).d.map(S::constant);
-                let child = Pose::of(q, 0).translated(&own.d).rotated(&own.rotation);
-                let (d, psi) = (child.d - start, so3::log_quaternion(&child.rotation));
-                SVector::<S, 6>::new(d.x, d.y, d.z, psi.x, psi.y, psi.z)
-            }
-        }
-    )*};
-}
-by_jets!(6 of 0, 7 of 1, 8 of 2, 9 of 3);
 
 /// A table that is moved by a function of time, on which something slides and turns.
 #[derive(Clone)]
@@ -63,54 +44,6 @@ impl Joint<2> for Rheonomic {
     fn coordinates(&self) -> [JointCoordinate; 2] {
         [("u", Quantity::Length), ("a", Quantity::Angle)]
     }
-}
-
-/// The closed forms of a joint against the exact derivatives of its composed pose.
-fn agrees<J, const D: usize, const N: usize>(joint: J)
-where
-    J: Joint<D> + Clone + 'static,
-    ByJets<J>: Map<N, 6>,
-{
-    let (mut map, exact) = (JointMap::new(joint.clone()).between_charts(), ByJets(joint));
-    let mut random = Random::default();
-    for scale in [0.0, 1e-8, 0.5, 1.4] {
-        let [q, v, a] = [0; 3].map(|_| random.vector::<N>());
-        let q = q * scale;
-        let right = derived::kinematics(&exact, 0.7, &q, &v, &a);
-        let k = check::motion(&map, 0.7, [&q, &v, &a].map(|x| x.as_slice()));
-        let expected = [
-            right.x.as_slice(),
-            right.x_dot.as_slice(),
-            right.x_ddot.as_slice(),
-            right.B.as_slice(),
-            right.B_dot.as_slice(),
-            right.B_ddot.as_slice(),
-        ];
-        let f = random.vector::<6>();
-        let mut K = vec![0.0; N * N];
-        map.geometric_stiffness(0.7, q.as_slice(), f.as_slice(), &mut K);
-        let right = derived::geometric_stiffness(&exact, 0.7, &q, &f);
-        let found = k.iter().map(|x| &x[..]).chain([&K[..]]);
-        let expected = expected.into_iter().chain([right.as_slice()]);
-        for (n, (found, expected)) in found.zip(expected).enumerate() {
-            let size = 1.0 + expected.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
-            for (a, b) in found.iter().zip(expected) {
-                assert!((a - b).abs() < 1e-11 * size, "{n} at {scale}: {a} {b}");
-            }
-        }
-    }
-}
-
-#[test]
-fn closed_forms_are_the_derivatives_of_the_composed_pose() {
-    let (axis, other) = ([1.0, -2.0, 0.5], [0.3, 1.0, 0.9]);
-    agrees::<_, 0, 6>(Offset { c: axis.into() });
-    agrees::<_, 1, 7>(Revolute::new(axis).unwrap());
-    agrees::<_, 1, 7>(Helical::new(axis, 0.7).unwrap());
-    agrees::<_, 2, 8>(Universal::new([axis, other]).unwrap());
-    agrees::<_, 3, 9>(Planar::new(axis, other).unwrap());
-    agrees::<_, 2, 8>(Rheonomic);
-    check::joint(&Rheonomic).assert();
 }
 
 #[test]
