@@ -9,9 +9,7 @@ use pullback_integrators::dynamics::{
 };
 use pullback_manifold::domain::{CHART_EDGE, DomainError};
 use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::{
-    Charts, Energetics, Energies, Evaluation, Point, System, SystemError,
-};
+use pullback_manifold::system::{Charts, Evaluation, Point, System, SystemError};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
@@ -262,48 +260,14 @@ fn a_coordinate_without_mass_is_found_by_its_stiffness_or_named() {
     );
 }
 
-/// A mass on a spring that is stiffer from the time 1 on.
-struct Stiffening(BlockPattern, f64);
-
-impl Stiffening {
-    fn stiffness(&self, t: f64) -> f64 {
-        if t > 1.0 { self.1 } else { 1.0 }
-    }
-}
-
-impl System for Stiffening {
-    fn pattern(&self) -> &BlockPattern {
-        &self.0
-    }
-
-    fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
-        let k = self.stiffness(at.t);
-        out.r[0] = -k * at.q[0] - at.a[0];
-        if let Some((w, S)) = out.S {
-            S[0] = w.K * k + w.M;
-        }
-        Ok(())
-    }
-
-    fn energetics(&mut self) -> Option<&mut dyn Energetics> {
-        Some(self)
-    }
-}
-
-impl Energetics for Stiffening {
-    fn energies(&mut self, at: Point<'_>) -> Result<Energies, SystemError> {
-        Ok(Energies {
-            kinetic: 0.5 * at.v[0] * at.v[0],
-            stored: 0.5 * self.stiffness(at.t) * at.q[0] * at.q[0],
-            ..Energies::default()
-        })
-    }
-}
-
 #[test]
 fn a_motion_whose_energy_grows_without_bounds_is_unstable() {
     let ends = |k: f64, h: f64, scheme: Scheme| {
-        let mut system = Stiffening(BlockPattern::dense(1), k);
+        let mut system = Oscillator {
+            later: Some(k),
+            kinks: Vec::new(),
+            ..Oscillator::new(1.0, 1.0)
+        };
         attempt(&mut system, [&[1.0], &[]], &steps_of(scheme, 5.0, h))
     };
     // ω h = 1.99 swings more widely than before, and stays there.

@@ -17,6 +17,8 @@ pub struct Oscillator {
     pub pattern: BlockPattern,
     pub m: f64,
     pub k: f64,
+    /// Stiffness after t = 1, if it is another one.
+    pub later: Option<f64>,
     /// Constant load.
     pub force: f64,
     /// Hat load: peak at t = 0.5, ends at t = 1.
@@ -30,6 +32,7 @@ impl Oscillator {
             pattern: BlockPattern::dense(1),
             m,
             k,
+            later: None,
             force: 0.0,
             hat: 0.0,
             kinks: vec![0.0, 1.0, 0.5, 0.5],
@@ -45,6 +48,10 @@ impl Oscillator {
         }
     }
 
+    fn stiffness(&self, t: f64) -> f64 {
+        self.later.filter(|_| t > 1.0).unwrap_or(self.k)
+    }
+
     pub fn load(&self, t: f64) -> f64 {
         self.force + self.hat * (1.0 - (2.0 * t - 1.0).abs()).max(0.0)
     }
@@ -56,9 +63,10 @@ impl System for Oscillator {
     }
 
     fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
-        out.r[0] = self.load(at.t) - self.k * at.q[0] - self.m * at.a[0];
+        let k = self.stiffness(at.t);
+        out.r[0] = self.load(at.t) - k * at.q[0] - self.m * at.a[0];
         if let Some((w, S)) = out.S {
-            S[0] = w.K * self.k + w.M * self.m;
+            S[0] = w.K * k + w.M * self.m;
         }
         Ok(())
     }
@@ -80,7 +88,7 @@ impl Energetics for Oscillator {
     fn energies(&mut self, at: Point<'_>) -> Result<Energies, SystemError> {
         Ok(Energies {
             kinetic: 0.5 * self.m * at.v[0] * at.v[0],
-            stored: 0.5 * self.k * at.q[0] * at.q[0],
+            stored: 0.5 * self.stiffness(at.t) * at.q[0] * at.q[0],
             supplied: self.load(at.t) * at.v[0],
             dissipated: 0.0,
             ..Energies::default()
