@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use crate::support::{Twin, coupled, forces, lay, moving, spatial};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 use pullback_conformance::Random;
 use pullback_elements::beam::Interpolation;
 use pullback_elements::element::SectionState;
@@ -109,25 +109,17 @@ fn physical(context: &mut Context, nodes: &[NodeId], q: &[f64]) -> Physical {
     context
         .evaluate(at(q), Evaluation::residual(&mut r))
         .unwrap();
-    let forces = nodes
-        .iter()
-        .map(|&n| {
-            let psi = take(context, n, Dof::ROTATIONS, q);
-            let moment = take(context, n, Dof::ROTATIONS, &r);
-            // A covector for Ψ is T m: m is the spatial moment.
-            [
-                take(context, n, Dof::TRANSLATIONS, &r),
-                so3::tangent_inverse(&psi) * moment,
-            ]
-        })
-        .collect();
+    let of_node = |&n: &NodeId| {
+        let of = |from: &[f64]| {
+            [Dof::TRANSLATIONS, Dof::ROTATIONS]
+                .map(|dofs| <[f64; 3]>::from(take(context, n, dofs, from)))
+        };
+        spatial(&of(q).concat(), &of(&r).concat())
+    };
+    let forces = nodes.iter().map(of_node).collect();
     Physical {
         energy: context.strain_energy(0.0),
-        states: context
-            .section_states(0.0)
-            .into_iter()
-            .map(|s| s.1)
-            .collect(),
+        states: (context.section_states(0.0).into_iter().map(|s| s.1)).collect(),
         forces,
     }
 }
@@ -241,36 +233,25 @@ fn the_way_a_node_is_stored_does_not_matter() {
         let mut beam_nodes = Vec::new();
         for k in 0..NODES {
             let node = b.node(format!("n{k}"), position(k).into()).unwrap();
+            let (name, twin) = (format!("twin {k}"), Twin.boxed());
             own.push(node);
-            beam_nodes.push(if k % 2 == 1 {
-                b.mapped_node(
-                    format!("twin {k}"),
-                    position(k).into(),
-                    Twin.boxed(),
-                    &[node],
-                )
-                .unwrap()
-            } else {
-                node
+            beam_nodes.push(match k % 2 {
+                0 => node,
+                _ => b
+                    .mapped_node(name, position(k).into(), twin, &[node])
+                    .unwrap(),
             });
         }
-        let frame = frame_along(&Vector3::x(), None);
-        for k in 0..NODES - 1 {
-            let beam = Interpolation::Total
-                .beam(&[position(k), position(k + 1)], &|_| frame, &coupled())
-                .unwrap();
-            b.element(format!("beam {k}"), beam, &beam_nodes[k..k + 2])
-                .unwrap();
+        for (k, pair) in beam_nodes.windows(2).enumerate() {
+            let name = format!("beam {k}");
+            lay(&mut b, &name, [pair[0], pair[1]], 1, 1, coupled());
         }
         let mut m = Context::new(b.build().unwrap());
         let mut q = coordinates(&m, &own, &values);
         m.start(0.0, &q);
         m.change_charts(0.0, &mut q, &mut [], &mut []);
-        same(
-            &format!("{theta} rad"),
-            &physical(&mut m, &own, &q),
-            &expected,
-        );
+        let found = physical(&mut m, &own, &q);
+        same(&format!("{theta} rad"), &found, &expected);
     }
 }
 
@@ -310,11 +291,7 @@ fn partly_held_rotations_change_only_where_the_held_part_is_zero() {
     let build = |held: Box<dyn TimeFunction>| {
         let mut b = ModelBuilder::new();
         let ends = [0, 1].map(|k| b.node(format!("n{k}"), position(k).into()).unwrap());
-        let frame = frame_along(&Vector3::x(), None);
-        let beam = Interpolation::Total
-            .beam(&[position(0), position(1)], &|_| frame, &coupled())
-            .unwrap();
-        b.element("beam".to_owned(), beam, &ends).unwrap();
+        lay(&mut b, "beam", ends, 1, 1, coupled());
         b.prescribe(ends[1], Dof::RX, held);
         b.prescribe(ends[1], Dof::RY, Constant(0.0));
         (Context::new(b.build().unwrap()), ends[1])
@@ -362,23 +339,15 @@ fn reactions(angle: f64, changes: usize) {
     let nodes = [0, 1, 2].map(|k| b.node(format!("n{k}"), position(k).into()).unwrap());
     let displaced = |k: usize| R * g * position(k).x - position(k);
     for k in 0..2 {
-        let positions = [position(k), position(k + 1)];
-        let beam = Interpolation::Total
-            .beam(&positions, &|_| Matrix3::identity(), &coupled())
-            .unwrap();
-        b.element(format!("beam {k}"), beam, &nodes[k..k + 2])
-            .unwrap();
+        let name = format!("beam {k}");
+        lay(&mut b, &name, [nodes[k], nodes[k + 1]], 1, 1, coupled());
         for i in 0..3 {
             b.prescribe(nodes[k], Dof::TRANSLATIONS[i], Constant(displaced(k)[i]));
             b.prescribe(nodes[k], Dof::ROTATIONS[i], Constant(psi[i]));
         }
     }
     let mut m = Context::new(b.build().unwrap());
-    let mut q = vec![0.0; 6];
-    for i in 0..3 {
-        q[m.unknown(nodes[2], Dof::TRANSLATIONS[i]).unwrap()] = displaced(2)[i];
-        q[m.unknown(nodes[2], Dof::ROTATIONS[i]).unwrap()] = psi[i];
-    }
+    let mut q = coordinates(&m, &nodes[2..], &[[displaced(2), psi]]);
     m.start(0.0, &q);
     let found = m.change_charts(0.0, &mut q, &mut [], &mut []);
     assert_eq!(found.charts, changes);

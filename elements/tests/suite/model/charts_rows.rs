@@ -2,10 +2,9 @@
 
 #![allow(non_snake_case)]
 
-use crate::support::coupled;
+use crate::support::{coupled, lay};
 use nalgebra::Vector3;
-use pullback_elements::beam::Interpolation;
-use pullback_elements::model::{Context, Dof, ModelBuilder, frame_along};
+use pullback_elements::model::{Context, Dof, ModelBuilder};
 use pullback_manifold::system::{Charts, Evaluation, Point, System};
 
 #[test]
@@ -13,13 +12,8 @@ fn forces_of_an_accepted_state_do_not_depend_on_the_charts_to_come() {
     // Between rotations about two axes the interpolated one depends on the chart, and with it strains
     // and energy: by the square of the angle between the nodes, 0.1.
     let mut b = ModelBuilder::new();
-    let positions = [Vector3::zeros(), Vector3::new(0.5, 0.0, 0.0)];
-    let ends = [0, 1].map(|k| b.node(format!("n{k}"), positions[k].into()).unwrap());
-    let frame = frame_along(&Vector3::x(), None);
-    let beam = Interpolation::Total
-        .beam(&positions, &|_| frame, &coupled())
-        .unwrap();
-    b.element("beam".to_owned(), beam, &ends).unwrap();
+    let ends = [0.0, 0.5].map(|x| b.node(format!("{x}"), [x, 0.0, 0.0]).unwrap());
+    lay(&mut b, "beam", ends, 1, 1, coupled());
     let mut m = Context::new(b.build().unwrap());
     let turned = |angle: f64| {
         let mut q = vec![0.0; 12];
