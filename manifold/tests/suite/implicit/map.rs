@@ -223,7 +223,6 @@ fn splits_change_where_others_are_better() {
             let condition = map.condition(0.0, &q);
             assert!(condition < 40.0, "{condition}");
         }
-        println!("{choice:?}: {changes} changes, residual {worst:.1e}");
         assert!((6..60).contains(&changes), "{changes} changes");
         assert!(
             (gone - turns * std::f64::consts::TAU).abs() < 1e-3,

@@ -34,36 +34,12 @@ fn close_to_unit<const C: usize>(
 fn rotation_vectors() -> Vec<V3> {
     let mut random = Random::default();
     let mut angles = vec![
-        0.0,
-        1e-300,
-        1e-160,
-        1e-100,
-        1e-20,
-        1e-8,
-        1e-4,
-        1e-2,
-        0.3,
-        1.0,
-        2.4,
-        2.449,
-        2.45,
-        2.5,
-        3.0,
-        PI - 1e-4,
-        PI - 1e-9,
-        PI.next_down(),
-        PI,
-        PI.next_up(),
-        PI + 1e-9,
-        PI + 1e-4,
-        3.5,
-        4.493_409_457_909_064,
-        5.0,
-        5.763_459_196_894_55,
-        6.0,
-        TAU - 0.1,
-        TAU - 0.05,
+        0.0, 1e-300, 1e-160, 1e-100, 1e-20, 1e-8, 1e-4, 1e-2, 0.3, 1.0,
     ];
+    angles.extend([2.4, 2.449, 2.45, 2.5, 3.0, PI.next_down(), PI.next_up()]);
+    angles.extend([-1e-4, -1e-9, 0.0, 1e-9, 1e-4].map(|gap| PI + gap));
+    angles.extend([3.5, 4.493_409_457_909_064, 5.0, 5.763_459_196_894_55, 6.0]);
+    angles.extend([TAU - 0.1, TAU - 0.05]);
     angles.extend((0..100).map(|_| random.range(0.0, TAU - 0.05)));
     let mut vectors: Vec<V3> = angles
         .iter()
