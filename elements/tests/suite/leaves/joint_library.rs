@@ -5,8 +5,8 @@
 use nalgebra::{SVector, Vector3};
 use pullback_conformance as check;
 use pullback_elements::joint::{
-    self, AxisError, ConstantVelocity, Curve, Cylindrical, Helical, Joint, JointNodes, OnCurve,
-    OnSurface, Planar, Pose, Prismatic, Quadric, Spline, Surface, Universal,
+    self, AxisError, ConstantVelocity, Curve, Cylindrical, Helical, Joint, OnCurve, OnSurface,
+    Planar, Pose, Prismatic, Quadric, Spline, Surface, Universal,
 };
 use pullback_elements::model::ModelBuilder;
 use pullback_manifold::jet::Moving;
@@ -174,56 +174,36 @@ fn a_curve_may_have_many_points() {
     );
 }
 
+/// Attaches joints one behind the other, and compares the names of their coordinates.
+macro_rules! attached {
+    ($b:ident, $frame:ident: $($attach:ident $name:literal, $joint:expr => $names:expr;)*) => {$(
+        let made = $b.$attach($name, $frame, $joint).unwrap();
+        let names: Vec<&str> = made.coordinates.iter().map(|&n| $b.node_name(n)).collect();
+        assert_eq!(names, $names);
+        $frame = made.frame;
+    )*};
+}
+
 #[test]
 fn released_coordinates_are_nodes_with_names() {
     let mut b = ModelBuilder::new();
-    let A = b.node("A", [1.0, 2.0, 3.0]).unwrap();
-    let z = [0.0, 0.0, 2.0];
-    let names = |b: &ModelBuilder, made: &JointNodes| -> Vec<String> {
-        let names = made.coordinates.iter().map(|&n| b.node_name(n).to_owned());
-        names.collect()
-    };
-    let made = b
-        .attach("u", A, Universal::new([z, [1.0, 0.0, 0.0]]).unwrap())
-        .unwrap();
-    assert_eq!(names(&b, &made), ["u angle 1", "u angle 2"]);
-    let made = b
-        .attach("c", made.frame, Cylindrical::new(z).unwrap())
-        .unwrap();
-    assert_eq!(names(&b, &made), ["c displacement", "c angle"]);
-    let made = b
-        .attach("p", made.frame, Prismatic::new(z).unwrap())
-        .unwrap();
-    assert_eq!(names(&b, &made), ["p displacement"]);
-    let made = b
-        .attach("q", made.frame, Planar::new(z, [1.0, 0.0, 0.0]).unwrap())
-        .unwrap();
-    assert_eq!(
-        names(&b, &made),
-        ["q displacement 1", "q displacement 2", "q angle"]
-    );
-    let made = b
-        .attach("h", made.frame, Helical::new(z, 1.0).unwrap())
-        .unwrap();
-    assert_eq!(names(&b, &made), ["h angle"]);
-    let made = b
-        .attach("v", made.frame, ConstantVelocity::new([z; 2]).unwrap())
-        .unwrap();
-    assert_eq!(names(&b, &made), ["v tilt 1", "v tilt 2"]);
-    let made = b.attach_free("o", made.frame, OnCurve::new(Helix)).unwrap();
-    assert_eq!(names(&b, &made), ["o parameter", "o rotation"]);
-    assert_eq!(b.position(made.frame), Vector3::new(2.0, 2.0, 3.0));
-    let made = b
-        .attach_free("s", made.frame, OnSurface::new(Saddle))
-        .unwrap();
-    assert_eq!(
-        names(&b, &made),
-        ["s parameter 1", "s parameter 2", "s rotation"]
-    );
-    let welded = b
-        .offset("w", made.frame, b.position(made.frame).into())
-        .unwrap();
-    assert_eq!(b.position(welded), b.position(made.frame));
+    let mut frame = b.node("A", [1.0, 2.0, 3.0]).unwrap();
+    let (x, z) = ([1.0, 0.0, 0.0], [0.0, 0.0, 2.0]);
+    attached! { b, frame:
+        attach "u", Universal::new([z, x]).unwrap() => ["u angle 1", "u angle 2"];
+        attach "c", Cylindrical::new(z).unwrap() => ["c displacement", "c angle"];
+        attach "p", Prismatic::new(z).unwrap() => ["p displacement"];
+        attach "q", Planar::new(z, x).unwrap() => ["q displacement 1", "q displacement 2", "q angle"];
+        attach "h", Helical::new(z, 1.0).unwrap() => ["h angle"];
+        attach "v", ConstantVelocity::new([z; 2]).unwrap() => ["v tilt 1", "v tilt 2"];
+        attach_free "o", OnCurve::new(Helix) => ["o parameter", "o rotation"];
+    }
+    assert_eq!(b.position(frame), Vector3::new(2.0, 2.0, 3.0));
+    attached! { b, frame:
+        attach_free "s", OnSurface::new(Saddle) => ["s parameter 1", "s parameter 2", "s rotation"];
+    }
+    let welded = b.offset("w", frame, b.position(frame).into()).unwrap();
+    assert_eq!(b.position(welded), b.position(frame));
 }
 
 #[test]
