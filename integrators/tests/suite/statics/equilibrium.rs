@@ -4,8 +4,8 @@
 
 use crate::support::statics::{LIMIT, Scalar, TIGHT, truss};
 use pullback_integrators::statics::{
-    ArcLengthOptions, Cause, Event, LoadSteps, PathSteps, StaticOptions, StaticsError, Step,
-    equilibrium, solve_statics, trace_path,
+    ArcLengthOptions, Cause, Event, LoadSteps, PathSteps, StaticOptions, StaticSummary,
+    StaticsError, Step, equilibrium, solve_statics, trace_path,
 };
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError};
@@ -16,38 +16,43 @@ fn with_events<const N: usize>(events: [Event; N]) -> ArcLengthOptions {
     let last = |(k, event)| (event, k + 1 == N);
     ArcLengthOptions {
         events: events.into_iter().enumerate().map(last).collect(),
+        newton: TIGHT,
         ..ArcLengthOptions::default()
     }
 }
 
-fn trace(q: &mut Vec<f64>, options: &ArcLengthOptions) -> Vec<(usize, f64, f64)> {
-    let options = &ArcLengthOptions {
-        newton: TIGHT,
-        ..options.clone()
-    };
-    let mut found = Vec::new();
+/// What a function takes from each step along a path of the truss.
+fn traced<T>(
+    q: &mut Vec<f64>,
+    options: &ArcLengthOptions,
+    of: impl Fn(&Step<'_>) -> T,
+) -> (Vec<T>, StaticSummary) {
+    let mut seen = Vec::new();
     let summary = trace_path(&mut truss(), q, options, &mut |_, step| {
-        if let Some(event) = step.event {
-            found.push((event, step.t, step.q[0]));
-        }
+        seen.push(of(step));
         ControlFlow::Continue(())
-    })
-    .unwrap();
+    });
+    (seen, summary.unwrap())
+}
+
+/// The events along a path, each with its load and w.
+fn events(q: &mut Vec<f64>, options: &ArcLengthOptions) -> Vec<(usize, f64, f64)> {
+    let (steps, summary) = traced(q, options, |step| Some((step.event?, step.t, step.q[0])));
     assert!(summary.finished, "{summary:?}");
-    found
+    steps.into_iter().flatten().collect()
 }
 
 #[test]
 fn the_truss_snaps_through_and_back() {
     let options = with_events([Event::TurningPoint, Event::Load(0.5)]);
     let mut q = vec![0.0];
-    let there = trace(&mut q, &options);
+    let there = events(&mut q, &options);
     let back_options = ArcLengthOptions {
         from: 0.5,
         forward: false,
         ..with_events([Event::TurningPoint, Event::Load(-0.5)])
     };
-    let back = trace(&mut q, &back_options);
+    let back = events(&mut q, &back_options);
     let root = 1.0 / 3.0_f64.sqrt();
     for (path, signs) in [(&there, [1.0, -1.0]), (&back, [-1.0, 1.0])] {
         assert_eq!(path.len(), 3);
@@ -66,34 +71,23 @@ fn the_truss_snaps_through_and_back() {
 fn the_truss_is_unstable_between_its_limit_points() {
     let root = 1.0 / 3.0_f64.sqrt();
     let options = with_events([Event::TurningPoint, Event::Load(0.2), Event::Load(0.5)]);
+    let row = |step: &Step<'_>| (step.event, step.unstable, step.q[0]);
     let mut seen = [0; 3];
-    trace_path(&mut truss(), &mut vec![], &options, &mut |_, step| {
-        if step.event == Some(0) {
-            seen[2] += 1;
-            return ControlFlow::Continue(());
-        }
-        let expected = usize::from((step.q[0] - 1.0).abs() < root);
-        assert_eq!(step.unstable, Some(expected), "w = {}", step.q[0]);
-        seen[expected] += 1;
-        ControlFlow::Continue(())
-    })
-    .unwrap();
+    for (event, unstable, w) in traced(&mut vec![], &options, row).0 {
+        let expected = usize::from((w - 1.0).abs() < root);
+        let at_limit = event == Some(0);
+        assert!(at_limit || unstable == Some(expected), "w = {w}");
+        seen[if at_limit { 2 } else { expected }] += 1;
+    }
     assert!(seen[0] > 5 && seen[1] > 5 && seen[2] == 2, "{seen:?}");
 }
 
 #[test]
 fn a_path_step_by_step_is_the_same() {
-    let options = ArcLengthOptions {
-        newton: TIGHT,
-        ..with_events([Event::TurningPoint, Event::Load(0.5)])
-    };
+    let options = with_events([Event::TurningPoint, Event::Load(0.5)]);
     let row = |step: &Step<'_>| (step.number, step.event, step.t, step.q[0]);
-    let (mut observed, mut q) = (Vec::new(), Vec::new());
-    let summary = trace_path(&mut truss(), &mut q, &options, &mut |_, step| {
-        observed.push(row(step));
-        ControlFlow::Continue(())
-    })
-    .unwrap();
+    let mut q = Vec::new();
+    let (observed, summary) = traced(&mut q, &options, row);
     let (mut system, mut rows) = (truss(), Vec::new());
     let mut path = PathSteps::new(&mut system, Vec::new(), &options).unwrap();
     while let Some(step) = path.step().unwrap() {
@@ -130,7 +124,7 @@ fn load_steps_one_by_one_end_at_the_load() {
 fn coordinates_are_located_as_often_as_they_are_passed() {
     let (unknown, value) = (0, 1.5);
     let options = with_events([Event::Coordinate { unknown, value }, Event::Load(0.5)]);
-    let found = trace(&mut vec![0.0], &options);
+    let found = events(&mut vec![0.0], &options);
     assert_eq!(found.len(), 2);
     // f(1.5) = 1.5 · 0.5 · (−0.5).
     assert!((found[0].1 + 0.375).abs() < 1e-11);
@@ -140,13 +134,8 @@ fn coordinates_are_located_as_often_as_they_are_passed() {
 fn what_happens_exactly_at_the_end_of_a_step_is_located_once() {
     let path = |first: Event| {
         let options = with_events([first, Event::Load(0.5)]);
-        let mut steps = Vec::new();
-        trace_path(&mut truss(), &mut vec![], &options, &mut |_, step| {
-            steps.push((step.event, step.number, step.t, step.q[0]));
-            ControlFlow::Continue(())
-        })
-        .unwrap();
-        steps
+        let row = |step: &Step<'_>| (step.event, step.number, step.t, step.q[0]);
+        traced(&mut vec![], &options, row).0
     };
     let (_, number, t, w) = path(Event::Load(9.0))[2];
     let there = Event::Coordinate {
@@ -168,27 +157,22 @@ fn what_happens_exactly_at_the_end_of_a_step_is_located_once() {
 
 #[test]
 fn load_control_stops_at_a_limit_point_and_says_where() {
-    let error = solve_statics(
-        &mut truss(),
-        &mut vec![],
-        &StaticOptions {
-            to: 0.5,
-            max_step: 0.05,
-            ..StaticOptions::default()
-        },
-        &mut |_, step| {
-            // No step may have jumped across: the branch before the limit has w < 1 − 1/√3.
-            assert!(step.t <= LIMIT || step.q[0] > 2.0);
-            if step.q[0] > 1.0 {
-                ControlFlow::Break(())
-            } else {
-                ControlFlow::Continue(())
-            }
-        },
-    );
+    let options = StaticOptions {
+        to: 0.5,
+        max_step: 0.05,
+        ..StaticOptions::default()
+    };
+    let outcome = solve_statics(&mut truss(), &mut vec![], &options, &mut |_, step| {
+        // No step may have jumped across: the branch before the limit has w < 1 − 1/√3.
+        assert!(step.t <= LIMIT || step.q[0] > 2.0);
+        match step.q[0] > 1.0 {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        }
+    });
     // Beyond the limit load equilibrium exists on the far branch (w > 2): reaching it is right,
     // failing is right, anything else is not.
-    match error {
+    match outcome {
         Ok(summary) => assert!(summary.t > LIMIT),
         Err(StaticsError::Step(failed)) => {
             assert!(
