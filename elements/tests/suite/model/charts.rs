@@ -85,6 +85,25 @@ fn model(order: usize) -> (Context, Vec<NodeId>) {
     (Context::new(b.build().unwrap()), nodes)
 }
 
+/// The same of elements between two nodes, of which every second follows a parent that stores the complement:
+/// no element can do without a change of chart, whatever the angle. Its nodes are the parents.
+fn twins() -> (Context, Vec<NodeId>) {
+    let mut b = ModelBuilder::new();
+    let (mut own, mut ends) = (Vec::new(), Vec::new());
+    for k in 0..NODES {
+        let at = position(k).into();
+        let node = b.node(format!("n{k}"), at).unwrap();
+        let twin = b.mapped_node(format!("twin {k}"), at, Twin.boxed(), &[node]);
+        own.push(node);
+        ends.push(if k % 2 == 0 { node } else { twin.unwrap() });
+    }
+    for (k, pair) in ends.windows(2).enumerate() {
+        let name = format!("beam {k}");
+        lay(&mut b, &name, [pair[0], pair[1]], 1, 1, coupled());
+    }
+    (Context::new(b.build().unwrap()), own)
+}
+
 fn coordinates(context: &Context, nodes: &[NodeId], values: &[[Vector3<f64>; 2]]) -> Vec<f64> {
     let mut q = vec![0.0; context.pattern().dim()];
     for (&node, [d, psi]) in nodes.iter().zip(values) {
@@ -178,22 +197,25 @@ const ANGLES: [f64; 7] = [2.5, 2.8, 3.0, 3.2, 3.4, 3.7, 4.0];
 fn changes_of_chart_leave_everything_physical_alone() {
     let mut random = Random::new(21);
     let mut mixed = 0;
-    for order in [1, 2] {
+    for (name, order) in [("linear", 1), ("quadratic", 2), ("twins", 1)] {
         for theta in ANGLES {
-            let what = format!("order {order}, {theta} rad");
+            let what = format!("{name}, {theta} rad");
             let values = configuration(theta, &mut random);
             let expected = by_elements(&values, order);
             let beyond = values.iter().filter(|v| v[1].norm() > PI).count();
             mixed += usize::from(beyond != 0 && beyond != NODES);
 
             // As given: nodes beyond π go over.
-            let (mut m, nodes) = model(order);
+            let (mut m, nodes) = if name == "twins" {
+                twins()
+            } else {
+                model(order)
+            };
             let mut q = coordinates(&m, &nodes, &values);
             m.start(0.0, &q);
             let changes = m.change_charts(0.0, &mut q, &mut [], &mut []);
             assert_eq!(changes.charts, beyond, "{what}");
-            let first = physical(&mut m, &nodes, &q);
-            same(&what, &first, &expected);
+            same(&what, &physical(&mut m, &nodes, &q), &expected);
             // Settled: nothing more to do.
             let before = q.clone();
             let changes = m.change_charts(0.0, &mut q, &mut [], &mut []);
@@ -201,11 +223,8 @@ fn changes_of_chart_leave_everything_physical_alone() {
             assert_eq!(q, before);
 
             // All in the other chart, and back.
-            let complement: Vec<_> = values
-                .iter()
-                .map(|[d, psi]| [*d, so3::complement(psi)])
-                .collect();
-            q = coordinates(&m, &nodes, &complement);
+            let complements = values.iter().map(|[d, psi]| [*d, so3::complement(psi)]);
+            q = coordinates(&m, &nodes, &complements.collect::<Vec<_>>());
             m.start(0.0, &q);
             let changes = m.change_charts(0.0, &mut q, &mut [], &mut []);
             assert_eq!(changes.charts, NODES - beyond, "{what}");
@@ -218,41 +237,6 @@ fn changes_of_chart_leave_everything_physical_alone() {
         mixed >= 4,
         "only {mixed} cases have nodes on both sides of π"
     );
-}
-
-#[test]
-fn the_way_a_node_is_stored_does_not_matter() {
-    // Every second node follows a parent that stores the complement: no element can do without a
-    // change of chart, whatever the angle.
-    let mut random = Random::new(22);
-    for theta in ANGLES {
-        let values = configuration(theta, &mut random);
-        let expected = by_elements(&values, 1);
-        let mut b = ModelBuilder::new();
-        let mut own = Vec::new();
-        let mut beam_nodes = Vec::new();
-        for k in 0..NODES {
-            let node = b.node(format!("n{k}"), position(k).into()).unwrap();
-            let (name, twin) = (format!("twin {k}"), Twin.boxed());
-            own.push(node);
-            beam_nodes.push(match k % 2 {
-                0 => node,
-                _ => b
-                    .mapped_node(name, position(k).into(), twin, &[node])
-                    .unwrap(),
-            });
-        }
-        for (k, pair) in beam_nodes.windows(2).enumerate() {
-            let name = format!("beam {k}");
-            lay(&mut b, &name, [pair[0], pair[1]], 1, 1, coupled());
-        }
-        let mut m = Context::new(b.build().unwrap());
-        let mut q = coordinates(&m, &own, &values);
-        m.start(0.0, &q);
-        m.change_charts(0.0, &mut q, &mut [], &mut []);
-        let found = physical(&mut m, &own, &q);
-        same(&format!("{theta} rad"), &found, &expected);
-    }
 }
 
 /// That they are those of the same motion is a law of the check of a model.
