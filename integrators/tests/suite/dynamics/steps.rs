@@ -127,17 +127,8 @@ impl System for Maxwell {
         let (s, c) = at.t.sin_cos();
         out.r[2] = s - w + c + c.powi(3) - w_dot - w_dot.powi(3);
         if let Some((weights, S)) = out.S {
-            let K = Matrix3::new(
-                Self::K + Self::E,
-                -Self::E,
-                0.0,
-                -Self::E,
-                Self::E,
-                0.0,
-                0.0,
-                0.0,
-                1.0,
-            );
+            let (k, e) = (Self::K, Self::E);
+            let K = Matrix3::from([[k + e, -e, 0.0], [-e, e, 0.0], [0.0, 0.0, 1.0]]);
             let C = Vector3::new(0.0, Self::C, 1.0 + 3.0 * w_dot * w_dot);
             let M = Vector3::new(Self::M, 0.0, 0.0);
             let [C, M] = [C, M].map(|x| Matrix3::from_diagonal(&x));
