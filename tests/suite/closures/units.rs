@@ -4,7 +4,7 @@
 #![allow(non_snake_case, clippy::unwrap_used)]
 
 use crate::support::beams::line;
-use crate::support::closures::{angle, apart, linkage};
+use crate::support::closures::{angle, apart, beam_line, fixed, hinge, linkage, probe};
 use crate::support::program::{number, recorded};
 use toml::{Table, Value};
 
@@ -156,22 +156,11 @@ fn shortened(text: &str, child: &str, closure: &str, to: &str, joints: &[&str]) 
 
 #[test]
 fn a_structure_and_a_mechanism_take_the_same_iterations_in_all_units() {
-    let rest = r#"
-        [[supports]]
-        node = "A"
-        fix = "all"
-        [[loads]]
-        node = "B"
-        force = [0, 2.0, 1.0]
-        [analysis.static]
-        steps = 4
-        [[probes]]
-        name = "tip"
-        quantity = "rotation"
-        node = "B"
-    "#;
+    let rest = fixed("A")
+        + "[[loads]]\nnode = \"B\"\nforce = [0, 2.0, 1.0]\n[analysis.static]\nsteps = 4\n"
+        + &probe("tip", "rotation", "B");
     let stiffness = "EA = 1e4, GA = [4e3, 4e3], GJ = 1.0, EI = [1.5, 1.0]";
-    let text = line(stiffness, 8, 1, rest);
+    let text = line(stiffness, 8, 1, &rest);
     let columns = ["tip.x", "tip.y", "tip.z"];
     compare_within(0.0, "cantilever", &text.parse().unwrap(), &columns);
     let text = include_str!("../../../examples/models/double_pendulum.toml");
@@ -233,40 +222,16 @@ fn flexible_linkages_move_alike_in_all_units() {
 
 #[test]
 fn a_beam_on_a_pin_bends_alike_in_all_units() {
-    let text = r#"
-[sections.s]
-stiffness = { EA = 1e5, GA = [1e5, 1e5], GJ = 10.0, EI = [10.0, 10.0] }
-[nodes]
-root = [0, 0, 0]
-end = [2, 0, 0]
-pin = [2, 0, 0]
-[[lines]]
-name = "beam"
-from = "root"
-to = "end"
-elements = 8
-section = "s"
-[[joints]]
-name = "hinge"
-type = "revolute"
-parent = "pin"
-axis = [0, 0, 1]
-child = "end"
-closure = "multipliers"
-[[supports]]
-node = "root"
-fix = "all"
-[[supports]]
-node = "pin"
-fix = "all"
-[[loads]]
-node = "beam/4"
-force = [0, -10.0, 0]
-[[probes]]
-name = "middle"
-quantity = "rotation"
-node = "beam/4"
-"#;
+    let text = [
+        "[sections.s]\nstiffness = { EA = 1e5, GA = [1e5, 1e5], GJ = 10.0, EI = [10.0, 10.0] }\n\
+         [nodes]\nroot = [0, 0, 0]\nend = [2, 0, 0]\npin = [2, 0, 0]\n",
+        &beam_line("beam", ["root", "end"], 8, "s"),
+        &hinge("hinge", "pin", "child = \"end\"\nclosure = \"multipliers\""),
+        &["root", "pin"].map(fixed).concat(),
+        "[[loads]]\nnode = \"beam/4\"\nforce = [0, -10.0, 0]\n",
+        &probe("middle", "rotation", "beam/4"),
+    ]
+    .concat();
     let found = ["multipliers", "map"].map(|closure| {
         let model = with_probes(&text.replace("multipliers", closure), &["hinge"]);
         let columns = ["hinge", "middle.z"];

@@ -3,6 +3,7 @@
 #![allow(non_snake_case, clippy::unwrap_used)]
 
 use crate::support::laboratory::{bob, compared, model, options, pendulum, until};
+use crate::support::program::assert_says;
 use pullback::input;
 use pullback::method::Method;
 use pullback::studies::compare::{
@@ -179,10 +180,7 @@ fn words_make_what_is_compared() {
         .parse::<Candidate>()
         .unwrap_err()
         .to_string();
-    assert!(
-        unknown.contains("diffsol-bdf and diffsol-esdirk"),
-        "{unknown}"
-    );
+    assert_says(&unknown, &["diffsol-bdf and diffsol-esdirk"]);
     let known = "diffsol-bdf".parse::<Candidate>();
     if !cfg!(feature = "diffsol") {
         let said = known.unwrap_err().to_string();

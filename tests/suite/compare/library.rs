@@ -3,6 +3,7 @@
 
 use crate::support::comparisons::{self, BODY, OSCILLATOR};
 use crate::support::laboratory::options;
+use crate::support::program::{assert_says, directory, read};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use pullback::input;
 use pullback::studies::compare::{
@@ -11,7 +12,6 @@ use pullback::studies::compare::{
 };
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -263,17 +263,8 @@ fn what_makes_no_sense_is_refused_by_name() {
             ..options(&["newmark"], &good)
         };
         let said = comparisons::compared(BODY, &asked).unwrap_err().to_string();
-        assert!(
-            said.contains(&format!("`{scheme}` is no reference")),
-            "{said}"
-        );
+        assert_says(&said, &[&format!("`{scheme}` is no reference")]);
     }
-}
-
-fn directory(name: &str) -> PathBuf {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    std::fs::remove_dir_all(&path).ok();
-    path
 }
 
 #[test]
@@ -299,7 +290,7 @@ fn a_comparison_that_is_stopped_keeps_what_it_has_and_says_so() {
     let stopped = |row: &&ComparisonRow| row.failure.as_deref() == Some("interrupted");
     assert!(comparison.rows.iter().any(|row| stopped(&row)));
     assert!(comparison.reference.is_some());
-    let read = |name: &str| std::fs::read_to_string(directory.join(name)).unwrap();
+    let read = |name: &str| read(directory.join(name));
     let json: serde_json::Value = serde_json::from_str(&read("compare.json")).unwrap();
     assert_eq!(json["complete"], false);
     assert!(read("compare.csv").contains(",interrupted,"));

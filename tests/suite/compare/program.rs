@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::support::program::{
-    check_lines, compare, directory, ended, files, program_in, read, succeeded,
+    assert_says, check_lines, compare, directory, ended, files, program_in, read, succeeded,
 };
 use pullback::studies::compare::FILES;
 use pullback::studies::gallery::{self, MODELS};
@@ -162,10 +162,7 @@ fn several_models_make_one_page_and_a_directory_each() {
     succeeded(&output);
     // Two steps make no order, and the terminal says so.
     let text = String::from_utf8_lossy(&output.stdout);
-    assert!(
-        text.contains("? (2)") && text.contains("? no order"),
-        "{text}"
-    );
+    assert_says(&text, &["? (2)", "? no order"]);
     assert_eq!(files(&out), ["compare.html", "pendulum", "top"]);
     let page = read(out.join("compare.html"));
     let document = document(&page);
@@ -225,9 +222,9 @@ fn refusals_name_what_is_wrong() {
     let statics = example(&directory, "cantilever.toml");
     let output = compare(&statics, &ASKED);
     let said = ended(&output, 2);
-    assert!(
-        said.contains("model.toml: the analysis of this model is not dynamic"),
-        "{said}"
+    assert_says(
+        &said,
+        &["model.toml: the analysis of this model is not dynamic"],
     );
     assert_eq!(files(&directory), ["model.toml"]);
 }

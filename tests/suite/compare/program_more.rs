@@ -2,14 +2,16 @@
 #![allow(non_snake_case, clippy::unwrap_used)]
 
 use crate::support::comparisons::BODY;
-use crate::support::program::{compare, directory, ended, files, read, write};
+use crate::support::dynamics::assert_order;
+use crate::support::program::{
+    compare, directory, ended, files, program_in, read, succeeded, write,
+};
 use nalgebra::{Rotation3, Vector3};
 use pullback::studies::compare::FILES;
 use pullback::studies::gallery::MODELS;
 use serde_json::Value;
 use std::fmt::Write;
 use std::path::Path;
-use std::process::Command;
 
 /// A free symmetrical body that also moves along, for a second.
 fn body() -> String {
@@ -18,10 +20,9 @@ fn body() -> String {
 }
 
 /// What compare.json says, of a comparison that ends well.
+#[track_caller]
 fn compared(model: &Path, arguments: &[&str]) -> Value {
-    let output = compare(model, arguments);
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{}: {said}", model.display());
+    succeeded(&compare(model, arguments));
     written(model)
 }
 
@@ -81,13 +82,7 @@ fn an_exact_solution_comes_from_a_file() {
                 .map(|row| row["error"][quantity].as_f64().unwrap())
                 .collect();
             assert_eq!(errors.len(), 3);
-            for pair in errors.windows(2) {
-                let slope = (pair[0] / pair[1]).log2();
-                assert!(
-                    (slope - order).abs() < 0.1,
-                    "{scheme}, {quantity}: {errors:?}"
-                );
-            }
+            assert_order(format!("{scheme}, {quantity}"), &errors, order, 0.1);
         }
         assert!(rows(&json, scheme).all(|row| row["error"]["position"].is_null()));
     }
@@ -343,21 +338,15 @@ fn the_command_runs_on_every_model_of_the_gallery_that_moves() {
 fn motions_of_the_gallery_that_are_known_are_the_reference() {
     for name in ["pendulum", "free_body"] {
         let directory = directory(&format!("program_compare_exact_{name}"));
-        let json = |more: &[&str], out: &str| -> Value {
-            let output = Command::new(env!("CARGO_BIN_EXE_pullback"))
-                .current_dir(&directory)
-                .args(["compare", name, "--schemes", "newmark"])
-                .args(["--steps", "4x,2x,1x", "--out", out])
-                .args(more)
-                .output()
-                .unwrap();
-            let said = String::from_utf8_lossy(&output.stderr);
-            assert!(output.status.success(), "{name}: {said}");
+        let json = |more: &str, out: &str| -> Value {
+            let line =
+                format!("compare {name} --schemes newmark --steps 4x,2x,1x --out {out}{more}");
+            succeeded(&program_in(&directory, &line));
             serde_json::from_str(&read(directory.join(out).join("compare.json"))).unwrap()
         };
-        let exact = json(&[], "exact");
+        let exact = json("", "exact");
         assert_eq!(exact["reference"]["scheme"], "Jacobi's elliptic functions");
-        let radau = json(&["--reference", "radau"], "radau");
+        let radau = json(" --reference radau", "radau");
         for quantity in ["rotation", "angular_velocity", "angular_acceleration"] {
             for (a, b) in rows(&exact, "newmark").zip(rows(&radau, "newmark")) {
                 let [a, b] = [a, b].map(|row| row["error"][quantity].as_f64().unwrap());

@@ -1,34 +1,17 @@
 //! `pullback spectrum`: its table, its files, what it refuses.
 #![allow(clippy::unwrap_used)]
 
-use crate::support::program::check_lines;
+use crate::support::program::{check_lines, directory, program_in, read, succeeded};
 use serde_json::Value;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
-
-fn spectrum(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_pullback"))
-        .arg("spectrum")
-        .args(arguments)
-        .output()
-        .unwrap()
-}
-
-fn directory() -> PathBuf {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("spectrum");
-    std::fs::remove_dir_all(&path).ok();
-    path
-}
 
 #[test]
 fn files_say_what_theory_says() {
-    let directory = directory();
-    let out = directory.to_str().unwrap();
-    let output = spectrum(&["--out", out]);
-    assert!(output.status.success());
+    let directory = directory("spectrum");
+    let output = program_in(&directory, "spectrum --out out");
+    succeeded(&output);
     let table = String::from_utf8(output.stdout).unwrap();
     assert!(table.contains("central-difference"), "{table}");
-    let read = |name: &str| std::fs::read_to_string(directory.join(name)).unwrap();
+    let read = |name: &str| read(directory.join("out").join(name));
     let json: Value = serde_json::from_str(&read("spectrum.json")).unwrap();
     let command = json["command"].as_str().unwrap();
     assert!(command.starts_with("pullback spectrum --out"), "{command}");
@@ -70,21 +53,18 @@ fn files_say_what_theory_says() {
         assert!(lines > 14, "{figure}: {lines} lines");
     }
     // Nothing of an earlier call stays.
-    assert!(
-        spectrum(&["--schemes", "bathe", "--out", out])
-            .status
-            .success()
-    );
+    let again = "spectrum --schemes bathe --out out";
+    succeeded(&program_in(&directory, again));
     let json: Value = serde_json::from_str(&read("spectrum.json")).unwrap();
     assert_eq!(json["schemes"].as_array().unwrap().len(), 1);
 }
 
 #[test]
 fn a_range_without_files_is_noted() {
-    for (arguments, noted) in [(&["--from", "1"][..], true), (&[], false)] {
-        let output = spectrum(&[&["--schemes", "newmark"], arguments].concat());
-        assert!(output.status.success());
-        let said = String::from_utf8_lossy(&output.stderr);
+    let directory = directory("spectrum_range");
+    for (arguments, noted) in [(" --from 1", true), ("", false)] {
+        let line = format!("spectrum --schemes newmark{arguments}");
+        let said = succeeded(&program_in(&directory, &line));
         assert_eq!(
             said.contains("--from and --to apply to the files"),
             noted,
@@ -96,7 +76,7 @@ fn a_range_without_files_is_noted() {
 #[test]
 fn what_it_refuses() {
     check_lines(
-        Path::new(env!("CARGO_TARGET_TMPDIR")),
+        &directory("spectrum_refused"),
         "spectrum",
         "
 --schemes ga:2 | rho of Chung-Hulbert = 2.0 is outside its range

@@ -79,9 +79,7 @@ fn the_power_balance_closes_to_the_order_of_the_scheme() {
             energy.largest_defect
         });
         assert!(supplied.abs() > 0.5, "the drive is to do something");
-        for slope in slopes(&defects) {
-            assert!((slope - 2.0).abs() < 0.1, "{}: {defects:?}", scheme.name);
-        }
+        assert_order(scheme.name, &defects, 2.0, 0.1);
     }
 }
 

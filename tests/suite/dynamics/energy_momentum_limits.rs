@@ -4,6 +4,8 @@
 
 #![allow(clippy::unwrap_used)]
 
+use crate::support::beams::line;
+use crate::support::closures::{GROUND, arm, body, body_of, hinge, joint};
 use crate::support::dynamics::{configure, motion_of, point};
 use nalgebra::Vector3;
 use pullback::elements::model::Context;
@@ -32,39 +34,17 @@ fn spin(text: &str, node: &str, scheme: &str, step: f64) -> Vector3<f64> {
 #[test]
 fn a_pendulum_on_a_slider_takes_the_impulse_of_a_kick_once() {
     for inertia in [0.0, 1e-3, 0.1, 1.0] {
-        let text = format!(
-            r#"
-[nodes]
-ground = [0, 0, 0]
-
-[[joints]]
-name = "base"
-type = "prismatic"
-parent = "ground"
-axis = [1, 0, 0]
-prescribed = {{ table = [[0, 0], [0.5, 0], [1.5, 1], [3, 1]] }}
-
-[[joints]]
-name = "j"
-type = "revolute"
-parent = "base"
-axis = [0, -1, 0]
-
-[[bodies]]
-name = "b"
-node = "j"
-mass = 2
-center = [0, 0, -1]
-inertia = [{inertia}, {inertia}, {inertia}]
-
-[[supports]]
-node = "ground"
-fix = "all"
-
-[analysis.dynamic]
-to = 1
-"#
-        );
+        let pendulum = format!("center = [0, 0, -1]\ninertia = [{inertia}, {inertia}, {inertia}]");
+        let drive = "prescribed = { table = [[0, 0], [0.5, 0], [1.5, 1], [3, 1]] }";
+        let rail = format!("axis = [1, 0, 0]\n{drive}");
+        let text = [
+            GROUND,
+            &joint("base", "prismatic", "ground", &rail),
+            &joint("j", "revolute", "base", "axis = [0, -1, 0]"),
+            &body_of("j", 2.0, &pendulum),
+            "[analysis.dynamic]\nto = 1\n",
+        ]
+        .concat();
         // About the pivot there is no impulse: −m c (v − c ω) + I ω = 0, and nothing acts after that.
         let exact = 2.0 / (2.0 + inertia);
         for scheme in ["newmark", "projected-newmark", "projected-newmark:0.5"] {
@@ -77,48 +57,19 @@ to = 1
 
 #[test]
 fn a_body_on_a_hub_that_is_driven_follows_the_equations_of_motion() {
-    let text = r#"
-[nodes]
-ground = [0, 0, 0]
-
-[[joints]]
-name = "hub"
-type = "revolute"
-parent = "ground"
-axis = [0, 0, 1]
-prescribed = { sine = { omega = 2 } }
-
-[[joints]]
-name = "a"
-type = "offset"
-parent = "hub"
-position = [1, 0, 0]
-
-[[joints]]
-name = "j"
-type = "spherical"
-parent = "a"
-
-[[bodies]]
-name = "b"
-node = "j"
-mass = 1
-center = [1, 0.3, 0.2]
-inertia = [0.1, 0.2, 0.15]
-
-[[supports]]
-node = "ground"
-fix = "all"
-
-[[loads]]
-gravity = [0, -9.81, 0]
-
-[analysis.dynamic]
-to = 2
-"#;
-    let exact = spin(text, "j", "radau", 0.004);
+    let inertia = "center = [1, 0.3, 0.2]\ninertia = [0.1, 0.2, 0.15]";
+    let text = [
+        GROUND,
+        &hinge("hub", "ground", "prescribed = { sine = { omega = 2 } }"),
+        &arm("a", "hub", [1.0, 0.0, 0.0]),
+        &joint("j", "spherical", "a", ""),
+        &body_of("j", 1.0, inertia),
+        "[[loads]]\ngravity = [0, -9.81, 0]\n[analysis.dynamic]\nto = 2\n",
+    ]
+    .concat();
+    let exact = spin(&text, "j", "radau", 0.004);
     for step in [0.008, 0.004, 0.002] {
-        let off = |scheme| (spin(text, "j", scheme, step) - exact).norm();
+        let off = |scheme| (spin(&text, "j", scheme, step) - exact).norm();
         let (base, projected) = (off("newmark"), off("projected-newmark"));
         assert!(
             base < 1e-2 && projected < 2.0 * base,
@@ -137,41 +88,23 @@ to = 2
     assert!(projected < 1.1 * base, "{projected}, {base}");
 }
 
-/// A free beam with stiffness-proportional damping that spins, before its `damping`.
-fn spinning(damping: f64) -> String {
-    format!(
-        r#"
-[sections.rod]
-stiffness = {{ EA = 1e6, GA = [4e5, 4e5], GJ = 80, EI = [100, 100] }}
-mass = {{ A_rho = 1, J = [2e-4, 1e-4, 1e-4] }}
-damping = {{ stiffness = {damping:?} }}
-
-[nodes]
-A = [0, 0, 0]
-B = [1, 0, 0]
-
-[[lines]]
-name = "l"
-from = "A"
-to = "B"
-elements = 4
-section = "rod"
-interpolation = "total"
-
-[[initial]]
-angular_velocity = [0, 0, 20]
-about = [0.5, 0, 0]
-
-[analysis.dynamic]
-to = 2
-"#
-    )
+/// A free beam with an interpolation and stiffness-proportional damping that spins.
+fn spinning(interpolation: &str, damping: f64) -> String {
+    let rest = format!(
+        "interpolation = \"{interpolation}\"\n\
+         [sections.main.mass]\nA_rho = 1\nJ = [2e-4, 1e-4, 1e-4]\n\
+         [sections.main.damping]\nstiffness = {damping:?}\n\
+         [[initial]]\nangular_velocity = [0, 0, 20]\nabout = [0.5, 0, 0]\n\
+         [analysis.dynamic]\nto = 2\n"
+    );
+    let stiffness = "EA = 1e6, GA = [4e5, 4e5], GJ = 80, EI = [100, 100]";
+    line(stiffness, 4, 1, &rest)
 }
 
 #[test]
 fn what_vibrations_have_lost_is_given_back() {
     // The rotation sets off vibrations that do not last: little is left then that a factor could enlarge.
-    let text = spinning(0.0).replace("\"total\"", "\"geodesic\"");
+    let text = spinning("geodesic", 0.0);
     let exact = 0.5 * 20.0_f64.powi(2) * (1.0 / 12.0 + 1e-4);
     run(&text, "projected-newmark:0.5", 0.02, &mut |model, state| {
         let at = point(state);
@@ -183,9 +116,8 @@ fn what_vibrations_have_lost_is_given_back() {
 #[test]
 fn a_drag_takes_momentum() {
     // A ρ v̇ = −c A ρ v, whatever else the beam does.
-    let text = spinning(0.0)
+    let text = spinning("geodesic", 0.0)
         .replace("stiffness = 0.0", "mass = 0.5")
-        .replace("\"total\"", "\"geodesic\"")
         .replace("[0, 0, 20]", "[0, 0, 1]\nvelocity = [1, 2, 3]");
     let mut momentum = Vector3::zeros();
     run(&text, "projected-newmark", 0.005, &mut |model, state| {
@@ -232,46 +164,32 @@ fn dampers_that_steps_do_not_resolve_take_no_momentum() {
 /// The angular momentum at the end, and the largest energy on the way.
 fn spun_down(damping: f64, scheme: &str) -> (f64, f64) {
     let (mut momentum, mut most) = (0.0, 0.0_f64);
-    run(&spinning(damping), scheme, 0.005, &mut |model, state| {
-        let at = point(state);
-        let audit = model.energies_and_momentum(at).unwrap();
-        momentum = audit.momentum.angular.z;
-        most = most.max(audit.energies.total());
-    });
+    run(
+        &spinning("total", damping),
+        scheme,
+        0.005,
+        &mut |model, state| {
+            let at = point(state);
+            let audit = model.energies_and_momentum(at).unwrap();
+            momentum = audit.momentum.angular.z;
+            most = most.max(audit.energies.total());
+        },
+    );
     (momentum, most)
 }
 
 #[test]
 fn a_sphere_may_turn_many_times_in_a_step() {
     for rate in [900.0, 1500.0, 1e4] {
-        let text = format!(
-            r#"
-[nodes]
-ground = [0, 0, 0]
-
-[[joints]]
-name = "j"
-type = "spherical"
-parent = "ground"
-
-[[bodies]]
-name = "b"
-node = "j"
-mass = 1
-inertia = [0.1, 0.1, 0.1]
-
-[[supports]]
-node = "ground"
-fix = "all"
-
-[[initial]]
-node = "j"
-angular_velocity = [0, 0, {rate:?}]
-
-[analysis.dynamic]
-to = 1
-"#
-        );
+        let initial = format!("[[initial]]\nnode = \"j\"\nangular_velocity = [0, 0, {rate:?}]\n");
+        let text = [
+            GROUND,
+            &joint("j", "spherical", "ground", ""),
+            &body("j"),
+            &initial,
+            "[analysis.dynamic]\nto = 1\n",
+        ]
+        .concat();
         for scheme in ["newmark", "projected-newmark", "projected-newmark:0.9"] {
             let omega = spin(&text, "j", scheme, 0.01);
             let off = (omega - Vector3::new(0.0, 0.0, rate)).norm();

@@ -1,6 +1,7 @@
 //! Jumps of driven velocities: what is free takes the impulse. Inputs that change between steps.
 #![allow(clippy::unwrap_used)]
 
+use crate::support::closures::{body_of, hinge, joint};
 use crate::support::dynamics::{motion_of, point};
 use pullback::elements::body::PointMass;
 use pullback::elements::load::{LoadKind, NodalLoad};
@@ -11,35 +12,6 @@ use pullback::solve::begin;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-
-/// A free body with a rotor on a driven hinge, about a principal axis of both.
-const ROTOR: &str = r#"
-[nodes]
-A = [0, 0, 0]
-
-[[bodies]]
-name = "hull"
-node = "A"
-mass = 3
-inertia = [2, 2, 2]
-
-[[joints]]
-name = "hinge"
-type = "revolute"
-parent = "A"
-axis = [0, 0, 1]
-prescribed = { table = [[0.5, 0], [1, 2]] }
-
-[[bodies]]
-name = "rotor"
-node = "hinge"
-mass = 1
-inertia = [1, 1, 0.5]
-
-[analysis.dynamic]
-to = 2
-step = 0.1
-"#;
 
 /// A unit mass on a rail, and the force on it.
 fn pushed(force: impl FnOnce(&mut ModelBuilder) -> Box<dyn TimeFunction>) -> Context {
@@ -123,10 +95,19 @@ fn at_the_start_it_does_as_later() {
     jerk(0.0);
 }
 
-/// The drive turns from a time on for half a second.
+/// A free body with a rotor on a hinge, about a principal axis of both, whose drive turns from a time on for half a
+/// second.
 fn jerk(from: f64) {
-    let table = format!("[[{from:?}, 0], [{:?}, 2]]", from + 0.5);
-    let (mut model, first, options) = motion_of(&ROTOR.replace("[[0.5, 0], [1, 2]]", &table));
+    let to = from + 0.5;
+    let drive = format!("prescribed = {{ table = [[{from:?}, 0], [{to:?}, 2]] }}");
+    let text = [
+        "[nodes]\nA = [0, 0, 0]\n",
+        &body_of("A", 3.0, "inertia = [2, 2, 2]"),
+        &hinge("hinge", "A", &drive),
+        &body_of("hinge", 1.0, "inertia = [1, 1, 0.5]"),
+        "[analysis.dynamic]\nto = 2\nstep = 0.1\n",
+    ];
+    let (mut model, first, options) = motion_of(&text.concat());
     let hull = model.find("A").unwrap();
     let mut progress = Progress::new(first);
     let mut seen = 0;
@@ -135,7 +116,7 @@ fn jerk(from: f64) {
         let momentum = model.energies_and_momentum(point(state)).unwrap().momentum;
         assert!(momentum.angular.norm() < 1e-12, "at {}", state.t);
         // (2 + ½) Ω + ½ ω = 0 with the rate ω of the drive.
-        let driven = (from..from + 0.5).contains(&state.t);
+        let driven = (from..to).contains(&state.t);
         let exact = if driven { -4.0 * 0.5 / 2.5 } else { 0.0 };
         let omega = model.node_state(hull).omega;
         assert!((omega.z - exact).abs() < 1e-12, "at {}: {omega}", state.t);
@@ -155,35 +136,21 @@ fn jerk(from: f64) {
 /// A mass on a stiff spring that starts 0.1 off, on a base that is jerked, with or without a hinge
 /// beside it that has no mass.
 fn jerked(idle: &str) -> Vec<[f64; 3]> {
-    let text = format!(
-        r#"
-[nodes]
-base = [0, 0, 0]
-
-[[supports]]
-node = "base"
-fix = ["y", "z", "rx", "ry", "rz"]
-prescribed = {{ x = {{ table = [[0.03, 0], [0.1, 0.07]] }} }}
-
-[[joints]]
-name = "way"
-type = "prismatic"
-parent = "base"
-axis = [1, 0, 0]
-spring = {{ k = 1e4, x0 = 0.1 }}
-
-{idle}
-[[bodies]]
-name = "bob"
-node = "way"
-mass = 1
-
-[analysis.dynamic]
-to = 0.06
-step = 0.01
-"#
-    );
-    let (mut model, first, options) = motion_of(&text);
+    let text = [
+        "[nodes]\nbase = [0, 0, 0]\n\
+         [[supports]]\nnode = \"base\"\nfix = [\"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n\
+         prescribed = { x = { table = [[0.03, 0], [0.1, 0.07]] } }\n",
+        &joint(
+            "way",
+            "prismatic",
+            "base",
+            "axis = [1, 0, 0]\nspring = { k = 1e4, x0 = 0.1 }",
+        ),
+        idle,
+        &body_of("way", 1.0, ""),
+        "[analysis.dynamic]\nto = 0.06\nstep = 0.01\n",
+    ];
+    let (mut model, first, options) = motion_of(&text.concat());
     let node = model.find("way").unwrap();
     let mut progress = Progress::new(first);
     begin(&mut model, &options, &mut progress).unwrap();
@@ -202,9 +169,9 @@ step = 0.01
 
 #[test]
 fn what_has_no_mass_leaves_alone_what_it_has_nothing_to_do_with() {
-    let hinge = "[[joints]]\nname = \"idle\"\ntype = \"revolute\"\nparent = \"base\"\n\
-                 axis = [0, 1, 0]\nspring = { k = 1 }\n";
-    let (alone, beside) = (jerked(""), jerked(hinge));
+    let words = "axis = [0, 1, 0]\nspring = { k = 1 }";
+    let hinge = joint("idle", "revolute", "base", words);
+    let (alone, beside) = (jerked(""), jerked(&hinge));
     // k x0/m.
     assert!((alone[0][2] - 1e3).abs() < 1e-9, "{:?}", alone[0]);
     assert_eq!(alone.len(), 7);

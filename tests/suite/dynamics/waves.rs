@@ -2,9 +2,9 @@
 //! the largest stable step of a bar of linear elements with consistent mass.
 #![allow(non_snake_case, clippy::unwrap_used)]
 
-use crate::support::beams::beam;
-use crate::support::dynamics::{observed, slopes};
-use crate::support::program::{command, directory, results, write};
+use crate::support::beams::{beam, line};
+use crate::support::dynamics::{assert_order, observed};
+use crate::support::program::{assert_says, command, directory, results, write};
 use nalgebra::{Matrix3, Vector3};
 use pullback::elements::load::{LoadKind, NodalLoad};
 use pullback::elements::time::TimeFunction;
@@ -123,9 +123,7 @@ fn a_blow_runs_through_the_bar_and_back_as_d_alembert_has_it() {
     let dispersed = 1.6 * LENGTH * third * square / 24.0;
     let found = errors[2][0] / dispersed;
     assert!((0.5..2.0).contains(&found), "{errors:?} {dispersed:e}");
-    for slope in slopes(&errors.map(|e| e[0])) {
-        assert!((slope - 2.0).abs() < 0.1, "{errors:?}");
-    }
+    assert_order("wave", &errors.map(|e| e[0]), 2.0, 0.1);
     assert!(errors.iter().all(|e| e[1] < 1e-12), "{errors:?}");
 }
 
@@ -159,29 +157,13 @@ fn the_stable_step_is_that_of_linear_elements_with_consistent_mass() {
 
 #[test]
 fn the_program_tells_the_stable_step_of_an_accepted_one() {
-    let text = r#"
-[sections.bar]
-stiffness = { EA = 100, GA = [10, 10], GJ = 10, EI = [10, 10] }
-mass = { A_rho = 1, J = [2, 1, 1] }
-[nodes]
-A = [0, 0, 0]
-B = [1, 0, 0]
-[[lines]]
-name = "bar"
-from = "A"
-to = "B"
-elements = 10
-section = "bar"
-[[initial]]
-line = "bar"
-velocity = [1, 0, 0]
-[analysis.dynamic]
-to = 0.05
-step = 0.005
-scheme = "central-difference"
-"#;
+    let rest = "[sections.main.mass]\nA_rho = 1\nJ = [2, 1, 1]\n\
+        [[initial]]\nline = \"line\"\nvelocity = [1, 0, 0]\n\
+        [analysis.dynamic]\nto = 0.05\nstep = 0.005\nscheme = \"central-difference\"\n";
+    let stiffness = "EA = 100, GA = [10, 10], GJ = 10, EI = [10, 10]";
+    let text = line(stiffness, 10, 1, rest);
     let directory = directory("waves");
-    let model = write(&directory, text);
+    let model = write(&directory, &text);
     let out = directory.join("out");
     let output = command("run", &[&model, "--out".as_ref(), &out]);
     let said = String::from_utf8_lossy(&output.stdout) + String::from_utf8_lossy(&output.stderr);
@@ -189,8 +171,5 @@ scheme = "central-difference"
     let told = results(&out)["statistics"]["stable_step"].as_f64().unwrap();
     assert!((told / stable(10) - 1.0).abs() < 1e-5, "{told}");
     // 0.1/(√3 · 10)
-    assert!(
-        said.contains("stable for steps of at most 5.7735"),
-        "{said}"
-    );
+    assert_says(&said, &["stable for steps of at most 5.7735"]);
 }

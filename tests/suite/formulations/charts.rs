@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::support::comparisons::compared;
-use crate::support::dynamics::slopes;
+use crate::support::dynamics::assert_order;
 use crate::support::laboratory::options;
 use nalgebra::{Matrix3, Vector3};
 use pullback::conformance;
@@ -38,9 +38,7 @@ fn models_of_the_gallery_move_alike_in_both_charts() {
                 row.error.unwrap().of(ErrorQuantity::Rotation)
             })
             .collect();
-        for slope in slopes(&errors) {
-            assert!((slope - 3.0).abs() < 0.1, "{errors:?}");
-        }
+        assert_order("chart", &errors, 3.0, 0.1);
     }
 }
 
@@ -120,7 +118,5 @@ fn a_body_turns_in_a_chart_of_the_user() {
         let found = context.node_state(node).R;
         (found - so3::rotation(&(omega * (0.9 * to)))).norm()
     });
-    for slope in slopes(&errors) {
-        assert!((slope - 2.0).abs() < 0.05, "{errors:?}");
-    }
+    assert_order("chart", &errors, 2.0, 0.05);
 }

@@ -1,8 +1,9 @@
 //! The formulations of a comparison against exact motions and against each other.
 #![allow(non_snake_case, clippy::unwrap_used)]
 
+use crate::support::closures::body_of;
 use crate::support::comparisons::{self, BODY};
-use crate::support::dynamics::{observed, slopes, tight};
+use crate::support::dynamics::{assert_order, observed, tight};
 use crate::support::heavy_top::{HELD, assert_heavy_top};
 use crate::support::laboratory::options;
 use nalgebra::{Rotation3, Vector3};
@@ -52,10 +53,7 @@ fn a_free_body_precesses_in_every_formulation_with_order_two() {
                 squares.sum::<f64>().sqrt()
             })
             .collect();
-        for (pair, h) in errors.windows(2).zip(&steps) {
-            let slope = (pair[0] / pair[1]).log2();
-            assert!((slope - 2.0).abs() < 0.1, "{method} at {h}: {errors:?}");
-        }
+        assert_order(method, &errors, 2.0, 0.1);
         // ω goes round the same axis: its rate is a cross product with it.
         let errors: Vec<f64> = (comparison.of(method))
             .map(|row| {
@@ -69,9 +67,7 @@ fn a_free_body_precesses_in_every_formulation_with_order_two() {
                 (off.sum::<f64>() / (row.samples.len() - 1) as f64).sqrt()
             })
             .collect();
-        for slope in slopes(&errors) {
-            assert!((slope - 2.0).abs() < 0.1, "{method}: {errors:?}");
-        }
+        assert_order(method, &errors, 2.0, 0.1);
         // The reference knows it as well.
         for (row, exact) in comparison.of(method).zip(errors) {
             let found = row.error.unwrap().of(ErrorQuantity::AngularAcceleration);
@@ -94,19 +90,9 @@ fn a_free_body_precesses_in_every_formulation_with_order_two() {
 
 /// A rod on a ball joint with a body at its end, let go in a turn: rotations of frames and of a joint.
 fn rod() -> String {
-    let more = r#"
-[[bodies]]
-name = "body"
-node = "tip"
-mass = 0.5
-inertia = [0.05, 0.1, 0.15]
-[[loads]]
-gravity = [0, 0, -9.81]
-[analysis.dynamic]
-to = 0.5
-step = 0.01
-"#;
-    comparisons::rod("[2, 0, 5]", more)
+    let more = "[[loads]]\ngravity = [0, 0, -9.81]\n[analysis.dynamic]\nto = 0.5\nstep = 0.01\n";
+    let body = body_of("tip", 0.5, "inertia = [0.05, 0.1, 0.15]");
+    comparisons::rod("[2, 0, 5]", &(body + more))
 }
 
 #[test]

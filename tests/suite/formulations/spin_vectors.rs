@@ -16,7 +16,7 @@
 #![allow(non_snake_case, clippy::unwrap_used)]
 
 use crate::support::comparisons::{BODY, rod};
-use crate::support::dynamics::{observed, slopes, tight};
+use crate::support::dynamics::{assert_order, observed, tight};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use pullback::input::{self, Job};
 use pullback::integrators::dynamics::{Progress, integrate};
@@ -117,9 +117,7 @@ fn rates_that_are_not_transported_cost_an_order() {
         let errors = [2e-3, 1e-3, 5e-4].map(|h| end(name, 2.0, h));
         let of = |pick: fn(&(Vector3<f64>, Vector3<f64>)) -> f64| errors.each_ref().map(pick);
         for errors in [of(|e| e.0.norm()), of(|e| e.1.norm())] {
-            for slope in slopes(&errors) {
-                assert!((slope - order).abs() < 0.1, "{name}: {errors:?}");
-            }
+            assert_order(name, &errors, order, 0.1);
         }
     }
 }

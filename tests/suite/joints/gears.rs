@@ -2,10 +2,11 @@
 
 #![allow(clippy::unwrap_used)]
 
+use crate::support::closures::{GROUND, SECOND, angle, body_of, fixed, hinge, joint, probe};
 use crate::support::dynamics::{grounded, observed, point, revolute};
-use crate::support::program::{check, number, recorded};
+use crate::support::program::{assert_says, check, number, recorded};
 use nalgebra::Matrix3;
-use pullback::elements::joint::{GearError, JointNodes, Revolute};
+use pullback::elements::joint::GearError;
 use pullback::elements::load::CoordinateForce;
 use pullback::elements::model::ModelError;
 use pullback::manifold::system::System;
@@ -13,99 +14,25 @@ use pullback::prelude::*;
 
 /// Two rotors on the ground with a motor on the first, and a spring and damper where `acts` says so.
 fn rotors(acts: [&str; 2], gear: &str) -> String {
-    format!(
-        r#"
-[nodes]
-ground = [0, 0, 0]
-beside = [0.5, 0, 0]
-
-[[joints]]
-name = "pinion"
-type = "revolute"
-parent = "ground"
-axis = [0, 0, 1]
-{}
-
-[[joints]]
-name = "wheel"
-type = "revolute"
-parent = "beside"
-axis = [0, 0, 1]
-{}
-
-{gear}
-
-[[bodies]]
-name = "first"
-node = "pinion"
-mass = 1.0
-inertia = [1, 1, 0.02]
-
-[[bodies]]
-name = "second"
-node = "wheel"
-mass = 1.0
-inertia = [1, 1, 0.9]
-
-[[supports]]
-node = "ground"
-fix = "all"
-
-[[supports]]
-node = "beside"
-fix = "all"
-
-[analysis.dynamic]
-to = 1.0
-step = 0.001
-scheme = {{ newmark = [0.25, 0.5] }}
-record_every = 10
-
-[output]
-figures = false
-paraview_every = 0
-
-[[probes]]
-name = "pinion"
-quantity = "joint_coordinate"
-joint = "pinion"
-
-[[probes]]
-name = "wheel"
-quantity = "joint_coordinate"
-joint = "wheel"
-
-[[probes]]
-name = "rate"
-quantity = "joint_rate"
-joint = "wheel"
-
-[[probes]]
-name = "on first"
-quantity = "joint_moment"
-node = "pinion"
-component = "z"
-
-[[probes]]
-name = "on second"
-quantity = "joint_moment"
-node = "wheel"
-component = "z"
-
-[[probes]]
-name = "ground"
-quantity = "reaction_moment"
-node = "ground"
-component = "z"
-
-[[probes]]
-name = "beside"
-quantity = "reaction_moment"
-node = "beside"
-component = "z"
-"#,
-        acts[0], acts[1]
-    )
+    let nodes = GROUND.replace("[[", "beside = [0.5, 0, 0]\n[[");
+    [
+        &nodes,
+        &fixed("beside"),
+        &hinge("pinion", "ground", acts[0]),
+        &hinge("wheel", "beside", acts[1]),
+        gear,
+        &body_of("pinion", 1.0, "inertia = [1, 1, 0.02]"),
+        &body_of("wheel", 1.0, "inertia = [1, 1, 0.9]"),
+        SECOND,
+        &angle("pinion"),
+        &angle("wheel"),
+        "[[probes]]\nname = \"rate\"\nquantity = \"joint_rate\"\njoint = \"wheel\"\n",
+        &probe("on first", "joint_moment", "pinion"),
+        &probe("on second", "joint_moment", "wheel"),
+        &probe("ground", "reaction_moment", "ground"),
+        &probe("beside", "reaction_moment", "beside"),
+    ]
+    .concat()
 }
 
 const GEAR: &str = "[[gears]]\njoints = [\"pinion\", \"wheel\"]\nratio = -0.25\n";
@@ -125,10 +52,10 @@ fn two_rotors_have_the_reduced_inertia() {
         let angle = 0.5 * acceleration * t * t;
         assert!((number(row, "pinion") - angle).abs() < 1e-9);
         assert!((number(row, "wheel") - ratio * angle).abs() < 1e-9);
-        assert!((number(row, "on first") - first * acceleration).abs() < 1e-9);
-        assert!((number(row, "on second") - second * ratio * acceleration).abs() < 1e-9);
+        assert!((number(row, "on first.z") - first * acceleration).abs() < 1e-9);
+        assert!((number(row, "on second.z") - second * ratio * acceleration).abs() < 1e-9);
         // Supports give what changes the angular momentum of both.
-        let supports = number(row, "ground") + number(row, "beside");
+        let supports = number(row, "ground.z") + number(row, "beside.z");
         let change = (first + ratio * second) * acceleration;
         assert!((supports - change).abs() < 1e-9);
     }
@@ -155,22 +82,9 @@ fn a_motor_and_a_spring_on_the_wheel_act_through_the_gear() {
 
 #[test]
 fn a_rack_falls_and_spins_its_pinion() {
-    let text = rotors(
-        ["", ""],
-        "[[gears]]\njoints = [\"pinion\", \"wheel\"]\nratio = 0.3\n",
-    )
-    .replace(
-        "name = \"wheel\"\ntype = \"revolute\"",
-        "name = \"wheel\"\ntype = \"prismatic\"",
-    )
-    .replace(
-        "parent = \"beside\"\naxis = [0, 0, 1]",
-        "parent = \"beside\"\naxis = [0, 1, 0]",
-    )
-    .replace(
-        "[analysis.dynamic]",
-        "[[loads]]\ngravity = [0, -9.81, 0]\n\n[analysis.dynamic]",
-    );
+    let gear = GEAR.replace("-0.25", "0.3") + "[[loads]]\ngravity = [0, -9.81, 0]\n";
+    let rack = joint("wheel", "prismatic", "beside", "axis = [0, 1, 0]");
+    let text = rotors(["", ""], &gear).replace(&hinge("wheel", "beside", ""), &rack);
     // (m + J/r²) ü = −m g.
     let acceleration = -9.81 / (1.0 + 0.02 / 0.09);
     for row in recorded("gear_rack", &text) {
@@ -178,7 +92,7 @@ fn a_rack_falls_and_spins_its_pinion() {
         let way = 0.5 * acceleration * t * t;
         assert!((number(&row, "wheel") - way).abs() < 1e-9);
         assert!((number(&row, "pinion") - way / 0.3).abs() < 1e-9);
-        assert!((number(&row, "on first") - 0.02 * acceleration / 0.3).abs() < 1e-9);
+        assert!((number(&row, "on first.z") - 0.02 * acceleration / 0.3).abs() < 1e-9);
     }
 }
 
@@ -211,18 +125,14 @@ fn train() -> (ModelBuilder, [NodeId; 3]) {
     let axis = [0.0, 0.0, 1.0];
     let carrier = revolute(&mut b, "carrier", ground, axis);
     let seat = b.offset("seat", carrier.frame, [0.7, 0.0, 0.0]).unwrap();
-    let JointNodes { frame, coordinates } = b
-        .attach("planet", seat, Revolute::new(axis).unwrap())
-        .unwrap();
     let inertia = Matrix3::identity() * 0.05;
     let body = RigidBody::new(2.0, inertia, Vector3::zeros()).unwrap();
-    let angle = coordinates[0];
-    b.element("planet", body, &[frame]).unwrap();
-    let JointNodes { frame, coordinates } = b
-        .attach("pinion", ground, Revolute::new(axis).unwrap())
-        .unwrap();
-    b.element("pinion", body, &[frame]).unwrap();
-    (b, [carrier.coordinates[0], angle, coordinates[0]])
+    let [planet, pinion] = [("planet", seat), ("pinion", ground)].map(|(name, on)| {
+        let made = revolute(&mut b, name, on, axis);
+        b.element(name, body, &[made.frame]).unwrap();
+        made.coordinates[0]
+    });
+    (b, [carrier.coordinates[0], planet, pinion])
 }
 
 #[test]
@@ -285,8 +195,5 @@ fn a_driven_follower_is_told_to_drive_its_leader() {
     b.gear([carrier, planet], 2.0).unwrap();
     b.prescribe_coordinate(planet, 0, Proportional(1.0));
     let said = b.build().err().unwrap().to_string();
-    assert!(
-        said.contains("planet angle") && said.contains("carrier angle"),
-        "{said}"
-    );
+    assert_says(&said, &["planet angle", "carrier angle"]);
 }

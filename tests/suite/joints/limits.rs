@@ -2,7 +2,8 @@
 
 #![allow(non_snake_case, clippy::unwrap_used)]
 
-use crate::support::dynamics::{configure, grounded, observed, tight};
+use crate::support::dynamics::{assert_order, configure, grounded, observed, tight};
+use crate::support::program::assert_says;
 use nalgebra::Matrix3;
 use pullback::elements::joint::{
     ConstantVelocity, Curve, JointNodes, OnCurve, Spherical, Universal,
@@ -123,8 +124,7 @@ fn a_point_mass_on_a_universal_joint_passes_a_right_angle_on_a_great_circle() {
             let (sin, cos) = (speed * 0.4).sin_cos();
             (last.0 - (from * cos + velocity / speed * sin)).norm()
         });
-        let order = (errors[0] / errors[1]).log2();
-        assert!((order - 2.0).abs() < 0.2, "{rates:?}: {errors:?}");
+        assert_order(format!("{rates:?}"), &errors, 2.0, 0.2);
         assert!(errors[1] < 1e-2, "{rates:?}: {errors:?}");
     }
 }
@@ -172,9 +172,9 @@ fn a_tilt_of_a_whole_turn_is_refused_with_the_name_of_the_coupling() {
         assert!((tilted - (2.0 * t).cos()).abs() < 1e-12);
     });
     let said = ended.unwrap_err().to_string();
-    assert!(
-        said.contains("joint at node coupling left its tilts of less than a whole turn"),
-        "{said}"
+    assert_says(
+        &said,
+        &["joint at node coupling left its tilts of less than a whole turn"],
     );
     assert!(
         2.0 * reached < TAU && 2.0 * reached > 0.99 * TAU,
@@ -206,9 +206,9 @@ fn the_end_of_a_curve_is_refused_with_the_name_of_the_point() {
         assert!((state.position.x - 2.0 * t).abs() < 1e-12);
     });
     let said = ended.unwrap_err().to_string();
-    assert!(
-        said.contains("joint at node carriage left its curve over an end"),
-        "{said}"
+    assert_says(
+        &said,
+        &["joint at node carriage left its curve over an end"],
     );
     assert!(reached <= 1.0 && reached > 0.98, "{reached}");
 }

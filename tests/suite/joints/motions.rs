@@ -1,7 +1,7 @@
 //! The joints of the library in motion, from model files, against closed forms.
 #![allow(clippy::unwrap_used)]
 
-use crate::support::closures::{angle, on_joint};
+use crate::support::closures::{angle, arm, beam_line, joint, on_joint, probe};
 use crate::support::program::{check_table, number, recorded, refusal};
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
@@ -91,14 +91,13 @@ fn a_body_on_a_coupling_goes_round_without_turning_about_its_shaft() {
         -cone * omega
     );
     let body = format!("inertia = [{across}, {across}, {along}]");
-    let rotation = "[[probes]]\nname = \"turn\"\nquantity = \"rotation\"\nnode = \"bob\"\n";
-    let offset =
-        "[[joints]]\nname = \"bob\"\ntype = \"offset\"\nparent = \"joint\"\nposition = [0, 0, -1]";
-    let text = on_joint(&coupling, &body, rotation)
+    let rotation = probe("turn", "rotation", "bob");
+    let offset = arm("bob", "joint", [0.0, 0.0, -1.0]);
+    let text = on_joint(&coupling, &body, &rotation)
         .replace("to = 1.0\nstep = 0.001", "to = 2.2\nstep = 0.0005")
         .replace("record_every = 10", "record_every = 44")
         .replace("\nnode = \"joint\"", "\nnode = \"bob\"")
-        .replace("[[bodies]]", &format!("{offset}\n\n[[bodies]]"));
+        .replace("[[bodies]]", &(offset + "[[bodies]]"));
     let mut turned = 0.0;
     for row in ran("joint_cone", &text) {
         turned = omega * number(&row, "t");
@@ -122,11 +121,14 @@ fn a_body_on_a_coupling_goes_round_without_turning_about_its_shaft() {
 #[test]
 fn what_is_welded_to_an_arm_turns_with_it() {
     // On a hinge with a motor: (J + m r²) θ̈ = M, the parts of the body as far away as the weld.
-    let joint = "type = \"revolute\"\naxis = [0, 0, 1]\nactuator = { constant = 3.0 }\n\n[[joints]]\nname = \
-                 \"arm\"\ntype = \"offset\"\nparent = \"joint\"\nposition = [0.5, 0, 0]\n\n[[joints]]\nname = \
-                 \"weld\"\ntype = \"weld\"\nparent = \"arm\"";
-    let turn = "[[probes]]\nname = \"turn\"\nquantity = \"rotation\"\nnode = \"weld\"\n";
-    let text = on_joint(joint, "inertia = [0.3, 0.4, 0.6]", turn)
+    let motor = "type = \"revolute\"\naxis = [0, 0, 1]\nactuator = { constant = 3.0 }\n";
+    let weld = [
+        motor,
+        &arm("arm", "joint", [0.5, 0.0, 0.0]),
+        &joint("weld", "weld", "arm", ""),
+    ];
+    let turn = probe("turn", "rotation", "weld");
+    let text = on_joint(&weld.concat(), "inertia = [0.3, 0.4, 0.6]", &turn)
         .replace("\nnode = \"joint\"", "\nnode = \"weld\"");
     for row in ran("joint_weld", &text) {
         let t = number(&row, "t");
@@ -153,72 +155,32 @@ fn what_is_welded_to_an_arm_turns_with_it() {
 fn a_coupling_of_constant_velocity_turns_its_shafts_equally() {
     // Two shafts at 40°, the far end of the second in a bearing: statics of a driven angle.
     let (s, c) = 40_f64.to_radians().sin_cos();
-    let text = format!(
-        r#"
-[sections.shaft]
-stiffness = {{ EA = 1e4, GA = [1e4, 1e4], GJ = 1e3, EI = [1e3, 1e3] }}
-
-[nodes]
-A = [-1, 0, 0]
-B = [{c}, {s}, 0]
-middle = [0, 0, 0]
-
-[[lines]]
-name = "first"
-from = "A"
-to = "middle"
-elements = 1
-section = "shaft"
-
-[[joints]]
-name = "coupling"
-type = "constant_velocity"
-parent = "middle"
-axis = [1, 0, 0]
-second_axis = [{c}, {s}, 0]
-
-[[lines]]
-name = "second"
-from = "coupling"
-to = "B"
-elements = 1
-section = "shaft"
-
-[[supports]]
-node = "A"
-fix = ["x", "y", "z", "ry", "rz"]
-prescribed = {{ rx = {{ proportional = 5.0 }} }}
-
-[[supports]]
-node = "B"
-fix = "position"
-
-[output]
-figures = false
-paraview_every = 0
-
-[analysis.static]
-steps = 50
-
-[[probes]]
-name = "in"
-quantity = "rotation"
-node = "A"
-component = "norm"
-
-[[probes]]
-name = "out"
-quantity = "rotation"
-node = "B"
-component = "norm"
-"#
-    );
+    let text = [
+        "[sections.shaft]\nstiffness = { EA = 1e4, GA = [1e4, 1e4], GJ = 1e3, EI = [1e3, 1e3] }\n",
+        &format!("[nodes]\nA = [-1, 0, 0]\nB = [{c}, {s}, 0]\nmiddle = [0, 0, 0]\n"),
+        &beam_line("first", ["A", "middle"], 1, "shaft"),
+        &joint(
+            "coupling",
+            "constant_velocity",
+            "middle",
+            &format!("axis = [1, 0, 0]\nsecond_axis = [{c}, {s}, 0]"),
+        ),
+        &beam_line("second", ["coupling", "B"], 1, "shaft"),
+        "[[supports]]\nnode = \"A\"\nfix = [\"x\", \"y\", \"z\", \"ry\", \"rz\"]\n\
+         prescribed = { rx = { proportional = 5.0 } }\n\
+         [[supports]]\nnode = \"B\"\nfix = \"position\"\n\
+         [output]\nfigures = false\nparaview_every = 0\n[analysis.static]\nsteps = 50\n",
+        &["A", "B"]
+            .map(|end| probe(end, "rotation", end) + "component = \"norm\"\n")
+            .concat(),
+    ]
+    .concat();
     let rows = recorded("joint_coupling", &text);
     for row in &rows {
-        let (before, after) = (number(row, "in"), number(row, "out"));
+        let (before, after) = (number(row, "A"), number(row, "B"));
         assert!((before - after).abs() < 1e-8, "{before} {after}");
     }
-    assert!((number(rows.last().unwrap(), "out") - 5.0).abs() < 1e-8);
+    assert!((number(rows.last().unwrap(), "B") - 5.0).abs() < 1e-8);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, non_snake_case)]
 
 use super::assert_near;
-use crate::support::closures::failure;
+use crate::support::closures::{GROUND, arm, beam_line, body_of, failure, fixed, hinge, joint};
 use crate::support::program::{directory, ran, read};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -66,44 +66,24 @@ fn many_modes_of_a_fine_mesh() {
 }
 
 /// A disc that spins at the end of a massless shaft which does not.
-const DISC: &str = r#"
-    [sections.shaft]
-    stiffness = { EA = 1e5, GA = [1e5, 1e5], GJ = 1e4, EI = [1.0, 1.0] }
-    [nodes]
-    wall = [0, 0, 0]
-    end = [1, 0, 0]
-    [[supports]]
-    node = "wall"
-    fix = "all"
-    [[lines]]
-    name = "shaft"
-    from = "wall"
-    to = "end"
-    elements = 2
-    order = 3
-    section = "shaft"
-    [[joints]]
-    name = "spindle"
-    type = "revolute"
-    parent = "end"
-    axis = [1, 0, 0]
-    [[bodies]]
-    name = "disc"
-    node = "spindle"
-    mass = 1.0
-    inertia = [0.2, 0.1, 0.1]
-    [analysis.campbell]
-    joint = "spindle"
-    to = 30
-    steps = 10
-    count = 4
-"#;
+fn disc() -> String {
+    [
+        "[sections.shaft]\nstiffness = { EA = 1e5, GA = [1e5, 1e5], GJ = 1e4, EI = [1.0, 1.0] }\n\
+         [nodes]\nwall = [0, 0, 0]\nend = [1, 0, 0]\n",
+        &fixed("wall"),
+        &(beam_line("shaft", ["wall", "end"], 2, "shaft") + "order = 3\n"),
+        &joint("spindle", "revolute", "end", "axis = [1, 0, 0]"),
+        &body_of("spindle", 1.0, "inertia = [0.2, 0.1, 0.1]"),
+        "[analysis.campbell]\njoint = \"spindle\"\nto = 30\nsteps = 10\ncount = 4\n",
+    ]
+    .concat()
+}
 
 /// With the flexibilities of a cantilever and G = J_p Ω ω − J_t ω²,
 /// (1 − δ₁₁ m ω²)(1 + δ₂₂ G) + δ₁₂² m ω² G = 0, for backward whirl with ω < 0 (Den Hartog 1956, section 6.8).
 #[test]
 fn whirl_of_an_overhung_disc() {
-    let rows = diagram("campbell_disc", DISC);
+    let rows = diagram("campbell_disc", &disc());
     let (m, J_p, J_t) = (1.0, 0.2, 0.1);
     let (d11, d12, d22) = (1.0 / 3.0 + 1e-5, 0.5, 1.0);
     for (speed, found) in &rows {
@@ -136,20 +116,6 @@ fn whirl_of_an_overhung_disc() {
     );
 }
 
-/// A hub that rotates.
-const HUB: &str = r#"
-[nodes]
-ground = [0, 0, 0]
-[[supports]]
-node = "ground"
-fix = "all"
-[[joints]]
-name = "hub"
-type = "revolute"
-parent = "ground"
-axis = [0, 0, 1]
-"#;
-
 const BEARINGS: &str = r#"
     [[springs]]
     name = "bearings"
@@ -162,34 +128,23 @@ const BEARINGS: &str = r#"
 /// (1 + d/c) times that the forward one grows.
 #[test]
 fn whirl_beyond_the_critical_speed() {
-    let text = r#"
-        [[joints]]
-        name = "disc"
-        type = "free"
-        parent = "hub"
-        position = [0, 0, 0]
-        [[bodies]]
-        name = "disc"
-        node = "disc"
-        mass = 2
-        inertia = [0.1, 0.1, 0.15]
-        [[springs]]
-        name = "shaft"
-        nodes = ["hub", "disc"]
-        bushing = { stiffness = [200, 200, 300, 40, 40, 50], damping = [1.5, 1.5, 0, 0, 0, 0] }
-        [analysis.campbell]
-        joint = "hub"
-        to = 30
-        steps = 12
-        count = 6
-    "#;
     // Without damping in the bearings the stiffness is singular at the critical speed, 10, and motions grow beyond it.
     for (d, growing) in [(1.0, 6), (0.0, 8)] {
         let bearings = match d {
             0.0 => "",
             _ => BEARINGS,
         };
-        let text = [HUB, text, bearings].concat();
+        let text = [
+            GROUND,
+            &hinge("hub", "ground", ""),
+            &joint("disc", "free", "hub", "position = [0, 0, 0]"),
+            &body_of("disc", 2.0, "inertia = [0.1, 0.1, 0.15]"),
+            "[[springs]]\nname = \"shaft\"\nnodes = [\"hub\", \"disc\"]\n\
+             bushing = { stiffness = [200, 200, 300, 40, 40, 50], damping = [1.5, 1.5, 0, 0, 0, 0] }\n\
+             [analysis.campbell]\njoint = \"hub\"\nto = 30\nsteps = 12\ncount = 6\n",
+            bearings,
+        ]
+        .concat();
         let csv = read(ran(&directory("campbell_whirl"), &text).join("campbell.csv"));
         let (m, k, c) = (2.0, 200.0, 1.5);
         let mut grows = 0;
@@ -225,36 +180,25 @@ fn whirl_beyond_the_critical_speed() {
 /// or without a spring.
 #[test]
 fn a_hinge_in_flap() {
-    let text = r#"
-        [[joints]]
-        name = "arm"
-        type = "offset"
-        parent = "hub"
-        position = [0.5, 0, 0]
-        [[joints]]
-        name = "flap"
-        type = "revolute"
-        parent = "arm"
-        axis = [0, 1, 0]
-        spring = { k = 100 }
-        [[bodies]]
-        name = "blade"
-        node = "flap"
-        mass = 2
-        center = [1.5, 0, 0]
-        [analysis.campbell]
-        joint = "hub"
-        from = 2
-        to = 10
-        steps = 4
-        count = 1
-    "#;
     for k in [100.0, 0.0] {
         let spring = match k {
             0.0 => String::new(),
             k => format!("spring = {{ k = {k} }}"),
         };
-        let text = [HUB, &text.replace("spring = { k = 100 }", &spring)].concat();
+        let text = [
+            GROUND,
+            &hinge("hub", "ground", ""),
+            &arm("arm", "hub", [0.5, 0.0, 0.0]),
+            &joint(
+                "flap",
+                "revolute",
+                "arm",
+                &format!("axis = [0, 1, 0]\n{spring}"),
+            ),
+            &body_of("flap", 2.0, "center = [1.5, 0, 0]"),
+            "[analysis.campbell]\njoint = \"hub\"\nfrom = 2\nto = 10\nsteps = 4\ncount = 1\n",
+        ]
+        .concat();
         for (speed, found) in diagram("campbell_hinge", &text) {
             let square = k / (2.0 * 2.25) + speed * speed * (1.0 + 0.5 / 1.5);
             assert_near(found[0], square.sqrt(), 1e-12);
@@ -264,7 +208,7 @@ fn a_hinge_in_flap() {
 
 #[test]
 fn periodic_coefficients_are_refused() {
-    let disc = DISC.replace("[0.2, 0.1, 0.1]", "[0.2, 0.1, 0.12]");
+    let disc = disc().replace("[0.2, 0.1, 0.1]", "[0.2, 0.1, 0.12]");
     let gravity = "[[loads]]\ngravity = [0, -1, 0]\ntime = { constant = 1 }\n";
     let blade = format!("{BLADE}\n{gravity}");
     for (name, text) in [("campbell_unsymmetric", disc), ("campbell_gravity", blade)] {
@@ -277,15 +221,15 @@ fn periodic_coefficients_are_refused() {
 fn joints_that_do_not_rotate_are_refused() {
     let unknown = failure(
         "campbell_unknown",
-        &DISC.replace("joint = \"spindle\"", "joint = \"axle\""),
+        &disc().replace("joint = \"spindle\"", "joint = \"axle\""),
     );
     assert!(unknown.contains("spindle"), "{unknown}");
-    let other = DISC
+    let other = disc()
         .replace("\"revolute\"\n", "\"spherical\"\n")
         .replace("axis = [1, 0, 0]", "");
     let other = failure("campbell_spherical", &other);
     assert!(other.contains("does not release one angle"), "{other}");
-    let driven = DISC.replace("axis = [1, 0, 0]", "axis = [1, 0, 0]\nspring = { k = 1 }");
+    let driven = disc().replace("axis = [1, 0, 0]", "axis = [1, 0, 0]\nspring = { k = 1 }");
     let driven = failure("campbell_driven", &driven);
     assert!(driven.contains("spring"), "{driven}");
 }

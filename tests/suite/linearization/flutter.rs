@@ -2,7 +2,8 @@
 //! force that follows the second rod.
 #![allow(clippy::unwrap_used)]
 
-use crate::support::closures::{GROUND, arm, hinge};
+use crate::support::beams::line;
+use crate::support::closures::{GROUND, arm, body_of, fixed, hinge};
 use pullback::input::assemble_text;
 use pullback::integrators::linearization::{StabilityError, StabilityLimit, stability_limit};
 use pullback::integrators::statics::StaticOptions;
@@ -10,9 +11,6 @@ use pullback::integrators::statics::StaticOptions;
 /// Load and frequency at which it begins to flutter, with springs of stiffness 1, dampers, and rods of length 1.
 fn flutter(damping: f64) -> StabilityLimit {
     let spring = format!("spring = {{ k = 1.0, c = {damping:?} }}");
-    let mass = |node: &str, mass: f64| {
-        format!("[[bodies]]\nname = \"mass of {node}\"\nnode = \"{node}\"\nmass = {mass:?}\n")
-    };
     let text = [
         GROUND,
         "[analysis.modes]\n",
@@ -20,8 +18,8 @@ fn flutter(damping: f64) -> StabilityLimit {
         &arm("a", "A", [1.0, 0.0, 0.0]),
         &hinge("B", "a", &spring),
         &arm("b", "B", [2.0, 0.0, 0.0]),
-        &mass("a", 2.0),
-        &mass("b", 1.0),
+        &body_of("a", 2.0, ""),
+        &body_of("b", 1.0, ""),
         "[[loads]]\nnode = \"b\"\nforce = [-1, 0, 0]\nfollower = true\n",
     ]
     .concat();
@@ -48,30 +46,12 @@ fn small_dampers_destabilise() {
 /// ω L² √(m/EI) = 11.0155576 (Beck 1952; roots of the characteristic equation with 9 digits).
 #[test]
 fn a_column_flutters_under_a_follower_force() {
-    let text = r#"
-        [sections.main]
-        stiffness = { EA = 1e7, GA = [1e7, 1e7], GJ = 1.0, EI = [4.0, 1.0] }
-        mass = { A_rho = 1.0, J = [2e-8, 1e-8, 1e-8] }
-        [nodes]
-        A = [0, 0, 0]
-        B = [1, 0, 0]
-        [[lines]]
-        name = "line"
-        from = "A"
-        to = "B"
-        elements = 6
-        order = 3
-        section = "main"
-        [[supports]]
-        node = "A"
-        fix = "all"
-        [[loads]]
-        node = "B"
-        force = [-1, 0, 0]
-        follower = true
-        [analysis.modes]
-    "#;
-    let mut context = assemble_text("model.toml", text).unwrap().context;
+    let stiffness = "EA = 1e7, GA = [1e7, 1e7], GJ = 1.0, EI = [4.0, 1.0]";
+    let rest = "[sections.main.mass]\nA_rho = 1.0\nJ = [2e-8, 1e-8, 1e-8]\n".to_owned()
+        + &fixed("A")
+        + "[[loads]]\nnode = \"B\"\nforce = [-1, 0, 0]\nfollower = true\n[analysis.modes]\n";
+    let job = assemble_text("model.toml", &line(stiffness, 6, 3, &rest));
+    let mut context = job.unwrap().context;
     let q = vec![0.0; context.initial().len()];
     let options = StaticOptions::default();
     let mut limit = |range| stability_limit(&mut context, &q, range, 6, &options);

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, non_snake_case)]
 
 use super::linkages::sprung;
-use crate::support::closures::{GROUND, angle, arm, hinge};
+use crate::support::closures::{GROUND, angle, arm, body_of, hinge, probe};
 use crate::support::program::{command, directory, ended, matrix, read, succeeded, write};
 use nalgebra::{Complex, DMatrix};
 use pullback::elements::model::Context;
@@ -11,60 +11,21 @@ use pullback::integrators::linearization::{linearize, output_derivatives};
 use pullback::manifold::system::Point;
 use std::path::Path;
 
-const PENDULUM: &str = r#"
-    [[bodies]]
-    name = "bob"
-    node = "tip"
-    mass = 1.5
-    [[loads]]
-    gravity = [0, -9.81, 0]
-    [inputs]
-    torque = 0.0
-    [analysis.dynamic]
-    to = 0.01
-    step = 0.01
-    [[probes]]
-    name = "tip x"
-    quantity = "acceleration"
-    node = "tip"
-    component = "x"
-    [[probes]]
-    name = "tension"
-    quantity = "joint_force"
-    joint = "hinge"
-    component = "y"
-    [[probes]]
-    name = "energy"
-    quantity = "kinetic_energy"
-"#;
-
 fn pendulum(acts: &str) -> String {
     [
         GROUND,
         &hinge("hinge", "ground", acts),
         &arm("tip", "hinge", [0.0, -2.0, 0.0]),
-        PENDULUM,
+        &body_of("tip", 1.5, ""),
+        "[[loads]]\ngravity = [0, -9.81, 0]\n[inputs]\ntorque = 0.0\n\
+         [analysis.dynamic]\nto = 0.01\nstep = 0.01\n",
+        &(probe("tip x", "acceleration", "tip") + "component = \"x\"\n"),
+        "[[probes]]\nname = \"tension\"\nquantity = \"joint_force\"\njoint = \"hinge\"\ncomponent = \"y\"\n\
+         [[probes]]\nname = \"energy\"\nquantity = \"kinetic_energy\"\n",
         &angle("hinge"),
     ]
     .concat()
 }
-
-const MASSLESS: &str = r#"
-    [nodes]
-    ground = [0, 0, 0]
-    light = [1, 0, 0]
-    [[springs]]
-    name = "spring"
-    nodes = ["ground", "light"]
-    stiffness = 1
-    [[supports]]
-    node = "ground"
-    fix = "all"
-    [[supports]]
-    node = "light"
-    fix = ["y", "z"]
-    [analysis.modes]
-"#;
 
 /// m l² θ̈ = −m g l θ − c θ̇ + u; the tip is at x = l θ. About a state of a motion, and about an equilibrium.
 #[test]
@@ -72,8 +33,8 @@ fn a_pendulum_with_a_motor() {
     let acts = "actuator = { input = \"torque\" }\nspring = { k = 0, c = 0.3 }";
     let moving = pendulum(acts);
     let at_rest = moving
-        .replace("dynamic]\n    to = 0.01\n    step = 0.01", "modes]")
-        .replace("-9.81, 0]", "-9.81, 0]\n    time = { constant = 1 }");
+        .replace("dynamic]\nto = 0.01\nstep = 0.01", "modes]")
+        .replace("-9.81, 0]", "-9.81, 0]\ntime = { constant = 1 }");
     for (text, at) in [(moving, &["--at", "0.01"][..]), (at_rest, &[])] {
         let out = directory("state_space");
         let model = write(&out, &text);
@@ -110,7 +71,10 @@ fn bad_inputs_and_missing_masses_are_refused() {
     );
     let said = ended(&command("linearize", &[&model]), 2);
     assert!(said.contains("torqe") && said.contains("torque"), "{said}");
-    let model = write(&directory("state_massless"), MASSLESS);
+    let massless = GROUND.replace("[[", "light = [1, 0, 0]\n[[")
+        + "[[springs]]\nname = \"spring\"\nnodes = [\"ground\", \"light\"]\nstiffness = 1\n\
+           [[supports]]\nnode = \"light\"\nfix = [\"y\", \"z\"]\n[analysis.modes]\n";
+    let model = write(&directory("state_massless"), &massless);
     let said = ended(
         &command("linearize", &[&model, "--first-order".as_ref()]),
         1,

@@ -3,8 +3,12 @@
 
 #![allow(non_snake_case, clippy::unwrap_used)]
 
+use super::program::probes;
+use crate::support::closures::{GROUND, arm, body, body_of, joint};
 use crate::support::dynamics::revolute;
-use crate::support::program::{command, directory, number, program, recorded, succeeded, write};
+use crate::support::program::{
+    assert_says, command, directory, number, program, recorded, succeeded, write,
+};
 use nalgebra::{Matrix3, SVector, Vector3};
 use pullback::elements::body::RigidBody;
 use pullback::elements::joint::{Joint, JointCoordinate, Pose, Revolute};
@@ -104,57 +108,32 @@ fn a_joint_is_asked_as_often_in_many_loops_as_in_few() {
 /// arm to the ground (a loop through the joint of the boom). The joint of the boom stands on the ground, or
 /// on a post there.
 fn boom(base: &str, closure: &str) -> String {
-    let joint = |name: &str, kind: &str, parent: &str, more: &str| {
-        format!("[[joints]]\nname = \"{name}\"\ntype = \"{kind}\"\nparent = \"{parent}\"\n{more}\n")
-    };
-    let link = |name: &str, parent: &str, position: [f64; 3]| {
-        joint(name, "offset", parent, &format!("position = {position:?}"))
-    };
-    let body = |node: &str| {
-        format!(
-            "[[bodies]]\nname = \"body of {node}\"\nnode = \"{node}\"\nmass = 1\n\
-             center = [0.5, 0.1, 0.2]\ninertia = [0.1, 0.2, 0.3]\n"
-        )
-    };
-    let probes = |of: &str, kind: &str| {
-        ["force", "moment"].map(|what| {
-            format!(
-                "[[probes]]\nname = \"{what} {of}\"\nquantity = \"{kind}_{what}\"\nnode = \"{of}\"\n"
-            )
-        })
-    };
+    let inertia = "center = [0.5, 0.1, 0.2]\ninertia = [0.1, 0.2, 0.3]";
+    let [arm_tip, foot] =
+        ["arm tip", "foot"].map(|child| format!("child = \"{child}\"\n{closure}"));
     [
-        "[nodes]\nground = [0, 0, 0]\n[[supports]]\nnode = \"ground\"\nfix = \"all\"\n".to_owned(),
-        link("post", "ground", [0.0, 0.0, 0.0]),
-        joint("A", "revolute", base, "axis = [0, 1, 0]"),
-        link("boom tip", "A", [1.0, 0.0, 1.0]),
-        joint("B", "revolute", "boom tip", "axis = [0, 1, 0.3]"),
-        link("arm tip", "B", [2.0, 0.0, 0.5]),
-        link("boom middle", "A", [0.5, 0.0, 0.0]),
-        joint("S", "spherical", "boom middle", ""),
-        link("strut tip", "S", [2.0, 0.0, 0.5]),
-        joint(
-            "end",
-            "spherical",
-            "strut tip",
-            &format!("child = \"arm tip\"\n{closure}"),
-        ),
-        link("arm middle", "B", [1.5, 0.2, 1.0]),
-        joint("D", "spherical", "arm middle", ""),
-        link("tie tip", "D", [2.0, 0.0, -1.0]),
-        link("foot", "ground", [2.0, 0.0, -1.0]),
-        joint(
-            "last",
-            "spherical",
-            "tie tip",
-            &format!("child = \"foot\"\n{closure}"),
-        ),
-        ["A", "B", "S", "D"].map(body).concat(),
-        (HOLDING.map(|of| probes(of, "joint").concat())).concat(),
-        probes("ground", "reaction").concat(),
+        GROUND,
+        &arm("post", "ground", [0.0, 0.0, 0.0]),
+        &joint("A", "revolute", base, "axis = [0, 1, 0]"),
+        &arm("boom tip", "A", [1.0, 0.0, 1.0]),
+        &joint("B", "revolute", "boom tip", "axis = [0, 1, 0.3]"),
+        &arm("arm tip", "B", [2.0, 0.0, 0.5]),
+        &arm("boom middle", "A", [0.5, 0.0, 0.0]),
+        &joint("S", "spherical", "boom middle", ""),
+        &arm("strut tip", "S", [2.0, 0.0, 0.5]),
+        &joint("end", "spherical", "strut tip", &arm_tip),
+        &arm("arm middle", "B", [1.5, 0.2, 1.0]),
+        &joint("D", "spherical", "arm middle", ""),
+        &arm("tie tip", "D", [2.0, 0.0, -1.0]),
+        &arm("foot", "ground", [2.0, 0.0, -1.0]),
+        &joint("last", "spherical", "tie tip", &foot),
+        &["A", "B", "S", "D"]
+            .map(|node| body_of(node, 1.0, inertia))
+            .concat(),
+        &HOLDING.map(probes).concat(),
+        &probes("ground"),
         "[[loads]]\ngravity = [0, 0, -9.81]\n[analysis.dynamic]\nto = 0.02\nstep = 0.01\n\
-         [output]\nparaview_every = 0\nfigures = false\n"
-            .to_owned(),
+         [output]\nparaview_every = 0\nfigures = false\n",
     ]
     .concat()
 }
@@ -189,22 +168,21 @@ fn a_loop_may_stand_on_a_frame_that_another_loop_moves() {
 #[test]
 fn a_loop_that_is_locked_is_left_alone() {
     // Two parallel hinges at a distance, and a body that has nothing to do with them.
-    let text = "[nodes]\nground = [0, 0, 0]\n[[supports]]\nnode = \"ground\"\nfix = \"all\"\n\
-        [[joints]]\nname = \"A\"\ntype = \"revolute\"\nparent = \"ground\"\naxis = [0, 1, 0]\n\
-        [[joints]]\nname = \"a\"\ntype = \"offset\"\nparent = \"A\"\nposition = [2, 0, 1.5]\n\
-        [[joints]]\nname = \"foot\"\ntype = \"offset\"\nparent = \"ground\"\nposition = [2, 0, 1.5]\n\
-        [[joints]]\nname = \"C\"\ntype = \"revolute\"\nparent = \"a\"\naxis = [0, 1, 0]\n\
-        child = \"foot\"\n\
-        [[joints]]\nname = \"E\"\ntype = \"revolute\"\nparent = \"ground\"\naxis = [0, 1, 0]\n\
-        [[bodies]]\nname = \"x\"\nnode = \"E\"\nmass = 1\ninertia = [1, 1, 1]\n\
-        [[initial]]\nvelocity = [0, 0, 0]\n[analysis.dynamic]\nto = 0.02\nstep = 0.01\n\
-        [output]\nparaview_every = 0\nfigures = false\n";
-    let model = write(&directory("locked"), text);
+    let axis = "axis = [0, 1, 0]";
+    let text = [
+        GROUND,
+        &joint("A", "revolute", "ground", axis),
+        &arm("a", "A", [2.0, 0.0, 1.5]),
+        &arm("foot", "ground", [2.0, 0.0, 1.5]),
+        &joint("C", "revolute", "a", &format!("{axis}\nchild = \"foot\"")),
+        &joint("E", "revolute", "ground", axis),
+        &body("E"),
+        "[[initial]]\nvelocity = [0, 0, 0]\n[analysis.dynamic]\nto = 0.02\nstep = 0.01\n\
+         [output]\nparaview_every = 0\nfigures = false\n",
+    ];
+    let model = write(&directory("locked"), &text.concat());
     let ran = program(&[&model]);
     let said = succeeded(&ran);
-    assert!(
-        said.contains("the loop closed by joint C cannot move"),
-        "{said}"
-    );
+    assert_says(&said, &["the loop closed by joint C cannot move"]);
     succeeded(&command("check", &[&model]));
 }

@@ -1,7 +1,7 @@
 //! Slides on free flexible chains: invariance, momenta, formulations, interpolations, and runs that go on.
 #![allow(non_snake_case, clippy::unwrap_used)]
 
-use crate::support::dynamics::{configure, observed, slopes, tight};
+use crate::support::dynamics::{assert_order, configure, observed, tight};
 use crate::support::loops::gap;
 use nalgebra::{Matrix3, Vector3};
 use pullback::elements::beam::{Interpolation, Section};
@@ -260,9 +260,7 @@ fn the_error_falls_with_order_two_over_corners() {
             chain.shape(&run.state)
         });
         let steps: Vec<f64> = shapes.windows(2).map(|s| gap(&s[0], &s[1])).collect();
-        for slope in slopes(&steps) {
-            assert!((slope - 2.0).abs() < 0.3, "{scheme}: {steps:?}");
-        }
+        assert_order(scheme, &steps, 2.0, 0.3);
     }
 }
 

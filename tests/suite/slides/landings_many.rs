@@ -2,8 +2,9 @@
 //! are handed over.
 #![allow(clippy::unwrap_used)]
 
-use crate::support::dynamics::{observed, slopes, spring, tight};
+use crate::support::dynamics::{assert_order, observed, spring, tight};
 use crate::support::landing::{G, Track, bead, bowl};
+use crate::support::program::assert_says;
 use nalgebra::{Vector2, Vector3};
 use pullback::elements::joint::JointNodes;
 use pullback::elements::model::{Context, ModelBuilder, NodeId};
@@ -145,10 +146,7 @@ fn a_slide_goes_round_a_closed_ring_as_often_as_its_chain_does() {
     };
     let text = failed.to_string();
     assert!(text.contains("its chain of beams over an end"), "{text}");
-    assert!(
-        text.contains("bead") && text.contains("smallest step"),
-        "{text}"
-    );
+    assert_says(&text, &["bead", "smallest step"]);
     assert!(failed.to - failed.from >= options.min_step, "{text}");
     let Cause::System(SystemError::Domain { what, why }) = &failed.cause else {
         panic!("{text}");
@@ -213,9 +211,7 @@ fn schemes_of_every_family_keep_their_order_over_landings() {
             let exact = [(2.0 * to).cos(), -2.0 * (2.0 * to).sin()];
             (run.state.q[0] - exact[0]).hypot(run.state.v[0] - exact[1])
         });
-        for slope in slopes(&errors) {
-            assert!((slope - order).abs() < 0.25, "{word}: {errors:?}");
-        }
+        assert_order(word, &errors, order, 0.25);
     }
 }
 

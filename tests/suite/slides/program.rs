@@ -1,6 +1,7 @@
 //! A slide along two lines of a model file.
 #![allow(clippy::unwrap_used)]
 
+use crate::support::closures::{beam_line, body, probe};
 use crate::support::program::{number, recorded};
 
 /// A rod that turns at 2 and has no mass, and a body that is driven along it over four nodes: in the
@@ -8,71 +9,25 @@ use crate::support::program::{number, recorded};
 /// frame that turns.
 #[test]
 fn a_body_on_a_rod_without_mass_is_accelerated_where_it_lands_too() {
-    let model = r#"
-[nodes]
-ground = [0, 0, 0]
-middle = [0.8, 0, 0]
-end = [2, 0, 0]
-
-[sections.rod]
-stiffness = { EA = 1e9, GA = [1e9, 1e9], GJ = 1e8, EI = [1e8, 1e8] }
-
-[[lines]]
-name = "first"
-from = "ground"
-to = "middle"
-elements = 2
-section = "rod"
-interpolation = "geodesic"
-
-[[lines]]
-name = "second"
-from = "middle"
-to = "end"
-elements = 3
-section = "rod"
-interpolation = "geodesic"
-
-[[joints]]
-name = "p"
-type = "slide"
-lines = ["first", "second"]
-start = 0.2
-prescribed = { sine = { amplitude = 0.7, omega = 4, phase = -1.5707963267948966, offset = 0.7 } }
-
-[[bodies]]
-name = "b"
-node = "p"
-mass = 1
-inertia = [0.1, 0.1, 0.1]
-
-[[supports]]
-node = "ground"
-fix = ["x", "y", "z", "rx", "ry"]
-prescribed = { rz = { proportional = 2 } }
-
-[[initial]]
-angular_velocity = [0, 0, 2]
-about = [0, 0, 0]
-
-[[probes]]
-name = "a"
-quantity = "acceleration"
-node = "p"
-
-[[probes]]
-name = "f"
-quantity = "joint_force"
-node = "p"
-
-[output]
-figures = false
-paraview_every = 0
-
-[analysis.dynamic]
-to = 0.7
-step = 0.002
-"#;
+    let rod = |name: &str, ends: [&str; 2], elements: usize| {
+        beam_line(name, ends, elements, "rod") + "interpolation = \"geodesic\"\n"
+    };
+    let model = [
+        "[nodes]\nground = [0, 0, 0]\nmiddle = [0.8, 0, 0]\nend = [2, 0, 0]\n\
+         [sections.rod]\nstiffness = { EA = 1e9, GA = [1e9, 1e9], GJ = 1e8, EI = [1e8, 1e8] }\n",
+        &rod("first", ["ground", "middle"], 2),
+        &rod("second", ["middle", "end"], 3),
+        "[[joints]]\nname = \"p\"\ntype = \"slide\"\nlines = [\"first\", \"second\"]\nstart = 0.2\n\
+         prescribed = { sine = { amplitude = 0.7, omega = 4, phase = -1.5707963267948966, offset = 0.7 } }\n",
+        &body("p"),
+        "[[supports]]\nnode = \"ground\"\nfix = [\"x\", \"y\", \"z\", \"rx\", \"ry\"]\n\
+         prescribed = { rz = { proportional = 2 } }\n\
+         [[initial]]\nangular_velocity = [0, 0, 2]\nabout = [0, 0, 0]\n",
+        &probe("a", "acceleration", "p"),
+        &probe("f", "joint_force", "p"),
+        "[output]\nfigures = false\nparaview_every = 0\n[analysis.dynamic]\nto = 0.7\nstep = 0.002\n",
+    ]
+    .concat();
     for (k, scheme) in ["\"radau\"", "{ generalised-alpha = 0.8 }"]
         .iter()
         .enumerate()

@@ -141,7 +141,5 @@ fn a_mass_on_a_circle_of_wire_is_a_pendulum() {
         configure(&mut context, &progress.state);
         (context.node_state(bead.frame).position - at(START)).norm()
     });
-    for slope in slopes(&errors) {
-        assert!((slope - 2.0).abs() < 0.15, "{errors:?}");
-    }
+    assert_order("circle", &errors, 2.0, 0.15);
 }

@@ -2,6 +2,8 @@
 //! rounding errors of stiff neighbours, is corrected too. All against closed forms.
 #![allow(non_snake_case)]
 
+use crate::support::beams::line;
+use crate::support::closures::{beam_line, fixed, hinge};
 use pullback::input::{Plan, assemble_text};
 use pullback::integrators::statics::{StaticsError, Step, solve_statics, trace_path};
 use pullback::prelude::*;
@@ -57,18 +59,11 @@ fn a_column_bends_by_the_smallest_lateral_load() {
         ] {
             let stiff = slenderness * slenderness;
             let P = part * std::f64::consts::PI.powi(2) / 4.0;
-            let text = format!(
-                "[sections.s]\n\
-                 stiffness = {{ EA = {stiff}, GA = [{stiff}, {stiff}], GJ = 1, EI = [1, 1] }}\n\
-                 [nodes]\nroot = [0, 0, 0]\ntip = [1, 0, 0]\n\
-                 [[lines]]\nname = \"column\"\nfrom = \"root\"\nto = \"tip\"\nelements = 8\n\
-                 order = 3\nsection = \"s\"\n\
-                 [[supports]]\nnode = \"root\"\nfix = \"all\"\n\
-                 [[loads]]\nnode = \"tip\"\nforce = [{}, {e}, 0]\n",
-                -P
-            );
+            let stiffness = format!("EA = {stiff}, GA = [{stiff}, {stiff}], GJ = 1, EI = [1, 1]");
+            let load = format!("[[loads]]\nnode = \"B\"\nforce = [{}, {e}, 0]\n", -P);
+            let text = line(&stiffness, 8, 3, &(fixed("A") + &load));
             for analysis in ANALYSES {
-                let found = moved(&run(&text, analysis), "tip", 1);
+                let found = moved(&run(&text, analysis), "B", 1);
                 let exact = e / P * (P.sqrt().tan() / P.sqrt() - 1.0);
                 let gap = (found / exact - 1.0).abs();
                 // Shortening and shear, of the order of P/EA, grow like the deflection.
@@ -81,19 +76,25 @@ fn a_column_bends_by_the_smallest_lateral_load() {
 
 /// A stiff lever of length 1 on a hinge of moment φ + k₃ φ³, pulled along by F and turned by P.
 fn lever(stiff: f64, k3: f64, [F, P]: [f64; 2]) -> String {
-    format!(
-        "[sections.s]\n\
-         stiffness = {{ EA = {stiff}, GA = [{stiff}, {stiff}], GJ = {stiff}, \
-         EI = [{stiff}, {stiff}] }}\n\
-         [nodes]\nroot = [0, 0, 0]\ntip = [1, 0, 0]\n\
-         [[supports]]\nnode = \"root\"\nfix = \"all\"\n\
-         [[joints]]\nname = \"hinge\"\ntype = \"revolute\"\nparent = \"root\"\n\
-         axis = [0, 0, 1]\nspring = {{ k = 1, k3 = {k3:e} }}\n\
-         [[lines]]\nname = \"lever\"\nfrom = \"hinge\"\nto = \"tip\"\nelements = 1\n\
-         section = \"s\"\n\
-         [[loads]]\nnode = \"tip\"\nforce = [{F}, 0, 0]\ntime = {{ constant = 1 }}\n\
-         [[loads]]\nnode = \"tip\"\nforce = [0, {P}, 0]\n"
-    )
+    [
+        &format!(
+            "[sections.s]\nstiffness = {{ EA = {stiff}, GA = [{stiff}, {stiff}], GJ = {stiff}, \
+             EI = [{stiff}, {stiff}] }}\n"
+        ),
+        "[nodes]\nroot = [0, 0, 0]\ntip = [1, 0, 0]\n",
+        &fixed("root"),
+        &hinge(
+            "hinge",
+            "root",
+            &format!("spring = {{ k = 1, k3 = {k3:e} }}"),
+        ),
+        &beam_line("lever", ["hinge", "tip"], 1, "s"),
+        &format!(
+            "[[loads]]\nnode = \"tip\"\nforce = [{F}, 0, 0]\ntime = {{ constant = 1 }}\n\
+             [[loads]]\nnode = \"tip\"\nforce = [0, {P}, 0]\n"
+        ),
+    ]
+    .concat()
 }
 
 /// Its small turn, the real root of k₃ φ³ + (1 + F) φ = P, by Cardano's formula.
@@ -135,15 +136,16 @@ fn what_converges_slowly_is_not_called_rounding() {
     let (k3, loads) = (1.4e21, [0.02, 2.4e-9]);
     right(&lever(3.5e10, k3, loads), k3, loads, 1e-3);
     // Beside it something that moves much further has settled: 1e-9 of its moment is let go.
-    let beside = "[sections.soft]\n\
-        stiffness = { EA = 1e3, GA = [1e3, 1e3], GJ = 1, EI = [1, 1] }\n\
-        [[lines]]\nname = \"soft\"\nfrom = \"foot\"\nto = \"end\"\nelements = 4\n\
-        section = \"soft\"\n\
-        [[supports]]\nnode = \"foot\"\nfix = \"all\"\n\
-        [[loads]]\nnode = \"end\"\nforce = [0, 0.25, 0]\n";
+    let beside = [
+        "[sections.soft]\nstiffness = { EA = 1e3, GA = [1e3, 1e3], GJ = 1, EI = [1, 1] }\n",
+        &beam_line("soft", ["foot", "end"], 4, "soft"),
+        &fixed("foot"),
+        "[[loads]]\nnode = \"end\"\nforce = [0, 0.25, 0]\n",
+    ]
+    .concat();
     for stiff in [1.5e5, 1e7, 1e9, 1.5e11] {
         let (k3, loads) = (2.87e18, [0.0, 8.84e-9]);
-        let text = lever(stiff, k3, loads) + beside;
+        let text = lever(stiff, k3, loads) + &beside;
         let nodes = "tip = [1, 0, 0]\n";
         let more = format!("{nodes}foot = [0, 0, 1]\nend = [1, 0, 1]\n");
         let most = 1e-3 + 1e-9 * 0.25 / loads[1];

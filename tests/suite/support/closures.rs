@@ -2,7 +2,7 @@
 #![allow(dead_code, clippy::unwrap_used)]
 
 use crate::support::program::{directory, history, program, write};
-use pullback::input::assemble_text;
+use pullback::input::{Job, assemble_text};
 use pullback::manifold::system::Point;
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
@@ -35,11 +35,30 @@ pub fn arm(name: &str, parent: &str, position: [f64; 3]) -> String {
     joint(name, "offset", parent, &format!("position = {position:?}"))
 }
 
+/// A body of a node, with what else it has.
+pub fn body_of(node: &str, mass: f64, more: &str) -> String {
+    format!("[[bodies]]\nname = \"body of {node}\"\nnode = \"{node}\"\nmass = {mass:?}\n{more}\n")
+}
+
 pub fn body(node: &str) -> String {
+    body_of(node, 1.0, "inertia = [0.1, 0.1, 0.1]")
+}
+
+pub fn fixed(node: &str) -> String {
+    format!("[[supports]]\nnode = \"{node}\"\nfix = \"all\"\n")
+}
+
+/// A line of beam elements between two nodes.
+pub fn beam_line(name: &str, [from, to]: [&str; 2], elements: usize, section: &str) -> String {
     format!(
-        "[[bodies]]\nname = \"body of {node}\"\nnode = \"{node}\"\nmass = 1.0\n\
-         inertia = [0.1, 0.1, 0.1]\n"
+        "[[lines]]\nname = \"{name}\"\nfrom = \"{from}\"\nto = \"{to}\"\n\
+         elements = {elements}\nsection = \"{section}\"\n"
     )
+}
+
+/// A probe of a quantity at a node.
+pub fn probe(name: &str, quantity: &str, node: &str) -> String {
+    format!("[[probes]]\nname = \"{name}\"\nquantity = \"{quantity}\"\nnode = \"{node}\"\n")
 }
 
 /// Cranks of 1 at A and √1.1 at D on the ground, bars of √1.64 and √1.25 between their tips, no bodies;
@@ -119,49 +138,23 @@ pub fn angle(joint: &str) -> String {
     )
 }
 
+/// A second of motion in 1000 steps, of which every tenth is a row.
+pub const SECOND: &str = "[analysis.dynamic]\nto = 1.0\nstep = 0.001\n\
+    scheme = { newmark = [0.25, 0.5] }\nrecord_every = 10\n\
+    [output]\nfigures = false\nparaview_every = 0\n";
+
 /// A body of mass 2 on a joint that is attached to the ground, under gravity; with more of the file.
 pub fn on_joint(joint: &str, body: &str, rest: &str) -> String {
-    format!(
-        r#"
-[nodes]
-ground = [0, 0, 0]
-
-[[joints]]
-name = "joint"
-parent = "ground"
-{joint}
-
-[[bodies]]
-name = "body"
-node = "joint"
-mass = 2.0
-{body}
-
-[[supports]]
-node = "ground"
-fix = "all"
-
-[[loads]]
-gravity = [0, 0, -9.81]
-
-[analysis.dynamic]
-to = 1.0
-step = 0.001
-scheme = {{ newmark = [0.25, 0.5] }}
-record_every = 10
-
-[output]
-figures = false
-paraview_every = 0
-
-[[probes]]
-name = "position"
-quantity = "position"
-node = "joint"
-
-{rest}
-"#
-    )
+    [
+        GROUND,
+        &format!("[[joints]]\nname = \"joint\"\nparent = \"ground\"\n{joint}\n"),
+        &body_of("joint", 2.0, body),
+        "[[loads]]\ngravity = [0, 0, -9.81]\n",
+        SECOND,
+        &probe("position", "position", "joint"),
+        rest,
+    ]
+    .concat()
 }
 
 pub type Rows = Vec<HashMap<String, String>>;
@@ -181,12 +174,18 @@ pub fn failure(name: &str, text: &str) -> String {
     String::from_utf8(ran.stderr).unwrap()
 }
 
-/// Coordinates of joints at the start: names with their values and rates, and the notes.
-pub fn start(text: &str) -> (HashMap<String, [f64; 2]>, Vec<String>) {
+/// A model at its start.
+pub fn started(text: &str) -> Job {
     let mut job = assemble_text("model.toml", text).unwrap();
     let a = vec![0.0; job.start.q.len()];
     let (t, q, v) = (0.0, &job.start.q, &job.start.v);
     job.context.configure(Point { t, q, v, a: &a }).unwrap();
+    job
+}
+
+/// Coordinates of joints at the start: names with their values and rates, and the notes.
+pub fn start(text: &str) -> (HashMap<String, [f64; 2]>, Vec<String>) {
+    let job = started(text);
     let coordinate = |(n, s, _): (_, &str, _)| Some((s.to_owned(), job.context.coordinate(n, 0)?));
     (
         job.context

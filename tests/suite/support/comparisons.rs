@@ -1,6 +1,7 @@
 //! Models that comparisons of schemes and of formulations run, and the comparison of a text.
 #![allow(dead_code, clippy::unwrap_used)]
 
+use super::closures::{beam_line, fixed, joint};
 use super::laboratory;
 use pullback::input;
 use pullback::studies::compare::{CompareError, Comparison, ComparisonOptions};
@@ -50,34 +51,19 @@ scheme = { newmark = [0.25, 0.5] }
 
 /// A rod of two elements on a ball joint, on its way round at an angular velocity; then what else the model has.
 pub fn rod(spin: &str, more: &str) -> String {
-    format!(
-        r#"
-[sections.rod]
-stiffness = {{ EA = 400, GA = [400, 400], GJ = 4, EI = [4, 4] }}
-mass = {{ A_rho = 1, J = [0.1, 0.05, 0.05] }}
-[nodes]
-ground = [0, 0, 0]
-tip = [1, 0, 0]
-[[joints]]
-name = "ball"
-type = "spherical"
-parent = "ground"
-[[supports]]
-node = "ground"
-fix = "all"
-[[initial]]
-line = "rod"
-angular_velocity = {spin}
-about = [0, 0, 0]
-[[lines]]
-name = "rod"
-from = "ball"
-to = "tip"
-elements = 2
-section = "rod"
-{more}
-"#
-    )
+    let initial = format!("angular_velocity = {spin}\nabout = [0, 0, 0]\n");
+    [
+        "[sections.rod]\nstiffness = { EA = 400, GA = [400, 400], GJ = 4, EI = [4, 4] }\n\
+         mass = { A_rho = 1, J = [0.1, 0.05, 0.05] }\n\
+         [nodes]\nground = [0, 0, 0]\ntip = [1, 0, 0]\n",
+        &fixed("ground"),
+        &joint("ball", "spherical", "ground", ""),
+        "[[initial]]\nline = \"rod\"\n",
+        &initial,
+        &beam_line("rod", ["ball", "tip"], 2, "rod"),
+        more,
+    ]
+    .concat()
 }
 
 /// The comparison of a model of this text.

@@ -17,6 +17,7 @@ use pullback::manifold::sparse::BlockPattern;
 use pullback::manifold::system::{
     ChartChanges, Charts, Evaluation, Point, Scales, System, SystemError,
 };
+use std::fmt::Display;
 use std::ops::ControlFlow;
 
 /// Equal steps of size `h` until `to`, equilibrium nearly to round-off.
@@ -234,17 +235,20 @@ pub fn slopes(errors: &[f64]) -> Vec<f64> {
     errors.windows(2).map(|e| (e[0] / e[1]).log2()).collect()
 }
 
-/// Asserts that every slope of every quantity is within `tolerance` of `order`.
+/// Asserts that the slopes of errors at h, h/2, h/4, ... are within `tolerance` of `order`.
+#[track_caller]
+pub fn assert_order(what: impl Display, errors: &[f64], order: f64, tolerance: f64) {
+    let slopes = slopes(errors);
+    let near = slopes.iter().all(|slope| (slope - order).abs() < tolerance);
+    assert!(near, "{what}: errors {errors:?} have the slopes {slopes:?}");
+}
+
+/// Asserts the same of every quantity.
+#[track_caller]
 pub fn assert_slopes(what: &str, names: &[&str], errors: &[Vec<f64>], order: f64, tolerance: f64) {
     for (k, name) in names.iter().enumerate() {
         let e: Vec<f64> = errors.iter().map(|e| e[k]).collect();
-        for slope in slopes(&e) {
-            assert!(
-                (slope - order).abs() <= tolerance,
-                "{what}, {name}: errors {e:?} have the slopes {:?}",
-                slopes(&e)
-            );
-        }
+        assert_order(format!("{what}, {name}"), &e, order, tolerance);
     }
 }
 

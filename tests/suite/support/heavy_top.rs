@@ -56,12 +56,7 @@ pub fn assert_heavy_top(text: &str, methods: &[(&str, i32)]) {
         };
         let runs = [4e-4, 2e-4, 1e-4].map(position);
         let errors = runs.map(|x| (x - exact).norm());
-        for slope in slopes(&errors) {
-            assert!(
-                (slope - f64::from(order)).abs() < 0.1,
-                "{method}: {errors:?}"
-            );
-        }
+        assert_order(method, &errors, f64::from(order), 0.1);
         let extrapolated = runs[2] + (runs[2] - runs[1]) / (2.0_f64.powi(order) - 1.0);
         assert!(
             (extrapolated - exact).norm() < 1e-5,

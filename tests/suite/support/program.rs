@@ -102,6 +102,14 @@ pub fn check(text: &str, position: &str, message: &str, advice: &str) {
     check_error(text, &refusal(text), position, message, advice);
 }
 
+/// A text contains all of these.
+#[track_caller]
+pub fn assert_says(said: &str, words: &[&str]) {
+    for word in words {
+        assert!(said.contains(word), "{said:?} lacks {word:?}");
+    }
+}
+
 /// Rows of a table with bars between their cells; missing cells are empty. A row that begins with # is a comment.
 pub fn cells<const N: usize>(table: &str) -> impl Iterator<Item = [&str; N]> {
     let rows = table.lines().map(str::trim);
@@ -140,19 +148,16 @@ pub fn check_lines(directory: &Path, command: &str, table: &str) {
             &program_in(directory, format!("{command} {arguments}").trim()),
             2,
         );
-        assert!(
-            said.contains(words) && said.contains(more),
-            "{arguments}: {said}"
-        );
+        println!("{arguments}");
+        assert_says(&said, &[words, more]);
     }
 }
 
 #[track_caller]
 fn check_error(text: &str, error: &InputError, position: &str, message: &str, advice: &str) {
     let said = error.to_string();
-    assert!(said.contains(message), "message {said:?} lacks {message:?}");
-    let help = error.problem.advice().unwrap_or_default();
-    assert!(help.contains(advice), "advice {help:?} lacks {advice:?}");
+    assert_says(&said, &[message]);
+    assert_says(&error.problem.advice().unwrap_or_default(), &[advice]);
     let span = error.span.clone().expect("a position");
     assert!(
         text[span.clone()].starts_with(position),
