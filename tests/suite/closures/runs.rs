@@ -37,11 +37,7 @@ fn multipliers_go_through_changes_of_chart() {
             residual = residual.max((p - q).norm());
         });
         assert!(residual < 1e-11, "{residual:e}");
-        assert!(
-            run.summary.chart_changes >= 2,
-            "{}",
-            run.summary.chart_changes
-        );
+        assert!(run.summary.chart_changes >= 2, "{:?}", run.summary);
         position
     };
     let map = |n: u32| {

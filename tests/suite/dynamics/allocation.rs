@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use crate::support::beams::beam;
-use crate::support::dynamics::revolute;
+use crate::support::dynamics::{revolute, turning};
 use allocation_counter::measure;
 use nalgebra::{Matrix3, SVector};
 use pullback::elements::beam::{Damping, Interpolation};
@@ -11,10 +11,10 @@ use pullback::elements::body::RigidBody;
 use pullback::elements::joint::{Revolute, Spherical};
 use pullback::elements::load::CoordinateForce;
 use pullback::elements::load::LineLoad;
-use pullback::elements::model::{Formulation, RigidMotion};
+use pullback::elements::model::Formulation;
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::integrators::dynamics::{
-    Adaptivity, DynamicOptions, Progress, Scheme, StepReport, Summary, integrate, start,
+    Adaptivity, DynamicOptions, Progress, StepReport, Summary, integrate, start,
 };
 use pullback::manifold::implicit::{Choice, Implicit, ImplicitMap};
 use pullback::manifold::map::{Linear, Map};
@@ -134,12 +134,7 @@ fn allocations(
     let driven = !options.scheme.keeps_energy();
     let (mut context, [way, q]) = everything(formulation, driven);
     let n = context.pattern().dim();
-    let mut v = vec![0.0; n];
-    let turning = RigidMotion {
-        omega: Vector3::z() * 3.0,
-        ..RigidMotion::default()
-    };
-    context.set_velocity(&vec![0.0; n], &mut v, None, &turning);
+    let mut v = turning(&mut context, &vec![0.0; n], Vector3::z() * 3.0);
     assert!(context.set(&mut v, q, 0, 3.0));
     let mut progress = Progress::new(start(&context, 0.0, &[], &v).unwrap());
     let way = context.unknown_at(way, 0).unwrap();
@@ -162,10 +157,12 @@ fn allocations(
 
 #[test]
 fn twice_as_many_steps_allocate_no_more() {
-    let plain = DynamicOptions {
-        scheme: Scheme::chung_hulbert(0.8).unwrap(),
+    use Formulation::{LieGroup, MixedSpins, SpatialSpins, Total, Updated, WienerMilenkovic};
+    let by = |word: &str| DynamicOptions {
+        scheme: word.parse().unwrap(),
         ..DynamicOptions::new(100.0, 0.005)
     };
+    let plain = by("ga:0.8");
     let adaptive = DynamicOptions {
         adaptivity: Some(Adaptivity {
             tolerance: 1e-3,
@@ -174,36 +171,19 @@ fn twice_as_many_steps_allocate_no_more() {
         ..plain
     };
     // What the first run in a process sets up is not counted.
-    allocations(150, &plain, Formulation::Total);
-    let composite = DynamicOptions {
-        scheme: Scheme::bathe(0.5).unwrap(),
-        ..plain
-    };
-    let coupled = DynamicOptions {
-        scheme: Scheme::radau(),
-        ..plain
-    };
-    let total = [plain, adaptive, composite, coupled].map(|o| (o, Formulation::Total));
+    allocations(150, &plain, Total);
+    let total = [plain, adaptive, by("bathe:0.5"), by("radau")].map(|o| (o, Total));
     let others = [
-        Formulation::Updated,
-        Formulation::LieGroup,
-        Formulation::SpatialSpins,
-        Formulation::MixedSpins,
-        Formulation::WienerMilenkovic,
+        Updated,
+        LieGroup,
+        SpatialSpins,
+        MixedSpins,
+        WienerMilenkovic,
     ]
     .map(|f| (plain, f));
     // One that finds multipliers for what the motion keeps, in every step.
-    let keeping = DynamicOptions {
-        scheme: "projected-newmark:0.8".parse().unwrap(),
-        ..plain
-    };
-    let keepers = [
-        Formulation::Total,
-        Formulation::Updated,
-        Formulation::LieGroup,
-        Formulation::WienerMilenkovic,
-    ]
-    .map(|f| (keeping, f));
+    let keeping = by("projected-newmark:0.8");
+    let keepers = [Total, Updated, LieGroup, WienerMilenkovic].map(|f| (keeping, f));
     for (options, formulation) in total.into_iter().chain(others).chain(keepers) {
         let (few, short, early) = allocations(150, &options, formulation);
         let (many, long, all) = allocations(300, &options, formulation);

@@ -4,22 +4,14 @@
 
 use crate::support::beams;
 use crate::support::dynamics::*;
-use nalgebra::{Matrix3, Vector3};
-use pullback::elements::beam::{Damping, Interpolation, Section};
+use nalgebra::Vector3;
+use pullback::elements::beam::{Damping, Interpolation};
 use pullback::elements::load::LineLoad;
 use pullback::elements::model::{Context, ModelBuilder, RigidMotion};
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::elements::time::Constant;
 use pullback::integrators::dynamics::{DynamicOptions, EnergyBalance, Scheme};
 use pullback::manifold::system::{Point, System};
-
-/// A section of which no vibration is too fast to be resolved.
-fn soft() -> Section {
-    let J = Matrix3::from_diagonal(&Vector3::new(0.2, 0.1, 0.1));
-    Section::diagonal(60.0, [30.0; 2], 4.0, [4.0, 6.0])
-        .unwrap()
-        .with_mass(1.0, J)
-}
 
 /// Energies at the end of a run.
 fn balance(context: &mut Context, v: &[f64], scheme: Scheme, to: f64, n: usize) -> EnergyBalance {
@@ -57,7 +49,7 @@ fn the_power_balance_closes_to_the_order_of_the_scheme() {
                 mass: 0.1,
                 stiffness: 0.01,
             };
-            let section = soft().with_damping(damping).unwrap();
+            let section = soft(1.0).with_damping(damping).unwrap();
             let force = [0.0, 0.0, -9.81 * section.inertia.mass];
             let nodes = beams::beam(&mut b, "beam", [hinge.frame, tip], 2, section);
             for (k, pair) in nodes.windows(2).enumerate() {
@@ -66,14 +58,11 @@ fn the_power_balance_closes_to_the_order_of_the_scheme() {
                 b.element(format!("weight {k}"), weight, pair).unwrap();
             }
             let mut context = Context::new(b.build().unwrap());
-            let mut v = vec![0.0; context.pattern().dim()];
-            context.set(&mut v, hinge.coordinates[0], 0, 0.5);
             // The beam begins to move with the shaft, which turns at 3 rad/s.
-            let motion = RigidMotion {
-                omega: Vector3::new(0.3, 0.2, 1.0).normalize() * 3.0,
-                ..RigidMotion::default()
-            };
-            context.set_velocity(&vec![0.0; v.len()], &mut v, None, &motion);
+            let omega = Vector3::new(0.3, 0.2, 1.0).normalize() * 3.0;
+            let q = vec![0.0; context.pattern().dim()];
+            let mut v = turning(&mut context, &q, omega);
+            context.set(&mut v, hinge.coordinates[0], 0, 0.5);
             let energy = balance(&mut context, &v, scheme, 1.0, n);
             supplied = energy.work;
             energy.largest_defect
@@ -88,15 +77,15 @@ fn free_beam(interpolation: Interpolation) -> (Context, Vec<f64>) {
     let mut b = ModelBuilder::new();
     let ends = [[0.0; 3], [1.0, 0.0, 0.0]];
     let ends = [b.node("a", ends[0]).unwrap(), b.node("b", ends[1]).unwrap()];
-    beams::beam_with(&mut b, "beam", ends, 2, soft(), interpolation);
+    beams::beam_with(&mut b, "beam", ends, 2, soft(1.0), interpolation);
     let mut context = Context::new(b.build().unwrap());
-    let mut v = vec![0.0; context.pattern().dim()];
     let motion = RigidMotion {
         velocity: Vector3::new(0.5, -0.3, 0.8),
         omega: Vector3::new(0.6, -1.0, -1.2),
         about: Vector3::new(0.5, 0.0, 0.0),
     };
-    context.set_velocity(&vec![0.0; v.len()], &mut v, None, &motion);
+    let q = vec![0.0; context.pattern().dim()];
+    let v = moving(&mut context, &q, &motion);
     (context, v)
 }
 

@@ -5,7 +5,7 @@
 use crate::support::beams::beam_with;
 use crate::support::dynamics::*;
 use nalgebra::{Matrix3, SVector, Vector3};
-use pullback::elements::beam::{Interpolation, Section};
+use pullback::elements::beam::Interpolation;
 use pullback::elements::body::RigidBody;
 use pullback::elements::energy::EnergyElement;
 use pullback::elements::joint::Spherical;
@@ -25,26 +25,7 @@ fn em() -> Scheme {
     "projected-newmark".parse().unwrap()
 }
 
-/// Four geodesic or total elements along e1 between two nodes.
-fn beam(b: &mut ModelBuilder, ends: [NodeId; 2], stiff: f64, interpolation: Interpolation) {
-    let J = Matrix3::from_diagonal(&Vector3::new(0.2, 0.1, 0.1));
-    let section = Section::diagonal(
-        60.0 * stiff,
-        [30.0 * stiff; 2],
-        4.0 * stiff,
-        [4.0 * stiff, 6.0 * stiff],
-    );
-    beam_with(
-        b,
-        "beam",
-        ends,
-        4,
-        section.unwrap().with_mass(MASS / LENGTH, J),
-        interpolation,
-    );
-}
-
-/// Two nodes one length apart with a beam between them, supported by `support`.
+/// Two nodes one length apart with a beam of four elements between them, supported by `support`.
 fn model(
     stiff: f64,
     interpolation: Interpolation,
@@ -57,7 +38,7 @@ fn model(
         b.node("b", [0.2 + LENGTH, 0.1, 0.0]),
     ]
     .map(Result::unwrap);
-    beam(&mut b, ends, stiff, interpolation);
+    beam_with(&mut b, "beam", ends, 4, soft(stiff), interpolation);
     support(&mut b, ends);
     b.formulate(formulation);
     Context::new(b.build().unwrap())
@@ -71,15 +52,13 @@ fn weight(b: &mut ModelBuilder, ends: [NodeId; 2]) {
 
 /// The velocities of a rigid motion about the middle of the beam.
 fn spun(context: &mut Context) -> (Vec<f64>, RigidMotion) {
-    let n = context.pattern().dim();
-    let mut v = vec![0.0; n];
     let motion = RigidMotion {
         velocity: Vector3::new(0.5, -0.3, 0.8),
         omega: Vector3::new(0.6, -1.0, -1.2),
         about: Vector3::new(0.2 + 0.5 * LENGTH, 0.1, 0.0),
     };
-    context.set_velocity(&vec![0.0; n], &mut v, None, &motion);
-    (v, motion)
+    let q = vec![0.0; context.pattern().dim()];
+    (moving(context, &q, &motion), motion)
 }
 
 /// The model's energy with the potential of its loads, and its momenta.

@@ -17,7 +17,7 @@ use crate::support::beams;
 use crate::support::dynamics::*;
 use nalgebra::{Matrix3, Vector3};
 use pullback::elements::beam::Section;
-use pullback::elements::joint::{Curve, Helical, OnCurve, Planar, Revolute};
+use pullback::elements::joint::{Curve, Helical, OnCurve, Planar};
 use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId};
 use pullback::elements::time::Sine;
 use pullback::integrators::dynamics::{
@@ -42,11 +42,7 @@ impl Curve for Coil {
 /// Hangs a frame on another one.
 type Hang = fn(&mut ModelBuilder, NodeId) -> NodeId;
 
-const HINGE: Hang = |b, on| {
-    b.attach("hinge", on, Revolute::new([0.2, 1.0, 0.3]).unwrap())
-        .unwrap()
-        .frame
-};
+const HINGE: Hang = |b, on| revolute(b, "hinge", on, [0.2, 1.0, 0.3]).frame;
 const DERIVED: [Hang; 3] = [
     |b, on| {
         let screw = Helical::new([0.6, 0.0, 0.8], 0.3 * TAU).unwrap();

@@ -4,11 +4,11 @@
 
 use crate::support::beams::beam_with;
 use crate::support::dynamics::*;
-use nalgebra::{Matrix3, Vector3};
-use pullback::elements::beam::{Interpolation, Section};
+use nalgebra::Vector3;
+use pullback::elements::beam::Interpolation;
 use pullback::elements::body::PointMass;
 use pullback::elements::joint::Spherical;
-use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId, NodeState, RigidMotion};
+use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId, NodeState};
 use pullback::integrators::dynamics::Scheme;
 use pullback::manifold::system::System;
 use std::f64::consts::PI;
@@ -64,20 +64,11 @@ fn swung_beam_with(elements: usize, tilt: f64, interpolation: Interpolation) -> 
     let hinge = revolute(&mut b, "hinge", carriage, [0.0, 0.0, 1.0]);
     let arm = b.offset("arm", hinge.frame, [0.3, 0.0, 0.0]).unwrap();
     let tip = b.node("tip", [1.3, 0.0, 0.0]).unwrap();
-    let J = Vector3::new(0.2, 0.1, 0.1);
-    let section = Section::diagonal(60.0, [30.0; 2], 4.0, [4.0, 6.0])
-        .unwrap()
-        .with_mass(1.0, Matrix3::from_diagonal(&J));
-    beam_with(&mut b, "beam", [arm, tip], elements, section, interpolation);
+    let ends = [arm, tip];
+    beam_with(&mut b, "beam", ends, elements, soft(1.0), interpolation);
     let mut context = Context::new(b.build().unwrap());
-    let q = vec![0.0; context.pattern().dim()];
-    let mut v = q.clone();
-    let omega = 5.0;
-    let motion = RigidMotion {
-        omega: Vector3::z() * omega,
-        ..RigidMotion::default()
-    };
-    context.set_velocity(&q, &mut v, None, &motion);
+    let (q, omega) = (vec![0.0; context.pattern().dim()], 5.0);
+    let mut v = turning(&mut context, &q, Vector3::z() * omega);
     context.set(&mut v, hinge.coordinates[0], 0, omega);
     Problem {
         context,

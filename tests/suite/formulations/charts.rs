@@ -2,11 +2,11 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::support::comparisons::compared;
-use crate::support::dynamics::assert_order;
+use crate::support::dynamics::{assert_order, turning};
 use crate::support::laboratory::options;
 use nalgebra::{Matrix3, Vector3};
 use pullback::conformance;
-use pullback::elements::model::{Formulation, RigidMotion};
+use pullback::elements::model::Formulation;
 use pullback::input::{self, Plan};
 use pullback::integrators::statics::LoadSteps;
 use pullback::manifold::chart::RotationChart;
@@ -102,13 +102,8 @@ fn a_body_turns_in_a_chart_of_the_user() {
         b.element("ball", ball, &[node]).unwrap();
         b.chart_rotations(Sines);
         let mut context = Context::new(b.build().unwrap());
-        let (q, mut v) = (vec![0.0; 6], vec![0.0; 6]);
-        let motion = RigidMotion {
-            velocity: Vector3::zeros(),
-            omega,
-            about: Vector3::zeros(),
-        };
-        context.set_velocity(&q, &mut v, None, &motion);
+        let q = vec![0.0; 6];
+        let v = turning(&mut context, &q, omega);
         let mut options = DynamicOptions::new(0.9 * to, 0.9 * to / steps);
         options.scheme = Scheme::newmark(0.25, 0.5).unwrap();
         let state = start(&context, 0.0, &q, &v).unwrap();

@@ -1,6 +1,7 @@
 //! ∂r/∂u: forces that are inputs, and prescribed coordinates.
 #![allow(clippy::unwrap_used)]
 
+use crate::support::dynamics::grounded;
 use pullback::elements::joint::Prismatic;
 use pullback::elements::load::CoordinateForce;
 use pullback::elements::spring::AxialSpring;
@@ -11,10 +12,8 @@ use pullback::prelude::*;
 /// A mass on a rail, pushed by an input, and held by a spring of stiffness 7 from a point that a second input moves.
 #[test]
 fn a_force_and_a_moved_support() {
-    let mut b = ModelBuilder::new();
+    let (mut b, ground) = grounded();
     let x = [1.0, 0.0, 0.0];
-    let ground = b.node("ground", [0.0; 3]).unwrap();
-    b.support(ground, &Dof::ALL);
     let cart = b
         .attach("cart", ground, Prismatic::new(x).unwrap())
         .unwrap();

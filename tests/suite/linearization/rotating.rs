@@ -4,8 +4,8 @@
 use super::assert_near;
 use super::beams::{BEAM, Beam, omegas};
 use crate::support::beams::straight;
+use crate::support::dynamics::{grounded, revolute};
 use pullback::elements::beam::Interpolation;
-use pullback::elements::joint::Revolute;
 use pullback::elements::time::{Input, SteadyRotation};
 use pullback::integrators::linearization::{
     Linearized, ModeOptions, SteadyMotion, linearize, modes,
@@ -22,12 +22,8 @@ struct Rotor {
 
 impl Rotor {
     fn new(beam: &Beam, axis: [f64; 3], elements: usize, held: [&[usize]; 2]) -> Self {
-        let mut b = ModelBuilder::new();
-        let ground = b.node("ground", [0.0; 3]).unwrap();
-        b.support(ground, &Dof::ALL);
-        let joint = b
-            .attach("hub", ground, Revolute::new(axis).unwrap())
-            .unwrap();
+        let (mut b, ground) = grounded();
+        let joint = revolute(&mut b, "hub", ground, axis);
         let speed = b.input(0.0);
         b.prescribe_coordinate(joint.coordinates[0], 0, SteadyRotation(speed));
         let line = BeamLine {

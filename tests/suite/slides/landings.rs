@@ -53,11 +53,7 @@ fn a_bead_that_turns_near_a_corner_turns_where_it_should() {
             "{beyond:e}: {worst:?}, allowed {allowed:e}"
         );
         assert!(worst[0] < allowed, "{beyond:e}: {worst:?}");
-        assert!(
-            run.summary.steps < 80 + 12,
-            "{beyond:e}: {}",
-            run.summary.steps
-        );
+        assert!(run.summary.steps < 80 + 12, "{beyond:e}: {:?}", run.summary);
     }
 }
 
@@ -91,8 +87,8 @@ fn a_bead_that_starts_on_a_corner_moves_either_way_or_rests() {
         assert!(worst < 4.0 * 0.5 * G * h * h, "{worst:e}");
         assert!(
             run.summary.steps < (60.0 * 0.5 / h) as usize,
-            "{}",
-            run.summary.steps
+            "{:?}",
+            run.summary
         );
     }
 }
@@ -120,8 +116,8 @@ fn a_bead_swings_in_a_valley() {
         let swings = G * 0.4_f64.sin() / (4.0 * v);
         assert!(
             run.summary.steps as f64 <= 2.0 * swings + 102.0,
-            "{v}: {}",
-            run.summary.steps
+            "{v}: {:?}",
+            run.summary
         );
     }
 }

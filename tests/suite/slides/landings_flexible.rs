@@ -134,11 +134,7 @@ fn who_moves_with_a_free_chain_sees_the_same() {
         let mut rest = chain(interpolation, Formulation::Total);
         let run = rest.run(Vector3::zeros(), &options, &mut |_, _| ());
         let one = rest.shape(&run.state);
-        assert!(
-            run.summary.chart_changes >= 3,
-            "{}",
-            run.summary.chart_changes
-        );
+        assert!(run.summary.chart_changes >= 3, "{:?}", run.summary);
         let mut moving = chain(interpolation, Formulation::Total);
         let run = moving.run(whole, &options, &mut |_, _| ());
         let mut other = moving.shape(&run.state);
@@ -198,29 +194,13 @@ fn momenta_and_energy_are_kept_over_corners_to_the_order_of_the_scheme() {
             });
             worst
         });
-        for k in 0..2 {
-            let allowed = if word == "projected-newmark" {
-                1e-10
-            } else {
-                0.5_f64.powf(order - 0.5)
-            };
-            let found = if word == "projected-newmark" {
-                fine[k]
-            } else {
-                fine[k] / coarse[k]
-            };
-            assert!(found < allowed, "{word}: {coarse:?}, {fine:?}");
-        }
-        // At a corner of 0.15 what is handed over gains or loses of the order of its cube; em restores it.
-        assert!(
-            fine[2]
-                < if word == "projected-newmark" {
-                    1e-12
-                } else {
-                    1e-3
-                },
-            "{word}: {fine:?}"
-        );
+        let falls = |k: usize| fine[k] < coarse[k] * 0.5_f64.powf(order - 0.5);
+        // At a corner of 0.15 what is handed over gains or loses energy of the order of its cube; em restores it.
+        let holds = match word {
+            "projected-newmark" => fine[0].max(fine[1]) < 1e-10 && fine[2] < 1e-12,
+            _ => falls(0) && falls(1) && fine[2] < 1e-3,
+        };
+        assert!(holds, "{word}: {coarse:?}, {fine:?}");
     }
 }
 

@@ -3,6 +3,7 @@
 #![allow(non_snake_case, dead_code)]
 
 use nalgebra::{Matrix3, SVector, Vector3};
+use pullback::elements::beam::Section;
 use pullback::elements::body::RigidBody;
 use pullback::elements::joint::{JointNodes, Revolute};
 use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId, NodeState, RigidMotion};
@@ -309,6 +310,14 @@ pub fn spring(b: &mut ModelBuilder, k: f64, coordinate: NodeId) {
     };
     let spring = CoordinateSpring::new(law).unwrap();
     b.element("spring", spring, &[coordinate]).unwrap();
+}
+
+/// A section of which no vibration is too fast to be resolved, its stiffness times a factor.
+pub fn soft(stiff: f64) -> Section {
+    let [EA, GA, GJ, EI2, EI3] = [60.0, 30.0, 4.0, 4.0, 6.0].map(|k| k * stiff);
+    let J = Matrix3::from_diagonal(&Vector3::new(0.2, 0.1, 0.1));
+    let section = Section::diagonal(EA, [GA; 2], GJ, [EI2, EI3]);
+    section.unwrap().with_mass(1.0, J)
 }
 
 /// A builder, and a node at the origin that is held.
