@@ -1,6 +1,7 @@
 //! A step in time with multipliers or a penalty allocates nothing.
 
-use crate::support::dynamics::{grounded, revolute};
+use crate::support::dynamics::{grounded, revolute, weighed};
+use crate::support::loops::DOWN;
 use allocation_counter::measure;
 use nalgebra::{Matrix3, Vector3};
 use pullback::elements::body::RigidBody;
@@ -29,10 +30,7 @@ fn allocations(steps: u32, by: Closure) -> u64 {
     let last = revolute(&mut b, "Q", tip, e3);
     for (name, node) in [("1", first.frame), ("2", free), ("3", rocker.frame)] {
         let body = RigidBody::new(1.0, Matrix3::identity() * 0.1, Vector3::x() * 0.1).unwrap();
-        let weight = body.weight([0.0, -9.81, 0.0], Constant(1.0));
-        b.element(name, body, &[node]).unwrap();
-        b.element(format!("weight {name}"), weight, &[node])
-            .unwrap();
+        weighed(&mut b, name, node, body, DOWN);
     }
     b.close_by(pin.frame, free, by).unwrap();
     b.close_by(last.frame, end, by).unwrap();

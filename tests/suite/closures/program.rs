@@ -1,10 +1,10 @@
 //! The word `closure` in model files: three methods for one file, what the program says and refuses.
 #![allow(clippy::unwrap_used)]
 
-use crate::support::closures::{arm, body, hinge, start};
+use crate::support::closures::{arm, body, failure, hinge, start};
 use crate::support::program::{
     assert_says, check, check_table, directory, history, number, program, recorded, refusal,
-    succeeded, write,
+    succeeded, told, write,
 };
 
 const FOUR_BAR: &str = include_str!("../../../examples/models/four_bar.toml");
@@ -122,23 +122,22 @@ child = "rocker tip" => &\nclosure = "penalty" | closure | joint "C": closure ne
     check(&apart, "\"C\"", "the gap along e3", "");
     // A scheme that damps nothing is named when the run begins.
     let undamped = FOUR_BAR.replace(CHILD, &format!("{CHILD}\nclosure = \"multipliers\""));
-    let out = directory("closures-undamped");
-    let ran = program(&[&write(&out, &undamped)]);
-    let stderr = String::from_utf8_lossy(&ran.stderr).into_owned();
-    assert!(!ran.status.success());
-    assert_says(&stderr, &["Newmark", "ga:0.8"]);
+    let said = failure("closures-undamped", &undamped);
+    assert_says(&said, &["Newmark", "ga:0.8"]);
 }
 
 #[test]
 fn a_penalty_that_drowns_the_model_gets_a_word() {
-    for (penalty, told) in [("1e7", false), ("1e20", true)] {
+    for (penalty, expected) in [("1e7", false), ("1e20", true)] {
         let text = closed_by(&format!("closure = \"penalty\"\npenalty = {penalty}"));
         let text = text.replace("to = 0.5", "to = 0.02");
-        let out = directory("closures-drowned");
-        let ran = program(&[&write(&out, &text)]);
-        let said = String::from_utf8_lossy(&ran.stderr).into_owned();
+        let [_, said] = told("closures-drowned", &text);
         let word = "penalty of C: rounding errors of the gap";
-        assert_eq!(said.contains(word), told, "{penalty}: {said}");
+        assert_eq!(
+            said.concat().contains(word),
+            expected,
+            "{penalty}: {said:?}"
+        );
     }
 }
 

@@ -1,7 +1,7 @@
 //! Data of a comparison's figures, on an oscillator whose steps are known in closed form.
 #![allow(clippy::unwrap_used)]
 
-use crate::support::comparisons::{self, OSCILLATOR};
+use crate::support::comparisons::{self, oscillator};
 use crate::support::laboratory::options;
 use pullback::output::plot::{AxisScale, Graph, PlotCurve, graphs};
 use pullback::studies::compare::{Comparison, ComparisonOptions, Figure, figures};
@@ -16,7 +16,7 @@ fn compared(schemes: &[&str], long: Option<f64>) -> Comparison {
         long,
         ..options(schemes, &STEPS)
     };
-    comparisons::compared(OSCILLATOR, &options).unwrap()
+    comparisons::compared(&oscillator(), &options).unwrap()
 }
 
 fn figure(comparison: &Comparison, name: &str) -> Figure {

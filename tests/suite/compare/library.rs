@@ -1,7 +1,7 @@
 //! Comparisons of schemes against exact solutions.
 #![allow(non_snake_case, clippy::unwrap_used)]
 
-use crate::support::comparisons::{self, BODY, OSCILLATOR};
+use crate::support::comparisons::{self, BODY, oscillator};
 use crate::support::laboratory::options;
 use crate::support::program::{assert_says, directory, read};
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -129,7 +129,7 @@ fn rotations_of_a_free_body_converge_to_its_exact_precession() {
 #[test]
 fn errors_of_the_trapezoidal_rule_on_an_oscillator_are_those_in_closed_form() {
     let comparison = compared(
-        OSCILLATOR,
+        &oscillator(),
         &options(&["newmark", "ga:0.8"], &[0.1, 0.05, 0.025]),
     );
     let estimate = comparison.reference.as_ref().unwrap().error;
@@ -199,7 +199,7 @@ fn results_do_not_depend_on_the_number_of_threads() {
 #[test]
 fn a_scheme_that_fails_at_a_step_is_a_row_with_the_reason() {
     // Stable up to h = 2/ω = 1.
-    let text = OSCILLATOR.replace("to = 8", "to = 60");
+    let text = oscillator().replace("to = 8", "to = 60");
     let asked = options(&["central-difference", "newmark"], &[1.2, 0.12, 0.06]);
     let comparison = compared(&text, &asked);
     let failed: Vec<&ComparisonRow> = comparison

@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use crate::support::beams::beam;
-use crate::support::dynamics::{revolute, turning};
+use crate::support::dynamics::{body, revolute, turning};
 use allocation_counter::measure;
 use nalgebra::{Matrix3, SVector};
 use pullback::elements::beam::{Damping, Interpolation};
@@ -88,11 +88,8 @@ fn everything(formulation: Formulation, driven: bool) -> (Context, [NodeId; 2]) 
     let link = b.offset("link", tip, [6.0, 0.5, 0.0]).unwrap();
     let ring = b.slide("ring", &first, 0.7, Interpolation::Total).unwrap();
     for (name, node) in [("body", link), ("mass", ring.frame)] {
-        let body = RigidBody::new(0.5, Matrix3::identity() * 0.1, Vector3::y() * 0.1).unwrap();
-        let weight = body.weight([0.0, 0.0, -9.81], Constant(1.0));
-        b.element(name, body, &[node]).unwrap();
-        b.element(format!("{name} weight"), weight, &[node])
-            .unwrap();
+        let made = RigidBody::new(0.5, Matrix3::identity() * 0.1, Vector3::y() * 0.1);
+        body(&mut b, name, node, made.unwrap());
     }
     for (k, nodes) in second.windows(2).enumerate() {
         let positions = [b.position(nodes[0]), b.position(nodes[1])];

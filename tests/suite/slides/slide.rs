@@ -3,24 +3,21 @@
 #![allow(non_snake_case, clippy::unwrap_used)]
 
 use crate::support::dynamics::*;
+use crate::support::landing::{self, G, MASS};
 use nalgebra::{Unit, Vector2, Vector3};
-use pullback::elements::beam::{Interpolation, Section};
-use pullback::elements::body::PointMass;
+use pullback::elements::beam::Section;
 use pullback::elements::joint::JointNodes;
 use pullback::elements::model::{
     BeamLine, CircularArc, Context, Dof, ModelBuilder, ReferenceCurve, StraightLine,
 };
-use pullback::elements::time::{Constant, TimeFunction};
+use pullback::elements::time::TimeFunction;
 use pullback::integrators::dynamics::Scheme;
 use pullback::manifold::system::{Evaluation, System};
 use std::f64::consts::PI;
 
-const G: f64 = 9.81;
 const RADIUS: f64 = 1.5;
 const FRAC_PI_9: f64 = PI / 9.0;
 const START: f64 = 2.0 * FRAC_PI_9;
-
-const MASS: f64 = 1.3;
 
 /// A heavy point mass that slides along beam elements all of whose nodes are held.
 fn bead(
@@ -40,14 +37,7 @@ fn bead(
     for &node in &nodes {
         b.support(node, &Dof::ALL);
     }
-    let bead = b
-        .slide("bead", &nodes, origin, Interpolation::Total)
-        .unwrap();
-    let mass = PointMass::new(MASS).unwrap();
-    let weight = mass.weight([0.0, 0.0, -G], Constant(1.0));
-    b.element("mass", mass, &[bead.frame]).unwrap();
-    b.element("weight", weight, &[bead.frame]).unwrap();
-    bead
+    landing::bead(b, "bead", &nodes, origin)
 }
 
 /// Three metres with a slope of 3 in 5.

@@ -1,7 +1,7 @@
 //! Models that comparisons of schemes and of formulations run, and the comparison of a text.
 #![allow(dead_code, clippy::unwrap_used)]
 
-use super::closures::{beam_line, fixed, joint};
+use super::closures::{GROUND, beam_line, body_of, fixed, joint};
 use super::laboratory;
 use pullback::input;
 use pullback::studies::compare::{CompareError, Comparison, ComparisonOptions};
@@ -26,28 +26,20 @@ scheme = { newmark = [0.25, 0.5] }
 "#;
 
 /// A mass of 1 on a spring of stiffness 4, let go at 0.3: x = 0.3 cos 2t.
-pub const OSCILLATOR: &str = r#"
-[nodes]
-ground = [0, 0, 0]
-[[joints]]
-name = "slider"
-type = "prismatic"
-parent = "ground"
-axis = [1, 0, 0]
-spring = { k = 4 }
-value = 0.3
-[[bodies]]
-name = "mass"
-node = "slider"
-mass = 1
-[[supports]]
-node = "ground"
-fix = "all"
-[analysis.dynamic]
-to = 8
-step = 0.01
-scheme = { newmark = [0.25, 0.5] }
-"#;
+pub fn oscillator() -> String {
+    [
+        GROUND,
+        &joint(
+            "slider",
+            "prismatic",
+            "ground",
+            "axis = [1, 0, 0]\nspring = { k = 4 }\nvalue = 0.3",
+        ),
+        &body_of("slider", 1.0, ""),
+        "[analysis.dynamic]\nto = 8\nstep = 0.01\nscheme = { newmark = [0.25, 0.5] }\n",
+    ]
+    .concat()
+}
 
 /// A rod of two elements on a ball joint, on its way round at an angular velocity; then what else the model has.
 pub fn rod(spin: &str, more: &str) -> String {

@@ -296,7 +296,12 @@ pub fn heavy_body(b: &mut ModelBuilder, name: &str, node: NodeId, mass: f64, cen
 
 /// A rigid body and its weight of 9.81 per mass along −e3.
 pub fn body(b: &mut ModelBuilder, name: &str, node: NodeId, body: RigidBody) {
-    let weight = body.weight([0.0, 0.0, -9.81], Constant(1.0));
+    weighed(b, name, node, body, [0.0, 0.0, -9.81]);
+}
+
+/// A rigid body and its weight.
+pub fn weighed(b: &mut ModelBuilder, name: &str, node: NodeId, body: RigidBody, g: [f64; 3]) {
+    let weight = body.weight(g, Constant(1.0));
     b.element(name, body, &[node]).unwrap();
     let name = format!("weight of {name}");
     b.element(name, weight, &[node]).unwrap();

@@ -11,6 +11,9 @@ use pullback::elements::time::{Constant, Proportional};
 
 pub const G: f64 = 9.81;
 
+/// Mass of a bead.
+pub const MASS: f64 = 1.3;
+
 /// A polygon of wire in a vertical plane, held or moved with a constant velocity.
 pub struct Track {
     pub positions: Vec<Vector3<f64>>,
@@ -131,7 +134,7 @@ impl Track {
 /// A heavy point mass that slides over these nodes.
 pub fn bead(b: &mut ModelBuilder, name: &str, nodes: &[NodeId], start: f64) -> JointNodes {
     let bead = b.slide(name, nodes, start, Interpolation::Total).unwrap();
-    let mass = PointMass::new(1.3).unwrap();
+    let mass = PointMass::new(MASS).unwrap();
     let weight = mass.weight([0.0, 0.0, -G], Constant(1.0));
     b.element(format!("mass of {name}"), mass, &[bead.frame])
         .unwrap();

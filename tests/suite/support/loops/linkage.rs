@@ -4,7 +4,7 @@
 
 use super::four_bar::*;
 use super::{DOWN, ground};
-use crate::support::dynamics::revolute;
+use crate::support::dynamics::{revolute, weighed};
 use nalgebra::{Matrix3, Vector3};
 use pullback::elements::body::RigidBody;
 use pullback::elements::joint::{JointNodes, Spherical};
@@ -88,9 +88,7 @@ pub fn balls(b: &mut ModelBuilder, by: Closure) -> (NodeId, Vector3<f64>) {
     let e = along.normalize();
     let J = Matrix3::identity() * 0.2 - e * e.transpose() * 0.15;
     let body = RigidBody::new(0.7, J, along * 0.5).unwrap();
-    let weight = body.weight(DOWN, Constant(1.0));
-    b.element("coupler", body, &[B.frame]).unwrap();
-    b.element("its weight", weight, &[B.frame]).unwrap();
+    weighed(b, "coupler", B.frame, body, DOWN);
     let end = b.offset("coupler end", B.frame, Q).unwrap();
     let C = b.attach_free("C", end, Spherical).unwrap();
     let foot = b.offset("foot", ground, D).unwrap();

@@ -10,7 +10,6 @@ use nalgebra::{Matrix3, SVector, Vector3};
 use pullback::elements::body::RigidBody;
 use pullback::elements::joint::Revolute;
 use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId};
-use pullback::elements::time::Constant;
 use pullback::integrators::dynamics::{Progress, Scheme};
 use pullback::manifold::jet::Moving;
 use pullback::manifold::map::{Linear, Map};
@@ -39,15 +38,11 @@ pub fn bar(
     let name = format!("bar at {}", b.node_name(angle));
     let pin = b.offset(format!("pin of {name}"), on, position).unwrap();
     let hinge = Revolute::new([0.0, 0.0, 1.0]).unwrap();
-    let frame = b
-        .add_joint_frame(name.clone(), pin, hinge, &[angle])
-        .unwrap();
+    let frame = b.add_joint_frame(name.clone(), pin, hinge, &[angle]);
+    let frame = frame.unwrap();
     let J = Matrix3::from_diagonal(&Vector3::new(0.0, 1.0, 1.0)) * (m * l * l / 12.0);
     let body = RigidBody::new(m, J, Vector3::new(0.5 * l, 0.0, 0.0)).unwrap();
-    let weight = body.weight(DOWN, Constant(1.0));
-    b.element(name.clone(), body, &[frame]).unwrap();
-    b.element(format!("weight of {name}"), weight, &[frame])
-        .unwrap();
+    weighed(b, &name, frame, body, DOWN);
     frame
 }
 
