@@ -6,7 +6,7 @@ use crate::support::closures::{
     CLOSURES, GROUND, RUN, STATIC, angle, apart, arm, body, failure, four_bar, hinge, joint,
     linkage, rows, start, started,
 };
-use crate::support::program::{assert_says, check, number, refusal};
+use crate::support::program::{assert_close, assert_says, check, number, refusal};
 use pullback::elements::model::Context;
 use pullback::input::assemble_text;
 use pullback::integrators::statics::{StaticOptions, Step, solve_statics};
@@ -143,10 +143,7 @@ fn andrews_squeezer_starts_at_its_published_angles() {
             ("epsilon", 1.2305474445498212),
         ] {
             let found = at[&format!("{name} angle")][0];
-            assert!(
-                (found - published).abs() < 1e-13,
-                "{closure}: {name} {found}"
-            );
+            assert_close(found, published, 1e-13, format_args!("{closure}: {name}"));
         }
     }
 }

@@ -5,6 +5,7 @@
 #![allow(non_snake_case, clippy::unwrap_used)]
 
 use crate::support::dynamics::*;
+use crate::support::program::assert_close;
 use nalgebra::{Matrix3, Matrix6, Vector3};
 use pullback::elements::beam::Interpolation;
 use pullback::elements::body::RigidBody;
@@ -106,10 +107,8 @@ fn a_driven_end_twists_one_element_by_nearly_a_turn() {
                 for steps in [4, 9, 40] {
                     let found = energy(by, base, twist, steps).unwrap();
                     let exact = 0.5 * GJ * twist * twist;
-                    assert!(
-                        (found - exact).abs() < 1e-12 * exact,
-                        "{by:?}, {twist} rad on {base} rad in {steps} steps: {found} for {exact}"
-                    );
+                    let what = format!("{by:?}, {twist} rad on {base} rad in {steps} steps");
+                    assert_close(found, exact, 1e-12 * exact, what);
                 }
             }
         }
@@ -138,10 +137,7 @@ fn a_torque_twists_one_element_and_lets_it_go() {
             most = most.max(twist.abs());
             let exact = 0.5 * GJ * twist * twist;
             let found = context.strain_energy(step.t);
-            assert!(
-                (found - exact).abs() < 1e-7,
-                "{by:?}, {twist} rad: {found} for {exact}"
-            );
+            assert_close(found, exact, 1e-7, format_args!("{by:?}, {twist} rad"));
             let turned = nalgebra::Rotation3::new(Vector3::x() * twist);
             assert!((context.node_state(tip).R - turned.matrix()).amax() < 1e-7);
             ControlFlow::Continue(())

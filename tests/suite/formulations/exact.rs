@@ -6,6 +6,7 @@ use crate::support::comparisons::{self, BODY};
 use crate::support::dynamics::{assert_order, observed, tight};
 use crate::support::heavy_top::{HELD, assert_heavy_top};
 use crate::support::laboratory::options;
+use crate::support::program::assert_close;
 use nalgebra::{Rotation3, Vector3};
 use pullback::conformance as check;
 use pullback::elements::model::Formulation;
@@ -72,10 +73,7 @@ fn a_free_body_precesses_in_every_formulation_with_order_two() {
         for (row, exact) in comparison.of(method).zip(errors) {
             let found = row.error.unwrap().of(ErrorQuantity::AngularAcceleration);
             let part = ((row.samples.len() - 1) as f64 / row.samples.len() as f64).sqrt();
-            assert!(
-                (found / (exact * part) - 1.0).abs() < 0.01,
-                "{method}: {found:e} {exact:e}"
-            );
+            assert_close(found / (exact * part), 1.0, 0.01, method);
         }
     }
     for orders in &comparison.orders {

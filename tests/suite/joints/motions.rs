@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::support::closures::{angle, arm, beam_line, joint, on_joint, probe};
-use crate::support::program::{check_table, number, recorded, refusal};
+use crate::support::program::{assert_close, check_table, number, recorded, refusal};
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 
@@ -142,11 +142,7 @@ fn what_is_welded_to_an_arm_turns_with_it() {
             ("turn.y", 0.0),
             ("turn.z", angle),
         ] {
-            let found = number(&row, column);
-            assert!(
-                (found - exact).abs() < 1e-9,
-                "{column} at {t}: {found} {exact}"
-            );
+            assert_close(number(&row, column), exact, 1e-9, column);
         }
     }
 }
@@ -177,8 +173,7 @@ fn a_coupling_of_constant_velocity_turns_its_shafts_equally() {
     .concat();
     let rows = recorded("joint_coupling", &text);
     for row in &rows {
-        let (before, after) = (number(row, "A"), number(row, "B"));
-        assert!((before - after).abs() < 1e-8, "{before} {after}");
+        assert_close(number(row, "A"), number(row, "B"), 1e-8, "ends");
     }
     assert!((number(rows.last().unwrap(), "B") - 5.0).abs() < 1e-8);
 }

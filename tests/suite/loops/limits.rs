@@ -7,7 +7,7 @@ use crate::support::closures::{
     GROUND, angle, apart, arm, body, failure, four_bar, four_bar_of, hinge, joint, linkage, rows,
 };
 use crate::support::program::{
-    assert_says, check, command, directory, ended, number, refusal, write,
+    assert_close, assert_says, check, command, directory, ended, number, refusal, write,
 };
 use pullback::input::assemble_text;
 
@@ -75,11 +75,8 @@ fn velocities_of_the_whole_set_the_rates_of_loops() {
         &body("ground"),
     );
     let start = assemble_text("model.toml", &text).unwrap().start;
-    assert!(
-        (start.v.iter().map(|v| v * v).sum::<f64>() - 4.0).abs() < 1e-12,
-        "{:?}",
-        start.v
-    );
+    let square = start.v.iter().map(|v| v * v).sum();
+    assert_close(square, 4.0, 1e-12, format_args!("{:?}", start.v));
 }
 
 #[test]
@@ -109,8 +106,8 @@ fn a_spherical_joint_in_a_loop_takes_an_angular_velocity() {
     };
     let (_, rows) = rows("limits-ball", &link("[3.0, 0.0, 1.6]"));
     let found = ["w.x", "w.y", "w.z", "A"].map(|c| number(&rows[0], c));
-    for (found, exact) in found.iter().zip([3.0, 0.0, 1.6, 0.0]) {
-        assert!((found - exact).abs() < 1e-9, "{found} {exact}");
+    for (found, exact) in found.into_iter().zip([3.0, 0.0, 1.6, 0.0]) {
+        assert_close(found, exact, 1e-9, "rate");
     }
     let said = refusal(&link("[3.0, 1.0, 0.0]")).to_string();
     assert!(said.contains("S1") && said.contains("contradict"), "{said}");
@@ -250,11 +247,7 @@ fn a_crank_held_at_zero_by_its_drive_carries_the_loop() {
     let slope = (linkage(h)[1] - linkage(-h)[1]) / (2.0 * h);
     let exact = 9.81 * (-1.0 - 1.9 * slope);
     for row in &rows {
-        let found = number(row, "moment.z");
-        assert!(
-            (found - exact).abs() < 1e-6 * exact.abs(),
-            "{found} {exact}"
-        );
+        assert_close(number(row, "moment.z"), exact, 1e-6 * exact.abs(), "moment");
         for angle in ["A", "B", "D"] {
             assert!(number(row, angle).abs() < 1e-12, "{row:?}");
         }

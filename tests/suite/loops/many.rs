@@ -7,7 +7,7 @@ use super::program::probes;
 use crate::support::closures::{GROUND, arm, body, body_of, joint};
 use crate::support::dynamics::revolute;
 use crate::support::program::{
-    assert_says, command, directory, number, program, recorded, succeeded, write,
+    assert_close, assert_says, command, directory, number, program, recorded, succeeded, write,
 };
 use nalgebra::{Matrix3, SVector, Vector3};
 use pullback::elements::body::RigidBody;
@@ -156,10 +156,7 @@ fn a_loop_may_stand_on_a_frame_that_another_loop_moves() {
             {
                 let column = format!("{} {of}.{}", end.0, end.1);
                 let [map, other] = [0, 1].map(|k| number(&starts[k], &column));
-                assert!(
-                    (map - other).abs() < 1e-8,
-                    "{base}, {column}: {map} {other}"
-                );
+                assert_close(map, other, 1e-8, format_args!("{base}, {column}"));
             }
         }
     }

@@ -3,7 +3,7 @@
 
 use crate::support::closures::{GROUND, arm, body, body_of, hinge, joint, probe, rows};
 use crate::support::program::{
-    assert_says, check, directory, number, program, recorded, refusal, told, write,
+    assert_close, assert_says, check, directory, number, program, recorded, refusal, told, write,
 };
 
 const FOUR_BAR: &str = include_str!("../../../examples/models/four_bar.toml");
@@ -270,11 +270,9 @@ fn no_moment_passes_a_ball_in_a_loop() {
                 ("moment ground", [0.0, -15.0, 0.0]),
             ] {
                 for (c, exact) in ["x", "y", "z"].into_iter().zip(exact) {
-                    let found = number(&row, &format!("{what}.{c}"));
-                    assert!(
-                        (found - exact).abs() < 1e-9,
-                        "{name}, {what}.{c}: {found} {exact}"
-                    );
+                    let column = format!("{what}.{c}");
+                    let about = format_args!("{name}, {column}");
+                    assert_close(number(&row, &column), exact, 1e-9, about);
                 }
             }
         }

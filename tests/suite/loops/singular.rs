@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::support::closures::{GROUND, angle, arm, body, hinge};
-use crate::support::program::{directory, history, number, program, write};
+use crate::support::program::{assert_close, directory, history, number, program, write};
 use std::f64::consts::PI;
 
 /// Equal cranks of length 1 on a coupler and a ground of length 2: flat where they lie along it. With
@@ -36,10 +36,7 @@ fn run(name: &str, crank: &str, rate: f64, to: f64) {
     let rows = history(&out.join("model.out"));
     for row in &rows {
         let [t, a, d] = ["t", "A", "D"].map(|c| number(row, c));
-        assert!(
-            (a - rate * t).abs() < 1e-6 * (1.0 + a.abs()),
-            "{crank}: {a} at {t}"
-        );
+        assert_close(a, rate * t, 1e-6 * (1.0 + a.abs()), crank);
         assert!((a - d).abs() < 1e-6, "{crank}: {a} and {d} at {t}");
     }
     let end = rows.last().map_or(0.0, |row| number(row, "t"));
@@ -49,10 +46,7 @@ fn run(name: &str, crank: &str, rate: f64, to: f64) {
         assert!((end - to).abs() < 1e-9 && rate * to <= flat);
         return;
     }
-    assert!(
-        (rate * end - flat).abs() < 0.01,
-        "{crank}: ends at {end}\n{said}"
-    );
+    assert_close(rate * end, flat, 0.01, format_args!("{crank}: {said}"));
     for words in ["singular", "joint C", "B angle", "D angle", MULTIPLIERS] {
         assert!(said.contains(words), "{crank}: no {words}\n{said}");
     }

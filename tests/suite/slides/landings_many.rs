@@ -4,7 +4,7 @@
 
 use crate::support::dynamics::{assert_order, observed, spring, tight};
 use crate::support::landing::{G, Track, bead, bowl};
-use crate::support::program::assert_says;
+use crate::support::program::{assert_close, assert_says};
 use nalgebra::{Vector2, Vector3};
 use pullback::elements::joint::JointNodes;
 use pullback::elements::model::{Context, ModelBuilder, NodeId};
@@ -146,11 +146,7 @@ fn a_slide_goes_round_a_closed_ring_as_often_as_its_chain_does() {
     assert_eq!(what, "joint at node bead");
     assert!(matches!(why, DomainError::Beyond { margin, .. } if *margin <= 0.0));
     assert!(progress.summary.failed < 30, "{}", progress.summary.failed);
-    assert!(
-        (progress.state.q[0] - 6.0).abs() < 1e-4,
-        "{}",
-        progress.state.q[0]
-    );
+    assert_close(progress.state.q[0], 6.0, 1e-4, "end of the chain");
 }
 
 /// A bead on a spring along a zigzag in a level plane: u = cos 2t whatever the corners.

@@ -4,6 +4,7 @@
 
 use crate::support::beams::{beam, straight};
 use crate::support::dynamics::observed;
+use crate::support::program::assert_close;
 use nalgebra::Matrix3;
 use pullback::elements::load::LineLoad;
 use pullback::elements::spring::AxialSpring;
@@ -83,11 +84,9 @@ fn a_stiff_spring_keeps_what_turns_on_it() {
         let [u, w] = [0, 1].map(|k| at(masses[1], k)[1] - at(masses[0], k)[1]);
         let angle = y.atan2(1.0 + x);
         let momentum = 0.5 * ((1.0 + x) * w - y * u);
-        assert!((angle - 1.0).abs() < 1e-4, "{k:e}, {gravity}: {angle}");
-        assert!(
-            (momentum - 0.5).abs() < 1e-4,
-            "{k:e}, {gravity}: {momentum}"
-        );
+        let what = format!("{k:e}, {gravity}");
+        assert_close(angle, 1.0, 1e-4, &what);
+        assert_close(momentum, 0.5, 1e-4, &what);
     }
 }
 

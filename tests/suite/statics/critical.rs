@@ -5,7 +5,7 @@
 use crate::support::beams::{COLUMN, PINNED, line};
 use crate::support::closures::failure;
 use crate::support::laboratory::model;
-use crate::support::program::{directory, history, number, ran, results};
+use crate::support::program::{assert_close, directory, history, number, ran, results};
 use pullback::input::{Plan, job};
 use pullback::integrators::statics::{
     CriticalKind, StaticNewtonOptions, critical_point, trace_path,
@@ -104,12 +104,9 @@ fn a_column_follows_the_elastica() {
         let angle = number(row, "largest_rotation");
         let [K, E] = elliptic((0.5 * angle).sin());
         let P = 4.0 * K * K;
-        assert!(
-            (20.0 * number(row, "t") / P - 1.0).abs() < 1e-5,
-            "{angle} {P}"
-        );
+        assert_close(20.0 * number(row, "t") / P, 1.0, 1e-5, angle);
         let shortening = 2.0 * (1.0 - E / K) + P / 1e4;
-        assert!((number(row, "end.x") + shortening).abs() < 1e-5, "{angle}");
+        assert_close(number(row, "end.x"), -shortening, 1e-5, angle);
         assert_eq!(row["unstable"], "0", "{angle}");
     }
     assert_eq!(results(&out)["warnings"], serde_json::json!([]));

@@ -8,6 +8,7 @@ use pullback::input::{InputError, assemble_text};
 use pullback::run::run;
 use serde_json::Value;
 use std::collections::HashMap;
+use std::fmt::Display;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -108,6 +109,13 @@ pub fn assert_says(said: &str, words: &[&str]) {
     for word in words {
         assert!(said.contains(word), "{said:?} lacks {word:?}");
     }
+}
+
+/// A number is another one but for a small difference.
+#[track_caller]
+pub fn assert_close(found: f64, exact: f64, within: f64, what: impl Display) {
+    let off = (found - exact).abs();
+    assert!(off < within, "{what}: {found} {exact}");
 }
 
 /// Rows of a table with bars between their cells; missing cells are empty. A row that begins with # is a comment.
