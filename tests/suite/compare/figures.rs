@@ -99,6 +99,13 @@ fn a_linear_model_takes_one_solution_per_step() {
     }
 }
 
+/// Makes a run of Newmark's scheme a failed one.
+fn fail(comparison: &mut Comparison, step: f64) {
+    let mut rows = comparison.rows.iter_mut();
+    let row = rows.find(|r| r.scheme == "newmark" && r.requested_step == step);
+    row.unwrap().failure = Some("it failed".to_owned());
+}
+
 /// A failed run is marked in the legend: its curve ends before the others.
 #[test]
 fn curves_that_stop_say_so() {
@@ -121,17 +128,9 @@ fn curves_that_stop_say_so() {
     assert!((t - last).abs() <= 5e-3 * last, "{said}: {last}");
     // So does the short one with the smallest step, which is drawn beside it, and none between.
     comparison.long[1].failure = None;
-    let middle = comparison
-        .rows
-        .iter()
-        .position(|r| r.scheme == "newmark" && r.requested_step == 0.05);
-    comparison.rows[middle.unwrap()].failure = Some("it failed".to_owned());
+    fail(&mut comparison, 0.05);
     assert_eq!(stopping(&comparison), None);
-    let finest = comparison
-        .rows
-        .iter()
-        .position(|r| r.scheme == "newmark" && r.requested_step == 0.025);
-    comparison.rows[finest.unwrap()].failure = Some("it failed".to_owned());
+    fail(&mut comparison, 0.025);
     let said = stopping(&comparison).unwrap();
     assert!(said.starts_with("newmark with h = 0.025 after"), "{said}");
 }
@@ -164,32 +163,28 @@ fn lines_of_one_colour_have_marks() {
 #[test]
 fn curves_over_time_are_envelopes() {
     for factor in [16.0, 15.125] {
-        envelope_of_a_swing(factor);
-    }
-}
-
-fn envelope_of_a_swing(factor: f64) {
-    let mut comparison = compared(&["newmark"], Some(factor));
-    let row = &mut comparison.long[0];
-    assert!(row.samples.len() > 2 * PARTS);
-    let amplitude = |t: f64| 0.2 * (t / 200.0).exp();
-    for sample in &mut row.samples {
-        sample.energy = amplitude(sample.t) * (2.0 * sample.t).sin();
-    }
-    let row = &comparison.long[0];
-    let swings: Vec<f64> = row.samples.iter().map(|s| s.energy.abs()).collect();
-    let least = swings[1..].iter().copied().fold(f64::INFINITY, f64::min);
-    assert!(least < 0.02 * 0.2);
-    let graph = &drift(&comparison)[0];
-    assert_eq!(graph.description[1], "|change of energy|");
-    let points = &graph.curves[0].points;
-    assert_eq!(points.len(), PARTS);
-    for (t, value) in points {
-        // Three values of |sin 2t| that are 1 apart in t, and more so four: one is within 0.57 of its top, where it
-        // is above 0.84, as π − 2 and 4 − π are 1.14 and 0.86.
-        let part = value / amplitude(*t);
-        assert!((0.82..1.0 + 1e-12).contains(&part), "{t}: {part}");
-        assert!(row.samples.iter().any(|s| s.t == *t));
+        let mut comparison = compared(&["newmark"], Some(factor));
+        let row = &mut comparison.long[0];
+        assert!(row.samples.len() > 2 * PARTS);
+        let amplitude = |t: f64| 0.2 * (t / 200.0).exp();
+        for sample in &mut row.samples {
+            sample.energy = amplitude(sample.t) * (2.0 * sample.t).sin();
+        }
+        let row = &comparison.long[0];
+        let swings: Vec<f64> = row.samples.iter().map(|s| s.energy.abs()).collect();
+        let least = swings[1..].iter().copied().fold(f64::INFINITY, f64::min);
+        assert!(least < 0.02 * 0.2);
+        let graph = &drift(&comparison)[0];
+        assert_eq!(graph.description[1], "|change of energy|");
+        let points = &graph.curves[0].points;
+        assert_eq!(points.len(), PARTS);
+        for (t, value) in points {
+            // Three values of |sin 2t| that are 1 apart in t, and more so four: one is within 0.57 of its top, where it
+            // is above 0.84, as π − 2 and 4 − π are 1.14 and 0.86.
+            let part = value / amplitude(*t);
+            assert!((0.82..1.0 + 1e-12).contains(&part), "{t}: {part}");
+            assert!(row.samples.iter().any(|s| s.t == *t));
+        }
     }
 }
 

@@ -40,20 +40,8 @@ fn an_exact_solution_takes_the_place_of_the_reference() {
             assert!((a - b).abs() <= 1e-8 + 0.01 * a, "{word}: {a:e} {b:e}");
         }
     }
-    let kept = comparison
-        .of("projected-newmark")
-        .next()
-        .unwrap()
-        .drift
-        .energy
-        .unwrap();
-    let lost = comparison
-        .of("newmark")
-        .next()
-        .unwrap()
-        .drift
-        .energy
-        .unwrap();
+    let [kept, lost] = ["projected-newmark", "newmark"]
+        .map(|word| comparison.of(word).next().unwrap().drift.energy.unwrap());
     assert!(kept < 1e-13 && lost > 1e-5, "{kept:e} {lost:e}");
 }
 

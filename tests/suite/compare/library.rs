@@ -20,8 +20,8 @@ fn compared(text: &str, options: &ComparisonOptions) -> Comparison {
 }
 
 /// Root mean square over the samples after the start.
-fn rms(row: &ComparisonRow, distance: impl Fn(&Sample) -> f64) -> f64 {
-    let samples = &row.samples[1..];
+fn rms(samples: &[Sample], distance: impl Fn(&Sample) -> f64) -> f64 {
+    let samples = &samples[1..];
     let sum: f64 = samples.iter().map(|s| distance(s).powi(2)).sum();
     (sum / samples.len() as f64).sqrt()
 }
@@ -42,6 +42,11 @@ fn precession(t: f64) -> Matrix3<f64> {
     (turn * spin).into_inner()
 }
 
+/// The angle between the rotation of a free body and that of its precession.
+fn rotation_error(s: &Sample) -> f64 {
+    angle(&s.nodes[0].R, &precession(s.t))
+}
+
 /// A reference by sums of spins has nothing in common with the rotation vectors of the schemes, and the same
 /// exact motion.
 #[test]
@@ -59,9 +64,7 @@ fn a_reference_has_a_formulation_of_its_own() {
         "{}",
         reference.chart_changes
     );
-    let off = |s: &Sample| angle(&s.nodes[0].R, &precession(s.t)).powi(2);
-    let own: f64 = reference.samples[1..].iter().map(off).sum();
-    let own = (own / comparison.times as f64).sqrt();
+    let own = rms(&reference.samples, rotation_error);
     let estimate = reference.error.of(ErrorQuantity::Rotation);
     assert!(own <= estimate && estimate < 1e-5, "{own} {estimate}");
 }
@@ -80,10 +83,7 @@ fn rotations_of_a_free_body_converge_to_its_exact_precession() {
     let reference = comparison.reference.as_ref().unwrap();
     let k = ErrorQuantity::Rotation as usize;
     assert!(reference.extrapolated.0[k]);
-    let own = reference.samples[1..]
-        .iter()
-        .map(|s| angle(&s.nodes[0].R, &precession(s.t)).powi(2));
-    let own = (own.sum::<f64>() / comparison.times as f64).sqrt();
+    let own = rms(&reference.samples, rotation_error);
     // The estimate is an upper bound.
     let estimate = reference.error.of(ErrorQuantity::Rotation);
     assert!(own <= estimate, "{own} {estimate}");
@@ -92,7 +92,7 @@ fn rotations_of_a_free_body_converge_to_its_exact_precession() {
         assert_eq!(row.failure, None, "{} {}", row.scheme, row.step);
         // The start is exact, and belongs to the mean.
         let share = comparison.times as f64 / (comparison.times + 1) as f64;
-        let found = rms(row, |s| angle(&s.nodes[0].R, &precession(s.t))) * share.sqrt();
+        let found = rms(&row.samples, rotation_error) * share.sqrt();
         let said = row.error.unwrap().of(ErrorQuantity::Rotation);
         assert!(
             (found - said).abs() <= estimate + 1e-13,
@@ -143,9 +143,9 @@ fn errors_of_the_trapezoidal_rule_on_an_oscillator_are_those_in_closed_form() {
         let share = (0.5 * 80.0 / 81.0_f64).sqrt();
         let error = row.error.unwrap();
         for (quantity, exact) in [
-            (ErrorQuantity::Position, rms(row, x)),
-            (ErrorQuantity::Velocity, rms(row, v)),
-            (ErrorQuantity::Acceleration, 4.0 * rms(row, x)),
+            (ErrorQuantity::Position, rms(&row.samples, x)),
+            (ErrorQuantity::Velocity, rms(&row.samples, v)),
+            (ErrorQuantity::Acceleration, 4.0 * rms(&row.samples, x)),
         ] {
             let off = (error.of(quantity) - share * exact).abs();
             let allowed = 2.0 * estimate.of(quantity) + 1e-9;

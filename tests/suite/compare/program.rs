@@ -234,18 +234,11 @@ fn models_of_the_gallery_need_no_file() {
     // As `pullback gallery` names its cases, too.
     let [case, model] = ["heavy-top", "heavy_top"].map(|name| gallery::model(Path::new(name)));
     assert!(case.is_some() && case == model);
-    let listed = std::fs::read_dir(Path::new(ROOT).join("examples/models")).unwrap();
-    let mut listed: Vec<String> = listed
-        .map(|file| {
-            file.unwrap()
-                .path()
-                .file_stem()
-                .unwrap()
-                .to_string_lossy()
-                .into()
-        })
+    let listed = files(&Path::new(ROOT).join("examples/models"));
+    let listed: Vec<&str> = listed
+        .iter()
+        .map(|file| file.trim_end_matches(".toml"))
         .collect();
-    listed.sort();
     let known: Vec<&str> = MODELS.iter().map(|(name, _)| *name).collect();
     assert_eq!(known, listed);
     let directory = directory("program_compare_built_in");

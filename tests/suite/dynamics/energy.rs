@@ -92,51 +92,47 @@ fn free_beam(interpolation: Interpolation) -> (Context, Vec<f64>) {
 #[test]
 fn a_free_beam_under_the_trapezoidal_rule() {
     for interpolation in [Interpolation::Total, Interpolation::Geodesic] {
-        free_beam_conserves(interpolation);
-    }
-}
-
-fn free_beam_conserves(interpolation: Interpolation) {
-    let to = 1.5;
-    let mut linear = 0.0_f64;
-    let errors = [200, 400, 800].map(|n| {
-        let (mut context, v) = free_beam(interpolation);
-        let q = vec![0.0; v.len()];
-        let start = Point {
-            t: 0.0,
-            q: &q,
-            v: &v,
-            a: &q,
-        };
-        let first = context.energies_and_momentum(start).unwrap();
-        assert!(first.momentum.linear.norm() > 0.9 && first.momentum.angular.norm() > 0.3);
-        let energy = first.energies.kinetic;
-        let mut largest = [0.0_f64; 2];
-        let mut stored = 0.0_f64;
-        let options = tight(Scheme::default(), to, to / n as f64);
-        let progress = observed(&mut context, [&q, &v], &options, &mut |context, step| {
-            let at = point(&step.progress.state);
-            let now = context.energies_and_momentum(at).unwrap();
-            let total = now.energies.kinetic + now.energies.stored;
-            stored = stored.max(now.energies.stored);
-            largest[0] = largest[0].max((total - energy).abs());
-            let spin = now.momentum.angular - first.momentum.angular;
-            largest[1] = largest[1].max(spin.norm());
-            let gap = now.momentum.linear - first.momentum.linear;
-            linear = linear.max(gap.norm());
+        let to = 1.5;
+        let mut linear = 0.0_f64;
+        let errors = [200, 400, 800].map(|n| {
+            let (mut context, v) = free_beam(interpolation);
+            let q = vec![0.0; v.len()];
+            let start = Point {
+                t: 0.0,
+                q: &q,
+                v: &v,
+                a: &q,
+            };
+            let first = context.energies_and_momentum(start).unwrap();
+            assert!(first.momentum.linear.norm() > 0.9 && first.momentum.angular.norm() > 0.3);
+            let energy = first.energies.kinetic;
+            let mut largest = [0.0_f64; 2];
+            let mut stored = 0.0_f64;
+            let options = tight(Scheme::default(), to, to / n as f64);
+            let progress = observed(&mut context, [&q, &v], &options, &mut |context, step| {
+                let at = point(&step.progress.state);
+                let now = context.energies_and_momentum(at).unwrap();
+                let total = now.energies.kinetic + now.energies.stored;
+                stored = stored.max(now.energies.stored);
+                largest[0] = largest[0].max((total - energy).abs());
+                let spin = now.momentum.angular - first.momentum.angular;
+                largest[1] = largest[1].max(spin.norm());
+                let gap = now.momentum.linear - first.momentum.linear;
+                linear = linear.max(gap.norm());
+            });
+            assert_eq!(progress.summary.chart_changes, 0);
+            assert!(stored > 1e-3, "it is to be strained: {stored}");
+            largest.to_vec()
         });
-        assert_eq!(progress.summary.chart_changes, 0);
-        assert!(stored > 1e-3, "it is to be strained: {stored}");
-        largest.to_vec()
-    });
-    // The sum of the forces on nodes is linear in the accelerations: exact but for what Newton's
-    // method leaves, summed over the steps.
-    assert!(linear < 1e-10, "{linear:e}");
-    assert_slopes(
-        "free beam",
-        &["energy", "angular momentum"],
-        &errors,
-        2.0,
-        0.1,
-    );
+        // The sum of the forces on nodes is linear in the accelerations: exact but for what Newton's
+        // method leaves, summed over the steps.
+        assert!(linear < 1e-10, "{linear:e}");
+        assert_slopes(
+            "free beam",
+            &["energy", "angular momentum"],
+            &errors,
+            2.0,
+            0.1,
+        );
+    }
 }

@@ -87,12 +87,10 @@ fn em_takes_no_force_for_steady_that_does_not_say_so() {
 
 #[test]
 fn a_rotor_that_is_jerked_turns_its_free_hull_back() {
-    jerk(0.5);
-}
-
-#[test]
-fn at_the_start_it_does_as_later() {
-    jerk(0.0);
+    // At the start as later.
+    for from in [0.5, 0.0] {
+        jerk(from);
+    }
 }
 
 /// A free body with a rotor on a hinge, about a principal axis of both, whose drive turns from a time on for half a

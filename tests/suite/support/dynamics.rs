@@ -286,12 +286,8 @@ pub fn richardson(n: usize, history: &mut dyn FnMut(usize) -> Vec<NodeState>) ->
 /// its weight along −e3.
 pub fn heavy_body(b: &mut ModelBuilder, name: &str, node: NodeId, mass: f64, center: [f64; 3]) {
     let J = Matrix3::new(0.3, 0.02, 0.03, 0.02, 0.4, -0.04, 0.03, -0.04, 0.5) * mass;
-    body(
-        b,
-        name,
-        node,
-        RigidBody::new(mass, J, center.into()).unwrap(),
-    );
+    let made = RigidBody::new(mass, J, center.into()).unwrap();
+    body(b, name, node, made);
 }
 
 /// A rigid body and its weight of 9.81 per mass along −e3.
