@@ -88,7 +88,7 @@ fn a_comparison_without_any_reference_says_so() {
     assert!(!comparison.is_known() && comparison.reference_failure.is_none());
     let directory = directory("compare_loops");
     let model = write(&directory, &text);
-    let ran = compare(&model, &["--schemes", "ga:0.8", "--steps", "0.004,0.002"]);
+    let ran = compare(&model, "--schemes ga:0.8 --steps 0.004,0.002");
     let said = ended(&ran, 1);
     for word in [
         "no reference for any quantity",

@@ -33,19 +33,13 @@ fn example(directory: &Path, name: &str) -> PathBuf {
     path
 }
 
-const ASKED: [&str; 5] = [
-    "--schemes",
-    "newmark,ga:0.8",
-    "--steps",
-    "0.1,0.05,0.025",
-    "-q",
-];
+const ASKED: &str = "--schemes newmark,ga:0.8 --steps 0.1,0.05,0.025 -q";
 
 #[test]
 fn it_writes_tables_figures_and_a_page_that_needs_no_other_file() {
     let directory = directory("program_compare");
     let model = example(&directory, "pendulum.toml");
-    let output = compare(&model, &ASKED);
+    let output = compare(&model, ASKED);
     succeeded(&output);
     let out = directory.join("model.compare");
     let names = written();
@@ -77,7 +71,7 @@ fn it_writes_tables_figures_and_a_page_that_needs_no_other_file() {
         .descendants()
         .filter_map(|n| n.text())
         .collect();
-    assert!(command.starts_with("pullback compare ") && command.contains(&ASKED.join(" ")));
+    assert!(command.starts_with("pullback compare ") && command.contains(ASKED));
 
     // The same tables in Markdown, column by column.
     let text = read(out.join("compare.md"));
@@ -127,15 +121,12 @@ fn what_lies_in_its_directory_and_is_not_its_own_stays() {
     for name in ["result.json", "history.csv", "compare.json", "drift.svg"] {
         std::fs::write(out.join(name), "{}").unwrap();
     }
-    let asked = [&ASKED[..], &["--out", out.to_str().unwrap()]].concat();
+    let asked = format!("{ASKED} --out results");
     // A refusal changes nothing.
-    let refused = compare(
-        &model,
-        &[&asked[..], &["--reference", "newmark:0.3025:0.6"]].concat(),
-    );
-    assert_eq!(refused.status.code(), Some(2));
+    let refused = format!("{asked} --reference newmark:0.3025:0.6");
+    ended(&compare(&model, &refused), 2);
     assert_eq!(read(out.join("drift.svg")), "{}");
-    assert!(compare(&model, &asked).status.success());
+    succeeded(&compare(&model, &asked));
     assert_eq!(read(out.join("result.json")), "{}");
     assert_eq!(read(out.join("history.csv")), "{}");
     assert_ne!(read(out.join("drift.svg")), "{}");
@@ -144,21 +135,14 @@ fn what_lies_in_its_directory_and_is_not_its_own_stays() {
 #[test]
 fn several_models_make_one_page_and_a_directory_each() {
     let directory = directory("program_compare_several");
-    let examples = Path::new(ROOT).join("examples/models");
+    for name in ["pendulum.toml", "top.toml"] {
+        let example = Path::new(ROOT).join("examples/models").join(name);
+        std::fs::copy(example, directory.join(name)).unwrap();
+    }
     let out = directory.join("results");
-    let asked = [
-        "--schemes",
-        "newmark,bathe",
-        "--steps",
-        "4x,2x",
-        "--long",
-        "3",
-        "--out",
-        out.to_str().unwrap(),
-    ];
-    let second = examples.join("top.toml");
-    let several = [&[second.to_str().unwrap()], &asked[..]].concat();
-    let output = compare(&examples.join("pendulum.toml"), &several);
+    let asked = "--schemes newmark,bathe --steps 4x,2x --long 3 --out results";
+    let pendulum = directory.join("pendulum.toml");
+    let output = compare(&pendulum, &format!("top.toml {asked}"));
     succeeded(&output);
     // Two steps make no order, and the terminal says so.
     let text = String::from_utf8_lossy(&output.stdout);
@@ -181,11 +165,8 @@ fn several_models_make_one_page_and_a_directory_each() {
         assert!(end(long) >= 3.0 * end(first) - 1e-9, "{model}");
         assert!(long["drift"]["trend"].as_f64().is_some(), "{model}");
     }
-    let first = examples.join("pendulum.toml");
-    let twice = [&[first.to_str().unwrap()], &asked[..]].concat();
-    let refused = compare(&first, &twice);
-    assert_eq!(refused.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&refused.stderr).contains("called `pendulum`"));
+    let refused = compare(&pendulum, &format!("pendulum.toml {asked}"));
+    assert_says(&ended(&refused, 2), &["called `pendulum`"]);
 }
 
 #[test]
@@ -215,13 +196,11 @@ fn refusals_name_what_is_wrong() {
 ",
     );
     // A name that is neither a file nor a model has the nearest one beside it.
-    let output = compare(Path::new("pendulm"), &ASKED);
-    let said = ended(&output, 2);
+    let said = ended(&compare(&directory.join("pendulm"), ASKED), 2);
     let all = ["no file `pendulm`", "did you mean `pendulum`?", "heavy_top"];
     assert!(all.iter().all(|word| said.contains(word)), "{said}");
     let statics = example(&directory, "cantilever.toml");
-    let output = compare(&statics, &ASKED);
-    let said = ended(&output, 2);
+    let said = ended(&compare(&statics, ASKED), 2);
     assert_says(
         &said,
         &["model.toml: the analysis of this model is not dynamic"],
@@ -259,9 +238,8 @@ fn models_of_the_gallery_need_no_file() {
 fn formulations_that_a_model_does_not_take_are_rows() {
     let directory = directory("program_compare_formulations");
     let model = example(&directory, "pendulum.toml");
-    let schemes = "newmark,hht:-0.1,ga:0.8,lie-ga:0.8";
-    let asked = ["--schemes", schemes, "--steps", "0.1,0.05", "--charts"];
-    let output = compare(&model, &asked);
+    let asked = "--schemes newmark,hht:-0.1,ga:0.8,lie-ga:0.8 --steps 0.1,0.05 --charts";
+    let output = compare(&model, asked);
     let said = succeeded(&output);
     assert_eq!(
         said.matches("lie-ga:0.8 cannot begin: ").count(),
@@ -305,23 +283,15 @@ fn schemes_that_cannot_begin_are_refused_before_anything_runs_if_none_can() {
         .replace(joint, &format!("{joint}closure = \"multipliers\"\n"))
         .replace("to = 4\n", "to = 0.02\n");
     std::fs::write(&model, text).unwrap();
-    let steps = ["--steps", "0.01,0.005", "-q"];
-    let output = compare(
-        &model,
-        &[&["--schemes", "newmark,hht:0"], &steps[..]].concat(),
-    );
-    let said = ended(&output, 2);
-    assert!(
-        said.contains("model.toml: no scheme can begin this motion; newmark: "),
-        "{said}"
+    let steps = "--steps 0.01,0.005 -q --schemes newmark";
+    let said = ended(&compare(&model, &format!("{steps},hht:0")), 2);
+    assert_says(
+        &said,
+        &["model.toml: no scheme can begin this motion; newmark: "],
     );
     assert_eq!(files(&directory), ["model.toml"]);
     // Where one can, the others are rows with the reason.
-    let output = compare(
-        &model,
-        &[&["--schemes", "newmark,ga:0.8"], &steps[..]].concat(),
-    );
-    succeeded(&output);
+    succeeded(&compare(&model, &format!("{steps},ga:0.8")));
     let table = read(directory.join("model.compare/compare.csv"));
     let failed = table
         .lines()

@@ -4,11 +4,11 @@
 use crate::support::comparisons::BODY;
 use crate::support::dynamics::assert_order;
 use crate::support::program::{
-    compare, directory, ended, files, program_in, read, succeeded, write,
+    assert_says, compare, directory, ended, files, program_in, read, succeeded, write,
 };
 use nalgebra::{Rotation3, Vector3};
 use pullback::studies::compare::FILES;
-use pullback::studies::gallery::MODELS;
+use pullback::studies::gallery::{self, MODELS};
 use serde_json::Value;
 use std::fmt::Write;
 use std::path::Path;
@@ -21,8 +21,8 @@ fn body() -> String {
 
 /// What compare.json says, of a comparison that ends well.
 #[track_caller]
-fn compared(model: &Path, arguments: &[&str]) -> Value {
-    succeeded(&compare(model, arguments));
+fn compared(model: &Path, words: &str) -> Value {
+    succeeded(&compare(model, words));
     written(model)
 }
 
@@ -64,15 +64,9 @@ fn an_exact_solution_comes_from_a_file() {
     let model = write(&directory, &body());
     let file = directory.join("exact.csv");
     std::fs::write(&file, precession()).unwrap();
-    let steps = ["--steps", "0.02,0.01,0.005", "--schemes", "newmark,radau"];
-    let exact = [
-        "--exact",
-        file.to_str().unwrap(),
-        "-q",
-        "--residual",
-        "1e-12",
-    ];
-    let json = compared(&model, &[&steps[..], &exact].concat());
+    let exact = "--exact exact.csv -q --residual 1e-12 --schemes";
+    let asked = format!("{exact} newmark,radau --steps 0.02,0.01,0.005");
+    let json = compared(&model, &asked);
     let reference = json["reference"]["scheme"].as_str().unwrap();
     assert!(reference.starts_with("exact, ") && reference.ends_with("exact.csv"));
     let known = ["rotation", "angular_velocity", "angular_acceleration"];
@@ -89,8 +83,7 @@ fn an_exact_solution_comes_from_a_file() {
     let page = read(model.with_extension("compare").join("compare.md"));
     assert!(page.contains("Errors are those against a solution that is given"));
     // A file that does not go with the steps says which times are looked at.
-    let other = ["--steps", "0.03,0.01", "--schemes", "newmark"];
-    let refused = compare(&model, &[&other[..], &exact].concat());
+    let refused = compare(&model, &format!("{exact} newmark --steps 0.03,0.01"));
     let said = ended(&refused, 2);
     assert!(said.contains("there is no row for t = "), "{said}");
     // What it says twice it says once, and something.
@@ -110,7 +103,7 @@ fn an_exact_solution_comes_from_a_file() {
         (text.replacen("t,", "\u{feff}time,", 1), "column `time`"),
     ] {
         std::fs::write(&file, &wrong).unwrap();
-        let refused = compare(&model, &[&steps[..], &exact].concat());
+        let refused = compare(&model, &asked);
         let said = ended(&refused, 2);
         assert!(said.contains(word), "{said}");
     }
@@ -119,13 +112,10 @@ fn an_exact_solution_comes_from_a_file() {
 #[test]
 fn a_search_that_finds_nothing_is_apart_too() {
     // Nothing is kept by a pendulum on its pin but energy.
-    let asked = ["--schemes", "projected-newmark", "--steps", "4x,2x", "-q"];
     let directory = directory("program_compare_search");
-    let pendulum = write(
-        &directory,
-        pullback::studies::gallery::model(Path::new("pendulum")).unwrap(),
-    );
-    let json = compared(&pendulum, &asked);
+    let pendulum = gallery::model(Path::new("pendulum")).unwrap();
+    let model = write(&directory, pendulum);
+    let json = compared(&model, "--schemes projected-newmark --steps 4x,2x -q");
     for row in rows(&json, "projected-newmark") {
         let [before, all] = ["searching", "assemblies"].map(|key| row[key].as_u64().unwrap());
         assert!(before > 0);
@@ -137,13 +127,8 @@ fn a_search_that_finds_nothing_is_apart_too() {
 fn times_are_taken_alone_where_they_are_asked_for() {
     let directory = directory("program_compare_timed");
     let model = write(&directory, &body());
-    let asked = [
-        "--schemes",
-        "newmark,lie-newmark,projected-newmark,central-difference,radau",
-        "--steps",
-        "0.02,0.0005",
-        "-q",
-    ];
+    let schemes = "newmark,lie-newmark,projected-newmark,central-difference,radau";
+    let asked = format!("--schemes {schemes} --steps 0.02,0.0005 -q");
     let json = compared(&model, &asked);
     assert!(json["equal_time"].is_null());
     let all = json["rows"].as_array().unwrap();
@@ -185,7 +170,7 @@ fn times_are_taken_alone_where_they_are_asked_for() {
             "{assemblies} {evaluations}"
         );
     }
-    let json = compared(&model, &[&asked[..], &["--timed", "--charts"]].concat());
+    let json = compared(&model, &(asked + " --timed --charts"));
     for scheme in ["newmark", "lie-newmark"] {
         let times: Vec<f64> = rows(&json, scheme)
             .map(|row| row["seconds_alone"].as_f64().unwrap())
@@ -216,17 +201,8 @@ fn times_are_taken_alone_where_they_are_asked_for() {
 fn long_runs_tell_what_becomes_of_momenta_and_constraints() {
     let directory = directory("program_compare_long");
     let model = write(&directory, &body());
-    let asked = [
-        "--schemes",
-        "newmark,projected-newmark",
-        "--steps",
-        "0.02,0.01",
-        "--long",
-        "5",
-        "-q",
-        "--residual",
-        "1e-13",
-    ];
+    let schemes = "newmark,projected-newmark";
+    let asked = format!("--schemes {schemes} --steps 0.02,0.01 --long 5 -q --residual 1e-13");
     let json = compared(&model, &asked);
     let long = |json: &Value, scheme: &str, what: &str| {
         let rows = json["long"].as_array().unwrap();
@@ -282,22 +258,14 @@ fn the_command_runs_on_every_model_of_the_gallery_that_moves() {
         seen += 1;
         let model = directory.join(format!("{name}.toml"));
         std::fs::write(&model, text).unwrap();
-        let steps = format!("{},{step}", 2.0 * step);
-        let asked = [
-            "--schemes",
-            "newmark,ga:0.8,projected-newmark:0.8,bathe,lie-ga:0.8",
-            "--steps",
-            &steps,
-            "-q",
-        ];
+        let schemes = "newmark,ga:0.8,projected-newmark:0.8,bathe,lie-ga:0.8";
+        let asked = format!("--schemes {schemes} --steps {},{step} -q", 2.0 * step);
         // The few steps of this one resolve none of the vibrations of its bars: there is no reference.
         let json = match name == &"four_bar_misaligned" {
             false => compared(&model, &asked),
             true => {
-                let output = compare(&model, &asked);
-                let said = String::from_utf8_lossy(&output.stderr);
-                assert!(said.contains("no reference for any quantity"), "{said}");
-                assert_eq!(output.status.code(), Some(1), "{said}");
+                let said = ended(&compare(&model, &asked), 1);
+                assert_says(&said, &["no reference for any quantity"]);
                 written(&model)
             }
         };

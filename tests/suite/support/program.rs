@@ -196,10 +196,10 @@ pub fn command(name: &str, arguments: &[&Path]) -> Output {
         .unwrap()
 }
 
-/// The program, comparing schemes on a model with arguments.
-pub fn compare(model: &Path, arguments: &[&str]) -> Output {
-    let words: Vec<&Path> = arguments.iter().map(Path::new).collect();
-    command("compare", &[&[model], &words[..]].concat())
+/// The program in a model's directory, comparing schemes on it with the words of a line.
+pub fn compare(model: &Path, words: &str) -> Output {
+    let name = model.file_name().unwrap().to_str().unwrap();
+    program_in(model.parent().unwrap(), &format!("compare {name} {words}"))
 }
 
 /// The program in a directory, with the words of a line.
