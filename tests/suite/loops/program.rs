@@ -8,22 +8,23 @@ use crate::support::program::{
 
 const FOUR_BAR: &str = include_str!("../../../examples/models/four_bar.toml");
 
-/// The four-bar linkage with other words, one after the other.
-fn with(changes: &[(&str, &str)]) -> String {
-    changes
-        .iter()
-        .fold(FOUR_BAR.to_owned(), |text, (old, new)| {
-            assert!(text.contains(old), "the model does not contain {old:?}");
-            text.replacen(old, new, 1)
-        })
+/// The four-bar linkage with other words: lines of `old => new`, in which `&` is the old text and `\n` ends a line.
+fn with(changes: &str) -> String {
+    let lines = changes.lines().map(|line| line.replace("\\n", "\n"));
+    lines.fold(FOUR_BAR.to_owned(), |text, line| {
+        let (old, new) = line.split_once("=>").unwrap();
+        let old = old.trim();
+        assert!(text.contains(old), "the model does not contain {old:?}");
+        text.replacen(old, &new.trim().replace('&', old), 1)
+    })
 }
 
 #[test]
 fn a_rate_where_the_drive_leaves_no_freedom_is_refused() {
-    let driven = with(&[
-        ("rate = ", "prescribed = { proportional = 4.5 } # "),
-        ("name = \"D\"\n", "name = \"D\"\nrate = 1\n"),
-    ]);
+    let driven = with(
+        r#"rate = 4.5 => prescribed = { proportional = 4.5 }
+name = "D" => &\nrate = 1"#,
+    );
     let said = refusal(&driven).to_string();
     assert!(said.contains("the initial rate of D"), "{said}");
     assert!(said.contains("leaves it no freedom"), "{said}");
@@ -32,19 +33,12 @@ fn a_rate_where_the_drive_leaves_no_freedom_is_refused() {
 #[test]
 fn a_free_child_hangs_on_its_joint() {
     // The rocker's tip as a node of its own, with a body of its own on it.
-    let text = with(&[
-        (
-            "ground = [0, 0, 0]",
-            "ground = [0, 0, 0]\nweight = [1.2, 1.9, 0]",
-        ),
-        ("child = \"rocker tip\"", "child = \"weight\""),
-        (
-            "[[supports]]",
-            "[[bodies]]\nname = \"weight\"\nnode = \"weight\"\nmass = 1\ninertia = [1, 1, 1]\n\n[[supports]]",
-        ),
-        ("to = 4", "to = 0.02"),
-        ("rate = 4.5", ""),
-    ]);
+    let text = with(
+        r#"ground = [0, 0, 0] => &\nweight = [1.2, 1.9, 0]
+child = "rocker tip" => child = "weight"
+to = 4 => to = 0.02
+rate = 4.5 =>"#,
+    ) + &body("weight");
     let (said, _) = rows("loops-free", &text);
     assert!(said.contains("joint C: weight is attached to it"), "{said}");
 }
@@ -52,40 +46,24 @@ fn a_free_child_hangs_on_its_joint() {
 #[test]
 fn what_does_not_close_is_refused_with_the_joint_and_the_gap() {
     // A coupler that ends beside the plane of the others.
-    let text = with(&[("position = [1.2, 1.9, 0]", "position = [1.2, 1.9, 0.3]")]);
+    let text = with("position = [1.2, 1.9, 0] => position = [1.2, 1.9, 0.3]");
     let said = refusal(&text).to_string();
     assert_says(&said, &["gap along e3 at joint C", "e-1"]);
     // A free node at another position.
-    let text = with(&[
-        (
-            "ground = [0, 0, 0]",
-            "ground = [0, 0, 0]\nweight = [1.2, 2, 0]",
-        ),
-        ("child = \"rocker tip\"", "child = \"weight\""),
-        (
-            "[[supports]]",
-            "[[bodies]]\nname = \"weight\"\nnode = \"weight\"\nmass = 1\n\n[[supports]]",
-        ),
-    ]);
+    let text = with(
+        r#"ground = [0, 0, 0] => &\nweight = [1.2, 2, 0]
+child = "rocker tip" => child = "weight""#,
+    ) + &body("weight");
     let said = refusal(&text).to_string();
     assert!(said.contains("joint C") && said.contains("apart"), "{said}");
     // Rates that the loop does not allow.
-    let text = with(&[(
-        "name = \"B\"\ntype = \"revolute\"",
-        "name = \"B\"\ntype = \"revolute\"\nrate = 3.0",
-    )]);
+    let text = with(r#"name = "B" => &\nrate = 3.0"#);
     check(&text, "4.5", "rates of A, B contradict", "rates");
     // A loop over a body that flies freely.
-    let text = with(&[
-        (
-            "ground = [0, 0, 0]",
-            "ground = [0, 0, 0]\nfree = [1.6, 0, 0]",
-        ),
-        (
-            "name = \"D\"\ntype = \"revolute\"\nparent = \"foot\"",
-            "name = \"D\"\ntype = \"revolute\"\nparent = \"free\"",
-        ),
-    ]);
+    let text = with(
+        r#"ground = [0, 0, 0] => &\nfree = [1.6, 0, 0]
+parent = "foot" => parent = "free""#,
+    );
     let said = refusal(&text).to_string();
     assert!(said.contains("joint C") && said.contains("free"), "{said}");
 }
@@ -93,12 +71,12 @@ fn what_does_not_close_is_refused_with_the_joint_and_the_gap() {
 #[test]
 fn a_singular_start_is_named() {
     // A parallelogram drawn flat.
-    let text = with(&[
-        ("position = [0, 1, 0]", "position = [1, 0, 0]"),
-        ("position = [1.2, 1.9, 0]", "position = [3, 0, 0]"),
-        ("position = [1.6, 0, 0]", "position = [2, 0, 0]"),
-        ("position = [1.2, 1.9, 0]", "position = [3, 0, 0]"),
-    ]);
+    let text = with(
+        "position = [0, 1, 0] => position = [1, 0, 0]
+position = [1.2, 1.9, 0] => position = [3, 0, 0]
+position = [1.6, 0, 0] => position = [2, 0, 0]
+position = [1.2, 1.9, 0] => position = [3, 0, 0]",
+    );
     let said = refusal(&text).to_string();
     assert!(
         said.contains("singular") && !said.contains("there none"),
@@ -144,17 +122,13 @@ fn notes(text: &str) -> Vec<String> {
 fn the_loop_leaves_the_crank_free_and_what_carries_something() {
     // The crank by its rate and position; as they are drawn other angles are better by less than 10.
     assert!(notes(FOUR_BAR)[0].contains("independent: A angle;"));
-    let none = with(&[("rate = 4.5", "")]);
+    let none = with("rate = 4.5 =>");
     assert!(notes(&none)[0].contains("independent: A angle;"));
     for joint in ["B", "C", "D"] {
-        let name = format!("name = \"{joint}\"\ntype = \"revolute\"");
-        let sprung = format!("{name}\nspring = {{ k = 1 }}");
-        let text = with(&[("rate = 4.5", ""), (&name, &sprung)]);
+        let sprung = format!("name = \"{joint}\" => &\\nspring = {{ k = 1 }}");
+        let text = with(&format!("rate = 4.5 =>\n{sprung}"));
         let said = &notes(&text)[0];
-        assert!(
-            said.contains(&format!("independent: {joint} angle;")),
-            "{said}"
-        );
+        assert_says(said, &[&format!("independent: {joint} angle;")]);
     }
 }
 
@@ -163,14 +137,15 @@ fn degrees_of_freedom_are_told() {
     let said = "degrees of freedom: 1 of 4 coordinates, 1 loop with 6 equations, of which 3 are \
                 redundant";
     let out = directory("loops-mobility");
-    let model = write(&out, &with(&[("to = 4", "to = 0.01")]));
+    let model = write(&out, &with("to = 4 => to = 0.01"));
     let ran = program(&[&model]);
     assert!(String::from_utf8(ran.stdout).unwrap().contains(said));
     assert_eq!(ran.stderr, b"", "no warning");
     // The same by multipliers.
-    let closure = "child = \"rocker tip\"\nclosure = \"multipliers\"";
-    let text = with(&[("child = \"rocker tip\"", closure)]);
-    let text = text.replace("newmark = [0.25, 0.5]", "generalised-alpha = 0.8");
+    let text = with(
+        r#"child = "rocker tip" => &\nclosure = "multipliers"
+newmark = [0.25, 0.5] => generalised-alpha = 0.8"#,
+    );
     let job = pullback::input::assemble_text("model.toml", &text).unwrap();
     assert_eq!(job.context.mobility().to_string(), said);
 }
@@ -178,20 +153,12 @@ fn degrees_of_freedom_are_told() {
 #[test]
 fn a_linkage_that_cannot_move_is_warned_of() {
     // The coupler's first axis lies in the plane: nothing can turn. A pendulum beside it can.
-    let wrong = with(&[
-        ("to = 4", "to = 0.01"),
-        ("rate = 4.5\n", ""),
-        (
-            "name = \"B\"\ntype = \"revolute\"\nparent = \"crank tip\"\naxis = [0, 0, 1]",
-            "name = \"B\"\ntype = \"revolute\"\nparent = \"crank tip\"\naxis = [0, 1, 0]",
-        ),
-        (
-            "[[supports]]",
-            "[[joints]]\nname = \"P\"\ntype = \"revolute\"\nparent = \"ground\"\naxis = [0, 0, 1]\n\n\
-             [[bodies]]\nname = \"bob\"\nnode = \"P\"\nmass = 1\ncenter = [1, 0, 0]\ninertia = [1, 1, 1]\n\n\
-             [[supports]]",
-        ),
-    ]);
+    let wrong = with(
+        r#"to = 4 => to = 0.01
+rate = 4.5 =>
+parent = "crank tip"\naxis = [0, 0, 1] => parent = "crank tip"\naxis = [0, 1, 0]"#,
+    ) + &hinge("P", "ground", "")
+        + &body_of("P", 1.0, "center = [1, 0, 0]\ninertia = [1, 1, 1]");
     let [_, warnings] = told("loops-locked", &wrong);
     assert_eq!(warnings.len(), 1, "{warnings:?}");
     let said =
@@ -201,14 +168,7 @@ fn a_linkage_that_cannot_move_is_warned_of() {
 
 #[test]
 fn coordinates_without_mass_are_warned_of() {
-    let bare = with(&[
-        ("to = 4", "to = 0.01"),
-        (
-            "[[supports]]",
-            "[[joints]]\nname = \"P\"\ntype = \"revolute\"\nparent = \"ground\"\naxis = [0, 0, 1]\n\
-             spring = { k = 1 }\n\n[[supports]]",
-        ),
-    ]);
+    let bare = with("to = 4 => to = 0.01") + &hinge("P", "ground", "spring = { k = 1 }");
     let [_, warnings] = told("loops-massless", &bare);
     assert_eq!(warnings.len(), 1, "{warnings:?}");
     let said = "no mass acts on P angle: without mass a coordinate follows forces at once.";
