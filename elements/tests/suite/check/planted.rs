@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use pullback_conformance::{self as check, ModelOptions};
 use pullback_conformance::{InCharts, LawRow, Report};
 use pullback_elements::body::RigidBody;
-use pullback_elements::element::{Element, Motion, Response};
+use pullback_elements::element::{Abilities, Element, ElementEnergies, Motion, Response};
 use pullback_elements::joint::Pose;
 use pullback_elements::model::{BeamLine, Context, Dof, ModelBuilder};
 use pullback_manifold::domain::DomainError;
@@ -31,6 +31,8 @@ enum Planted {
     MissingTangent,
     /// Ω×JΩ is missing in the body's force.
     MissingForce,
+    /// A tenth too much kinetic energy.
+    WrongEnergy,
 }
 
 /// A rigid link with a closed form that overrides the derived one.
@@ -83,7 +85,7 @@ fn body() -> RigidBody {
     RigidBody::new(2.0, J, Vector3::zeros()).unwrap()
 }
 
-/// A rigid body without some of its gyroscopic terms.
+/// A rigid body without some of its gyroscopic terms, or with a wrong energy.
 struct Top(Planted);
 
 impl Element for Top {
@@ -113,6 +115,23 @@ impl Element for Top {
             }
         }
         Ok(())
+    }
+
+    fn abilities(&self) -> Abilities<'_> {
+        Abilities {
+            energies: Some(self),
+            ..Abilities::default()
+        }
+    }
+}
+
+impl ElementEnergies for Top {
+    fn kinetic_energy(&self, at: &Motion<'_>) -> Option<f64> {
+        let factor = match self.0 {
+            Planted::WrongEnergy => 1.1,
+            _ => 1.0,
+        };
+        Some(factor * InCharts(&body()).abilities().kinetic_energy(at)?)
     }
 }
 
@@ -236,6 +255,16 @@ fn a_missing_gyroscopic_force() {
         let row = failure(&report, "element top (top)", "inertia = d/dt dT/dv - dT/dx");
         assert_eq!(row.blocks.len(), 1, "{report}");
         assert_eq!(row.blocks[0].rows, "rotation of node hub");
+    }
+}
+
+#[test]
+fn a_kinetic_energy_that_is_not_that_of_the_mass_matrix() {
+    for seed in SEEDS {
+        let report = report(Planted::WrongEnergy, seed);
+        let failed =
+            |row: &&LawRow| [&row.component[..], &row.law] == ["element top (top)", "T = v.Mv/2"];
+        assert!(report.failures().iter().any(failed), "{report}");
     }
 }
 
