@@ -13,7 +13,7 @@ fn its_lines_stand_where_it_says() {
     let sources = [
         include_str!("../../../integrators/src/dynamics/scheme/list.rs"),
         include_str!("../../../integrators/src/dynamics/scheme/mod.rs"),
-        include_str!("../../../integrators/tests/suite/schemes/conformance.rs"),
+        include_str!("../../../integrators/tests/suite/schemes/mod.rs"),
         include_str!("../../../integrators/tests/suite/schemes/conformance.rs"),
         include_str!("adding_an_integrator.rs"),
     ];
