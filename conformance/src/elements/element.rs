@@ -9,9 +9,9 @@ use pullback_manifold::system::Weights;
 /// Checks every law of an element at every position within its domain.
 ///
 /// The laws are those of tangents, at rest and in motion; symmetry where the element declares it; the force as the
-/// derivative of the energy, if it has one; inertial forces as those of the kinetic energy; the balance of power; that
-/// neither the residual nor a tangent depends on what else is requested; and that a combined tangent is the sum of its
-/// parts. An element that reads poses is checked in the charts of its frames.
+/// derivative of the energy, if it has one; inertial forces as those of the kinetic energy ½ ẋ·M ẋ, which is the one
+/// that it gives; the balance of power; that neither the residual nor a tangent depends on what else is requested; and
+/// that a combined tangent is the sum of its parts. An element that reads poses is checked in the charts of its frames.
 pub fn element(element: &dyn Element) -> Report {
     let n = element.dim();
     let name = format!("element of {n} coordinates");

@@ -30,6 +30,12 @@ pub(crate) fn laws(report: &mut Report, one: &One<'_>, conservative: bool, rando
     if !quadratic {
         return;
     }
+    if let Some(T) = one.element.abilities().kinetic_energy(&motion(one.state)) {
+        let v = &one.state.v;
+        let gap = (T - 0.5 * v.dot(&(M * v))).abs();
+        let size = v.abs().dot(&(M.abs() * v.abs()));
+        report.defect("T = v.Mv/2", one.at, gap, 1e-13 * size);
+    }
     if heavy {
         lagrange(report, one, M, &mass, random);
     }
@@ -80,10 +86,6 @@ fn lagrange(
     };
     let kinetic = |x: DVector<f64>| Some(0.5 * s.v.dot(&(mass(&at(x))? * &s.v)));
     let (p, T) = (M * &s.v, 0.5 * s.v.dot(&(M * &s.v)));
-    if let Some(given) = one.element.abilities().kinetic_energy(&motion(s)) {
-        let size = (M.abs() * s.v.abs()).dot(&s.v.abs());
-        report.defect("T = v.Mv/2", one.at, (given - T).abs(), 1e-13 * size);
-    }
 
     let d = random.direction_in(&one.layout.units());
     let work = force.dot(&d);
