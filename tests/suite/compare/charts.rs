@@ -4,6 +4,7 @@
 use crate::support::comparisons;
 use crate::support::dynamics::{assert_order, slopes};
 use crate::support::laboratory::options;
+use crate::support::program::changed;
 use pullback::studies::compare::{Comparison, ComparisonOptions, ComparisonRow, ErrorQuantity};
 
 fn compared(text: &str, methods: &[&str], steps: &[f64]) -> Comparison {
@@ -60,13 +61,8 @@ fn in_a_plane_a_change_of_chart_costs_nothing() {
 fn a_body_keeps_its_order_whenever_charts_change() {
     let steps = [0.01, 0.005, 0.0025];
     // A free body with three different moments of inertia.
-    let body = comparisons::BODY
-        .replace("[2, 2, 1]", "[1, 2, 3]")
-        .replace(
-            "body_angular_velocity = [3, 0, 4]",
-            "angular_velocity = [3, 1, 8]",
-        )
-        .replace("to = 2", "to = 0.55");
+    let changes = "[2, 2, 1] => [1, 2, 3]\n[3, 0, 4] => [3, 1, 8]\nto = 2 => to = 0.55";
+    let body = changed(comparisons::BODY, changes);
     let comparison = compared(&body, &["newmark", "ul-newmark"], &steps);
     for rows in [&comparison.rows, &comparison.charts] {
         for scheme in ["newmark", "ul-newmark"] {

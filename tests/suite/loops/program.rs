@@ -3,20 +3,15 @@
 
 use crate::support::closures::{GROUND, arm, body, body_of, hinge, joint, probe, rows};
 use crate::support::program::{
-    assert_close, assert_says, check, directory, number, program, recorded, refusal, told, write,
+    assert_close, assert_says, changed, check, directory, number, program, recorded, refusal, told,
+    write,
 };
 
 const FOUR_BAR: &str = include_str!("../../../examples/models/four_bar.toml");
 
-/// The four-bar linkage with other words: lines of `old => new`, in which `&` is the old text and `\n` ends a line.
+/// The four-bar linkage with [other words](changed).
 fn with(changes: &str) -> String {
-    let lines = changes.lines().map(|line| line.replace("\\n", "\n"));
-    lines.fold(FOUR_BAR.to_owned(), |text, line| {
-        let (old, new) = line.split_once("=>").unwrap();
-        let old = old.trim();
-        assert!(text.contains(old), "the model does not contain {old:?}");
-        text.replacen(old, &new.trim().replace('&', old), 1)
-    })
+    changed(FOUR_BAR, changes)
 }
 
 #[test]

@@ -130,20 +130,28 @@ pub fn cells<const N: usize>(table: &str) -> impl Iterator<Item = [&str; N]> {
     })
 }
 
-/// Refuses each change of a model in a table of `old => new | position | message | advice`. A row without `old`
-/// changes what the row before does; `&` in `new` is the old text, and `\n` ends a line.
+/// A text with other words: lines of `old => new`, in which `&` is the old text and `\n` ends a line.
+pub fn changed(text: &str, changes: &str) -> String {
+    changes.lines().fold(text.to_owned(), |text, line| {
+        let [old, new] = line.split_once("=>").unwrap().into();
+        let [old, new] = [old, new].map(|words| words.trim().replace("\\n", "\n"));
+        assert!(text.contains(&old), "the model does not contain {old:?}");
+        text.replacen(&old, &new.replace('&', &old), 1)
+    })
+}
+
+/// Refuses each [change](changed) of a model in a table of `old => new | position | message | advice`. A row without
+/// `old` changes what the row before does.
 #[track_caller]
 pub fn check_table(model: &str, refusal: impl Fn(&str) -> InputError, table: &str) {
-    let mut old = String::new();
+    let mut old = "";
     for [change, position, message, advice] in cells(table) {
         println!("{change}");
         let [from, to] = change.split_once("=>").unwrap().into();
         if !from.is_empty() {
-            old = from.trim().replace("\\n", "\n");
+            old = from;
         }
-        assert!(model.contains(&old), "the model does not contain {old:?}");
-        let new = to.trim().replace("\\n", "\n").replace('&', &old);
-        let text = model.replacen(&old, &new, 1);
+        let text = changed(model, &format!("{old}=>{to}"));
         check_error(&text, &refusal(&text), position, message, advice);
     }
 }
