@@ -292,10 +292,10 @@ fn initial_progress(job: &mut Job, resumed: Option<Progress>) -> Result<Progress
 
 /// The warnings about a model at its start; adds to the notes on it.
 fn first_warnings(job: &mut Job, progress: &Progress, notes: &mut Vec<String>) -> Vec<String> {
-    let Job { context, file, .. } = job;
-    let mut warnings = warnings::strained(context, file, progress);
+    let mut warnings = warnings::strained(job, progress);
     if matches!(job.plan, Plan::Dynamic(_)) {
-        notes.extend(warnings::prescribed_start(context, file));
+        notes.extend(warnings::prescribed_start(job));
+        let Job { context, file, .. } = job;
         warnings.extend(warnings::lines_at_rest(file));
         warnings.extend(warnings::immobile(context));
         warnings.extend(warnings::massless(context, progress));

@@ -8,10 +8,11 @@ mod joint_rates;
 pub(crate) use diagnostics::Diagnostics;
 pub(crate) use joint_rates::{JointRates, RateChange};
 
-use crate::input::{Joint, ModelFile, Time};
+use crate::input::{Job, ModelFile, Time};
 use crate::solve::Counts;
 use pullback_elements::element::SectionState;
-use pullback_elements::model::{BEFORE_START, Context};
+use pullback_elements::joint::JointNodes;
+use pullback_elements::model::{BEFORE_START, Context, NodeId};
 use pullback_integrators::dynamics::{Progress, State};
 use pullback_manifold::system::{Evaluation, Point, System};
 
@@ -57,13 +58,12 @@ pub(crate) fn stability_unknown(context: &Context) -> Option<String> {
 
 /// Whether any released coordinate of the joint is an unknown of its own (true), or depends on those of
 /// a loop (false).
-fn has(own: bool, context: &Context, joint: &Joint) -> bool {
-    (context.joint_coordinates())
-        .any(|(node, name, _)| context.is_own(node) == own && joint.names(name))
+fn has(own: bool, context: &Context, joint: &JointNodes) -> bool {
+    (joint.coordinates.iter()).any(|&node| context.is_own(node) == own)
 }
 
-/// Supports and joints whose prescribed motion has a value (0) or a rate (1) at the start.
-fn prescribed(file: &ModelFile, order: usize) -> impl Iterator<Item = (String, Option<&Joint>)> {
+/// Supports and joints, with their numbers, whose prescribed motion has a value (0) or a rate (1) at the start.
+fn prescribed(file: &ModelFile, order: usize) -> impl Iterator<Item = (String, Option<usize>)> {
     let off = move |time: &Time| {
         time.function(&file.inputs)
             .is_ok_and(|f| f.at(BEFORE_START, &[])[order] != 0.0)
@@ -72,9 +72,10 @@ fn prescribed(file: &ModelFile, order: usize) -> impl Iterator<Item = (String, O
         let prescribed = s.prescribed.as_ref();
         prescribed.is_some_and(|d| d.given().any(|(_, time)| off(time)))
     });
-    let joints = (file.joints.iter()).filter(move |j| j.prescribed.as_ref().is_some_and(off));
+    let joints = (file.joints.iter().enumerate())
+        .filter(move |(_, j)| j.prescribed.as_ref().is_some_and(off));
     (supports.map(|s| (format!("support of {}", s.node), None)))
-        .chain(joints.map(|j| (format!("joint {}", j.name), Some(j))))
+        .chain(joints.map(|(k, j)| (format!("joint {}", j.name), Some(k))))
 }
 
 /// The first of several names, and the number of the others.
@@ -93,31 +94,26 @@ fn are(names: &[String]) -> String {
 }
 
 /// A warning about bodies that start with a velocity as joints attach them to something prescribed.
-pub(crate) fn prescribed_start(context: &Context, file: &ModelFile) -> Option<String> {
+pub(crate) fn prescribed_start(job: &Job) -> Option<String> {
+    let Job { context, file, .. } = job;
     let prescribed: Vec<String> = prescribed(file, 1).map(|(name, _)| name).collect();
     if !file.initial.is_empty() || prescribed.is_empty() {
         return None;
     }
-    let moves = |name: &str| {
-        context.find(name).is_some_and(|node| {
-            let state = context.node_state(node);
-            state.velocity.norm() + state.omega.norm() > 0.0
-        })
+    let moves = |node: NodeId| {
+        let state = context.node_state(node);
+        state.velocity.norm() + state.omega.norm() > 0.0
     };
     // Rates of loops depend on prescribed motion.
-    let rests = |joint: &Joint| {
-        let mut own = context
-            .joint_coordinates()
-            .filter(|(_, name, _)| joint.names(name));
-        own.all(|(n, _, dim)| {
-            (0..dim).all(|k| context.coordinate(n, k).is_none_or(|[_, rate]| rate == 0.0))
-        })
+    let rests = |&node: &NodeId| {
+        let mut rates = (0..).map_while(|k| context.coordinate(node, k));
+        rates.all(|[_, rate]| rate == 0.0)
     };
-    let carried = (file.joints.iter()).filter(|j| {
-        let free = j.rate.is_none() && j.prescribed.is_none() && has(true, context, j);
-        free && rests(j) && moves(&j.name)
+    let carried = (file.joints.iter().zip(&job.joints)).filter(|(j, nodes)| {
+        let free = j.rate.is_none() && j.prescribed.is_none() && has(true, context, nodes);
+        free && nodes.coordinates.iter().all(rests) && moves(nodes.frame)
     });
-    let carried: Vec<String> = carried.map(|j| j.name.clone()).collect();
+    let carried: Vec<String> = carried.map(|(j, _)| j.name.clone()).collect();
     (!carried.is_empty()).then(|| {
         format!(
             "{} prescribed with a velocity just before t = 0: what is attached to it by {} starts with it, as rates \
@@ -149,14 +145,16 @@ pub(crate) fn lines_at_rest(file: &ModelFile) -> impl Iterator<Item = String> {
 
 /// A warning about energy stored at the start of a motion because prescribed coordinates or
 /// initial values differ from the reference configuration.
-pub(crate) fn strained(context: &Context, file: &ModelFile, progress: &Progress) -> Vec<String> {
+pub(crate) fn strained(job: &Job, progress: &Progress) -> Vec<String> {
+    let Job { context, file, .. } = job;
     let stored = progress.summary.energy.map_or(0.0, |e| e.now.stored);
-    let valued = (file.joints.iter()).filter(|j| j.value.is_some_and(|x| x != 0.0));
-    let valued = valued.map(|j| (format!("joint {}", j.name), Some(j)));
+    let valued =
+        (file.joints.iter().enumerate()).filter(|(_, j)| j.value.is_some_and(|x| x != 0.0));
+    let valued = valued.map(|(k, j)| (format!("joint {}", j.name), Some(k)));
     let names: Vec<String> = prescribed(file, 0)
         .chain(valued)
         // The coordinates of a loop are compatible.
-        .filter(|(_, joint)| joint.is_none_or(|j| !has(false, context, j)))
+        .filter(|(_, joint)| joint.is_none_or(|k| !has(false, context, &job.joints[k])))
         .map(|(name, _)| name)
         .collect();
     // The energy of a joint's own spring is intended.

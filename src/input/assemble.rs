@@ -10,6 +10,7 @@ use super::{InputError, InputProblem, Location, initial, probes, settings};
 use crate::probe::Probe;
 use nalgebra::{Matrix3, Vector3};
 use pullback_elements::beam::Interpolation;
+use pullback_elements::joint::JointNodes;
 use pullback_elements::model::{Context, ElementId, Formulation, ModelError, NodeId};
 
 /// A model and its analysis as a model file describes them, ready to run.
@@ -24,6 +25,8 @@ pub struct Job {
     pub eigenvalues: Option<EigenvaluePlan>,
     /// The quantities to record.
     pub probes: Vec<Probe>,
+    /// Nodes of the joints, in the order of the file.
+    pub joints: Vec<JointNodes>,
     /// Lines and supports, for figures and ParaView.
     pub geometry: Geometry,
     /// The file, with all defaults filled in.
@@ -117,7 +120,7 @@ pub(super) fn assemble(
     // Velocities and accelerations are outputs of linear equations about an equilibrium.
     let moves = dynamic || matches!(file.analysis, Analysis::Modes(_) | Analysis::Campbell(_));
     let probes = probes::resolve(&assembly, &context, moves)?;
-    let geometry = assembly.geometry;
+    let (joints, geometry) = (assembly.joints, assembly.geometry);
     settings::fill_in(&plan, &mut file.analysis);
     Ok(Job {
         start,
@@ -125,6 +128,7 @@ pub(super) fn assemble(
         plan,
         eigenvalues,
         probes,
+        joints: joints.into_iter().flatten().collect(),
         geometry,
         file,
     })
@@ -165,46 +169,38 @@ fn check_statics(at: &Location<'_>, file: &ModelFile) -> Result<(), InputError> 
 }
 
 impl Assembly<'_> {
-    /// Refuses a model as a whole: at the node, or at the line or joint of the node.
+    /// Refuses a model as a whole: at the node, line or joint that the error is about.
     pub(super) fn locate(&self, error: ModelError) -> InputError {
-        let file = self.file;
-        let node = match &error {
-            ModelError::Unconnected { node } | ModelError::Unsupported { node, .. } => node.clone(),
-            ModelError::Apart { joint, .. }
-            | ModelError::LooseLoop { joint, .. }
-            | ModelError::Rigid { joint, .. }
-            | ModelError::Unclosed { joint, .. } => joint.clone(),
-            ModelError::FarStart { coordinate, .. } => coordinate.clone(),
-            ModelError::Loop { joints, .. }
-            | ModelError::AllPrescribed { joints, .. }
-            | ModelError::LockedLoop { joints } => {
-                let first = joints.split(", ").next();
-                first.unwrap_or_default().to_owned()
-            }
-            ModelError::PrescribedDependent { coordinate, .. }
-            | ModelError::PrescribedSolved { coordinate, .. } => {
-                // The cause: prescribed motion of the joint, or a support of the node.
-                let name = coordinate.strip_prefix("node ").unwrap_or(coordinate);
-                let name = name.split(", ").next().unwrap_or_default().to_owned();
-                let prescribed = |j: &Joint| j.names(&name) && j.prescribed.is_some();
-                if let Some(k) = file.joints.iter().position(prescribed) {
-                    return self.at("joints").at(k).at("prescribed").refuse(error);
-                }
-                if let Some(k) = file.supports.iter().position(|s| s.node == name) {
-                    return self.at("supports").at(k).at("node").refuse(error);
-                }
-                name
-            }
-            _ => String::new(),
+        let Some(node) = error.node() else {
+            return self.at("nodes").refuse_key(error);
         };
-        if let Some(k) = file.joints.iter().position(|j| j.names(&node)) {
+        let file = self.file;
+        let has = |joint: &JointNodes| joint.frame == node || joint.coordinates.contains(&node);
+        let mut joints = self.joints.iter();
+        let joint = joints.position(|joint| joint.as_ref().is_some_and(has));
+        if let ModelError::PrescribedDependent { .. } | ModelError::PrescribedSolved { .. } = error
+        {
+            // The cause: prescribed motion of the joint, or a support of the node.
+            if let Some(k) = joint.filter(|&k| file.joints[k].prescribed.is_some()) {
+                return self.at("joints").at(k).at("prescribed").refuse(error);
+            }
+            let mut supports = file.supports.iter();
+            if let Some(k) = supports.position(|s| self.nodes.get(&s.node) == Some(node)) {
+                return self.at("supports").at(k).at("node").refuse(error);
+            }
+        }
+        if let Some(k) = joint {
             return self.at("joints").at(k).at("name").refuse(error);
         }
-        let line = (node.split_once('/'))
-            .and_then(|(line, _)| file.lines.iter().position(|l| l.name == line));
-        match line {
-            Some(k) => self.at("lines").at(k).at("name").refuse(error),
-            None => self.at("nodes").at(node).refuse_key(error),
+        let inner = |line: &LineGeometry| line.nodes[1..line.nodes.len() - 1].contains(&node);
+        if let Some(k) = self.geometry.lines.iter().position(inner) {
+            return self.at("lines").at(k).at("name").refuse(error);
         }
+        let name = self
+            .nodes
+            .iter()
+            .find(|name| self.nodes.get(name) == Some(node));
+        let at = self.at("nodes").at(name.map_or("", String::as_str));
+        at.refuse_key(error)
     }
 }

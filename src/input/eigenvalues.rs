@@ -102,7 +102,7 @@ fn mode_options(at: &Location<'_>, m: &ModalAnalysis) -> Result<ModeOptions, Inp
         Some([from, to]) if !(0.0 <= from && from < to && to.is_finite()) => {
             return Err(at.range(
                 "range",
-                to,
+                format!("[{from}, {to}]"),
                 "two frequencies, zero or positive, the smaller one first",
             ));
         }

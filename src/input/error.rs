@@ -104,7 +104,7 @@ pub enum InputProblem {
     #[error("{key} = {value} is out of range")]
     Range {
         key: &'static str,
-        value: f64,
+        value: String,
         expected: &'static str,
     },
     #[error("the support of node \"{node}\" has neither `fix` nor `prescribed`")]

@@ -116,8 +116,14 @@ impl Location<'_> {
         self.text.refuse(problem.into(), spans.map(|[key, _]| key))
     }
 
-    /// A refusal of a key of this table, whose number is out of range.
-    pub fn range(&self, key: &'static str, value: f64, expected: &'static str) -> InputError {
+    /// A refusal of a key of this table, whose value is out of range.
+    pub fn range(
+        &self,
+        key: &'static str,
+        value: impl ToString,
+        expected: &'static str,
+    ) -> InputError {
+        let value = value.to_string();
         self.at(key).refuse(InputProblem::Range {
             key,
             value,

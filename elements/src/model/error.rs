@@ -3,8 +3,40 @@
 use crate::beam::BeamError;
 use crate::constraint::PenaltyError;
 use crate::joint::GearError;
+use crate::model::{Node, NodeId};
 use pullback_manifold::implicit::ImplicitError;
 use pullback_manifold::system::SystemError;
+use std::fmt::{self, Display, Formatter};
+
+/// What an error is about: a node, the joint that it belongs to, or one of its coordinates.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Subject {
+    /// The node; the first of several.
+    pub node: NodeId,
+    /// Its name, or theirs.
+    pub name: String,
+}
+
+impl Subject {
+    pub(super) fn node(nodes: &[Node], n: u32) -> Self {
+        Self::named(n, nodes[n as usize].name.clone())
+    }
+
+    pub(super) fn coordinate(nodes: &[Node], n: u32, k: usize) -> Self {
+        Self::named(n, nodes[n as usize].coordinate_name(k))
+    }
+
+    pub(super) fn named(n: u32, name: String) -> Self {
+        let node = NodeId(n);
+        Self { node, name }
+    }
+}
+
+impl Display for Subject {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.name)
+    }
+}
 
 /// Error of a model.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -32,7 +64,11 @@ pub enum ModelError {
         "the chain of joints to node {node} needs more than {needs:.1} GB of memory, and {free:.1} GB are free: \
          it grows with the square of the number of joints; take a shorter one"
     )]
-    Chain { node: String, needs: f64, free: f64 },
+    Chain {
+        node: Subject,
+        needs: f64,
+        free: f64,
+    },
     #[error("element {element} has {found} nodes; at most {limit} are possible")]
     TooManyNodes {
         element: String,
@@ -65,18 +101,21 @@ pub enum ModelError {
     #[error(
         "{coordinate} is prescribed twice; remove one of the supports or prescribed motions that name it"
     )]
-    PrescribedTwice { coordinate: String },
+    PrescribedTwice { coordinate: Subject },
     #[error(
         "{coordinate} follows from other nodes through a joint and cannot be prescribed; \
          prescribe a coordinate of its parents {parents}"
     )]
-    PrescribedDependent { coordinate: String, parents: String },
+    PrescribedDependent {
+        coordinate: Subject,
+        parents: String,
+    },
     #[error(
         "{coordinate} follows from the equations that {solved} is solved from and cannot be \
          prescribed; add the equation x - f(t) = 0 of its motion to them, or let one of the \
          coordinates be independent for good (`Choice::Fixed`) and prescribe that"
     )]
-    PrescribedSolved { coordinate: String, solved: String },
+    PrescribedSolved { coordinate: Subject, solved: String },
     #[error("gear between {first} and {second}: {source}")]
     Gear {
         first: String,
@@ -108,7 +147,7 @@ pub enum ModelError {
         "joint {joint} and its child {child} are {gap:.3e} apart; draw both at the same position"
     )]
     Apart {
-        joint: String,
+        joint: Subject,
         child: String,
         gap: f64,
     },
@@ -118,7 +157,7 @@ pub enum ModelError {
          so that it is attached there; a node that is held in part may be attached to a prismatic, cylindrical \
          or planar joint instead. Loops over slides and flexible parts close by `Closure`"
     )]
-    LooseLoop { joint: String, node: String },
+    LooseLoop { joint: Subject, node: String },
     #[error(
         "joint {joint}: its child {child} is the frame that it is attached to; a joint goes from one frame \
          to another one"
@@ -129,7 +168,7 @@ pub enum ModelError {
          joint between them can move: draw both as one, or release something along the loop"
     )]
     Rigid {
-        joint: String,
+        joint: Subject,
         child: String,
         gap: f64,
         turn: f64,
@@ -138,10 +177,10 @@ pub enum ModelError {
         "the loop closed by joint {joints} has no freedom left: all of its coordinates ({prescribed}) \
          are prescribed; leave one of them to follow from the others"
     )]
-    AllPrescribed { joints: String, prescribed: String },
+    AllPrescribed { joints: Subject, prescribed: String },
     #[error("the loop closed by joint {joints}: {source}")]
     Loop {
-        joints: String,
+        joints: Subject,
         source: ImplicitError,
     },
     #[error("the closure of joint {joint}: {source}")]
@@ -153,7 +192,7 @@ pub enum ModelError {
         if prescribed.is_empty() { "" } else { "prescribe no more than is free, or " }
     )]
     Unclosed {
-        joint: String,
+        joint: Subject,
         equation: String,
         gap: f64,
         prescribed: String,
@@ -163,23 +202,52 @@ pub enum ModelError {
          turn or of the model. Give the same position by a smaller number"
     )]
     FarStart {
-        coordinate: String,
+        coordinate: Subject,
         value: f64,
         most: f64,
     },
     #[error("the model cannot be assembled: {source}")]
     Start { source: SystemError },
     #[error("node {node} carries no element (loads do not count); connect it or remove it")]
-    Unconnected { node: String },
+    Unconnected { node: Subject },
     #[error(
         "the part of the structure that contains node {node} is not supported: it can still move \
          as a rigid body ({motion}); add supports that prevent this"
     )]
-    Unsupported { node: String, motion: String },
+    Unsupported { node: Subject, motion: String },
     #[error(
         "the loop closed by joint {joints} has no freedom left, and nothing else in the model has \
          one: nothing can move. Release something along the loop, or see whether axes and positions \
          are given with all their digits"
     )]
-    LockedLoop { joints: String },
+    LockedLoop { joints: Subject },
+}
+
+impl ModelError {
+    /// The node that it is about, if it is about one.
+    pub fn node(&self) -> Option<NodeId> {
+        match self {
+            Self::Chain { node: about, .. }
+            | Self::PrescribedTwice { coordinate: about }
+            | Self::PrescribedDependent {
+                coordinate: about, ..
+            }
+            | Self::PrescribedSolved {
+                coordinate: about, ..
+            }
+            | Self::Apart { joint: about, .. }
+            | Self::LooseLoop { joint: about, .. }
+            | Self::Rigid { joint: about, .. }
+            | Self::AllPrescribed { joints: about, .. }
+            | Self::Loop { joints: about, .. }
+            | Self::Unclosed { joint: about, .. }
+            | Self::FarStart {
+                coordinate: about, ..
+            }
+            | Self::Unconnected { node: about }
+            | Self::Unsupported { node: about, .. }
+            | Self::LockedLoop { joints: about } => Some(about.node),
+            _ => None,
+        }
+    }
 }

@@ -28,7 +28,7 @@ pub use build::builder::{Dof, ElementId, ModelBuilder, NodeId};
 pub use build::closures::Closure;
 pub use build::reference_curve::{CircularArc, ReferenceCurve, StraightLine, frame_along};
 pub use context::Context;
-pub use error::ModelError;
+pub use error::{ModelError, Subject};
 pub use kinematics::formulation::Formulation;
 pub use kinematics::motion::{NodeState, RigidMotion};
 pub use kinematics::rates::BEFORE_START;

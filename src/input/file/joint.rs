@@ -133,12 +133,6 @@ impl Acts {
 }
 
 impl Joint {
-    /// Whether a name is that of the joint or of one of its coordinates.
-    pub(crate) fn names(&self, name: &str) -> bool {
-        let rest = name.strip_prefix(&self.name);
-        rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(' '))
-    }
-
     /// What acts on the only coordinate.
     pub fn acts(&self) -> Acts {
         Acts {

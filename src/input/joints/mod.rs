@@ -13,7 +13,7 @@ use super::names::Names;
 use super::parts::{Assembly, function, prescribed_function};
 use super::{InputError, InputProblem, Location, plain};
 use pullback_elements::beam::Interpolation;
-use pullback_elements::joint::{AxisError, JointNodes};
+use pullback_elements::joint::AxisError;
 use pullback_elements::load::CoordinateForce;
 use pullback_elements::model::{ModelBuilder, ModelError, NodeId};
 use pullback_elements::spring::{CoordinateLaw, CoordinateSpring};
@@ -124,17 +124,18 @@ impl Assembly<'_> {
             chain: &chain,
             interpolation,
         };
-        let JointNodes { frame, coordinates } =
+        let nodes =
             (made.make)(&joint.keys, &mut site).map_err(|refusal| entry.refused(refusal))?;
-        let single = (coordinates.into_iter()).filter(|&n| self.builder.dim(n) == 1);
-        let single: Vec<NodeId> = single.collect();
+        let coordinates = nodes.coordinates.iter().copied();
+        let single: Vec<NodeId> = (coordinates.filter(|&n| self.builder.dim(n) == 1)).collect();
         acts(&entry, &mut self.builder, &self.inputs, &single)?;
         if let Analysis::Campbell(campbell) = &self.file.analysis
             && campbell.joint == joint.name
         {
             self.rotate(&entry, &single)?;
         }
-        self.nodes.add(joint.name.clone(), frame);
+        self.nodes.add(joint.name.clone(), nodes.frame);
+        self.joints[k] = Some(nodes);
         for &coordinate in &single {
             // A single coordinate has the name of the joint.
             let name = match single.len() {

@@ -16,6 +16,7 @@ use super::{InputError, InputProblem, Location};
 use nalgebra::Vector3;
 use pullback_elements::beam::Section;
 use pullback_elements::constraint::PenaltyStiffness;
+use pullback_elements::joint::JointNodes;
 use pullback_elements::model::{Closure, ModelBuilder, NodeId};
 use pullback_elements::time::Input;
 use std::rc::Rc;
@@ -31,6 +32,8 @@ pub(super) struct Assembly<'a> {
     pub lines: Names<usize>,
     /// The lines that are meshed.
     pub meshed: Vec<Option<LineGeometry>>,
+    /// Nodes of the joints, in the order of the file.
+    pub joints: Vec<Option<JointNodes>>,
     /// Nodes of released coordinates, by the name of their joint.
     pub joint_coordinates: Names<NodeId>,
     pub geometry: Geometry,
@@ -58,6 +61,7 @@ impl<'a> Assembly<'a> {
             nodes: Names::new("node"),
             lines: Names::lines(file),
             meshed: file.lines.iter().map(|_| None).collect(),
+            joints: vec![None; file.joints.len()],
             joint_coordinates: Names::new(
                 "joint with a released coordinate (a node of one coordinate)",
             ),

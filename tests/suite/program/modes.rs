@@ -136,7 +136,7 @@ fn settings_of_modes_are_checked() {
     for (keys, problem) in [
         ("count = 0", "count"),
         ("near = -1.0", "near"),
-        ("range = [2, 1]", "range"),
+        ("range = [2, 1]", "range = [2, 1] is out of range"),
         ("near = 1.0\nrange = [1, 2]", "near"),
         ("after = { modes = {} }", "modes"),
         ("number = 3", "number"),

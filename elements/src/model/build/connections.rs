@@ -1,7 +1,7 @@
 //! Check that every node of a model is connected to something.
 
 use crate::model::loops::Closing;
-use crate::model::{ElementEntry, ModelError, Node, Prescribed};
+use crate::model::{ElementEntry, ModelError, Node, Prescribed, Subject};
 use std::collections::HashSet;
 
 /// Every own node must have an element that is not a load, directly or through a joint; a mapped
@@ -38,7 +38,7 @@ pub(in crate::model) fn check_connections(
     match nodes.iter().zip(&connected).position(alone) {
         None => Ok(()),
         Some(n) => Err(ModelError::Unconnected {
-            node: nodes[n].name.clone(),
+            node: Subject::node(nodes, n as u32),
         }),
     }
 }

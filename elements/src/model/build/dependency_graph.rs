@@ -2,7 +2,7 @@
 
 use crate::memory;
 use crate::model::kinematics::mapped_node::Maps;
-use crate::model::{ModelError, Node};
+use crate::model::{ModelError, Node, Subject};
 use std::collections::HashSet;
 
 /// For every node, all sets of own nodes that it can depend on: one for each combination of
@@ -29,7 +29,7 @@ impl Alternatives {
                 let behind = sets.iter().flatten().map(|&m| nodes[m as usize].dim);
                 coordinates += behind.sum::<usize>() as f64;
                 memory::followed(coordinates).map_err(|[needs, free]| ModelError::Chain {
-                    node: nodes[n as usize].name.clone(),
+                    node: Subject::node(nodes, n),
                     needs,
                     free,
                 })?;

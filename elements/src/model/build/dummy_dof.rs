@@ -7,7 +7,7 @@
 
 use crate::element::{Abilities, Element, ElementEnergies, Motion, Response};
 use crate::model::loops::LoopReport;
-use crate::model::{ModelBuilder, ModelError, NodeForm};
+use crate::model::{ModelBuilder, ModelError, NodeForm, Subject};
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::system::Quantity;
 
@@ -66,7 +66,7 @@ impl ModelBuilder {
             f.constant() == Some(0.0) && self.nodes[n.0 as usize].form != NodeForm::Coordinates
         });
         if let (true, Some(&(frame, _))) = (still, loops.iter().find_map(|r| r.closures.first())) {
-            let joints = self.nodes[frame as usize].name.clone();
+            let joints = Subject::node(&self.nodes, frame);
             return Err(ModelError::LockedLoop { joints });
         }
         let node =

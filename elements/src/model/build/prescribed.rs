@@ -1,7 +1,7 @@
 //! Coordinates with prescribed motions, and those that maps reparametrize.
 
 use crate::model::build::builder::NodeId;
-use crate::model::{ElementEntry, ModelError, Node, NodeForm, Prescribed, among};
+use crate::model::{ElementEntry, ModelError, Node, NodeForm, Prescribed, Subject, among};
 use crate::time::TimeFunction;
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -83,7 +83,7 @@ pub(in crate::model) fn resolve_prescribed(
                 dim: node.dim,
             });
         }
-        let coordinate = node.coordinate_name(dof);
+        let coordinate = Subject::coordinate(nodes, id.0, dof);
         if !node.is_own() {
             return Err(refuse_mapped(nodes, id.0, coordinate));
         }
@@ -100,7 +100,7 @@ pub(in crate::model) fn resolve_prescribed(
 
 /// Error for a prescribed coordinate that follows from others; it names those that can be
 /// prescribed instead.
-fn refuse_mapped(nodes: &[Node], dependent: u32, coordinate: String) -> ModelError {
+fn refuse_mapped(nodes: &[Node], dependent: u32, coordinate: Subject) -> ModelError {
     let (mut waiting, mut own) = (vec![dependent], Vec::new());
     while let Some(n) = waiting.pop() {
         let node = &nodes[n as usize];

@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use crate::model::constraints::enforced::EnforcedEquations;
-use crate::model::{Context, Model, ModelError, Node, NodeId};
+use crate::model::{Context, Model, ModelError, Node, NodeId, Subject};
 use nalgebra::{DMatrix, DVector};
 use pullback_manifold::system::{Quantity, System, SystemError};
 use std::collections::HashMap;
@@ -20,9 +20,14 @@ const FARTHEST: f64 = FITS / f64::EPSILON;
 
 impl Model {
     /// The joint or element that enforces an equation.
-    fn closing_joint(&self, all: &EnforcedEquations, i: usize) -> String {
-        let e = &self.elements[all.of[i].0];
-        e.name.trim_start_matches("closure of ").to_owned()
+    fn enforcing(&self, all: &EnforcedEquations, i: usize) -> Subject {
+        let (k, _) = all.of[i];
+        let e = &self.elements[k];
+        let mut closures = self.reports.iter().filter_map(|report| report.element);
+        match closures.any(|closure| closure as usize == k) {
+            true => Subject::node(&self.nodes, e.nodes[0]),
+            false => Subject::named(e.nodes[0], e.name.clone()),
+        }
     }
 }
 
@@ -108,7 +113,7 @@ impl Context {
         } else {
             0.0
         };
-        Ok((relative, self.closing_joint(&all, left.iamax())))
+        Ok((relative, self.enforcing(&all, left.iamax()).name))
     }
 
     /// Whether the enforced equations leave an unknown no freedom at (t, q).
@@ -166,7 +171,7 @@ impl Context {
         let (k, i) = all.of[worst];
         let prescribed: Vec<String> = self.prescribed().map(|c| self.coordinate_name(c)).collect();
         Err(ModelError::Unclosed {
-            joint: self.closing_joint(&all, worst),
+            joint: self.enforcing(&all, worst),
             equation: self.model.elements[k].equation(i),
             gap: all.h.amax(),
             prescribed: prescribed.join(", "),
@@ -190,7 +195,7 @@ pub(in crate::model) fn check_values(
             let given = starts.get(&(NodeId(n as u32), k));
             if let Some(&value) = given.filter(|x| x.abs() > FARTHEST * size) {
                 return Err(ModelError::FarStart {
-                    coordinate: node.coordinate_name(k),
+                    coordinate: Subject::coordinate(nodes, n as u32, k),
                     value,
                     most: FARTHEST * size,
                 });

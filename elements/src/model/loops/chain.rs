@@ -2,7 +2,7 @@
 
 use super::set::{self, Inputs};
 use super::{Closing, Setting};
-use crate::model::{ModelError, Node, NodeForm};
+use crate::model::{ModelError, Node, NodeForm, Subject};
 use pullback_manifold::map::{Parametrization, Read};
 use pullback_manifold::system::Quantity;
 
@@ -102,7 +102,7 @@ impl JointLoop {
 /// Error of a chain of joints with an invalid end.
 fn loose(nodes: &[Node], frame: u32, end: u32) -> ModelError {
     ModelError::LooseLoop {
-        joint: nodes[frame as usize].name.clone(),
+        joint: Subject::node(nodes, frame),
         node: nodes[end as usize].name.clone(),
     }
 }

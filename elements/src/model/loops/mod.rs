@@ -20,7 +20,7 @@ mod part;
 mod set;
 
 use super::kinematics::mapped_node::MappedNode;
-use super::{ModelError, Node};
+use super::{ModelError, Node, Subject};
 use crate::joint::{JointMap, Offset};
 use crate::model::build::builder::{ModelBuilder, NodeId};
 use crate::model::build::closures::Closure;
@@ -178,7 +178,7 @@ pub(in crate::model) fn close(
         let apart = a.position - b.position;
         if apart.norm() > APART * setting.length {
             return Err(ModelError::Apart {
-                joint: a.name.clone(),
+                joint: Subject::node(nodes, frame.0),
                 child: b.name.clone(),
                 gap: apart.norm(),
             });

@@ -7,7 +7,7 @@ use super::{APART, EQUATIONS, LoopReport, Setting};
 use crate::model::assembly::residual::MAX_NODES;
 use crate::model::build::builder::NodeId;
 use crate::model::kinematics::mapped_node::MappedNode;
-use crate::model::{ModelError, NONE, Node, NodeForm};
+use crate::model::{ModelError, NONE, Node, NodeForm, Subject};
 use nalgebra::Vector3;
 use pullback_manifold::implicit::{Description, Equation, ImplicitMap, Unknown};
 use pullback_manifold::map::{MapGraph, Parametrization, Read};
@@ -123,7 +123,7 @@ fn add(
 fn nothing_follows(
     nodes: &[Node],
     chains: &[JointLoop],
-    joints: String,
+    joints: Subject,
     given: &[(u32, usize)],
     equations: &mut dyn Parametrization,
     setting: &Setting<'_>,
@@ -141,11 +141,9 @@ fn nothing_follows(
         let gap = Vector3::new(h[0], h[1], h[2]).norm();
         let turn = Vector3::new(h[3], h[4], h[5]).norm();
         if gap > APART * setting.length || turn > APART {
-            let name = |n: u32| nodes[n as usize].name.clone();
-            let (joint, child) = (name(chain.frame), name(chain.child));
             return Err(ModelError::Rigid {
-                joint,
-                child,
+                joint: Subject::node(nodes, chain.frame),
+                child: nodes[chain.child as usize].name.clone(),
                 gap,
                 turn,
             });
@@ -329,7 +327,7 @@ pub(super) fn close_set(
     let joints: Vec<&str> = (chains.iter())
         .map(|c| nodes[c.frame as usize].name.as_str())
         .collect();
-    let joints = joints.join(", ");
+    let joints = Subject::named(chains[0].frame, joints.join(", "));
     let about = described(nodes, chains, &inputs, setting);
     let mut p = Vec::with_capacity(inputs.parameters);
     for &(n, _) in given {
@@ -346,7 +344,7 @@ pub(super) fn close_set(
     })?;
     let moved = displaced(nodes, unknown, &map, inputs.parameters);
     let apart = drawn_apart(nodes, chains, setting);
-    let x = add_map(nodes, map, &inputs, &joints)?;
+    let x = add_map(nodes, map, &inputs, &joints.name)?;
     let closing = match chains.len() {
         1 => format!("joint {joints} closes a loop"),
         _ => format!("joints {joints} close loops"),

@@ -4,7 +4,7 @@
 
 use crate::element::{Motion, SectionState};
 use crate::model::build::builder::{Dof, ElementId, NodeId};
-use crate::model::{Context, Model, ModelError, NONE, Node, NodeForm};
+use crate::model::{Context, Model, ModelError, NONE, Node, NodeForm, Subject};
 use nalgebra::Vector3;
 use pullback_manifold::so3;
 use pullback_manifold::system::{Point, SystemError};
@@ -96,10 +96,8 @@ impl Model {
         }
         for frames in parts.values() {
             if let Some(motion) = self.free_motion(frames) {
-                return Err(ModelError::Unsupported {
-                    node: frames[0].name.clone(),
-                    motion,
-                });
+                let node = Subject::node(&self.nodes, self.node_of(frames[0].first) as u32);
+                return Err(ModelError::Unsupported { node, motion });
             }
         }
         Ok(())
