@@ -167,11 +167,19 @@ impl MapState for Slide {
     }
 
     fn save(&self) -> Vec<f64> {
-        vec![self.chain.line() as f64]
+        let complements = self.turn.complements.map(|c| f64::from(u8::from(c)));
+        vec![self.chain.line() as f64, complements[0], complements[1]]
     }
 
     fn restore(&mut self, saved: &[f64]) -> bool {
-        matches!(*saved, [line] if self.chain.enter(line))
+        let &[line, first, last] = saved else {
+            return false;
+        };
+        self.turn.complements = [first, last].map(|c| c != 0.0);
+        let known = self.chain.enter(line);
+        // At once, wherever on the line.
+        self.chain.change_segments(0.0);
+        known
     }
 }
 

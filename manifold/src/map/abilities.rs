@@ -46,13 +46,14 @@ pub trait MapState {
         let _ = at;
     }
 
-    /// The state in numbers, for checkpoints, if it does not follow from the coordinates; empty by default.
+    /// The state in numbers, for checkpoints: everything that the next evaluation depends on besides t and q, branches
+    /// and segments included. Empty by default.
     fn save(&self) -> Vec<f64> {
         Vec::new()
     }
 
-    /// Restores the state from [`MapState::save`] of the same map; false, without a change, if it belongs
-    /// to another map.
+    /// Restores the state from [`MapState::save`] of the same map; false, with an undefined state, if it belongs to
+    /// another map.
     fn restore(&mut self, saved: &[f64]) -> bool {
         saved.is_empty()
     }

@@ -165,4 +165,16 @@ impl MapState for ToChart {
             residual: false,
         }
     }
+
+    fn save(&self) -> Vec<f64> {
+        vec![f64::from(u8::from(self.opposite))]
+    }
+
+    fn restore(&mut self, saved: &[f64]) -> bool {
+        let &[opposite] = saved else {
+            return false;
+        };
+        self.opposite = opposite != 0.0;
+        true
+    }
 }

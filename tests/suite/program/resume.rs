@@ -149,6 +149,62 @@ fn a_resumed_loop_gives_the_same_bits() {
     resumed("multipliers", &text, [3, 55, 110], 0);
 }
 
+/// A beam and a ring on it behind a driven joint, which turns by more than half a turn: their charts are those of frames
+/// that follow from a coordinate.
+const BEHIND: &str = r#"
+[sections.link]
+stiffness = { EA = 1e5, GA = [1e5, 1e5], GJ = 1e3, EI = [1e3, 1e3] }
+mass = { A_rho = 1, J = [2, 1, 1] }
+
+[nodes]
+hub = [0, 0, 0]
+tip = [1, 0, 0]
+far = [0.25, 0, 1]
+
+[[joints]]
+name = "pin"
+type = "revolute"
+parent = "hub"
+axis = [0, 0, 1]
+prescribed = { table = [[0, 0], [0.4, 4], [2, 4]] }
+
+[[lines]]
+name = "first"
+from = "pin"
+to = "tip"
+elements = 2
+section = "link"
+
+[[joints]]
+name = "ring"
+type = "slide"
+lines = ["first"]
+start = 0.25
+spring = { k = 1e4, c = 10 }
+
+[[lines]]
+name = "second"
+from = "ring"
+to = "far"
+elements = 1
+section = "link"
+
+[[supports]]
+node = "hub"
+fix = "all"
+
+[analysis.dynamic]
+to = 0.6
+step = 0.01
+"#;
+
+#[test]
+fn a_resumed_beam_behind_a_joint_gives_the_same_bits() {
+    for stops in [[3, 40, 44], [42, 46, 54]] {
+        resumed("behind", BEHIND, stops, 2);
+    }
+}
+
 #[test]
 fn a_resumed_projection_has_the_same_invariants() {
     let text = include_str!("../../../examples/models/free_body.toml")
