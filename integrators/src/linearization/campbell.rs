@@ -222,9 +222,23 @@ impl Sweep<'_> {
             }
             .map_err(|name| CampbellError::Periodic { speed, name })?;
         }
-        let options = ModeOptions::lowest(self.options.count + SPARE);
-        let found = modes_while(&lin, &options, &mut |_| (self.observer)(speed)).map_err(failed)?;
-        Ok((found.modes, lin))
+        // Shapes without mass, in which dampers alone relax, are no vibrations, and orthogonal to nothing.
+        let has_mass =
+            |mode: &Mode| inner_product(&mode.shape, &lin.product(&lin.M, &mode.shape)).re > 0.5;
+        let wanted = self.options.count + SPARE;
+        let mut massless = 0;
+        loop {
+            let options = ModeOptions::lowest(wanted + massless);
+            let search = modes_while(&lin, &options, &mut |_| (self.observer)(speed));
+            let mut found = search.map_err(failed)?;
+            let all = found.modes.len();
+            found.modes.retain(has_mass);
+            if found.complete || found.modes.len() >= wanted || all - found.modes.len() <= massless
+            {
+                return Ok((found.modes, lin));
+            }
+            massless = all - found.modes.len();
+        }
     }
 }
 
@@ -301,8 +315,19 @@ fn continued(
     let mut out: Vec<Option<Mode>> = vec![None; lines.len()];
     let (mut taken, mut least) = (vec![false; found.len()], 1.0_f64);
     let mut open = vec![true; before.len()];
-    for (agreement, i, j) in matches {
+    for &(agreement, i, mut j) in &matches {
         if agreement >= SAME && open[i] && !taken[of[j]] {
+            // Where a pair becomes two real eigenvalues, λ and about −λ, the line is the one that grows.
+            if before[i].eigenvalue.im != 0.0 && found[j].eigenvalue.im == 0.0 {
+                let real = |&&(other, row, k): &&(f64, usize, usize)| {
+                    let similar = row == i && other >= 0.5 * agreement && !taken[of[k]];
+                    similar && found[k].eigenvalue.im == 0.0
+                };
+                let growth = |&(.., k): &(f64, usize, usize)| found[k].eigenvalue.re;
+                let split = matches.iter().filter(real);
+                let most = split.max_by(|a, b| growth(a).total_cmp(&growth(b)));
+                j = most.map_or(j, |&(.., k)| k);
+            }
             (open[i], taken[of[j]]) = (false, true);
             least = least.min(agreement);
             out[own[i]] = Some(found[j].clone());

@@ -9,10 +9,12 @@
 
 #![allow(non_snake_case)]
 
+use crate::random::Random;
 use crate::registers::clear_upper_halves;
 use crate::vectors::{add, dot};
 use faer::linalg::matmul::matmul;
-use faer::{Accum, ColMut, ColRef, Mat, MatRef, Par, Side};
+use faer::linalg::solvers::Solve;
+use faer::{Accum, Col, ColMut, ColRef, Mat, MatRef, Par, Scale, Side};
 use num_complex::Complex64;
 
 /// Square of the length that a product must keep to count as a new direction, relative to its own.
@@ -23,6 +25,10 @@ const INDEPENDENT: f64 = 1e-14;
 const SMALL: f64 = 1e-4;
 /// Most passes: two suffice unless a vector vanishes.
 const PASSES: usize = 3;
+/// Largest residual of an eigenvector of a dense matrix, relative to its norm and size, that is one of rounding; it is
+/// evaluated where the residual outside of the matrix, relative to the eigenvalue, is small.
+const TRUSTED: f64 = 64.0 * f64::EPSILON;
+const NEAR: f64 = 1e-6;
 /// Number of vectors that memory is reserved for.
 const RESERVED: usize = 32;
 
@@ -195,6 +201,26 @@ pub(crate) struct RitzPair {
     pub residual: f64,
 }
 
+/// An eigenvector of length one, by inverse iteration from a pseudo-random vector: back-substitution fails for repeated
+/// eigenvalues.
+fn inverse_iteration(H: &Mat<f64>, theta: Complex64, seed: u64) -> Vec<Complex64> {
+    let n = H.nrows();
+    let shift = theta + f64::EPSILON * H.norm_l2();
+    let shifted = Mat::from_fn(n, n, |i, j| match i == j {
+        true => H[(i, j)] - shift,
+        false => H[(i, j)].into(),
+    });
+    let lu = shifted.partial_piv_lu();
+    let mut random = Random(seed);
+    let mut x = Col::from_fn(n, |_| Complex64::from(random.next()));
+    for _ in 0..2 {
+        x = lu.solve(&x);
+        x = &x * Scale(x.norm_l2().recip().into());
+    }
+    clear_upper_halves();
+    x.iter().copied().collect()
+}
+
 /// Eigenvalues of the upper square of the matrix with these columns, the largest magnitude first; the rows
 /// below give the residuals. `None` if the iteration fails.
 pub(super) fn ritz_pairs(columns: &[Vec<f64>], symmetric: bool) -> Option<Vec<RitzPair>> {
@@ -225,10 +251,27 @@ pub(super) fn ritz_pairs(columns: &[Vec<f64>], symmetric: bool) -> Option<Vec<Ri
         let squares = (n..height).map(|i| row(i).sum::<Complex64>().norm_sqr());
         squares.sum::<f64>().sqrt()
     };
-    let pairs = pairs.into_iter().map(|(theta, vector)| RitzPair {
-        theta,
-        residual: residual(&vector),
-        vector,
+    let size = columns.iter().flatten().map(|x| x * x).sum::<f64>().sqrt();
+    let error = |theta: Complex64, s: &[Complex64]| {
+        let mut error: Vec<Complex64> = s.iter().map(|s| -theta * s).collect();
+        for (column, s) in columns.iter().zip(s) {
+            error.iter_mut().zip(column).for_each(|(e, h)| *e += s * h);
+        }
+        error.iter().map(|e| e.norm_sqr()).sum::<f64>().sqrt()
+    };
+    let pairs = (0..).zip(pairs).map(|(k, (theta, mut vector))| {
+        let mut below = residual(&vector);
+        // Negated, as it may not be a number.
+        let is_near = !(below > NEAR * theta.norm());
+        if !symmetric && is_near && !(error(theta, &vector) <= TRUSTED * n as f64 * size) {
+            vector = inverse_iteration(&Mat::from_fn(n, n, entry), theta, k);
+            below = residual(&vector);
+        }
+        RitzPair {
+            theta,
+            residual: below,
+            vector,
+        }
     });
     Some(pairs.collect())
 }

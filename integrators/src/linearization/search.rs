@@ -25,6 +25,8 @@ const LOOK_DAMPED: usize = 3;
 const SHIFTS: usize = 12;
 /// Most halvings of a range towards the modes in it.
 const HALVINGS: usize = 24;
+/// Part of a range at which it is divided.
+const MIDDLE: f64 = 0.47;
 /// The radius that is counted, relative to the distance of the last mode from the shift.
 const MARGIN: f64 = 1e-3;
 
@@ -102,7 +104,7 @@ impl<'a> Search<'a> {
         let mut shift = self.first_shift()?;
         let mut krylov = Krylov::new(self.weights.len());
         self.start(&mut krylov)?;
-        let mut shifts = 0;
+        let (mut shifts, mut reached) = (0, None);
         loop {
             let pairs = self.advance(&mut krylov, observer)?;
             if let Some(other) = self
@@ -127,9 +129,17 @@ impl<'a> Search<'a> {
             let complete = krylov.is_exhausted() && converged == pairs.len();
             let vectors = self.vectors(&krylov, &pairs[..converged])?;
             // Of a repeated frequency, a Krylov subspace holds one mode for each start vector.
-            let missing = match self.is_symmetric() && wanted > 0 {
-                true => self.missing(&pairs, converged, wanted, &mut expected)?,
-                false => 0,
+            let missing = match wanted {
+                0 => 0,
+                _ if self.is_symmetric() => {
+                    self.missing(&pairs, converged, wanted, &mut expected)?
+                }
+                // Without a count, until one more start vector adds none.
+                _ => {
+                    let near = self.near(&pairs, wanted);
+                    let more = !krylov.is_exhausted() && reached.replace(near) != Some(near);
+                    usize::from(more)
+                }
             };
             if missing == 0 {
                 return Ok(self.report(vectors, expected, complete));
@@ -218,15 +228,15 @@ impl<'a> Search<'a> {
         let Selection::Range(range) = self.selection else {
             return Ok(None);
         };
+        if !self.is_symmetric() {
+            return Ok(None);
+        }
         let [mut from, mut to] = squares(range);
-        self.middle = 0.5 * (from + to);
-        let (below, up_to) = match self.is_symmetric() {
-            true => (self.below(from)?, self.below(to)?),
-            false => (None, None),
-        };
-        let (Some(below), Some(up_to)) = (below, up_to) else {
+        let (Some(below), Some(up_to)) = (self.below(from)?, self.below(to)?) else {
             return Ok(None);
         };
+        // Not where a symmetric structure may have an eigenvalue.
+        self.middle = from + MIDDLE * (to - from);
         let count = up_to.saturating_sub(below);
         for _ in 0..HALVINGS {
             match self.below(self.middle)? {
@@ -234,7 +244,7 @@ impl<'a> Search<'a> {
                 Some(half) if half == up_to => to = self.middle,
                 _ => break,
             }
-            self.middle = 0.5 * (from + to);
+            self.middle = from + MIDDLE * (to - from);
         }
         Ok(Some(count))
     }

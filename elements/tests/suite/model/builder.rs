@@ -63,7 +63,9 @@ fn structures_that_can_move_as_rigid_bodies() {
     let second = [[0.0, 3.0, 0.0], [1.0, 3.0, 0.0]].map(|p| b.node(format!("{p:?}"), p).unwrap());
     beam(&mut b, "second", second);
     let error = b.build().unwrap().check_supports().unwrap_err();
-    assert!(matches!(&error, ModelError::Unsupported { node, .. } if node.name == "[0.0, 3.0, 0.0]"));
+    assert!(
+        matches!(&error, ModelError::Unsupported { node, .. } if node.name == "[0.0, 3.0, 0.0]")
+    );
     let (mut b, ends) = simple();
     b.support(ends[0], &Dof::ALL);
     let offset = Offset([0.0, 1.0, 0.0]).boxed();

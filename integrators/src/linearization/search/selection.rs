@@ -1,7 +1,7 @@
 //! Which eigenvalues of the operator belong to the modes selected, and when they are enough.
 
 use super::super::finish::ROUNDING;
-use super::{Inner, Order, RitzPair, Search, Selection};
+use super::{Inner, MARGIN, Order, RitzPair, Search, Selection};
 use num_complex::Complex64;
 
 /// Largest residual of a converged eigenvalue of the operator, relative to it.
@@ -12,6 +12,8 @@ const FLOOR: f64 = 1e-15;
 /// converged.
 const WANDERING: f64 = 1e-2;
 const INNER: usize = 4;
+/// Part of ω² by which a range is wider than requested.
+const ENDS: f64 = 1e-9;
 /// Ratio of the eigenvalues of the operator above which another shift is taken.
 const SPREAD: f64 = 1e9;
 
@@ -101,13 +103,10 @@ impl Search<'_> {
             (Selection::Range([_, to]), Order::Quadratic) => {
                 (reach > to).then_some(converged.len())
             }
-            (Selection::Range([from, to]), Order::Squares) => match expected {
+            (Selection::Range([_, to]), Order::Squares) => match expected {
                 Some(expected) => (self.inside(converged) >= expected).then_some(converged.len()),
-                None => {
-                    let radius = 0.5 * (to * to - from * from);
-                    let last = converged.last()?.theta.norm();
-                    (last * radius < 1.0).then_some(converged.len())
-                }
+                // By |λ|, from zero on.
+                None => (reach > to * to).then_some(converged.len()),
             },
         }
     }
@@ -117,13 +116,22 @@ impl Search<'_> {
             return true;
         };
         let value = self.eigenvalue(pair);
-        match self.order {
-            Order::Squares => {
-                let [from, to] = squares([from, to]);
-                (from..=to).contains(&value.re)
-            }
-            Order::Quadratic => (from..=to).contains(&value.norm()),
+        let square = match (self.order, self.is_symmetric()) {
+            (Order::Squares, true) => value.re,
+            (Order::Squares, false) => value.norm(),
+            (Order::Quadratic, _) => value.norm_sqr(),
+        };
+        let [from, to] = squares([from, to]);
+        (from..=to).contains(&square)
+    }
+
+    /// Number of pairs, converged or not, in the range, or as near to the shift as this number of them.
+    pub(super) fn near(&self, pairs: &[RitzPair], wanted: usize) -> usize {
+        if let Selection::Range(_) = self.selection {
+            return self.inside(pairs);
         }
+        let least = pairs[wanted - 1].theta.norm() * (1.0 - MARGIN);
+        pairs.iter().filter(|p| p.theta.norm() >= least).count()
     }
 
     /// Number of pairs in the range.
@@ -132,13 +140,14 @@ impl Search<'_> {
     }
 }
 
-/// A range of ω². Rigid modes, zero but for rounding errors, lie in a range from zero.
+/// A range of ω², with the frequencies at its ends; rigid modes, zero but for rounding errors, lie in a range from zero.
 pub(super) fn squares([from, to]: [f64; 2]) -> [f64; 2] {
     let square = to * to;
-    match from > 0.0 {
-        true => [from * from, square],
-        false => [-1e-9 * square, square],
-    }
+    let least = match from > 0.0 {
+        true => from * from * (1.0 - ENDS),
+        false => -ENDS * square,
+    };
+    [least, square * (1.0 + ENDS)]
 }
 
 /// Whether a pair has converged, given the largest eigenvalue of the operator.

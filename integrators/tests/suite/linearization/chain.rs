@@ -68,6 +68,55 @@ fn damped_modes_of_a_chain() {
     }
 }
 
+/// Chains side by side, each fixed at both ends: every eigenvalue occurs once in each.
+#[test]
+fn repeated_modes_are_all_found_with_damping() {
+    let n = 100;
+    for copies in [2, 3] {
+        let mut lin = chain(copies * n, 1e-3, 0.3);
+        for between in (1..copies).map(|k| k * n) {
+            for (i, j) in [(between - 1, between), (between, between - 1)] {
+                let k = lin.pattern.find(i, j).unwrap();
+                (lin.K[k], lin.C[k]) = (0.0, 0.0);
+            }
+        }
+        for count in 1..6 {
+            let found = modes(&lin, &ModeOptions::lowest(count)).unwrap();
+            assert_eq!(found.modes.len(), count);
+            for (k, mode) in found.modes.iter().enumerate() {
+                near(mode.omega(), omega(n, k / copies + 1), 1e-10);
+                assert!(mode.residual < 1e-12, "{count}: {}", mode.residual);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_range_contains_the_frequencies_at_its_ends() {
+    for (n, beta) in [(5, 0.0), (5, 0.1), (2000, 0.0), (300, 0.1)] {
+        let ends = [2, 4].map(|k| omega(n, k));
+        let found = modes(&chain(n, 0.0, beta), &all(ends)).unwrap();
+        assert_eq!(found.modes.len(), 3, "{n}, {beta}");
+    }
+}
+
+/// Two masses of one with a circulatory force have ω² = 0.2 ± 0.98 i: |λ| = 1, whatever the real part.
+#[test]
+fn a_range_contains_modes_of_a_flutter() {
+    let mut lin = chain(2, 0.0, 0.0);
+    for (i, j, K) in [(0, 0, 0.2), (1, 1, 0.2), (0, 1, 0.98), (1, 0, -0.98)] {
+        let k = lin.pattern.find(i, j).unwrap();
+        lin.K[k] = K;
+    }
+    let size = 0.2_f64.hypot(0.98).sqrt();
+    let found = modes(&lin, &all([0.9, 1.1])).unwrap();
+    assert_eq!(found.modes.len(), 2);
+    found
+        .modes
+        .iter()
+        .for_each(|mode| near(mode.omega(), size, 1e-14));
+}
+
 #[test]
 fn modes_in_a_range_are_counted() {
     let n = 2000;
