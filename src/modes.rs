@@ -206,8 +206,28 @@ pub fn campbell_diagram(
         a: &zeros,
     };
     let lowest = ModeOptions::lowest(options.count);
-    let last = find(context, at, &lowest, &mut |_| observer())?;
+    let mut last = find(context, at, &lowest, &mut |_| observer())?;
+    last.warnings.extend(growing(&diagram));
     Ok(ModelCampbell { diagram, last, q })
+}
+
+/// Damping ratio, with a negative sign, above which a mode grows and not by rounding errors.
+const GROWS: f64 = 1e-6;
+
+/// Warnings about modes that grow, line by line.
+fn growing(diagram: &CampbellDiagram) -> impl Iterator<Item = String> + '_ {
+    (1..).zip(&diagram.lines).filter_map(|(k, line)| {
+        let modes = diagram.speeds.iter().zip(line);
+        let grows = |m: &Mode| m.damping_ratio() < -GROWS;
+        let mut speeds = modes.filter(|(_, mode)| mode.as_ref().is_some_and(grows));
+        let (first, _) = speeds.next()?;
+        let last = speeds.last().map_or(first, |(last, _)| last);
+        Some(format!(
+            "the mode of line {k} grows at speeds between {} and {}: the rotor is unstable there",
+            significant(*first),
+            significant(*last)
+        ))
+    })
 }
 
 /// What is found at the end of the steps of an analysis.

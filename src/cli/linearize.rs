@@ -2,7 +2,7 @@
 
 use super::parameters::ModelArguments;
 use super::{FAILED, INTERRUPTED, complain, print, refuse};
-use crate::input::{Analysis, Job, Registry};
+use crate::input::{Analysis, Job, ModelFile, Registry, Time};
 use crate::modes::warning_of_motion;
 use crate::output::{Directory, OutputError};
 use crate::probe::{Answers, Probe};
@@ -84,6 +84,12 @@ pub(super) fn linearize(registry: &Registry, args: &LinearizeArguments) -> u8 {
     if let Some(warning) = warning_of_motion(at) {
         tell(format!("warning: {warning}"));
     }
+    if let Some(name) = prescribing(&job.file) {
+        tell(format!(
+            "warning: input {name} prescribes a motion, as a value that changes from sample to sample: rates and accelerations of \
+             that motion are in no matrix"
+        ));
+    }
     let mut inputs = job.file.inputs.keys().cloned().collect::<Vec<_>>();
     if let Analysis::Campbell(campbell) = &job.file.analysis {
         inputs.push(format!("speed of {}", campbell.joint));
@@ -97,6 +103,20 @@ pub(super) fn linearize(registry: &Registry, args: &LinearizeArguments) -> u8 {
         )),
         Err(error) => refuse(error),
     }
+}
+
+/// An input that prescribes a motion, if there is one.
+fn prescribing(file: &ModelFile) -> Option<&String> {
+    let supports = file.supports.iter().filter_map(|s| s.prescribed.as_ref());
+    let supports = supports.flat_map(|prescribed| prescribed.given().map(|(_, time)| time));
+    let joints = file.joints.iter().filter_map(|j| j.prescribed.as_ref());
+    let coordinates = file.joints.iter().flat_map(|j| j.coordinates.values());
+    let coordinates = coordinates.filter_map(|acts| acts.prescribed.as_ref());
+    let mut times = supports.chain(joints).chain(coordinates);
+    times.find_map(|time| match time {
+        Time::Input(name) => Some(name),
+        _ => None,
+    })
 }
 
 /// Names of outputs, and the matrices of the first-order form.

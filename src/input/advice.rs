@@ -74,8 +74,8 @@ const EXPLANATIONS: &[(&str, &str)] = &[
     ),
     (
         "exactly one key",
-        "one at a time: one of static, arc_length and dynamic for an analysis, one function for a \
-         time",
+        "one at a time: one of static, arc_length, dynamic, modes, buckling and campbell for an analysis, one \
+         function for a time",
     ),
 ];
 

@@ -191,10 +191,8 @@ pub enum InputProblem {
          to nodes that stay where they are drawn"
     )]
     DrawnApart { line: String, node: String },
-    #[error(
-        "joint \"{joint}\" cannot rotate with a constant speed: type `{kind}` does not release one angle"
-    )]
-    NoRotation { joint: String, kind: String },
+    #[error("joint \"{joint}\" cannot rotate with a constant speed: {why}")]
+    NoRotation { joint: String, why: String },
     #[error("initial conditions belong to a dynamic analysis")]
     InitialStatics,
     #[error("{message}")]

@@ -63,7 +63,7 @@ fn couple(b: &mut ModelBuilder, [first, second]: [NodeId; 2], ratio: f64) -> Res
         (z, a, 1.0 / ratio)
     };
     for node in [leader, follower] {
-        if b.dim(node) != 1 || (node == follower && !b.is_own(node)) {
+        if b.quantities(node).len() != 1 || (node == follower && !b.is_own(node)) {
             return Err(GearError::Coordinate(b.node_name(node).to_owned()));
         }
     }

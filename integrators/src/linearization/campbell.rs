@@ -59,9 +59,10 @@ pub enum CampbellError {
     },
     /// The equations depend on the angle.
     #[error(
-        "at a speed of {} the equations of {name} change as the frame turns: loads that are fixed in space or depend \
-         on time, or a rotor that is not symmetric about its axis on parts that do not rotate. The coefficients are \
-         periodic then, and stability needs Floquet theory", significant(*.speed)
+        "at a speed of {} the equations of {name} change as the frame turns: coordinates of rotating parts that are not \
+         relative to them, loads that are fixed in space or depend on time, or a rotor that is not axisymmetric on \
+         parts that do not rotate. The coefficients of the latter two are periodic, and stability needs Floquet theory",
+        significant(*.speed)
     )]
     Periodic {
         /// The speed.
@@ -95,6 +96,8 @@ const SIMILAR: f64 = 0.8;
 const SAME: f64 = 0.2;
 /// Largest number of times that a step in speed is halved where shapes change fast.
 const HALVINGS: usize = 5;
+/// Ratio of the stiffness of a shape of unit mass to the largest |λ|², above which its mass is a rounding error.
+const MASSLESS: f64 = 1e6;
 /// Distance of eigenvalues that count as repeated, relative to their size.
 const REPEATED: f64 = 1e-6;
 /// Largest residual of an equilibrium that counts as rounding, relative to loads and reactions.
@@ -222,9 +225,6 @@ impl Sweep<'_> {
             }
             .map_err(|name| CampbellError::Periodic { speed, name })?;
         }
-        // Shapes without mass, in which dampers alone relax, are no vibrations, and orthogonal to nothing.
-        let has_mass =
-            |mode: &Mode| inner_product(&mode.shape, &lin.product(&lin.M, &mode.shape)).re > 0.5;
         let wanted = self.options.count + SPARE;
         let mut massless = 0;
         loop {
@@ -232,7 +232,7 @@ impl Sweep<'_> {
             let search = modes_while(&lin, &options, &mut |_| (self.observer)(speed));
             let mut found = search.map_err(failed)?;
             let all = found.modes.len();
-            found.modes.retain(has_mass);
+            lin.retain_vibrations(&mut found.modes);
             if found.complete || found.modes.len() >= wanted || all - found.modes.len() <= massless
             {
                 return Ok((found.modes, lin));
@@ -255,6 +255,18 @@ fn is_balanced(system: &mut dyn System, at: Point<'_>) -> bool {
 }
 
 impl Linearized {
+    /// Removes shapes without mass, but for rounding errors, in which dampers alone relax: they are orthogonal to nothing.
+    fn retain_vibrations(&self, modes: &mut Vec<Mode>) {
+        let fastest = modes.iter().map(Mode::omega).fold(0.0, f64::max);
+        modes.retain(|mode| {
+            let form =
+                |values: &[f64]| inner_product(&mode.shape, &self.product(values, &mode.shape)).re;
+            let (stiffness, mass) = (form(&self.K), form(&self.M));
+            // A shape with mass is one of unit mass.
+            mass > 0.5 && (fastest == 0.0 || stiffness.abs() <= MASSLESS * fastest * fastest)
+        });
+    }
+
     /// The name of a coordinate whose equation is another one, if there is any, for motions of this frequency.
     fn compare(&self, other: &Self, omega: f64) -> Result<(), String> {
         let n = self.dim();

@@ -144,7 +144,7 @@ pub struct Load {
     #[serde(default)]
     pub follower: bool,
     /// Factor as a function of the load parameter or time; by default it grows in proportion to
-    /// the load parameter in statics (`{ proportional = 1 }`), and is constant in dynamics
-    /// (`{ constant = 1 }`).
+    /// the load parameter in statics and buckling (`{ proportional = 1 }`), and is constant in dynamics, and for modes
+    /// and Campbell diagrams that follow no statics (`{ constant = 1 }`).
     pub time: Option<Time>,
 }

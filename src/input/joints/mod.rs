@@ -18,6 +18,7 @@ use pullback_elements::load::CoordinateForce;
 use pullback_elements::model::{ModelBuilder, ModelError, NodeId};
 use pullback_elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback_elements::time::{Input, SteadyRotation};
+use pullback_manifold::system::Quantity;
 use registry::Refusal;
 
 /// A joint of the file with its location there.
@@ -126,8 +127,8 @@ impl Assembly<'_> {
         };
         let nodes =
             (made.make)(&joint.keys, &mut site).map_err(|refusal| entry.refused(refusal))?;
-        let coordinates = nodes.coordinates.iter().copied();
-        let single: Vec<NodeId> = (coordinates.filter(|&n| self.builder.dim(n) == 1)).collect();
+        let single = |n: &NodeId| self.builder.quantities(*n).len() == 1;
+        let single: Vec<NodeId> = nodes.coordinates.iter().copied().filter(single).collect();
         acts(&entry, &mut self.builder, &self.inputs, &single)?;
         if let Analysis::Campbell(campbell) = &self.file.analysis
             && campbell.joint == joint.name
@@ -152,16 +153,21 @@ impl Assembly<'_> {
     /// Makes the angle of a revolute joint one of steady rotation.
     fn rotate(&mut self, entry: &Entry<'_>, coordinates: &[NodeId]) -> Result<(), InputError> {
         let joint = entry.joint;
-        let &[angle] = coordinates else {
-            let (kind, joint) = (joint.kind.clone(), joint.name.clone());
-            let at = self.at("analysis").at("campbell").at("joint");
-            return Err(at.refuse(InputProblem::NoRotation { joint, kind }));
+        let refused = |why: String| {
+            let joint = joint.name.clone();
+            InputProblem::NoRotation { joint, why }
+        };
+        let angle = match *coordinates {
+            [only] if self.builder.quantities(only) == [Quantity::Angle] => only,
+            _ => {
+                let at = self.at("analysis").at("campbell").at("joint");
+                let why = format!("type `{}` does not release one angle", joint.kind);
+                return Err(at.refuse(refused(why)));
+            }
         };
         if let Some(key) = joint.acts().given().next() {
-            return Err(entry.at.at(key).refuse_key(InputProblem::PrescribedJoint {
-                joint: joint.name.clone(),
-                key,
-            }));
+            let why = format!("it has `{key}`, and its speed is that of the diagram");
+            return Err(entry.at.at(key).refuse_key(refused(why)));
         }
         let speed = self.builder.input(0.0);
         (self.builder).prescribe_coordinate(angle, 0, SteadyRotation(speed));

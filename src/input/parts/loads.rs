@@ -3,7 +3,7 @@
 use super::Assembly;
 use super::bodies::PlacedBody;
 use crate::input::assemble::LineGeometry;
-use crate::input::file::{Body, DofName, Initial, Load, ModelFile, Time};
+use crate::input::file::{Analysis, Body, DofName, Initial, Load, ModelFile, Time};
 use crate::input::names::Names;
 use crate::input::{InputError, InputProblem, Location};
 use nalgebra::Vector3;
@@ -61,9 +61,10 @@ impl Assembly<'_> {
     /// Adds the loads.
     pub(super) fn add_loads(&mut self, bodies: &[PlacedBody]) -> Result<(), InputError> {
         let file = self.file;
-        let usual = match file.analysis.is_dynamic() {
-            true => Time::Constant(1.0),
-            false => Time::Proportional(1.0),
+        let usual = match (&file.analysis, file.analysis.stepwise()) {
+            (Analysis::Buckling(_), _) => Time::Proportional(1.0),
+            (_, None | Some(Analysis::Dynamic(_))) => Time::Constant(1.0),
+            (_, Some(_)) => Time::Proportional(1.0),
         };
         for (k, load) in file.loads.iter().enumerate() {
             let entry = Entry {

@@ -69,7 +69,7 @@ fn driven<J: Joint<D> + Copy + 'static, const D: usize>(what: &str, joint: J, tu
     };
     let mut own = 0;
     for &node in &made.coordinates {
-        for k in 0..b.dim(node) {
+        for k in 0..b.quantities(node).len() {
             b.prescribe_coordinate(node, k, function(own));
             own += 1;
         }

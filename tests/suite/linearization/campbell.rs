@@ -9,15 +9,87 @@ use std::f64::consts::TAU;
 
 const BLADE: &str = include_str!("../../../examples/models/rotating_blade.toml");
 
-/// Circular frequencies over the speed.
-fn diagram(name: &str, text: &str) -> Vec<(f64, Vec<f64>)> {
+/// Circular frequencies Im λ and damping ratios over the speed.
+fn lines(name: &str, text: &str) -> Vec<(f64, Vec<[f64; 2]>)> {
     let csv = read(ran(&directory(name), text).join("campbell.csv"));
     let row = |line: &str| {
         let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
-        let frequencies = cells[1..].chunks(2).map(|pair| TAU * pair[0]);
-        (cells[0], frequencies.collect())
+        let lines = cells[1..].chunks(2).map(|pair| [TAU * pair[0], pair[1]]);
+        (cells[0], lines.collect())
     };
     csv.lines().skip(1).map(row).collect()
+}
+
+/// Circular frequencies over the speed.
+fn diagram(name: &str, text: &str) -> Vec<(f64, Vec<f64>)> {
+    let rows = lines(name, text).into_iter();
+    rows.map(|(speed, lines)| (speed, lines.iter().map(|line| line[0]).collect()))
+        .collect()
+}
+
+/// A mass of 3 on a massless vertical shaft that rotates, with these stiffnesses EI and damping.
+fn rotor(EI: [f64; 2], damping: f64) -> String {
+    let section = format!(
+        "[sections.shaft]\nstiffness = {{ EA = 1e7, GA = [1e7, 1e7], GJ = 1e4, EI = {EI:?} }}\n\
+         damping = {{ stiffness = {damping} }}\n"
+    );
+    format!(
+        "{section}\n{GROUND}\n[[joints]]\nname = \"spin\"\ntype = \"revolute\"\nparent = \"ground\"\naxis = [0, 0, 1]\n\n\
+         [[joints]]\nname = \"disc\"\ntype = \"free\"\nparent = \"spin\"\nposition = [0, 0, 1]\n\n\
+         [[lines]]\nname = \"shaft\"\nfrom = \"spin\"\nto = \"disc\"\nrelative_to = \"spin\"\nelements = 2\norder = 3\n\
+         section = \"shaft\"\n\n[[bodies]]\nname = \"disc\"\nnode = \"disc\"\nmass = 3\n\n\
+         [analysis.campbell]\njoint = \"spin\"\nto = 16\nsteps = 8\ncount = 2\n"
+    )
+}
+
+/// Stiffness of its free end.
+fn stiffness(EI: f64) -> f64 {
+    1.0 / (1.0 / (3.0 * EI) + 1.0 / 1e7)
+}
+
+/// With z = x + i y in the rotating frame and ω² = k/m: z̈ + (2 i Ω + τ ω²) ż + (ω² − Ω²) z = 0; internal damping
+/// drives the whirl beyond the critical speed. The massless shaft relaxes with λ = −1/τ, which is no line.
+#[test]
+fn internal_damping_drives_the_whirl() {
+    let tau = 5e-4;
+    let square = stiffness(100.0) / 3.0;
+    for (speed, found) in lines("campbell_internal", &rotor([100.0; 2], tau)) {
+        let half = Complex64::new(0.5 * tau * square, speed);
+        let root = (half * half - (square - speed * speed)).sqrt();
+        let mut exact = [-half + root, -half - root];
+        exact.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
+        let mut found = found.clone();
+        found.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        for (found, exact) in found.into_iter().zip(exact) {
+            assert!(
+                (found[0] - exact.im.abs()).abs() < 1e-5,
+                "{speed}: {found:?} for {exact}"
+            );
+            let ratio = -exact.re / exact.norm();
+            // At the critical speed, 10, the exact λ of one line is about zero.
+            if exact.norm() > 0.1 {
+                assert!(
+                    (found[1] - ratio).abs() < 1e-6,
+                    "{speed}: {found:?} for {exact}"
+                );
+            }
+        }
+    }
+}
+
+/// Between √(k₁/m) = 10.0 and √(k₂/m) = 12.2 a shaft of two stiffnesses diverges.
+#[test]
+fn a_shaft_of_two_stiffnesses_diverges_between_its_critical_speeds() {
+    for (speed, found) in lines("campbell_two_stiffnesses", &rotor([100.0, 150.0], 0.0)) {
+        let squares = [100.0, 150.0].map(|EI| stiffness(EI) / 3.0 - speed * speed);
+        let exact = if squares[0] * squares[1] < 0.0 {
+            -1.0
+        } else {
+            0.0
+        };
+        let least = found.iter().map(|line| line[1]).fold(0.0, f64::min);
+        assert!((least - exact).abs() < 1e-9, "{speed}: {found:?}");
+    }
 }
 
 /// Flap of a clamped blade without hub, w'''' − η² (T w')' = μ² w, T = (1 − x²)/2: power series, 60 digits;

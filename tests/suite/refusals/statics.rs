@@ -143,7 +143,7 @@ fn slips_are_explained() {
     let both = format!("{MODEL}\n[analysis.dynamic]\nto = 1\nstep = 0.1\n");
     let advice = refusal(&both).problem.advice().unwrap();
     assert!(
-        advice.contains("static, arc_length and dynamic"),
+        advice.contains("static, arc_length, dynamic, modes"),
         "{advice}"
     );
     let on_line = MODEL.replace(

@@ -198,9 +198,9 @@ impl ModelBuilder {
         self.nodes[node.0 as usize].position
     }
 
-    /// Number of coordinates of a node, six for a frame.
-    pub fn dim(&self, node: NodeId) -> usize {
-        self.nodes[node.0 as usize].dim
+    /// What the coordinates of a node measure: three lengths and three angles for a frame.
+    pub fn quantities(&self, node: NodeId) -> &[Quantity] {
+        &self.nodes[node.0 as usize].quantities
     }
 
     /// Whether a node has coordinates of its own and is not mapped.

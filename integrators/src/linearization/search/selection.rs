@@ -16,6 +16,8 @@ const INNER: usize = 4;
 const ENDS: f64 = 1e-9;
 /// Ratio of the eigenvalues of the operator above which another shift is taken.
 const SPREAD: f64 = 1e9;
+/// The same with damping, where shapes lose as many digits.
+const SPREAD_DAMPED: f64 = 1e6;
 
 impl Search<'_> {
     /// ω² or λ of an eigenvalue of the operator; zero where nothing but rounding errors are left.
@@ -39,11 +41,12 @@ impl Search<'_> {
         let largest = pairs.first()?.theta.norm();
         let k = self.position(pairs, count).min(pairs.len() - 1);
         let last = self.eigenvalue(&pairs[k]).norm();
-        let square = match self.order {
-            Order::Squares => -0.25 * last,
-            Order::Quadratic => 0.5 * last,
+        let (square, spread) = match self.order {
+            Order::Squares if exhausted => (-0.25 * last, f64::INFINITY),
+            Order::Squares => (-0.25 * last, SPREAD),
+            Order::Quadratic => (0.5 * last, SPREAD_DAMPED),
         };
-        let drowned = shift == 0.0 && largest > SPREAD * pairs[k].theta.norm() && !exhausted;
+        let drowned = shift == 0.0 && largest > spread * pairs[k].theta.norm();
         let far = shift != 0.0 && square.abs() < 0.1 * shift.abs() && last > 1e-9 * shift.abs();
         ((drowned || far) && square.is_finite()).then_some(square)
     }
