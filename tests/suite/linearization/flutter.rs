@@ -20,7 +20,7 @@ fn flutter(damping: f64) -> StabilityLimit {
         &arm("b", "B", [2.0, 0.0, 0.0]),
         &body_of("a", 2.0, ""),
         &body_of("b", 1.0, ""),
-        "[[loads]]\nnode = \"b\"\nforce = [-1, 0, 0]\nfollower = true\n",
+        "[[loads]]\nnode = \"b\"\nforce = [-1, 0, 0]\nfollower = true\ntime = { proportional = 1 }\n",
     ]
     .concat();
     let mut context = assemble_text("model.toml", &text).unwrap().context;
@@ -49,7 +49,7 @@ fn a_column_flutters_under_a_follower_force() {
     let stiffness = "EA = 1e7, GA = [1e7, 1e7], GJ = 1.0, EI = [4.0, 1.0]";
     let rest = "[sections.main.mass]\nA_rho = 1.0\nJ = [2e-8, 1e-8, 1e-8]\n".to_owned()
         + &fixed("A")
-        + "[[loads]]\nnode = \"B\"\nforce = [-1, 0, 0]\nfollower = true\n[analysis.modes]\n";
+        + "[[loads]]\nnode = \"B\"\nforce = [-1, 0, 0]\nfollower = true\ntime = { proportional = 1 }\n[analysis.modes]\n";
     let job = assemble_text("model.toml", &line(stiffness, 6, 3, &rest));
     let mut context = job.unwrap().context;
     let q = vec![0.0; context.initial().len()];
