@@ -5,44 +5,45 @@
 
 use crate::support::linear_solver::*;
 use pullback_integrators::linear_solver::{
-    AutoSolver, BlockLu, LinearError, LinearSolver, SolverKind,
+    AutoSolver, BlockLu, FaerCholesky, LinearError, LinearSolver, SolverKind, null_vector,
 };
 use pullback_manifold::sparse::BlockPattern;
 
-/// A full matrix of scalar nodes, of which the last is eliminated first; a right-hand side of a known
-/// solution; and beside them a node of six unknowns coupled to none of them, which makes it a matrix that
-/// the block solver is chosen for.
+/// A matrix, a right-hand side and its solution.
 struct Case {
     pattern: BlockPattern,
+    symmetry: MatrixSymmetry,
     values: Vec<f64>,
     x: Vec<f64>,
     b: Vec<f64>,
 }
 
 impl Case {
-    fn new<const N: usize>(A: [[f64; N]; N], x: [f64; N]) -> Self {
-        let sizes = [vec![1; N], vec![6]].concat();
-        let pattern = BlockPattern::new(&sizes, [(0..N as u32).collect::<Vec<_>>()]);
-        let mut values = vec![0.0; pattern.len()];
-        write(&pattern, &mut values, |r, c| match r < N {
-            true => A[r][c],
-            false => f64::from(u8::from(r == c)),
-        });
-        let x = [&x[..], &[1.0; 6]].concat();
-        let mut b = vec![0.0; N + 6];
+    fn new(
+        (pattern, values): (BlockPattern, Vec<f64>),
+        symmetry: MatrixSymmetry,
+        x: Vec<f64>,
+    ) -> Self {
+        let mut b = vec![0.0; x.len()];
         pattern.multiply_add(1.0, &values, &x, &mut b);
         Self {
             pattern,
+            symmetry,
             values,
             x,
             b,
         }
     }
 
+    fn of_scalars<const N: usize>(A: [[f64; N]; N], x: [f64; N]) -> Self {
+        Self::new(scalars(A), General, [&x[..], &[1.0; 6]].concat())
+    }
+
     /// The block solver's error, of the same kind both ways and leaving b as it is.
     fn refusal(&self) -> LinearError {
         let solver = &mut BlockLu::new();
-        let two_calls = solve(solver, &self.pattern, General, &self.values, &self.b).unwrap_err();
+        let two_calls = solve(solver, &self.pattern, self.symmetry, &self.values, &self.b);
+        let two_calls = two_calls.unwrap_err();
         let mut b = self.b.clone();
         let one_call = solver.factorise_and_solve(&self.values, &mut b);
         let kinds = [&one_call.unwrap_err(), &two_calls].map(std::mem::discriminant);
@@ -53,28 +54,29 @@ impl Case {
 
     /// Everybody's solver finds x, by the general LU, both ways and again.
     fn falls_back(&self) {
-        let mut auto = analysed(AutoSolver::new(), &self.pattern, General);
-        let mut harmless = self.values.clone();
-        write(&self.pattern, &mut harmless, |r, c| {
-            f64::from(u8::from(r == c))
-        });
+        let mut auto = analysed(AutoSolver::new(), &self.pattern, self.symmetry);
+        let harmless = filled(&self.pattern, |r, c| f64::from(u8::from(r == c)));
         auto.factorise(&harmless).unwrap();
         assert_eq!(auto.active(), Some(SolverKind::Block));
-        let near = |found: &[f64]| {
-            for (found, x) in found.iter().zip(&self.x) {
-                assert!((found - x).abs() < 1e-9 * x.abs(), "{found} instead of {x}");
-            }
-        };
         for _ in 0..5 {
             let mut found = self.b.clone();
             auto.factorise(&self.values).unwrap();
             auto.solve(Some(&self.values), &mut found).unwrap();
             assert_eq!(auto.active(), Some(SolverKind::Lu));
-            near(&found);
+            self.near(&found);
             let mut found = self.b.clone();
             auto.factorise_and_solve(&self.values, &mut found).unwrap();
             assert_eq!(auto.active(), Some(SolverKind::Lu));
-            near(&found);
+            self.near(&found);
+        }
+    }
+
+    fn near(&self, found: &[f64]) {
+        for (found, x) in found.iter().zip(&self.x) {
+            assert!(
+                (found - x).abs() < 1e-10 * x.abs(),
+                "{found} instead of {x}"
+            );
         }
     }
 }
@@ -82,7 +84,7 @@ impl Case {
 #[test]
 fn elements_that_grow_are_noticed() {
     // The pivot 1e-13 is far above rounding, and leaves 1 − 1e13 for the other node.
-    let case = Case::new([[1.0, 1.0], [1.0, 1e-13]], [1.0, 2.0]);
+    let case = Case::of_scalars([[1.0, 1.0], [1.0, 1e-13]], [1.0, 2.0]);
     let error = case.refusal();
     let LinearError::Growth { unknown: 0, growth } = error else {
         panic!("{error}");
@@ -98,11 +100,50 @@ fn residuals_that_refinement_does_not_mend_are_noticed() {
     // where it would have to cancel: with 1e-7 beside it no later pivot is as large. The matrix itself is
     // harmless: with its second row divided by 1e-7 its determinant is −0.1.
     let A = [[0.6, 0.7, -1.0], [0.0, 1e-12, 1e-7], [-1.0, -1.0, 3e-14]];
-    let case = Case::new(A, [1.3, -0.7, 0.9]);
+    let case = Case::of_scalars(A, [1.3, -0.7, 0.9]);
     let error = case.refusal();
     let LinearError::Residual { residual, limit } = error else {
         panic!("{error}");
     };
     assert!(limit == 1e-9 && residual > limit, "{error}");
     case.falls_back();
+}
+
+#[test]
+fn a_saddle_point_needs_the_fallback_and_gets_it() {
+    // Node 0 carries nothing but multipliers; it is eliminated first as a leaf of node 1.
+    let pattern = BlockPattern::new(&[3, 2, 3], [[0, 1], [0, 2]]);
+    let mut random = Random(5);
+    let base = pattern.matrix(&random_values(&pattern, &mut random, true, false, 1.0));
+    let multiplier = |i: usize| (3..5).contains(&i);
+    let values = filled(&pattern, |r, c| match multiplier(r) && multiplier(c) {
+        true => 0.0,
+        false => base[(r, c)],
+    });
+    let x = (0..8).map(|_| random.next()).collect();
+    let case = Case::new((pattern, values), Symmetric, x);
+    let error = case.refusal();
+    let LinearError::VanishingPivot { unknown: 3, .. } = error else {
+        panic!("{error}");
+    };
+    case.falls_back();
+    let Case {
+        pattern, values, b, ..
+    } = &case;
+    case.near(&solve(&mut FaerCholesky::new(), pattern, Symmetric, values, b).unwrap());
+    assert!(null_vector(pattern, values).is_none());
+
+    // A constraint twice: the multipliers are not unique, and their difference is the null vector.
+    let m = pattern.matrix(values);
+    let same = |i: usize| if i == 4 { 3 } else { i };
+    let doubled = filled(pattern, |r, c| m[(same(r), same(c))]);
+    let mut auto = analysed(AutoSolver::new(), pattern, Symmetric);
+    let error = auto.factorise(&doubled).unwrap_err();
+    let (LinearError::VanishingPivot { unknown: 3 | 4, .. }
+    | LinearError::Singular { unknown: 3 | 4, .. }) = error
+    else {
+        panic!("{error}");
+    };
+    let null = null_vector(pattern, &doubled).unwrap();
+    assert!((null.vector[3] - 1.0).abs() < 1e-8 && (null.vector[4] + 1.0).abs() < 1e-8);
 }

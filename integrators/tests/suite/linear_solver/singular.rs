@@ -4,9 +4,7 @@
 
 use crate::support::linear_solver::*;
 use nalgebra::DVector;
-use pullback_integrators::linear_solver::{
-    AutoSolver, FaerCholesky, LinearError, LinearSolver, null_vector,
-};
+use pullback_integrators::linear_solver::{AutoSolver, LinearError, LinearSolver, null_vector};
 use pullback_manifold::sparse::BlockPattern;
 
 /// Scalar springs between neighbours, and to the ground at the nodes given.
@@ -74,15 +72,8 @@ fn an_unsupported_chain_is_singular_and_its_mechanism_is_a_translation() {
 
 #[test]
 fn a_vanishing_pivot_is_named_where_it_is_part_of_the_mechanism() {
-    // The last of four nodes is eliminated first; the node of six unknowns makes the matrix one for
-    // the block solver.
     let error = |matrix: [[f64; 4]; 4]| {
-        let pattern = BlockPattern::new(&[1, 1, 1, 1, 6], [[0, 1, 2, 3]]);
-        let mut values = vec![0.0; pattern.len()];
-        write(&pattern, &mut values, |r, c| match r < 4 {
-            true => matrix[r][c],
-            false => f64::from(u8::from(r == c)),
-        });
+        let (pattern, values) = scalars(matrix);
         let mut auto = analysed(AutoSolver::new(), &pattern, General);
         auto.factorise(&values).unwrap_err()
     };
@@ -114,14 +105,11 @@ fn a_zero_row_is_named_by_everybody() {
     let pattern = BlockPattern::new(&[6, 6, 6], [[0, 1], [1, 2]]);
     let full = random_values(&pattern, &mut random, true, false, 1.0);
     let matrix = pattern.matrix(&full);
-    let mut values = full.clone();
-    write(&pattern, &mut values, |r, c| match [r, c].contains(&9) {
+    let values = filled(&pattern, |r, c| match [r, c].contains(&9) {
         true => 0.0,
         false => matrix[(r, c)],
     });
-    let mut all = solvers();
-    all.push(("cholesky", Box::new(FaerCholesky::new())));
-    for (name, mut solver) in all {
+    for (name, mut solver) in symmetric_solvers() {
         solver.analyse(&pattern, Symmetric).unwrap();
         let error = solver.factorise(&values).unwrap_err();
         assert_eq!(error, LinearError::ZeroRow { unknown: 9 }, "{name}");
@@ -137,9 +125,7 @@ fn a_zero_row_is_named_by_everybody() {
 fn exactly_singular_matrices_with_which_faer_reports_success_are_detected() {
     // Two equal rows within a block, and a structurally regular matrix of rank one.
     let pattern = BlockPattern::dense(2);
-    let mut all = solvers();
-    all.push(("cholesky", Box::new(FaerCholesky::new())));
-    for (name, mut solver) in all {
+    for (name, mut solver) in symmetric_solvers() {
         solver.analyse(&pattern, Symmetric).unwrap();
         let error = solver.factorise(&[1.0, 1.0, 1.0, 1.0]).unwrap_err();
         assert!(is_singular(&error), "{name}: {error}");
@@ -156,8 +142,7 @@ fn null_vector_of_an_unsymmetric_matrix() {
     let matrix = pattern.matrix(&regular);
     let v = DVector::from_fn(n, |i, _| if i == 4 { 1.0 } else { 0.8 * random.next() });
     let projected = &matrix - (&matrix * &v) * v.transpose() / v.dot(&v);
-    let mut values = regular.clone();
-    write(&pattern, &mut values, |r, c| projected[(r, c)]);
+    let values = filled(&pattern, |r, c| projected[(r, c)]);
     let null = null_vector(&pattern, &values).unwrap();
     for (a, b) in null.vector.iter().zip(v.iter()) {
         assert!((a - b).abs() < 1e-8, "{a} {b}");

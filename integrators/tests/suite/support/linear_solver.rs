@@ -1,9 +1,11 @@
 //! Matrices of all shapes, and solvers for them.
 
-#![allow(dead_code, clippy::unwrap_used)]
+#![allow(dead_code, non_snake_case, clippy::unwrap_used)]
 
 pub use pullback_integrators::linear_solver::MatrixSymmetry::{self, General, Symmetric};
-use pullback_integrators::linear_solver::{AutoSolver, BlockLu, FaerLu, LinearError, LinearSolver};
+use pullback_integrators::linear_solver::{
+    AutoSolver, BlockLu, FaerCholesky, FaerLu, LinearError, LinearSolver,
+};
 use pullback_manifold::sparse::BlockPattern;
 
 /// Numbers in (-1, 1), the same every time.
@@ -63,31 +65,43 @@ pub fn random_values(
     indefinite: bool,
     spread: f64,
 ) -> Vec<f64> {
-    let n = pattern.dim();
-    let mut values: Vec<f64> = (0..pattern.len()).map(|_| random.next()).collect();
-    let mut sums = vec![1.0; n];
+    let values: Vec<f64> = (0..pattern.len()).map(|_| random.next()).collect();
+    let mut matrix = pattern.matrix(&values);
     if symmetric {
-        let upper = pattern.matrix(&values);
-        write(pattern, &mut values, |r, c| upper[(r.min(c), r.max(c))]);
+        matrix.fill_lower_triangle_with_upper_triangle();
     }
-    let matrix = pattern.matrix(&values);
-    for (r, sum) in sums.iter_mut().enumerate() {
-        *sum += matrix.row(r).iter().map(|v| v.abs()).sum::<f64>();
-    }
-    let units: Vec<f64> = (0..n).map(|_| spread.powf(random.next())).collect();
-    write(pattern, &mut values, |r, c| {
+    let size = |v: &f64| v.abs();
+    let sums: Vec<f64> = matrix
+        .row_iter()
+        .map(|row| 1.0 + row.iter().map(size).sum::<f64>())
+        .collect();
+    let units: Vec<f64> = sums.iter().map(|_| spread.powf(random.next())).collect();
+    filled(pattern, |r, c| {
         let sign = if indefinite && r % 3 == 0 { -1.0 } else { 1.0 };
         let diagonal = if r == c { sign * sums[r] } else { 0.0 };
         (matrix[(r, c)] + diagonal) * units[r] * units[c]
-    });
-    values
+    })
 }
 
-pub fn write(pattern: &BlockPattern, values: &mut [f64], entry: impl Fn(usize, usize) -> f64) {
-    let given = values.to_vec();
-    for (k, (r, c, _)) in pattern.triplets(&given).enumerate() {
-        values[k] = entry(r, c);
-    }
+/// The values of a matrix with these entries in the blocks of its pattern.
+pub fn filled(pattern: &BlockPattern, entry: impl Fn(usize, usize) -> f64) -> Vec<f64> {
+    let zeros = vec![0.0; pattern.len()];
+    pattern
+        .triplets(&zeros)
+        .map(|(r, c, _)| entry(r, c))
+        .collect()
+}
+
+/// A full matrix of scalar nodes, of which the last is eliminated first, and beside them a node of six
+/// unknowns coupled to none of them, which makes it a matrix that the block solver is chosen for.
+pub fn scalars<const N: usize>(A: [[f64; N]; N]) -> (BlockPattern, Vec<f64>) {
+    let sizes = [vec![1; N], vec![6]].concat();
+    let pattern = BlockPattern::new(&sizes, [(0..N as u32).collect::<Vec<_>>()]);
+    let values = filled(&pattern, |r, c| match r < N {
+        true => A[r][c],
+        false => f64::from(u8::from(r == c)),
+    });
+    (pattern, values)
 }
 
 pub fn solvers() -> Vec<(&'static str, Box<dyn LinearSolver>)> {
@@ -96,6 +110,13 @@ pub fn solvers() -> Vec<(&'static str, Box<dyn LinearSolver>)> {
         ("faer LU", Box::new(FaerLu::new())),
         ("auto", Box::new(AutoSolver::new())),
     ]
+}
+
+/// The same and one for symmetric matrices alone.
+pub fn symmetric_solvers() -> Vec<(&'static str, Box<dyn LinearSolver>)> {
+    let mut all = solvers();
+    all.push(("cholesky", Box::new(FaerCholesky::new())));
+    all
 }
 
 /// A solver that has analysed a pattern.
