@@ -3,6 +3,7 @@
 #![allow(non_snake_case)]
 
 use crate::support::dynamics::{adaptive, attempt, steps_of};
+use crate::support::linear_solver::filled;
 use crate::support::refused;
 use pullback_integrators::dynamics::{DynamicOptions, DynamicsError, Progress, Scheme};
 use pullback_manifold::sparse::BlockPattern;
@@ -13,15 +14,17 @@ use std::f64::consts::PI;
 struct Chain {
     pattern: BlockPattern,
     k: f64,
+    K: Vec<f64>,
     m: Vec<f64>,
     evaluations: usize,
 }
 
 impl Chain {
     fn new(n: usize, k: f64, m: f64) -> Self {
-        let pairs = (1..n as u32).map(|i| [i - 1, i]);
+        let pattern = BlockPattern::new(&vec![1; n], (1..n as u32).map(|i| [i - 1, i]));
         Self {
-            pattern: BlockPattern::new(&vec![1; n], pairs),
+            K: filled(&pattern, |i, j| if i == j { 2.0 * k } else { -k }),
+            pattern,
             k,
             m: vec![m; n],
             evaluations: 0,
@@ -48,21 +51,13 @@ impl System for Chain {
 
     fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
         self.evaluations += 1;
-        let n = self.m.len();
-        let q = |i: usize| at.q.get(i).copied().unwrap_or(0.0);
-        for i in 0..n {
-            let left = if i == 0 { 0.0 } else { q(i - 1) };
-            out.r[i] = self.k * (left - 2.0 * q(i) + q(i + 1)) - self.m[i] * at.a[i];
-        }
+        let forces = self.m.iter().zip(at.a).map(|(m, a)| -m * a);
+        out.r.iter_mut().zip(forces).for_each(|(r, f)| *r = f);
+        self.pattern.multiply_add(-1.0, &self.K, at.q, out.r);
         if let Some((w, S)) = out.S {
-            S.fill(0.0);
-            for i in 0..n {
-                S[self.pattern.find(i, i).unwrap()] = w.K * 2.0 * self.k + w.M * self.m[i];
-                if i > 0 {
-                    S[self.pattern.find(i, i - 1).unwrap()] = -w.K * self.k;
-                    S[self.pattern.find(i - 1, i).unwrap()] = -w.K * self.k;
-                }
-            }
+            S.iter_mut().zip(&self.K).for_each(|(S, K)| *S = w.K * K);
+            let diagonal = self.pattern.diagonal().zip(&self.m);
+            diagonal.for_each(|(i, m)| S[i] += w.M * m);
         }
         Ok(())
     }
@@ -78,14 +73,12 @@ impl System for Chain {
 
 impl Energetics for Chain {
     fn energies(&mut self, at: Point<'_>) -> Result<Energies, SystemError> {
-        let n = self.m.len();
-        let q = |i: usize| at.q.get(i).copied().unwrap_or(0.0);
-        let stretch = |i: usize| if i == 0 { q(0) } else { q(i) - q(i - 1) };
-        let stored = (0..=n).map(|i| 0.5 * self.k * stretch(i).powi(2)).sum();
-        let kinetic = (0..n).map(|i| 0.5 * self.m[i] * at.v[i].powi(2)).sum();
+        let mut Kq = vec![0.0; self.m.len()];
+        self.pattern.multiply_add(1.0, &self.K, at.q, &mut Kq);
+        let kinetic = self.m.iter().zip(at.v).map(|(m, v)| 0.5 * m * v * v).sum();
         Ok(Energies {
             kinetic,
-            stored,
+            stored: 0.5 * Kq.iter().zip(at.q).map(|(f, q)| f * q).sum::<f64>(),
             ..Energies::default()
         })
     }
