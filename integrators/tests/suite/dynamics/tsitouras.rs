@@ -1,4 +1,4 @@
-//! The pair of Tsitouras: its order conditions, kinks, adaptive steps.
+//! The pair of Tsitouras: its order conditions, adaptive steps.
 
 #![allow(non_snake_case)]
 
@@ -74,44 +74,6 @@ fn the_coefficients_satisfy_the_order_conditions() {
             assert!((q - dot(&row.v, &column)).abs() < 1e-14, "{row:?}");
         }
     }
-}
-
-/// m ẍ + k x = p from (x, v), p = p₀ + s t: in closed form.
-fn driven(system: &Oscillator, [x, v]: [f64; 2], [p, s]: [f64; 2], t: f64) -> [f64; 2] {
-    let omega = (system.k / system.m).sqrt();
-    let (sin, cos) = (omega * t).sin_cos();
-    let [p, s] = [p / system.k, s / system.k];
-    let (x, v) = (x - p, (v - s) / omega);
-    [
-        p + s * t + x * cos + v * sin,
-        s + omega * (v * cos - x * sin),
-    ]
-}
-
-#[test]
-fn the_order_survives_kinks() {
-    let system = || Oscillator {
-        hat: 30.0,
-        ..Oscillator::new(2.0, 18.0)
-    };
-    let known = {
-        let system = system();
-        let peak = driven(&system, [0.1, -0.2], [0.0, 60.0], 0.5);
-        let end = driven(&system, peak, [30.0, -60.0], 0.5);
-        driven(&system, end, [0.0, 0.0], 0.7)
-    };
-    // No step but those that are cut ends at 0.5 or at 1.
-    let errors = [0.045, 0.0225, 0.01125].map(|h| {
-        let options = steps_of(Scheme::tsitouras(), 1.7, h);
-        let end = run(system(), 0.1, -0.2, &options).state;
-        (end.q[0] - known[0]).abs().max((end.v[0] - known[1]).abs())
-    });
-    for slope in slopes(&errors) {
-        assert!((slope - 5.0).abs() < 0.2, "{errors:?}");
-    }
-    let options = adaptive(steps_of(Scheme::tsitouras(), 1.7, 0.3), 1e-9, 1.0);
-    let end = run(system(), 0.1, -0.2, &options);
-    assert!((end.state.q[0] - known[0]).abs() < 1e-8, "{:?}", end.state);
 }
 
 #[test]
