@@ -5,4 +5,3 @@ mod implicit;
 mod maps;
 mod rotations;
 mod support;
-mod systems;

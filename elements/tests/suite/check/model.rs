@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use crate::support::{frame_model, sine};
+use crate::support::{frame_model, seeded, sine, straight};
 use nalgebra::{Matrix3, Matrix6, Vector3};
 use pullback_conformance::{self as check, ModelOptions};
 use pullback_elements::beam::{Interpolation, Section};
@@ -73,10 +73,7 @@ fn everything() -> Context {
 fn a_right_model_passes_from_many_seeds() {
     let mut model = everything();
     for seed in 0..12 {
-        let options = ModelOptions {
-            seed,
-            ..ModelOptions::default()
-        };
+        let options = seeded(seed);
         let report = check::model(&mut model, &options);
         report.assert();
         assert!(report.rows().len() > 200, "{}", report.rows().len());
@@ -96,10 +93,8 @@ fn stiffness_ratios_of_ten_orders_and_millimetres_raise_no_alarm() {
         let root = b.node("root", [5.0 * length, 0.0, 0.0]).unwrap();
         let tip = b.node("tip", [6.0 * length, 0.0, 0.0]).unwrap();
         let axis = StraightLine {
-            from: b.position(root),
-            to: b.position(tip),
-            second: None,
             twist: 0.2,
+            ..straight(&b, [root, tip])
         };
         let EI = EI * length * length;
         let J = Matrix3::from_diagonal(&Vector3::new(2.0, 1.0, 1.0)) * (1e-6 * length * length);
@@ -119,11 +114,7 @@ fn stiffness_ratios_of_ten_orders_and_millimetres_raise_no_alarm() {
         b.element("soft", soft, &[root, tip]).unwrap();
         let mut context = Context::new(b.build().unwrap());
         for seed in 0..8 {
-            let options = ModelOptions {
-                seed,
-                ..ModelOptions::default()
-            };
-            check::model(&mut context, &options).assert();
+            check::model(&mut context, &seeded(seed)).assert();
         }
     }
 }
@@ -134,16 +125,7 @@ fn the_same_seed_gives_the_same_report_and_states_outside_are_told() {
     let options = ModelOptions::default();
     let first = check::model(&mut model, &options);
     assert_eq!(first, check::model(&mut model, &options));
-    assert_ne!(
-        first,
-        check::model(
-            &mut model,
-            &ModelOptions {
-                seed: 1,
-                ..options.clone()
-            }
-        )
-    );
+    assert_ne!(first, check::model(&mut model, &seeded(1)));
     // The slide is beyond the end of its chain.
     let way = model.find("runner arc_length").unwrap();
     let mut q = vec![0.0; pullback_manifold::system::System::pattern(&model).dim()];

@@ -2,13 +2,13 @@
 
 #![allow(non_snake_case)]
 
+use crate::support::{checked, failures};
 use nalgebra::{Matrix3, SVector, Vector3};
-use pullback_conformance::{self as check, ModelOptions};
 use pullback_conformance::{Report, joint};
 use pullback_elements::beam::Interpolation;
 use pullback_elements::body::RigidBody;
 use pullback_elements::joint::{Chain, Curve, OnCurve, Slide};
-use pullback_elements::model::{Context, ModelBuilder, NodeId};
+use pullback_elements::model::{ModelBuilder, NodeId};
 use pullback_elements::time::Constant;
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::map::{
@@ -152,16 +152,7 @@ fn chained(planted: Planted, interpolation: Interpolation, driven: bool, seed: u
     if driven {
         b.prescribe_coordinate(way, 0, Constant(0.05));
     }
-    let options = ModelOptions {
-        seed,
-        ..ModelOptions::default()
-    };
-    check::model(&mut Context::new(b.build().unwrap()), &options)
-}
-
-fn failures(report: &Report) -> Vec<[&str; 2]> {
-    let rows = report.failures().into_iter();
-    rows.map(|r| [&r.component[..], &r.law[..]]).collect()
+    checked(b, seed)
 }
 
 const MOTION: [&str; 2] = ["joint runner (along)", "change of segment: motion stays"];
@@ -244,10 +235,7 @@ fn pieces_of_a_curve_meet_with_two_derivatives() {
             .attach_free("bead", base, OnCurve::new(Bent(power, None)))
             .unwrap();
         b.element("bead", body(), &[bead.frame]).unwrap();
-        let report = check::model(
-            &mut Context::new(b.build().unwrap()),
-            &ModelOptions::default(),
-        );
+        let report = checked(b, 0);
         let expected = [["joint bead (on curve)", law]];
         assert_eq!(
             failures(&report),

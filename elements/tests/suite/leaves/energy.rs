@@ -6,8 +6,8 @@ use crate::support::elastic_joint::ElasticJoint;
 use crate::support::gravity::Gravity;
 use crate::support::polynomial_spring::PolynomialSpring;
 use crate::support::strain_beam::{FrameInertia, GreenLagrange, Reissner, strain_beam};
-use crate::support::{coupled, eccentric, forces, moving, section, sine};
-use nalgebra::{DVector, Matrix3, Matrix6, SMatrix, SVector, Vector3};
+use crate::support::{coupled, eccentric, forces, moving, residual, section, sine};
+use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, Vector3};
 use pullback_conformance as check;
 use pullback_elements::beam::{Beam, Damping, Section};
 use pullback_elements::body::RigidBody;
@@ -17,7 +17,6 @@ use pullback_elements::load::{LoadKind, NodalLoad};
 use pullback_elements::model::frame_along;
 use pullback_elements::spring::{AxialSpring, Bushing, CoordinateLaw, CoordinateSpring};
 use pullback_elements::time::Sine;
-use pullback_manifold::domain::DomainError;
 use pullback_manifold::scalar::Scalar;
 
 fn positions() -> [Vector3<f64>; 2] {
@@ -104,7 +103,7 @@ fn springs() {
     let along = (positions()[1] - positions()[0]).normalize();
     x[6..9].copy_from_slice((along * 2.8 + positions()[0] - positions()[1]).as_slice());
     let element = hardening.into_element();
-    let r = residual(&element, &x).unwrap();
+    let r = residual(&element, &x, &[]).unwrap();
     for k in 0..3 {
         assert!((r[6 + k] + 11.6 * along[k]).abs() < 1e-13);
         assert!((r[k] - 11.6 * along[k]).abs() < 1e-13);
@@ -112,7 +111,7 @@ fn springs() {
     let energy = element.abilities().energy(&moving(&x, &[], &[]));
     assert!((energy - (6.0 - 3.2 / 3.0 + 3.6)).abs() < 1e-13);
     x[6..9].copy_from_slice((positions()[0] - positions()[1]).as_slice());
-    let error = residual(&element, &x).unwrap_err().to_string();
+    let error = residual(&element, &x, &[]).unwrap_err().to_string();
     assert!(
         error.starts_with("its ends coincide (length 0.000e0)"),
         "{error}"
@@ -142,6 +141,7 @@ fn a_coordinate_spring() {
         x0: 0.3,
     };
     let hand = CoordinateSpring::new(law).unwrap();
+    check::element(&hand).assert();
     check::same(&Cubic(law).into_element(), &hand).assert();
 }
 
@@ -205,14 +205,14 @@ fn gravity_pulls_with_the_square_of_the_distance() {
     let element = gravity.into_element();
     check::element(&element).assert();
     assert!(element.properties().load);
-    let r = residual(&element, &[0.0; 6]).unwrap();
+    let r = residual(&element, &[0.0; 6], &[]).unwrap();
     // 50·2/25 = 4 towards the centre.
     for (k, f) in [-2.4, 0.0, -3.2, 0.0, 0.0, 0.0].into_iter().enumerate() {
         assert!((r[k] - f).abs() < 1e-14, "{r:?}");
     }
     assert!((element.abilities().energy(&moving(&[0.0; 6], &[], &[])) + 20.0).abs() < 1e-13);
     let there = [-3.0, 0.0, -4.0, 0.0, 0.0, 0.0];
-    assert!(residual(&element, &there).is_err());
+    assert!(residual(&element, &there, &[]).is_err());
 }
 
 /// T = ½ v·M(x)v with a part linear in v: the force of a magnetic field.
@@ -245,12 +245,8 @@ impl EnergyElement<3> for Nothing {}
 fn what_is_not_written_is_zero() {
     let element: ByEnergy<3> = Nothing.into_element();
     check::element(&element).assert();
-    let r = residual(&element, &[1.0, 2.0, 3.0]).unwrap();
+    let r = residual(&element, &[1.0, 2.0, 3.0], &[]).unwrap();
     assert_eq!(r.as_slice(), [0.0; 3]);
-}
-
-fn residual(element: &dyn Element, x: &[f64]) -> Result<DVector<f64>, DomainError> {
-    Ok(forces(element, &moving(x, &[], &[]))?.0)
 }
 
 /// A spring to space or a steady load, in one type.

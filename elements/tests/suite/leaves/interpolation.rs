@@ -3,7 +3,7 @@
 
 #![allow(non_snake_case)]
 
-use crate::support::{coupled, eccentric, forces, line, moving, straight};
+use crate::support::{checked, coupled, eccentric, forces, line, moving, straight};
 use nalgebra::{Matrix3, Matrix6, SVector, Vector3};
 use pullback_conformance as check;
 use pullback_conformance::Random;
@@ -12,7 +12,7 @@ use pullback_elements::element::Element;
 use pullback_elements::energy::{EnergyElement, inside_chart, rate};
 use pullback_elements::inertia::Inertia;
 use pullback_elements::load::LineLoad;
-use pullback_elements::model::{BeamLine, Context, ModelBuilder, frame_along};
+use pullback_elements::model::{BeamLine, ModelBuilder, frame_along};
 use pullback_elements::time::Constant;
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::quotients::TangentQuotients;
@@ -220,10 +220,7 @@ fn laws_found(interpolation: Interpolation, order: usize) -> Vec<String> {
     };
     let laid = b.line_with("beam", &straight(&b, ends), ends, &line, interpolation);
     laid.unwrap();
-    let report = check::model(
-        &mut Context::new(b.build().unwrap()),
-        &check::ModelOptions::default(),
-    );
+    let report = checked(b, 0);
     report.assert();
     let found = report
         .rows()

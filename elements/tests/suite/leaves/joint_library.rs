@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case, clippy::unwrap_used)]
 
-use nalgebra::{SVector, Vector3};
+use nalgebra::{Matrix3, SVector, Vector3};
 use pullback_conformance as check;
 use pullback_elements::joint::{
     self, AxisError, ConstantVelocity, Curve, Cylindrical, Helical, Joint, OnCurve, OnSurface,
@@ -71,35 +71,33 @@ fn every_joint_of_the_library_obeys_the_laws_of_a_map() {
 fn poses_are_what_the_joints_mean() {
     let (d, psi) = ([0.3, -0.2, 0.5], [0.4, 0.9, -0.7]);
     let parent = six(d, psi);
-    let R = so3::rotation(&Vector3::from(psi));
+    let (d, R) = (Vector3::from(d), so3::rotation(&Vector3::from(psi)));
     let axis = Vector3::new(1.0, -2.0, 0.5).normalize();
     let turn = |angle: f64| so3::rotation(&(axis * angle));
     let rotation = |p: &Pose<f64>| so3::rotation(&so3::log_quaternion(&p.rotation));
-    let close = |a: Vector3<f64>, b: Vector3<f64>| assert!((a - b).norm() < 1e-14, "{a} {b}");
+    let is = |p: &Pose<f64>, displacement: Vector3<f64>, turn: Matrix3<f64>, within: f64| {
+        assert!((p.d - d - displacement).norm() < 1e-14, "{p:?}");
+        assert!((rotation(p) - R * turn).norm() < within, "{p:?}");
+    };
+    let (along, one) = (R * axis, Matrix3::identity());
 
     let screw = joint::Helical::new(axis.into(), 0.7).unwrap();
     // Three and a quarter turns.
     let p = pose(&screw, &parent, &[3.25 * TAU]);
-    close(p.d, Vector3::from(d) + R * axis * (3.25 * 0.7));
-    assert!((rotation(&p) - R * turn(3.25 * TAU)).norm() < 1e-13);
+    is(&p, along * (3.25 * 0.7), turn(3.25 * TAU), 1e-13);
 
     let both = joint::Cylindrical::new(axis.into()).unwrap();
     let p = pose(&both, &parent, &[0.6, 1.9]);
-    close(p.d, Vector3::from(d) + R * axis * 0.6);
-    assert!((rotation(&p) - R * turn(1.9)).norm() < 1e-14);
+    is(&p, along * 0.6, turn(1.9), 1e-14);
 
     let slide = joint::Prismatic::new(axis.into()).unwrap();
-    let p = pose(&slide, &parent, &[0.6]);
-    close(p.d, Vector3::from(d) + R * axis * 0.6);
-    assert!((rotation(&p) - R).norm() < 1e-14);
+    is(&pose(&slide, &parent, &[0.6]), along * 0.6, one, 1e-14);
 
     let plane = joint::Planar::new(axis.into(), [1.0, 0.0, 0.0]).unwrap();
     let p = pose(&plane, &parent, &[0.6, -0.4, 1.2]);
-    let moved = R.transpose() * (p.d - Vector3::from(d));
-    assert!(moved.dot(&axis).abs() < 1e-15, "it leaves the plane");
-    assert!((moved.norm() - 0.6_f64.hypot(0.4)).abs() < 1e-15);
     let first = (Vector3::x() - axis * axis.x).normalize();
-    assert!((moved.dot(&first) - 0.6).abs() < 1e-15);
+    let within = first * 0.6 - axis.cross(&first) * 0.4;
+    is(&p, R * within, turn(1.2), 1e-14);
 
     // Tilted shafts meet in a plane that mirrors one into the other: the relative rotation takes
     // the axis a to b, and its vector is along a × b.
@@ -110,15 +108,13 @@ fn poses_are_what_the_joints_mean() {
     assert!((relative.norm() - 0.5_f64.hypot(0.8)).abs() < 1e-14);
 
     let cross = joint::Universal::new([axis.into(), [0.0, 0.0, 1.0]]).unwrap();
-    let p = pose(&cross, &parent, &[0.7, -2.0]);
     let second = so3::rotation(&(Vector3::z() * -2.0));
-    assert!((rotation(&p) - R * turn(0.7) * second).norm() < 1e-14);
+    let p = pose(&cross, &parent, &[0.7, -2.0]);
+    is(&p, Vector3::zeros(), turn(0.7) * second, 1e-14);
 
-    let on = joint::OnCurve::new(Helix);
-    let p = pose(&on, &parent, &[2.0]);
     let at = |s: f64| Vector3::new(s.cos(), s.sin(), 0.3 * s);
-    close(p.d, Vector3::from(d) + R * at(2.0) - at(0.0));
-    assert!((rotation(&p) - R).norm() < 1e-14);
+    let p = pose(&joint::OnCurve::new(Helix), &parent, &[2.0]);
+    is(&p, R * at(2.0) - at(0.0), one, 1e-14);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use crate::support::{numbers, reference};
+use crate::support::{matrix, numbers, reference};
 use nalgebra::{DMatrix, SVector, Vector3};
 use pullback_conformance as check;
 use pullback_elements::beam::Interpolation;
@@ -13,6 +13,7 @@ use pullback_manifold::map::{MapGraph, MapState, Parametrization, Read};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::{self, Quaternion};
 use pullback_manifold::system::Quantity;
+use serde_json::Value;
 
 #[test]
 fn every_joint_obeys_the_laws_of_a_map() {
@@ -77,46 +78,37 @@ fn joints_whose_children_turn_freely_obey_the_laws_of_a_map() {
 #[test]
 fn the_offset_of_the_reference() {
     for row in reference("offset") {
-        let get = |key: &str| numbers(&row[key]);
-        let mut map = JointMap::new(Offset {
-            c: Vector3::from_column_slice(&get("offset")),
-        })
-        .between_charts();
-        let [q, v, a] = ["q", "q_dot", "q_ddot"].map(get);
-        let k = check::motion(&map, 0.0, [&q, &v, &a]);
-        for (key, B) in ["B", "B_dot", "B_ddot"].into_iter().zip(&k[3..]) {
-            compare(&row, key, &DMatrix::from_column_slice(6, 6, B));
-        }
-        let mut K = vec![0.0; 36];
-        map.geometric_stiffness(0.0, &q, &get("f"), &mut K);
-        compare(&row, "K_sigma", &DMatrix::from_vec(6, 6, K));
+        let c = Vector3::from_vec(numbers(&row["offset"]));
+        against(&row, JointMap::new(Offset { c }).between_charts(), &[], &[]);
     }
 }
 
 #[test]
 fn the_revolute_joint_of_the_reference() {
     for row in reference("revolute") {
-        let get = |key: &str| numbers(&row[key]);
+        let e: [f64; 3] = numbers(&row["axis"]).try_into().expect("three");
+        let map = JointMap::new(Revolute::new(e).unwrap()).between_charts();
         // The reference has the rotation and the angle alone.
-        let seven = |key: &str| [vec![0.0; 3], get(key)].concat();
-        let e: [f64; 3] = get("axis").try_into().expect("three");
-        let mut map = JointMap::new(Revolute::new(e).unwrap()).between_charts();
-        let [q, v, a] = ["q", "q_dot", "q_ddot"].map(seven);
-        let k = check::motion(&map, 0.0, [&q, &v, &a]);
-        for (key, B) in ["B", "B_dot", "B_ddot"].into_iter().zip(&k[3..]) {
-            let B = DMatrix::from_column_slice(6, 7, B);
-            compare(&row, key, &B.view((3, 3), (3, 4)).into_owned());
-        }
-        let f = [vec![0.3, -0.1, 0.8], get("f")].concat();
-        let mut K = vec![0.0; 49];
-        map.geometric_stiffness(0.0, &q, &f, &mut K);
-        let K = DMatrix::from_vec(7, 7, K);
-        compare(&row, "K_sigma", &K.view((3, 3), (4, 4)).into_owned());
+        against(&row, map, &[0.0; 3], &[0.3, -0.1, 0.8]);
     }
 }
 
-fn compare(row: &serde_json::Value, key: &str, found: &DMatrix<f64>) {
-    let expected = crate::support::matrix(&row[key]);
-    let gap = (found - &expected).amax() / (1.0 + expected.amax());
-    assert!(gap < 1e-12, "{key}: {gap:e}\n{found}{expected}");
+/// Operators and geometric stiffness of a map and of the reference, which has not what stands before its coordinates
+/// and forces.
+fn against(row: &Value, mut map: MapGraph, before: &[f64], force: &[f64]) {
+    let behind = |first: &[f64], key: &str| [first, &numbers(&row[key])].concat();
+    let [q, v, a] = ["q", "q_dot", "q_ddot"].map(|key| behind(before, key));
+    let (k, d) = (before.len(), q.len());
+    let compare = |key: &str, found: DMatrix<f64>| {
+        let (found, expected) = (found.view_range(k.., k..), matrix(&row[key]));
+        let gap = (found - &expected).amax() / (1.0 + expected.amax());
+        assert!(gap < 1e-12, "{key}: {gap:e}\n{found}{expected}");
+    };
+    let motion = check::motion(&map, 0.0, [&q, &v, &a]);
+    for (key, B) in ["B", "B_dot", "B_ddot"].into_iter().zip(&motion[3..]) {
+        compare(key, DMatrix::from_column_slice(6, d, B));
+    }
+    let mut K = vec![0.0; d * d];
+    map.geometric_stiffness(0.0, &q, &behind(force, "f"), &mut K);
+    compare("K_sigma", DMatrix::from_vec(d, d, K));
 }

@@ -4,7 +4,6 @@
 
 use crate::support::{forces, matrix, moving, numbers, reference, refused, vector};
 use nalgebra::{DVector, Matrix3, Matrix6, Vector3};
-use pullback_elements::Asymmetry;
 use pullback_elements::beam::{Interpolation, Material, Section, SectionError, rectangle_torsion};
 use serde_json::Value;
 use std::f64::consts::PI;
@@ -17,6 +16,14 @@ fn geometry(row: &Value) -> (Vec<Vector3<f64>>, Matrix3<f64>) {
     (positions, R0.fixed_view::<3, 3>(0, 0).into_owned())
 }
 
+/// Its stiffnesses times a factor, and the section.
+fn stiffness(row: &Value, times: f64) -> ([Vec<f64>; 2], Section) {
+    let of = |key: &str| numbers(&row[key]).iter().map(|c| times * c).collect();
+    let [N, M]: [Vec<f64>; 2] = ["EA_GA2_GA3", "GJ_EI2_EI3"].map(of);
+    let section = Section::diagonal(N[0], [N[1], N[2]], M[0], [M[1], M[2]]);
+    ([N, M], section.unwrap())
+}
+
 #[test]
 fn beam_is_that_of_the_reference() {
     let rows = reference("beam");
@@ -25,9 +32,7 @@ fn beam_is_that_of_the_reference() {
         let (positions, R0) = geometry(row);
         let length = row["length"].as_f64().expect("number");
         assert!(((positions[1] - positions[0]).norm() - length).abs() < 1e-14);
-        let N = numbers(&row["EA_GA2_GA3"]);
-        let M = numbers(&row["GJ_EI2_EI3"]);
-        let section = Section::diagonal(N[0], [N[1], N[2]], M[0], [M[1], M[2]]).unwrap();
+        let ([N, M], section) = stiffness(row, 1.0);
         let beam = Interpolation::Total
             .beam(&positions, &|_| R0, &section)
             .unwrap();
@@ -60,14 +65,12 @@ fn inertia_of_the_beam_is_that_of_the_reference() {
         let (positions, R0) = geometry(row);
         let A_rho = row["A_rho"].as_f64().expect("number");
         let J = Matrix3::from_diagonal(&Vector3::from_vec(numbers(&row["J"])));
-        let (N, M) = (numbers(&row["EA_GA2_GA3"]), numbers(&row["GJ_EI2_EI3"]));
         let [x, v, a] = ["q", "q_dot", "q_ddot"].map(|key| numbers(&row[key]));
         let at = moving(&x, &v, &a);
         // Inertia does not see the stiffness: next to a soft beam's it stands alone, and is held to
         // its own largest entry.
         for soft in [1.0, 1e-20] {
-            let [N, M] = [&N, &M].map(|c| [0, 1, 2].map(|k| soft * c[k]));
-            let section = Section::diagonal(N[0], [N[1], N[2]], M[0], [M[1], M[2]]).unwrap();
+            let (_, section) = stiffness(row, soft);
             let beam = Interpolation::Total
                 .beam(&positions, &|_| R0, &section.with_mass(A_rho, J))
                 .unwrap();
@@ -124,34 +127,21 @@ fn torsion_constants_of_rectangles() {
         assert!((found / ratio - k1).abs() <= figures, "{ratio}: {found}");
         // No side is the first; the scale is a length to the fourth power.
         assert_eq!(found, rectangle_torsion(1.0, ratio));
-        near(
-            rectangle_torsion(0.02 * ratio, 0.02),
-            found * 0.02_f64.powi(4),
-            1e-14,
-        );
+        let small = rectangle_torsion(0.02 * ratio, 0.02);
+        near(small, found * 0.02_f64.powi(4), 1e-14);
     }
     // A thin strip: (a b³/3)(1 − 0.63025 b/a) (ibid.; 192/π⁵ Σ 1/n⁵ = 0.630249...).
-    near(
-        rectangle_torsion(1.0, 1e-3),
-        1e-9 / 3.0 * (1.0 - 0.630_249e-3),
-        1e-8,
-    );
+    let strip = 1e-9 / 3.0 * (1.0 - 0.630_249e-3);
+    near(rectangle_torsion(1.0, 1e-3), strip, 1e-8);
 }
 
 #[test]
 fn torsion_constant_of_the_princeton_beam() {
     // published.json, S08: h = 12.3777 mm, b = 3.2024 mm. Its last digits are those of a truncated
     // series: the sum to 30 digits is 1.134071924826731e-10.
-    near(
-        rectangle_torsion(0.0123777, 0.0032024),
-        1.134_071_924_843_914e-10,
-        2e-11,
-    );
-    near(
-        rectangle_torsion(0.0123777, 0.0032024),
-        1.134_071_924_826_731e-10,
-        1e-13,
-    );
+    let found = rectangle_torsion(0.0123777, 0.0032024);
+    near(found, 1.134_071_924_843_914e-10, 2e-11);
+    near(found, 1.134_071_924_826_731e-10, 1e-13);
 }
 
 #[test]
@@ -168,13 +158,10 @@ fn sections_of_known_shapes() {
     near(s.C[(4, 4)], 210e9 * b * h.powi(3) / 12.0, 1e-14);
     near(s.C[(5, 5)], 210e9 * h * b.powi(3) / 12.0, 1e-14);
     near(s.C[(3, 3)], G * rectangle_torsion(b, h), 1e-14);
-    near(s.inertia.mass, 7850.0 * area, 1e-14);
-    near(
-        s.inertia.J[(0, 0)],
-        7850.0 * area * (b * b + h * h) / 12.0,
-        1e-14,
-    );
-    near(s.inertia.J[(1, 1)], 7850.0 * area * h * h / 12.0, 1e-14);
+    let (mass, J) = (7850.0 * area, s.inertia.J);
+    near(s.inertia.mass, mass, 1e-14);
+    near(J[(0, 0)], mass * (b * b + h * h) / 12.0, 1e-14);
+    near(J[(1, 1)], mass * h * h / 12.0, 1e-14);
 
     let r: f64 = 0.03;
     let s = Section::circle(STEEL, r).unwrap();
@@ -189,16 +176,10 @@ fn sections_of_known_shapes() {
     for k in [0, 3, 4, 5] {
         near(tube.C[(k, k)], s.C[(k, k)] - inner.C[(k, k)], 1e-13);
     }
-    near(
-        tube.inertia.mass,
-        s.inertia.mass - inner.inertia.mass,
-        1e-13,
-    );
-    near(
-        tube.inertia.J[(0, 0)],
-        s.inertia.J[(0, 0)] - inner.inertia.J[(0, 0)],
-        1e-13,
-    );
+    let [of_tube, outer, hole] = [&tube, &s, &inner].map(|s| [s.inertia.mass, s.inertia.J[(0, 0)]]);
+    for k in 0..2 {
+        near(of_tube[k], outer[k] - hole[k], 1e-13);
+    }
     let thin = Section::tube(STEEL, 0.02999, r).unwrap();
     let area = PI * (r * r - 0.02999_f64.powi(2));
     near(thin.C[(1, 1)] / (G * area), 2.6 / 4.9, 1e-5);
@@ -253,13 +234,10 @@ fn impossible_sections_are_refused_with_their_reason() {
         (C[(1, 4)], C[(4, 1)]) = (upper, lower);
         Section::new(C)
     };
-    let asymmetry = Asymmetry {
-        row: 2,
-        column: 5,
-        upper: 0.5,
-        lower: 0.0,
-    };
-    assert_eq!(pair(0.5, 0.0), Err(SectionError::NotSymmetric(asymmetry)));
+    refused! {
+        pair(0.5, 0.0) =>
+            "the section stiffness must be symmetric, but entries (2, 5) and (5, 2) are 0.5 and 0",
+    }
     assert!(pair(0.5, 0.5).is_ok());
     for c in [1.0, 1.5] {
         assert!(message(pair(c, c)).contains("must be positive definite"));
@@ -272,15 +250,7 @@ fn impossible_sections_are_refused_with_their_reason() {
         Section::new(C)
     };
     assert!(coupled(0.5, 0.5 + 1e-13).is_ok());
-    let refused = coupled(0.5, 0.5 + 1e-11).unwrap_err();
-    assert!(
-        matches!(refused, SectionError::NotSymmetric { .. }),
-        "{refused}"
-    );
+    assert!(message(coupled(0.5, 0.5 + 1e-11)).contains("must be symmetric"));
     assert!(coupled(1.0 - 1e-12, 1.0 - 1e-12).is_ok());
-    let refused = coupled(1.0 - 1e-15, 1.0 - 1e-15).unwrap_err();
-    assert!(
-        matches!(refused, SectionError::NotPositiveDefinite { .. }),
-        "{refused}"
-    );
+    assert!(message(coupled(1.0 - 1e-15, 1.0 - 1e-15)).contains("must be positive definite"));
 }

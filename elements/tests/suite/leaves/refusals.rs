@@ -2,30 +2,24 @@
 
 #![allow(non_snake_case)]
 
-use crate::support::refused;
+use crate::support::{axes, positions, refused};
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
-use pullback_elements::Asymmetry;
 use pullback_elements::body::{PointMass, RigidBody};
-use pullback_elements::inertia::InertiaError;
 use pullback_elements::spring::{
     AxialSpring, Bushing, CoordinateLaw, CoordinateSpring, SpringError,
 };
 use pullback_manifold::so3;
-
-fn positions() -> [Vector3<f64>; 2] {
-    [Vector3::new(0.2, -0.3, 0.5), Vector3::new(1.1, 0.4, -0.2)]
-}
-
-fn axes() -> Matrix3<f64> {
-    so3::rotation(&Vector3::new(0.3, 0.8, -0.5))
-}
 
 #[test]
 fn impossible_bodies_are_refused_with_their_reason() {
     let diagonal = |a: f64, b: f64, c: f64| Matrix3::from_diagonal(&Vector3::new(a, b, c));
     let body = |mass: f64, J: Matrix3<f64>, c: [f64; 3]| RigidBody::new(mass, J, c.into());
     let (J, zero) = (diagonal(2.0, 3.0, 4.0), [0.0; 3]);
+    let mut skewed = J;
+    skewed[(0, 2)] = 0.5;
     refused! {
+        body(1.0, skewed, zero) =>
+            "the inertia must be symmetric, but entries (1, 3) and (3, 1) are 0.5 and 0",
         body(f64::NAN, J, zero) => "the mass must be finite, got NaN",
         body(1.0, diagonal(1.0, f64::INFINITY, 1.0), zero) => "the inertia must be finite, got inf",
         body(1.0, J, [0.0, f64::NEG_INFINITY, 0.0]) => "the centre of mass must be finite, got -inf",
@@ -39,18 +33,8 @@ fn impossible_bodies_are_refused_with_their_reason() {
         body(0.0, Matrix3::zeros(), [1.0, 2.0, 3.0]) => "a body needs mass or inertia, both are zero",
         PointMass::new(0.0) => "the mass must be positive, got 0",
         PointMass::new(-1.0) => "the mass must be positive, got -1",
+        PointMass::new(f64::NAN) => "the mass must be finite, got NaN",
     }
-    let mut skewed = J;
-    skewed[(0, 2)] = 0.5;
-    assert_eq!(
-        RigidBody::new(1.0, skewed, Vector3::zeros()).unwrap_err(),
-        InertiaError::NotSymmetric(Asymmetry {
-            row: 1,
-            column: 3,
-            upper: 0.5,
-            lower: 0.0
-        })
-    );
     // Rods, plates and points are bodies, also with the round-off of a rotation or of a table.
     let R = so3::rotation(&Vector3::new(0.4, -0.7, 1.1));
     for J in [
@@ -62,7 +46,6 @@ fn impossible_bodies_are_refused_with_their_reason() {
         let J = R * J * R.transpose();
         assert!(RigidBody::new(1.0, J, Vector3::zeros()).is_ok(), "{J}");
     }
-    assert!(PointMass::new(f64::NAN).is_err());
 }
 
 #[test]

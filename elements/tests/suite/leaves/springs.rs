@@ -2,27 +2,19 @@
 
 #![allow(non_snake_case)]
 
-use crate::support::{forces, moving};
+use crate::support::{axes, moving, positions, residual};
 use nalgebra::{DVector, Matrix3, Matrix6, Vector3, Vector6};
 use pullback_conformance as check;
 use pullback_elements::element::{Element, ElementEnergies};
-use pullback_elements::spring::{AxialSpring, Bushing, CoordinateLaw, CoordinateSpring};
+use pullback_elements::spring::{AxialSpring, Bushing};
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::so3;
 use std::f64::consts::PI;
-
-fn positions() -> [Vector3<f64>; 2] {
-    [Vector3::new(0.2, -0.3, 0.5), Vector3::new(1.1, 0.4, -0.2)]
-}
 
 /// A symmetric positive definite 6×6 matrix in which everything couples.
 fn full(shift: f64) -> Matrix6<f64> {
     let A = Matrix6::from_fn(|i, j| ((5 * i + 3 * j) as f64 + shift).sin());
     A * A.transpose() + Matrix6::identity() * 0.5
-}
-
-fn axes() -> Matrix3<f64> {
-    so3::rotation(&Vector3::new(0.3, 0.8, -0.5))
 }
 
 fn bushing() -> Bushing {
@@ -36,11 +28,6 @@ fn axial() -> AxialSpring {
         .unwrap()
 }
 
-fn residual(element: &dyn Element, x: &[f64], v: &[f64]) -> Result<DVector<f64>, DomainError> {
-    let a = vec![0.0; v.len()];
-    Ok(forces(element, &moving(x, v, &a))?.0)
-}
-
 #[test]
 fn springs_obey_the_laws_of_elements() {
     check::element(&axial()).assert();
@@ -48,13 +35,6 @@ fn springs_obey_the_laws_of_elements() {
     check::element(&bushing()).assert();
     let elastic = Bushing::new(&positions(), &axes(), &full(0.3), &Matrix6::zeros()).unwrap();
     check::element(&elastic).assert();
-    let law = CoordinateLaw {
-        k: 2.0,
-        k3: 0.7,
-        c: 0.4,
-        x0: 0.3,
-    };
-    check::element(&CoordinateSpring::new(law).unwrap()).assert();
 }
 
 #[test]

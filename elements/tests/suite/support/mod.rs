@@ -12,12 +12,12 @@ pub mod polynomial_spring;
 pub mod strain_beam;
 
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, SVector, Vector3};
-use pullback_conformance::InCharts;
+use pullback_conformance::{self as check, InCharts, ModelOptions, Report};
 use pullback_elements::beam::Section;
 use pullback_elements::element::{Element, Motion, Properties, Response};
 use pullback_elements::inertia::Inertia;
 use pullback_elements::load::{LineLoad, LoadKind, NodalLoad};
-use pullback_elements::model::{BeamLine, ModelBuilder, NodeId, StraightLine};
+use pullback_elements::model::{BeamLine, Context, ModelBuilder, NodeId, StraightLine};
 use pullback_elements::time::Sine;
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::map::Map;
@@ -59,6 +59,16 @@ pub fn eccentric() -> Inertia {
     let J = Matrix3::new(0.9, 0.1, -0.05, 0.1, 0.7, 0.02, -0.05, 0.02, 0.5);
     let inertia = Inertia::about_centre(2.3, Vector3::new(0.02, 0.3, -0.2), J);
     inertia.checked().unwrap()
+}
+
+/// Where a spring or a bushing is fixed to its two nodes.
+pub fn positions() -> [Vector3<f64>; 2] {
+    [Vector3::new(0.2, -0.3, 0.5), Vector3::new(1.1, 0.4, -0.2)]
+}
+
+/// The axes of a bushing.
+pub fn axes() -> Matrix3<f64> {
+    so3::rotation(&Vector3::new(0.3, 0.8, -0.5))
 }
 
 pub fn sine(amplitude: f64) -> Sine {
@@ -313,6 +323,29 @@ pub fn forces(element: &dyn Element, at: &Motion<'_>) -> Result<Answer, DomainEr
 }
 
 type Answer = (DVector<f64>, [DMatrix<f64>; 3]);
+
+/// Its residual alone, without accelerations.
+pub fn residual(element: &dyn Element, x: &[f64], v: &[f64]) -> Result<DVector<f64>, DomainError> {
+    Ok(forces(element, &moving(x, v, &vec![0.0; v.len()]))?.0)
+}
+
+pub fn seeded(seed: u64) -> ModelOptions {
+    ModelOptions {
+        seed,
+        ..ModelOptions::default()
+    }
+}
+
+/// The laws of a model, at states of a seed.
+pub fn checked(b: ModelBuilder, seed: u64) -> Report {
+    check::model(&mut Context::new(b.build().unwrap()), &seeded(seed))
+}
+
+/// What fails: components and their laws.
+pub fn failures(report: &Report) -> Vec<[&str; 2]> {
+    let rows = report.failures().into_iter();
+    rows.map(|r| [&r.component[..], &r.law[..]]).collect()
+}
 
 /// Spatial force and moment of the covector `r` of a node at `x`: R T⁻ᵀ = T⁻¹.
 pub fn spatial(x: &[f64], r: &[f64]) -> [Vector3<f64>; 2] {

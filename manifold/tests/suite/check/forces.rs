@@ -196,10 +196,15 @@ fn every_law_of_a_system_finds_its_error() {
 #[test]
 fn dense_matrices_come_out_of_their_blocks() {
     let pattern = BlockPattern::new(&[2, 1, 3], [[0, 1], [1, 2]]);
+    assert_eq!([pattern.dim(), pattern.blocks()], [6, 3]);
+    assert_eq!(pattern.len(), 4 + 2 + 2 + 1 + 3 + 3 + 9);
+    assert_eq!(pattern.find(0, 2), None);
     let values: Vec<f64> = (1..=pattern.len()).map(|k| k as f64).collect();
     let A = pattern.matrix(&values);
+    // The second row of a block of one column.
+    assert_eq!(A[(1, 2)], values[pattern.find(0, 1).unwrap() + 1]);
     let x: Vec<f64> = (0..6).map(|k| 1.0 + k as f64).collect();
     let mut y = vec![0.0; 6];
-    pattern.multiply_add(1.0, &values, &x, &mut y);
-    assert_eq!((A * DVector::from_vec(x)).as_slice(), y);
+    pattern.multiply_add(2.0, &values, &x, &mut y);
+    assert_eq!((A * 2.0 * DVector::from_vec(x)).as_slice(), y);
 }

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case, clippy::unwrap_used)]
 
-use super::tangent;
+use crate::support::tangent;
 use nalgebra::{Matrix2x3, Matrix3, Matrix3x4, SMatrix, SVector};
 use pullback_manifold::implicit::{Choice, Implicit, ImplicitMap};
 use pullback_manifold::scalar::Scalar;

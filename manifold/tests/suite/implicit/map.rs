@@ -2,7 +2,8 @@
 
 #![allow(non_snake_case, clippy::unwrap_used)]
 
-use super::{Planted, gap, tangent};
+use super::{Planted, gap};
+use crate::support::tangent;
 use nalgebra::{SVector, Vector2, Vector3};
 use pullback_conformance::{self as check, motion};
 use pullback_manifold::implicit::{Choice, Implicit, ImplicitMap};

@@ -13,14 +13,6 @@ use pullback_manifold::domain::DomainError;
 use pullback_manifold::implicit::ImplicitMap;
 use pullback_manifold::map::{MapState, Order, Parametrization};
 
-/// x and B.
-fn tangent(map: &dyn Parametrization, t: f64, q: &[f64]) -> [Vec<f64>; 2] {
-    let (d, n) = map.dims();
-    let (mut x, mut B) = (vec![0.0; n], vec![0.0; n * d]);
-    map.duplicate().tangent(t, q, &mut x, &mut B);
-    [x, B]
-}
-
 fn gap(a: &[f64], b: &[f64]) -> f64 {
     assert_eq!(a.len(), b.len());
     let gaps = a.iter().zip(b).map(|(a, b)| (a - b).abs());

@@ -3,8 +3,7 @@
 #![allow(non_snake_case, clippy::unwrap_used)]
 
 use super::map::{FourBar, GRASHOF};
-use super::tangent;
-use crate::support::Circle;
+use crate::support::{Circle, tangent};
 use nalgebra::SVector;
 use pullback_conformance as check;
 use pullback_manifold::domain::DomainError;

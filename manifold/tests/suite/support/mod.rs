@@ -7,7 +7,7 @@ pub mod double_double;
 use nalgebra::{SMatrix, SVector, Vector3};
 use pullback_manifold::domain::{CHART_EDGE, DomainError};
 use pullback_manifold::implicit::Implicit;
-use pullback_manifold::map::Map;
+use pullback_manifold::map::{Map, Parametrization};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;
 use serde_json::Value;
@@ -56,6 +56,14 @@ impl Implicit<2, 1> for Circle {
     fn h<S: Scalar>(&self, _t: S, x: &SVector<S, 2>) -> SVector<S, 1> {
         SVector::<S, 1>::new(x[0] * x[0] + x[1] * x[1] - S::one())
     }
+}
+
+/// x and B.
+pub fn tangent(map: &dyn Parametrization, t: f64, q: &[f64]) -> [Vec<f64>; 2] {
+    let (d, n) = map.dims();
+    let (mut x, mut B) = (vec![0.0; n], vec![0.0; n * d]);
+    map.duplicate().tangent(t, q, &mut x, &mut B);
+    [x, B]
 }
 
 /// The rows of a section of the reference tensors.

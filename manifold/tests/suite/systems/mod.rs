@@ -1,3 +1,0 @@
-//! Systems and their matrices.
-
-mod pattern;
