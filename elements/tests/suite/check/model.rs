@@ -23,9 +23,8 @@ fn everything() -> Context {
         Matrix3::from_diagonal(&Vector3::new(0.03, 0.02, 0.015)),
     );
     let [root, corner, tip] = frame_model(&mut b, Some(inertia));
-    let hinge = b
-        .attach("hinge", tip, Revolute::new([1.0, 2.0, -1.0]).unwrap())
-        .unwrap();
+    let hinge = Revolute::new([1.0, 2.0, -1.0]).unwrap();
+    let hinge = b.attach("hinge", tip, hinge).unwrap();
     let far = b.offset("far", hinge.frame, [0.1, 0.2, 0.3]).unwrap();
     let J = Matrix3::from_diagonal(&Vector3::new(0.2, 0.3, 0.4));
     let body = RigidBody::new(2.0, J, Vector3::new(0.05, 0.0, 0.1)).unwrap();
@@ -43,13 +42,8 @@ fn everything() -> Context {
         .unwrap();
     let ball = b.attach_free("ball", corner, Spherical).unwrap();
     b.element("ball body", body, &[ball.frame]).unwrap();
-    let cross = b
-        .attach(
-            "cross",
-            tip,
-            Universal::new([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]).unwrap(),
-        )
-        .unwrap();
+    let cross = Universal::new([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]).unwrap();
+    let cross = b.attach("cross", tip, cross).unwrap();
     b.element("cross body", body, &[cross.frame]).unwrap();
     let leg = b.find("leg/1").unwrap();
     let runner = b

@@ -117,10 +117,7 @@ impl Element for Top {
     }
 
     fn abilities(&self) -> Abilities<'_> {
-        Abilities {
-            energies: Some(self),
-            ..Abilities::default()
-        }
+        Abilities::of_energies(self)
     }
 }
 

@@ -51,11 +51,7 @@ fn the_rigid_body_is_that_of_the_reference() {
         let J = numbers(&row["J"]);
         let J = Matrix3::from_diagonal(&Vector3::from_vec(J));
         let body = RigidBody::new(3.0, J, Vector3::zeros()).unwrap();
-        let extend = |key: &str| {
-            let mut all = vec![0.7, -0.2, 0.4];
-            all.extend(numbers(&row[key]));
-            all
-        };
+        let extend = |key: &str| [vec![0.7, -0.2, 0.4], numbers(&row[key])].concat();
         let (x, v, a) = (extend("psi"), extend("psi_dot"), extend("psi_ddot"));
         let at = moving(&x, &v, &a);
         let (r, [K, C, M]) = forces(&body, &at).unwrap();

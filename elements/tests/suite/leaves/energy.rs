@@ -6,10 +6,10 @@ use crate::support::elastic_joint::ElasticJoint;
 use crate::support::gravity::Gravity;
 use crate::support::polynomial_spring::PolynomialSpring;
 use crate::support::strain_beam::{FrameInertia, GreenLagrange, Reissner, strain_beam};
-use crate::support::{coupled, eccentric, forces, moving, residual, section, sine};
+use crate::support::{DAMPING, forces, massive, moving, residual, section, sine};
 use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, Vector3};
 use pullback_conformance as check;
-use pullback_elements::beam::{Beam, Damping, Section};
+use pullback_elements::beam::{Beam, Section};
 use pullback_elements::body::RigidBody;
 use pullback_elements::element::{Element, Properties};
 use pullback_elements::energy::{ByEnergy, EnergyElement, EnergySample};
@@ -29,17 +29,13 @@ fn frame() -> Matrix3<f64> {
 }
 
 fn sections() -> [Section; 4] {
-    let damping = Damping {
-        mass: 0.7,
-        stiffness: 0.04,
-    };
-    let massive = coupled().with_inertia(eccentric()).unwrap();
+    let massive = massive();
     let centred = section().with_mass(2.0, Matrix3::from_diagonal(&[3.0, 1.0, 2.0].into()));
     [
         section(),
         centred,
         massive,
-        massive.with_damping(damping).unwrap(),
+        massive.with_damping(DAMPING).unwrap(),
     ]
 }
 

@@ -3,7 +3,7 @@
 
 #![allow(non_snake_case)]
 
-use crate::support::{checked, coupled, eccentric, forces, line, moving, straight};
+use crate::support::{DAMPING, checked, coupled, forces, line, massive, moving, straight};
 use nalgebra::{Matrix3, Matrix6, SVector, Vector3};
 use pullback_conformance as check;
 use pullback_conformance::Random;
@@ -18,17 +18,8 @@ use pullback_manifold::domain::DomainError;
 use pullback_manifold::quotients::TangentQuotients;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;
+use std::collections::BTreeSet;
 use std::f64::consts::{PI, TAU};
-
-fn massive(damping: Damping) -> Section {
-    let section = coupled().with_inertia(eccentric()).unwrap();
-    section.with_damping(damping).unwrap()
-}
-
-const DAMPING: Damping = Damping {
-    mass: 0.7,
-    stiffness: 0.04,
-};
 
 /// The two-node geodesic beam by its energies: nothing is shared with the one by hand.
 struct ByEnergy {
@@ -122,7 +113,7 @@ fn the_element_by_hand_is_the_one_by_its_energies() {
         &(positions[1] - positions[0]),
         Some(&Vector3::new(0.1, 0.9, 0.3)),
     );
-    for section in [massive(Damping::default()), massive(DAMPING)] {
+    for section in [massive(), massive().with_damping(DAMPING).unwrap()] {
         let hand = Beam::<2, Geodesic<2>>::new(&positions, &|_| R0, &section).unwrap();
         let energies = ByEnergy {
             positions,
@@ -215,22 +206,18 @@ fn laws_found(interpolation: Interpolation, order: usize) -> Vec<String> {
     let ends = [[0.0; 3], [1.0, 0.2, 0.1]];
     let ends = [b.node("a", ends[0]).unwrap(), b.node("b", ends[1]).unwrap()];
     let line = BeamLine {
-        section: massive(DAMPING),
+        section: massive().with_damping(DAMPING).unwrap(),
         ..line(1, order)
     };
     let laid = b.line_with("beam", &straight(&b, ends), ends, &line, interpolation);
     laid.unwrap();
     let report = checked(b, 0);
     report.assert();
-    let found = report
-        .rows()
-        .iter()
-        .filter(|r| r.component.contains("beam"));
+    let rows = report.rows().iter();
+    let found = rows.filter(|r| r.component.contains("beam"));
     let law = |l: &String| l.starts_with("objective") || l.starts_with("the same in the other");
-    let mut laws: Vec<_> = found.map(|r| r.law.clone()).filter(law).collect();
-    laws.sort();
-    laws.dedup();
-    laws
+    let laws: BTreeSet<_> = found.map(|r| r.law.clone()).filter(law).collect();
+    laws.into_iter().collect()
 }
 
 #[test]

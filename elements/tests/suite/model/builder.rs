@@ -35,11 +35,8 @@ fn structures_that_can_move_as_rigid_bodies() {
             .and_then(|m| m.strip_suffix(ends));
         inner.expect("a motion").replace('-', "")
     };
-    assert!(
-        built(|b, n| b.support(n[0], &Dof::ALL))
-            .check_supports()
-            .is_ok()
-    );
+    let clamped = built(|b, n| b.support(n[0], &Dof::ALL));
+    assert!(clamped.check_supports().is_ok());
     let slides = built(|b, n| b.support(n[0], &[Dof::Y, Dof::Z, Dof::RX, Dof::RY, Dof::RZ]));
     assert_eq!(motion(slides), "translation along (1.000, 0.000, 0.000)");
     // Both ends pinned: it can spin about its axis, which passes through the middle.
@@ -99,17 +96,8 @@ fn unknowns_have_numbers_names_and_kinds() {
     assert_eq!(context.name(11), "hinge, coordinate 2");
     assert_eq!(context.name(12), "six, coordinate 1");
     let kinds = [0, 2, 9, 10, 11, 12].map(|i| context.pattern().coordinates()[i].quantity);
-    assert_eq!(
-        kinds,
-        [
-            Quantity::Length,
-            Quantity::Angle,
-            Quantity::Angle,
-            Quantity::Angle,
-            Quantity::Other,
-            Quantity::Other
-        ]
-    );
+    use Quantity::{Angle, Length, Other};
+    assert_eq!(kinds, [Length, Angle, Angle, Angle, Other, Other]);
     assert_eq!(context.frames().count(), 2);
     assert_eq!(context.find("hinge"), Some(hinge));
     assert_eq!(context.find("none"), None);
@@ -180,10 +168,7 @@ fn axes_carry_right_handed_frames_along_their_tangent() {
 #[test]
 fn a_line_makes_nodes_and_elements_in_order() {
     let mut b = ModelBuilder::new();
-    let ends = [
-        b.node("a", [0.0; 3]).unwrap(),
-        b.node("b", [6.0, 0.0, 0.0]).unwrap(),
-    ];
+    let ends = [("a", 0.0), ("b", 6.0)].map(|(name, x)| b.node(name, [x, 0.0, 0.0]).unwrap());
     let axis = straight(&b, ends);
     let made = b.line("l", &axis, ends, &line(2, 3)).unwrap();
     let names: Vec<&str> = made.nodes.iter().map(|&n| b.node_name(n)).collect();
@@ -192,14 +177,9 @@ fn a_line_makes_nodes_and_elements_in_order() {
         assert_eq!(b.position(n), Vector3::new(k as f64, 0.0, 0.0));
     }
     let context = Context::new(b.build().unwrap());
-    assert_eq!(
-        context.element(made.elements[0]),
-        ("l:1", made.nodes[..4].to_vec())
-    );
-    assert_eq!(
-        context.element(made.elements[1]),
-        ("l:2", made.nodes[3..].to_vec())
-    );
+    let [first, last] = [0, 1].map(|k| context.element(made.elements[k]));
+    assert_eq!(first, ("l:1", made.nodes[..4].to_vec()));
+    assert_eq!(last, ("l:2", made.nodes[3..].to_vec()));
     // Blocks are numbered along the line; elements do not couple across it: the first node meets
     // the last of its element, not the end of the line.
     assert!(context.pattern().find(0, 3).is_some());
@@ -256,9 +236,7 @@ fn maps_read_inputs() {
         .unwrap();
     let law = CoordinateLaw {
         k: 3.0,
-        k3: 0.0,
-        c: 0.0,
-        x0: 0.0,
+        ..CoordinateLaw::default()
     };
     let spring = CoordinateSpring::new(law).unwrap();
     b.element("spring", spring, &[x]).unwrap();

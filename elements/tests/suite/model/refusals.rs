@@ -4,11 +4,10 @@
 
 use crate::support::{Idle, Offset, Twin, line, refused, simple, straight};
 use nalgebra::{SVector, Vector3};
-use pullback_elements::beam::BeamError;
 use pullback_elements::element::{Element, Motion, Response};
 use pullback_elements::joint::{ConstantVelocity, Revolute};
 use pullback_elements::load::{LoadKind, NodalLoad};
-use pullback_elements::model::{Context, Dof, ModelBuilder, ModelError};
+use pullback_elements::model::{Context, Dof, ModelBuilder};
 use pullback_elements::time::{Constant, Proportional};
 use pullback_manifold::domain::{CHART_EDGE, DomainError};
 use pullback_manifold::implicit::{Choice, Implicit, ImplicitMap};
@@ -29,11 +28,8 @@ fn nodes_that_cannot_be() {
         b.node("c", [0.0, f64::NAN, 1.0]) =>
             "node c has a coordinate that is not finite: [0.0, NaN, 1.0]",
     }
-    assert_eq!(b.find("a"), Ok(a));
-    assert_eq!(
-        (b.node_name(a), b.position(a)),
-        ("a", Vector3::new(1.0, 2.0, 3.0))
-    );
+    assert_eq!((b.find("a"), b.node_name(a)), (Ok(a), "a"));
+    assert_eq!(b.position(a), Vector3::new(1.0, 2.0, 3.0));
     refused! { b.find("x") => "there is no node x; known nodes: a, b" }
     for k in 0..20 {
         b.node(format!("n{k}"), [0.0; 3]).unwrap();
@@ -142,10 +138,7 @@ fn shafts_against_each_other_have_no_direction_of_tilt() {
 #[test]
 fn lines_that_do_not_fit() {
     let mut b = ModelBuilder::new();
-    let ends = [
-        b.node("a", [0.0; 3]).unwrap(),
-        b.node("b", [1.0, 0.0, 0.0]).unwrap(),
-    ];
+    let ends = [("a", 0.0), ("b", 1.0)].map(|(name, x)| b.node(name, [x, 0.0, 0.0]).unwrap());
     let twin = b.node("twin", [0.0; 3]).unwrap();
     let axis = straight(&b, ends);
     refused! {
@@ -158,16 +151,10 @@ fn lines_that_do_not_fit() {
             "line l: its start is [0.0, 0.0, 0.0], but node b stands 1.000e0 away at [1.0, 0.0, 0.0]",
     }
     let point = straight(&b, [ends[0], twin]);
-    let error = b.line("l", &point, [ends[0], twin], &line(1, 1));
-    let source = BeamError::ZeroLength { at: [0.0; 3] };
-    assert_eq!(
-        error.clone().unwrap_err(),
-        ModelError::Beam {
-            element: "l:1".to_owned(),
-            source
-        }
-    );
-    refused! { error => "element l:1: its length is zero: nodes at [0.0, 0.0, 0.0] coincide" }
+    refused! {
+        b.line("l", &point, [ends[0], twin], &line(1, 1)) =>
+            "element l:1: its length is zero: nodes at [0.0, 0.0, 0.0] coincide",
+    }
 }
 
 #[test]
@@ -238,15 +225,11 @@ impl Element for Broken {
 struct Bounded;
 
 impl Map<6, 6> for Bounded {
-    fn phi<S: pullback_manifold::scalar::Scalar>(
-        &self,
-        _t: S,
-        q: &nalgebra::SVector<S, 6>,
-    ) -> nalgebra::SVector<S, 6> {
+    fn phi<S: Scalar>(&self, _t: S, q: &SVector<S, 6>) -> SVector<S, 6> {
         *q
     }
 
-    fn domain(&self, _t: f64, q: &nalgebra::SVector<f64, 6>) -> Result<f64, DomainError> {
+    fn domain(&self, _t: f64, q: &SVector<f64, 6>) -> Result<f64, DomainError> {
         DomainError::within(1.0 - q[0], CHART_EDGE)
     }
 }

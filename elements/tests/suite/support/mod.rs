@@ -13,7 +13,7 @@ pub mod strain_beam;
 
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, SVector, Vector3};
 use pullback_conformance::{self as check, InCharts, ModelOptions, Report};
-use pullback_elements::beam::Section;
+use pullback_elements::beam::{Damping, Section};
 use pullback_elements::element::{Element, Motion, Properties, Response};
 use pullback_elements::inertia::Inertia;
 use pullback_elements::load::{LineLoad, LoadKind, NodalLoad};
@@ -60,6 +60,16 @@ pub fn eccentric() -> Inertia {
     let inertia = Inertia::about_centre(2.3, Vector3::new(0.02, 0.3, -0.2), J);
     inertia.checked().unwrap()
 }
+
+/// The section in which everything couples, with such an inertia.
+pub fn massive() -> Section {
+    coupled().with_inertia(eccentric()).unwrap()
+}
+
+pub const DAMPING: Damping = Damping {
+    mass: 0.7,
+    stiffness: 0.04,
+};
 
 /// Where a spring or a bushing is fixed to its two nodes.
 pub fn positions() -> [Vector3<f64>; 2] {
