@@ -66,16 +66,18 @@ fn law(case: Law, s: &TestState) -> Option<Forces> {
 fn every_law_of_forces_finds_its_error() {
     let report = |case| check::forces("law", 3, true, |s| law(case, s));
     report(Law::Right).assert();
-    assert_eq!(report(Law::K).failing_laws(), ["K = -dr/dx", "K symmetric"]);
-    assert_eq!(report(Law::C).failing_laws(), ["C = -dr/dv"]);
-    assert_eq!(report(Law::MissingM).failing_laws(), ["M = -dr/da"]);
-    assert_eq!(report(Law::Rate).failing_laws(), ["r_t = dr/dt"]);
-    assert_eq!(report(Law::Energy).failing_laws(), ["r = -dE/dx"]);
-    assert_eq!(
-        report(Law::NotSymmetric).failing_laws(),
-        ["K symmetric", "r = -dE/dx"]
-    );
-    assert_eq!(report(Law::Nowhere).failing_laws(), ["domain"]);
+    let cases: [(Law, &[&str]); 7] = [
+        (Law::K, &["K = -dr/dx", "K symmetric"]),
+        (Law::C, &["C = -dr/dv"]),
+        (Law::MissingM, &["M = -dr/da"]),
+        (Law::Rate, &["r_t = dr/dt"]),
+        (Law::Energy, &["r = -dE/dx"]),
+        (Law::NotSymmetric, &["K symmetric", "r = -dE/dx"]),
+        (Law::Nowhere, &["domain"]),
+    ];
+    for (case, laws) in cases {
+        assert_eq!(report(case).failing_laws(), laws, "{case:?}");
+    }
 }
 
 /// The same law as a system of one dense block, with errors of an assembly.
@@ -145,11 +147,8 @@ impl System for Assembled {
             out.r[1] += 1e-9;
         }
         let mut S = f.K * w.K;
-        let c = if self.error == Assembly::WeightForgotten && w.K != 0.0 {
-            1.0
-        } else {
-            w.C
-        };
+        let forgotten = self.error == Assembly::WeightForgotten && w.K != 0.0;
+        let c = if forgotten { 1.0 } else { w.C };
         if let (Some(C), Some(M)) = (f.C, f.M) {
             S += C * c + M * w.M;
         }
@@ -187,10 +186,8 @@ fn every_law_of_a_system_finds_its_error() {
     // Rounding errors that change with the last digits of the coordinates are no asymmetry.
     report(Assembly::Cancels).assert();
     failing(Assembly::CancelsWrongly, "K symmetric");
-    failing(
-        Assembly::ResidualChanges,
-        "r does not depend on what else is requested",
-    );
+    let law = "r does not depend on what else is requested";
+    failing(Assembly::ResidualChanges, law);
 }
 
 #[test]
