@@ -1,6 +1,5 @@
 //! Loops of joints closed by maps.
 
-mod chain;
 mod joints;
 mod limits;
 mod linkages;
