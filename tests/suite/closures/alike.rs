@@ -17,6 +17,7 @@ fn too_far(closure: &str) -> String {
 
 /// A boom that is driven far, and a loop with balls on it.
 fn boom(closure: &str) -> String {
+    let closed = format!("child = \"arm\"\n{closure}");
     [
         GROUND,
         RUN,
@@ -29,16 +30,8 @@ fn boom(closure: &str) -> String {
         &arm("knee", "K", [-0.5, 1.0, 0.0]),
         &joint("S", "spherical", "knee", ""),
         &arm("strut", "S", [0.5, 2.0, 0.0]),
-        &joint(
-            "c",
-            "spherical",
-            "strut",
-            &format!("child = \"arm\"\n{closure}"),
-        ),
-        &body("A"),
-        &body("B"),
-        &body("K"),
-        &body("S"),
+        &joint("c", "spherical", "strut", &closed),
+        &["A", "B", "K", "S"].map(body).concat(),
     ]
     .concat()
 }
@@ -103,10 +96,7 @@ fn rates_that_follow_from_a_drive_are_no_rates_at_rest() {
 /// A triangle of bars with hinges: nothing moves, and it carries a weight.
 #[test]
 fn a_triangle_of_bars_carries_its_weight_by_every_scheme() {
-    for (k, scheme) in ["\"radau\"", "\"bathe\"", "{ generalised-alpha = 0.8 }"]
-        .iter()
-        .enumerate()
-    {
+    for scheme in ["\"radau\"", "\"bathe\"", "{ generalised-alpha = 0.8 }"] {
         let text = [
             GROUND,
             &hinge("A", "ground", ""),
@@ -122,11 +112,10 @@ fn a_triangle_of_bars_carries_its_weight_by_every_scheme() {
             &format!("[analysis.dynamic]\nto = 0.1\nstep = 0.0025\nscheme = {scheme}\n"),
         ]
         .concat();
-        let name = format!("closures-triangle-{k}");
-        let (_, rows) = rows(&name, &text);
+        let (_, rows) = rows("closures-triangle", &text);
         let moved = rows.iter().map(|r| number(r, "A").abs());
         assert!(moved.fold(0.0, f64::max) < 1e-14, "{scheme}");
-        let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+        let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("closures-triangle");
         let warnings = results(&out.join("model.out"))["warnings"].to_string();
         assert!(!warnings.contains("energy"), "{scheme}: {warnings}");
     }

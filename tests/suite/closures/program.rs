@@ -1,10 +1,10 @@
 //! The word `closure` in model files: three methods for one file, what the program says and refuses.
 #![allow(clippy::unwrap_used)]
 
-use crate::support::closures::{arm, body, failure, hinge, start};
+use crate::support::closures::{arm, body, failure, fixed, hinge, probe, start};
 use crate::support::program::{
-    assert_says, check, check_table, directory, history, number, program, recorded, refusal,
-    succeeded, told, write,
+    assert_close, assert_says, check, check_table, directory, history, number, program, recorded,
+    refusal, succeeded, told, write,
 };
 
 const FOUR_BAR: &str = include_str!("../../../examples/models/four_bar.toml");
@@ -49,18 +49,14 @@ fn one_file_three_methods() {
     for ((map, multipliers), penalty) in map.iter().zip(&multipliers).zip(&penalty).skip(10) {
         for column in ["crank", "rocker", "gap a.x", "gap a.y"] {
             let [a, b, c] = [map, multipliers, penalty].map(|row| number(row, column));
-            assert!(
-                (a - b).abs() < 1e-4 && (b - c).abs() < 1e-5,
-                "{column}: {a} {b} {c}"
-            );
+            assert_close(a, b, 1e-4, column);
+            assert_close(b, c, 1e-5, column);
         }
         for column in ["pin.x", "pin.y"] {
             let [a, b, c] = [map, multipliers, penalty].map(|row| number(row, column));
             force = force.max(a.abs());
-            assert!(
-                (a - b).abs() < 0.05 && (b - c).abs() < 0.02,
-                "{column}: {a} {b} {c}"
-            );
+            assert_close(a, b, 0.05, column);
+            assert_close(b, c, 0.02, column);
         }
         let gap =
             |row, k: &str| number(row, &format!("gap a.{k}")) - number(row, &format!("gap b.{k}"));
@@ -133,20 +129,16 @@ fn a_penalty_that_drowns_the_model_gets_a_word() {
         let text = text.replace("to = 0.5", "to = 0.02");
         let [_, said] = told("closures-drowned", &text);
         let word = "penalty of C: rounding errors of the gap";
-        assert_eq!(
-            said.concat().contains(word),
-            expected,
-            "{penalty}: {said:?}"
-        );
+        let warned = said.concat().contains(word);
+        assert_eq!(warned, expected, "{penalty}: {said:?}");
     }
 }
 
 /// A double pendulum whose second body flies freely but for a joint.
 fn flying(closed: &str, step: &str) -> String {
     [
-        "[nodes]\nground = [0, 0, 0]\nfree = [1.7, 0, 0]\n\
-         [[supports]]\nnode = \"ground\"\nfix = \"all\"\n\
-         [[loads]]\ngravity = [0, -9.81, 0]\n",
+        "[nodes]\nground = [0, 0, 0]\nfree = [1.7, 0, 0]\n[[loads]]\ngravity = [0, -9.81, 0]\n",
+        &fixed("ground"),
         &hinge("A", "ground", ""),
         &arm("arm", "A", [1.0, 0.0, 0.0]),
         &hinge("P", "arm", closed),
@@ -155,7 +147,7 @@ fn flying(closed: &str, step: &str) -> String {
         &format!(
             "[analysis.dynamic]\nto = 1\nstep = {step}\nscheme = {{ generalised-alpha = 0.8 }}\n"
         ),
-        "[[probes]]\nname = \"body\"\nquantity = \"position\"\nnode = \"free\"\n",
+        &probe("body", "position", "free"),
     ]
     .concat()
 }

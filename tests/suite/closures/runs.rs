@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case, clippy::unwrap_used)]
 
+use super::started_with;
 use crate::support::dynamics::*;
 use crate::support::loops::four_bar::*;
 use crate::support::loops::linkage::*;
@@ -10,24 +11,15 @@ use nalgebra::Vector3;
 use pullback::elements::model::{BEFORE_START, Closure, Context, ModelBuilder};
 use pullback::elements::time::Table;
 use pullback::integrators::dynamics::Scheme;
-use pullback::manifold::system::System;
 
 #[test]
 fn multipliers_go_through_changes_of_chart() {
-    let go = |n: u32| {
+    let end = |by: Closure, scheme: Scheme, n: u32| {
         let mut b = ModelBuilder::new();
-        let (rotation, e) = balls(&mut b, Closure::Multipliers);
+        let (rotation, e) = balls(&mut b, by);
         let mut context = Context::new(b.build().unwrap());
-        let mut q = context.initial().to_vec();
-        let mut v = vec![0.0; q.len()];
-        let held: Vec<usize> = (0..3)
-            .map(|k| context.unknown_at(rotation, k).unwrap())
-            .collect();
-        for (k, &u) in held.iter().enumerate() {
-            v[u] = 7.0 * e[k];
-        }
-        assert!(context.project_state(0.0, &mut q, &mut v, &held).unwrap() < 1e-12);
-        let scheme = Scheme::chung_hulbert(0.9).unwrap();
+        let spin = [0, 1, 2].map(|k| (rotation, k, 7.0 * e[k]));
+        let [q, v] = started_with(&mut context, &spin);
         let options = tight(scheme, 1.5, 1.5 / f64::from(n));
         let ends = ["coupler end", "rocker end"].map(|n| context.find(n).unwrap());
         let (mut position, mut residual) = (Vector3::zeros(), 0.0_f64);
@@ -40,26 +32,11 @@ fn multipliers_go_through_changes_of_chart() {
         assert!(run.summary.chart_changes >= 2, "{:?}", run.summary);
         position
     };
-    let map = |n: u32| {
-        let mut b = ModelBuilder::new();
-        let (rotation, e) = balls(&mut b, Closure::Map);
-        let mut context = Context::new(b.build().unwrap());
-        let mut v = vec![0.0; context.pattern().dim()];
-        let q = v.clone();
-        let spin = [0, 1, 2].map(|k| (rotation, k, 7.0 * e[k]));
-        context.fit_coordinate_rates(&q, &mut v, &spin).unwrap();
-        let options = tight(Scheme::default(), 1.5, 1.5 / f64::from(n));
-        let end = context.find("coupler end").unwrap();
-        let mut position = Vector3::zeros();
-        observed(&mut context, [&q, &v], &options, &mut |context, _| {
-            position = context.node_state(end).position;
-        });
-        position
-    };
     // The limit of the map, extrapolated from two steps.
-    let [coarse, fine] = [1000, 2000].map(map);
+    let [coarse, fine] = [1000, 2000].map(|n| end(Closure::Map, Scheme::default(), n));
     let limit = fine + (fine - coarse) / 3.0;
-    let all = [400, 800, 1600].map(|n| vec![(go(n) - limit).norm()]);
+    let damped = Scheme::chung_hulbert(0.9).unwrap();
+    let all = [400, 800, 1600].map(|n| vec![(end(Closure::Multipliers, damped, n) - limit).norm()]);
     assert_slopes("balls", &["position"], &all, 2.0, 0.25);
 }
 

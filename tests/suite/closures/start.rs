@@ -2,8 +2,9 @@
 //! values and velocities that are kept, noted, or refused by their names.
 #![allow(clippy::unwrap_used)]
 
+use super::linkage_of;
 use crate::support::closures::{
-    CLOSURES, GROUND, RUN, STATIC, angle, apart, arm, body, failure, four_bar, hinge, joint,
+    CLOSURES, GROUND, RUN, Rows, STATIC, angle, apart, arm, body, failure, four_bar, hinge, joint,
     linkage, rows, start, started,
 };
 use crate::support::program::{assert_close, assert_says, check, number, refusal};
@@ -62,7 +63,7 @@ fn values_are_kept_in_the_order_of_the_file() {
     for (k, closure) in CLOSURES.iter().enumerate() {
         // The second one is right to 7 digits.
         let few = format!("value = {d:.7}");
-        let text = [GROUND, RUN, &four_bar(["value = 0.5", "", &few], closure)].concat();
+        let text = linkage_of(["value = 0.5", "", &few], closure);
         let (at, notes) = start(&text);
         assert!((at["A angle"][0] - 0.5).abs() < 1e-15, "{closure}: {at:?}");
         assert!((at["D angle"][0] - d).abs() < 1e-12, "{closure}: {at:?}");
@@ -73,7 +74,7 @@ fn values_are_kept_in_the_order_of_the_file() {
         assert!(said.contains("D angle starts at "), "{said}");
         // All of them to all digits.
         let [vb, vd] = [b, d].map(|x| format!("value = {x:?}"));
-        let text = [GROUND, RUN, &four_bar(["value = 0.5", &vb, &vd], closure)].concat();
+        let text = linkage_of(["value = 0.5", &vb, &vd], closure);
         let (at, notes) = start(&text);
         let notes = notes.join("\n");
         assert!(!notes.contains("starts at"), "{notes}");
@@ -81,13 +82,7 @@ fn values_are_kept_in_the_order_of_the_file() {
             assert!((at[name][0] - x).abs() < 1e-14, "{closure}: {name} {at:?}");
         }
         // One that nothing closes with: the other one is kept.
-        let text = [
-            GROUND,
-            RUN,
-            &four_bar(["value = 0.5", "", "value = 2.5"], closure),
-        ]
-        .concat();
-        let (at, _) = start(&text);
+        let (at, _) = start(&linkage_of(["value = 0.5", "", "value = 2.5"], closure));
         assert!((at["A angle"][0] - 0.5).abs() < 1e-15, "{closure}: {at:?}");
         assert!((at["D angle"][0] - d).abs() < 1e-12, "{closure}: {at:?}");
     }
@@ -97,7 +92,7 @@ fn values_are_kept_in_the_order_of_the_file() {
 #[test]
 fn a_value_that_no_digits_hold_is_refused() {
     for closure in CLOSURES {
-        let text = [GROUND, RUN, &four_bar(["", "value = 1e15", ""], closure)].concat();
+        let text = linkage_of(["", "value = 1e15", ""], closure);
         check(&text, "\"B\"", "B angle cannot start at 1e15", "");
     }
     // A loop over a body that flies, which no map closes.
@@ -190,19 +185,29 @@ fn velocities_of_bodies_are_kept_where_the_loop_allows_them() {
     }
 }
 
+/// The linkage is where a crank that turns by 1.2 rad/s has it, the angle D with this sign.
+fn follows(rows: &Rows, sign: f64, what: &str) {
+    for row in rows {
+        let [b, d] = linkage(1.2 * number(row, "t"));
+        assert_close(number(row, "B"), b, 1e-9, format_args!("{what}: {row:?}"));
+        assert_close(
+            number(row, "D"),
+            sign * d,
+            1e-9,
+            format_args!("{what}: {row:?}"),
+        );
+    }
+}
+
 #[test]
 fn a_driven_crank_moves_a_loop_of_one_freedom() {
     let drive = "prescribed = { proportional = 1.2 }";
     for (k, closure) in CLOSURES[..2].iter().enumerate() {
-        let text = [GROUND, RUN, &four_bar([drive, "", ""], closure)].concat();
+        let text = linkage_of([drive, "", ""], closure);
         let (said, rows) = rows(&format!("start-driven-{k}"), &text);
         assert!(k > 0 || said.contains("nothing is free"), "{said}");
         assert!(rows.len() > 100);
-        for row in &rows {
-            let [b, d] = linkage(1.2 * number(row, "t"));
-            assert!((number(row, "B") - b).abs() < 1e-9, "{closure}: {row:?}");
-            assert!((number(row, "D") - d).abs() < 1e-9, "{closure}: {row:?}");
-        }
+        follows(&rows, 1.0, closure);
     }
     // In statics, with the moment of the drive by virtual work: M δA + F·δx = 0.
     let probe = "[[probes]]\nname = \"M\"\nquantity = \"joint_moment\"\nnode = \"A\"\n\
@@ -230,13 +235,13 @@ fn drives_that_contradict_each_other_are_named() {
     let drive = "prescribed = { proportional = 1 }";
     let words = ["A angle", "D angle", "prescribe no more than is free"];
     for (k, closure) in CLOSURES[..2].iter().enumerate() {
-        let text = [GROUND, RUN, &four_bar([drive, "", drive], closure)].concat();
+        let text = linkage_of([drive, "", drive], closure);
         let said = failure(&format!("start-two-{k}"), &text);
         assert_says(&said, &words);
         assert!(!said.contains("singular"), "{said}");
         // At the start already.
         let drive = "prescribed = { constant = 0.3 }";
-        let text = [GROUND, RUN, &four_bar([drive, "", drive], closure)].concat();
+        let text = linkage_of([drive, "", drive], closure);
         let said = refusal(&text).to_string();
         assert_says(&said, &words);
     }
@@ -262,12 +267,8 @@ fn a_loop_ends_at_supports_that_carry_nothing_else() {
             RUN,
         ];
         let (_, rows) = rows(&format!("start-chain-{k}"), &chain.concat());
-        for row in &rows {
-            // The ground turns against the rocker.
-            let [b, d] = linkage(1.2 * number(row, "t"));
-            assert!((number(row, "B") - b).abs() < 1e-9, "{closure}: {row:?}");
-            assert!((number(row, "D") + d).abs() < 1e-9, "{closure}: {row:?}");
-        }
+        // The ground turns against the rocker.
+        follows(&rows, -1.0, closure);
     }
     // A rocker without mass is attached to a node that nothing else is fixed to.
     let text = four_bar(["prescribed = { proportional = 1.2 }", "", ""], CLOSURES[0])
@@ -286,7 +287,7 @@ fn a_loop_ends_at_supports_that_carry_nothing_else() {
 #[test]
 fn a_rate_in_a_loop_that_is_locked_is_told_so() {
     for closure in &CLOSURES[1..] {
-        let text = [GROUND, RUN, &four_bar(["rate = 2.0", "", ""], closure)].concat();
+        let text = linkage_of(["rate = 2.0", "", ""], closure);
         let tilted = "parent = \"foot\"\naxis = [0, 1e-5, 1]";
         let text = text.replace("parent = \"foot\"\naxis = [0, 0, 1]", tilted);
         assert!(text.contains(tilted));
@@ -303,7 +304,7 @@ fn a_rate_in_a_loop_that_is_locked_is_told_so() {
 fn a_linkage_at_rest_starts_closed_to_rounding_and_stays() {
     for (k, value) in ["0.1", "0.3", "-0.2"].iter().enumerate() {
         let value = format!("value = {value}");
-        let text = [GROUND, RUN, &four_bar([&value, "", ""], CLOSURES[1])].concat();
+        let text = linkage_of([&value, "", ""], CLOSURES[1]);
         let violation = started(&text).context.violation().unwrap();
         assert!(violation < 5e-16, "{violation:e}");
         let (_, rows) = rows(&format!("start-rest-{k}"), &text);
