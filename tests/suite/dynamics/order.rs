@@ -13,11 +13,44 @@ use pullback::integrators::dynamics::Scheme;
 use pullback::manifold::system::System;
 use std::f64::consts::PI;
 
-/// A model, the nodes whose motion is compared, and its initial velocities.
+/// A model, the nodes whose motion is compared, and its start; without coordinates from the reference configuration.
 struct Problem {
     context: Context,
     probes: Vec<NodeId>,
+    q: Vec<f64>,
     v: Vec<f64>,
+}
+
+impl Problem {
+    /// The spatial history in n steps, and how many charts changed.
+    fn run(mut self, scheme: Scheme, to: f64, n: usize) -> (Vec<NodeState>, usize) {
+        let options = tight(scheme, to, to / n as f64);
+        let start = [&self.q[..], &self.v];
+        let (states, progress) = history(&mut self.context, &self.probes, start, &options, 8);
+        (states, progress.summary.chart_changes)
+    }
+
+    /// The same where the charts of its first elements change after one step, and no others ever.
+    fn changed(
+        self,
+        scheme: Scheme,
+        to: f64,
+        n: usize,
+        after: usize,
+        elements: usize,
+    ) -> Vec<NodeState> {
+        let mut system = Flipped {
+            beams: elements,
+            ..Flipped::new(self.context, Vec::new(), move |step| step == after)
+        };
+        let options = tight(scheme, to, to / n as f64);
+        history(&mut system, &self.probes, [&self.q, &self.v], &options, 8).0
+    }
+
+    /// The same in one chart.
+    fn unchanged(self, scheme: Scheme, to: f64, n: usize) -> Vec<NodeState> {
+        self.changed(scheme, to, n, usize::MAX, 0)
+    }
 }
 
 /// A carriage driven along e1 and about it; a body on a revolute joint; at its arm, by a spherical
@@ -45,6 +78,7 @@ fn two_bodies(spin: [f64; 3]) -> Problem {
     Problem {
         context,
         probes: vec![arm, probe],
+        q: Vec::new(),
         v,
     }
 }
@@ -73,20 +107,9 @@ fn swung_beam_with(elements: usize, tilt: f64, interpolation: Interpolation) -> 
     Problem {
         context,
         probes: vec![arm, tip],
+        q: Vec::new(),
         v,
     }
-}
-
-/// The spatial history of a problem, and how many charts changed.
-fn by_itself(problem: Problem, scheme: Scheme, to: f64, n: usize) -> (Vec<NodeState>, usize) {
-    let Problem {
-        mut context,
-        probes,
-        v,
-    } = problem;
-    let options = tight(scheme, to, to / n as f64);
-    let (states, progress) = history(&mut context, &probes, [&[], &v], &options, 8);
-    (states, progress.summary.chart_changes)
 }
 
 /// Errors at n, 2n and 4n steps.
@@ -126,7 +149,7 @@ fn assert_order_three(run: Run<'_>, reference: &[NodeState], n: usize) {
 fn bodies_on_joints_of_a_driven_carriage() {
     let to = 1.6;
     let run = |scheme, n| {
-        let (states, changes) = by_itself(two_bodies([1.0, 7.0, 2.0]), scheme, to, n);
+        let (states, changes) = two_bodies([1.0, 7.0, 2.0]).run(scheme, to, n);
         // The second body turns by more than a whole turn.
         assert!(changes >= 2, "{changes} changes");
         states
@@ -152,7 +175,7 @@ fn bodies_on_joints_of_a_driven_carriage() {
 
 /// A body whose reference configuration is upside down: hanging, it has turned by π, and every
 /// swing takes its rotation vector across the border of its chart.
-fn upside_down() -> (Problem, Vec<f64>) {
+fn upside_down() -> Problem {
     let mut b = ModelBuilder::new();
     let carriage = b.node("carriage", [0.0; 3]).unwrap();
     b.support(carriage, &[Dof::Y, Dof::Z, Dof::RX, Dof::RY, Dof::RZ]);
@@ -167,24 +190,20 @@ fn upside_down() -> (Problem, Vec<f64>) {
     let (mut q, mut v) = (vec![0.0; 3], vec![0.0; 3]);
     q[k..k + 3].copy_from_slice(&[PI - 0.3, 0.1, 0.2]);
     v[k..k + 3].copy_from_slice(&[0.3, 0.1, 0.05]);
-    let probes = vec![ball.frame, probe];
-    (Problem { context, probes, v }, q)
+    Problem {
+        context,
+        probes: vec![ball.frame, probe],
+        q,
+        v,
+    }
 }
 
 #[test]
 fn swings_about_the_border_of_a_chart() {
     let to = 8.0;
     let run = |scheme, n: usize| {
-        let (problem, q) = upside_down();
-        let Problem {
-            mut context,
-            probes,
-            v,
-        } = problem;
-        let options = tight(scheme, to, to / n as f64);
-        let (states, progress) = history(&mut context, &probes, [&q, &v], &options, 8);
+        let (states, changes) = upside_down().run(scheme, to, n);
         // At the largest step more often than after every twelfth.
-        let changes = progress.summary.chart_changes;
         assert!(12 * changes >= 80, "{changes} changes");
         states
     };
@@ -193,51 +212,11 @@ fn swings_about_the_border_of_a_chart() {
     assert_order_three(&run, &reference, 40);
 }
 
-/// The two bodies, the second one turned at the start, and changes of its chart after chosen steps.
-fn flipped(when: impl Fn(usize) -> bool + 'static) -> (Flipped, Vec<NodeId>, [Vec<f64>; 2]) {
-    let Problem { context, probes, v } = two_bodies([1.0, 1.5, 0.4]);
-    let ball = context.find("ball rotation").unwrap();
-    let k = context.unknown_at(ball, 0).unwrap();
-    let mut q = vec![0.0; v.len()];
-    q[k..k + 3].copy_from_slice(&[0.5, 1.0, 0.4]);
-    (Flipped::new(context, vec![k], when), probes, [q, v])
-}
-
-/// With changes of chart every so many steps; `per_run` of them, or after every tenth step.
-fn many_changes(per_run: Option<usize>) {
-    let to = 1.6;
-    let run = |scheme, n: usize| {
-        let every = per_run.map_or(10, |count| n / count);
-        let (mut system, probes, [q, v]) = flipped(move |step| step % every == 0);
-        let options = tight(scheme, to, to / n as f64);
-        let (states, progress) = history(&mut system, &probes, [&q, &v], &options, 8);
-        assert_eq!(progress.summary.chart_changes, n / every);
-        states
-    };
-    // The reference has none: charts must not matter.
-    let reference = richardson(1280, &mut |n| {
-        let (mut system, probes, [q, v]) = flipped(|_| false);
-        let options = tight(Scheme::default(), to, to / n as f64);
-        history(&mut system, &probes, [&q, &v], &options, 8).0
-    });
-    assert_order_two(&run, &reference, 160);
-}
-
-#[test]
-fn order_two_survives_a_change_of_chart_every_tenth_step_at_the_largest_step() {
-    many_changes(Some(16));
-}
-
-#[test]
-fn order_two_survives_a_change_of_chart_every_tenth_step_at_every_step_size() {
-    many_changes(None);
-}
-
 #[test]
 fn a_flexible_beam_swung_in_a_plane_across_changes_of_chart() {
     let to = 1.6;
     let run = |scheme, n| {
-        let (states, changes) = by_itself(swung_beam(2, 0.0), scheme, to, n);
+        let (states, changes) = swung_beam(2, 0.0).run(scheme, to, n);
         // Both free nodes and the hung one.
         assert_eq!(changes, 3);
         states
@@ -250,14 +229,7 @@ fn a_flexible_beam_swung_in_a_plane_across_changes_of_chart() {
 #[test]
 fn a_flexible_beam_swung_in_space_within_one_chart() {
     let to = 1.0;
-    let run = |scheme, n: usize| {
-        let Problem { context, probes, v } = swung_beam(2, 0.3);
-        let mut system = Flipped::new(context, Vec::new(), |_| false);
-        let options = tight(scheme, to, to / n as f64);
-        let (states, progress) = history(&mut system, &probes, [&[], &v], &options, 8);
-        assert_eq!(progress.summary.chart_changes, 0);
-        states
-    };
+    let run = |scheme, n| swung_beam(2, 0.3).unchanged(scheme, to, n);
     assert_order_two(&run, &reference(&run), 320);
 }
 
@@ -266,7 +238,7 @@ fn a_geodesic_beam_swung_in_space_across_changes_of_chart() {
     let to = 1.0;
     let run = |scheme, n| {
         let problem = swung_beam_with(2, 0.3, Interpolation::Geodesic);
-        let (states, changes) = by_itself(problem, scheme, to, n);
+        let (states, changes) = problem.run(scheme, to, n);
         assert_eq!(changes, 3);
         states
     };
@@ -276,13 +248,9 @@ fn a_geodesic_beam_swung_in_space_across_changes_of_chart() {
 /// What it does to the swung beam that all its elements change their charts at half the time, in n
 /// steps: the distance to the motion with that one step later, and to the one without.
 fn of_a_change(elements: usize, interpolation: Interpolation, n: usize) -> [Vec<f64>; 2] {
-    let to = 1.0;
     let run = |when: usize| {
-        let Problem { context, probes, v } = swung_beam_with(elements, 0.3, interpolation);
-        let mut system = Flipped::new(context, Vec::new(), move |step| step == when);
-        system.beams = elements;
-        let options = tight(Scheme::default(), to, to / n as f64);
-        history(&mut system, &probes, [&[], &v], &options, 8).0
+        let problem = swung_beam_with(elements, 0.3, interpolation);
+        problem.changed(Scheme::default(), 1.0, n, when, elements)
     };
     let changed = run(n / 2);
     [n / 2 + 1, usize::MAX].map(|when| distances(&changed, &run(when)).to_vec())
@@ -308,12 +276,10 @@ fn what_a_change_of_chart_does_to_a_beam_in_space_falls_with_the_mesh() {
     // The same motion with elements that change their charts, and with elements that never do.
     let (to, n) = (1.0, 1280);
     let [coarse, fine] = [1, 8].map(|elements| {
-        let options = tight(Scheme::default(), to, to / n as f64);
-        let (changing, changes) = by_itself(swung_beam(elements, 0.3), Scheme::default(), to, n);
+        let scheme = Scheme::default();
+        let (changing, changes) = swung_beam(elements, 0.3).run(scheme, to, n);
         assert_eq!(changes, elements + 1);
-        let Problem { context, probes, v } = swung_beam(elements, 0.3);
-        let mut system = Flipped::new(context, Vec::new(), |_| false);
-        let (staying, _) = history(&mut system, &probes, [&[], &v], &options, 8);
+        let staying = swung_beam(elements, 0.3).unchanged(scheme, to, n);
         distances(&changing, &staying)
     });
     // At least with order 1 in the length of an element.
