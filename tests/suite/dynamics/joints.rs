@@ -1,14 +1,12 @@
 //! Joints against the same system described in another way: ordinary differential equations of minimal
-//! coordinates integrated here, a stiff beam.
+//! coordinates integrated here.
 
 #![allow(non_snake_case, clippy::unwrap_used)]
 
-use crate::support::beams::beam;
 use crate::support::dynamics::*;
 use nalgebra::{Matrix2, Matrix3, SVector, Vector2, Vector3};
-use pullback::elements::beam::Section;
 use pullback::elements::body::{PointMass, RigidBody};
-use pullback::elements::model::{Context, ModelBuilder, NodeId, NodeState};
+use pullback::elements::model::{Context, NodeId};
 use pullback::integrators::dynamics::Scheme;
 use pullback::manifold::so3;
 use pullback::manifold::system::System;
@@ -23,53 +21,6 @@ fn values(context: &Context, set: &[(NodeId, usize, f64)]) -> Vec<f64> {
     }
     x
 }
-
-// Offset ---------------------------------------------------------------------------------------
-
-/// Two bodies a metre apart, turning and falling, joined by a rigid link or by a massless beam of
-/// the given stiffness; the motion of both.
-fn linked(stiffness: Option<f64>) -> Vec<NodeState> {
-    let mut b = ModelBuilder::new();
-    let first = b.node("first", [0.0; 3]).unwrap();
-    heavy_body(&mut b, "first", first, 1.0, [0.1, 0.2, 0.0]);
-    let position = [1.0, 0.3, -0.2];
-    let second = if let Some(s) = stiffness {
-        let second = b.node("second", position).unwrap();
-        beam(
-            &mut b,
-            "link",
-            [first, second],
-            1,
-            Section::diagonal(s, [s; 2], s, [s; 2]).unwrap(),
-        );
-        second
-    } else {
-        b.offset("second", first, position).unwrap()
-    };
-    heavy_body(&mut b, "second", second, 0.5, [0.0, 0.1, 0.1]);
-    let mut context = Context::new(b.build().unwrap());
-    let q = values(&context, &[]);
-    let v = turning(&mut context, &q, Vector3::new(0.4, -0.3, 1.0));
-    let options = tight(Scheme::chung_hulbert(0.5).unwrap(), 1.0, 1e-3);
-    history(&mut context, &[first, second], [&q, &v], &options, 10).0
-}
-
-#[test]
-fn an_offset_is_the_limit_of_a_stiff_beam() {
-    let rigid = linked(None);
-    let gaps = [1e2, 1e3, 1e4].map(|s| distances(&linked(Some(s)), &rigid));
-    // Strains are forces over stiffness, s. They vibrate with frequencies like √s: positions differ like
-    // 1/s, velocities like 1/√s, accelerations do not tend to those of the rigid link at all.
-    for k in 0..2 {
-        assert!(gaps[1][k] < gaps[0][k] / 7.0, "{gaps:?}");
-        assert!(gaps[2][k] < gaps[1][k] / 7.0, "{gaps:?}");
-    }
-    for k in 2..4 {
-        assert!(gaps[2][k] < gaps[0][k] / 7.0, "{gaps:?}");
-    }
-}
-
-// Revolute -------------------------------------------------------------------------------------
 
 /// Double pendulum of slender bars (lengths l, masses m), absolute angles from the vertical.
 fn double_pendulum(l: [f64; 2], m: [f64; 2], y: &SVector<f64, 4>) -> SVector<f64, 4> {
