@@ -1,17 +1,17 @@
-//! Energy and momentum along motions: power balances and conservation.
+//! Energy along motions: the balance of power.
 
 #![allow(non_snake_case, clippy::unwrap_used)]
 
 use crate::support::beams;
 use crate::support::dynamics::*;
 use nalgebra::Vector3;
-use pullback::elements::beam::{Damping, Interpolation};
+use pullback::elements::beam::Damping;
 use pullback::elements::load::LineLoad;
-use pullback::elements::model::{Context, ModelBuilder, RigidMotion};
+use pullback::elements::model::Context;
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::elements::time::Constant;
 use pullback::integrators::dynamics::{DynamicOptions, EnergyBalance, Scheme};
-use pullback::manifold::system::{Point, System};
+use pullback::manifold::system::System;
 
 /// Energies at the end of a run.
 fn balance(context: &mut Context, v: &[f64], scheme: Scheme, to: f64, n: usize) -> EnergyBalance {
@@ -69,70 +69,5 @@ fn the_power_balance_closes_to_the_order_of_the_scheme() {
         });
         assert!(supplied.abs() > 0.5, "the drive is to do something");
         assert_order(scheme.name, &defects, 2.0, 0.1);
-    }
-}
-
-/// A free beam that spins and flies.
-fn free_beam(interpolation: Interpolation) -> (Context, Vec<f64>) {
-    let mut b = ModelBuilder::new();
-    let ends = [[0.0; 3], [1.0, 0.0, 0.0]];
-    let ends = [b.node("a", ends[0]).unwrap(), b.node("b", ends[1]).unwrap()];
-    beams::beam_with(&mut b, "beam", ends, 2, soft(1.0), interpolation);
-    let mut context = Context::new(b.build().unwrap());
-    let motion = RigidMotion {
-        velocity: Vector3::new(0.5, -0.3, 0.8),
-        omega: Vector3::new(0.6, -1.0, -1.2),
-        about: Vector3::new(0.5, 0.0, 0.0),
-    };
-    let q = vec![0.0; context.pattern().dim()];
-    let v = moving(&mut context, &q, &motion);
-    (context, v)
-}
-
-#[test]
-fn a_free_beam_under_the_trapezoidal_rule() {
-    for interpolation in [Interpolation::Total, Interpolation::Geodesic] {
-        let to = 1.5;
-        let mut linear = 0.0_f64;
-        let errors = [200, 400, 800].map(|n| {
-            let (mut context, v) = free_beam(interpolation);
-            let q = vec![0.0; v.len()];
-            let start = Point {
-                t: 0.0,
-                q: &q,
-                v: &v,
-                a: &q,
-            };
-            let first = context.energies_and_momentum(start).unwrap();
-            assert!(first.momentum.linear.norm() > 0.9 && first.momentum.angular.norm() > 0.3);
-            let energy = first.energies.kinetic;
-            let mut largest = [0.0_f64; 2];
-            let mut stored = 0.0_f64;
-            let options = tight(Scheme::default(), to, to / n as f64);
-            let progress = observed(&mut context, [&q, &v], &options, &mut |context, step| {
-                let at = point(&step.progress.state);
-                let now = context.energies_and_momentum(at).unwrap();
-                let total = now.energies.kinetic + now.energies.stored;
-                stored = stored.max(now.energies.stored);
-                largest[0] = largest[0].max((total - energy).abs());
-                let spin = now.momentum.angular - first.momentum.angular;
-                largest[1] = largest[1].max(spin.norm());
-                let gap = now.momentum.linear - first.momentum.linear;
-                linear = linear.max(gap.norm());
-            });
-            assert_eq!(progress.summary.chart_changes, 0);
-            assert!(stored > 1e-3, "it is to be strained: {stored}");
-            largest.to_vec()
-        });
-        // The sum of the forces on nodes is linear in the accelerations: exact but for what Newton's
-        // method leaves, summed over the steps.
-        assert!(linear < 1e-10, "{linear:e}");
-        assert_slopes(
-            "free beam",
-            &["energy", "angular momentum"],
-            &errors,
-            2.0,
-            0.1,
-        );
     }
 }
