@@ -9,11 +9,9 @@ use nalgebra::{SVector, Vector2, Vector3};
 use pullback::conformance as check;
 use pullback::elements::body::PointMass;
 use pullback::elements::constraint::{Multipliers, Penalty, PenaltyStiffness, Scaled};
-
 use pullback::elements::model::{Context, ModelBuilder, ModelError, NodeId};
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::elements::time::Constant;
-use pullback::integrators::dynamics::Scheme;
 use pullback::manifold::implicit::{Choice, Equations, Implicit, ImplicitMap};
 use pullback::manifold::jet::Moving;
 use pullback::manifold::map::{Linear, Map};
@@ -58,6 +56,7 @@ const PIN: f64 = 1.5;
 const SLIDER: f64 = 0.8;
 const STIFF: f64 = 6.0;
 
+/// With masses, weights and a spring on the coordinates (x, y, s).
 fn slider_crank(choice: Choice) -> (Context, NodeId, Vec<f64>) {
     let mut b = ModelBuilder::new();
     let map = ImplicitMap::of(SliderCrank, 1, 0.0, [0.4, 0.0, 1.4], choice).unwrap();
@@ -67,13 +66,7 @@ fn slider_crank(choice: Choice) -> (Context, NodeId, Vec<f64>) {
     let x = b
         .mapped_coordinates("x", &[Quantity::Length; 3], Box::new(map), &[q])
         .unwrap();
-    slider_crank_bodies(&mut b, x);
-    (Context::new(b.build().unwrap()), x, rate)
-}
-
-/// Masses, weights and the spring on the coordinates (x, y, s).
-fn slider_crank_bodies(b: &mut ModelBuilder, x: NodeId) {
-    let [px, py, s] = [0, 1, 2].map(|k| pick::<3>(b, x, k, Quantity::Length));
+    let [px, py, s] = [0, 1, 2].map(|k| pick::<3>(&mut b, x, k, Quantity::Length));
     let zero = Linear::<1, 1>::ratio(0.0, 0.0).boxed();
     let height = b
         .mapped_coordinates("0", &[Quantity::Length], zero, &[s])
@@ -93,67 +86,18 @@ fn slider_crank_bodies(b: &mut ModelBuilder, x: NodeId) {
     };
     b.element("spring", CoordinateSpring::new(law).unwrap(), &[s])
         .unwrap();
+    (Context::new(b.build().unwrap()), x, rate)
 }
 
 #[test]
-fn the_same_equations_by_multipliers_and_by_a_penalty() {
+fn the_same_equations_by_multipliers_and_by_a_penalty_obey_the_laws_of_elements() {
     // x is drawn at zero: the equations see it from where the crank points along the slide.
-    let at = Vector3::new(CRANK, 0.0, CRANK + ROD);
-    let h = Scaled::at(
-        Equations(Drawn(at)),
-        0.0,
-        &Vector3::zeros(),
-        &Vector3::repeat(1.0),
-    );
+    let drawn = Equations(Drawn(Vector3::new(CRANK, 0.0, CRANK + ROD)));
+    let h = Scaled::at(drawn, 0.0, &Vector3::zeros(), &Vector3::repeat(1.0));
     check::element(&Multipliers::<_, 3, 2>::new(h)).assert();
-    let stiffness = |p: f64| PenaltyStiffness { p, tau: 1e-3 };
-    let damped = PenaltyStiffness { p: 7.0, tau: 0.3 };
     // Of equations that are not scaled, which have no end: at all states.
-    check::element(&Penalty::<_, 3, 2>::new(Equations(Drawn(at)), damped).unwrap()).assert();
-    let to = 1.5;
-    let exact = slider_crank_exact(to);
-    let go = |n: u32, p: Option<f64>| {
-        let mut b = ModelBuilder::new();
-        let x = b.coordinates("x", &[Quantity::Length; 3]).unwrap();
-        let shifted = b
-            .mapped_coordinates("position", &[Quantity::Length; 3], Shift(at).boxed(), &[x])
-            .unwrap();
-        slider_crank_bodies(&mut b, shifted);
-        match p {
-            None => {
-                let lambda = b.multipliers("lambda", 2).unwrap();
-                b.element("h", Multipliers::<_, 3, 2>::new(h), &[x, lambda])
-            }
-            Some(p) => b.element("h", Penalty::<_, 3, 2>::new(h, stiffness(p)).unwrap(), &[x]),
-        }
-        .unwrap();
-        let mut context = Context::new(b.build().unwrap());
-        let (mut q, mut v) = (
-            context.initial().to_vec(),
-            vec![0.0; context.initial().len()],
-        );
-        v[1] = 12.0 * CRANK;
-        assert!(context.project_state(0.0, &mut q, &mut v, &[1]).unwrap() < 1e-14);
-        let scheme = Scheme::chung_hulbert(0.8).unwrap();
-        let options = tight(scheme, to, to / f64::from(n));
-        let mut end = Vec::new();
-        observed(&mut context, [&q, &v], &options, &mut |context, _| {
-            let both = [0, 1, 2].map(|k| context.coordinate(shifted, k).unwrap());
-            end = (0..6).map(|k| both[k % 3][k / 3]).collect();
-        });
-        end
-    };
-    let errors = [900, 1800, 3600].map(|n| {
-        let end = go(n, None);
-        vec![gap(&end[..3], &exact[..3]), gap(&end[3..], &exact[3..])]
-    });
-    assert_slopes("slider-crank", &["x", "x_dot"], &errors, 2.0, 0.2);
-    let limit = go(900, None);
-    let errors = [1e6, 2e6, 4e6].map(|p| {
-        let end = go(900, Some(p));
-        vec![gap(&end[..3], &limit[..3]), gap(&end[3..], &limit[3..])]
-    });
-    assert_slopes("penalty", &["x", "x_dot"], &errors, 1.0, 0.1);
+    let damped = PenaltyStiffness { p: 7.0, tau: 0.3 };
+    check::element(&Penalty::<_, 3, 2>::new(drawn, damped).unwrap()).assert();
 }
 
 /// The slider-crank in coordinates that are zero where it is drawn.
@@ -163,15 +107,6 @@ struct Drawn(Vector3<f64>);
 impl Implicit<3, 2> for Drawn {
     fn h<S: Scalar>(&self, t: S, x: &SVector<S, 3>) -> SVector<S, 2> {
         SliderCrank.h(t, &(x + self.0.map(S::constant)))
-    }
-}
-
-#[derive(Clone, Copy)]
-struct Shift(Vector3<f64>);
-
-impl Map<3, 3> for Shift {
-    fn phi<S: Scalar>(&self, _t: S, q: &SVector<S, 3>) -> SVector<S, 3> {
-        q + self.0.map(S::constant)
     }
 }
 
