@@ -104,11 +104,10 @@ fn a_body_turns_in_a_chart_of_the_user() {
         let mut context = Context::new(b.build().unwrap());
         let q = vec![0.0; 6];
         let v = turning(&mut context, &q, omega);
-        let mut options = DynamicOptions::new(0.9 * to, 0.9 * to / steps);
-        options.scheme = Scheme::newmark(0.25, 0.5).unwrap();
+        let options = DynamicOptions::new(0.9 * to, 0.9 * to / steps);
         let state = start(&context, 0.0, &q, &v).unwrap();
         let mut run = Simulation::new(&mut context, state, &options).unwrap();
-        while run.step().unwrap().is_some() {}
+        run.finish().unwrap();
         assert!(run.progress().summary.chart_changes > 1);
         let found = context.node_state(node).R;
         (found - so3::rotation(&(omega * (0.9 * to)))).norm()

@@ -41,44 +41,55 @@ fn zero(mut x: Vector3<f64>, size: f64, f: impl Fn(&Vector3<f64>) -> Vector3<f64
     x
 }
 
-/// Angular acceleration at the start.
-fn at_first() -> Vector3<f64> {
+/// Rotations and angular velocities after each step of the top; `next` has the rotation, and angular velocity and
+/// acceleration with what else a scheme keeps, at the end of a step of an unknown.
+fn by_hand(
+    steps: usize,
+    next: impl Fn(
+        &Rotation3<f64>,
+        &[Vector3<f64>; 3],
+        &Vector3<f64>,
+    ) -> (Rotation3<f64>, [Vector3<f64>; 3]),
+) -> Vec<(Matrix3<f64>, Vector3<f64>)> {
     let forces = out_of_balance(&Rotation3::identity(), &START, &Vector3::zeros());
-    -forces.component_div(&INERTIA)
+    let first = -forces.component_div(&INERTIA);
+    let (mut R, mut state) = (Rotation3::identity(), [START, first, first]);
+    let step = |_| {
+        let unknown = zero(state[1], 1e-4 * state[1].norm(), |x| {
+            let (R, [Omega, Omega_dot, _]) = next(&R, &state, x);
+            out_of_balance(&R, &Omega, &Omega_dot)
+        });
+        (R, state) = next(&R, &state, &unknown);
+        (*R.matrix(), state[0])
+    };
+    (0..steps).map(step).collect()
 }
 
-/// Their algorithm with numerical damping ρ: rotations and angular velocities after each of `steps` steps.
+/// Their algorithm:
 ///
 /// ```text
 /// (1−α_m) aₙ₊₁ + α_m aₙ = (1−α_f) v̇ₙ₊₁ + α_f v̇ₙ
 /// Δqₙ = vₙ + (½−β) h aₙ + β h aₙ₊₁,   qₙ₊₁ = qₙ ∘ exp(h Δq̃ₙ),   vₙ₊₁ = vₙ + (1−γ) h aₙ + γ h aₙ₊₁
 /// ```
-fn published(rho: f64, h: f64, steps: usize) -> Vec<(Matrix3<f64>, Vector3<f64>)> {
+fn published(
+    [alpha_m, alpha_f, beta, gamma]: [f64; 4],
+    h: f64,
+    steps: usize,
+) -> Vec<(Matrix3<f64>, Vector3<f64>)> {
+    by_hand(steps, |R, [v, v_dot, a], new| {
+        let a_new = (new * (1.0 - alpha_f) + v_dot * alpha_f - a * alpha_m) / (1.0 - alpha_m);
+        let dq = v + (a * (0.5 - beta) + a_new * beta) * h;
+        let v_new = v + (a * (1.0 - gamma) + a_new * gamma) * h;
+        (R * Rotation3::new(dq * h), [v_new, *new, a_new])
+    })
+}
+
+/// Its coefficients with numerical damping ρ.
+fn damped(rho: f64) -> [f64; 4] {
     let alpha_m = (2.0 * rho - 1.0) / (rho + 1.0);
     let alpha_f = rho / (rho + 1.0);
     let gamma = 0.5 + alpha_f - alpha_m;
-    let beta = 0.25 * (gamma + 0.5).powi(2);
-    let (mut R, mut v) = (Rotation3::identity(), START);
-    let mut v_dot = at_first();
-    let mut a = v_dot;
-    let mut out = Vec::new();
-    for _ in 0..steps {
-        let next = |new: &Vector3<f64>| {
-            let a_new = (new * (1.0 - alpha_f) + v_dot * alpha_f - a * alpha_m) / (1.0 - alpha_m);
-            let dq = v + (a * (0.5 - beta) + a_new * beta) * h;
-            let v_new = v + (a * (1.0 - gamma) + a_new * gamma) * h;
-            (R * Rotation3::new(dq * h), v_new, a_new)
-        };
-        let unbalanced = |new: &Vector3<f64>| {
-            let (R, v, _) = next(new);
-            out_of_balance(&R, &v, new)
-        };
-        let new = zero(v_dot, 1e-4 * v_dot.norm(), unbalanced);
-        (R, v, a) = next(&new);
-        v_dot = new;
-        out.push((*R.matrix(), v));
-    }
-    out
+    [alpha_m, alpha_f, 0.25 * (gamma + 0.5).powi(2), gamma]
 }
 
 /// Rotations and body components of angular velocities after each step of `name`.
@@ -111,43 +122,25 @@ fn lie_ga_is_the_published_algorithm() {
     let (h, steps) = (1e-3, 200);
     for rho in [0.8, 0.5] {
         let ours = stepped(&format!("lie-ga:{rho}"), h, steps);
-        let theirs = published(rho, h, steps);
+        let theirs = published(damped(rho), h, steps);
         let off = apart(&ours, &theirs);
         assert!(off.iter().all(|d| *d < 1e-10), "{rho}: {off:?}");
     }
     // Other numbers, and the other formulations, are other algorithms.
-    let theirs = published(0.8, h, steps);
+    let theirs = published(damped(0.8), h, steps);
     for name in ["lie-ga:0.7", "ul-ga:0.8", "ga:0.8"] {
         let off = apart(&stepped(name, h, steps), &theirs);
         assert!(off[0] > 1e-6, "{name}: {off:?}");
     }
 }
 
-/// Simo & Vu-Quoc 1988 in material form: the new rotation by the sum of material spins, and what
-/// follows from it by Newmark's formulas.
+/// Simo & Vu-Quoc 1988 in material form: the new rotation R exp Θ by the sum of material spins,
+/// Θ = h Ω + h²[(½−β) A + β A′], and Ω′ = Ω + h[(1−γ) A + γ A′], where nothing is averaged: α_m = α_f = 0.
 #[test]
 fn lie_newmark_is_the_material_form_of_simo_and_vu_quoc() {
     let (h, steps) = (1e-3, 100);
-    let ours = stepped("lie-newmark", h, steps);
-    // Θ = h Ω + h²[(½−β) A + β A′] with R′ = R exp Θ, and Ω′ = Ω + (γ/βh) Θ − … in their own terms:
-    // A′ = (Θ − h Ω)/(βh²) − (½−β)/β A, Ω′ = Ω + h[(1−γ) A + γ A′].
-    let (beta, gamma) = (0.25, 0.5);
-    let (mut R, mut Omega, mut A) = (Rotation3::identity(), START, at_first());
-    let mut theirs = Vec::new();
-    for _ in 0..steps {
-        let next = |Theta: &Vector3<f64>| {
-            let new = (Theta - Omega * h) / (beta * h * h) - A * ((0.5 - beta) / beta);
-            let rates = Omega + (A * (1.0 - gamma) + new * gamma) * h;
-            (R * Rotation3::new(*Theta), rates, new)
-        };
-        let Theta = zero(Omega * h, 1e-5, |Theta| {
-            let (R, Omega, A) = next(Theta);
-            out_of_balance(&R, &Omega, &A)
-        });
-        (R, Omega, A) = next(&Theta);
-        theirs.push((*R.matrix(), Omega));
-    }
-    let off = apart(&ours, &theirs);
+    let theirs = published([0.0, 0.0, 0.25, 0.5], h, steps);
+    let off = apart(&stepped("lie-newmark", h, steps), &theirs);
     assert!(off.iter().all(|d| *d < 1e-10), "{off:?}");
 }
 
@@ -179,21 +172,12 @@ fn rates(
 fn ul_newmark_is_newmarks_scheme_for_the_increment() {
     let (h, steps) = (1e-3, 100);
     let (beta, gamma) = (0.25, 0.5);
-    let (mut R, mut Omega, mut Omega_dot) = (Rotation3::identity(), START, at_first());
-    let mut theirs = Vec::new();
-    for _ in 0..steps {
-        let next = |new: &Vector3<f64>| {
-            let theta = (Omega + (Omega_dot * (0.5 - beta) + new * beta) * h) * h;
-            let theta_dot = Omega + (Omega_dot * (1.0 - gamma) + new * gamma) * h;
-            (R * Rotation3::new(theta), rates(&theta, &theta_dot, new))
-        };
-        let new = zero(Omega_dot, 1e-4 * Omega_dot.norm(), |new| {
-            let (R, [Omega, Omega_dot]) = next(new);
-            out_of_balance(&R, &Omega, &Omega_dot)
-        });
-        (R, [Omega, Omega_dot]) = next(&new);
-        theirs.push((*R.matrix(), Omega));
-    }
+    let theirs = by_hand(steps, |R, [Omega, Omega_dot, rest], new| {
+        let theta = (Omega + (Omega_dot * (0.5 - beta) + new * beta) * h) * h;
+        let theta_dot = Omega + (Omega_dot * (1.0 - gamma) + new * gamma) * h;
+        let [Omega, Omega_dot] = rates(&theta, &theta_dot, new);
+        (R * Rotation3::new(theta), [Omega, Omega_dot, *rest])
+    });
     let off = apart(&stepped("ul-newmark", h, steps), &theirs);
     assert!(off.iter().all(|d| *d < 1e-10), "{off:?}");
     let other = apart(&stepped("lie-newmark", h, steps), &theirs);

@@ -27,6 +27,7 @@ use std::ops::ControlFlow;
 const METHODS: [&str; 3] = ["lie-newmark", "ul-newmark", "spin-newmark"];
 
 const J: Vector3<f64> = Vector3::new(2.0, 2.0, 1.0);
+const OMEGA: Vector3<f64> = Vector3::new(3.0, 0.0, 4.0);
 
 /// A rod that moves in a plane, bends, and goes round more than once; its joint is a ball.
 fn plane() -> String {
@@ -51,30 +52,43 @@ fn run(job: &mut Job, method: &Method, to: f64, h: f64) -> (Vec<Vec<Matrix3<f64>
     (steps, progress)
 }
 
+/// Rotation and angular velocity of the free body with Ω at the start: Landau & Lifshitz, Mechanics,
+/// section 33; ω goes round L, too.
+fn exact(t: f64) -> (Matrix3<f64>, Vector3<f64>) {
+    let precession = Rotation3::new(J.component_mul(&OMEGA) / 2.0 * t);
+    let R = (precession * Rotation3::new(Vector3::z() * (2.0 * t))).into_inner();
+    (R, precession * OMEGA)
+}
+
+/// J⁻¹ (J a × b).
+fn euler(a: &Vector3<f64>, b: &Vector3<f64>) -> Vector3<f64> {
+    J.component_mul(a).cross(b).component_div(&J)
+}
+
+/// How far the free body is off after a run to a time: its rotation vector, and its angular velocity.
+fn off(name: &str, to: f64, h: f64) -> [Vector3<f64>; 2] {
+    let method: Method = name.parse().unwrap();
+    let mut job = job(BODY, &method);
+    run(&mut job, &method, to, h);
+    let (node, _) = job.context.frames().next().unwrap();
+    let (node, (R, omega)) = (job.context.node_state(node), exact(to));
+    let turn = so3::log_rotation(&(R.transpose() * node.R), &Vector3::zeros());
+    [turn, node.omega - omega]
+}
+
+/// An error in one step as a multiple of hᵏ, in powers of h, extrapolated once.
+fn local(error: impl Fn(f64) -> Vector3<f64>, k: i32) -> Vector3<f64> {
+    let part = |h: f64| error(h) / h.powi(k);
+    part(1e-3) * 2.0 - part(2e-3)
+}
+
 #[test]
 fn the_local_error_is_that_of_what_is_added_up() {
-    let Omega = Vector3::new(3.0, 0.0, 4.0);
-    let inverse = J.map(|j| 1.0 / j);
-    let euler = |a: &Vector3<f64>, b: &Vector3<f64>| J.component_mul(a).cross(b);
-    let Omega_dot = inverse.component_mul(&euler(&Omega, &Omega));
-    let Omega_ddot =
-        inverse.component_mul(&(euler(&Omega_dot, &Omega) + euler(&Omega, &Omega_dot)));
-    // Landau & Lifshitz, Mechanics, section 33.
-    let exact = |t: f64| {
-        let precession = Rotation3::new(J.component_mul(&Omega) / 2.0 * t);
-        (precession * Rotation3::new(Vector3::z() * (2.0 * t))).into_inner()
-    };
+    let Omega_dot = euler(&OMEGA, &OMEGA);
+    let Omega_ddot = euler(&Omega_dot, &OMEGA) + euler(&OMEGA, &Omega_dot);
     for (name, factor) in METHODS.into_iter().zip([-1.0, 0.5, 2.0]) {
-        let method: Method = name.parse().unwrap();
-        let error = |h: f64| {
-            let mut job = job(BODY, &method);
-            let (steps, _) = run(&mut job, &method, h, h);
-            let R = steps.last().unwrap()[0];
-            so3::log_rotation(&(exact(h).transpose() * R), &Vector3::zeros()) / h.powi(3)
-        };
-        // In powers of h, extrapolated once.
-        let found = error(1e-3) * 2.0 - error(2e-3);
-        let expected = (Omega_ddot + Omega.cross(&Omega_dot) * factor) / 12.0;
+        let found = local(|h| off(name, h, h)[0], 3);
+        let expected = (Omega_ddot + OMEGA.cross(&Omega_dot) * factor) / 12.0;
         let off = (found - expected).norm() / expected.norm();
         assert!(off < 1e-3, "{name}: {found} {expected}");
     }
@@ -82,41 +96,19 @@ fn the_local_error_is_that_of_what_is_added_up() {
 
 #[test]
 fn rates_that_are_not_transported_cost_an_order() {
-    let Omega = Vector3::new(3.0, 0.0, 4.0);
-    let inverse = J.map(|j| 1.0 / j);
-    let Omega_dot = inverse.component_mul(&J.component_mul(&Omega).cross(&Omega));
-    let axis = J.component_mul(&Omega) / 2.0;
-    // Landau & Lifshitz, Mechanics, section 33: ω goes round L, too.
-    let exact = |t: f64| {
-        let precession = Rotation3::new(axis * t);
-        let R = (precession * Rotation3::new(Vector3::z() * (2.0 * t))).into_inner();
-        (R, precession * Omega)
-    };
-    let end = |name: &str, to: f64, h: f64| {
-        let method: Method = name.parse().unwrap();
-        let mut job = job(BODY, &method);
-        run(&mut job, &method, to, h);
-        let (node, _) = job.context.frames().next().unwrap();
-        let (node, (R, omega)) = (job.context.node_state(node), exact(to));
-        (
-            so3::log_rotation(&(R.transpose() * node.R), &Vector3::zeros()),
-            node.omega - omega,
-        )
-    };
-    // In one step, R = 1 at its beginning, in powers of h, extrapolated once.
-    let local = |h: f64| end("mixed-newmark", h, h).1 / (h * h);
-    let found = local(1e-3) * 2.0 - local(2e-3);
-    let expected = Omega.cross(&Omega_dot) * -0.5;
-    let off = (found - expected).norm() / expected.norm();
-    assert!(off < 1e-3, "{found} {expected}");
+    // R = 1 at the beginning of the step.
+    let found = local(|h| off("mixed-newmark", h, h)[1], 2);
+    let expected = OMEGA.cross(&euler(&OMEGA, &OMEGA)) * -0.5;
+    let gap = (found - expected).norm() / expected.norm();
+    assert!(gap < 1e-3, "{found} {expected}");
     for (name, order) in [
         ("mixed-newmark", 1.0),
         ("lie-newmark", 2.0),
         ("spin-newmark", 2.0),
     ] {
-        let errors = [2e-3, 1e-3, 5e-4].map(|h| end(name, 2.0, h));
-        let of = |pick: fn(&(Vector3<f64>, Vector3<f64>)) -> f64| errors.each_ref().map(pick);
-        for errors in [of(|e| e.0.norm()), of(|e| e.1.norm())] {
+        let errors = [2e-3, 1e-3, 5e-4].map(|h| off(name, 2.0, h));
+        for k in 0..2 {
+            let errors = errors.map(|off| off[k].norm());
             assert_order(name, &errors, order, 0.1);
         }
     }
@@ -148,10 +140,8 @@ fn in_a_plane_nothing_tells_them_apart() {
     let text = plane().replace("[0, 0, 8]", "[1, 0, 8]");
     let ends = METHODS.map(|name| {
         let method: Method = name.parse().unwrap();
-        run(&mut job(&text, &method), &method, 1.0, 0.01)
-            .0
-            .pop()
-            .unwrap()
+        let (mut steps, _) = run(&mut job(&text, &method), &method, 1.0, 0.01);
+        steps.pop().unwrap()
     });
     for (a, b) in [(0, 1), (0, 2), (1, 2)] {
         assert!((ends[a][1] - ends[b][1]).norm() > 1e-4, "{a} {b}");
