@@ -107,8 +107,8 @@ fn what_vibrations_have_lost_is_given_back() {
     let text = spinning("geodesic", 0.0);
     let exact = 0.5 * 20.0_f64.powi(2) * (1.0 / 12.0 + 1e-4);
     run(&text, "projected-newmark:0.5", 0.02, &mut |model, state| {
-        let at = point(state);
-        let off = model.energies_and_momentum(at).unwrap().energies.total() / exact - 1.0;
+        let energies = model.energies_and_momentum(point(state)).unwrap().energies;
+        let off = energies.total() / exact - 1.0;
         assert!(off.abs() < 1e-12, "{off} at {}", state.t);
     });
 }
@@ -121,8 +121,8 @@ fn a_drag_takes_momentum() {
         .replace("[0, 0, 20]", "[0, 0, 1]\nvelocity = [1, 2, 3]");
     let mut momentum = Vector3::zeros();
     run(&text, "projected-newmark", 0.005, &mut |model, state| {
-        let at = point(state);
-        momentum = model.energies_and_momentum(at).unwrap().momentum.linear;
+        let now = model.energies_and_momentum(point(state)).unwrap();
+        momentum = now.momentum.linear;
     });
     let exact = Vector3::new(1.0, 2.0, 3.0) * (-0.5 * 2.0_f64).exp();
     assert!((momentum - exact).norm() < 1e-5, "{momentum}");
@@ -143,20 +143,12 @@ fn dampers_that_steps_do_not_resolve_take_no_momentum() {
                 [base, scheme].map(|scheme| spun_down(damping, scheme));
             // Nobody supplies energy. Where the base scheme makes some, a factor on all velocities
             // takes it away again, and half of that part from the momentum.
-            assert!(
-                bounded < start * (1.0 + 1e-12),
-                "{scheme}, {damping}: {bounded}"
-            );
+            let at = format!("{scheme}, {damping}");
+            assert!(bounded < start * (1.0 + 1e-12), "{at}: {bounded}");
             let made = (most / start - 1.0).max(0.0);
-            let off = |momentum: f64| (momentum / exact - 1.0).abs();
-            assert!(
-                off(momentum) < 1e-2 && made < 0.06,
-                "{base}: {momentum}, {made}"
-            );
-            assert!(
-                off(projected) < off(momentum) + made,
-                "{scheme}, {damping}: {projected}, {made}"
-            );
+            let [plain, off] = [momentum, projected].map(|found| (found / exact - 1.0).abs());
+            assert!(plain < 1e-2 && made < 0.06, "{base}: {momentum}, {made}");
+            assert!(off < plain + made, "{at}: {projected}, {made}");
         }
     }
 }
@@ -164,17 +156,12 @@ fn dampers_that_steps_do_not_resolve_take_no_momentum() {
 /// The angular momentum at the end, and the largest energy on the way.
 fn spun_down(damping: f64, scheme: &str) -> (f64, f64) {
     let (mut momentum, mut most) = (0.0, 0.0_f64);
-    run(
-        &spinning("total", damping),
-        scheme,
-        0.005,
-        &mut |model, state| {
-            let at = point(state);
-            let audit = model.energies_and_momentum(at).unwrap();
-            momentum = audit.momentum.angular.z;
-            most = most.max(audit.energies.total());
-        },
-    );
+    let text = spinning("total", damping);
+    run(&text, scheme, 0.005, &mut |model, state| {
+        let audit = model.energies_and_momentum(point(state)).unwrap();
+        momentum = audit.momentum.angular.z;
+        most = most.max(audit.energies.total());
+    });
     (momentum, most)
 }
 

@@ -4,13 +4,13 @@
 
 #![allow(non_snake_case, clippy::unwrap_used)]
 
+use crate::support::beams::straight;
 use crate::support::dynamics::*;
 use crate::support::program::assert_close;
 use nalgebra::{Matrix3, Matrix6, Vector3};
 use pullback::elements::beam::Interpolation;
 use pullback::elements::body::RigidBody;
 use pullback::elements::spring::Bushing;
-use pullback::elements::time::Sine;
 use pullback::integrators::dynamics::{Progress, Scheme, integrate, start};
 use pullback::integrators::statics::{StaticsError, solve_statics};
 use pullback::manifold::so3;
@@ -39,12 +39,7 @@ fn shaft(by: By) -> (ModelBuilder, NodeId, NodeId) {
     let tip = b.node("tip", positions[1].into()).unwrap();
     match by {
         By::Beams(elements, order) | By::Geodesic(elements, order) => {
-            let axis = StraightLine {
-                from: positions[0],
-                to: positions[1],
-                second: None,
-                twist: 0.0,
-            };
+            let axis = straight(&b, [root, tip]);
             let section = Section::diagonal(1e3, [1e3; 2], GJ, [0.5; 2]).unwrap();
             let line = BeamLine {
                 elements,
@@ -69,14 +64,6 @@ fn shaft(by: By) -> (ModelBuilder, NodeId, NodeId) {
     (b, root, tip)
 }
 
-fn options(steps: usize) -> StaticOptions {
-    StaticOptions {
-        first_step: 1.0 / steps as f64,
-        max_step: 1.0 / steps as f64,
-        ..StaticOptions::default()
-    }
-}
-
 /// Turns the root by `base` and the tip by `base + twist` and gives the energy stored.
 fn energy(by: By, base: f64, twist: f64, steps: usize) -> Result<f64, StaticsError> {
     let (mut b, root, tip) = shaft(by);
@@ -84,7 +71,7 @@ fn energy(by: By, base: f64, twist: f64, steps: usize) -> Result<f64, StaticsErr
     b.prescribe(root, Dof::RX, Proportional(base));
     b.prescribe(tip, Dof::RX, Proportional(base + twist));
     let mut context = Context::new(b.build().unwrap());
-    equilibrium(&mut context, &options(steps))?;
+    equilibrium(&mut context, &StaticOptions::equal_steps(steps))?;
     Ok(context.strain_energy(1.0))
 }
 
@@ -121,18 +108,14 @@ fn a_torque_twists_one_element_and_lets_it_go() {
         let (mut b, root, tip) = shaft(by);
         b.support(root, &Dof::ALL);
         // Up to 5.5 rad and back to −5.5 rad.
-        let course = Sine {
-            amplitude: 1.0,
-            omega: TAU,
-            phase: 0.0,
-            offset: 0.0,
-        };
+        let course = sine(1.0, TAU, 0.0);
         let moment = NodalLoad::new(LoadKind::SpatialMoment, [5.5 * GJ, 0.0, 0.0], course);
         b.element("torque", moment, &[tip]).unwrap();
         let mut context = Context::new(b.build().unwrap());
         let mut q = Vec::new();
         let mut most = 0.0_f64;
-        solve_statics(&mut context, &mut q, &options(20), &mut |context, step| {
+        let options = StaticOptions::equal_steps(20);
+        solve_statics(&mut context, &mut q, &options, &mut |context, step| {
             let twist = 5.5 * (TAU * step.t).sin();
             most = most.max(twist.abs());
             let exact = 0.5 * GJ * twist * twist;
@@ -192,11 +175,7 @@ fn a_disk_swings_by_nearly_a_turn_on_one_element() {
         v[context.unknown(tip, Dof::RX).unwrap()] = 5.5 * omega;
         let until = 1.3 * TAU / omega;
         let mut run = |steps: usize, stop: Option<usize>| {
-            let options = tight(
-                Scheme::newmark(0.25, 0.5).unwrap(),
-                until,
-                until / steps as f64,
-            );
+            let options = tight(Scheme::default(), until, until / steps as f64);
             let mut progress = Progress::new(start(&context, 0.0, &vec![0.0; n], &v).unwrap());
             let mut errors = 0.0_f64;
             let mut go = |progress: &mut Progress, context: &mut Context| {

@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Vector3};
 use pullback::elements::load::{LoadKind, NodalLoad};
 use pullback::elements::time::TimeFunction;
 use pullback::integrators::dynamics::{
-    DynamicOptions, DynamicsError, Progress, Scheme, Summary, integrate, start,
+    DynamicOptions, DynamicsError, Progress, Scheme, StepReport, Summary, integrate, start,
 };
 use pullback::prelude::*;
 use std::f64::consts::PI;
@@ -98,20 +98,16 @@ fn a_blow_runs_through_the_bar_and_back_as_d_alembert_has_it() {
         let to = 1.6 * LENGTH / c;
         let h = to / (to / (0.9 * stable(elements))).ceil();
         let mut worst = [0.0_f64; 2];
-        observed(
-            &mut context,
-            [&[]; 2],
-            &explicit(to, h),
-            &mut |context, step| {
-                let t = step.progress.state.t;
-                for (k, &node) in nodes.iter().enumerate() {
-                    let x = LENGTH * k as f64 / elements as f64;
-                    let node = context.node_state(node);
-                    worst[0] = worst[0].max((node.d.x - exact(x, t)).abs());
-                    worst[1] = worst[1].max(node.d.yz().norm());
-                }
-            },
-        );
+        let options = explicit(to, h);
+        observed(&mut context, [&[]; 2], &options, &mut |context, step| {
+            let t = step.progress.state.t;
+            for (k, &node) in nodes.iter().enumerate() {
+                let x = LENGTH * k as f64 / elements as f64;
+                let node = context.node_state(node);
+                worst[0] = worst[0].max((node.d.x - exact(x, t)).abs());
+                worst[1] = worst[1].max(node.d.yz().norm());
+            }
+        });
         worst
     };
     let errors = [40, 80, 160].map(error);
@@ -138,12 +134,8 @@ fn the_stable_step_is_that_of_linear_elements_with_consistent_mass() {
         let run = |h: f64| -> Result<Summary, DynamicsError> {
             let (mut context, _) = bar(elements, blow);
             let mut progress = Progress::new(start(&context, 0.0, &[], &[])?);
-            integrate(
-                &mut context,
-                &mut progress,
-                &explicit(5.0 * h, h),
-                &mut |_, _| ControlFlow::Continue(()),
-            )?;
+            let go_on = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
+            integrate(&mut context, &mut progress, &explicit(5.0 * h, h), go_on)?;
             Ok(progress.summary)
         };
         let told = run(0.99 * exact).unwrap().stable_step.unwrap();

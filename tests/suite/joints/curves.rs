@@ -15,10 +15,6 @@ use std::ops::ControlFlow;
 
 const G: f64 = 9.81;
 
-fn trapezoidal() -> Scheme {
-    Scheme::newmark(0.25, 0.5).unwrap()
-}
-
 /// A body whose rotation does not couple with its motion, on whatever `hang` makes on the ground.
 fn bead(hang: impl Fn(&mut ModelBuilder, NodeId) -> JointNodes) -> (Context, JointNodes) {
     let (mut b, ground) = grounded();
@@ -41,7 +37,7 @@ fn moved(
         assert!(model.set(&mut all, made.coordinates[0], 0, x));
         all
     });
-    let options = tight(trapezoidal(), to, to / steps as f64);
+    let options = tight(Scheme::default(), to, to / steps as f64);
     let run = observed(model, [&start[0], &start[1]], &options, &mut |_, _| ());
     configure(model, &run.state);
     let own = model.coordinate(made.coordinates[0], 0).unwrap();
@@ -138,7 +134,7 @@ fn a_point_at_the_edge_of_a_surface_ends_the_motion_by_name() {
     assert!(made.0.set(&mut v, made.1.coordinates[1], 0, 9.0));
     let mut progress = Progress::new(start(&made.0, 0.0, &q, &v).unwrap());
     let go_on = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
-    let options = tight(trapezoidal(), 2.0, 0.01);
+    let options = tight(Scheme::default(), 2.0, 0.01);
     let error = integrate(&mut made.0, &mut progress, &options, go_on).unwrap_err();
     let said = error.to_string();
     assert_says(&said, &["joint at node bead left its surface over an edge"]);

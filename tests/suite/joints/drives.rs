@@ -89,14 +89,12 @@ fn driven<J: Joint<D> + Copy + 'static, const D: usize>(what: &str, joint: J, tu
         let own = joint.pose(t, &SVector::from_fn(|k, _| function(k).at(t, &[])[0]));
         let child = Pose::of(&q, 0).translated(&own.d).rotated(&own.rotation);
         let psi = Vector3::from_fn(|k, _| function(D + k).at(t, &[])[0]);
-        Pose {
-            d: child.d - start,
-            rotation: if turns_freely {
-                so3::quaternion(&psi)
-            } else {
-                child.rotation
-            },
-        }
+        let rotation = match turns_freely {
+            true => so3::quaternion(&psi),
+            false => child.rotation,
+        };
+        let d = child.d - start;
+        Pose { d, rotation }
     };
     let zeros = vec![0.0; context.pattern().dim()];
     for t in [0.0, 0.4, 1.1, 2.3] {
@@ -153,19 +151,16 @@ fn a_carriage_on_a_driven_boom_is_flung_and_pulls_at_the_drive() {
             let (mut b, ground) = grounded();
             let hub = revolute(&mut b, "hub", ground, [0.0, 0.0, 1.0]);
             b.prescribe_coordinate(hub.coordinates[0], 0, Proportional(omega));
-            let boom = b
-                .attach("boom", hub.frame, Prismatic::new([1.0, 0.0, 0.0]).unwrap())
-                .unwrap();
+            let rail = Prismatic::new([1.0, 0.0, 0.0]).unwrap();
+            let boom = b.attach("boom", hub.frame, rail).unwrap();
             b.element("mass", PointMass::new(MASS).unwrap(), &[boom.frame])
                 .unwrap();
             let mut context = Context::new(b.build().unwrap());
-            let options = tight(Scheme::newmark(0.25, 0.5).unwrap(), to, to / steps as f64);
+            let options = tight(Scheme::default(), to, to / steps as f64);
             let run = observed(&mut context, [&[first], &[0.0]], &options, &mut |_, _| ());
             // r̈ = Ω² r, and the moment of the drive is the rate of m r² Ω.
-            let (r, rate) = (
-                first * (omega * to).cosh(),
-                first * omega * (omega * to).sinh(),
-            );
+            let (cosh, sinh) = ((omega * to).cosh(), (omega * to).sinh());
+            let (r, rate) = (first * cosh, first * omega * sinh);
             let state = &run.state;
             let at = point(state);
             context

@@ -42,10 +42,8 @@ fn two_rotors_have_the_reduced_inertia() {
     let (ratio, first, second, motor) = (-0.25, 0.02, 0.9, 0.5);
     // (J₁ + i² J₂) θ̈₁ = M; each rotor takes J θ̈ from its joint.
     let reduced = first + ratio * ratio * second;
-    let rows = recorded(
-        "gear_motor",
-        &rotors(["actuator = { constant = 0.5 }", ""], GEAR),
-    );
+    let text = rotors(["actuator = { constant = 0.5 }", ""], GEAR);
+    let rows = recorded("gear_motor", &text);
     for row in &rows {
         let t = number(row, "t");
         let acceleration = motor / reduced;
@@ -101,22 +99,14 @@ fn what_a_gear_cannot_do_is_refused() {
     let gear =
         |joints: &str, ratio: &str| format!("[[gears]]\njoints = {joints}\nratio = {ratio}\n");
     let text = rotors(["", ""], &gear("[\"pinion\", \"weel\"]", "2"));
-    check(
-        &text,
-        "\"weel\"",
-        "no joint with a released coordinate",
-        "`wheel`",
-    );
+    let message = "no joint with a released coordinate";
+    check(&text, "\"weel\"", message, "`wheel`");
     let text = rotors(["", ""], &gear("[\"pinion\", \"wheel\"]", "0"));
     check(&text, "[[gears]]", "ratio 0 must be", "");
     let twice = GEAR.to_owned() + &gear("[\"wheel\", \"pinion\"]", "-3");
     check(&rotors(["", ""], &twice), "[[gears]]", "the ratio -4", "");
-    check(
-        &rotors(["", "rate = 2"], GEAR),
-        "2",
-        "follows another one",
-        "other end",
-    );
+    let text = rotors(["", "rate = 2"], GEAR);
+    check(&text, "2", "follows another one", "other end");
 }
 
 /// A carrier, a planet on it, and a pinion on the ground after them.
@@ -160,8 +150,7 @@ fn a_planet_rolls_around_a_fixed_sun_and_drives_a_train() {
         // m a² + J (7/3)² + J (8/3)² and the motor's 4/3 of its moment.
         let squares = (7.0_f64 / 3.0).powi(2) + (8.0_f64 / 3.0).powi(2);
         let acceleration = 0.3 * (4.0 / 3.0) / (2.0 * 0.49 + 0.05 * squares);
-        let mut options = DynamicOptions::new(2.0, 0.01);
-        options.scheme = Scheme::newmark(0.25, 0.5).unwrap();
+        let options = DynamicOptions::new(2.0, 0.01);
         let progress = observed(&mut context, [&[0.0], &[0.0]], &options, &mut |_, _| ());
         let angle = 0.5 * acceleration * 4.0;
         assert!((progress.state.q[0] - angle).abs() < 1e-9);

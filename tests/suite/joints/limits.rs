@@ -10,7 +10,7 @@ use pullback::elements::joint::{
 };
 use pullback::elements::model::NodeState;
 use pullback::elements::spring::AxialSpring;
-use pullback::integrators::dynamics::{DynamicsError, Progress, integrate};
+use pullback::integrators::dynamics::{DynamicsError, Progress, StepReport, integrate};
 use pullback::manifold::so3;
 use pullback::manifold::system::System;
 use pullback::prelude::*;
@@ -39,39 +39,30 @@ fn run(
 ) -> Result<Progress, DynamicsError> {
     let n = context.pattern().dim();
     let (q, mut v) = (vec![0.0; n], vec![0.0; n]);
-    let positions = made
-        .coordinates
-        .iter()
-        .flat_map(|&r| [(r, 0), (r, 1), (r, 2)]);
-    let positions: Vec<_> = positions
-        .filter(|&(r, k)| context.unknown_at(r, k).is_some())
+    let own = made.coordinates.iter();
+    let all = own.flat_map(|&node| [(node, 0), (node, 1), (node, 2)]);
+    let free: Vec<_> = all
+        .filter(|&(node, k)| context.unknown_at(node, k).is_some())
         .collect();
-    for (&(node, k), &rate) in positions.iter().zip(rates) {
+    for (&(node, k), &rate) in free.iter().zip(rates) {
         assert!(context.set(&mut v, node, k, rate));
     }
     let mut progress = Progress::new(start(context, 0.0, &q, &v)?);
-    let options = tight(Scheme::newmark(0.25, 0.5).unwrap(), to, 0.01);
-    let frame = made.frame;
-    integrate(
-        context,
-        &mut progress,
-        &options,
-        &mut |context: &mut Context, step| {
-            configure(context, &step.progress.state);
-            at(step.progress.state.t, &context.node_state(frame));
-            ControlFlow::Continue(())
-        },
-    )?;
+    let options = tight(Scheme::default(), to, 0.01);
+    let seen = &mut |context: &mut Context, step: &StepReport<'_>| {
+        configure(context, &step.progress.state);
+        at(step.progress.state.t, &context.node_state(made.frame));
+        ControlFlow::Continue(())
+    };
+    integrate(context, &mut progress, &options, seen)?;
     Ok(progress)
 }
 
 #[test]
 fn a_universal_joint_goes_through_a_right_angle_and_any_number_of_turns() {
     let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-    let (mut context, made) = ball(|b, on| {
-        b.attach("cross", on, Universal::new(axes).unwrap())
-            .unwrap()
-    });
+    let cross = Universal::new(axes).unwrap();
+    let (mut context, made) = ball(|b, on| b.attach("cross", on, cross).unwrap());
     // The axes stay at right angles, so T = ½ J (α̇² + β̇²): both angles grow evenly.
     let (alpha, beta) = (1.0, 3.0);
     let mut largest = 0.0_f64;
@@ -91,13 +82,8 @@ fn a_universal_joint_goes_through_a_right_angle_and_any_number_of_turns() {
 #[test]
 fn a_point_mass_on_a_universal_joint_passes_a_right_angle_on_a_great_circle() {
     let (mut b, ground) = grounded();
-    let made = b
-        .attach(
-            "cross",
-            ground,
-            Universal::new([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]).unwrap(),
-        )
-        .unwrap();
+    let cross = Universal::new([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]).unwrap();
+    let made = b.attach("cross", ground, cross).unwrap();
     let bob = b.offset("bob", made.frame, [0.0, 0.0, -1.0]).unwrap();
     b.element("mass", PointMass::new(1.0).unwrap(), &[bob])
         .unwrap();
@@ -110,16 +96,12 @@ fn a_point_mass_on_a_universal_joint_passes_a_right_angle_on_a_great_circle() {
         let velocity = Vector3::new(-rates[1] * cos, rates[0] * cos, rates[1] * sin);
         let speed = velocity.norm();
         let errors = [1e-3, 5e-4].map(|h| {
-            let options = tight(Scheme::newmark(0.25, 0.5).unwrap(), 0.4, h);
+            let options = tight(Scheme::default(), 0.4, h);
             let mut last = (Vector3::zeros(), 0.0);
-            observed(
-                &mut context,
-                [&[0.0, beta], &rates],
-                &options,
-                &mut |context, step| {
-                    last = (context.node_state(bob).position, step.progress.state.q[0]);
-                },
-            );
+            let start = [&[0.0, beta][..], &rates];
+            observed(&mut context, start, &options, &mut |context, step| {
+                last = (context.node_state(bob).position, step.progress.state.q[0]);
+            });
             assert!(last.1 > 2.0, "not beyond: {}", last.1);
             let (sin, cos) = (speed * 0.4).sin_cos();
             (last.0 - (from * cos + velocity / speed * sin)).norm()
@@ -134,15 +116,10 @@ fn a_spherical_joint_turns_any_number_of_times() {
     let (mut context, made) = ball(|b, on| b.attach_free("socket", on, Spherical).unwrap());
     let omega = Vector3::new(3.0, -4.0, 12.0);
     let mut largest = 0.0_f64;
-    let progress = run(
-        &mut context,
-        &made,
-        omega.as_slice(),
-        2.0,
-        &mut |t, state| {
-            largest = largest.max((state.R - so3::rotation(&(omega * t))).norm());
-        },
-    );
+    let rates = omega.as_slice();
+    let progress = run(&mut context, &made, rates, 2.0, &mut |t, state| {
+        largest = largest.max((state.R - so3::rotation(&(omega * t))).norm());
+    });
     let progress = progress.unwrap();
     // 26 rad: the chart changes at π, 3π, 5π and 7π.
     assert!(largest < 1e-10, "{largest:e}");
@@ -172,14 +149,9 @@ fn a_tilt_of_a_whole_turn_is_refused_with_the_name_of_the_coupling() {
         assert!((tilted - (2.0 * t).cos()).abs() < 1e-12);
     });
     let said = ended.unwrap_err().to_string();
-    assert_says(
-        &said,
-        &["joint at node coupling left its tilts of less than a whole turn"],
-    );
-    assert!(
-        2.0 * reached < TAU && 2.0 * reached > 0.99 * TAU,
-        "{reached}"
-    );
+    let over = "joint at node coupling left its tilts of less than a whole turn";
+    assert_says(&said, &[over]);
+    assert!((0.99..1.0).contains(&(2.0 * reached / TAU)), "{reached}");
 }
 
 /// A line with ends.
@@ -206,10 +178,8 @@ fn the_end_of_a_curve_is_refused_with_the_name_of_the_point() {
         assert!((state.position.x - 2.0 * t).abs() < 1e-12);
     });
     let said = ended.unwrap_err().to_string();
-    assert_says(
-        &said,
-        &["joint at node carriage left its curve over an end"],
-    );
+    let over = "joint at node carriage left its curve over an end";
+    assert_says(&said, &[over]);
     assert!(reached <= 1.0 && reached > 0.98, "{reached}");
 }
 

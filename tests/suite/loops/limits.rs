@@ -4,7 +4,8 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::support::closures::{
-    GROUND, angle, apart, arm, body, failure, four_bar, four_bar_of, hinge, joint, linkage, rows,
+    GROUND, angle, apart, arm, body, failure, fixed, four_bar, four_bar_of, hinge, joint, linkage,
+    probe, rows,
 };
 use crate::support::program::{
     assert_close, assert_says, check, command, directory, ended, number, refusal, write,
@@ -25,15 +26,10 @@ fn a_loop_without_coordinates_is_redundant_or_does_not_fit() {
     let second = |position: [f64; 3]| base.clone() + &arm("y", "A", position) + "child = \"x\"\n";
     let (said, rows) = rows("limits-nothing", &second([1.0, 0.0, 0.0]));
     assert_says(&said, &["y: nothing can move", "redundant"]);
-    let last = number(rows.last().unwrap(), "A");
-    assert!((last - 2.0).abs() < 1e-12, "{last}");
+    assert_close(number(rows.last().unwrap(), "A"), 2.0, 1e-12, "A");
     let text = second([1.0, 0.25, 0.0]);
-    check(
-        &text,
-        "\"y\"",
-        "joint y and its child x are 2.500e-1 apart",
-        "",
-    );
+    let message = "joint y and its child x are 2.500e-1 apart";
+    check(&text, "\"y\"", message, "");
     // The program's two commands agree on it.
     for (name, child) in [("limits-own", "A"), ("limits-own-weld", "ground")] {
         let text = base.clone() + &joint("w", "weld", child, &format!("child = \"{child}\""));
@@ -44,6 +40,11 @@ fn a_loop_without_coordinates_is_redundant_or_does_not_fit() {
             assert!(said.contains("joint w: its child"), "{said}");
         }
     }
+}
+
+/// The four-bar linkage as a model, with words for crank, coupler and rocker.
+fn model(words: [&str; 3]) -> String {
+    [GROUND, RUN, &four_bar(words, "")].concat()
 }
 
 /// Two hinges on one axis.
@@ -64,16 +65,12 @@ fn twice(more: &str) -> String {
 fn velocities_of_the_whole_set_the_rates_of_loops() {
     let initial = "[[initial]]\nangular_velocity = [0, 0, 2]\n";
     let (_, rows) = rows("limits-initial", &twice(initial));
-    let last = number(rows.last().unwrap(), "A");
-    assert!((last - 2.0).abs() < 1e-12, "{last}");
+    assert_close(number(rows.last().unwrap(), "A"), 2.0, 1e-12, "A");
     // A four-bar linkage does not turn as a whole.
-    let text = [GROUND, RUN, &four_bar(["", "", ""], ""), initial].concat();
+    let text = model(["", "", ""]) + initial;
     check(&text, "[[initial]]", "loop closed by joint C", "rate");
     // All of it, flying.
-    let text = text.replace(
-        "[[supports]]\nnode = \"ground\"\nfix = \"all\"\n",
-        &body("ground"),
-    );
+    let text = text.replace(&fixed("ground"), &body("ground"));
     let start = assemble_text("model.toml", &text).unwrap().start;
     let square = start.v.iter().map(|v| v * v).sum();
     assert_close(square, 4.0, 1e-12, format_args!("{:?}", start.v));
@@ -100,7 +97,7 @@ fn a_spherical_joint_in_a_loop_takes_an_angular_velocity() {
             &body("S1"),
             &format!("[[initial]]\nnode = \"S1\"\nangular_velocity = {spin}\n"),
             "[[probes]]\nname = \"A\"\nquantity = \"joint_rate\"\njoint = \"A\"\n",
-            "[[probes]]\nname = \"w\"\nquantity = \"angular_velocity\"\nnode = \"S1\"\n",
+            &probe("w", "angular_velocity", "S1"),
         ]
         .concat()
     };
@@ -129,10 +126,8 @@ fn the_independent_end_of_a_gear_takes_rate_and_value() {
     ];
     let (_, rows) = rows("limits-gear", &text.concat());
     let [a, m] = ["A", "M"].map(|c| number(rows.last().unwrap(), c));
-    assert!(
-        (a - 1.3).abs() < 1e-12 && (m + 2.6).abs() < 1e-12,
-        "{a} {m}"
-    );
+    assert_close(a, 1.3, 1e-12, "A");
+    assert_close(m, -2.6, 1e-12, "M");
 }
 
 #[test]
@@ -164,13 +159,8 @@ fn loops_of_any_size_are_the_same() {
 fn a_fast_drive_stays_on_its_branch() {
     for rate in [20, 70, 85, 145, 155] {
         let drive = format!("prescribed = {{ proportional = {rate} }}");
-        let text = [
-            GROUND,
-            RUN,
-            &four_bar([&drive, "", ""], ""),
-            &hinge("X", "ground", ""),
-        ];
-        let (_, rows) = rows("limits-fast", &(text.concat() + &body("X")));
+        let text = model([&drive, "", ""]) + &hinge("X", "ground", "") + &body("X");
+        let (_, rows) = rows("limits-fast", &text);
         assert_eq!(rows.len(), 101);
         for row in rows {
             let [a, d] = ["A", "D"].map(|c| number(&row, c));
@@ -182,8 +172,8 @@ fn a_fast_drive_stays_on_its_branch() {
 
 #[test]
 fn what_cannot_be_reached_names_the_drive() {
-    let far = four_bar(["", "", "prescribed = { proportional = 1 }"], "");
-    let text = [GROUND, RUN, &far, &hinge("X", "ground", ""), &body("X")].concat();
+    let far = model(["", "", "prescribed = { proportional = 1 }"]);
+    let text = far + &hinge("X", "ground", "") + &body("X");
     let said = failure("limits-reach", &text.replace("to = 1\n", "to = 9\n"));
     assert!(said.contains("D angle cannot get there"), "{said}");
     // The same where something stays free: a coupler that spins between its balls.
@@ -214,7 +204,7 @@ fn what_cannot_be_reached_names_the_drive() {
 #[test]
 fn energy_stays_while_a_linkage_turns() {
     // Coordinates that change in every turn pump energy into the motion.
-    let text = [GROUND, RUN, &four_bar(["rate = 4.5", "", ""], "")].concat();
+    let text = model(["rate = 4.5", "", ""]);
     let text = text.replace("to = 1\n", "to = 60\n");
     let energy = "[[probes]]\nname = \"E\"\nquantity = \"total_energy\"\n";
     let (_, rows) = rows("limits-energy", &(text + energy));
@@ -225,7 +215,7 @@ fn energy_stays_while_a_linkage_turns() {
 
 #[test]
 fn ends_that_are_drawn_apart_are_told_of() {
-    let text = [GROUND, RUN, &four_bar(["", "", ""], "")].concat();
+    let text = model(["", "", ""]);
     let text = text.replacen("[1.2, 1.9, 0.0]", "[1.25, 1.9, 0.0]", 1);
     let (said, _) = rows("limits-drawn", &text);
     assert_says(&said, &["C and rocker tip were drawn 5.000e-2 apart"]);
@@ -239,7 +229,7 @@ fn a_crank_held_at_zero_by_its_drive_carries_the_loop() {
         "[analysis.static]\nsteps = 2\n[[loads]]\ngravity = [-9.81, 0, 0]\ntime = { constant = 1 }\n",
         &four_bar(["prescribed = { constant = 0 }", "", ""], ""),
         &body("rocker tip"),
-        "[[probes]]\nname = \"moment\"\nquantity = \"joint_moment\"\nnode = \"A\"\n",
+        &probe("moment", "joint_moment", "A"),
     ];
     let (_, rows) = rows("held-crank", &text.concat());
     // Virtual work: masses of 1 at the crank's tip, (−sin φ, cos φ), and the rocker's, 1.9 high.
@@ -269,14 +259,10 @@ fn what_is_wrong_with_a_loop_is_said_where_it_stands() {
         &hinge("C", "a", "child = \"d\""),
         &body("A"),
     ];
-    check(
-        &text.concat(),
-        "\"C\"",
-        "loop closed by joint C has no freedom left",
-        "",
-    );
+    let message = "loop closed by joint C has no freedom left";
+    check(&text.concat(), "\"C\"", message, "");
     // A support of what hangs, and a drive of what follows through a gear.
-    let text = [GROUND, RUN, &four_bar(["", "", ""], "")].concat();
+    let text = model(["", "", ""]);
     let held = text.clone() + "[[supports]]\nnode = \"rocker tip\"\nfix = \"all\"\n";
     check(&held, "\"rocker tip\"", "cannot be prescribed", "");
     let geared = [

@@ -48,11 +48,8 @@ fn a_bead_that_turns_near_a_corner_turns_where_it_should() {
         // A height known to a few units in its last position decides for how long it is on the next side.
         let excursion = 2.0 * (2.0_f64 * 1e-14 / 3.0).sqrt();
         let allowed = 1e-9 + 2.0 * excursion;
-        assert!(
-            worst[1] < allowed,
-            "{beyond:e}: {worst:?}, allowed {allowed:e}"
-        );
-        assert!(worst[0] < allowed, "{beyond:e}: {worst:?}");
+        let most = worst[0].max(worst[1]);
+        assert!(most < allowed, "{beyond:e}: {worst:?}, allowed {allowed:e}");
         assert!(run.summary.steps < 80 + 12, "{beyond:e}: {:?}", run.summary);
     }
 }
@@ -75,21 +72,14 @@ fn a_bead_that_starts_on_a_corner_moves_either_way_or_rests() {
     for h in [0.01, 0.001] {
         let (mut model, beads) = valley.model(&[1.0]);
         let mut worst = 0.0_f64;
-        let run = observed(
-            &mut model,
-            [&[], &[]],
-            &tight(Scheme::default(), 0.5, h),
-            &mut |m, _| {
-                worst = worst.max(m.coordinate(beads[0].coordinates[0], 0).unwrap()[0].abs());
-            },
-        );
+        let options = tight(Scheme::default(), 0.5, h);
+        let run = observed(&mut model, [&[], &[]], &options, &mut |m, _| {
+            worst = worst.max(m.coordinate(beads[0].coordinates[0], 0).unwrap()[0].abs());
+        });
         // A step of its weight at most, again and again.
         assert!(worst < 4.0 * 0.5 * G * h * h, "{worst:e}");
-        assert!(
-            run.summary.steps < (60.0 * 0.5 / h) as usize,
-            "{:?}",
-            run.summary
-        );
+        let steps = run.summary.steps;
+        assert!(steps < (60.0 * 0.5 / h) as usize, "{steps}");
     }
 }
 
@@ -101,24 +91,17 @@ fn a_bead_swings_in_a_valley() {
     for v in [1.0, 0.1, 1e-2, 1e-3] {
         let (mut model, _) = track.model(&[1.0]);
         let mut worst = 0.0_f64;
-        let run = observed(
-            &mut model,
-            [&[], &[v]],
-            &tight(Scheme::default(), 1.0, h),
-            &mut |_, s| {
-                let energy = |s: f64, v: f64| 0.5 * v * v + G * 0.4_f64.sin() * s.abs();
-                let state = &s.progress.state;
-                worst = worst.max((energy(state.q[0], state.v[0]) / energy(0.0, v) - 1.0).abs());
-            },
-        );
+        let options = tight(Scheme::default(), 1.0, h);
+        let run = observed(&mut model, [&[], &[v]], &options, &mut |_, s| {
+            let energy = |s: f64, v: f64| 0.5 * v * v + G * 0.4_f64.sin() * s.abs();
+            let state = &s.progress.state;
+            worst = worst.max((energy(state.q[0], state.v[0]) / energy(0.0, v) - 1.0).abs());
+        });
         assert!(worst < 1e-6, "{v}: {worst:e}");
         // Twice for a swing, of 4 v / (g sin 0.4), and the steps between.
         let swings = G * 0.4_f64.sin() / (4.0 * v);
-        assert!(
-            run.summary.steps as f64 <= 2.0 * swings + 102.0,
-            "{v}: {:?}",
-            run.summary
-        );
+        let steps = run.summary.steps;
+        assert!(steps as f64 <= 2.0 * swings + 102.0, "{v}: {steps}");
     }
 }
 

@@ -1,19 +1,18 @@
 //! Slides on free flexible chains: invariance, momenta, formulations, interpolations, and runs that go on.
 #![allow(non_snake_case, clippy::unwrap_used)]
 
-use crate::support::dynamics::{assert_order, configure, observed, tight};
+use crate::support::beams::beam_with;
+use crate::support::dynamics::{assert_order, configure, moving, observed, point, tight};
 use crate::support::loops::gap;
 use nalgebra::{Matrix3, Vector3};
 use pullback::elements::beam::{Interpolation, Section};
 use pullback::elements::body::RigidBody;
 use pullback::elements::joint::JointNodes;
-use pullback::elements::model::{
-    BeamLine, Context, Dof, Formulation, ModelBuilder, NodeId, StraightLine,
-};
+use pullback::elements::model::{Context, Formulation, ModelBuilder, NodeId, RigidMotion};
 use pullback::integrators::dynamics::{
     DynamicOptions, NewtonOptions, Progress, Scheme, State, StepReport, integrate, start,
 };
-use pullback::manifold::system::{Point, System};
+use pullback::manifold::system::System;
 use std::ops::ControlFlow;
 
 const STEP: f64 = 2e-3;
@@ -42,26 +41,9 @@ fn chain(interpolation: Interpolation, formulation: Formulation) -> Chain {
         .collect();
     let section = Section::diagonal(2e3, [1e3; 2], 20.0, [20.0; 2]).unwrap();
     let section = section.with_mass(1.0, Matrix3::from_diagonal(&Vector3::new(0.02, 0.01, 0.01)));
-    for k in 0..positions.len() - 1 {
-        let axis = StraightLine {
-            from: positions[k],
-            to: positions[k + 1],
-            second: None,
-            twist: 0.0,
-        };
-        let line = BeamLine {
-            elements: 1,
-            order: 1,
-            section,
-        };
-        b.line_with(
-            &format!("l{k}"),
-            &axis,
-            [nodes[k], nodes[k + 1]],
-            &line,
-            interpolation,
-        )
-        .unwrap();
+    for (k, pair) in nodes.windows(2).enumerate() {
+        let name = format!("l{k}");
+        beam_with(&mut b, &name, [pair[0], pair[1]], 1, section, interpolation);
     }
     let bead = b.slide("bead", &nodes, 0.1, interpolation).unwrap();
     let J = Matrix3::from_diagonal(&Vector3::new(0.02, 0.03, 0.04));
@@ -87,15 +69,13 @@ impl Chain {
         observed(&mut self.context, [&[], &v], options, look)
     }
 
-    fn velocities(&self, whole: Vector3<f64>) -> Vec<f64> {
-        let n = self.context.pattern().dim();
-        let mut v = vec![0.0; n];
-        for node in &self.nodes {
-            for (dof, w) in [Dof::X, Dof::Y, Dof::Z].into_iter().zip(whole.iter()) {
-                let unknown = self.context.unknown(*node, dof).unwrap();
-                v[unknown] = *w;
-            }
-        }
+    fn velocities(&mut self, velocity: Vector3<f64>) -> Vec<f64> {
+        let whole = RigidMotion {
+            velocity,
+            ..RigidMotion::default()
+        };
+        let q = vec![0.0; self.context.pattern().dim()];
+        let mut v = moving(&mut self.context, &q, &whole);
         self.context.set(&mut v, self.bead.coordinates[0], 0, 5.0);
         v
     }
@@ -103,18 +83,10 @@ impl Chain {
     /// Positions of all nodes, the way and its rate.
     fn shape(&mut self, state: &State) -> Vec<f64> {
         configure(&mut self.context, state);
-        let positions = self.nodes.iter().flat_map(|n| {
-            let position = self.context.node_state(*n).position;
-            [position.x, position.y, position.z]
-        });
-        let mut all: Vec<f64> = positions.collect();
-        all.extend(
-            &self
-                .context
-                .coordinate(self.bead.coordinates[0], 0)
-                .unwrap()[..2],
-        );
-        all
+        let position = |n: &NodeId| <[f64; 3]>::from(self.context.node_state(*n).position);
+        let positions = self.nodes.iter().flat_map(position);
+        let own = self.context.coordinate(self.bead.coordinates[0], 0);
+        positions.chain(own.unwrap()).collect()
     }
 }
 
@@ -160,11 +132,8 @@ fn total_and_geodesic_chains_move_alike_in_the_plane_in_all_formulations() {
         }
     }
     for shape in &shapes {
-        assert!(
-            gap(shape, &shapes[0]) < 1e-8,
-            "{:e}",
-            gap(shape, &shapes[0])
-        );
+        let off = gap(shape, &shapes[0]);
+        assert!(off < 1e-8, "{off:e}");
     }
 }
 
@@ -182,10 +151,8 @@ fn momenta_and_energy_are_kept_over_corners_to_the_order_of_the_scheme() {
             let (mut first, mut worst) = (None, [0.0_f64; 3]);
             let options = tight(scheme, TO, part * STEP);
             chain.run(Vector3::zeros(), &options, &mut |model, step| {
-                let State { t, q, v, a, .. } = &step.progress.state;
-                let audit = model
-                    .energies_and_momentum(Point { t: *t, q, v, a })
-                    .unwrap();
+                let at = point(&step.progress.state);
+                let audit = model.energies_and_momentum(at).unwrap();
                 let (p, L) = (audit.momentum.linear, audit.momentum.angular);
                 let energy = audit.energies.kinetic + audit.energies.stored;
                 let (p0, L0, e0) = *first.get_or_insert((p, L, energy));
@@ -246,15 +213,10 @@ fn the_error_falls_with_order_two_over_corners() {
 
 #[test]
 fn failing_steps_are_halved_over_landings_and_come_to_an_end() {
-    let reference = {
-        let mut chain = chain(Interpolation::Total, Formulation::Total);
-        let run = chain.run(
-            Vector3::zeros(),
-            &tight(Scheme::default(), TO, STEP / 16.0),
-            &mut |_, _| (),
-        );
-        chain.shape(&run.state)
-    };
+    let mut fine = chain(Interpolation::Total, Formulation::Total);
+    let options = tight(Scheme::default(), TO, STEP / 16.0);
+    let run = fine.run(Vector3::zeros(), &options, &mut |_, _| ());
+    let reference = fine.shape(&run.state);
     let mut failed = 0;
     for iterations in [1, 2, 3] {
         let mut chain = chain(Interpolation::Total, Formulation::Total);
@@ -274,12 +236,8 @@ fn failing_steps_are_halved_over_landings_and_come_to_an_end() {
         failed += progress.summary.failed;
         match done {
             Ok(()) => {
-                let shape = chain.shape(&progress.state);
-                assert!(
-                    gap(&shape, &reference) < 0.03,
-                    "{}",
-                    gap(&shape, &reference)
-                );
+                let off = gap(&chain.shape(&progress.state), &reference);
+                assert!(off < 0.03, "{off}");
             }
             Err(error) => {
                 let text = error.to_string();

@@ -70,14 +70,10 @@ fn slides_on_two_chains_that_are_handed_over_at_the_same_instant() {
     ];
     let ways = [[0.2, 4.0], [1.8, -4.0], [0.4, 3.0]];
     let mut b = ModelBuilder::new();
-    let beads = tracks
-        .iter()
-        .zip(ways)
-        .enumerate()
-        .map(|(k, (track, way))| {
-            let nodes = track.nodes(&mut b, &format!("wire {k}"));
-            bead(&mut b, &format!("bead {k}"), &nodes, way[0])
-        });
+    let beads = (tracks.iter().zip(ways).enumerate()).map(|(k, (track, way))| {
+        let nodes = track.nodes(&mut b, &format!("wire {k}"));
+        bead(&mut b, &format!("bead {k}"), &nodes, way[0])
+    });
     let beads: Vec<JointNodes> = beads.collect();
     let mut model = (Context::new(b.build().unwrap()), beads);
     let all: Vec<(&Track, [f64; 2])> = tracks.iter().zip(ways).collect();
@@ -113,18 +109,14 @@ fn a_slide_goes_round_a_closed_ring_as_often_as_its_chain_does() {
     let (mut context, bead, track) = ring(3);
     let (mut energies, mut last) = (Vec::new(), 0.0);
     let options = tight(Scheme::default(), 1.6, 0.01);
-    let run = observed(
-        &mut context,
-        [&[], &[11.0]],
-        &options,
-        &mut |context, step| {
-            let s = context.node_state(bead.frame);
-            energies.push(0.5 * s.velocity.norm_squared() + G * s.position.z);
-            last = context.coordinate(bead.coordinates[0], 0).unwrap()[0];
-            let exact = track.exact(0.0, 11.0, step.progress.state.t);
-            assert!((last - exact[0]).abs() < 1e-8, "{last} for {exact}");
-        },
-    );
+    let from = [&[][..], &[11.0]];
+    let run = observed(&mut context, from, &options, &mut |context, step| {
+        let s = context.node_state(bead.frame);
+        energies.push(0.5 * s.velocity.norm_squared() + G * s.position.z);
+        last = context.coordinate(bead.coordinates[0], 0).unwrap()[0];
+        let exact = track.exact(0.0, 11.0, step.progress.state.t);
+        assert!((last - exact[0]).abs() < 1e-8, "{last} for {exact}");
+    });
     assert!(last > 2.2 * 6.0, "{last}");
     assert!(run.summary.chart_changes >= 26);
     assert!(energies.iter().all(|e| (e / 60.5 - 1.0).abs() < 1e-10));
@@ -238,19 +230,9 @@ fn adaptive_steps_are_not_spoilt_by_landings() {
             // A step in two, the rest of a step that others had begun with, and what smaller errors
             // before the next step cost.
             let most = one.steps + one.steps / 10 + 3 * landings;
-            assert!(
-                many.steps <= most,
-                "{sides}: {} for {}",
-                many.steps,
-                one.steps
-            );
-            let rejected = one.inaccurate + landings / 4 + 4;
-            assert!(
-                many.inaccurate <= rejected,
-                "{}, {}",
-                many.inaccurate,
-                one.inaccurate
-            );
+            assert!(many.steps <= most, "{sides}: {} for {most}", many.steps);
+            let (found, most) = (many.inaccurate, one.inaccurate + landings / 4 + 4);
+            assert!(found <= most, "{sides}: {found} for {most}");
             assert!(many.energy.unwrap().largest_defect < 1e-9);
         }
     }
