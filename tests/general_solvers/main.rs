@@ -28,19 +28,15 @@ fn a_general_solver_swings_the_pendulum() {
             assert_eq!(row.samples.len(), comparison.times + 1);
             let c = &row.counts;
             assert!(c.steps > 20 && c.iterations >= c.steps, "{c:?}");
-            assert!(
-                c.evaluations > c.iterations && c.factorisations > c.steps,
-                "{c:?}"
-            );
+            assert!(c.evaluations > c.iterations, "{c:?}");
+            assert!(c.factorisations > c.steps, "{c:?}");
         }
-        let errors: Vec<f64> = rows
-            .iter()
-            .map(|r| r.error.unwrap().of(ErrorQuantity::Position))
-            .collect();
+        let error = |k: usize| rows[k].error.unwrap().of(ErrorQuantity::Position);
+        let [coarse, fine] = [error(0), error(2)];
         // The tolerance falls to a sixteenth: local errors do, the global ones about.
         assert!(
-            errors[0] < 1e-3 && errors[2] < 0.25 * errors[0],
-            "{word}: {errors:?}"
+            coarse < 1e-3 && fine < 0.25 * coarse,
+            "{word}: {coarse} {fine}"
         );
         assert!(rows[2].counts.steps > rows[0].counts.steps);
     }
@@ -52,12 +48,8 @@ fn a_general_solver_follows_the_heavy_top_through_its_charts() {
     let exact = [0.6055505613771, 0.5989576817949, -0.52398302743];
     let file = until(model("heavy_top.toml"), 0.2);
     let asked = ComparisonOptions {
-        exact: Some(Exact::new("R01", move |sample| {
-            if (sample.t - 0.2).abs() < 1e-12 {
-                // The body's second axis, as its node stands in the joint.
-                sample.energy = 0.0;
-            }
-        })),
+        // Compared below.
+        exact: Some(Exact::new("R01", |_| ())),
         ..options(&["diffsol-bdf:1e-8", "diffsol-esdirk:1e-8"], &[1e-2, 5e-3])
     };
     let comparison = compared(&file, &asked).unwrap();

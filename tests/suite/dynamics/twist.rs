@@ -185,10 +185,9 @@ fn a_disk_swings_by_nearly_a_turn_on_one_element() {
                     let theta = 5.5 * (omega * state.t).sin();
                     let found = (2.0 * context.strain_energy(state.t) / GJ).sqrt();
                     errors = errors.max((found - theta.abs()).abs());
-                    if stop == Some(step.progress.summary.steps) {
-                        ControlFlow::Break(())
-                    } else {
-                        ControlFlow::Continue(())
+                    match stop == Some(step.progress.summary.steps) {
+                        true => ControlFlow::Break(()),
+                        false => ControlFlow::Continue(()),
                     }
                 })
                 .unwrap();

@@ -41,16 +41,17 @@ fn zero(mut x: Vector3<f64>, size: f64, f: impl Fn(&Vector3<f64>) -> Vector3<f64
     x
 }
 
-/// Rotations and angular velocities after each step of the top; `next` has the rotation, and angular velocity and
-/// acceleration with what else a scheme keeps, at the end of a step of an unknown.
+/// A rotation and an angular velocity in axes of the body.
+type Turning = (Matrix3<f64>, Vector3<f64>);
+
+/// Angular velocity and acceleration, and what else a scheme keeps.
+type Kept = [Vector3<f64>; 3];
+
+/// The top stepped by hand; `next` is the end of a step, of its unknown.
 fn by_hand(
     steps: usize,
-    next: impl Fn(
-        &Rotation3<f64>,
-        &[Vector3<f64>; 3],
-        &Vector3<f64>,
-    ) -> (Rotation3<f64>, [Vector3<f64>; 3]),
-) -> Vec<(Matrix3<f64>, Vector3<f64>)> {
+    next: impl Fn(&Rotation3<f64>, &Kept, &Vector3<f64>) -> (Rotation3<f64>, Kept),
+) -> Vec<Turning> {
     let forces = out_of_balance(&Rotation3::identity(), &START, &Vector3::zeros());
     let first = -forces.component_div(&INERTIA);
     let (mut R, mut state) = (Rotation3::identity(), [START, first, first]);
@@ -71,11 +72,7 @@ fn by_hand(
 /// (1−α_m) aₙ₊₁ + α_m aₙ = (1−α_f) v̇ₙ₊₁ + α_f v̇ₙ
 /// Δqₙ = vₙ + (½−β) h aₙ + β h aₙ₊₁,   qₙ₊₁ = qₙ ∘ exp(h Δq̃ₙ),   vₙ₊₁ = vₙ + (1−γ) h aₙ + γ h aₙ₊₁
 /// ```
-fn published(
-    [alpha_m, alpha_f, beta, gamma]: [f64; 4],
-    h: f64,
-    steps: usize,
-) -> Vec<(Matrix3<f64>, Vector3<f64>)> {
+fn published([alpha_m, alpha_f, beta, gamma]: [f64; 4], h: f64, steps: usize) -> Vec<Turning> {
     by_hand(steps, |R, [v, v_dot, a], new| {
         let a_new = (new * (1.0 - alpha_f) + v_dot * alpha_f - a * alpha_m) / (1.0 - alpha_m);
         let dq = v + (a * (0.5 - beta) + a_new * beta) * h;
@@ -93,7 +90,7 @@ fn damped(rho: f64) -> [f64; 4] {
 }
 
 /// Rotations and body components of angular velocities after each step of `name`.
-fn stepped(name: &str, h: f64, steps: usize) -> Vec<(Matrix3<f64>, Vector3<f64>)> {
+fn stepped(name: &str, h: f64, steps: usize) -> Vec<Turning> {
     let method: Method = name.parse().unwrap();
     let file = input::parse("heavy_top.toml", TOP).unwrap();
     let mut job = input::job("heavy_top.toml", &file, Some(method.formulation())).unwrap();
@@ -109,7 +106,7 @@ fn stepped(name: &str, h: f64, steps: usize) -> Vec<(Matrix3<f64>, Vector3<f64>)
 }
 
 /// Largest distances of rotations, and of angular velocities over the largest.
-fn apart(a: &[(Matrix3<f64>, Vector3<f64>)], b: &[(Matrix3<f64>, Vector3<f64>)]) -> [f64; 2] {
+fn apart(a: &[Turning], b: &[Turning]) -> [f64; 2] {
     assert_eq!(a.len(), b.len());
     let pairs = a.iter().zip(b);
     pairs.fold([0.0; 2], |[R, v]: [f64; 2], (a, b)| {
