@@ -299,7 +299,8 @@ impl FailedStep {
         }
         let remedy = match self.parameter {
             StepParameter::Load => {
-                "support it, or follow the path with arc-length control if this is a limit point"
+                "hold it by a support, a spring or a prescribed motion, or follow the path with arc-length control if \
+                 this is a limit point"
             }
             StepParameter::Time => "give it mass or stiffness, or hold it",
         };

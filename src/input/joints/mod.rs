@@ -211,23 +211,35 @@ fn acts(
         }
         return act(at, (builder, inputs), &joint.name, &own, node);
     }
-    if let Some(key) = own.given().next() {
-        return Err(entry.useless(&[key]));
-    }
     if released.is_empty() && !joint.coordinates.is_empty() {
         return Err(entry.useless(&["coordinates"]));
+    }
+    let names = released.iter().map(|&n| builder.node_name(n));
+    let names = names.map(|n| n.strip_prefix(&joint.name).unwrap_or(n).trim_start());
+    let names: Vec<String> = names.map(str::to_owned).collect();
+    if let Some(key) = own.given().next() {
+        if names.is_empty() {
+            return Err(entry.useless(&[key]));
+        }
+        return Err(at.at(key).refuse_key(InputProblem::JointKey {
+            joint: joint.name.clone(),
+            kind: joint.kind.clone(),
+            key: key.to_owned(),
+            known: names
+                .iter()
+                .map(|name| format!("coordinates.{name}.{key}"))
+                .collect(),
+        }));
     }
     for (coordinate, acts) in &joint.coordinates {
         let at = at.at("coordinates").at(coordinate);
         let full = format!("{} {coordinate}", joint.name);
         let node = released.iter().find(|&&n| builder.node_name(n) == full);
         let &node = node.ok_or_else(|| {
-            let names = released.iter().map(|&n| builder.node_name(n));
-            let names = names.map(|n| n.strip_prefix(&joint.name).unwrap_or(n).trim_start());
             at.refuse_key(InputProblem::UnknownName {
                 what: "coordinate of the joint",
                 name: coordinate.clone(),
-                known: names.map(str::to_owned).collect(),
+                known: names.clone(),
             })
         })?;
         act(&at, (builder, inputs), &full, acts, node)?;

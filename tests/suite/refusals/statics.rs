@@ -72,7 +72,7 @@ center = [1, 0, 0]
         &[
             "what moves without resistance:\n",
             "hinge angle",
-            "support it",
+            "hold it by a support, a spring",
         ],
     );
     let position = said.find("what moves").unwrap();
