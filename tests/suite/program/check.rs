@@ -2,31 +2,22 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::support::closures::{
-    CLOSURES, GROUND, RUN, STATIC, arm, body, five_bar, four_bar, hinge, joint,
+    CLOSURES, GRAVITY, GROUND, RUN, STATIC, arm, body, body_of, five_bar, fixed, four_bar, hinge,
+    joint,
 };
-use crate::support::program::{MODEL, command, directory, with, write};
+use crate::support::program::{
+    MODEL, assert_says, directory, ended, example, printed, program_in, with, write,
+};
 use pullback::check;
-use std::path::Path;
+use pullback::studies::gallery::MODELS;
+use std::f64::consts::TAU;
 
 #[test]
 fn all_models_of_the_gallery_pass() {
-    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models");
-    let mut count = 0;
-    for entry in std::fs::read_dir(models).unwrap() {
-        let path = entry.unwrap().path();
-        for seed in 0..2 {
-            let mut job = pullback::input::load(&path).unwrap();
-            let report = check::job(&mut job, seed);
-            assert!(
-                report.is_ok(),
-                "{} with seed {seed}\n{}",
-                path.display(),
-                check::table(&report)
-            );
-        }
-        count += 1;
+    for (name, text) in MODELS {
+        assert_right(name, text, 0..2);
     }
-    assert!(count >= 25, "{count}");
+    assert!(MODELS.len() >= 25);
 }
 
 /// Nothing is wrong in a model at the random states of some seeds.
@@ -41,70 +32,48 @@ fn assert_right(what: &str, text: &str, seeds: impl IntoIterator<Item = u64>) {
     }
 }
 
-fn run(arguments: &[&str]) -> (Option<i32>, String, String) {
-    let words: Vec<&Path> = arguments.iter().map(Path::new).collect();
-    let output = command("check", &words);
-    let text = |bytes| String::from_utf8(bytes).unwrap();
-    (
-        output.status.code(),
-        text(output.stdout),
-        text(output.stderr),
-    )
-}
-
 #[test]
 fn the_table_and_the_rows_of_a_model() {
     let directory = directory("program_check");
-    let path = write(&directory, MODEL);
-    let path = path.to_str().unwrap();
+    write(&directory, MODEL);
     // A line for each component by default.
-    let (code, short, errors) = run(&[path]);
-    assert_eq!((code, errors.as_str()), (Some(0), ""), "{short}");
-    let beams: Vec<&str> = (short.lines())
-        .filter(|l| l.starts_with("element beam:* (beam), 8 of them  "))
-        .collect();
+    let printed = |more: &str| {
+        let output = program_in(&directory, &format!("check model.toml {more}"));
+        assert_eq!(ended(&output, 0), "");
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let short = printed("");
+    let start = "element beam:* (beam), 8 of them  ";
+    let beams: Vec<&str> = short.lines().filter(|l| l.starts_with(start)).collect();
     assert_eq!(beams.len(), 1, "{short}");
     assert!(beams[0].contains(" (worst of "), "{short}");
     assert!(!short.contains("Beam<"), "{short}");
-    let (code, table, errors) = run(&[path, "--all"]);
-    assert_eq!((code, errors.as_str()), (Some(0), ""), "{table}");
+    let table = printed("--all");
     assert!(table.lines().count() > 2 * short.lines().count());
-    for words in [
-        "component",
-        "K = -dr/dx",
-        "element beam:* (beam), 8 of them",
-        "load load 1",
-        "10 components, 0 wrong",
-    ] {
-        assert!(table.contains(words), "{words}\n{table}");
-    }
-    let (code, json, _) = run(&[path, "--json", "--seed", "3"]);
-    assert_eq!(code, Some(0));
-    let rows: serde_json::Value = serde_json::from_str(&json).unwrap();
-    let rows = rows.as_array().unwrap();
+    let beams = "element beam:* (beam), 8 of them";
+    let words = ["component", "K = -dr/dx", beams, "load load 1"];
+    assert_says(&table, &words);
+    assert_says(&table, &["10 components, 0 wrong"]);
+    let json = printed("--json --seed 3");
+    let rows: Vec<serde_json::Value> = serde_json::from_str(&json).unwrap();
     assert!(rows.len() > 100, "{}", rows.len());
-    for row in rows {
+    for row in &rows {
         assert_eq!(row["passed"], true, "{row}");
-        assert!(
-            row["value"].is_number() && row["limit"].is_number(),
-            "{row}"
-        );
+        let numbers = ["value", "limit"].map(|key| row[key].is_number());
+        assert_eq!(numbers, [true; 2], "{row}");
     }
-    let components = rows.iter().map(|r| r["component"].as_str().unwrap());
-    assert!(components.clone().any(|c| c == "model"));
-    assert!(components.clone().any(|c| c == "element beam:8 (beam)"));
+    for component in ["model", "element beam:8 (beam)"] {
+        assert!(rows.iter().any(|r| r["component"] == component));
+    }
 }
 
 #[test]
 fn a_wrong_file_is_refused() {
     let directory = directory("program_check_wrong");
-    let path = write(&directory, &with("from = \"A\"", "from = \"C\""));
-    let (code, table, errors) = run(&[path.to_str().unwrap()]);
-    assert_eq!((code, table.as_str()), (Some(2), ""));
-    assert!(
-        errors.contains("C") && errors.contains("model.toml"),
-        "{errors}"
-    );
+    write(&directory, &with("from = \"A\"", "from = \"C\""));
+    let output = program_in(&directory, "check model.toml");
+    assert_says(&ended(&output, 2), &["C", "model.toml"]);
+    assert!(output.stdout.is_empty());
 }
 
 #[test]
@@ -122,14 +91,13 @@ fn failures_are_told_one_by_one() {
         }]
     });
     let table = check::table(&report);
-    for words in [
+    let words = [
         "FAIL element pin (Pin): K symmetric",
         "K (rows: rotation of node a; columns: displacement of node b): off by 2.000e0",
         "it is 0.500 times what is right",
         "1 properties of 1 components, 1 wrong",
-    ] {
-        assert!(table.contains(words), "{words}\n{table}");
-    }
+    ];
+    assert_says(&table, &words);
     let entries = check::entries(&report);
     assert_eq!(entries[0]["passed"], false);
     assert_eq!(entries[0]["blocks"][0]["factor"], 0.5);
@@ -137,10 +105,9 @@ fn failures_are_told_one_by_one() {
 
 #[test]
 fn a_mechanism_by_the_names_of_its_file() {
-    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models");
-    let (code, said, _) = run(&[models.join("four_bar.toml").to_str().unwrap()]);
-    assert_eq!(code, Some(0), "{said}");
-    for words in [
+    let directory = directory("program_check_names");
+    write(&directory, &example("four_bar"));
+    let words = [
         "joint C closes a loop; independent: A angle; redundant: ",
         "degrees of freedom: 1 of 4 coordinates, 1 loop with 6 equations, of which 3 are redundant",
         "joint A (revolute)",
@@ -148,34 +115,21 @@ fn a_mechanism_by_the_names_of_its_file() {
         "coordinate B angle (in a loop)",
         "\ncoordinates of C (closed loop)",
         "element body crank (rigid body)",
-    ] {
-        assert!(said.contains(words), "{words}\n{said}");
-    }
+    ];
+    assert_says(&printed(&directory, "check model.toml"), &words);
 }
 
-/// A bead on a beam, `start` from its beginning.
-fn bead(start: f64) -> String {
-    with(
-        "[analysis",
-        &format!(
+/// At the end of its chain, and near a node of it: a random state is on another line, with another corner, than
+/// the start.
+#[test]
+fn a_slide_may_start_anywhere_on_its_chain() {
+    for (start, seeds) in [(0.0, 3), (1.0, 3), (0.37, 6), (0.38, 6)] {
+        let bead = format!(
             "[[joints]]\nname = \"bead\"\ntype = \"slide\"\nlines = [\"beam\"]\nstart = {start}\n\
              spring = {{ k = 1 }}\n\n[[loads]]\nnode = \"bead\"\nforce = [0, 0, -1]\n\n[analysis"
-        ),
-    )
-}
-
-#[test]
-fn a_slide_may_start_at_the_end_of_its_chain() {
-    for start in [0.0, 1.0] {
-        assert_right(&format!("a start at {start}"), &bead(start), 0..3);
-    }
-}
-
-/// A random state is on another line of its chain, with another corner, than the start.
-#[test]
-fn a_slide_may_start_near_a_node_of_its_chain() {
-    for start in [0.37, 0.38] {
-        assert_right(&format!("a start at {start}"), &bead(start), 0..6);
+        );
+        let model = with("[analysis", &bead);
+        assert_right(&format!("a start at {start}"), &model, 0..seeds);
     }
 }
 
@@ -183,14 +137,9 @@ fn a_slide_may_start_near_a_node_of_its_chain() {
 #[test]
 fn a_point_on_a_curve_may_start_at_a_point_that_it_leads_through() {
     for start in ["closed = true", "start = 1.0198039027185569"] {
-        let model = format!(
-            "[nodes]\nground = [0, 0, 0]\n\n[[joints]]\nname = \"p\"\ntype = \"on_curve\"\n\
-             parent = \"ground\"\n{start}\n\
-             through = [[-1, 0, 0.2], [0, 0, 0], [1, 0.3, 0], [2, 0, 0.1], [3, 0.5, 0]]\n\n\
-             [[bodies]]\nname = \"b\"\nnode = \"p\"\nmass = 1\ninertia = [0.1, 0.1, 0.1]\n\n\
-             [[supports]]\nnode = \"ground\"\nfix = \"all\"\n\n\
-             [[loads]]\ngravity = [0, 0, -9.81]\n\n[analysis.dynamic]\nto = 0.1\nstep = 0.01\n"
-        );
+        let through = "through = [[-1, 0, 0.2], [0, 0, 0], [1, 0.3, 0], [2, 0, 0.1], [3, 0.5, 0]]";
+        let curve = joint("p", "on_curve", "ground", &format!("{start}\n{through}"));
+        let model = [GROUND, &curve, &body("p"), GRAVITY, RUN].concat();
         assert_right(start, &model, 0..6);
     }
 }
@@ -214,54 +163,36 @@ fn a_driven_joint_of_a_loop_may_have_other_coordinates_beside_it() {
 /// what it does cancels, and leaves its round-off in the tangent.
 #[test]
 fn a_redundant_rigid_link_by_a_penalty_is_no_error() {
-    let link = r#"[[joints]]
-name = "link"
-type = "offset"
-parent = "B"
-position = [0.5, 1.5, 0]
-
-[[joints]]
-name = "again"
-type = "offset"
-parent = "link"
-position = [1.2, 1.9, 0]
-child = "coupler tip"
-closure = "penalty"
-penalty = 1e9
-penalty_damping = 1e-3
-
-[[bodies]]"#;
-    let text =
-        include_str!("../../../examples/models/four_bar.toml").replacen("[[bodies]]", link, 1);
+    let stiff =
+        "child = \"coupler tip\"\nclosure = \"penalty\"\npenalty = 1e9\npenalty_damping = 1e-3";
+    let again = arm("again", "link", [1.2, 1.9, 0.0]) + stiff;
+    let links = [&arm("link", "B", [0.5, 1.5, 0.0]), &*again, "\n[[bodies]]"].concat();
+    let text = example("four_bar").replacen("[[bodies]]", &links, 1);
     assert_right("four bars", &text, 0..13);
 }
 
 /// A ring of bars of unit length and spherical joints in the plane, from the ground to the ground.
 fn ring(bars: u32) -> String {
-    let mut text = String::from("[nodes]\nground = [0, 0, 0]\n");
-    let turn = std::f64::consts::TAU / f64::from(bars);
+    let mut text = GROUND.to_owned();
+    let turn = TAU / f64::from(bars);
     let (mut x, mut y, mut parent) = (0.0, 0.0, "ground".to_owned());
     for k in 0..bars {
         let (s, c) = (turn * (f64::from(k) + 0.5)).sin_cos();
-        let (next_x, next_y) = match k + 1 == bars {
-            true => (0.0, 0.0),
-            false => (x + c, y + s),
+        let next = match k + 1 == bars {
+            true => [0.0; 3],
+            false => [x + c, y + s, 0.0],
         };
-        let middle = [0.5 * (x + next_x), 0.5 * (y + next_y)];
-        text += &format!(
-            "[[joints]]\nname = \"j{k}\"\ntype = \"spherical\"\nparent = \"{parent}\"\n\
-             [[joints]]\nname = \"o{k}\"\ntype = \"offset\"\nparent = \"j{k}\"\n\
-             position = [{next_x:?}, {next_y:?}, 0]\n\
-             [[bodies]]\nname = \"b{k}\"\nnode = \"j{k}\"\nmass = 1\n\
-             center = [{:?}, {:?}, 0]\ninertia = [0.1, 0.2, 0.15]\n",
-            middle[0], middle[1],
-        );
-        (x, y, parent) = (next_x, next_y, format!("o{k}"));
+        let middle = [0.5 * (x + next[0]), 0.5 * (y + next[1]), 0.0];
+        let bar = format!("center = {middle:?}\ninertia = [0.1, 0.2, 0.15]");
+        let name = format!("j{k}");
+        text += &joint(&name, "spherical", &parent, "");
+        text += &body_of(&name, 1.0, &bar);
+        [x, y, _] = next;
+        parent = format!("o{k}");
+        text += &arm(&parent, &name, next);
     }
-    text + "[[joints]]\nname = \"close\"\ntype = \"spherical\"\nchild = \"ground\"\nparent = \""
-        + &parent
-        + "\"\n[[supports]]\nnode = \"ground\"\nfix = \"all\"\n\
-           [[loads]]\ngravity = [0, -9.81, -2]\n[analysis.dynamic]\nto = 1\nstep = 0.002\n"
+    text + &joint("close", "spherical", &parent, "child = \"ground\"")
+        + "[[loads]]\ngravity = [0, -9.81, -2]\n[analysis.dynamic]\nto = 1\nstep = 0.002\n"
 }
 
 #[test]
@@ -290,7 +221,7 @@ fn a_bar_that_may_spin_between_two_balls_is_right() {
         &joint("S2", "spherical", "coupler tip", "child = \"rocker tip\""),
         &body("mid"),
         &body("D"),
-        "[[loads]]\ngravity = [0, 0, -9.81]\n",
+        GRAVITY,
     ]
     .concat();
     assert_right("a bar", &model, 0..7);
@@ -352,45 +283,26 @@ fn a_linkage_that_flies_closed_by_multipliers_is_right() {
 /// rounding errors.
 #[test]
 fn a_weight_on_a_plane_that_a_base_turns_is_right() {
-    let text = r#"
-[nodes]
-o = [0, 0, 0]
-[[joints]]
-name = "far"
-type = "on_surface"
-parent = "o"
-position = [71.3891907758585, 0, 1]
-surface = { sphere = { center = [0, 0, 0] } }
-[[joints]]
-name = "plane"
-type = "on_surface"
-parent = "o"
-position = [0, 1, 1]
-surface = { plane = { normal = [0, 1, 1] } }
-[[bodies]]
-name = "b2"
-node = "far"
-mass = 1
-inertia = [0.1, 0.2, 0.25]
-[[bodies]]
-name = "b4"
-node = "plane"
-mass = 1
-inertia = [0.1, 0.2, 0.25]
-[[supports]]
-node = "o"
-fix = "position"
-prescribed = { rz = { spin_up = { rate = 3, duration = 0.02 } } }
-[[supports]]
-node = "o"
-fix = ["rx", "ry"]
-[[loads]]
-gravity = [0.0, 1.000001, 1.000000000001]
-[analysis.dynamic]
-to = 0.05
-step = 0.01
-"#;
-    assert_right("a plane", text, [0]);
+    let surface = |name: &str, position: &str, surface: &str| {
+        let more = format!("position = {position}\nsurface = {{ {surface} }}");
+        joint(name, "on_surface", "o", &more) + &body_of(name, 1.0, "inertia = [0.1, 0.2, 0.25]")
+    };
+    let turned = "prescribed = { rz = { spin_up = { rate = 3, duration = 0.02 } } }\n";
+    let model = [
+        "[nodes]\no = [0, 0, 0]\n",
+        &surface(
+            "far",
+            "[71.3891907758585, 0, 1]",
+            "sphere = { center = [0, 0, 0] }",
+        ),
+        &surface("plane", "[0, 1, 1]", "plane = { normal = [0, 1, 1] }"),
+        &fixed("o").replace("\"all\"", "[\"x\", \"y\", \"z\", \"rx\", \"ry\"]"),
+        turned,
+        "[[loads]]\ngravity = [0.0, 1.000001, 1.000000000001]\n",
+        "[analysis.dynamic]\nto = 0.05\nstep = 0.01\n",
+    ]
+    .concat();
+    assert_right("a plane", &model, [0]);
 }
 
 /// A four-bar whose rocker is driven by a sine of a frequency far above that of its spring: steps of the
@@ -408,8 +320,7 @@ fn a_fast_drive_of_a_loop_is_right() {
         &hinge("D", "foot", "prescribed = { sine = { omega = 1e8 } }"),
         &arm("rt", "D", [1.2, 1.9, 0.0]),
         &hinge("C", "kt", "child = \"rt\""),
-        "[[bodies]]\nname = \"crank\"\nnode = \"A\"\nmass = 2\ncenter = [0, 0.5, 0]\n\
-         inertia = [0.2, 0.1, 0.3]\n",
+        &body_of("A", 2.0, "center = [0, 0.5, 0]\ninertia = [0.2, 0.1, 0.3]"),
     ]
     .concat();
     assert_right("four bars", &model, [0]);

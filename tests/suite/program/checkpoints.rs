@@ -2,84 +2,79 @@
 #![allow(clippy::unwrap_used)]
 
 use super::resume::{MODEL, go_on, until_step};
-use crate::support::program::{directory, ended, program, read, write};
+use crate::support::beams::{COLUMN, line};
+use crate::support::closures::motion;
+use crate::support::program::{assert_says, changed, directory, ended, program_in, read, write};
 use pullback::run::{RunError, resume, run};
 use serde_json::Value;
+use std::fs::OpenOptions;
 use std::ops::ControlFlow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::process::Command;
 
 /// The refusal to resume a model.
 fn refusal(model: &Path) -> String {
     resume(model, None, &mut go_on).unwrap_err().to_string()
 }
 
+/// A model in a new directory of a name, stopped at a step; its file and its results.
+fn stopped(name: &str, text: &str, step: usize) -> (PathBuf, PathBuf) {
+    let model = write(&directory(name), text);
+    run(&model, None, &mut until_step(step)).unwrap();
+    let out = model.with_extension("out");
+    (model, out)
+}
+
 #[test]
 fn what_cannot_be_resumed_is_refused_by_name() {
     let directory = directory("program_not_resumed");
-    let model = write(&directory, MODEL);
-    let refusal = || ended(&program(&[Path::new("--resume"), &model]), 2);
-    assert!(refusal().contains("checkpoint.json"), "{}", refusal());
+    let model = write(&directory, &MODEL);
+    let refused = |words: &str| {
+        let said = ended(&program_in(&directory, "run --resume model.toml"), 2);
+        assert_says(&said, &[words]);
+    };
+    refused("checkpoint.json");
     run(&model, None, &mut until_step(20)).unwrap();
     let before = read(directory.join("model.out/history.csv"));
-    write(&directory, &MODEL.replace("mass = 0.5", "mass = 0.6"));
-    assert!(refusal().contains("`bodies` has changed"), "{}", refusal());
-    let scheme = "step = 0.01\nscheme = { hht = -0.1 }";
-    write(&directory, &MODEL.replace("step = 0.01", scheme));
-    assert!(refusal().contains("`analysis.dynamic.scheme` has changed"));
-    write(&directory, crate::support::program::MODEL);
-    assert!(refusal().contains("only a dynamic analysis can be resumed"));
-    write(&directory, MODEL);
+    for (text, words) in [
+        (
+            changed(&MODEL, "mass = 0.5 => mass = 0.6"),
+            "`bodies` has changed",
+        ),
+        (
+            changed(&MODEL, "step = 0.01 => &\\nscheme = { hht = -0.1 }"),
+            "`analysis.dynamic.scheme` has changed",
+        ),
+        (
+            crate::support::program::MODEL.to_owned(),
+            "only a dynamic analysis can be resumed",
+        ),
+    ] {
+        write(&directory, &text);
+        refused(words);
+    }
+    write(&directory, &MODEL);
     std::fs::write(directory.join("model.out/checkpoint.json"), "{\"rows\": 3}").unwrap();
-    assert!(refusal().contains("is no checkpoint"), "{}", refusal());
+    refused("is no checkpoint");
     // A refusal touches nothing.
     assert_eq!(read(directory.join("model.out/history.csv")), before);
 }
 
 #[test]
 fn another_order_of_nodes_is_another_order_of_unknowns() {
-    let directory = directory("program_reordered");
-    let text = r#"
-[sections.s]
-circle = { radius = 0.01 }
-material = { E = 1e8, nu = 0.3, rho = 2000 }
-
-[nodes]
-a = [0, 0, 0]
-b = [1, 0, 0]
-
-[[lines]]
-name = "l"
-from = "a"
-to = "b"
-elements = 2
-section = "s"
-
-[[loads]]
-node = "b"
-force = [1, 0, 2]
-
-[analysis.dynamic]
-to = 0.2
-step = 0.01
-"#;
-    let model = write(&directory, text);
-    run(&model, None, &mut until_step(10)).unwrap();
-    let swapped = text.replace(
-        "a = [0, 0, 0]\nb = [1, 0, 0]",
-        "b = [1, 0, 0]\na = [0, 0, 0]",
-    );
-    assert_ne!(swapped, text);
-    write(&directory, &swapped);
-    let error = refusal(&model);
-    assert!(error.contains("the order of nodes"), "{error}");
+    let rest = "[sections.main.mass]\nA_rho = 1\nJ = [2, 1, 1]\n\
+                [[loads]]\nnode = \"B\"\nforce = [1, 0, 2]\n";
+    let text = line(COLUMN, 2, 1, &[rest, &motion(0.2, 0.01)].concat());
+    let (model, _) = stopped("program_reordered", &text, 10);
+    let swap = "A = [0, 0, 0]\\n => \nB = [1, 0, 0]\\n => &A = [0, 0, 0]\\n";
+    std::fs::write(&model, changed(&text, swap)).unwrap();
+    assert_says(&refusal(&model), &["the order of nodes"]);
 }
 
 #[test]
 fn a_checkpoint_that_was_tampered_with_is_refused() {
-    let directory = directory("program_tampered");
-    let model = write(&directory, MODEL);
-    run(&model, None, &mut until_step(20)).unwrap();
-    let path = directory.join("model.out/checkpoint.json");
+    let (model, out) = stopped("program_tampered", &MODEL, 20);
+    let path = out.join("checkpoint.json");
     let whole = read(&path);
     type Edit = fn(&mut Value);
     let edits: [(&str, Edit); 5] = [
@@ -97,14 +92,10 @@ fn a_checkpoint_that_was_tampered_with_is_refused() {
         let mut edited: Value = serde_json::from_str(&whole).unwrap();
         edit(&mut edited);
         std::fs::write(&path, edited.to_string()).unwrap();
-        let error = refusal(&model);
-        assert!(
-            error.contains(what) && error.contains("checkpoint.json"),
-            "{error}"
-        );
+        assert_says(&refusal(&model), &[what, "checkpoint.json"]);
     }
     std::fs::write(&path, whole).unwrap();
-    let path = directory.join("model.out/checkpoint.log");
+    let path = out.join("checkpoint.log");
     let whole = read(&path);
     let edits = [
         (whole[..whole.len() - 3].to_owned(), "ends before"),
@@ -112,22 +103,17 @@ fn a_checkpoint_that_was_tampered_with_is_refused() {
     ];
     for (edited, what) in edits {
         std::fs::write(&path, edited).unwrap();
-        let error = refusal(&model);
-        assert!(error.contains(what), "{error}");
+        assert_says(&refusal(&model), &[what]);
     }
     std::fs::remove_file(&path).unwrap();
-    let error = refusal(&model);
-    assert!(error.contains("cannot read"), "{error}");
-    assert!(error.contains("checkpoint.log"), "{error}");
+    assert_says(&refusal(&model), &["cannot read", "checkpoint.log"]);
 }
 
 #[test]
 fn a_checkpoint_with_a_single_damaged_byte_is_refused() {
-    let directory = directory("program_damaged");
-    let model = write(&directory, MODEL);
-    run(&model, None, &mut until_step(20)).unwrap();
+    let (model, out) = stopped("program_damaged", &MODEL, 20);
     for name in ["checkpoint.json", "checkpoint.log"] {
-        let path = directory.join("model.out").join(name);
+        let path = out.join(name);
         let whole = std::fs::read(&path).unwrap();
         for k in 0..125 {
             let mut damaged = whole.clone();
@@ -139,10 +125,8 @@ fn a_checkpoint_with_a_single_damaged_byte_is_refused() {
             };
             std::fs::write(&path, damaged).unwrap();
             let resumed = resume(&model, None, &mut go_on);
-            assert!(
-                matches!(resumed, Err(RunError::Resume(_))),
-                "{name}, damage {k}: {resumed:?}"
-            );
+            let refused = matches!(resumed, Err(RunError::Resume(_)));
+            assert!(refused, "{name}, damage {k}: {resumed:?}");
         }
         std::fs::write(&path, whole).unwrap();
     }
@@ -154,7 +138,7 @@ fn a_checkpoint_with_a_single_damaged_byte_is_refused() {
 #[cfg(unix)]
 fn a_log_that_is_a_link_or_a_pipe_is_not_followed() {
     let directory = directory("program_links");
-    let model = write(&directory, MODEL);
+    let model = write(&directory, &MODEL);
     let out = directory.join("model.out");
     let log = out.join("checkpoint.log");
     std::fs::create_dir(&out).unwrap();
@@ -168,18 +152,15 @@ fn a_log_that_is_a_link_or_a_pipe_is_not_followed() {
     // What is read is not followed either.
     std::fs::rename(&log, &other).unwrap();
     std::os::unix::fs::symlink(&other, &log).unwrap();
-    let error = refusal(&model);
-    assert!(error.contains("checkpoint.log: it is a link"), "{error}");
+    assert_says(&refusal(&model), &["checkpoint.log: it is a link"]);
 
     std::fs::remove_dir_all(&out).unwrap();
     std::fs::create_dir(&out).unwrap();
-    let made = std::process::Command::new("mkfifo").arg(&log).status();
+    let made = Command::new("mkfifo").arg(&log).status();
     assert!(made.unwrap().success());
     // Nobody who writes into the pipe waits for a reader.
-    let both = std::fs::OpenOptions::new()
-        .read(true)
-        .write(true)
-        .open(&log);
+    let mut both = OpenOptions::new();
+    let both = both.read(true).write(true).open(&log);
     run(&model, None, &mut until_step(3)).unwrap();
     drop(both);
     assert!(std::fs::symlink_metadata(&log).unwrap().is_file());
@@ -188,11 +169,9 @@ fn a_log_that_is_a_link_or_a_pipe_is_not_followed() {
 #[test]
 fn a_checkpoint_costs_the_same_however_many_rows_there_are() {
     let directory = directory("program_checkpoint_cost");
-    let text = MODEL
-        .replace("checkpoint_every = 7", "checkpoint_every = 1")
-        .replace("record_every = 2", "record_every = 1")
-        .replace("step = 0.01", "step = 0.00125");
-    let model = write(&directory, &text);
+    let often = "checkpoint_every = 7 => checkpoint_every = 1\nrecord_every = 2 => record_every = 1\n\
+                 step = 0.01 => step = 0.00125";
+    let model = write(&directory, &changed(&MODEL, often));
     let out = directory.join("model.out");
     let size = |name: &str| std::fs::metadata(out.join(name)).unwrap().len();
     let mut seen = Vec::new();

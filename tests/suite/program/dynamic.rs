@@ -1,105 +1,93 @@
 //! Runs in time: what is written agrees with closed forms and with the documents.
 #![allow(clippy::unwrap_used)]
 
+use crate::support::beams::line;
+use crate::support::closures::{body_of, fixed, joint, motion};
 use crate::support::dynamics::assert_slopes;
 use crate::support::program::{
-    directory, history, number, program, ran, read, results, succeeded, write,
+    assert_close, assert_says, changed, example, number, read, recorded, run_of,
 };
 use pullback::input::assemble_text;
 use pullback::output::{COLUMNS, DYNAMIC_COLUMNS};
+use roxmltree::Document;
 use std::collections::HashMap;
-use std::path::Path;
 
-const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+/// The page of model files.
+const DOCUMENTS: &str = include_str!("../../../docs/model_file.md");
 
-fn example(name: &str) -> String {
-    read(Path::new(ROOT).join("examples/models").join(name))
+/// The pendulum of the examples with other words.
+fn pendulum(changes: &str) -> String {
+    changed(&example("pendulum"), changes)
 }
 
 #[test]
 fn rows_are_at_the_multiples_of_an_interval() {
-    let directory = directory("program_interval");
-    let text = example("pendulum.toml")
-        .replace("to = 10\n", "to = 1\nrecord_interval = 0.1\n")
-        .replace("step = 0.01\n", "step = 0.003\n");
-    let rows = history(&ran(&directory, &text));
+    let text = pendulum("to = 10 => to = 1\\nrecord_interval = 0.1\nstep = 0.01 => step = 0.003");
+    let rows = recorded("program_interval", &text);
     let times: Vec<&str> = rows.iter().map(|row| row["t"].as_str()).collect();
     let round = "0.0 0.1 0.2 0.3 0.4 0.5 0.6 0.7 0.8 0.9 1.0";
     assert_eq!(times, round.split(' ').collect::<Vec<_>>());
     // Elliptic functions (IFToMM benchmark A01): the position at t = 1.
     let last = rows.last().unwrap();
-    assert!((number(last, "bob.x") - 0.986291751131875).abs() < 2e-5);
+    assert_close(number(last, "bob.x"), 0.986291751131875, 2e-5, "bob");
     // 34 steps of 0.1 / 34 between two rows.
     assert_eq!(last["step"], "340");
 }
 
 #[test]
 fn a_pendulum_records_its_angle_its_forces_and_its_energy() {
-    let directory = directory("program_pendulum");
-    let out = ran(&directory, &example("pendulum.toml"));
-    let head = read(out.join("history.csv"));
-    let head = head.lines().next().unwrap();
-    assert!(head.starts_with(&format!(
-        "{},{}",
-        COLUMNS.join(","),
-        DYNAMIC_COLUMNS.join(",")
-    )));
-    let documents = read(Path::new(ROOT).join("docs/model_file.md"));
+    let run = run_of("program_pendulum", &pendulum(""));
+    let head = [COLUMNS.as_slice(), &DYNAMIC_COLUMNS].concat().join(",");
+    assert!(read(run.out.join("history.csv")).starts_with(&head));
     for column in DYNAMIC_COLUMNS {
-        assert!(documents.contains(&format!("| `{column}` |")), "{column}");
+        assert_says(DOCUMENTS, &[&format!("| `{column}` |")]);
     }
-    let rows = history(&out);
-    assert_eq!(rows.len(), 1001);
-    for row in &rows {
-        let angle = number(row, "angle");
-        let [x, z] = ["bob.x", "bob.z"].map(|c| number(row, c));
-        assert!((x + angle.cos()).abs() < 1e-12 && (z + angle.sin()).abs() < 1e-12);
-        assert!((number(row, "support") - number(row, "tension")).abs() < 1e-9);
+    assert_eq!(run.rows.len(), 1001);
+    for row in &run.rows {
+        let [angle, x, z] = ["angle", "bob.x", "bob.z"].map(|column| number(row, column));
+        assert_close(x, -angle.cos(), 1e-12, "x");
+        assert_close(z, -angle.sin(), 1e-12, "z");
+        assert_close(number(row, "support"), number(row, "tension"), 1e-9, angle);
     }
 
-    let results = results(&out);
-    assert_eq!(results["complete"], true);
-    let statistics = &results["statistics"];
-    for key in [
-        "steps",
-        "rejected",
-        "inaccurate",
-        "iterations",
-        "evaluations",
-    ] {
+    assert_eq!(run.result["complete"], true);
+    let statistics = &run.result["statistics"];
+    for key in "steps rejected inaccurate iterations evaluations".split(' ') {
         assert!(statistics[key].is_u64(), "{key}: {statistics}");
     }
     assert_eq!(statistics["steps"], 1000);
     assert!(statistics["energy"]["largest_defect"].as_f64().unwrap() < 2e-3);
-    let last = &results["last"];
-    let velocity = last["nodes"]["rod"]["velocity"].as_array().unwrap();
-    let momentum = last["motion"]["momentum"].as_array().unwrap();
-    assert_eq!(velocity, momentum, "the mass is one");
+    let last = &run.result["last"];
+    let [velocity, momentum] = [
+        &last["nodes"]["rod"]["velocity"],
+        &last["motion"]["momentum"],
+    ];
+    assert!(
+        velocity.is_array() && velocity == momentum,
+        "the mass is one"
+    );
     assert_eq!(last["reactions"].as_object().unwrap().len(), 1);
     // About 200 grids, with velocities.
-    let series = read(out.join("steps.pvd")).matches("<DataSet").count();
+    let series = read(run.out.join("steps.pvd")).matches("<DataSet").count();
     assert!((190..=210).contains(&series), "{series}");
-    let grid = read(out.join("step_000000.vtu"));
-    assert!(grid.contains("Name=\"velocity\"") && grid.contains("Name=\"angular_velocity\""));
+    let grid = read(run.out.join("step_000000.vtu"));
+    let names = ["velocity", "angular_velocity"].map(|name| format!("Name=\"{name}\""));
+    assert_says(&grid, &names.each_ref().map(String::as_str));
     for figure in ["history.svg", "deformed.svg"] {
-        roxmltree::Document::parse(&read(out.join(figure))).unwrap();
+        Document::parse(&read(run.out.join(figure))).unwrap();
     }
 }
 
 #[test]
 fn what_a_pendulum_records_is_exact_to_the_second_order_of_the_step() {
-    let directory = directory("program_pendulum_order");
     let errors = [100, 200, 400].map(|n| {
-        let step = format!("step = {}\n", 1.0 / f64::from(n));
-        let text = example("pendulum.toml")
-            .replace("to = 10\n", "to = 2\n")
-            .replace("step = 0.01\n", &step);
-        let rows = history(&ran(&directory, &text));
+        let step = 1.0 / f64::from(n);
+        let text = pendulum(&format!("to = 10 => to = 2\nstep = 0.01 => step = {step}"));
+        let rows = recorded("program_pendulum_order", &text);
         assert_eq!(rows.len(), 2 * n as usize + 1);
         let largest = |off: &dyn Fn(&HashMap<String, String>) -> f64| {
-            rows.iter()
-                .map(off)
-                .fold(0.0, |most, x| f64::max(most, x.abs()))
+            let off = rows.iter().map(|row| off(row).abs());
+            off.fold(0.0, f64::max)
         };
         // A bob let go from the horizontal pulls with 3 m g sin θ; its kinetic energy is m g L sin θ.
         let fall = |row: &_| 9.81 * number(row, "angle").sin();
@@ -119,55 +107,46 @@ fn what_a_pendulum_records_is_exact_to_the_second_order_of_the_step() {
 
 #[test]
 fn springs_motors_and_drives_act_on_released_coordinates() {
-    let directory = directory("program_released");
-    let model = |acts: &str| {
-        let text =
-            example("pendulum.toml").replace("gravity = [0, 0, -9.81]", "gravity = [0, 0, 0]");
-        let text = text.replace("axis = [0, -1, 0]", &format!("axis = [0, -1, 0]\n{acts}"));
+    let rows = |acts: &str| {
         // Something must be free where the pendulum is driven.
-        let text = text.replace("[nodes]", "[nodes]\nother = [5, 0, 0]");
-        let body = "[[bodies]]\nname = \"other\"\nnode = \"other\"\nmass = 1\n\n[[supports]]";
-        let text = text.replace("[[supports]]", body);
-        text.replace("to = 10\nstep = 0.01", "to = 2\nstep = 0.002")
+        let text = pendulum(&format!(
+            "0, -9.81] => 0, 0]\naxis = [0, -1, 0] => &\\n{acts}\n[nodes] => &\\nother = [5, 0, 0]\n\
+             to = 10 => to = 2\nstep = 0.01 => step = 0.002"
+        ));
+        recorded("program_released", &(text + &body_of("other", 1.0, "")))
+    };
+    let angles = |acts: &str, within: f64, exact: &dyn Fn(f64) -> f64| {
+        for row in rows(acts) {
+            assert_close(
+                number(&row, "angle"),
+                exact(number(&row, "t")),
+                within,
+                acts,
+            );
+        }
     };
     // J = m L² = 1: θ̈ = 1.5, θ = ¾ t².
-    let rows = history(&ran(&directory, &model("actuator = { constant = 1.5 }")));
-    for row in &rows {
-        let t = number(row, "t");
-        assert!((number(row, "angle") - 0.75 * t * t).abs() < 1e-9);
-    }
+    angles("actuator = { constant = 1.5 }", 1e-9, &|t| 0.75 * t * t);
     // ω² = k/J: θ = x₀ (1 − cos ω t) + θ̇₀/ω sin ω t, with a phase error of ω h²/12 per radian.
-    let spring = "spring = { k = 9.0, x0 = 0.01 }\nrate = 0.3";
-    for row in &history(&ran(&directory, &model(spring))) {
-        let (sin, cos) = (3.0 * number(row, "t")).sin_cos();
-        let exact = 0.01 * (1.0 - cos) + 0.1 * sin;
-        assert!((number(row, "angle") - exact).abs() < 2e-6);
-    }
+    let spring = "spring = { k = 9.0, x0 = 0.01 }\\nrate = 0.3";
+    let exact = |t: f64| 0.01 * (1.0 - (3.0 * t).cos()) + 0.1 * (3.0 * t).sin();
+    angles(spring, 2e-6, &exact);
     // A critically damped one: θ = θ̇₀ t e^{−ωt}.
-    let rows = history(&ran(
-        &directory,
-        &model("spring = { k = 9.0, c = 6.0 }\nrate = 0.3"),
-    ));
-    for row in &rows {
-        let t = number(row, "t");
-        assert!((number(row, "angle") - 0.3 * t * (-3.0 * t).exp()).abs() < 2e-6);
-    }
+    let damped = "spring = { k = 9.0, c = 6.0 }\\nrate = 0.3";
+    angles(damped, 2e-6, &|t| 0.3 * t * (-3.0 * t).exp());
     let drive = "prescribed = { sine = { amplitude = 2.0, omega = 3.0 } }";
-    let rows = history(&ran(&directory, &model(drive)));
-    for row in &rows {
-        let t = number(row, "t");
-        assert!((number(row, "angle") - 2.0 * (3.0 * t).sin()).abs() < 1e-12);
+    angles(drive, 1e-12, &|t| 2.0 * (3.0 * t).sin());
+    for row in rows(drive) {
         // Centripetal and tangential force of the unit mass.
-        let (rate, slope) = (6.0 * (3.0 * t).cos(), -18.0 * (3.0 * t).sin());
-        let force = (rate * rate).hypot(slope);
-        assert!((number(row, "tension") - force).abs() < 1e-9 * (1.0 + force));
+        let (sin, cos) = (3.0 * number(&row, "t")).sin_cos();
+        let force = (36.0 * cos * cos).hypot(18.0 * sin);
+        assert_close(number(&row, "tension"), force, 1e-9 * (1.0 + force), drive);
     }
 }
 
 #[test]
 fn every_model_of_the_documents_assembles() {
-    let documents = read(Path::new(ROOT).join("docs/model_file.md"));
-    let models: Vec<&str> = documents.split("```toml\n").skip(1).collect();
+    let models: Vec<&str> = DOCUMENTS.split("```toml\n").skip(1).collect();
     assert_eq!(models.len(), 2);
     for (k, model) in models.iter().enumerate() {
         let text = model.split("```").next().unwrap();
@@ -177,117 +156,63 @@ fn every_model_of_the_documents_assembles() {
 
 #[test]
 fn a_step_that_is_too_large_is_halved_and_counted() {
-    let directory = directory("program_halved");
     // Each step would turn the rod by more than the chart holds.
-    let text = r#"
-[nodes]
-A = [0, 0, 0]
-
-[[bodies]]
-name = "top"
-node = "A"
-mass = 1
-inertia = [1, 2, 2.5]
-
-[[initial]]
-node = "A"
-angular_velocity = [40, 1, 1]
-
-[analysis.dynamic]
-to = 1
-step = 0.25
-newton = { max_iterations = 5 }
-"#;
-    let out = ran(&directory, text);
-    let statistics = &results(&out)["statistics"];
+    let text = [
+        "[nodes]\nA = [0, 0, 0]\n",
+        &body_of("A", 1.0, "inertia = [1, 2, 2.5]"),
+        "[[initial]]\nnode = \"A\"\nangular_velocity = [40, 1, 1]\n",
+        &motion(1.0, 0.25),
+        "newton = { max_iterations = 5 }\n",
+    ];
+    let run = run_of("program_halved", &text.concat());
+    let statistics = &run.result["statistics"];
     assert!(statistics["rejected"].as_u64().unwrap() > 0, "{statistics}");
     assert!(statistics["largest_rotation"].as_f64().unwrap() > 1.0);
-    let rows = history(&out);
-    assert!((number(rows.last().unwrap(), "t") - 1.0).abs() < 1e-12);
+    let end = number(run.rows.last().unwrap(), "t");
+    assert_close(end, 1.0, 1e-12, "the end");
 }
 
 #[test]
 fn adaptive_steps_keep_the_error_and_are_counted() {
-    let directory = directory("program_adaptive");
-    let text = example("pendulum.toml").replace(
-        "step = 0.01",
-        "step = 0.01\nadaptive = { tolerance = 1e-7, max_step = 0.1 }",
-    );
-    let out = ran(&directory, &text);
-    let rows = history(&out);
-    let steps: Vec<f64> = rows
-        .iter()
-        .skip(1)
-        .map(|r| number(r, "step_size"))
-        .collect();
-    let (least, most) = steps
-        .iter()
-        .fold((1.0_f64, 0.0_f64), |(a, b), h| (a.min(*h), b.max(*h)));
+    let adaptive = "step = 0.01 => &\\nadaptive = { tolerance = 1e-7, max_step = 0.1 }";
+    let run = run_of("program_adaptive", &pendulum(adaptive));
+    let steps = || run.rows.iter().skip(1).map(|r| number(r, "step_size"));
+    let (least, most) = (steps().fold(1.0, f64::min), steps().fold(0.0, f64::max));
     assert!(most > 1.5 * least && most <= 0.1, "{least} to {most}");
-    let last = rows.last().unwrap();
-    assert!((number(last, "bob.x") + 0.275087462576117).abs() < 2e-3);
-    assert!(results(&out)["statistics"]["inaccurate"].is_u64());
+    let x = number(run.rows.last().unwrap(), "bob.x");
+    assert_close(x, -0.275087462576117, 2e-3, "the end");
+    assert!(run.result["statistics"]["inaccurate"].is_u64());
 }
 
 #[test]
 fn rates_of_joints_follow_an_initial_rotation_and_starts_that_strain_are_told() {
-    let directory = directory("program_starts");
-    let rod = r#"
-[sections.rod]
-stiffness = { EA = 1e6, GA = [1e6, 1e6], GJ = 1e4, EI = [1e4, 1e4] }
-mass = { A_rho = 1, J = [2e-3, 1e-3, 1e-3] }
-
-[nodes]
-ground = [0, 0, 0]
-tip = [1, 0, 0]
-
-[[joints]]
-name = "pivot"
-type = "revolute"
-parent = "ground"
-axis = [0, 0, 1]
-
-[[lines]]
-name = "rod"
-from = "pivot"
-to = "tip"
-elements = 2
-section = "rod"
-
-[[supports]]
-node = "ground"
-fix = "all"
-
-[[initial]]
-line = "rod"
-angular_velocity = [0, 0, 2]
-
-[analysis.dynamic]
-to = 0.1
-step = 0.001
-
-[[probes]]
-name = "rate"
-quantity = "joint_rate"
-joint = "pivot"
-"#;
-    // A rigid turn goes on: the hinge turns with the rod from the start.
-    for row in history(&ran(&directory, rod)) {
-        assert!((number(&row, "rate") - 2.0).abs() < 1e-3, "{}", row["rate"]);
-    }
-    let driven = rod
-        .replace(
-            "axis = [0, 0, 1]",
-            "axis = [0, 0, 1]\nprescribed = { constant = 0.1 }",
+    let stiffness = "EA = 1e6, GA = [1e6, 1e6], GJ = 1e4, EI = [1e4, 1e4]";
+    let rod = |initial: &str, hinge: &str| {
+        let rest = [
+            &joint(
+                "pivot",
+                "revolute",
+                "A",
+                &format!("axis = [0, 0, 1]\n{hinge}"),
+            ),
+            "[sections.main.mass]\nA_rho = 1\nJ = [2e-3, 1e-3, 1e-3]\n",
+            &fixed("A"),
+            initial,
+            "[[probes]]\nname = \"rate\"\nquantity = \"joint_rate\"\njoint = \"pivot\"\n",
+            &motion(0.1, 0.001),
+        ];
+        let text = line(stiffness, 2, 1, &rest.concat());
+        run_of(
+            "program_starts",
+            &changed(&text, "from = \"A\" => from = \"pivot\""),
         )
-        .replace(
-            "[[initial]]\nline = \"rod\"\nangular_velocity = [0, 0, 2]\n",
-            "",
-        );
-    let output = program(&[&write(&directory, &driven)]);
-    let said = succeeded(&output);
-    assert!(
-        said.contains("warning: joint pivot is not where the model is drawn"),
-        "{said}"
-    );
+    };
+    // A rigid turn goes on: the hinge turns with the rod from the start.
+    let turning = "[[initial]]\nline = \"line\"\nangular_velocity = [0, 0, 2]\n";
+    for row in rod(turning, "").rows {
+        assert_close(number(&row, "rate"), 2.0, 1e-3, &row["t"]);
+    }
+    let driven = rod("", "prescribed = { constant = 0.1 }");
+    let warning = "warning: joint pivot is not where the model is drawn";
+    assert_says(&driven.said, &[warning]);
 }

@@ -2,53 +2,35 @@
 #![allow(clippy::unwrap_used, non_snake_case)]
 
 use crate::support::beams::{COLUMN, PINNED, line};
+use crate::support::closures::{body_of, fixed, motion};
 use crate::support::program::{
-    MODEL, command, directory, ended, matrix, program, results, succeeded, write,
+    MODEL, assert_close, assert_says, changed, command, csv, directory, ended, failed, json,
+    matrix, read, refusal, run_of, succeeded, write,
 };
 use nalgebra::DMatrix;
 use pullback::input::assemble_text;
 use pullback::run;
 use pullback::solve::Advance;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
 
-/// A bar of two masses 3 and 1 between springs 2 and 1 along x, from the ground.
-const MASSES: &str = r#"
-[nodes]
-ground = [0, 0, 0]
-a = [1, 0, 0]
-b = [2, 0, 0]
-[[bodies]]
-name = "a"
-node = "a"
-mass = 3
-[[bodies]]
-name = "b"
-node = "b"
-mass = 1
-[[springs]]
-name = "first"
-nodes = ["ground", "a"]
-stiffness = 2
-[[springs]]
-name = "second"
-nodes = ["a", "b"]
-stiffness = 1
-[[supports]]
-node = "ground"
-fix = "all"
-[[supports]]
-node = "a"
-fix = ["y", "z", "rx", "ry", "rz"]
-[[supports]]
-node = "b"
-fix = ["y", "z", "rx", "ry", "rz"]
-"#;
-
-fn run(name: &str, model: &str) -> (std::path::PathBuf, std::process::Output) {
-    let out = directory(name);
-    let ran = program(&[&write(&out, model)]);
-    (out.join("model.out"), ran)
+/// A bar of two masses 3 and 1 between springs 2 and 1 along x, from the ground; more of the file.
+fn masses(more: &str) -> String {
+    let on_rail = |node: &str, mass: f64, from: &str, stiffness: f64| {
+        let spring =
+            format!("[[springs]]\nname = \"at {node}\"\nnodes = [\"{from}\", \"{node}\"]\n");
+        let rail = "fix = [\"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n";
+        let support = format!("stiffness = {stiffness}\n[[supports]]\nnode = \"{node}\"\n{rail}");
+        [body_of(node, mass, ""), spring, support].concat()
+    };
+    [
+        "[nodes]\nground = [0, 0, 0]\na = [1, 0, 0]\nb = [2, 0, 0]\n",
+        &fixed("ground"),
+        &on_rail("a", 3.0, "ground", 2.0),
+        &on_rail("b", 1.0, "a", 1.0),
+        more,
+    ]
+    .concat()
 }
 
 /// Frequencies of 3ẍ₁ + 3x₁ − x₂ = 0, ẍ₂ + x₂ − x₁ = 0: 3s² − 6s + 2 = 0 in s = ω².
@@ -59,8 +41,8 @@ fn exact() -> [f64; 2] {
 #[test]
 fn a_run_in_memory_warns_as_one_with_files() {
     let texts = [
-        format!("{MASSES}\n[analysis.modes]\ncount = 50\n"),
-        format!("{}\n[analysis.buckling]\ncount = 50\n", column()),
+        masses("[analysis.modes]\ncount = 50\n"),
+        column("[analysis.buckling]\ncount = 50\n"),
     ];
     for (k, text) in texts.iter().enumerate() {
         let path = write(&directory(&format!("in memory {k}")), text);
@@ -70,141 +52,100 @@ fn a_run_in_memory_warns_as_one_with_files() {
         let memory = run::record_job(job, &mut |_| {}, go).unwrap();
         assert_eq!(memory.warnings, files.warnings);
         assert_eq!(memory.notes, files.notes);
-        let fewer = |warning: &String| warning.contains("fewer than count = 50");
-        assert!(files.warnings.iter().any(fewer), "{:?}", files.warnings);
+        assert_says(&files.warnings.concat(), &["fewer than count = 50"]);
     }
 }
 
 #[test]
 fn modes_of_two_masses() {
-    let (out, ran) = run(
-        "two masses",
-        &format!("{MASSES}\n[analysis.modes]\ncount = 5\n"),
-    );
-    let said = succeeded(&ran);
-    assert!(
-        said.contains("the model has 2 modes, fewer than count = 5"),
-        "{said}"
-    );
-    let warnings = results(&out)["warnings"].to_string();
-    assert!(warnings.contains("the model has 2 modes"), "{warnings}");
-    let table = std::fs::read_to_string(out.join("modes.csv")).unwrap();
-    let rows: Vec<Vec<f64>> = (table.lines().skip(1))
-        .map(|row| row.split(',').map(|x| x.parse().unwrap()).collect())
-        .collect();
-    let mut mass = 0.0;
+    let run = run_of("two masses", &masses("[analysis.modes]\ncount = 5\n"));
+    let told = "the model has 2 modes, fewer than count = 5";
+    assert_says(&run.result["warnings"].to_string(), &[told]);
+    let rows = csv(run.out.join("modes.csv"));
     for (row, exact) in rows.iter().zip(exact()) {
         assert!((row[1] / exact - 1.0).abs() < 1e-14, "{row:?} {exact}");
-        mass += row[9];
     }
     // All mass moves with the two modes.
-    assert!(rows.len() == 2 && (mass - 4.0).abs() < 1e-12, "{mass}");
-    let json = std::fs::read_to_string(out.join("modes.json")).unwrap();
-    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
-    assert_eq!(json["modes"].as_array().unwrap().len(), 2);
+    assert_eq!(rows.len(), 2);
+    assert_close(rows[0][9] + rows[1][9], 4.0, 1e-12, "mass");
+    let modes = &json(run.out.join("modes.json"))["modes"];
+    assert_eq!(modes.as_array().unwrap().len(), 2);
     for file in ["mode_01.svg", "mode_02.pvd", "mode_02_11.vtu"] {
-        assert!(out.join(file).is_file(), "{file}");
+        assert!(run.out.join(file).is_file(), "{file}");
     }
 }
 
 #[test]
-fn a_range_without_modes_is_an_error() {
-    let text = format!("{MASSES}\n[analysis.modes]\nrange = [10, 20]\n");
-    let (_, ran) = run("no modes", &text);
-    let said = String::from_utf8_lossy(&ran.stderr);
-    assert_eq!(ran.status.code(), Some(1));
-    assert!(
-        said.contains("no mode has a frequency between 10 and 20"),
-        "{said}"
-    );
-}
-
-#[test]
-fn a_model_without_mass_has_no_modes() {
-    let text = MODEL.replace(
-        "[analysis.static]\nsteps = 4",
-        "[analysis.modes]\nafter = { static = { steps = 4 } }",
-    );
-    let (_, ran) = run("no mass", &text);
-    let said = String::from_utf8_lossy(&ran.stderr);
-    assert_eq!(ran.status.code(), Some(1));
-    assert!(said.contains("no coordinate has mass"), "{said}");
+fn why_there_are_no_modes_or_critical_loads_is_told() {
+    let after =
+        "[analysis.static] => [analysis.modes]\nsteps = 4 => after = { static = { steps = 4 } }";
+    for (name, text, told) in [
+        (
+            "no modes",
+            masses("[analysis.modes]\nrange = [10, 20]\n"),
+            "no mode has a frequency between 10 and 20",
+        ),
+        ("no mass", changed(MODEL, after), "no coordinate has mass"),
+        (
+            "unstable",
+            column("[analysis.buckling]\nafter = { static = { to = 12.0 } }\n"),
+            "is not stable",
+        ),
+    ] {
+        assert_says(&failed(name, &text), &[told]);
+    }
 }
 
 #[test]
 fn settings_of_modes_are_checked() {
-    for (keys, problem) in [
-        ("count = 0", "count"),
-        ("near = -1.0", "near"),
-        ("range = [2, 1]", "range = [2, 1] is out of range"),
-        ("near = 1.0\nrange = [1, 2]", "near"),
-        ("after = { modes = {} }", "modes"),
-        ("number = 3", "number"),
+    for (analysis, keys, problem) in [
+        ("modes", "count = 0", "count"),
+        ("modes", "near = -1.0", "near"),
+        ("modes", "range = [2, 1]", "range = [2, 1] is out of range"),
+        ("modes", "near = 1.0\nrange = [1, 2]", "near"),
+        ("modes", "after = { modes = {} }", "modes"),
+        ("modes", "number = 3", "number"),
+        (
+            "buckling",
+            "after = { dynamic = { to = 1, step = 0.1 } }",
+            "unknown key or word `dynamic`",
+        ),
     ] {
-        let text = format!("{MASSES}\n[analysis.modes]\n{keys}\n");
-        let error = assemble_text("model.toml", &text).err().unwrap();
-        let said = error.report(false);
-        assert!(said.contains(problem), "{keys}: {said}");
+        let text = masses(&format!("[analysis.{analysis}]\n{keys}\n"));
+        assert_says(&refusal(&text).report(false), &[problem]);
     }
-    let after = "after = { dynamic = { to = 1, step = 0.1 } }";
-    let text = format!("{MASSES}\n[analysis.buckling]\n{after}\n");
-    let said = assemble_text("model.toml", &text)
-        .err()
-        .unwrap()
-        .report(false);
-    assert!(said.contains("unknown key or word `dynamic`"), "{said}");
 }
 
-/// A pinned column of elements of order one with EA = GA: 4 EI/h² tan²(πh/2L).
-fn column() -> String {
-    line(COLUMN, 8, 1, PINNED)
+/// A pinned column of elements of order one with EA = GA: 4 EI/h² tan²(πh/2L). More of the file.
+fn column(more: &str) -> String {
+    line(COLUMN, 8, 1, &[PINNED, more].concat())
 }
 
 #[test]
 fn critical_loads_of_a_column() {
     for after in ["", "after = { static = { to = 4.0 } }"] {
-        let text = format!("{}\n[analysis.buckling]\ncount = 2\n{after}\n", column());
-        let (out, ran) = run("buckling", &text);
-        succeeded(&ran);
-        let table = std::fs::read_to_string(out.join("buckling.csv")).unwrap();
-        let loads = table
-            .lines()
-            .skip(1)
-            .map(|row| row.split(',').nth(1).unwrap().parse());
-        let loads: Vec<f64> = loads.map(Result::unwrap).collect();
-        for (load, EI) in loads.iter().zip([1.0, 3.0]) {
-            let exact = 256.0 * EI * (std::f64::consts::PI / 16.0).tan().powi(2);
-            assert!((load / exact - 1.0).abs() < 1e-6, "{load} {exact}");
+        let text = column(&format!("[analysis.buckling]\ncount = 2\n{after}\n"));
+        let out = run_of("buckling", &text).out;
+        let rows = csv(out.join("buckling.csv"));
+        for (row, EI) in rows.iter().zip([1.0, 3.0]) {
+            let exact = 256.0 * EI * (PI / 16.0).tan().powi(2);
+            assert!((row[1] / exact - 1.0).abs() < 1e-6, "{row:?} {exact}");
         }
-        assert!(loads.len() == 2 && out.join("mode_02.svg").is_file());
+        assert!(rows.len() == 2 && out.join("mode_02.svg").is_file());
     }
 }
 
 #[test]
-fn an_unstable_equilibrium_has_no_critical_loads() {
-    let after = "after = { static = { to = 12.0 } }";
-    let (_, ran) = run(
-        "unstable",
-        &format!("{}\n[analysis.buckling]\n{after}\n", column()),
-    );
-    let said = String::from_utf8_lossy(&ran.stderr);
-    assert_eq!(ran.status.code(), Some(1));
-    assert!(said.contains("is not stable"), "{said}");
-}
-
-#[test]
 fn matrices_at_the_end_of_a_path_that_does_not_end() {
-    let out = directory("no end");
-    let path = "[analysis.arc_length]\nmax_steps = 1\n";
-    let ran = command("linearize", &[&write(&out, &(column() + path))]);
-    let said = ended(&ran, 1);
-    assert!(said.contains("within max_steps = 1"), "{said}");
+    let path = column("[analysis.arc_length]\nmax_steps = 1\n");
+    let ran = command("linearize", &[&write(&directory("no end"), &path)]);
+    assert_says(&ended(&ran, 1), &["within max_steps = 1"]);
 }
 
 #[test]
 fn matrices_of_two_masses() {
     let out = directory("matrices");
-    let model = write(&out, &format!("{MASSES}\n[analysis.modes]\n"));
+    let model = write(&out, &masses("[analysis.modes]\n"));
     succeeded(&command("linearize", &[&model]));
     for (name, known) in [
         ("K.mtx", [3.0, -1.0, -1.0, 1.0]),
@@ -214,18 +155,16 @@ fn matrices_of_two_masses() {
         let found = matrix(&out.join("model.linear").join(name));
         assert_eq!(found, DMatrix::from_row_slice(2, 2, &known));
     }
-    let names = std::fs::read_to_string(out.join("model.linear/coordinates.txt")).unwrap();
-    assert_eq!(
-        names,
-        "node a, displacement along e1\nnode b, displacement along e1\n"
-    );
+    let names = ["a", "b"].map(|node| format!("node {node}, displacement along e1\n"));
+    let found = read(out.join("model.linear/coordinates.txt"));
+    assert_eq!(found, names.concat());
 }
 
 #[test]
 fn matrices_of_a_motion_are_those_of_an_instant() {
-    let out = directory("moving matrices");
-    let motion = "[[initial]]\nnode = \"a\"\nvelocity = [1, 0, 0]\n[analysis.dynamic]\nto = 0.1\nstep = 0.01\n";
-    let ran = command("linearize", &[&write(&out, &format!("{MASSES}\n{motion}"))]);
-    let said = succeeded(&ran);
-    assert!(said.contains("warning: the state moves"), "{said}");
+    let started = "[[initial]]\nnode = \"a\"\nvelocity = [1, 0, 0]\n";
+    let model = masses(&[started, &motion(0.1, 0.01)].concat());
+    let model = write(&directory("moving matrices"), &model);
+    let said = succeeded(&command("linearize", &[&model]));
+    assert_says(&said, &["warning: the state moves"]);
 }

@@ -1,91 +1,42 @@
 //! A motion that was stopped goes on from its checkpoint to the very same bits.
 #![allow(clippy::unwrap_used)]
 
-use crate::support::program::{directory, files, read, results, write};
+use crate::support::closures::{CLOSURES, GRAVITY, beam_line, body_of, joint, motion, probe};
+use crate::support::program::{
+    assert_close, changed, directory, example, files, read, results, write,
+};
 use pullback::output::{Ending, ResumeError};
-use pullback::run::{RunError, resume, run};
+use pullback::run::{Outcome, RunError, resume, run};
+use pullback::solve::Advance;
 use serde_json::Value;
 use std::ops::ControlFlow;
 use std::path::Path;
+use std::sync::LazyLock;
 
 /// Two flexible links on a driven hub that makes more than a turn, with a ball joint between them
 /// and a hand on a spring: changes of chart, a kink, joints, damping.
-pub const MODEL: &str = r#"
-[sections.link]
-stiffness = { EA = 1e5, GA = [1e5, 1e5], GJ = 1e3, EI = [1e3, 1e3] }
-mass = { A_rho = 1, J = [2, 1, 1] }
-damping = { stiffness = 1e-4 }
-
-[nodes]
-hub = [0, 0, 0]
-middle = [1, 0, 0]
-tip = [2, 0, 0]
-
-[[lines]]
-name = "first"
-from = "hub"
-to = "middle"
-elements = 2
-section = "link"
-
-[[joints]]
-name = "ball"
-type = "spherical"
-parent = "middle"
-
-[[lines]]
-name = "second"
-from = "ball"
-to = "tip"
-elements = 2
-section = "link"
-
-[[joints]]
-name = "pin"
-type = "revolute"
-parent = "tip"
-axis = [0, 1, 0]
-spring = { k = 3.0, c = 0.1 }
-
-[[bodies]]
-name = "hand"
-node = "pin"
-mass = 0.5
-inertia = [0.1, 0.2, 0.3]
-center = [0.1, 0, 0]
-
-[[supports]]
-node = "hub"
-fix = ["x", "y", "z", "rx", "ry"]
-prescribed = { rz = { table = [[0, 0], [0.4, 8], [2, 20]] } }
-
-[[loads]]
-gravity = [0, 0, -9.81]
-
-[analysis.dynamic]
-to = 1.0
-step = 0.01
-checkpoint_every = 7
-record_every = 2
-
-[output]
-paraview_every = 5
-
-[[probes]]
-name = "turn"
-node = "tip"
-quantity = "rotation"
-
-[[probes]]
-name = "hold"
-node = "ball"
-quantity = "joint_force"
-
-[[probes]]
-name = "push"
-node = "hub"
-quantity = "reaction_force"
-"#;
+pub static MODEL: LazyLock<String> =
+    LazyLock::new(|| {
+        [
+        "[sections.link]\nstiffness = { EA = 1e5, GA = [1e5, 1e5], GJ = 1e3, EI = [1e3, 1e3] }\n\
+         mass = { A_rho = 1, J = [2, 1, 1] }\ndamping = { stiffness = 1e-4 }\n\
+         [nodes]\nhub = [0, 0, 0]\nmiddle = [1, 0, 0]\ntip = [2, 0, 0]\n",
+        &beam_line("first", ["hub", "middle"], 2, "link"),
+        &joint("ball", "spherical", "middle", ""),
+        &beam_line("second", ["ball", "tip"], 2, "link"),
+        &joint("pin", "revolute", "tip", "axis = [0, 1, 0]\nspring = { k = 3.0, c = 0.1 }"),
+        &body_of("pin", 0.5, "inertia = [0.1, 0.2, 0.3]\ncenter = [0.1, 0, 0]"),
+        "[[supports]]\nnode = \"hub\"\nfix = [\"x\", \"y\", \"z\", \"rx\", \"ry\"]\n\
+         prescribed = { rz = { table = [[0, 0], [0.4, 8], [2, 20]] } }\n",
+        GRAVITY,
+        "[analysis.dynamic]\nto = 1.0\nstep = 0.01\ncheckpoint_every = 7\nrecord_every = 2\n\
+         [output]\nparaview_every = 5\n",
+        &probe("turn", "rotation", "tip"),
+        &probe("hold", "joint_force", "ball"),
+        &probe("push", "reaction_force", "hub"),
+    ]
+    .concat()
+    });
 
 /// The results of a run, without the time that it took.
 fn timeless(out: &Path) -> Value {
@@ -97,24 +48,21 @@ fn timeless(out: &Path) -> Value {
 }
 
 fn assert_same(one: &Path, other: &Path) {
-    assert_eq!(files(one), files(other));
-    for name in files(one) {
-        if ["result.json", "checkpoint.json"].contains(&name.as_str()) {
-            continue;
-        }
-        assert!(
-            read(one.join(&name)) == read(other.join(&name)),
-            "{name} differs"
-        );
+    let names = files(one);
+    assert_eq!(names, files(other));
+    let all = names.iter();
+    for name in all.filter(|name| !["result.json", "checkpoint.json"].contains(&&name[..])) {
+        let [a, b] = [one, other].map(|out| read(out.join(name)));
+        assert!(a == b, "{name} differs");
     }
     assert_eq!(timeless(one), timeless(other));
 }
 
-pub fn go_on(_: &pullback::solve::Advance<'_>) -> ControlFlow<()> {
+pub fn go_on(_: &Advance<'_>) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
-pub fn until_step(stop: usize) -> impl FnMut(&pullback::solve::Advance<'_>) -> ControlFlow<()> {
+pub fn until_step(stop: usize) -> impl FnMut(&Advance<'_>) -> ControlFlow<()> {
     move |step| match step.number >= stop {
         true => ControlFlow::Break(()),
         false => ControlFlow::Continue(()),
@@ -124,28 +72,25 @@ pub fn until_step(stop: usize) -> impl FnMut(&pullback::solve::Advance<'_>) -> C
 #[test]
 fn a_resumed_run_gives_the_same_bits() {
     for scheme in ["ga:0.9", "ul-ga:0.9", "lie-ga:0.9", "spin-newmark"] {
-        let text = MODEL.replace("to = 1.0", &format!("to = 1.0\nscheme = \"{scheme}\""));
+        let text = changed(&MODEL, &format!("to = 1.0 => &\\nscheme = \"{scheme}\""));
         resumed(&scheme.replace(':', "_"), &text, [3, 14, 55], 6);
     }
 }
 
 #[test]
 fn a_resumed_loop_gives_the_same_bits() {
-    let loops = include_str!("../../../examples/models/four_bar.toml");
+    let four_bar = |changes: &str| changed(&example("four_bar"), changes);
     // The rocker's angle is independent at first, and not any more at the last interruption.
-    let text = loops
-        .replace("to = 4", "to = 2.4\ncheckpoint_every = 50")
-        .replace("rate = 4.5\n", "")
-        .replace(
-            "name = \"D\"\n",
-            "name = \"D\"\nrate = 4.0\nspring = { k = 0.5 }\n",
-        );
+    let text = four_bar(
+        "to = 4 => to = 2.4\\ncheckpoint_every = 50\nrate = 4.5\\n =>\n\
+         name = \"D\"\\n => &rate = 4.0\\nspring = { k = 0.5 }\\n",
+    );
     resumed("map", &text, [3, 120, 610], 1);
-    let child = "child = \"rocker tip\"";
-    let text = loops
-        .replace(child, &format!("{child}\nclosure = \"multipliers\""))
-        .replace("newmark = [0.25, 0.5]", "generalised-alpha = 0.8")
-        .replace("to = 4", "to = 0.2\ncheckpoint_every = 50");
+    let text = four_bar(&format!(
+        "child = \"rocker tip\" => &\\n{}\nnewmark = [0.25, 0.5] => generalised-alpha = 0.8\n\
+         to = 4 => to = 0.2\\ncheckpoint_every = 50",
+        CLOSURES[1]
+    ));
     resumed("multipliers", &text, [3, 55, 110], 0);
 }
 
@@ -207,33 +152,27 @@ fn a_resumed_beam_behind_a_joint_gives_the_same_bits() {
 
 #[test]
 fn a_resumed_projection_has_the_same_invariants() {
-    let text = include_str!("../../../examples/models/free_body.toml")
-        .replace("to = 8", "to = 1\ncheckpoint_every = 50")
-        .replace("{ newmark = [0.25, 0.5] }", "\"projected-newmark\"");
+    let text = changed(
+        &example("free_body"),
+        "to = 8 => to = 1\\ncheckpoint_every = 50\n{ newmark = [0.25, 0.5] } => \"projected-newmark\"",
+    );
     resumed("projected", &text, [3, 55, 110], 2);
 }
 
+/// Stopped three times, between rows, between checkpoints and in the middle of a turn.
 fn resumed(name: &str, text: &str, stops: [usize; 3], least_changes: u64) {
     let directory = directory(&format!("program_resume_{name}"));
     let model = write(&directory, text);
-    let whole = directory.join("whole");
+    let [whole, parts] = ["whole", "parts"].map(|name| directory.join(name));
     run(&model, Some(&whole), &mut go_on).unwrap();
     let statistics = &results(&whole)["statistics"];
-    assert!(
-        statistics["chart_changes"].as_u64().unwrap() >= least_changes,
-        "{statistics}"
-    );
-
-    // Stopped three times, between rows, between checkpoints and in the middle of a turn.
-    let parts = directory.join("parts");
-    let mut stops = stops.into_iter();
-    let mut stop = stops.next().unwrap();
-    let outcome = run(&model, Some(&parts), &mut until_step(stop)).unwrap();
+    let changes = statistics["chart_changes"].as_u64().unwrap();
+    assert!(changes >= least_changes, "{statistics}");
+    let outcome = run(&model, Some(&parts), &mut until_step(stops[0])).unwrap();
     assert!(matches!(outcome.ending, Ending::Interrupted { .. }));
     assert_eq!(results(&parts)["complete"], false);
-    for next in stops {
-        stop = next;
-        resume(&model, Some(&parts), &mut until_step(stop)).unwrap();
+    for stop in &stops[1..] {
+        resume(&model, Some(&parts), &mut until_step(*stop)).unwrap();
     }
     let outcome = resume(&model, Some(&parts), &mut go_on).unwrap();
     assert_eq!(outcome.ending, Ending::Complete);
@@ -243,7 +182,7 @@ fn resumed(name: &str, text: &str, stops: [usize; 3], least_changes: u64) {
 #[test]
 fn a_killed_run_goes_on_from_its_last_checkpoint() {
     let directory = directory("program_killed");
-    let model = write(&directory, MODEL);
+    let model = write(&directory, &MODEL);
     let whole = directory.join("whole");
     run(&model, Some(&whole), &mut go_on).unwrap();
     // A copy of the directory as it was after step 40 is what a killed program leaves behind: its
@@ -273,43 +212,38 @@ fn a_killed_run_goes_on_from_its_last_checkpoint() {
     assert_same(&whole, &killed);
 }
 
+/// There is nothing left to do.
+#[track_caller]
+fn assert_passed(again: Result<Outcome, RunError>) {
+    let passed = matches!(again, Err(RunError::Resume(ResumeError::Passed { .. })));
+    assert!(passed, "{again:?}");
+}
+
 #[test]
 fn a_finished_run_can_be_made_longer() {
     let directory = directory("program_longer");
-    let short = MODEL.replace("to = 1.0", "to = 0.5");
-    let model = write(&directory, &short);
+    let model = write(&directory, &changed(&MODEL, "to = 1.0 => to = 0.5"));
     run(&model, None, &mut go_on).unwrap();
-    write(&directory, MODEL);
+    write(&directory, &MODEL);
     let outcome = resume(&model, None, &mut go_on).unwrap();
     assert_eq!(outcome.t, 1.0);
-    let error = resume(&model, None, &mut go_on).unwrap_err();
-    assert!(matches!(
-        error,
-        RunError::Resume(ResumeError::Passed { .. })
-    ));
+    assert_passed(resume(&model, None, &mut go_on));
 }
 
 #[test]
 fn a_run_that_was_killed_before_its_results_were_written_gets_them() {
     let out = directory("resume-results");
     // The last of 51 rows has a ParaView file only because it is the last.
-    let model = write(
-        &out,
-        &MODEL.replace("paraview_every = 5", "paraview_every = 7"),
-    );
+    let rare = changed(&MODEL, "paraview_every = 5 => paraview_every = 7");
+    let model = write(&out, &rare);
     let [whole, killed] = ["whole", "killed"].map(|name| out.join(name));
     for directory in [&whole, &killed] {
         assert!(run(&model, Some(directory), &mut go_on).is_ok());
     }
-    let again = resume(&model, Some(&killed), &mut go_on);
-    assert!(matches!(
-        again,
-        Err(RunError::Resume(ResumeError::Passed { .. }))
-    ));
+    assert_passed(resume(&model, Some(&killed), &mut go_on));
     std::fs::remove_file(killed.join("history.csv")).unwrap();
     let text = read(killed.join("result.json"));
-    let running = text.replace("\"complete\": true", "\"complete\": false");
-    assert_ne!(running, text);
+    let running = changed(&text, "\"complete\": true => \"complete\": false");
     std::fs::write(killed.join("result.json"), running).unwrap();
     let again = resume(&model, Some(&killed), &mut go_on).unwrap();
     assert_eq!(again.ending, Ending::Complete);
@@ -320,31 +254,36 @@ fn a_run_that_was_killed_before_its_results_were_written_gets_them() {
 fn a_run_that_ended_at_a_jump_goes_on_behind_it() {
     let directory = directory("program_at_a_jump");
     let text = |to: f64, step: f64| {
-        format!(
-            "[nodes]\na = [0, 0, 0]\n\n[[bodies]]\nname = \"b\"\nnode = \"a\"\nmass = 1\n\n[[loads]]\n\
-             node = \"a\"\nforce = [1, 0, 0]\ntime = {{ pulse = {{ end = 0.3 }} }}\n\n[[loads]]\nnode = \
-             \"a\"\nforce = [1, 0, 0]\ntime = {{ pulse = {{ start = 0.30000000000000004, end = 1 }} }}\n\n\
-             [analysis.dynamic]\nto = {to}\nstep = {step}\nscheme = {{ newmark = [0.25, 0.5] }}\n"
-        )
+        let pulse = |time: &str| {
+            format!(
+                "[[loads]]\nnode = \"a\"\nforce = [1, 0, 0]\ntime = {{ pulse = {{ {time} }} }}\n"
+            )
+        };
+        [
+            "[nodes]\na = [0, 0, 0]\n",
+            &body_of("a", 1.0, ""),
+            &pulse("end = 0.3"),
+            &pulse("start = 0.30000000000000004, end = 1"),
+            &motion(to, step),
+            "scheme = { newmark = [0.25, 0.5] }\n",
+        ]
+        .concat()
     };
     for step in [0.1, 0.5] {
         let model = write(&directory, &text(1.0, step));
         let outcome = run(&model, None, &mut go_on).unwrap();
         // The work of a constant force over one unit of length; nothing else.
         let energy = outcome.counts.energy.unwrap();
-        assert!(
-            (energy.work - 0.5).abs() < 1e-12 && energy.largest_defect < 1e-12,
-            "{energy:?}"
-        );
-        let speed = |out: &Path| {
-            results(out)["last"]["nodes"]["a"]["velocity"][0]
-                .as_f64()
-                .unwrap()
+        assert_close(energy.work, 0.5, 1e-12, step);
+        assert!(energy.largest_defect < 1e-12, "{energy:?}");
+        let assert_speed = |out: &Path| {
+            let speed = &results(out)["last"]["nodes"]["a"]["velocity"][0];
+            assert_close(speed.as_f64().unwrap(), 1.0, 1e-12, step);
         };
-        assert!((speed(&outcome.directory) - 1.0).abs() < 1e-12);
+        assert_speed(&outcome.directory);
         write(&directory, &text(2.0, step));
         let outcome = resume(&model, None, &mut go_on).unwrap();
-        assert!((speed(&outcome.directory) - 1.0).abs() < 1e-12);
+        assert_speed(&outcome.directory);
         assert_eq!(outcome.t, 2.0);
     }
 }

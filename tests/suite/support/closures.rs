@@ -1,7 +1,7 @@
 //! Joints and loops in words, for tests of closures by the program.
 #![allow(dead_code, clippy::unwrap_used)]
 
-use crate::support::program::{directory, history, program, write};
+use crate::support::program::{directory, history, program, succeeded, write};
 use pullback::input::{Job, assemble_text};
 use pullback::manifold::system::Point;
 use std::collections::HashMap;
@@ -9,6 +9,7 @@ use std::f64::consts::{PI, TAU};
 
 pub const GROUND: &str =
     "[nodes]\nground = [0, 0, 0]\n[[supports]]\nnode = \"ground\"\nfix = \"all\"\n";
+pub const GRAVITY: &str = "[[loads]]\ngravity = [0, 0, -9.81]\n";
 pub const RUN: &str =
     "[analysis.dynamic]\nto = 0.5\nstep = 0.005\nscheme = { generalised-alpha = 0.8 }\n";
 pub const STATIC: &str = "[analysis.static]\nsteps = 4\n";
@@ -23,12 +24,8 @@ pub fn joint(name: &str, kind: &str, parent: &str, more: &str) -> String {
 }
 
 pub fn hinge(name: &str, parent: &str, more: &str) -> String {
-    joint(
-        name,
-        "revolute",
-        parent,
-        &format!("axis = [0, 0, 1]\n{more}"),
-    )
+    let axis = format!("axis = [0, 0, 1]\n{more}");
+    joint(name, "revolute", parent, &axis)
 }
 
 pub fn arm(name: &str, parent: &str, position: [f64; 3]) -> String {
@@ -90,6 +87,7 @@ pub fn four_bar(words: [&str; 3], closure: &str) -> String {
 /// The same linkage of another size.
 pub fn four_bar_of(size: f64, [a, b, d]: [&str; 3], closure: &str) -> String {
     let at = |x: f64, y: f64| [x * size, y * size, 0.0];
+    let closed = format!("child = \"rocker tip\"\n{closure}");
     [
         hinge("A", "ground", a),
         arm("crank tip", "A", at(0.0, 1.0)),
@@ -98,11 +96,7 @@ pub fn four_bar_of(size: f64, [a, b, d]: [&str; 3], closure: &str) -> String {
         arm("foot", "ground", at(1.6, 0.0)),
         hinge("D", "foot", d),
         arm("rocker tip", "D", at(1.2, 1.9)),
-        hinge(
-            "C",
-            "coupler tip",
-            &format!("child = \"rocker tip\"\n{closure}"),
-        ),
+        hinge("C", "coupler tip", &closed),
         body("A"),
         body("B"),
         body("D"),
@@ -133,9 +127,16 @@ pub fn apart(a: f64, b: f64) -> f64 {
 
 /// The probe of a joint's coordinate, of its name.
 pub fn angle(joint: &str) -> String {
-    format!(
-        "[[probes]]\nname = \"{joint}\"\nquantity = \"joint_coordinate\"\njoint = \"{joint}\"\n"
-    )
+    let quantity = "quantity = \"joint_coordinate\"";
+    format!("[[probes]]\nname = \"{joint}\"\n{quantity}\njoint = \"{joint}\"\n")
+}
+
+/// What is written of a run where nobody looks at pictures.
+pub const PLAIN: &str = "[output]\nfigures = false\nparaview_every = 0\n";
+
+/// A motion in steps.
+pub fn motion(to: f64, step: f64) -> String {
+    format!("[analysis.dynamic]\nto = {to}\nstep = {step}\n")
 }
 
 /// A second of motion in 1000 steps, of which every tenth is a row.
@@ -149,7 +150,7 @@ pub fn on_joint(joint: &str, body: &str, rest: &str) -> String {
         GROUND,
         &format!("[[joints]]\nname = \"joint\"\nparent = \"ground\"\n{joint}\n"),
         &body_of("joint", 2.0, body),
-        "[[loads]]\ngravity = [0, 0, -9.81]\n",
+        GRAVITY,
         SECOND,
         &probe("position", "position", "joint"),
         rest,
@@ -162,8 +163,7 @@ pub type Rows = Vec<HashMap<String, String>>;
 pub fn rows(name: &str, text: &str) -> (String, Rows) {
     let out = directory(name);
     let ran = program(&[&write(&out, text)]);
-    let error = String::from_utf8_lossy(&ran.stderr);
-    assert!(ran.status.success(), "{name}: {error}");
+    succeeded(&ran);
     let said = String::from_utf8(ran.stdout).unwrap();
     (said, history(&out.join("model.out")))
 }
@@ -187,11 +187,6 @@ pub fn started(text: &str) -> Job {
 pub fn start(text: &str) -> (HashMap<String, [f64; 2]>, Vec<String>) {
     let job = started(text);
     let coordinate = |(n, s, _): (_, &str, _)| Some((s.to_owned(), job.context.coordinate(n, 0)?));
-    (
-        job.context
-            .joint_coordinates()
-            .filter_map(coordinate)
-            .collect(),
-        job.context.descriptions(),
-    )
+    let coordinates = job.context.joint_coordinates().filter_map(coordinate);
+    (coordinates.collect(), job.context.descriptions())
 }

@@ -57,17 +57,37 @@ pub fn check(case: &str, text: &str) {
     let drawing = DRAWINGS.iter().find(|d| d.0 == case);
     let &(_, labels, [lines, dots], known) = drawing.unwrap();
     let document = Document::parse(text).unwrap();
-    let words: Vec<&str> = document
-        .descendants()
-        .filter_map(|n| n.text())
-        .map(str::trim)
-        .collect();
-    for label in labels.split(" | ") {
-        assert!(words.contains(&label), "{label:?} is not among {words:?}");
-    }
+    assert_labelled(&document, labels);
     let drawn = curves(&document);
     assert_eq!([drawn.len(), dotted(&document)], [lines, dots], "{case}");
     known(&drawn);
+}
+
+/// Each of these labels, with bars between them, is a text of a drawing.
+#[track_caller]
+pub fn assert_labelled(document: &Document<'_>, labels: &str) {
+    let texts = tagged(document, "text").filter_map(|n| n.text());
+    let texts: Vec<&str> = texts.map(str::trim).collect();
+    for label in labels.split(" | ") {
+        assert!(texts.contains(&label), "{label:?} is not among {texts:?}");
+    }
+}
+
+/// The elements of a name.
+pub fn tagged<'a, 'i>(
+    document: &'a Document<'i>,
+    name: &'a str,
+) -> impl Iterator<Item = Node<'a, 'i>> {
+    let all = document.descendants();
+    all.filter(move |n| n.has_tag_name(name))
+}
+
+/// Points of each curve that is a line, one coordinate after the other; frames, ticks and legends have five
+/// points at most.
+pub fn polylines(document: &Document<'_>) -> impl Iterator<Item = Vec<f64>> {
+    let lines = tagged(document, "polyline");
+    let lines = lines.map(|n| numbers(n.attribute("points").unwrap()));
+    lines.filter(|points| points.len() > 2 * 5)
 }
 
 /// Numbers of an attribute.
@@ -76,21 +96,35 @@ fn numbers(text: &str) -> Vec<f64> {
     words.map(|w| w.parse().unwrap()).collect()
 }
 
+/// Labels of ticks, and their positions along an axis.
+pub fn ticks(
+    document: &Document<'_>,
+    coordinate: &str,
+    is_tick: impl Fn(&Node<'_, '_>) -> bool,
+) -> impl Iterator<Item = (String, f64)> {
+    let labels = tagged(document, "text").filter(move |n| is_tick(n));
+    labels.filter_map(move |n| {
+        let label = n.text()?.trim();
+        let position = numbers(n.attribute(coordinate)?)[0];
+        (!label.is_empty()).then(|| (label.to_owned(), position))
+    })
+}
+
+/// Whether a text is the label of a tick of the horizontal axis, or of the vertical one.
+pub const TICKS: [fn(&Node<'_, '_>) -> bool; 2] = [
+    |n| n.attribute("dy") == Some("0.76em") && n.attribute("transform").is_none(),
+    |n| n.attribute("text-anchor") == Some("end"),
+];
+
 /// Turns positions along a drawing's axis into values, by the labels at two ticks.
 fn axis(
     document: &Document<'_>,
     coordinate: &str,
     is_tick: impl Fn(&Node<'_, '_>) -> bool,
 ) -> impl Fn(f64) -> f64 {
-    let labels = document
-        .descendants()
-        .filter(|n| n.has_tag_name("text") && is_tick(n));
-    let mut ticks: Vec<[f64; 2]> = labels
-        .filter_map(|n| {
-            let value = n.text()?.trim().replace('−', "-").parse().ok()?;
-            Some([numbers(n.attribute(coordinate)?)[0], value])
-        })
-        .collect();
+    let ticks = ticks(document, coordinate, is_tick);
+    let ticks = ticks.filter_map(|(label, p)| Some([p, label.replace('−', "-").parse().ok()?]));
+    let mut ticks: Vec<[f64; 2]> = ticks.collect();
     ticks.sort_by(|a, b| a[1].total_cmp(&b[1]));
     let [[p, a], .., [q, b]] = ticks[..] else {
         panic!("{} labels along {coordinate}", ticks.len());
@@ -107,12 +141,9 @@ pub fn extremes(text: &str, panel: usize) -> Vec<[f64; 2]> {
     let inside = |x: f64, y: f64| (x / 4160.0) as usize == panel && y < 3104.0;
     let up = axis(&document, "y", |n| {
         let at = |name| numbers(n.attribute(name).unwrap())[0];
-        n.attribute("text-anchor") == Some("end") && inside(at("x"), at("y"))
+        TICKS[1](n) && inside(at("x"), at("y"))
     });
-    let lines = document
-        .descendants()
-        .filter(|n| n.has_tag_name("polyline"));
-    let lines = lines.map(|n| numbers(n.attribute("points").unwrap()));
+    let lines = polylines(&document);
     let curves = lines.filter(|points| points.len() > 2 * 50 && inside(points[0], points[1]));
     let heights = curves.map(|points| points.chunks(2).map(|p| up(p[1])).collect::<Vec<_>>());
     heights
@@ -120,17 +151,10 @@ pub fn extremes(text: &str, panel: usize) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// The curves that are lines; the frame has five points, ticks and the legend two.
+/// The curves that are lines.
 fn curves(document: &Document<'_>) -> Vec<Curve> {
-    let across = axis(document, "x", |n| {
-        n.attribute("dy") == Some("0.76em") && n.attribute("transform").is_none()
-    });
-    let up = axis(document, "y", |n| n.attribute("text-anchor") == Some("end"));
-    let lines = document
-        .descendants()
-        .filter(|n| n.has_tag_name("polyline"));
-    lines
-        .map(|n| numbers(n.attribute("points").unwrap()))
+    let [across, up] = [0, 1].map(|k| axis(document, ["x", "y"][k], TICKS[k]));
+    polylines(document)
         .filter(|points| points.len() > 2 * 50)
         .map(|points| points.chunks(2).map(|p| (across(p[0]), up(p[1]))).collect())
         .collect()
@@ -139,7 +163,7 @@ fn curves(document: &Document<'_>) -> Vec<Curve> {
 /// How many curves are dots: each has its colour, and one dot in the legend.
 fn dotted(document: &Document<'_>) -> usize {
     let mut dots = BTreeMap::new();
-    for dot in document.descendants().filter(|n| n.has_tag_name("circle")) {
+    for dot in tagged(document, "circle") {
         *dots.entry(dot.attribute("fill").unwrap()).or_insert(0) += 1;
     }
     dots.values().filter(|count| **count > 20).count()
@@ -153,11 +177,9 @@ fn highest(curve: &Curve) -> (f64, f64) {
 
 #[track_caller]
 fn near(found: (f64, f64), known: (f64, f64), [across, up]: [f64; 2]) {
-    let off = (found.0 - known.0, found.1 - known.1);
-    assert!(
-        off.0.abs() < across && off.1.abs() < up,
-        "{found:?} for {known:?}"
-    );
+    let off = ((found.0 - known.0).abs(), (found.1 - known.1).abs());
+    let close = off.0 < across && off.1 < up;
+    assert!(close, "{found:?} for {known:?}");
 }
 
 fn helix(lines: &[Curve]) {
@@ -177,11 +199,8 @@ fn top(lines: &[Curve]) {
     for curve in &lines[..2] {
         near(curve[0], (0.0, 0.3), [2e-3, 1e-4]);
         let first: Curve = (curve.iter().copied()).filter(|p| p.0 < period).collect();
-        near(
-            highest(&first),
-            (0.5 * period, 0.326733714644854),
-            [0.02, 1e-4],
-        );
+        let top = (0.5 * period, 0.326733714644854);
+        near(highest(&first), top, [0.02, 1e-4]);
         let back = curve.iter().find(|p| p.0 >= period).unwrap();
         near(*back, (period, 0.3), [5e-3, 2e-4]);
     }

@@ -11,53 +11,43 @@ use std::collections::HashMap;
 use std::fmt::Display;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Child, Command, Output, Stdio};
 
 /// A cantilever bent by an end moment M = (π/2) EI/L: a quarter of a circle.
 pub const MODEL: &str = r#"title = "Quarter circle"
-
 [sections.main]
 stiffness = { EA = 1e6, GA = [1e6, 1e6], GJ = 2.0, EI = [2.0, 2.0] }
-
 [nodes]
 A = [0, 0, 0]
 B = [1, 0, 0]
-
 [[lines]]
 name = "beam"
 from = "A"
 to = "B"
 elements = 8
 section = "main"
-
 [[supports]]
 node = "A"
 fix = "all"
-
 [[loads]]
 node = "B"
 moment = [0, 0, 3.141592653589793]
-
 [analysis.static]
 steps = 4
-
 [[probes]]
 name = "tip"
 node = "B"
 quantity = "displacement"
-
 [[probes]]
 name = "turn"
 node = "B"
 quantity = "rotation"
 component = "z"
-
 [[probes]]
 name = "clamp"
 node = "A"
 quantity = "reaction_moment"
 component = "z"
-
 [[probes]]
 name = "bending"
 element = "beam:4"
@@ -107,7 +97,7 @@ pub fn check(text: &str, position: &str, message: &str, advice: &str) {
 #[track_caller]
 pub fn assert_says(said: &str, words: &[&str]) {
     for word in words {
-        assert!(said.contains(word), "{said:?} lacks {word:?}");
+        assert!(said.contains(word), "{word:?} is not in\n{said}");
     }
 }
 
@@ -160,11 +150,8 @@ pub fn check_table(model: &str, refusal: impl Fn(&str) -> InputError, table: &st
 #[track_caller]
 pub fn check_lines(directory: &Path, command: &str, table: &str) {
     for [arguments, words, more] in cells(table) {
-        let said = ended(
-            &program_in(directory, format!("{command} {arguments}").trim()),
-            2,
-        );
         println!("{arguments}");
+        let said = ended(&program_in(directory, &format!("{command} {arguments}")), 2);
         assert_says(&said, &[words, more]);
     }
 }
@@ -213,8 +200,24 @@ pub fn compare(model: &Path, words: &str) -> Output {
 /// The program in a directory, with the words of a line.
 pub fn program_in(directory: &Path, line: &str) -> Output {
     let mut program = Command::new(env!("CARGO_BIN_EXE_pullback"));
-    let program = program.current_dir(directory).args(line.split(' '));
+    let program = program.current_dir(directory).args(line.split_whitespace());
     program.output().unwrap()
+}
+
+/// The program under way with a model; what it says can be read.
+pub fn spawned(model: &Path) -> Child {
+    let mut program = Command::new(env!("CARGO_BIN_EXE_pullback"));
+    let program = program.arg("run").arg(model);
+    let program = program.stdout(Stdio::piped()).stderr(Stdio::piped());
+    program.spawn().unwrap()
+}
+
+/// What the program prints in a directory with the words of a line.
+#[track_caller]
+pub fn printed(directory: &Path, line: &str) -> String {
+    let output = program_in(directory, line);
+    succeeded(&output);
+    String::from_utf8(output.stdout).unwrap()
 }
 
 /// What a run that succeeds tells on standard error.
@@ -236,6 +239,41 @@ pub fn ended(output: &Output, code: i32) -> String {
 pub fn ran(directory: &Path, text: &str) -> PathBuf {
     succeeded(&program(&[&write(directory, text)]));
     directory.join("model.out")
+}
+
+/// What a run leaves.
+pub struct Ran {
+    /// Where its results are.
+    pub out: PathBuf,
+    /// What it says on standard error.
+    pub said: String,
+    pub rows: Vec<HashMap<String, String>>,
+    /// What result.json says.
+    pub result: Value,
+}
+
+/// The run of a text in a new directory of a name. What result.json warns of it says as well.
+#[track_caller]
+pub fn run_of(name: &str, text: &str) -> Ran {
+    let directory = directory(name);
+    let said = succeeded(&program(&[&write(&directory, text)]));
+    let out = directory.join("model.out");
+    let (rows, result) = (history(&out), results(&out));
+    for warning in result["warnings"].as_array().unwrap() {
+        assert_says(&said, &[warning.as_str().unwrap()]);
+    }
+    Ran {
+        out,
+        said,
+        rows,
+        result,
+    }
+}
+
+/// What the run of a text in a new directory of a name says that fails.
+#[track_caller]
+pub fn failed(name: &str, text: &str) -> String {
+    ended(&program(&[&write(&directory(name), text)]), 1)
 }
 
 /// Notes and warnings of a run in a new directory of a name.
@@ -264,26 +302,42 @@ pub fn read(path: impl AsRef<Path>) -> String {
     std::fs::read_to_string(path).unwrap()
 }
 
+/// The text of a model of the examples.
+pub fn example(name: &str) -> String {
+    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models");
+    read(models.join(name).with_extension("toml"))
+}
+
+/// What a file in JSON says.
+pub fn json(path: impl AsRef<Path>) -> Value {
+    serde_json::from_str(&read(path)).unwrap()
+}
+
 /// What result.json says.
 pub fn results(out: &Path) -> Value {
-    serde_json::from_str(&read(out.join("result.json"))).unwrap()
+    json(out.join("result.json"))
+}
+
+/// The numbers of a table after its head.
+pub fn csv(path: impl AsRef<Path>) -> Vec<Vec<f64>> {
+    let text = read(path);
+    let rows = text.lines().skip(1);
+    rows.map(|row| row.split(',').map(|x| x.parse().unwrap()).collect())
+        .collect()
 }
 
 /// Rows of history.csv by column name.
 pub fn history(out: &Path) -> Vec<HashMap<String, String>> {
     let text = read(out.join("history.csv"));
     let mut lines = text.lines();
-    let head: Vec<&str> = lines.next().unwrap().split(',').collect();
-    lines
-        .map(|line| {
-            let cells: Vec<&str> = line.split(',').collect();
-            assert_eq!(cells.len(), head.len(), "{line}");
-            head.iter()
-                .zip(cells)
-                .map(|(h, c)| (h.to_string(), c.to_owned()))
-                .collect()
-        })
-        .collect()
+    let cells = |line: &str| -> Vec<String> { line.split(',').map(str::to_owned).collect() };
+    let head = cells(lines.next().unwrap());
+    let row = |line: &str| {
+        let cells = cells(line);
+        assert_eq!(cells.len(), head.len(), "{line}");
+        head.iter().cloned().zip(cells).collect()
+    };
+    lines.map(row).collect()
 }
 
 /// A cell as a number.
@@ -320,20 +374,15 @@ pub fn grid_array(document: &roxmltree::Document<'_>, name: &str) -> Vec<f64> {
     let (number, data) = bytes.split_first_chunk::<8>().unwrap();
     assert_eq!(u64::from_le_bytes(*number), data.len() as u64);
     match found.attribute("type").unwrap() {
-        "Float64" => (data.as_chunks().0.iter().map(|x| f64::from_le_bytes(*x))).collect(),
-        "Int64" => (data
-            .as_chunks()
-            .0
-            .iter()
-            .map(|x| i64::from_le_bytes(*x) as f64))
-        .collect(),
-        "Int32" => (data
-            .as_chunks()
-            .0
-            .iter()
-            .map(|x| i32::from_le_bytes(*x).into()))
-        .collect(),
-        "UInt8" => data.iter().map(|x| (*x).into()).collect(),
+        "Float64" => numbers(data, f64::from_le_bytes),
+        "Int64" => numbers(data, |x| i64::from_le_bytes(x) as f64),
+        "Int32" => numbers(data, |x| i32::from_le_bytes(x).into()),
+        "UInt8" => numbers(data, |[x]| x.into()),
         other => panic!("numbers of type {other}"),
     }
+}
+
+/// The numbers of N bytes each.
+fn numbers<const N: usize>(data: &[u8], number: impl Fn([u8; N]) -> f64) -> Vec<f64> {
+    data.as_chunks().0.iter().map(|x| number(*x)).collect()
 }
