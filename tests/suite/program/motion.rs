@@ -2,31 +2,31 @@
 
 #![allow(clippy::unwrap_used)]
 
-use crate::support::program::{directory, history, number, program_in, read, succeeded};
+use crate::support::closures::{GROUND, body_of, hinge, probe};
+use crate::support::program::{assert_close, assert_says, example, number, recorded};
 use pullback::input::assemble_text;
 use pullback::motion::{Motion, MotionError};
 
 fn pendulum() -> Motion {
-    let text = read("examples/models/pendulum.toml");
-    Motion::new(assemble_text("pendulum.toml", &text).unwrap()).unwrap()
+    started(&example("pendulum")).unwrap()
+}
+
+fn started(text: &str) -> Result<Motion, MotionError> {
+    Motion::new(assemble_text("model.toml", text).unwrap())
 }
 
 /// The probes of each step are those of a run of the program.
 #[test]
 fn steps_are_those_of_a_run() {
-    let directory = directory("motion");
-    let file = directory.join("pendulum.toml");
-    std::fs::copy("examples/models/pendulum.toml", file).unwrap();
-    succeeded(&program_in(&directory, "run pendulum.toml"));
     let mut motion = pendulum();
-    for row in history(&directory.join("pendulum.out")) {
+    for row in recorded("motion", &example("pendulum")) {
         assert_eq!(motion.state().t, number(&row, "t"));
         for (probe, columns) in [
-            ("angle", vec!["angle"]),
-            ("tension", vec!["tension"]),
-            ("support", vec!["support"]),
-            ("energy", vec!["energy"]),
-            ("bob", vec!["bob.x", "bob.y", "bob.z"]),
+            ("angle", &["angle"][..]),
+            ("tension", &["tension"]),
+            ("support", &["support"]),
+            ("energy", &["energy"]),
+            ("bob", &["bob.x", "bob.y", "bob.z"]),
         ] {
             let values = columns.iter().map(|column| number(&row, column));
             let found = motion.probe(probe).unwrap();
@@ -59,50 +59,27 @@ fn step_sizes_change_and_copies_repeat() {
         }
         assert!((motion.state().t - 0.3).abs() < 1e-12);
     }
-    assert!(matches!(
-        motion.set_step(f64::NAN),
-        Err(MotionError::Dynamics(_))
-    ));
-    assert!(matches!(
-        motion.set_step(0.0),
-        Err(MotionError::Dynamics(_))
-    ));
+    for none in [f64::NAN, 0.0] {
+        let refused = motion.set_step(none);
+        assert!(matches!(refused, Err(MotionError::Dynamics(_))), "{none}");
+    }
     assert!(motion.step().unwrap());
 }
 
 /// A rotation about a fixed axis counts its turns, whether or not its probe is read at each step.
 #[test]
 fn turns_are_counted_between_readings() {
-    let text = r#"
-        [nodes]
-        ground = [0, 0, 0]
-        [[supports]]
-        node = "ground"
-        fix = "all"
-        [[joints]]
-        name = "wheel"
-        type = "revolute"
-        parent = "ground"
-        axis = [0, 0, 1]
-        rate = 10.0
-        [[bodies]]
-        name = "disc"
-        node = "wheel"
-        mass = 1.0
-        inertia = [1.0, 1.0, 2.0]
-        [[probes]]
-        name = "turn"
-        quantity = "rotation"
-        node = "wheel"
-        component = "z"
-        [analysis.dynamic]
-        to = 3.0
-        step = 0.01
-    "#;
-    let mut motion = Motion::new(assemble_text("wheel.toml", text).unwrap()).unwrap();
+    let text = [
+        GROUND,
+        &hinge("wheel", "ground", "rate = 10.0"),
+        &body_of("wheel", 1.0, "inertia = [1.0, 1.0, 2.0]"),
+        &probe("turn", "rotation", "wheel"),
+        "component = \"z\"\n[analysis.dynamic]\nto = 3.0\nstep = 0.01\n",
+    ];
+    let mut motion = started(&text.concat()).unwrap();
     while motion.step().unwrap() {}
     let turn = motion.probe("turn").unwrap()[0];
-    assert!((turn - 30.0).abs() < 1e-9, "{turn}");
+    assert_close(turn, 30.0, 1e-9, "turn");
 }
 
 #[test]
@@ -111,11 +88,7 @@ fn unknown_names_and_static_models_are_refused() {
     let said = motion.probe("angel").unwrap_err().to_string();
     assert!(said.starts_with("there is no probe named \"angel\"; there are: angle, bob"));
     let said = motion.set_input("torque", 1.0).unwrap_err().to_string();
-    assert!(
-        said.starts_with("there is no input named \"torque\""),
-        "{said}"
-    );
-    let text = read("examples/models/cantilever.toml");
-    let refused = Motion::new(assemble_text("cantilever.toml", &text).unwrap());
+    assert_says(&said, &["there is no input named \"torque\""]);
+    let refused = started(&example("cantilever"));
     assert!(matches!(refused, Err(MotionError::Static)));
 }

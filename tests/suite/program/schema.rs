@@ -1,31 +1,24 @@
 //! The committed JSON Schema is the one that the types give.
 #![allow(clippy::unwrap_used)]
 
+use crate::support::program::{printed, read};
 use serde_json::Value;
-use std::process::Command;
+use std::path::Path;
 
-fn printed() -> String {
-    let output = Command::new(env!("CARGO_BIN_EXE_pullback"))
-        .arg("schema")
-        .output()
-        .unwrap();
-    assert!(output.status.success());
-    String::from_utf8(output.stdout).unwrap()
-}
+const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
 #[test]
 fn the_committed_schema_is_current() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/model.schema.json");
-    let committed = std::fs::read_to_string(path).unwrap_or_default();
+    let committed = read(Path::new(ROOT).join("docs/model.schema.json"));
     assert!(
-        committed == printed(),
+        committed == printed(Path::new(ROOT), "schema"),
         "write it anew: cargo run -- schema > docs/model.schema.json"
     );
 }
 
 #[test]
 fn every_key_is_documented_and_none_is_open() {
-    let schema: Value = serde_json::from_str(&printed()).unwrap();
+    let schema: Value = serde_json::from_str(&printed(Path::new(ROOT), "schema")).unwrap();
     let mut objects = 0;
     visit(&schema, "", &mut objects);
     assert!(objects > 15, "{objects} objects");
@@ -43,17 +36,10 @@ fn visit(schema: &Value, path: &str, objects: &mut usize) {
             assert!(documented, "{path}/{key} has no description");
         }
     }
-    match schema {
-        Value::Object(map) => {
-            for (key, value) in map {
-                visit(value, &format!("{path}/{key}"), objects);
-            }
-        }
-        Value::Array(list) => {
-            for (k, value) in list.iter().enumerate() {
-                visit(value, &format!("{path}/{k}"), objects);
-            }
-        }
-        _ => {}
+    for (key, value) in schema.as_object().into_iter().flatten() {
+        visit(value, &format!("{path}/{key}"), objects);
+    }
+    for (k, value) in schema.as_array().into_iter().flatten().enumerate() {
+        visit(value, &format!("{path}/{k}"), objects);
     }
 }
