@@ -2,103 +2,44 @@
 //! with its position and with what would be right.
 #![allow(clippy::unwrap_used)]
 
-use crate::support::program::{check, check_table, directory, ended, program, ran, refusal, write};
+use crate::support::closures::{angle, beam_line, body_of, fixed, joint, motion};
+use crate::support::program::{
+    assert_says, changed, check, check_table, directory, ended, program, ran, read, refusal, write,
+};
+use std::sync::LazyLock;
 
 /// Everything a moving model can have.
-const MODEL: &str = r#"[sections.rod]
-stiffness = { EA = 1e4, GA = [1e4, 1e4], GJ = 10.0, EI = [10.0, 10.0] }
-mass = { A_rho = 1, J = [2e-3, 1e-3, 1e-3] }
-
-[nodes]
-A = [0, 0, 0]
-B = [1, 0, 0]
-C = [0, 1, 0]
-
-[[joints]]
-name = "hinge"
-type = "revolute"
-parent = "A"
-axis = [0, 1, 0]
-
-[[lines]]
-name = "rod"
-from = "hinge"
-to = "B"
-elements = 4
-section = "rod"
-
-[[joints]]
-name = "ring"
-type = "slide"
-lines = ["rod"]
-start = 0.25
-
-[[joints]]
-name = "ball"
-type = "spherical"
-parent = "B"
-
-[[joints]]
-name = "hand"
-type = "offset"
-parent = "ball"
-position = [1.5, 0, 0]
-
-[[bodies]]
-name = "bob"
-node = "hand"
-mass = 2.0
-inertia = [1, 1, 1]
-
-[[bodies]]
-name = "bead"
-node = "ring"
-mass = 0.1
-
-[[bodies]]
-name = "buoy"
-node = "C"
-mass = 1.0
-
-[[springs]]
-name = "rope"
-nodes = ["C", "B"]
-stiffness = 10.0
-
-[[supports]]
-node = "A"
-fix = "all"
-
-[[initial]]
-node = "ball"
-angular_velocity = [0, 0, 1]
-
-[analysis.dynamic]
-to = 1.0
-step = 0.1
-scheme = { hht = -0.1 }
-
-[[probes]]
-name = "angle"
-quantity = "joint_coordinate"
-joint = "hinge"
-"#;
-
-/// The model with one part of its text replaced.
-fn with(old: &str, new: &str) -> String {
-    assert!(MODEL.contains(old), "the model does not contain {old:?}");
-    MODEL.replacen(old, new, 1)
-}
+static MODEL: LazyLock<String> = LazyLock::new(|| {
+    [
+        "[sections.rod]\nstiffness = { EA = 1e4, GA = [1e4, 1e4], GJ = 10.0, EI = [10.0, 10.0] }\n\
+         mass = { A_rho = 1, J = [2e-3, 1e-3, 1e-3] }\n\
+         [nodes]\nA = [0, 0, 0]\nB = [1, 0, 0]\nC = [0, 1, 0]\n",
+        &joint("hinge", "revolute", "A", "axis = [0, 1, 0]"),
+        &beam_line("rod", ["hinge", "B"], 4, "rod"),
+        "[[joints]]\nname = \"ring\"\ntype = \"slide\"\nlines = [\"rod\"]\nstart = 0.25\n",
+        &joint("ball", "spherical", "B", ""),
+        &joint("hand", "offset", "ball", "position = [1.5, 0, 0]"),
+        &body_of("hand", 2.0, "inertia = [1, 1, 1]"),
+        &body_of("ring", 0.1, ""),
+        &body_of("C", 1.0, ""),
+        "[[springs]]\nname = \"rope\"\nnodes = [\"C\", \"B\"]\nstiffness = 10.0\n",
+        &fixed("A"),
+        "[[initial]]\nnode = \"ball\"\nangular_velocity = [0, 0, 1]\n\
+         [analysis.dynamic]\nto = 1.0\nstep = 0.1\nscheme = { hht = -0.1 }\n",
+        &angle("hinge"),
+    ]
+    .concat()
+});
 
 #[test]
 fn the_model_itself_is_fine() {
-    ran(&directory("program_motion"), MODEL);
+    ran(&directory("program_motion"), &MODEL);
 }
 
 #[test]
 fn joints() {
     check_table(
-        MODEL,
+        &MODEL,
         refusal,
         r#"
 "revolute" => "revolut" | "revolut" | revolut | did you mean `revolute`
@@ -126,15 +67,15 @@ node = "A"\nfix => node = "hinge"\nfix | | hinge
 fn bodies_and_springs() {
     // No body has a moment of inertia above the sum of the others.
     check_table(
-        MODEL,
+        &MODEL,
         refusal,
         r#"
-mass = 2.0 => mass = -2.0 | [[bodies]] | bob
-[1, 1, 1] => [1, 1, 3] | [[bodies]] | bob
+mass = 2.0 => mass = -2.0 | [[bodies]] | body of hand
+[1, 1, 1] => [1, 1, 3] | [[bodies]] | body of hand
  => [1, 1] | [1, 1] | three numbers
- => [[1, 2, 0], [0, 1, 0], [0, 0, 1]] | [[bodies]] | bob
+ => [[1, 2, 0], [0, 1, 0], [0, 0, 1]] | [[bodies]] | body of hand
 node = "C"\nmass => node = "D"\nmass | "D" | no node named "D"
-name = "bead" => name = "bob" | "bob" | bob
+name = "body of ring" => name = "body of hand" | "body of hand" | body of hand
 ["C", "B"] => ["C", "C"] | | rope
 stiffness = 10.0\n => | [[springs]] | rope
 stiffness = 10.0 => stiffness = -10.0 | | rope
@@ -146,7 +87,7 @@ stiffness = 10.0 => stiffness = -10.0 | | rope
 #[test]
 fn initial_conditions() {
     check_table(
-        MODEL,
+        &MODEL,
         refusal,
         r#"
 node = "ball"\nangular_velocity = [0, 0, 1] => node = "ball" | [[initial]]
@@ -159,21 +100,16 @@ node = "ball"\nangular_velocity = [0, 0, 1] => node = "ball" | [[initial]]
  => node = "C"\nangular_velocity = [0, 0, 1]\nbody_angular_velocity = [0, 0, 1] | body_angular_velocity
 "#,
     );
-    let statics = with(
-        "[analysis.dynamic]\nto = 1.0\nstep = 0.1\nscheme = { hht = -0.1 }\n",
-        "",
-    );
-    let said = refusal(&statics).to_string();
-    assert!(
-        said.contains("can move") || said.contains("dynamic"),
-        "{said}"
-    );
+    let still = "[analysis.dynamic]\\nto = 1.0\\nstep = 0.1\\nscheme = { hht = -0.1 }\\n =>";
+    let said = refusal(&changed(&MODEL, still)).to_string();
+    let words = ["can move", "dynamic"];
+    assert!(words.iter().any(|word| said.contains(word)), "{said}");
 }
 
 #[test]
 fn analyses_and_probes() {
     check_table(
-        MODEL,
+        &MODEL,
         refusal,
         r#"
 step = 0.1 => step = 0 | 0 | step | positive
@@ -198,7 +134,7 @@ joint = "hinge"\n => | | needs
 #[test]
 fn forms_that_the_parser_knows_by_other_words() {
     check_table(
-        MODEL,
+        &MODEL,
         refusal,
         r#"
 axis = [0, 1, 0] => &\nactuator = 5 | 5 | a table with one key
@@ -207,7 +143,7 @@ axis = [0, 1, 0] => &\nactuator = 5 | 5 | a table with one key
 step = 0.1 => &\nadaptive = 1e-4 | 1e-4 | expected a table of its keys
 [[supports]] => [supports] | | two brackets
 [analysis.dynamic] => [analysis.static]\n[analysis.dynamic] | | exactly one key
-name = "angle" => name = "t" | "t" | another column "t" | another name
+name = "hinge"\nquantity => name = "t"\nquantity | "t" | another column "t" | another name
 "#,
     );
 }
@@ -215,66 +151,39 @@ name = "angle" => name = "t" | "t" | another column "t" | another name
 #[test]
 fn a_structure_without_mass_is_named_when_it_starts() {
     let directory = directory("program_massless");
-    let text = with("mass = { A_rho = 1, J = [2e-3, 1e-3, 1e-3] }\n", "");
     // Statics of its rods and the motion of its bodies: a fine model.
-    ran(&directory, &text);
+    let massless = "mass = { A_rho = 1, J = [2e-3, 1e-3, 1e-3] }\\n =>";
+    ran(&directory, &changed(&MODEL, massless));
     // A node that nothing holds and that has neither mass nor stiffness about its axis.
-    let text = with(
-        "stiffness = 10.0",
-        "stiffness = 10.0\n\n[[springs]]\nname = \"more\"\nnodes = [\"C\", \"A\"]\nstiffness = 1.0",
-    );
-    let text = text.replace(
-        "[[bodies]]\nname = \"buoy\"\nnode = \"C\"\nmass = 1.0\n",
-        "",
-    );
-    let output = program(&[&write(&directory, &text)]);
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    let changes = "[[bodies]]\\nname = \"body of C\"\\nnode = \"C\"\\nmass = 1.0\\n =>\n\
+        stiffness = 10.0 => &\\n[[springs]]\\nname = \"more\"\\nnodes = [\"C\", \"A\"]\\nstiffness = 1.0";
+    let output = program(&[&write(&directory, &changed(&MODEL, changes))]);
+    let said = String::from_utf8_lossy(&output.stderr);
     assert_ne!(output.status.code(), Some(101), "{said}");
-    assert!(said.contains("node C"), "{said}");
+    assert_says(&said, &["node C"]);
 }
 
 #[test]
 fn a_motion_that_cannot_begin_leaves_earlier_results_alone() {
     let directory = directory("program_cannot_begin");
-    let text = r#"
-[nodes]
-A = [0, 0, 0]
-
-[[bodies]]
-name = "ball"
-node = "A"
-mass = 1
-
-[[loads]]
-node = "A"
-force = [0, 0, -1]
-
-[analysis.dynamic]
-to = 0.1
-step = 0.01
-"#;
-    let model = write(&directory, text);
-    assert!(program(&[&model]).status.success());
-    let out = directory.join("model.out");
-    let before = crate::support::program::read(out.join("result.json"));
+    let text = |load: &str| {
+        let load = format!("[[loads]]\nnode = \"A\"\n{load}\n");
+        let nodes = "[nodes]\nA = [0, 0, 0]\n";
+        [nodes, &body_of("A", 1.0, ""), &load, &motion(0.1, 0.01)].concat()
+    };
+    let out = ran(&directory, &text("force = [0, 0, -1]"));
+    let before = read(out.join("result.json"));
     // A moment on a point: nothing resists the rotation that it needs.
-    let moment = text.replace("force = [0, 0, -1]", "moment = [0, 0, 1]");
-    write(&directory, &moment);
-    let output = program(&[&model]);
-    let said = ended(&output, 2);
-    assert!(said.contains("node A, rotation about e"), "{said}");
-    assert_eq!(
-        crate::support::program::read(out.join("result.json")),
-        before
-    );
+    let model = write(&directory, &text("moment = [0, 0, 1]"));
+    let said = ended(&program(&[&model]), 2);
+    assert_says(&said, &["node A, rotation about e"]);
+    assert_eq!(read(out.join("result.json")), before);
 }
 
 #[test]
 fn a_joint_with_nothing_on_it_is_pointed_at() {
-    let text = with("from = \"hinge\"", "from = \"A\"");
-    let text = text.replace(
-        "[[probes]]\nname = \"angle\"\nquantity = \"joint_coordinate\"\njoint = \"hinge\"\n",
-        "",
-    );
+    let changes = "from = \"hinge\" => from = \"A\"\n\
+        [[probes]]\\nname = \"hinge\"\\nquantity = \"joint_coordinate\"\\njoint = \"hinge\"\\n =>";
+    let text = changed(&MODEL, changes);
     check(&text, "\"hinge\"", "hinge angle carries no element", "");
 }

@@ -3,8 +3,12 @@
 
 #![allow(clippy::unwrap_used, non_snake_case)]
 
-use crate::support::closures::{angle, on_joint};
-use crate::support::program::{check_table, directory, ended, history, number, write};
+use crate::support::closures::{GROUND, angle, arm, body_of, joint, motion, on_joint, probe};
+use crate::support::drawings::extremes;
+use crate::support::program::{
+    assert_close, assert_says, changed, check_table, directory, ended, history, number, program_in,
+    read, write,
+};
 use pullback::check;
 use pullback::elements::beam::Interpolation;
 use pullback::elements::joint::{JointMap, JointNodes, Revolute};
@@ -70,67 +74,36 @@ fn registry() -> Registry {
 #[derive(serde::Deserialize, schemars::JsonSchema)]
 struct Empty {}
 
-const MODEL: &str = r#"
-[nodes]
-ground = [0, 0, 0]
+const INERTIA: &str = "inertia = [1, 1, 0.6]";
 
-[[joints]]
-name = "table"
-type = "bench"
-parent = "ground"
-first = [1, 0, 0]
-second = [0, 1, 0]
-coordinates = { left = { spring = { k = 50 }, value = 0.2 }, right = { prescribed = { proportional = 2 } }, turn = { actuator = { constant = 0.3 }, rate = 1 } }
+fn model() -> String {
+    let bench = "first = [1, 0, 0]\nsecond = [0, 1, 0]\ncoordinates = { \
+        left = { spring = { k = 50 }, value = 0.2 }, right = { prescribed = { proportional = 2 } }, \
+        turn = { actuator = { constant = 0.3 }, rate = 1 } }";
+    [
+        GROUND,
+        &joint("table", "bench", "ground", bench),
+        &body_of("table", 2.0, INERTIA),
+        &motion(1.0, 0.001),
+        "scheme = { newmark = [0.25, 0.5] }\nrecord_every = 10\ncheckpoint_every = 300\n\
+         [output]\nparaview_every = 0\n",
+        &angle("table left"),
+        &angle("table turn"),
+        &probe("position", "position", "table"),
+    ]
+    .concat()
+}
 
-[[bodies]]
-name = "body"
-node = "table"
-mass = 2.0
-inertia = [1, 1, 0.6]
-
-[[supports]]
-node = "ground"
-fix = "all"
-
-[analysis.dynamic]
-to = 1.0
-step = 0.001
-scheme = { newmark = [0.25, 0.5] }
-record_every = 10
-checkpoint_every = 300
-
-[output]
-paraview_every = 0
-
-[[probes]]
-name = "left"
-quantity = "joint_coordinate"
-joint = "table left"
-
-[[probes]]
-name = "turn"
-quantity = "joint_coordinate"
-joint = "table turn"
-
-[[probes]]
-name = "position"
-quantity = "position"
-node = "table"
-"#;
-
-fn program(arguments: &[&Path]) -> u8 {
-    let words = [OsString::from("mine"), OsString::from("run")];
-    let all = words
-        .into_iter()
-        .chain(arguments.iter().map(OsString::from));
-    pullback::cli::run(&registry(), all)
+fn program(registry: &Registry, command: &str, arguments: &[&Path]) -> u8 {
+    let words = ["mine", command].map(OsString::from).into_iter();
+    pullback::cli::run(registry, words.chain(arguments.iter().map(OsString::from)))
 }
 
 #[test]
 fn springs_drives_motors_and_probes_act_on_its_coordinates() {
     let directory = directory("registry_run");
-    let model = write(&directory, MODEL);
-    assert_eq!(program(&[&model]), 0);
+    let path = write(&directory, &model());
+    assert_eq!(program(&registry(), "run", &[&path]), 0);
     let out = directory.join("model.out");
     let rows = history(&out);
     assert_eq!(rows.len(), 101);
@@ -138,33 +111,36 @@ fn springs_drives_motors_and_probes_act_on_its_coordinates() {
         let t = number(row, "t");
         // A mass on a spring, a turntable under a moment, and a way that is driven.
         let left = 0.2 * (5.0 * t).cos();
-        assert!((number(row, "left") - left).abs() < 1e-5);
-        assert!((number(row, "position.x") - left).abs() < 1e-5);
-        assert!((number(row, "position.y") - 2.0 * t).abs() < 1e-12);
-        assert!((number(row, "turn") - (t + 0.25 * t * t)).abs() < 1e-9);
+        for (column, exact, within) in [
+            ("table left", left, 1e-5),
+            ("position.x", left, 1e-5),
+            ("position.y", 2.0 * t, 1e-12),
+            ("table turn", t + 0.25 * t * t, 1e-9),
+        ] {
+            assert_close(number(row, column), exact, within, column);
+        }
     }
     // It is drawn as everything is.
-    let drawn = std::fs::read_to_string(out.join("history.svg")).unwrap();
+    let drawn = read(out.join("history.svg"));
     assert!(drawn.contains("joint coordinate"));
     // A curve is read to half a unit of 0.7e-3.
     for (panel, known) in [[-0.2, 0.2], [0.0, 1.25]].iter().enumerate() {
-        let [found] = crate::support::drawings::extremes(&drawn, panel)[..] else {
+        let [found] = extremes(&drawn, panel)[..] else {
             panic!("a length and an angle have panels of their own");
         };
         let off = [0, 1].map(|k| (found[k] - known[k]).abs());
         assert!(off[0].max(off[1]) < 2e-3, "{found:?}");
     }
     // And a longer run goes on from where this one has ended.
-    let whole = std::fs::read(out.join("history.csv")).unwrap();
-    let longer = MODEL.replace("to = 1.0", "to = 1.2");
-    write(&directory, &longer);
-    assert_eq!(program(&[&model, Path::new("--resume")]), 0);
-    let resumed = std::fs::read(out.join("history.csv")).unwrap();
+    let whole = read(out.join("history.csv"));
+    write(&directory, &changed(&model(), "to = 1 => to = 1.2"));
+    let resume = [&path, Path::new("--resume")];
+    assert_eq!(program(&registry(), "run", &resume), 0);
+    let resumed = read(out.join("history.csv"));
     assert!(resumed.starts_with(&whole) && resumed.len() > whole.len());
     // The program without this joint refuses the file.
-    let standard = crate::support::program::program(&[&model]);
-    let said = ended(&standard, 2);
-    assert!(said.contains("no type of joint named \"bench\""), "{said}");
+    let said = ended(&program_in(&directory, "run model.toml"), 2);
+    assert_says(&said, &["no type of joint named \"bench\""]);
 }
 
 /// A map of a program's own, whose author has lost a factor 2 in Ḃ.
@@ -192,58 +168,26 @@ impl Parametrization for Halved {
 fn check_fails_on_a_wrong_joint_and_blames_its_block() {
     let pin = Revolute::new([0.0, 0.0, 1.0]).unwrap();
     let registry = Registry::standard().joint("pin", move |at, _: Empty| {
-        let angle = at
-            .builder
-            .coordinates(format!("{} angle", at.name), &[Quantity::Angle])?;
-        let (position, map) = (
-            at.builder.position(at.parent),
-            Halved(JointMap::new(pin).between_charts()),
-        );
-        let nodes = [at.parent, angle];
-        let frame = (at.builder).mapped_node(at.name, position.into(), Box::new(map), &nodes)?;
+        let (b, name) = (&mut *at.builder, format!("{} angle", at.name));
+        let angle = b.coordinates(name, &[Quantity::Angle])?;
+        let position = b.position(at.parent).into();
+        let map = Box::new(Halved(JointMap::new(pin).between_charts()));
+        let frame = b.mapped_node(at.name, position, map, &[at.parent, angle])?;
         let coordinates = vec![angle];
         Ok::<_, BoxedError>(JointNodes { frame, coordinates })
     });
-    let text = r#"
-[nodes]
-ground = [0, 0, 0]
-
-[[joints]]
-name = "pivot"
-type = "revolute"
-parent = "ground"
-axis = [0, 1, 0]
-
-[[joints]]
-name = "arm"
-type = "offset"
-parent = "pivot"
-position = [1, 0, 0]
-
-[[joints]]
-name = "wrong"
-type = "pin"
-parent = "arm"
-
-[[bodies]]
-name = "body"
-node = "wrong"
-mass = 2.0
-inertia = [1, 1, 0.6]
-
-[[supports]]
-node = "ground"
-fix = "all"
-
-[analysis.dynamic]
-to = 1.0
-step = 0.001
-"#;
-    let model = write(&directory("registry_check"), text);
-    let words = ["mine", "check"].map(OsString::from).into_iter();
-    let code = pullback::cli::run(&registry, words.chain([model.into()]));
-    assert_eq!(code, 1);
-    let mut job = registry.assemble_text("model.toml", text).unwrap();
+    let text = [
+        GROUND,
+        &joint("pivot", "revolute", "ground", "axis = [0, 1, 0]"),
+        &arm("arm", "pivot", [1.0, 0.0, 0.0]),
+        &joint("wrong", "pin", "arm", ""),
+        &body_of("wrong", 2.0, INERTIA),
+        &motion(1.0, 0.001),
+    ]
+    .concat();
+    let path = write(&directory("registry_check"), &text);
+    assert_eq!(program(&registry, "check", &[&path]), 1);
+    let mut job = registry.assemble_text("model.toml", &text).unwrap();
     let report = check::job(&mut job, 0);
     assert!(!report.is_ok());
     let table = check::table(&report);
@@ -256,7 +200,7 @@ step = 0.001
 fn what_is_wrong_with_its_keys_is_pointed_at() {
     let refusal = |text: &str| (registry().assemble_text("model.toml", text).err()).expect(text);
     check_table(
-        MODEL,
+        &model(),
         refusal,
         r#"
 "bench" => "bensh" | "bensh" | no type of joint | did you mean `bench`
@@ -302,11 +246,11 @@ fn a_node_of_two_coordinates_is_not_one_of_a_name() {
         let coordinates = vec![ways];
         Ok::<_, BoxedError>(JointNodes { frame, coordinates })
     });
-    let text = on_joint("type = \"pair\"", "inertia = [1, 1, 0.6]", &angle("joint"));
+    let text = on_joint("type = \"pair\"", INERTIA, &angle("joint"));
     let error = registry.assemble_text("model.toml", &text).err().unwrap();
-    let expected = "there is no joint with a released coordinate (a node of one coordinate) named \
-                    \"joint\"";
-    assert!(error.to_string().contains(expected), "{error}");
+    let expected =
+        "there is no joint with a released coordinate (a node of one coordinate) named \"joint\"";
+    assert_says(&error.to_string(), &[expected]);
 }
 
 #[test]
@@ -315,20 +259,16 @@ fn the_schema_has_its_keys() {
     let joints = schema["$defs"]["Joint"]["oneOf"].as_array().unwrap();
     assert_eq!(joints.len(), 16);
     let of = |name: &str| {
-        let found = joints
-            .iter()
-            .find(|j| j["properties"]["type"]["const"] == name);
-        found.unwrap().clone()
+        let mut joints = joints.iter();
+        joints
+            .find(|j| j["properties"]["type"]["const"] == name)
+            .unwrap()
     };
     let bench = of("bench");
-    assert_eq!(
-        bench["properties"]["second"]["description"],
-        "Direction of the second way."
-    );
-    assert_eq!(
-        bench["required"],
-        serde_json::json!(["name", "type", "parent", "first", "second"])
-    );
+    let second = &bench["properties"]["second"];
+    assert_eq!(second["description"], "Direction of the second way.");
+    let required = serde_json::json!(["name", "type", "parent", "first", "second"]);
+    assert_eq!(bench["required"], required);
     assert_eq!(bench["additionalProperties"], false);
     let bead = of("bead");
     assert!(bead["properties"]["lines"].is_object() && bead["properties"]["parent"].is_null());

@@ -1,29 +1,18 @@
 //! What a static analysis that fails tells its user.
 #![allow(clippy::unwrap_used)]
 
-use crate::support::program::{MODEL, check, directory, ended, program, refusal, with, write};
-
-/// What the program says of a run that fails.
-fn failure(name: &str, text: &str) -> String {
-    let directory = directory(name);
-    let model = write(&directory, text);
-    let output = program(&[&model]);
-    ended(&output, 1)
-}
-
-#[track_caller]
-fn has(said: &str, parts: &[&str]) {
-    for part in parts {
-        assert!(said.contains(part), "{part:?} is not in\n{said}");
-    }
-}
+use crate::support::closures::{CLOSURES, body_of, hinge};
+use crate::support::program::{
+    MODEL, assert_says, changed, check, directory, ended, example, failed, printed, program_in,
+    refusal, run_of, with, write,
+};
 
 #[test]
 fn a_load_far_too_large_names_the_element_and_what_ended_the_halving() {
     let text = with("moment = [0, 0, 3.141592653589793]", "force = [0, 3e5, 0]");
     let text = text.replace("steps = 4", "first_step = 1\nmax_step = 1\nmin_step = 0.2");
-    let said = failure("messages_large", &text);
-    has(
+    let said = failed("messages_large", &text);
+    assert_says(
         &said,
         &[
             "step 1 failed between load parameter 0 (start) and",
@@ -42,8 +31,8 @@ fn iterations_that_were_converging_are_asked_for() {
         "first_step = 0.25\nmax_step = 0.25\nmin_step = 0.2\nnewton = { max_iterations = 2, \
          relative = 1e-15 }",
     );
-    let said = failure("messages_iterations", &text);
-    has(
+    let said = failed("messages_iterations", &text);
+    assert_says(
         &said,
         &["did not converge in 2 iterations", "raise max_iterations"],
     );
@@ -52,22 +41,11 @@ fn iterations_that_were_converging_are_asked_for() {
 #[test]
 fn a_mechanism_is_told_at_once_and_first() {
     // Two bars in line between hinges, and a hinge where they meet.
-    let hinge = r#"
-[[joints]]
-name = "hinge"
-type = "revolute"
-parent = "B"
-axis = [0, 0, 1]
-[[bodies]]
-name = "flag"
-node = "hinge"
-mass = 1
-center = [1, 0, 0]
-"#;
+    let hinge = hinge("hinge", "B", "") + &body_of("hinge", 1.0, "center = [1, 0, 0]");
     let load = "node = \"hinge\"\nforce = [0, 1, 0]";
-    let text = with("node = \"B\"\nmoment = [0, 0, 3.141592653589793]", load) + hinge;
-    let said = failure("messages_mechanism", &text);
-    has(
+    let text = with("node = \"B\"\nmoment = [0, 0, 3.141592653589793]", load) + "\n" + &hinge;
+    let said = failed("messages_mechanism", &text);
+    assert_says(
         &said,
         &[
             "what moves without resistance:\n",
@@ -86,8 +64,8 @@ fn a_load_that_jumps_is_told_of_and_small_numbers_are_readable() {
     // A strut that is pushed through by a load that comes at once, in nanoseconds of t.
     let pulse = "force = [0, 3e5, 0]\ntime = { pulse = { start = 2.5e-9, end = 1 } }";
     let strut = with("moment = [0, 0, 3.141592653589793]", pulse).replace("steps = 4", "to = 4e-9");
-    let said = failure("messages_jump", &strut);
-    has(
+    let said = failed("messages_jump", &strut);
+    assert_says(
         &said,
         &[
             "a jump or kink at 2.5e-9",
@@ -97,8 +75,8 @@ fn a_load_that_jumps_is_told_of_and_small_numbers_are_readable() {
         ],
     );
     let constant = strut.replace("pulse = { start = 2.5e-9, end = 1 }", "constant = 1");
-    let said = failure("messages_constant", &constant);
-    has(
+    let said = failed("messages_constant", &constant);
+    assert_says(
         &said,
         &[
             "under the loads that are there at the start",
@@ -112,16 +90,11 @@ fn a_load_that_jumps_is_told_of_and_small_numbers_are_readable() {
 #[test]
 fn results_go_to_a_directory_not_a_file() {
     let directory = directory("messages_out");
-    let model = write(&directory, MODEL);
-    let output = program(&[&model, "--out".as_ref(), &model]);
-    assert_eq!(output.status.code(), Some(2));
-    has(
-        &String::from_utf8(output.stderr).unwrap(),
-        &["model.toml: it is a file"],
-    );
-    let output = program(&[&write(&directory, &with("steps = 4", "steps = 1"))]);
-    let said = String::from_utf8(output.stdout).unwrap();
-    has(&said, &["2 rows up to load parameter 1 ", "1 step ("]);
+    write(&directory, &with("steps = 4", "steps = 1"));
+    let refused = program_in(&directory, "run model.toml --out model.toml");
+    assert_says(&ended(&refused, 2), &["model.toml: it is a file"]);
+    let said = printed(&directory, "run model.toml");
+    assert_says(&said, &["2 rows up to load parameter 1 ", "1 step ("]);
 }
 
 #[test]
@@ -134,47 +107,36 @@ fn slips_are_explained() {
         "linear",
         "did you mean `proportional`?",
     );
-    let error = refusal(&with("B = [1, 0, 0]", "B = [1, 0]"));
-    let advice = error.problem.advice().unwrap();
-    assert!(advice.contains("[X, Y, Z]"), "{advice}");
-    let error = refusal(&with(moment, "force = -1"));
-    let advice = error.problem.advice().unwrap();
-    assert!(advice.contains("[Fx, Fy, Fz]"), "{advice}");
-    let both = format!("{MODEL}\n[analysis.dynamic]\nto = 1\nstep = 0.1\n");
-    let advice = refusal(&both).problem.advice().unwrap();
-    assert!(
-        advice.contains("static, arc_length, dynamic, modes"),
-        "{advice}"
-    );
-    let on_line = MODEL.replace(
-        "node = \"B\"\nmoment = [0, 0, 3.141592653589793]",
-        "line = \"beam\"\nforce = [0, 1, 0]",
-    );
-    let advice = refusal(&on_line).problem.advice().unwrap();
-    assert!(advice.contains("force_per_length"), "{advice}");
+    let on_line = "line = \"beam\"\nforce = [0, 1, 0]";
+    for (text, words) in [
+        (with("B = [1, 0, 0]", "B = [1, 0]"), "[X, Y, Z]"),
+        (with(moment, "force = -1"), "[Fx, Fy, Fz]"),
+        (
+            format!("{MODEL}\n[analysis.dynamic]\nto = 1\nstep = 0.1\n"),
+            "static, arc_length, dynamic, modes",
+        ),
+        (
+            with(&format!("node = \"B\"\n{moment}"), on_line),
+            "force_per_length",
+        ),
+    ] {
+        assert_says(&refusal(&text).problem.advice().unwrap(), &[words]);
+    }
 }
 
 /// A linkage that a spring and its weight hold, closed by multipliers: their gaps are rounding errors from
 /// the second step on, and forces are not.
 #[test]
 fn gaps_that_are_rounding_errors_say_nothing_of_forces() {
-    let four_bar = include_str!("../../../examples/models/four_bar.toml");
-    let end = four_bar.find("[[probes]]").unwrap();
-    let mut text = four_bar[..end].to_owned();
-    for (old, new) in [
-        ("rate = 4.5", "spring = { k = 20 }"),
-        (
-            "child = \"rocker tip\"",
-            "child = \"rocker tip\"\nclosure = \"multipliers\"",
-        ),
-    ] {
-        assert!(text.contains(old), "{old}");
-        text = text.replace(old, new);
-    }
-    let analysis = text.find("[analysis").unwrap();
-    text = format!("{}[analysis.static]\nsteps = 4\n", &text[..analysis]);
-    let directory = directory("messages_gaps");
-    let output = program(&[&write(&directory, &text)]);
-    let said = ended(&output, 0);
-    assert!(!said.contains("rounding"), "{said}");
+    let changes = format!(
+        "rate = 4.5 => spring = {{ k = 20 }}\nchild = \"rocker tip\" => &\\n{}",
+        CLOSURES[1]
+    );
+    let text = changed(&example("four_bar"), &changes);
+    let (model, _) = text.split_once("[analysis").unwrap();
+    let run = run_of(
+        "messages_gaps",
+        &format!("{model}[analysis.static]\nsteps = 4\n"),
+    );
+    assert!(!run.said.contains("rounding"), "{}", run.said);
 }
