@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::support::formulations::table;
-use crate::support::program::{directory, program_in, read, succeeded};
+use crate::support::program::{directory, json, printed, read};
 use serde_json::Value;
 
 /// Cells of a row in Markdown.
@@ -47,10 +47,9 @@ const QUANTITIES: [&str; 7] = [
 fn cells_of_pages_are_the_numbers_of_the_json() {
     let directory = directory("program_compare_cells");
     let asked = "compare pendulum --schemes newmark,ga:0.8,radau --steps 0.1,0.05,0.025 --long 3 -q --out out";
-    succeeded(&program_in(&directory, asked));
-    let [json, text, page] =
-        ["json", "md", "html"].map(|e| read(directory.join("out").join(format!("compare.{e}"))));
-    let json: Value = serde_json::from_str(&json).unwrap();
+    printed(&directory, asked);
+    let [text, page] = ["md", "html"].map(|e| read(directory.join(format!("out/compare.{e}"))));
+    let json = json(directory.join("out/compare.json"));
     let all = |name: &str| json[name].as_array().unwrap().clone();
     let (rows, long, orders) = (all("rows"), all("long"), all("orders"));
     let own = |heading: &str, count: usize| -> Vec<Vec<String>> {
@@ -102,11 +101,9 @@ fn cells_of_pages_are_the_numbers_of_the_json() {
     ] {
         for (cells, row) in own(heading, count).iter().zip(rows) {
             let drift = &row["drift"];
-            let part = |name: &str| -> Value {
-                let part = drift[name]
-                    .as_f64()
-                    .map(|x| x / drift["largest_energy"].as_f64().unwrap());
-                part.map_or(Value::Null, Value::from)
+            let part = |name: &str| {
+                let largest = drift["largest_energy"].as_f64().unwrap();
+                Value::from(drift[name].as_f64().map(|x| x / largest))
             };
             assert_eq!(cells[0], row["scheme"].as_str().unwrap());
             let values = [
@@ -137,10 +134,8 @@ fn cells_of_pages_are_the_numbers_of_the_json() {
             let text = cell.replace("<span class=\"slope\">(", "");
             let shown = text.split(|c: char| !(c.is_ascii_digit() || ".−".contains(c)));
             let shown = number(shown.clone().next().unwrap());
-            assert!(
-                (shown - slope).abs() <= 0.005 + 1e-12,
-                "{cell} and not {slope}"
-            );
+            let near = (shown - slope).abs() <= 0.005 + 1e-12;
+            assert!(near, "{cell} and not {slope}");
             let steps = format!("<small>{} steps</small>", found["points"]);
             assert!(cell.contains(&steps), "{cell}");
         }

@@ -3,6 +3,7 @@
 
 use crate::support::comparisons::{self, oscillator};
 use crate::support::laboratory::options;
+use crate::support::program::assert_close;
 use pullback::output::plot::{AxisScale, Graph, PlotCurve, graphs};
 use pullback::studies::compare::{Comparison, ComparisonOptions, Figure, figures};
 
@@ -29,6 +30,10 @@ fn drift(comparison: &Comparison) -> Vec<Graph> {
     figure(comparison, "drift.svg").graphs
 }
 
+fn labels(graph: &Graph) -> Vec<&str> {
+    graph.curves.iter().map(|c| &c.label[..]).collect()
+}
+
 /// What their caption says of curves that end early.
 fn stopping(comparison: &Comparison) -> Option<String> {
     let caption = figure(comparison, "drift.svg").caption;
@@ -51,33 +56,25 @@ fn error_of_position(comparison: &Comparison, h: f64) -> f64 {
 fn work_is_what_the_runs_cost_against_their_errors() {
     let comparison = compared(&["newmark", "ga:0.8"], None);
     let graphs = figure(&comparison, "work.svg").graphs;
-    let [by_assemblies, by_time] = &graphs[..2] else {
-        panic!("{} graphs", graphs.len());
-    };
+    let [by_assemblies, by_time] = [&graphs[0], &graphs[1]];
     assert_eq!(by_assemblies.description[0], "assemblies of the model");
     assert!(by_time.description[0].starts_with("wall time"));
     assert_eq!(by_assemblies.description[1], "error of position");
     for graph in [by_assemblies, by_time] {
-        let labels: Vec<&str> = graph.curves.iter().map(|c| &c.label[..]).collect();
-        assert_eq!(labels, ["newmark", "ga:0.8"]);
+        assert_eq!(labels(graph), ["newmark", "ga:0.8"]);
     }
     for (k, (work, error)) in by_assemblies.curves[0].points.iter().enumerate() {
         // A linear model takes a tangent and a residual that shows the balance in every step, and a few
         // evaluations at the start.
         let steps = (comparison.to / STEPS[k]).round();
-        assert!(
-            (2.0 * steps..2.0 * steps + 6.0).contains(work),
-            "{work} {steps}"
-        );
+        let few = 2.0 * steps..2.0 * steps + 6.0;
+        assert!(few.contains(work), "{work} {steps}");
         let exact = error_of_position(&comparison, STEPS[k]);
         assert!((error / exact - 1.0).abs() < 1e-3, "{error:e} {exact:e}");
     }
-    let times = by_time.curves[0].points.iter();
-    assert!(
-        times
-            .zip(comparison.of("newmark"))
-            .all(|(p, row)| p.0 == row.seconds)
-    );
+    let times = by_time.curves[0].points.iter().map(|p| p.0);
+    let own = comparison.of("newmark").map(|row| row.seconds);
+    assert!(times.zip(own).all(|(found, seconds)| found == seconds));
 }
 
 #[test]
@@ -88,14 +85,11 @@ fn a_linear_model_takes_one_solution_per_step() {
     };
     // Both stages of Radau IIA are solved together.
     for curve in &graph.curves {
-        let expected: Vec<(f64, f64)> = STEPS.iter().map(|&h| (h, 1.0)).collect();
-        for (found, expected) in curve.points.iter().zip(&expected) {
-            assert!(
-                (found.0 - expected.0).abs() < 1e-12 && found.1 == expected.1,
-                "{curve:?}"
-            );
-        }
         assert_eq!(curve.points.len(), STEPS.len());
+        for ((h, solutions), step) in curve.points.iter().zip(STEPS) {
+            assert_close(*h, step, 1e-12, &curve.label);
+            assert_eq!(*solutions, 1.0, "{curve:?}");
+        }
     }
 }
 
@@ -117,15 +111,14 @@ fn curves_that_stop_say_so() {
     row.samples.truncate(5);
     let last = row.samples[4].t;
     let graph = &drift(&comparison)[0];
-    let labels: Vec<&str> = graph.curves.iter().map(|c| &c.label[..]).collect();
-    assert_eq!(labels, ["newmark", "ga:0.8 (stops: failed)"]);
+    assert_eq!(labels(graph), ["newmark", "ga:0.8 (stops: failed)"]);
     assert_eq!(graph.curves[1].points.len(), 4);
     assert_eq!(graph.curves[0].points, whole.curves[0].points);
     let said = stopping(&comparison).unwrap();
     let t = said.strip_prefix("ga:0.8 with h = 0.1 after t = ").unwrap();
     let t: f64 = t.strip_suffix('.').unwrap().parse().unwrap();
     // To three digits.
-    assert!((t - last).abs() <= 5e-3 * last, "{said}: {last}");
+    assert_close(t, last, 5e-3 * last, &said);
     // So does the short one with the smallest step, which is drawn beside it, and none between.
     comparison.long[1].failure = None;
     fail(&mut comparison, 0.05);

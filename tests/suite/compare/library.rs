@@ -1,9 +1,9 @@
 //! Comparisons of schemes against exact solutions.
 #![allow(non_snake_case, clippy::unwrap_used)]
 
-use crate::support::comparisons::{self, BODY, oscillator};
+use crate::support::comparisons::{self, BODY, assert_observed, oscillator};
 use crate::support::laboratory::options;
-use crate::support::program::{assert_says, directory, read};
+use crate::support::program::{assert_close, assert_says, directory, example, json, read};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use pullback::input;
 use pullback::studies::compare::{
@@ -59,11 +59,8 @@ fn a_reference_has_a_formulation_of_its_own() {
     let reference = comparison.reference.as_ref().unwrap();
     assert_eq!(reference.scheme, "lie-ga:0.8");
     // Charts of increments are centred in every step, those of rotation vectors change a few times.
-    assert!(
-        reference.chart_changes >= 1600,
-        "{}",
-        reference.chart_changes
-    );
+    let changes = reference.chart_changes;
+    assert!(changes >= 1600, "{changes}");
     let own = rms(&reference.samples, rotation_error);
     let estimate = reference.error.of(ErrorQuantity::Rotation);
     assert!(own <= estimate && estimate < 1e-5, "{own} {estimate}");
@@ -71,14 +68,8 @@ fn a_reference_has_a_formulation_of_its_own() {
 
 #[test]
 fn rotations_of_a_free_body_converge_to_its_exact_precession() {
-    let all = [
-        "newmark",
-        "hht:-0.1",
-        "wbz:0.8",
-        "ga:0.8",
-        "radau",
-        "newmark:0.3025:0.6",
-    ];
+    let all = "newmark hht:-0.1 wbz:0.8 ga:0.8 radau newmark:0.3025:0.6";
+    let all: Vec<&str> = all.split(' ').collect();
     let comparison = compared(BODY, &options(&all, &[0.02, 0.01, 0.005, 0.0025]));
     let reference = comparison.reference.as_ref().unwrap();
     let k = ErrorQuantity::Rotation as usize;
@@ -94,11 +85,8 @@ fn rotations_of_a_free_body_converge_to_its_exact_precession() {
         let share = comparison.times as f64 / (comparison.times + 1) as f64;
         let found = rms(&row.samples, rotation_error) * share.sqrt();
         let said = row.error.unwrap().of(ErrorQuantity::Rotation);
-        assert!(
-            (found - said).abs() <= estimate + 1e-13,
-            "{}: {found} {said}",
-            row.scheme
-        );
+        let within = (found - said).abs() <= estimate + 1e-13;
+        assert!(within, "{}: {found} {said}", row.scheme);
         assert!(row.counts.chart_changes >= 2);
     }
     for scheme in &comparison.orders {
@@ -109,14 +97,7 @@ fn rotations_of_a_free_body_converge_to_its_exact_precession() {
         };
         assert_eq!(scheme.theory, Some(Values([theory; 7])));
         for quantity in [ErrorQuantity::Rotation, ErrorQuantity::AngularVelocity] {
-            let order = scheme.of(quantity).unwrap();
-            let off = (order.order - theory as f64).abs();
-            assert!(
-                off < 0.1,
-                "{} in {}: {order:?}",
-                scheme.scheme,
-                quantity.name()
-            );
+            assert_observed(&comparison, &scheme.scheme, quantity, theory as f64, 0.1);
         }
         // It rests at its place.
         assert_eq!(scheme.of(ErrorQuantity::Position), None);
@@ -128,10 +109,8 @@ fn rotations_of_a_free_body_converge_to_its_exact_precession() {
 
 #[test]
 fn errors_of_the_trapezoidal_rule_on_an_oscillator_are_those_in_closed_form() {
-    let comparison = compared(
-        &oscillator(),
-        &options(&["newmark", "ga:0.8"], &[0.1, 0.05, 0.025]),
-    );
+    let steps = [0.1, 0.05, 0.025];
+    let comparison = compared(&oscillator(), &options(&["newmark", "ga:0.8"], &steps));
     let estimate = comparison.reference.as_ref().unwrap().error;
     assert_eq!((comparison.times, comparison.unknowns), (80, 1));
     for row in comparison.of("newmark") {
@@ -147,29 +126,19 @@ fn errors_of_the_trapezoidal_rule_on_an_oscillator_are_those_in_closed_form() {
             (ErrorQuantity::Velocity, rms(&row.samples, v)),
             (ErrorQuantity::Acceleration, 4.0 * rms(&row.samples, x)),
         ] {
-            let off = (error.of(quantity) - share * exact).abs();
             let allowed = 2.0 * estimate.of(quantity) + 1e-9;
-            assert!(
-                off <= allowed,
-                "{} with {}: {off:e}",
-                quantity.name(),
-                row.step
-            );
+            let what = format!("{} with {}", quantity.name(), row.step);
+            assert_close(error.of(quantity), share * exact, allowed, what);
         }
         // The trapezoidal rule keeps a quadratic energy (0.18); generalised-alpha damps it.
         assert!(row.drift.energy.unwrap() < 1e-9);
     }
-    assert!(
-        comparison
-            .of("ga:0.8")
-            .all(|row| row.drift.energy.unwrap() > 1e-7)
-    );
+    let mut damped = comparison.of("ga:0.8");
+    assert!(damped.all(|row| row.drift.energy.unwrap() > 1e-7));
     for scheme in &comparison.orders {
-        let order = scheme.of(ErrorQuantity::Position).unwrap();
-        assert!(
-            (order.order - 2.0).abs() < 0.02 && order.points == 3,
-            "{order:?}"
-        );
+        let quantity = ErrorQuantity::Position;
+        assert_observed(&comparison, &scheme.scheme, quantity, 2.0, 0.02);
+        assert_eq!(scheme.of(quantity).unwrap().points, 3);
     }
 }
 
@@ -202,45 +171,33 @@ fn a_scheme_that_fails_at_a_step_is_a_row_with_the_reason() {
     let text = oscillator().replace("to = 8", "to = 60");
     let asked = options(&["central-difference", "newmark"], &[1.2, 0.12, 0.06]);
     let comparison = compared(&text, &asked);
-    let failed: Vec<&ComparisonRow> = comparison
-        .rows
-        .iter()
-        .filter(|r| r.failure.is_some())
-        .collect();
-    assert_eq!(failed.len(), 1);
-    let [row] = failed[..] else { unreachable!() };
-    assert_eq!(
-        (row.scheme.as_str(), row.requested_step),
-        ("central-difference", 1.2)
-    );
-    assert!(
-        row.failure.as_deref().unwrap().contains("too large"),
-        "{:?}",
-        row.failure
-    );
+    let failed = comparison.rows.iter().filter(|r| r.failure.is_some());
+    let failed: Vec<&ComparisonRow> = failed.collect();
+    let [row] = failed[..] else {
+        panic!("{failed:?}");
+    };
+    let run = (&row.scheme[..], row.requested_step);
+    assert_eq!(run, ("central-difference", 1.2));
+    assert_says(row.failure.as_deref().unwrap(), &["too large"]);
     assert!(row.error.is_none() && !row.is_regular());
     assert!(comparison.complete && comparison.reference.is_some());
     // The others are there, and make an order.
-    let order = comparison.orders[0].of(ErrorQuantity::Position).unwrap();
-    assert!(
-        (order.order - 2.0).abs() < 0.1 && order.points == 2,
-        "{order:?}"
-    );
+    let quantity = ErrorQuantity::Position;
+    assert_observed(&comparison, "central-difference", quantity, 2.0, 0.1);
+    assert_eq!(comparison.orders[0].of(quantity).unwrap().points, 2);
 }
 
 #[test]
 fn what_makes_no_sense_is_refused_by_name() {
     let refused = |text: &str, schemes: &[&str], steps: &[f64], word: &str| {
         let error = comparisons::compared(text, &options(schemes, steps)).unwrap_err();
-        let said = error.to_string();
-        assert!(said.contains(word), "{said:?} lacks {word:?}");
+        assert_says(&error.to_string(), &[word]);
     };
     let good: [f64; 2] = [0.1, 0.05];
     refused(BODY, &[], &good, "no scheme");
     let twice = &["newmark", "newmark"];
     refused(BODY, twice, &good, "`newmark` is given twice");
-    let still = include_str!("../../../examples/models/cantilever.toml");
-    refused(still, &["newmark"], &good, "not dynamic");
+    refused(&example("cantilever"), &["newmark"], &good, "not dynamic");
     for (steps, word) in [
         (&[][..], "two step sizes at least, 0 given"),
         (&[0.1], "two step sizes at least, 1 given"),
@@ -291,17 +248,14 @@ fn a_comparison_that_is_stopped_keeps_what_it_has_and_says_so() {
     assert!(comparison.rows.iter().any(|row| stopped(&row)));
     assert!(comparison.reference.is_some());
     let read = |name: &str| read(directory.join(name));
-    let json: serde_json::Value = serde_json::from_str(&read("compare.json")).unwrap();
-    assert_eq!(json["complete"], false);
+    assert_eq!(json(directory.join("compare.json"))["complete"], false);
     assert!(read("compare.csv").contains(",interrupted,"));
     assert!(read("compare.html").contains("was interrupted"));
 }
 
-const PENDULUM: &str = include_str!("../../../examples/models/pendulum.toml");
-
 #[test]
 fn refusals_come_before_runs() {
-    let file = input::parse("pendulum.toml", PENDULUM).unwrap();
+    let file = input::parse("pendulum.toml", &example("pendulum")).unwrap();
     let make = |formulation| input::job("pendulum.toml", &file, Some(formulation));
     let told = Mutex::new(Vec::new());
     let watch = Hooks {
@@ -314,10 +268,8 @@ fn refusals_come_before_runs() {
     compare(&make, "pendulum.toml", &options, &watch).unwrap();
     let told = told.into_inner().unwrap();
     for (said, name) in told.iter().zip(["lie-ga:0.8: ", "ul-newmark: "]) {
-        assert!(
-            said.starts_with(name) && said.contains("without the prefix"),
-            "{told:?}"
-        );
+        assert!(said.starts_with(name), "{told:?}");
+        assert_says(said, &["without the prefix"]);
     }
     // Three runs of the reference and eight of the schemes follow.
     assert_eq!(told.len(), 2 + 3 + 8, "{told:?}");

@@ -4,20 +4,18 @@
 
 use crate::support::comparisons;
 use crate::support::laboratory::options;
-use crate::support::program::{compare, directory, ended, write};
+use crate::support::program::{
+    assert_says, changed, compare, directory, ended, example, read, write,
+};
 use pullback::studies::compare::{
     Comparison, ComparisonOptions, ErrorQuantity, Sample, Slope, Values,
 };
 
-const FOUR_BAR: &str = include_str!("../../../examples/models/four_bar.toml");
-
 /// The four-bar linkage for a short time, its loop closed so.
 fn four_bar(closure: &str, to: f64) -> String {
-    let (joint, end) = ("name = \"C\"\n", "to = 4\n");
-    assert!(FOUR_BAR.matches(joint).count() == 1 && FOUR_BAR.matches(end).count() == 1);
-    FOUR_BAR
-        .replace(joint, &format!("{joint}{closure}\n"))
-        .replace(end, &format!("to = {to}\n"))
+    let closure = closure.replace('\n', "\\n");
+    let changes = format!("name = \"C\"\\n => &{closure}\\n\nto = 4\\n => to = {to}\\n");
+    changed(&example("four_bar"), &changes)
 }
 
 fn compared(text: &str, words: &[&str], steps: &[f64]) -> Comparison {
@@ -90,14 +88,13 @@ fn a_comparison_without_any_reference_says_so() {
     let model = write(&directory, &text);
     let ran = compare(&model, "--schemes ga:0.8 --steps 0.004,0.002");
     let said = ended(&ran, 1);
-    for word in [
+    let words = [
         "no reference for any quantity",
         "(observed orders −",
         "take smaller steps, or --reference bathe",
         "results are in ",
-    ] {
-        assert!(said.contains(word), "{said:?} lacks {word:?}");
-    }
-    let page = std::fs::read_to_string(directory.join("model.compare/compare.md")).unwrap();
-    assert!(page.contains("No reference for any quantity"), "{page}");
+    ];
+    assert_says(&said, &words);
+    let page = read(directory.join("model.compare/compare.md"));
+    assert_says(&page, &["No reference for any quantity"]);
 }

@@ -1,14 +1,15 @@
 //! `pullback compare`: its files, its page, its refusals.
 #![allow(clippy::unwrap_used)]
 
+use crate::support::drawings::tagged;
 use crate::support::program::{
-    assert_says, check_lines, compare, directory, ended, files, program_in, read, succeeded,
+    assert_says, changed, check_lines, compare, directory, ended, example, files, json, printed,
+    read, succeeded, write,
 };
 use pullback::studies::compare::FILES;
 use pullback::studies::gallery::{self, MODELS};
-use std::path::{Path, PathBuf};
-
-const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+use roxmltree::{Document, Node, ParsingOptions};
+use std::path::Path;
 
 /// The files that a comparison writes, sorted.
 fn written() -> [String; FILES.len()] {
@@ -18,19 +19,12 @@ fn written() -> [String; FILES.len()] {
 }
 
 /// A page as a document.
-fn document(page: &str) -> roxmltree::Document<'_> {
-    let options = roxmltree::ParsingOptions {
+fn document(page: &str) -> Document<'_> {
+    let options = ParsingOptions {
         allow_dtd: true,
         ..Default::default()
     };
-    roxmltree::Document::parse_with_options(page, options).unwrap()
-}
-
-/// A model of the examples, copied into a directory of this test.
-fn example(directory: &Path, name: &str) -> PathBuf {
-    let path = directory.join("model.toml");
-    std::fs::copy(Path::new(ROOT).join("examples/models").join(name), &path).unwrap();
-    path
+    Document::parse_with_options(page, options).unwrap()
 }
 
 const ASKED: &str = "--schemes newmark,ga:0.8 --steps 0.1,0.05,0.025 -q";
@@ -38,40 +32,28 @@ const ASKED: &str = "--schemes newmark,ga:0.8 --steps 0.1,0.05,0.025 -q";
 #[test]
 fn it_writes_tables_figures_and_a_page_that_needs_no_other_file() {
     let directory = directory("program_compare");
-    let model = example(&directory, "pendulum.toml");
-    let output = compare(&model, ASKED);
-    succeeded(&output);
+    succeeded(&compare(&write(&directory, &example("pendulum")), ASKED));
     let out = directory.join("model.compare");
-    let names = written();
-    assert_eq!(files(&out), names);
+    assert_eq!(files(&out), written());
 
     let page = read(out.join("compare.html"));
     let document = document(&page);
-    let count = |name: &str| {
-        let tags = document
-            .descendants()
-            .filter(|n| n.tag_name().name() == name);
-        tags.count()
-    };
+    let all = || document.descendants();
+    let count = |name: &str| all().filter(|n| n.tag_name().name() == name).count();
     for tag in ["script", "link", "img", "iframe", "object", "image", "use"] {
         assert_eq!(count(tag), 0, "{tag}");
     }
-    let refers = |n: roxmltree::Node<'_, '_>| {
+    let refers = |n: Node<'_, '_>| {
         let mut names = n.attributes().map(|a| a.name());
         names.any(|a| ["src", "href", "data", "onload", "onclick"].contains(&a))
     };
-    assert!(!document.descendants().any(refers));
+    assert!(!all().any(refers));
     assert!(!page.contains("url(") && !page.contains("@import"));
     assert_eq!(count("svg"), 4);
-    let command = document
-        .descendants()
-        .find(|n| n.attribute("class") == Some("command"));
-    let command: String = command
-        .unwrap()
-        .descendants()
-        .filter_map(|n| n.text())
-        .collect();
-    assert!(command.starts_with("pullback compare ") && command.contains(ASKED));
+    let command = all().find(|n| n.attribute("class") == Some("command"));
+    let texts = command.unwrap().descendants().filter_map(|n| n.text());
+    let command: String = texts.collect();
+    assert_says(&command, &["pullback compare ", ASKED]);
 
     // The same tables in Markdown, column by column.
     let text = read(out.join("compare.md"));
@@ -79,22 +61,19 @@ fn it_writes_tables_figures_and_a_page_that_needs_no_other_file() {
         .filter(|line| line.starts_with("| :--"))
         .map(|line| line.matches("--").count())
         .collect();
-    let tables = document.descendants().filter(|n| n.has_tag_name("table"));
-    let widths: Vec<usize> = tables
-        .map(|table| table.descendants().filter(|n| n.has_tag_name("th")).count())
-        .collect();
+    let width = |table: Node<'_, '_>| table.descendants().filter(|n| n.has_tag_name("th")).count();
+    let widths: Vec<usize> = tagged(&document, "table").map(width).collect();
     assert_eq!(heads, widths);
-    let rows = document.descendants().filter(|n| n.has_tag_name("tr"));
     let lines = text.lines().filter(|line| line.starts_with('|'));
-    assert_eq!(lines.count(), rows.count() + widths.len());
+    assert_eq!(lines.count(), count("tr") + widths.len());
 
     for name in FILES.iter().filter(|name| name.ends_with(".svg")) {
-        roxmltree::Document::parse(&read(out.join(name))).unwrap();
+        Document::parse(&read(out.join(name))).unwrap();
     }
     let csv = read(out.join("compare.csv"));
     let widths: Vec<usize> = csv.lines().map(|l| l.split(',').count()).collect();
     assert_eq!(widths, vec![widths[0]; 7]);
-    let json: serde_json::Value = serde_json::from_str(&read(out.join("compare.json"))).unwrap();
+    let json = json(out.join("compare.json"));
     assert_eq!(json["complete"], true);
     let rows = json["rows"].as_array().unwrap();
     assert_eq!(rows.len(), 6);
@@ -115,7 +94,7 @@ fn it_writes_tables_figures_and_a_page_that_needs_no_other_file() {
 #[test]
 fn what_lies_in_its_directory_and_is_not_its_own_stays() {
     let directory = directory("program_compare_again");
-    let model = example(&directory, "pendulum.toml");
+    let model = write(&directory, &example("pendulum"));
     let out = directory.join("results");
     std::fs::create_dir(&out).unwrap();
     for name in ["result.json", "history.csv", "compare.json", "drift.svg"] {
@@ -135,9 +114,8 @@ fn what_lies_in_its_directory_and_is_not_its_own_stays() {
 #[test]
 fn several_models_make_one_page_and_a_directory_each() {
     let directory = directory("program_compare_several");
-    for name in ["pendulum.toml", "top.toml"] {
-        let example = Path::new(ROOT).join("examples/models").join(name);
-        std::fs::copy(example, directory.join(name)).unwrap();
+    for name in ["pendulum", "top"] {
+        std::fs::write(directory.join(name).with_extension("toml"), example(name)).unwrap();
     }
     let out = directory.join("results");
     let asked = "--schemes newmark,bathe --steps 4x,2x --long 3 --out results";
@@ -149,14 +127,10 @@ fn several_models_make_one_page_and_a_directory_each() {
     assert_says(&text, &["? (2)", "? no order"]);
     assert_eq!(files(&out), ["compare.html", "pendulum", "top"]);
     let page = read(out.join("compare.html"));
-    let document = document(&page);
-    let heads = document.descendants().filter(|n| n.has_tag_name("h1"));
-    assert_eq!(heads.count(), 3);
-    let names = written();
+    assert_eq!(tagged(&document(&page), "h1").count(), 3);
     for (model, own_step) in [("pendulum", 0.01), ("top", 0.00025)] {
-        assert_eq!(files(&out.join(model)), names, "{model}");
-        let json = read(out.join(model).join("compare.json"));
-        let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+        assert_eq!(files(&out.join(model)), written(), "{model}");
+        let json = json(out.join(model).join("compare.json"));
         let [first, long] = [&json["rows"][0], &json["long"][0]];
         assert_eq!(first["requested_step"], 4.0 * own_step, "{model}");
         let end = |row: &serde_json::Value| {
@@ -172,7 +146,7 @@ fn several_models_make_one_page_and_a_directory_each() {
 #[test]
 fn refusals_name_what_is_wrong() {
     let directory = directory("program_compare_refusals");
-    example(&directory, "pendulum.toml");
+    write(&directory, &example("pendulum"));
     check_lines(
         &directory,
         "compare model.toml",
@@ -198,13 +172,11 @@ fn refusals_name_what_is_wrong() {
     // A name that is neither a file nor a model has the nearest one beside it.
     let said = ended(&compare(&directory.join("pendulm"), ASKED), 2);
     let all = ["no file `pendulm`", "did you mean `pendulum`?", "heavy_top"];
-    assert!(all.iter().all(|word| said.contains(word)), "{said}");
-    let statics = example(&directory, "cantilever.toml");
+    assert_says(&said, &all);
+    let statics = write(&directory, &example("cantilever"));
     let said = ended(&compare(&statics, ASKED), 2);
-    assert_says(
-        &said,
-        &["model.toml: the analysis of this model is not dynamic"],
-    );
+    let still = "model.toml: the analysis of this model is not dynamic";
+    assert_says(&said, &[still]);
     assert_eq!(files(&directory), ["model.toml"]);
 }
 
@@ -213,76 +185,68 @@ fn models_of_the_gallery_need_no_file() {
     // As `pullback gallery` names its cases, too.
     let [case, model] = ["heavy-top", "heavy_top"].map(|name| gallery::model(Path::new(name)));
     assert!(case.is_some() && case == model);
-    let listed = files(&Path::new(ROOT).join("examples/models"));
-    let listed: Vec<&str> = listed
+    let listed = files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models"));
+    let known: Vec<String> = MODELS
         .iter()
-        .map(|file| file.trim_end_matches(".toml"))
+        .map(|(name, _)| format!("{name}.toml"))
         .collect();
-    let known: Vec<&str> = MODELS.iter().map(|(name, _)| *name).collect();
     assert_eq!(known, listed);
     let directory = directory("program_compare_built_in");
     let asked = "compare pendulum --schemes newmark --steps 0.1,0.05 -q";
-    succeeded(&program_in(&directory, asked));
-    let names = written();
-    assert_eq!(files(&directory.join("pendulum.compare")), names);
+    printed(&directory, asked);
+    assert_eq!(files(&directory.join("pendulum.compare")), written());
     // A directory of results does not hide the model whose name it has.
-    let asked = "compare pendulum --schemes newmark --steps 0.1,0.05 -q --out pendulum";
     for _ in 0..2 {
-        succeeded(&program_in(&directory, asked));
+        printed(&directory, &format!("{asked} --out pendulum"));
     }
-    assert_eq!(files(&directory.join("pendulum")), names);
+    assert_eq!(files(&directory.join("pendulum")), written());
 }
 
 /// A formulation that a model does not take makes rows with the reason, as whatever else fails.
 #[test]
 fn formulations_that_a_model_does_not_take_are_rows() {
     let directory = directory("program_compare_formulations");
-    let model = example(&directory, "pendulum.toml");
+    let model = write(&directory, &example("pendulum"));
     let asked = "--schemes newmark,hht:-0.1,ga:0.8,lie-ga:0.8 --steps 0.1,0.05 --charts";
     let output = compare(&model, asked);
     let said = succeeded(&output);
-    assert_eq!(
-        said.matches("lie-ga:0.8 cannot begin: ").count(),
-        1,
-        "{said}"
-    );
+    let once = "lie-ga:0.8 cannot begin: ";
+    assert_eq!(said.matches(once).count(), 1, "{said}");
     let table = read(directory.join("model.compare/compare.csv"));
-    let mut rows = table.lines().skip(1);
+    let rows: Vec<&str> = table.lines().skip(1).collect();
     assert!(
-        rows.by_ref().take(6).all(|row| row.contains(",complete,")),
+        rows[..6].iter().all(|row| row.contains(",complete,")),
         "{table}"
     );
-    let without =
-        |row: &str| row.starts_with("compared,lie-ga:0.8,") && row.contains("without the prefix");
-    assert!(rows.by_ref().take(2).all(without), "{table}");
+    for row in &rows[6..8] {
+        assert!(row.starts_with("compared,lie-ga:0.8,"), "{row}");
+        assert_says(row, &["without the prefix"]);
+    }
     // It is said once, and what never began stands in no other table, legend or caption with a time.
     let said = String::from_utf8_lossy(&output.stdout);
     assert_eq!(said.matches("lie-ga:0.8: ").count(), 1, "{said}");
     let page = read(directory.join("model.compare/compare.md"));
-    let lines = page
-        .lines()
-        .filter(|line| line.starts_with("| lie-ga:0.8 |"));
-    let lines: Vec<&str> = lines.collect();
+    let own = |line: &&str| line.starts_with("| lie-ga:0.8 |");
+    let lines: Vec<&str> = page.lines().filter(own).collect();
     assert_eq!(lines.len(), 2, "{lines:?}");
     assert!(lines[1].starts_with("| lie-ga:0.8 | all | "), "{lines:?}");
-    assert!(page.contains("lie-ga:0.8 (no run came to its end)"));
+    assert_says(
+        &page,
+        &[
+            "lie-ga:0.8 (no run came to its end)",
+            "No run changes a chart",
+        ],
+    );
     assert!(!page.contains("after t =") && !page.contains("0.00e0"));
     let legends = read(directory.join("model.compare/drift.svg"));
     assert!(legends.contains("ga:0.8") && !legends.contains("lie-ga:0.8"));
-    assert!(page.contains("No run changes a chart"));
 }
 
 #[test]
 fn schemes_that_cannot_begin_are_refused_before_anything_runs_if_none_can() {
     let directory = directory("program_compare_undamped");
-    let model = example(&directory, "four_bar.toml");
-    let text = read(&model);
-    let joint = "name = \"C\"\n";
-    assert_eq!(text.matches(joint).count(), 1);
-    let text = text
-        .replace(joint, &format!("{joint}closure = \"multipliers\"\n"))
-        .replace("to = 4\n", "to = 0.02\n");
-    std::fs::write(&model, text).unwrap();
+    let undamped = "name = \"C\" => &\\nclosure = \"multipliers\"\nto = 4 => to = 0.02";
+    let model = write(&directory, &changed(&example("four_bar"), undamped));
     let steps = "--steps 0.01,0.005 -q --schemes newmark";
     let said = ended(&compare(&model, &format!("{steps},hht:0")), 2);
     assert_says(
@@ -293,12 +257,6 @@ fn schemes_that_cannot_begin_are_refused_before_anything_runs_if_none_can() {
     // Where one can, the others are rows with the reason.
     succeeded(&compare(&model, &format!("{steps},ga:0.8")));
     let table = read(directory.join("model.compare/compare.csv"));
-    let failed = table
-        .lines()
-        .filter(|row| row.starts_with("compared,newmark"));
-    assert_eq!(
-        failed.filter(|row| row.contains("multiplier")).count(),
-        2,
-        "{table}"
-    );
+    let failed = |row: &&str| row.starts_with("compared,newmark") && row.contains("multiplier");
+    assert_eq!(table.lines().filter(failed).count(), 2, "{table}");
 }

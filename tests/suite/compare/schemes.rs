@@ -1,18 +1,18 @@
 //! Schemes in model files: words and tables, what is refused, and a run with each.
 #![allow(clippy::unwrap_used)]
 
+use crate::support::dynamics::observed;
+use crate::support::program::{assert_close, assert_says, cells, changed, example, refusal};
 use pullback::input::{Plan, assemble_text};
 use pullback::integrators::dynamics::scheme::SCHEMES;
-use pullback::integrators::dynamics::{DynamicOptions, Progress, Scheme, integrate, start};
-use std::ops::ControlFlow;
-
-const PENDULUM: &str = include_str!("../../../examples/models/pendulum.toml");
+use pullback::integrators::dynamics::{DynamicOptions, Scheme};
 
 /// The pendulum with another scheme.
 fn with(scheme: &str) -> String {
-    let old = "scheme = { newmark = [0.25, 0.5] }";
-    assert!(PENDULUM.contains(old));
-    PENDULUM.replacen(old, &format!("scheme = {scheme}"), 1)
+    changed(
+        &example("pendulum"),
+        &format!("{{ newmark = [0.25, 0.5] }} => {scheme}"),
+    )
 }
 
 fn scheme(text: &str) -> Scheme {
@@ -47,32 +47,24 @@ fn words_and_tables_say_the_same() {
 
 #[test]
 fn what_is_no_scheme_is_refused_at_its_place() {
-    for (scheme, text) in [
-        ("\"bath\"", "scheme `bath`: no scheme is called so"),
-        ("{ bath = 1 }", "scheme `bath`: no scheme is called so"),
-        ("\"em\"", "scheme `em`: it is now called projected-newmark"),
-        (
-            "\"svq-newmark\"",
-            "scheme `svq-newmark`: it is now called lie-newmark",
-        ),
-        (
-            "{ hht = 0.3 }",
-            "rho of HHT (or alpha, which is not positive) = 0.3 is outside its range",
-        ),
-        ("{ wbz = [0.1, 0.2] }", "2 numbers are given"),
-        ("{ wbz = 0.1, hht = 0 }", "one scheme is enough"),
-        ("{ wbz = true }", ""),
-        ("{ }", "no scheme is named"),
-        ("3", "a scheme, such as"),
-        (
-            "\"radau\"\nadaptive = { tolerance = 1e-4 }",
-            "no estimate of the local error",
-        ),
-    ] {
-        let refused = assemble_text("pendulum.toml", &with(scheme)).err();
-        let error = refused.unwrap();
-        let said = format!("{error:?} {error}");
-        assert!(said.contains(text), "{scheme}: {said}");
+    for [scheme, words] in cells(
+        r#"
+"bath" | scheme `bath`: no scheme is called so
+{ bath = 1 } | scheme `bath`: no scheme is called so
+"em" | scheme `em`: it is now called projected-newmark
+"svq-newmark" | scheme `svq-newmark`: it is now called lie-newmark
+{ hht = 0.3 } | rho of HHT (or alpha, which is not positive) = 0.3 is outside its range
+{ wbz = [0.1, 0.2] } | 2 numbers are given
+{ wbz = 0.1, hht = 0 } | one scheme is enough
+{ wbz = true } |
+{ } | no scheme is named
+3 | a scheme, such as
+"radau"\nadaptive = { tolerance = 1e-4 } | no estimate of the local error
+"#,
+    ) {
+        println!("{scheme}");
+        let error = refusal(&with(scheme));
+        assert_says(&format!("{error:?} {error}"), &[words]);
     }
 }
 
@@ -90,16 +82,11 @@ fn every_scheme_of_the_list_runs_the_pendulum_of_a_model_file() {
             scheme: word.parse().unwrap(),
             ..DynamicOptions::new(1.0, 0.005)
         };
-        let state = start(&job.context, 0.0, &job.start.q, &job.start.v).unwrap();
-        let mut progress = Progress::new(state);
-        integrate(&mut job.context, &mut progress, &options, &mut |_, _| {
-            ControlFlow::Continue(())
-        })
-        .unwrap();
+        let from = [&job.start.q[..], &job.start.v];
+        let end = observed(&mut job.context, from, &options, &mut |_, _| ()).state;
         // The model's angle is that from (−1, 0), and grows downwards.
-        let angle = progress.state.q[0].abs();
-        let position = [-angle.cos(), -angle.sin()];
-        let gap = (position[0] - x).abs().max((position[1] - y).abs());
-        assert!(gap < 2e-4, "{word}: {position:?} {gap:e}");
+        let angle = end.q[0].abs();
+        assert_close(-angle.cos(), x, 2e-4, &word);
+        assert_close(-angle.sin(), y, 2e-4, &word);
     }
 }

@@ -1,30 +1,29 @@
 //! `pullback spectrum`: its table, its files, what it refuses.
 #![allow(clippy::unwrap_used)]
 
-use crate::support::program::{check_lines, directory, program_in, read, succeeded};
-use serde_json::Value;
+use crate::support::drawings::tagged;
+use crate::support::program::{
+    assert_says, check_lines, directory, json, printed, program_in, read, succeeded,
+};
+use roxmltree::Document;
 
 #[test]
 fn files_say_what_theory_says() {
     let directory = directory("spectrum");
-    let output = program_in(&directory, "spectrum --out out");
-    succeeded(&output);
-    let table = String::from_utf8(output.stdout).unwrap();
-    assert!(table.contains("central-difference"), "{table}");
+    let table = printed(&directory, "spectrum --out out");
+    assert_says(&table, &["central-difference"]);
     let read = |name: &str| read(directory.join("out").join(name));
-    let json: Value = serde_json::from_str(&read("spectrum.json")).unwrap();
-    let command = json["command"].as_str().unwrap();
+    let json = || json(directory.join("out/spectrum.json"));
+    let first = json();
+    let command = first["command"].as_str().unwrap();
     assert!(command.starts_with("pullback spectrum --out"), "{command}");
-    let schemes = json["schemes"].as_array().unwrap();
+    let schemes = first["schemes"].as_array().unwrap();
     assert_eq!(schemes.len(), 7);
     let mut lines = 1;
     for scheme in schemes {
         // By steps and in closed form.
-        assert!(
-            scheme["defect"].as_f64().unwrap() < 1e-12,
-            "{}",
-            scheme["scheme"]
-        );
+        let defect = scheme["defect"].as_f64().unwrap();
+        assert!(defect < 1e-12, "{}", scheme["scheme"]);
         lines += scheme["points"].as_array().unwrap().len();
     }
     let csv = read("spectrum.csv");
@@ -45,18 +44,12 @@ fn files_say_what_theory_says() {
     }
     for figure in ["spectrum.svg", "overshoot.svg"] {
         let text = read(figure);
-        let svg = roxmltree::Document::parse(&text).unwrap();
-        let lines = svg
-            .descendants()
-            .filter(|n| n.has_tag_name("polyline"))
-            .count();
+        let lines = tagged(&Document::parse(&text).unwrap(), "polyline").count();
         assert!(lines > 14, "{figure}: {lines} lines");
     }
     // Nothing of an earlier call stays.
-    let again = "spectrum --schemes bathe --out out";
-    succeeded(&program_in(&directory, again));
-    let json: Value = serde_json::from_str(&read("spectrum.json")).unwrap();
-    assert_eq!(json["schemes"].as_array().unwrap().len(), 1);
+    printed(&directory, "spectrum --schemes bathe --out out");
+    assert_eq!(json()["schemes"].as_array().unwrap().len(), 1);
 }
 
 #[test]
@@ -65,11 +58,8 @@ fn a_range_without_files_is_noted() {
     for (arguments, noted) in [(" --from 1", true), ("", false)] {
         let line = format!("spectrum --schemes newmark{arguments}");
         let said = succeeded(&program_in(&directory, &line));
-        assert_eq!(
-            said.contains("--from and --to apply to the files"),
-            noted,
-            "{said}"
-        );
+        let words = "--from and --to apply to the files";
+        assert_eq!(said.contains(words), noted, "{said}");
     }
 }
 

@@ -4,7 +4,7 @@
 use super::closures::{GROUND, beam_line, body_of, fixed, joint};
 use super::laboratory;
 use pullback::input;
-use pullback::studies::compare::{CompareError, Comparison, ComparisonOptions};
+use pullback::studies::compare::{CompareError, Comparison, ComparisonOptions, ErrorQuantity};
 
 /// A free symmetrical body: moments of inertia 2, 2 and 1.
 pub const BODY: &str = r#"
@@ -27,14 +27,10 @@ scheme = { newmark = [0.25, 0.5] }
 
 /// A mass of 1 on a spring of stiffness 4, let go at 0.3: x = 0.3 cos 2t.
 pub fn oscillator() -> String {
+    let spring = "axis = [1, 0, 0]\nspring = { k = 4 }\nvalue = 0.3";
     [
         GROUND,
-        &joint(
-            "slider",
-            "prismatic",
-            "ground",
-            "axis = [1, 0, 0]\nspring = { k = 4 }\nvalue = 0.3",
-        ),
+        &joint("slider", "prismatic", "ground", spring),
         &body_of("slider", 1.0, ""),
         "[analysis.dynamic]\nto = 8\nstep = 0.01\nscheme = { newmark = [0.25, 0.5] }\n",
     ]
@@ -56,6 +52,21 @@ pub fn rod(spin: &str, more: &str) -> String {
         more,
     ]
     .concat()
+}
+
+/// The order of an error that the runs of a scheme show.
+#[track_caller]
+pub fn assert_observed(
+    comparison: &Comparison,
+    scheme: &str,
+    quantity: ErrorQuantity,
+    order: f64,
+    within: f64,
+) {
+    let mut all = comparison.orders.iter();
+    let found = all.find(|o| o.scheme == scheme).unwrap().of(quantity);
+    let near = found.is_some_and(|found| (found.order - order).abs() < within);
+    assert!(near, "{scheme}, {}: {found:?}", quantity.name());
 }
 
 /// The comparison of a model of this text.
