@@ -2,12 +2,12 @@
 //! rounding errors of stiff neighbours, is corrected too. All against closed forms.
 #![allow(non_snake_case)]
 
+use super::solved;
 use crate::support::beams::line;
 use crate::support::closures::{beam_line, fixed, hinge};
-use pullback::input::{Plan, assemble_text};
-use pullback::integrators::statics::{StaticsError, Step, solve_statics, trace_path};
+use crate::support::program::assert_close;
+use pullback::integrators::statics::StaticsError;
 use pullback::prelude::*;
-use std::ops::ControlFlow;
 
 /// Runs a text to the end of its loads, under an analysis of its own.
 fn run(text: &str, analysis: &str) -> Context {
@@ -17,24 +17,9 @@ fn run(text: &str, analysis: &str) -> Context {
 /// The same, with the loads at which events on the path were located.
 fn located(text: &str, analysis: &str) -> Result<(Context, Vec<f64>), StaticsError> {
     let mut found = vec![];
-    let mut job = assemble_text("model.toml", &format!("{text}\n{analysis}\n")).unwrap();
-    let mut q = vec![];
-    let proceed = &mut |_: &mut Context, step: &Step<'_>| {
-        found.extend(step.event.map(|_| step.t));
-        ControlFlow::Continue(())
-    };
-    match &job.plan {
-        Plan::Static(options) => {
-            let done = solve_statics(&mut job.context, &mut q, options, proceed)?;
-            assert!(done.finished, "{analysis}");
-        }
-        Plan::Path(options, _) => {
-            let done = trace_path(&mut job.context, &mut q, options, proceed)?;
-            assert!(done.finished, "{analysis}");
-        }
-        _ => unreachable!("a motion"),
-    }
-    Ok((job.context, found))
+    let text = format!("{text}\n{analysis}\n");
+    let context = solved(&text, &mut |step| found.extend(step.event.map(|_| step.t)))?;
+    Ok((context, found))
 }
 
 /// The displacement of a node along an axis.
@@ -76,6 +61,7 @@ fn a_column_bends_by_the_smallest_lateral_load() {
 
 /// A stiff lever of length 1 on a hinge of moment φ + k₃ φ³, pulled along by F and turned by P.
 fn lever(stiff: f64, k3: f64, [F, P]: [f64; 2]) -> String {
+    let spring = format!("spring = {{ k = 1, k3 = {k3:e} }}");
     [
         &format!(
             "[sections.s]\nstiffness = {{ EA = {stiff}, GA = [{stiff}, {stiff}], GJ = {stiff}, \
@@ -83,11 +69,7 @@ fn lever(stiff: f64, k3: f64, [F, P]: [f64; 2]) -> String {
         ),
         "[nodes]\nroot = [0, 0, 0]\ntip = [1, 0, 0]\n",
         &fixed("root"),
-        &hinge(
-            "hinge",
-            "root",
-            &format!("spring = {{ k = 1, k3 = {k3:e} }}"),
-        ),
+        &hinge("hinge", "root", &spring),
         &beam_line("lever", ["hinge", "tip"], 1, "s"),
         &format!(
             "[[loads]]\nnode = \"tip\"\nforce = [{F}, 0, 0]\ntime = {{ constant = 1 }}\n\
@@ -111,24 +93,17 @@ fn a_soft_spring_among_stiff_beams_finds_its_place() {
     for stiff in [1e8, 1e10] {
         for analysis in ANALYSES {
             let found = moved(&run(&lever(stiff, k3, loads), analysis), "tip", 1);
-            let gap = (found / exact - 1.0).abs();
-            assert!(
-                gap < 1e-6,
-                "{analysis}, {stiff:e}: {found:e}, not {exact:e}"
-            );
+            assert_close(found / exact, 1.0, 1e-6, format!("{analysis}, {stiff:e}"));
         }
     }
 }
 
 #[test]
 fn what_converges_slowly_is_not_called_rounding() {
-    let right = |text: &str, k3: f64, loads: [f64; 2], most: f64| match located(
-        text,
-        "[analysis.static]\nsteps = 1",
-    ) {
+    let once = "[analysis.static]\nsteps = 1";
+    let right = |text: &str, k3: f64, loads: [f64; 2], most: f64| match located(text, once) {
         Ok((model, _)) => {
-            let gap = (moved(&model, "tip", 1) / turn(k3, loads) - 1.0).abs();
-            assert!(gap < most, "off by {gap:.1e}:\n{text}");
+            assert_close(moved(&model, "tip", 1) / turn(k3, loads), 1.0, most, text);
         }
         Err(error) => assert!(matches!(error, StaticsError::Step(_)), "{error}"),
     };
@@ -191,10 +166,8 @@ fn paths_do_not_jump_over_limit_points_of_shallow_structures() {
     for h in [3e-1, 3e-2, 3e-3, 1e-3] {
         for scale in [1.0, 10.0] {
             if let Err(error) = assert_limits(h, 2.0, &format!("load_scale = {scale}")) {
-                assert!(
-                    matches!(error, StaticsError::Step(_)),
-                    "{h}, {scale}: {error}"
-                );
+                let step = matches!(error, StaticsError::Step(_));
+                assert!(step, "{h}, {scale}: {error}");
             }
         }
     }
@@ -220,7 +193,7 @@ fn assert_limits(h: f64, times: f64, steps: &str) -> Result<(), StaticsError> {
     let (_, loads) = located(&truss(1.0, h, times * limit), &analysis)?;
     assert_eq!(loads.len(), 3, "{h}, {steps}: {loads:?}");
     for (load, expected) in loads.iter().zip([1.0 / times, -1.0 / times, 1.0]) {
-        assert!((load - expected).abs() < 1e-6, "{h}, {steps}: {loads:?}");
+        assert_close(*load, expected, 1e-6, format!("{h}, {steps}"));
     }
     Ok(())
 }
@@ -232,8 +205,8 @@ fn a_shallow_truss_of_springs_feels_small_loads() {
         for analysis in ["[analysis.static]\nsteps = 50", ANALYSES[0], ANALYSES[1]] {
             let d = -moved(&run(&truss(k, h, P), analysis), "T", 1);
             assert!(d < 0.4 * h, "before the limit load");
-            let gap = (carried(k, h, d) / P - 1.0).abs();
-            assert!(gap < 1e-8, "{analysis}, P = {P:e}: off by {gap:.1e}");
+            let what = format!("{analysis}, P = {P:e}");
+            assert_close(carried(k, h, d) / P, 1.0, 1e-8, what);
         }
     }
 }

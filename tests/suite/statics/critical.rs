@@ -5,7 +5,7 @@
 use crate::support::beams::{COLUMN, PINNED, line};
 use crate::support::closures::failure;
 use crate::support::laboratory::model;
-use crate::support::program::{assert_close, directory, history, number, ran, results};
+use crate::support::program::{assert_close, assert_says, changed, number, run_of};
 use pullback::input::{Plan, job};
 use pullback::integrators::statics::{
     CriticalKind, StaticNewtonOptions, critical_point, trace_path,
@@ -57,10 +57,8 @@ fn limit_points_directly() {
 
 /// A pinned column with a force of 20 t; EI = 1 in the plane of its motion.
 fn column() -> String {
-    let planar = PINNED
-        .replace("\"z\"]", "\"z\", \"rx\", \"ry\"]")
-        .replace("\"rx\"]", "\"rx\", \"ry\"]")
-        .replace("[-1,", "[-20,");
+    let planar = "\"y\", \"z\"] => \"y\", \"z\", \"rx\", \"ry\"]\n\
+                  \"z\", \"rx\"] => \"z\", \"rx\", \"ry\"]\n[-1, => [-20,";
     let path = r#"
         [[probes]]
         name = "end"
@@ -71,7 +69,7 @@ fn column() -> String {
         stop = [{ load = 0.9 }]
         max_step = 0.05
     "#;
-    line(COLUMN, 8, 3, &(planar + path))
+    line(COLUMN, 8, 3, &(changed(PINNED, planar) + path))
 }
 
 /// Complete elliptic integrals K and E, by the arithmetic-geometric mean (Abramowitz & Stegun 17.6).
@@ -91,12 +89,10 @@ fn elliptic(k: f64) -> [f64; 2] {
 /// 2 (1 − E/K) + P/EA.
 #[test]
 fn a_column_follows_the_elastica() {
-    let out = ran(&directory("critical_elastica"), &column());
-    let rows = history(&out);
-    let found = rows
-        .iter()
-        .position(|r| r["event"] == "bifurcation")
-        .unwrap();
+    let run = run_of("critical_elastica", &column());
+    let rows = &run.rows;
+    let mut events = rows.iter().map(|row| &row["event"]);
+    let found = events.position(|event| event == "bifurcation").unwrap();
     let load = 20.0 * number(&rows[found], "t") / std::f64::consts::PI.powi(2);
     assert!((load - 1.0).abs() < 1e-6, "{load}");
     assert!(rows.len() > found + 10, "{}", rows.len());
@@ -109,12 +105,12 @@ fn a_column_follows_the_elastica() {
         assert_close(number(row, "end.x"), -shortening, 1e-5, angle);
         assert_eq!(row["unstable"], "0", "{angle}");
     }
-    assert_eq!(results(&out)["warnings"], serde_json::json!([]));
+    assert_eq!(run.result["warnings"], serde_json::json!([]));
 }
 
 #[test]
 fn followers_have_no_count_of_unstable_directions() {
     let text = column().replace("[-20, 0, 0]", "[-20, 0, 0]\nfollower = true");
     let said = failure("critical_follower", &text);
-    assert!(said.contains("follower loads have no potential"), "{said}");
+    assert_says(&said, &["follower loads have no potential"]);
 }

@@ -3,6 +3,7 @@
 #![allow(non_snake_case)]
 
 use crate::support::dynamics::{assert_order, observed};
+use crate::support::program::assert_close;
 use nalgebra::Matrix3;
 use pullback::elements::energy::EnergyElement;
 use pullback::elements::model::NodeState;
@@ -24,12 +25,9 @@ const EI: f64 = 4.0;
 fn tip<M: StrainMeasure + Copy + 'static>(measure: M, n: usize, load: NodalLoad) -> NodeState {
     let mut b = ModelBuilder::new();
     let section = Section::diagonal(EA, [100.0, 100.0], 3.0, [EI, EI]).unwrap();
-    let nodes: Vec<NodeId> = (0..=n)
-        .map(|i| {
-            let x = LENGTH * i as f64 / n as f64;
-            b.node(format!("n{i}"), [x, 0.0, 0.0]).unwrap()
-        })
-        .collect();
+    let x = |i: usize| LENGTH * i as f64 / n as f64;
+    let node = |i| b.node(format!("n{i}"), [x(i), 0.0, 0.0]).unwrap();
+    let nodes: Vec<NodeId> = (0..=n).map(node).collect();
     for (i, ends) in nodes.windows(2).enumerate() {
         let positions = [b.position(ends[0]), b.position(ends[1])];
         let beam = strain_beam(measure, &positions, &Matrix3::identity(), &section).unwrap();
@@ -51,7 +49,7 @@ fn bends_into_an_arc<M: StrainMeasure + Copy + 'static>(measure: M) {
     for n in [4, 8, 16] {
         let load = NodalLoad::new(LoadKind::SpatialMoment, moment, Proportional(1.0));
         let state = tip(measure, n, load);
-        assert!((state.psi.z - angle).abs() < 1e-9, "{}", state.psi);
+        assert_close(state.psi.z, angle, 1e-9, n);
         errors.push((state.d + Vector3::x() * LENGTH - arc).norm());
     }
     assert_order("arc", &errors, 2.0, 0.05);
@@ -70,10 +68,10 @@ fn bars_of_the_two_measures_stretch_by_their_laws() {
         |force: f64| NodalLoad::new(LoadKind::DeadForce, [force, 0.0, 0.0], Proportional(1.0));
     let elongation = (stretch - 1.0) * LENGTH;
     let state = tip(Reissner, 3, pull(EA * (stretch - 1.0)));
-    assert!((state.d.x - elongation).abs() < 1e-9, "{}", state.d);
+    assert_close(state.d.x, elongation, 1e-9, "Reissner");
     let force = EA * 0.5 * (stretch * stretch - 1.0) * stretch;
     let state = tip(GreenLagrange, 3, pull(force));
-    assert!((state.d.x - elongation).abs() < 1e-9, "{}", state.d);
+    assert_close(state.d.x, elongation, 1e-9, "Green and Lagrange");
 }
 
 #[test]
@@ -100,10 +98,8 @@ fn a_planet_is_at_its_aphelion_after_half_its_year() {
         let mut context = Context::new(b.build().unwrap());
         let options = DynamicOptions::new(half, half / f64::from(steps));
         let from = [&[0.0; 2][..], &[0.0, speed]];
-        let q = observed(&mut context, from, &options, &mut |_, _| ())
-            .state
-            .q;
-        errors.push((q[0] + 4.0).hypot(q[1]));
+        let end = observed(&mut context, from, &options, &mut |_, _| ()).state;
+        errors.push((end.q[0] + 4.0).hypot(end.q[1]));
     }
     assert_order("planet", &errors, 2.0, 0.05);
     assert!(errors[1] < 1e-3, "{errors:?}");

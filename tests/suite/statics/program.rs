@@ -2,43 +2,30 @@
 #![allow(clippy::unwrap_used, non_snake_case)]
 
 use super::corrections::truss;
-use crate::support::closures::{CLOSURES, GROUND, arm, hinge, joint};
+use crate::support::beams::line;
+use crate::support::closures::{CLOSURES, GROUND, PLAIN, Rows, arm, fixed, hinge, joint};
+use crate::support::drawings::tagged;
 use crate::support::program::{
-    MODEL, assert_says, directory, grid_array, history, number, program, read, results, succeeded,
-    with, write,
+    MODEL, assert_close, assert_says, changed, directory, ended, example, grid_array, number,
+    program, read, run_of, with, write,
 };
+use roxmltree::Document;
 use serde_json::Value;
-use std::collections::HashMap;
 use std::f64::consts::PI;
-use std::path::{Path, PathBuf};
-
-type Rows = Vec<HashMap<String, String>>;
+use std::path::PathBuf;
 
 /// Runs a text to its end: rows, result.json and directory.
 fn run(name: &str, text: &str) -> (Rows, Value, PathBuf) {
-    let directory = directory(name);
-    let model = write(&directory, text);
-    let output = program(&[&model]);
-    let said = succeeded(&output);
-    let out = directory.join("model.out");
-    let result = results(&out);
-    for warning in result["warnings"].as_array().unwrap() {
-        assert!(said.contains(warning.as_str().unwrap()), "{said}");
-    }
-    (history(&out), result, out)
+    let run = run_of(name, text);
+    (run.rows, run.result, run.out)
 }
 
 /// The example of Lee's frame with another analysis.
 fn lee(analysis: &str) -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models/lee_frame.toml");
-    let text = read(path);
-    let start = text.find("[analysis").unwrap();
-    let end = text[start..].find("[[probes]]").unwrap() + start;
-    format!(
-        "{}{analysis}\n{}\n[output]\nfigures = false\nparaview_every = 0\n",
-        &text[..start],
-        &text[end..]
-    )
+    let text = example("lee_frame");
+    let (model, rest) = text.split_once("[analysis").unwrap();
+    let (_, probes) = rest.split_once("[[probes]]").unwrap();
+    [model, analysis, "\n[[probes]]", probes, "\n", PLAIN].concat()
 }
 
 #[test]
@@ -66,13 +53,11 @@ fn located_rows_are_where_they_say_whatever_the_step() {
             let context = format!("first step {step}, {event} at load {}", row["t"]);
             if let Some(load) = event.strip_prefix("load = ") {
                 let load: f64 = load.parse().unwrap();
-                assert!((number(row, "t") - load).abs() < 2e-9, "{context}");
-                for (x, y) in position(&rows, event)
-                    .iter()
-                    .zip(position(&reference, event))
-                {
+                assert_close(number(row, "t"), load, 2e-9, &context);
+                let expected = position(&reference, event);
+                for (x, y) in position(&rows, event).into_iter().zip(expected) {
                     // Of a frame of 120.
-                    assert!((x - y).abs() < 1e-5, "{context}: {x} for {y}");
+                    assert_close(x, y, 1e-5, &context);
                 }
             }
             if !event.is_empty() {
@@ -89,19 +74,16 @@ fn located_rows_are_where_they_say_whatever_the_step() {
 #[test]
 fn a_path_plays_in_the_order_of_its_rows() {
     let analysis = "[analysis.arc_length]\nstop = [\"turning_point\"]\nmax_step = 0.3\n";
-    let (rows, _, out) = run(
-        "statics_pvd",
-        &lee(analysis).replace("paraview_every = 0", "paraview_every = 1"),
-    );
+    let drawn = changed(&lee(analysis), "paraview_every = 0 => paraview_every = 1");
+    let (rows, _, out) = run("statics_pvd", &drawn);
     let text = read(out.join("steps.pvd"));
-    let document = roxmltree::Document::parse(&text).unwrap();
-    let sets = document.descendants().filter(|n| n.has_tag_name("DataSet"));
+    let document = Document::parse(&text).unwrap();
     let mut count = 0;
-    for (k, set) in sets.enumerate() {
+    for (k, set) in tagged(&document, "DataSet").enumerate() {
         assert_eq!(set.attribute("timestep").unwrap().parse(), Ok(k as f64));
         let grid = read(out.join(set.attribute("file").unwrap()));
-        let grid = roxmltree::Document::parse(&grid).unwrap();
-        let data = grid.descendants().find(|n| n.has_tag_name("FieldData"));
+        let grid = Document::parse(&grid).unwrap();
+        let data = tagged(&grid, "FieldData").next();
         let array = data.unwrap().first_element_child().unwrap();
         assert_eq!(array.attribute("Name"), Some("load_parameter"));
         let load = grid_array(&grid, "load_parameter")[0];
@@ -133,15 +115,14 @@ fn a_spring_that_parts_hold_at_the_start_is_in_balance() {
     assert_eq!(result["warnings"].to_string(), "[]");
     let strain = 0.95_f64.hypot(0.33) - 1.1;
     let energy = number(&rows[0], "strain_energy");
-    assert!((energy - 9.0 * strain * strain).abs() < 1e-14, "{energy}");
+    assert_close(energy, 9.0 * strain * strain, 1e-14, "energy");
 }
 
 #[test]
 fn why_stability_is_not_known_is_told() {
     let (rows, result, _) = run("statics_unstable_unknown", MODEL);
     let notes = result["notes"].to_string();
-    assert!(notes.contains("`unstable` stays empty"), "{notes}");
-    assert!(notes.contains("(load 1)"), "{notes}");
+    assert_says(&notes, &["`unstable` stays empty", "(load 1)"]);
     assert!(rows.iter().all(|row| row["unstable"].is_empty()));
 
     // A dead force has a potential, and so has a penalty, with dampers too.
@@ -159,10 +140,8 @@ fn why_stability_is_not_known_is_told() {
         "[analysis.static]\nsteps = 2\n",
     ];
     let (rows, result, _) = run("statics_unstable_penalty", &file.concat());
-    assert!(
-        !result["notes"].to_string().contains("unstable"),
-        "{result}"
-    );
+    let notes = result["notes"].to_string();
+    assert!(!notes.contains("unstable"), "{notes}");
     assert!(rows[1..].iter().all(|row| row["unstable"] == "0"));
 }
 
@@ -170,30 +149,22 @@ fn why_stability_is_not_known_is_told() {
 fn a_balance_that_ends_at_rounding_errors_is_warned_of() {
     // A soft hinge turns a stiff beam: nodes far from where they were drawn, whose rounding errors times EA
     // are no small forces beside the load.
-    let file = |EA: f64| {
-        format!(
-            "[sections.s]\nstiffness = {{ EA = {EA:e}, GA = [{EA:e}, {EA:e}], GJ = 1e6, EI = [1e6, 1e6] }}\n\
-             [nodes]\nroot = [0, 0, 0]\ntip = [5, 0, 0]\n\
-             [[joints]]\nname = \"hinge\"\ntype = \"revolute\"\nparent = \"root\"\naxis = [0, 0, 1]\n\
-             spring = {{ k = 1e-3 }}\n\
-             [[lines]]\nname = \"beam\"\nfrom = \"hinge\"\nto = \"tip\"\nelements = 4\nsection = \"s\"\n\
-             [[supports]]\nnode = \"root\"\nfix = \"all\"\n\
-             [[loads]]\nnode = \"tip\"\nforce = [0, 1e-4, 0]\n\
-             [analysis.static]\nsteps = 2\n"
-        )
-    };
-    for (EA, told) in [(1e2, false), (1e6, true)] {
-        let (rows, result, _) = run("statics_rounding", &file(EA));
-        let ratios = rows
-            .iter()
-            .map(|row| number(row, "residual_over_tolerance"));
+    let rest = [
+        &fixed("A"),
+        &hinge("hinge", "A", "spring = { k = 1e-3 }"),
+        "[[loads]]\nnode = \"B\"\nforce = [0, 1e-4, 0]\n[analysis.static]\nsteps = 2\n",
+    ]
+    .concat();
+    let changes = "from = \"A\" => from = \"hinge\"\nB = [1, => B = [5,";
+    for (EA, told) in [("1e2", false), ("1e6", true)] {
+        let stiffness = format!("EA = {EA}, GA = [{EA}, {EA}], GJ = 1e6, EI = [1e6, 1e6]");
+        let text = changed(&line(&stiffness, 4, 1, &rest), changes);
+        let (rows, result, _) = run("statics_rounding", &text);
+        let ratios = rows.iter().map(|r| number(r, "residual_over_tolerance"));
         let ratio = ratios.fold(0.0, f64::max);
         let warnings = result["warnings"].to_string();
-        assert_eq!(
-            warnings.contains("balance of forces ends"),
-            told,
-            "{ratio}: {warnings}"
-        );
+        let found = warnings.contains("balance of forces ends");
+        assert_eq!(found, told, "{ratio}: {warnings}");
         // 1e-5 of the forces is 10,000 times the tolerance.
         assert_eq!(ratio > 1e4, told, "{ratio}");
     }
@@ -201,56 +172,56 @@ fn a_balance_that_ends_at_rounding_errors_is_warned_of() {
 
 #[test]
 fn what_does_nothing_or_too_much_is_warned_of() {
-    let moment = "moment = [0, 0, 3.141592653589793]";
-    let at_b = "[[loads]]\nnode = \"B\"\nmoment";
-    let first = |result: &Value| {
-        let warnings = result["warnings"].as_array().unwrap();
-        assert_eq!(warnings.len(), 1, "{warnings:?}");
-        warnings[0].as_str().unwrap().to_owned()
+    let warnings = |text: &str| {
+        let (_, result, _) = run("statics_warned", text);
+        serde_json::from_value::<Vec<String>>(result["warnings"].clone()).unwrap()
     };
-    let (_, result, _) = run("statics_well", MODEL);
-    assert_eq!(result["warnings"].as_array().unwrap().len(), 0);
-
-    let idle = with(moment, "moment = [0, 0, 0]");
-    let (_, result, _) = run("statics_idle", &idle);
-    assert!(first(&result).contains("no load acts and nothing is prescribed"));
-
-    let held = with(at_b, "[[loads]]\nnode = \"A\"\nmoment");
-    let (_, result, _) = run("statics_held", &held);
-    assert!(first(&result).contains("supports and joints bear all loads"));
-
-    // EA = 1e6: rounding errors of forces are of the order of 1e-9.
-    let faint = with(moment, "force = [1e-12, 0, 0]");
-    let (_, result, _) = run("statics_faint", &faint);
-    assert!(first(&result).contains("balance of forces ends at rounding errors"));
-
-    // 30 % of elongation, and a bar pressed to -10 % of its length.
-    let stretched = with(moment, "force = [3e5, 0, 0]");
-    let (_, result, _) = run("statics_stretched", &stretched);
-    let said = first(&result);
-    assert_says(&said, &["element beam:", "%"]);
-    let pressed = with(moment, "force = [-1.1e6, 0, 0]").replace(
-        "fix = \"all\"",
-        "fix = \"all\"\n\n[[supports]]\nnode = \"B\"\nfix = [\"y\", \"z\", \"rx\", \"ry\", \"rz\"]",
-    );
-    let (_, result, _) = run("statics_pressed", &pressed);
-    let warnings = result["warnings"].to_string();
-    assert_says(&warnings, &["inside out", "element beam:1"]);
-    assert!(warnings.contains("load parameter 1 "), "{warnings}");
+    assert_eq!(warnings(MODEL), [""; 0]);
+    let moment = "moment = [0, 0, 3.141592653589793]";
+    let at_b = format!("node = \"B\"\n{moment}");
+    for (old, new, told) in [
+        (
+            moment,
+            "moment = [0, 0, 0]",
+            &["no load acts and nothing is prescribed"][..],
+        ),
+        (
+            &at_b,
+            &at_b.replace('B', "A"),
+            &["supports and joints bear all loads"],
+        ),
+        // EA = 1e6: rounding errors of forces are of the order of 1e-9.
+        (
+            moment,
+            "force = [1e-12, 0, 0]",
+            &["balance of forces ends at rounding errors"],
+        ),
+        // 30 % of elongation.
+        (moment, "force = [3e5, 0, 0]", &["element beam:", "%"]),
+    ] {
+        let warnings = warnings(&with(old, new));
+        assert_eq!(warnings.len(), 1, "{warnings:?}");
+        assert_says(&warnings[0], told);
+    }
+    // A bar pressed to -10 % of its length.
+    let guide = "[[supports]]\nnode = \"B\"\nfix = [\"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n";
+    let pressed = with(moment, "force = [-1.1e6, 0, 0]") + guide;
+    let warnings = warnings(&pressed).concat();
+    let told = ["inside out", "element beam:1", "load parameter 1 "];
+    assert_says(&warnings, &told);
 }
 
 #[test]
 fn the_equilibrium_at_the_start_is_the_first_row() {
     // Half of the moment is there at the start, the other half grows: both turn the tip by M L/EI.
     let half = format!("moment = [0, 0, {}]", PI / 2.0);
+    let growing = format!("\n[[loads]]\nnode = \"B\"\n{half}\n");
     let constant = format!("{half}\ntime = {{ constant = 1 }}");
-    let text = with("moment = [0, 0, 3.141592653589793]", &constant);
-    let text = text.replacen(
-        "[analysis.static]",
-        &format!("[[loads]]\nnode = \"B\"\n{half}\n\n[analysis.static]"),
-        1,
+    let text = with("moment = [0, 0, 3.141592653589793]", &constant) + &growing;
+    let path = changed(
+        &text,
+        "[analysis.static]\\nsteps = 4 => [analysis.arc_length]",
     );
-    let path = text.replace("[analysis.static]\nsteps = 4", "[analysis.arc_length]");
     for (name, text) in [("statics_start", text), ("statics_start_path", path)] {
         let (rows, result, _) = run(name, &text);
         assert_eq!(rows[0]["step"], "0");
@@ -258,14 +229,12 @@ fn the_equilibrium_at_the_start_is_the_first_row() {
         assert!(number(&rows[0], "iterations") > 1.0);
         for row in &rows {
             let expected = (1.0 + number(row, "t")) * PI / 4.0;
-            assert!((number(row, "turn") - expected).abs() < 1e-8, "{name}");
+            assert_close(number(row, "turn"), expected, 1e-8, name);
         }
         let told: f64 = rows.iter().map(|r| number(r, "iterations")).sum();
         assert_eq!(result["statistics"]["iterations"], told as u64);
-        assert_eq!(
-            result["statistics"]["steps"].to_string(),
-            rows.iter().map(|r| r["step"].as_str()).next_back().unwrap()
-        );
+        let last = &rows[rows.len() - 1]["step"];
+        assert_eq!(&result["statistics"]["steps"].to_string(), last);
     }
 }
 
@@ -289,10 +258,7 @@ fn figures_tell_exaggeration_and_incompleteness() {
         "steps = 4",
         "first_step = 0.25\nmax_step = 0.25\nmin_step = 0.2\nnewton = { max_iterations = 1 }",
     );
-    assert_eq!(
-        program(&[&write(&directory, &failing)]).status.code(),
-        Some(1)
-    );
+    ended(&program(&[&write(&directory, &failing)]), 1);
     for name in ["deformed.svg", "history.svg"] {
         let figure = read(directory.join("model.out").join(name));
         assert!(figure.contains("Quarter circle, incomplete"), "{name}");
@@ -308,14 +274,13 @@ fn a_truss_of_springs_snaps_through_and_is_drawn() {
     let y = (rest.powf(2.0 / 3.0) - 1.0).sqrt();
     let limit = 2.0 * y * (rest / (1.0 + y * y).sqrt() - 1.0);
     let turning = rows.iter().find(|r| r["event"] == "turning_point").unwrap();
-    assert!((0.1 * number(turning, "t") / limit - 1.0).abs() < 1e-6);
+    assert_close(0.1 * number(turning, "t") / limit, 1.0, 1e-6, "limit");
     let warnings = result["warnings"].to_string();
-    assert!(warnings.contains("limit point between"), "{warnings}");
-    assert!(warnings.contains("would snap through"), "{warnings}");
+    assert_says(&warnings, &["limit point between", "would snap through"]);
     let text = read(out.join("step_0000.vtu"));
-    let document = roxmltree::Document::parse(&text).unwrap();
-    let piece = document.descendants().find(|n| n.has_tag_name("Piece"));
-    assert_eq!(piece.unwrap().attribute("NumberOfCells"), Some("2"));
+    let document = Document::parse(&text).unwrap();
+    let piece = tagged(&document, "Piece").next().unwrap();
+    assert_eq!(piece.attribute("NumberOfCells"), Some("2"));
     let ends = [-1.0, 0.0, 0.0, 0.0, 0.5, 0.0, 0.0, 0.5, 0.0, 1.0, 0.0, 0.0];
     assert_eq!(grid_array(&document, "Points"), ends);
     assert_eq!(grid_array(&document, "types"), [3.0, 3.0]);

@@ -2,13 +2,11 @@
 //! limit points.
 #![allow(clippy::unwrap_used, non_snake_case)]
 
+use super::solved;
 use crate::support::beams::{COLUMN, PINNED, line};
-use crate::support::program::{directory, history, number, program, results, succeeded, write};
-use pullback::input::{Plan, assemble_text};
-use pullback::integrators::statics::{Step, solve_statics, trace_path};
-use pullback::prelude::*;
+use crate::support::closures::{CLOSURES, fixed, hinge};
+use crate::support::program::{assert_says, changed, example, run_of};
 use std::f64::consts::PI;
-use std::ops::ControlFlow;
 
 /// Elements of a column.
 const ELEMENTS: usize = 16;
@@ -33,21 +31,8 @@ fn euler_loads(EI: f64, most: f64) -> Vec<f64> {
 
 /// Load and unstable directions of each row.
 fn counts(text: &str) -> Vec<(f64, Option<usize>)> {
-    let mut job = assemble_text("column.toml", text).unwrap();
     let mut found = Vec::new();
-    let mut observe = |_: &mut Context, step: &Step<'_>| {
-        found.push((step.t, step.unstable));
-        ControlFlow::Continue(())
-    };
-    match &job.plan {
-        Plan::Static(options) => {
-            solve_statics(&mut job.context, &mut vec![], options, &mut observe).unwrap();
-        }
-        Plan::Path(options, _) => {
-            trace_path(&mut job.context, &mut vec![], options, &mut observe).unwrap();
-        }
-        _ => unreachable!("a motion"),
-    }
+    solved(text, &mut |step| found.push((step.t, step.unstable))).unwrap();
     found
 }
 
@@ -83,84 +68,51 @@ fn each_eulers_load_of_a_straight_column_is_one_more_direction() {
 #[test]
 fn multipliers_do_not_count() {
     // The hinge at A as a joint that is closed by multipliers, one of six equations redundant or not.
-    let pinned = "node = \"A\"\nfix = [\"x\", \"y\", \"z\"]";
-    let hinged = r#"
-        node = "G"
-        fix = "all"
-        [[joints]]
-        name = "hinge"
-        type = "revolute"
-        parent = "G"
-        axis = [0, 0, 1]
-        child = "A"
-        closure = "multipliers"
-    "#;
+    let closed = format!("child = \"A\"\n{}", CLOSURES[1]);
+    let hinged = (fixed("G") + &hinge("hinge", "G", &closed)).replace('\n', "\\n");
+    let pinned = "[[supports]]\\nnode = \"A\"\\nfix = [\"x\", \"y\", \"z\"]\\n";
+    let changes = format!("A = [0, 0, 0] => &\\nG = [0, 0, 0]\n{pinned} => {hinged}");
     let first = euler_loads(1.0, 20.0)[0];
     for (load, expected) in [(0.99 * first, 0), (1.01 * first, 1)] {
         let steps = format!("[analysis.static]\nto = {load:?}\nsteps = 2");
-        let text = column(&steps).replace("A = [0, 0, 0]", "A = [0, 0, 0]\nG = [0, 0, 0]");
-        assert!(text.contains(pinned));
-        let rows = counts(&text.replace(pinned, hinged));
-        assert_eq!(rows[0].1, Some(0), "{load}");
-        assert_eq!(rows[1].1, Some(expected), "{load}");
+        let rows = counts(&changed(&column(&steps), &changes));
+        assert_eq!([rows[0].1, rows[1].1], [Some(0), Some(expected)], "{load}");
     }
 }
 
 #[test]
 fn a_column_beyond_its_load_is_warned_of() {
-    let directory = directory("stability_column");
     let first = euler_loads(1.0, 20.0)[0];
     let steps = format!("[analysis.static]\nto = {}\nsteps = 2", 1.5 * first);
-    let model = write(&directory, &column(&steps));
-    let said = succeeded(&program(&[&model]));
-    let result = results(&directory.join("model.out"));
-    let warnings = result["warnings"].as_array().unwrap();
+    let run = run_of("stability_column", &column(&steps));
+    let warnings = run.result["warnings"].as_array().unwrap();
     assert_eq!(warnings.len(), 1, "{warnings:?}");
+    let before = (0.75 * first * 1e4).floor() / 1e4;
+    let span = format!("between load parameter {before:.4}");
+    let told = [&span, "bifurcation", "unstable in 1 direction"];
     let words = warnings[0].as_str().unwrap();
-    assert!(said.contains(words), "{said}");
-    let span = format!(
-        "between load parameter {:.4}",
-        (0.75 * first * 1e4).floor() / 1e4
-    );
-    for part in [
-        &span,
-        "bifurcation",
-        "unstable in 1 direction",
-        "imperfection",
-        "max_step",
-    ] {
-        assert!(words.contains(part), "{part}: {words}");
-    }
-    assert_eq!(result["last"]["unstable"], 1);
-    let rows = history(&directory.join("model.out"));
-    let column: Vec<&str> = rows.iter().map(|r| r["unstable"].as_str()).collect();
+    assert_says(words, &told);
+    assert_says(words, &["imperfection", "max_step"]);
+    assert_eq!(run.result["last"]["unstable"], 1);
+    let column: Vec<&str> = run.rows.iter().map(|r| &r["unstable"][..]).collect();
     assert_eq!(column, ["", "0", "1"]);
 }
 
 #[test]
 fn a_deep_arch_is_unstable_from_its_limit_point_on() {
-    let directory = directory("stability_arch");
-    let example = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/examples/models/deep_arch.toml"
-    );
-    let out = directory.join("out");
-    succeeded(&program(&[example.as_ref(), "--out".as_ref(), &out]));
-    let rows = history(&out);
-    let turning = rows.iter().position(|r| r["event"] == "turning_point");
-    let turning = turning.unwrap();
-    // Where the tangent is singular nothing can be said.
-    assert_eq!(rows[turning]["unstable"], "");
-    let known = |row: &&std::collections::HashMap<String, String>| !row["unstable"].is_empty();
-    assert!(
-        rows[1..turning]
-            .iter()
-            .all(|r| number(r, "unstable") == 0.0)
-    );
-    for row in rows[turning..].iter().filter(known) {
-        assert_eq!(number(row, "unstable"), 1.0, "load {}", row["t"]);
+    let run = run_of("stability_arch", &example("deep_arch"));
+    let mut events = run.rows.iter().map(|row| &row["event"]);
+    let turning = events.position(|event| event == "turning_point").unwrap();
+    for (k, row) in run.rows.iter().enumerate().skip(1) {
+        let load = format!("load {}", row["t"]);
+        match &row["unstable"][..] {
+            // Where the tangent is singular nothing can be said.
+            "" => assert!(k >= turning, "{load}"),
+            unstable => {
+                assert_ne!(k, turning, "{load}");
+                assert_eq!(unstable, if k < turning { "0" } else { "1" }, "{load}");
+            }
+        }
     }
-    let result = results(&out);
-    let words = result["warnings"][0].as_str().unwrap();
-    assert!(words.contains("limit point"), "{words}");
+    assert_says(&run.result["warnings"].to_string(), &["limit point"]);
 }

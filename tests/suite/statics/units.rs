@@ -2,7 +2,8 @@
 
 #![allow(non_snake_case)]
 
-use crate::support::dynamics::{grounded, observed, revolute, spring};
+use crate::support::dynamics::{grounded, observed, revolute, spring, weighed};
+use crate::support::program::assert_close;
 use nalgebra::{Matrix3, Matrix6};
 use pullback::elements::body::RigidBody;
 use pullback::elements::spring::Bushing;
@@ -15,9 +16,7 @@ fn pendulum(arm: f64, far: f64, k: f64, g: [f64; 3]) -> (Context, NodeId) {
     let hinge = revolute(&mut b, "hinge", ground, [0.0, 1.0, 0.0]);
     let center = Vector3::new(0.0, 0.0, -arm);
     let body = RigidBody::new(1.0, Matrix3::zeros(), center).unwrap();
-    let weight = body.weight(g.map(|g| g * arm), Constant(1.0));
-    b.element("body", body, &[hinge.frame]).unwrap();
-    b.element("weight", weight, &[hinge.frame]).unwrap();
+    weighed(&mut b, "body", hinge.frame, body, g.map(|g| g * arm));
     spring(&mut b, k * arm * arm, hinge.coordinates[0]);
     if far > 0.0 {
         let other = b.node("other", [far, 0.0, 0.0]).unwrap();
@@ -62,9 +61,8 @@ fn what_swings_at_one_place_knows_no_metre() {
     assert!(expected[0].abs() < 1.4, "a motion: {expected:?}");
     for (arm, far) in arms() {
         let found = swing(arm, far);
-        for k in 0..2 {
-            let gap = (found[k] - expected[k]).abs();
-            assert!(gap < 1e-9, "{arm:e}, {far:e}: {found:?}, not {expected:?}");
+        for (found, expected) in found.into_iter().zip(expected) {
+            assert_close(found, expected, 1e-9, format!("{arm:e}, {far:e}"));
         }
     }
 }
@@ -77,16 +75,13 @@ fn a_force_turned_by_a_bushing_is_followed_in_any_unit() {
     let (s, c) = (psi.sin() / psi, (1.0 - psi.cos()) / 2.0);
     let expected = Vector3::new(c, 1.0 - c, s);
     for length in [1.0, 1e-9, 1e-3, 1e3, 1e9] {
-        let mut b = ModelBuilder::new();
-        let ground = b.node("ground", [0.0; 3]).unwrap();
+        let (mut b, ground) = grounded();
         let end = b.node("end", [0.0; 3]).unwrap();
-        b.support(ground, &Dof::ALL);
         let turning = length * length;
         let stiffness = [1.0, 1.0, 1.0, turning, turning, turning];
         let K = Matrix6::from_diagonal(&stiffness.into());
-        let positions = [Vector3::zeros(); 2];
-        let bushing =
-            Bushing::new(&positions, &Matrix3::identity(), &K, &Matrix6::zeros()).unwrap();
+        let (here, axes) = ([Vector3::zeros(); 2], Matrix3::identity());
+        let bushing = Bushing::new(&here, &axes, &K, &Matrix6::zeros()).unwrap();
         b.element("bushing", bushing, &[ground, end]).unwrap();
         let moment = [turning, turning, 0.0];
         for (name, which, load) in [
