@@ -1,12 +1,15 @@
 //! Every joint has a picture on its page, and every picture is used.
 #![allow(clippy::unwrap_used)]
 
+use super::theory::text;
+use crate::support::program::{assert_says, read};
 use std::path::Path;
 
 #[test]
 fn the_page_shows_every_picture() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let page = std::fs::read_to_string(root.join("docs/joints.md")).unwrap();
+    let page = read(root.join("docs/joints.md"));
+    let sources = text(&root.join("elements/src/joint"));
     let mut pictures = 0;
     for entry in std::fs::read_dir(root.join("elements/images")).unwrap() {
         let path = entry.unwrap().path();
@@ -15,25 +18,14 @@ fn the_page_shows_every_picture() {
         }
         pictures += 1;
         let name = path.file_stem().unwrap().to_str().unwrap();
-        assert!(
-            page.contains(&format!("![](../elements/images/{name}.svg)")),
-            "{name}"
-        );
-        assert!(
-            page.contains(&format!("`{name}`")) || name == "offset",
-            "{name}"
-        );
-        let text = std::fs::read_to_string(&path).unwrap();
+        assert_says(&page, &[&format!("![](../elements/images/{name}.svg)")]);
+        let named = page.contains(&format!("`{name}`"));
+        assert!(named || name == "offset", "{name}");
+        let text = read(&path);
         // The documentation of the library has it as it is: an HTML block ends at an empty line.
         assert!(!text.contains("\n\n"), "{name}");
         roxmltree::Document::parse(&text).unwrap();
-        let source = root.join("elements/src/joint");
-        let files = std::fs::read_dir(source).unwrap();
-        let mut files = files.map(|file| file.unwrap().path());
-        let shown = files.any(|file| {
-            let text = std::fs::read_to_string(file).unwrap_or_default();
-            text.contains(&format!("images/{name}.svg"))
-        });
+        let shown = sources.contains(&format!("images/{name}.svg"));
         assert!(shown, "{name} is not in the documentation of the library");
     }
     assert_eq!(page.matches("![](").count(), pictures);

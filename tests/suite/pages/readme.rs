@@ -20,12 +20,8 @@ fn the_first_program_is_the_example() {
 
 #[test]
 fn its_model_assembles() {
-    let models: Vec<&str> = README.split("```toml\n").skip(1).collect();
-    assert_eq!(models.len(), 1);
-    for model in models {
-        let text = model.split("```").next().unwrap();
-        pullback::input::assemble_text("README.md", text).unwrap();
-    }
+    assert_eq!(README.matches("```toml\n").count(), 1);
+    pullback::input::assemble_text("README.md", block("```toml")).unwrap();
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::fs::read_to_string;
 use std::path::Path;
 
 /// The text of a file, or of all files of a directory.
-fn text(path: &Path) -> String {
+pub(super) fn text(path: &Path) -> String {
     if !path.is_dir() {
         return read_to_string(path).unwrap();
     }

@@ -2,10 +2,11 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::support::included::{hold, hold_pieces, update};
-use crate::support::program::{directory, history, number, read};
+use crate::support::program::{
+    assert_says, changed, directory, example, history, number, printed, read,
+};
 use std::fs::create_dir_all;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 const TOML: &str = "```toml\n";
 
@@ -14,26 +15,18 @@ fn root() -> &'static Path {
 }
 
 /// An empty directory with a model of the examples, whose parts are replaced.
-fn with_model(directory: &Path, model: &str, changes: &[[&str; 2]]) -> PathBuf {
+fn with_model(directory: &Path, model: &str, changes: &str) -> PathBuf {
     let path = directory.join("examples/models").join(model);
     create_dir_all(path.parent().unwrap()).unwrap();
-    let mut text = read(root().join("examples/models").join(model));
-    for [old, new] in changes {
-        assert!(text.contains(old), "{model} has no {old}");
-        text = text.replace(old, new);
-    }
-    std::fs::write(&path, text).unwrap();
+    std::fs::write(&path, changed(&example(model), changes)).unwrap();
     path
 }
 
-/// What the program prints in a directory.
-fn printed<'a>(directory: &Path, arguments: impl IntoIterator<Item = &'a str>) -> String {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_pullback"));
-    let output = command.args(arguments).current_dir(directory).output();
-    let output = output.unwrap();
-    let errors = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{errors}");
-    String::from_utf8(output.stdout).unwrap()
+/// Runs a model of the examples, whose parts are replaced, in a directory; where its results are.
+fn ran(directory: &Path, model: &str, changes: &str) -> PathBuf {
+    let model = with_model(directory, model, changes);
+    printed(directory, &format!("run {}", model.display()));
+    model.with_extension("out")
 }
 
 /// Whether two texts are the same but for numbers that differ by the tolerance at most, as rounding
@@ -60,13 +53,12 @@ fn hold_output(page: &str, directory: &Path) {
     let mut commands = 0;
     for part in parts {
         let (command, rest) = part.split_once("\n```\n").unwrap();
-        let arguments = command.split_whitespace().filter(|word| *word != "\\");
         after += &[COMMAND, command, "\n```\n"].concat();
         let Some(old) = rest.strip_prefix("\n```text\n") else {
             after += rest;
             continue;
         };
-        let output = printed(directory, arguments);
+        let output = printed(directory, &command.replace('\\', ""));
         let (old, rest) = old.split_once("```\n").unwrap();
         let same = alike(old.trim_end(), output.trim_end(), 1e-12);
         let text = if same { old } else { &output };
@@ -105,17 +97,14 @@ fn rows(page: &str, first: &str) -> Vec<Vec<String>> {
 fn is(cell: &str, value: f64) {
     let shown: f64 = cell.parse().unwrap();
     let digits = cell.split('.').nth(1).map_or(0, str::len);
-    let unit = if cell.contains('e') {
-        0.1 * shown.abs()
-    } else {
-        0.51 * 0.1_f64.powi(i32::try_from(digits).unwrap())
+    let unit = match cell.contains('e') {
+        true => 0.1 * shown.abs(),
+        false => 0.51 * 0.1_f64.powi(i32::try_from(digits).unwrap()),
     };
     // What is left of rounding errors is different on every machine.
     let off = (shown - value).abs();
-    assert!(
-        off <= unit || shown.max(value.abs()) < 1e-12,
-        "{cell} for {value}"
-    );
+    let rest = shown.max(value.abs()) < 1e-12;
+    assert!(off <= unit || rest, "{cell} for {value}");
 }
 
 #[test]
@@ -123,7 +112,7 @@ fn the_beam() {
     const PAGE: &str = "docs/tutorial/1_beam.md";
     hold(PAGE, TOML, 0..1, "examples/models/elastica.toml", true);
     let place = directory("tutorial_beam");
-    let model = with_model(&place, "elastica.toml", &[]);
+    let model = with_model(&place, "elastica.toml", "");
     hold_output(PAGE, &place);
     let out = model.with_extension("out");
     hold_picture("elastica", &out.join("deformed.svg"));
@@ -135,30 +124,17 @@ fn the_beam() {
         is(&row[3], -number(step, "tip.x"));
     }
     for [elements, order] in [["5", "1"], ["10", "1"], ["20", "1"], ["5", "2"], ["5", "3"]] {
-        let elements_line = format!("elements = {elements}");
-        let order_line = format!("order = {order}");
-        let changes = [
-            ["elements = 20", &*elements_line],
-            ["order = 3", &order_line],
-        ];
-        let model = with_model(&place, "elastica.toml", &changes);
-        printed(&place, ["run", model.to_str().unwrap()]);
-        let tip = number(
-            history(&model.with_extension("out")).last().unwrap(),
-            "tip.y",
-        );
-        let found = rows(PAGE, elements);
-        let row = found
-            .iter()
-            .find(|r| r.len() == 4 && r[1] == order)
-            .unwrap();
+        let changes =
+            format!("elements = 20 => elements = {elements}\norder = 3 => order = {order}");
+        let steps = history(&ran(&place, "elastica.toml", &changes));
+        let tip = number(steps.last().unwrap(), "tip.y");
+        let mut found = rows(PAGE, elements).into_iter();
+        let row = found.find(|r| r.len() == 4 && r[1] == order).unwrap();
         is(&row[2], tip);
         // Exact: elliptic integrals (Mattiasson 1981).
         is(&row[3], 0.8106090249 - tip);
     }
-    let model = with_model(&place, "rollup.toml", &[]);
-    printed(&place, ["run", model.to_str().unwrap()]);
-    let last = history(&model.with_extension("out")).pop().unwrap();
+    let last = history(&ran(&place, "rollup.toml", "")).pop().unwrap();
     assert!(read(root().join(PAGE)).contains(" 12.5663706144,"));
     is("12.5663706144", number(&last, "turn"));
     assert!((number(&last, "tip.x") + 1.0).abs() < 1e-12);
@@ -169,20 +145,17 @@ fn the_mechanism() {
     const PAGE: &str = "docs/tutorial/2_mechanism.md";
     hold_pieces(PAGE, TOML, 0..3, "examples/models/four_bar.toml");
     let place = directory("tutorial_mechanism");
-    let model = with_model(&place, "four_bar.toml", &[]);
+    let model = with_model(&place, "four_bar.toml", "");
     hold_output(PAGE, &place);
-    hold_picture(
-        "four_bar",
-        &model.with_extension("out").join("deformed.svg"),
-    );
+    let out = model.with_extension("out");
+    hold_picture("four_bar", &out.join("deformed.svg"));
     for (first, step) in [
         ("step 0.002", "step = 0.002"),
         ("step 0.001, as in the file", "step = 0.001"),
         ("step 0.0005", "step = 0.0005"),
     ] {
-        let model = with_model(&place, "four_bar.toml", &[["step = 0.001", step]]);
-        printed(&place, ["run", model.to_str().unwrap()]);
-        let steps = history(&model.with_extension("out"));
+        let changes = format!("step = 0.001 => {step}");
+        let steps = history(&ran(&place, "four_bar.toml", &changes));
         let gap = |axis| {
             let [a, b] = ["a", "b"].map(|end| format!("gap {end}.{axis}"));
             steps
@@ -206,23 +179,19 @@ fn the_motion() {
     hold_pieces(PAGE, TOML, 0..1, "examples/models/pendulum.toml");
     hold_pieces(PAGE, TOML, 1..2, "examples/models/double_pendulum.toml");
     let place = directory("tutorial_motion");
-    with_model(&place, "pendulum.toml", &[]);
+    with_model(&place, "pendulum.toml", "");
     hold_output(PAGE, &place);
     for step in ["0.02", "0.01", "0.005"] {
-        let line = format!("step = {step}");
-        let model = with_model(&place, "pendulum.toml", &[["step = 0.01", &line]]);
-        printed(&place, ["run", model.to_str().unwrap()]);
-        let steps = history(&model.with_extension("out"));
+        let changes = format!("step = 0.01 => step = {step}");
+        let steps = history(&ran(&place, "pendulum.toml", &changes));
         let last = steps.last().unwrap();
         let [x, z] = ["bob.x", "bob.z"].map(|name| number(last, name));
         let row = &rows(PAGE, step)[0];
         is(&row[1], x);
         is(&row[2], z);
         // Exact: elliptic functions, as in the gallery.
-        is(
-            &row[3],
-            (x + 0.275087462576117).hypot(z + 0.961419205099125),
-        );
+        let off = (x + 0.275087462576117).hypot(z + 0.961419205099125);
+        is(&row[3], off);
         let defects = steps.iter().map(|row| number(row, "energy_defect").abs());
         is(&row[4], defects.fold(0.0, f64::max));
     }
@@ -232,22 +201,17 @@ fn the_motion() {
     assert_eq!(schemes.len(), 6);
     for row in schemes {
         let cells: Vec<&str> = row.trim_matches('|').split('|').map(str::trim).collect();
-        let line = format!("scheme = {}", cells[0].trim_matches('`'));
-        let changes = [
-            ["scheme = { newmark = [0.25, 0.5] }", &*line],
-            ["record_every = 5", "record_every = 1"],
-        ];
-        let model = with_model(&place, "double_pendulum.toml", &changes);
-        printed(&place, ["run", model.to_str().unwrap()]);
-        let steps = history(&model.with_extension("out"));
+        let scheme = cells[0].trim_matches('`');
+        let changes = format!(
+            "{{ newmark = [0.25, 0.5] }} => {scheme}\nrecord_every = 5 => record_every = 1"
+        );
+        let steps = history(&ran(&place, "double_pendulum.toml", &changes));
         let defects = steps.iter().map(|row| number(row, "energy_defect").abs());
         is(cells[2], defects.fold(0.0, f64::max));
         let solutions: f64 = steps.iter().map(|row| number(row, "iterations")).sum();
         is(cells[3], solutions / (steps.len() - 1) as f64);
     }
-    let model = with_model(&place, "double_pendulum.toml", &[]);
-    printed(&place, ["run", model.to_str().unwrap()]);
-    let out = model.with_extension("out");
+    let out = ran(&place, "double_pendulum.toml", "");
     hold_picture("double_pendulum", &out.join("deformed.svg"));
     hold_picture("double_pendulum_history", &out.join("history.svg"));
 }
@@ -268,13 +232,12 @@ fn the_comparison() {
     let text = read(root().join(PAGE));
     let command = text.split("```sh\npullback compare ").nth(1).unwrap();
     let command = command.split("\n```").next().unwrap();
-    let arguments = command.split_whitespace().filter(|word| *word != "\\");
-    let table = printed(&place, std::iter::once("compare").chain(arguments));
+    let table = printed(&place, &format!("compare {}", command.replace('\\', "")));
     hold_picture("convergence", &place.join("comparison/convergence.svg"));
     let report = read(place.join("comparison/compare.md"));
     let report = report.replace("·10<sup>−", "e-").replace("</sup>", "");
     let (_, work) = report.split_once("## Errors at equal work").unwrap();
-    assert!(work.contains("At 1415 assemblies"), "{work}");
+    assert_says(work, &["At 1415 assemblies"]);
     let errors = read(place.join("comparison/compare.csv"));
     let head: Vec<&str> = errors.lines().next().unwrap().split(',').collect();
     let column = |name| head.iter().position(|h| *h == name).unwrap();
@@ -284,7 +247,7 @@ fn the_comparison() {
             panic!("two tables have {scheme}");
         };
         let line = table.lines().find(|l| l.starts_with(scheme)).unwrap();
-        assert!(line.contains(&orders[2]), "{} for {line}", orders[2]);
+        assert_says(line, &[&orders[2]]);
         let lines = errors.lines().map(|l| l.split(',').collect::<Vec<_>>());
         let lines = lines.filter(|cells| cells[scheme_at] == scheme);
         let found: Vec<f64> = lines.map(|c| c[error_at].parse().unwrap()).collect();
@@ -293,7 +256,7 @@ fn the_comparison() {
             is(cell, error);
         }
         let row = format!("| {scheme} | {} ({})", costs[1], costs[2]);
-        assert!(work.contains(&row), "{row}: {work}");
+        assert_says(work, &[&row]);
     }
 }
 

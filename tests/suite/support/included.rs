@@ -13,37 +13,44 @@ fn read(path: &str) -> String {
     fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 }
 
-/// The page with the text of the source in the blocks of this range that begin with the fence.
-fn include(page: &str, fence: &str, blocks: Range<usize>, source: &str) -> String {
+/// The blocks of a page that begin with the fence.
+fn blocks<'a>(page: &'a str, fence: &str) -> Vec<&'a str> {
+    let parts = page.split(fence).skip(1);
+    parts
+        .map(|part| part.split_once("\n```").expect("a block ends").0)
+        .collect()
+}
+
+/// The page with other texts in its blocks.
+fn replaced(page: &str, fence: &str, texts: &[&str]) -> String {
     let mut parts = page.split(fence);
     let mut out = parts.next().unwrap_or_default().to_owned();
-    let parts: Vec<(&str, &str)> = parts
-        .map(|part| part.split_once("\n```").expect("a block ends"))
-        .collect();
-    let mut from = 0;
-    let starts: Vec<usize> = parts[blocks.clone()]
-        .iter()
-        .map(|(block, _)| {
-            let first = block.lines().next().unwrap_or_default();
-            let line = format!("\n{first}\n");
-            let at = format!("\n{source}")[from..].find(&line);
-            let at =
-                at.unwrap_or_else(|| panic!("a block begins with `{first}`, which is no line of the source after byte {from}"));
-            from += at + 1;
-            from - 1
-        })
-        .collect();
-    for (k, (block, rest)) in parts.iter().enumerate() {
-        let text = match k.checked_sub(blocks.start) {
-            Some(i) if i < starts.len() => {
-                let end = starts.get(i + 1).copied().unwrap_or(source.len());
-                source[starts[i]..end].trim_end()
-            }
-            _ => block,
-        };
+    for (part, text) in parts.zip(texts) {
+        let (_, rest) = part.split_once("\n```").expect("a block ends");
         out += &[fence, text, "\n```", rest].concat();
     }
     out
+}
+
+/// Where lines stand in a source after a position.
+fn find(source: &str, from: usize, lines: &str) -> usize {
+    let at = format!("\n{source}\n")[from..].find(&format!("\n{lines}\n"));
+    from + at.unwrap_or_else(|| panic!("`{lines}` is not in the source after byte {from}"))
+}
+
+/// The page with the text of the source in the blocks of this range that begin with the fence.
+fn include(page: &str, fence: &str, range: Range<usize>, source: &str) -> String {
+    let mut texts = blocks(page, fence);
+    let mut ends = Vec::new();
+    for block in &texts[range.clone()] {
+        let from = ends.last().map_or(0, |at| at + 1);
+        ends.push(find(source, from, block.lines().next().unwrap_or_default()));
+    }
+    ends.push(source.len());
+    for (text, ends) in texts[range].iter_mut().zip(ends.windows(2)) {
+        *text = source[ends[0]..ends[1]].trim_end();
+    }
+    replaced(page, fence, &texts)
 }
 
 /// Fails where the text of a page is not what it has to be, or writes it.
@@ -62,54 +69,34 @@ pub fn update(page: &str, before: &str, after: &str) {
 
 /// The page with pieces of the source in the blocks of this range that begin with the fence. The first
 /// two and the last two lines of a block say where in the source its piece begins and ends.
-fn include_pieces(page: &str, fence: &str, blocks: Range<usize>, source: &str) -> String {
-    let mut parts = page.split(fence);
-    let mut out = parts.next().unwrap_or_default().to_owned();
-    let text = format!("\n{source}");
-    for (k, part) in parts.enumerate() {
-        if !blocks.contains(&k) {
-            out += &[fence, part].concat();
-            continue;
-        }
-        let (block, rest) = part.split_once("\n```").expect("a block ends");
-        let lines: Vec<&str> = block.lines().collect();
+fn include_pieces(page: &str, fence: &str, range: Range<usize>, source: &str) -> String {
+    let mut texts = blocks(page, fence);
+    for text in &mut texts[range] {
+        let lines: Vec<&str> = text.lines().collect();
         let [first, last] = [&lines[..2], &lines[lines.len() - 2..]].map(|l| l.join("\n"));
-        let missing = |what: &str| format!("`{what}` is not in the source of a piece");
-        let at = text.find(&format!("\n{first}\n"));
-        let at = at.unwrap_or_else(|| panic!("{}", missing(&first))) + 1;
-        let end = text[at..].find(&format!("\n{last}\n"));
-        let end = at + end.unwrap_or_else(|| panic!("{}", missing(&last))) + 1 + last.len();
-        out += &[fence, &text[at..end], "\n```", rest].concat();
+        let at = find(source, 0, &first);
+        *text = &source[at..find(source, at, &last) + last.len()];
     }
-    out
+    replaced(page, fence, &texts)
 }
 
 /// Holds blocks of a page to the pieces of the source that they include, or writes them.
-pub fn hold_pieces(page: &str, fence: &str, blocks: Range<usize>, source: &str) {
-    let (before, text) = (read(page), read(source));
-    let found = before.matches(fence).count();
-    assert!(found >= blocks.end, "{page} has {found} blocks");
-    update(
-        page,
-        &before,
-        &include_pieces(&before, fence, blocks, &text),
-    );
+pub fn hold_pieces(page: &str, fence: &str, range: Range<usize>, source: &str) {
+    let before = read(page);
+    let after = include_pieces(&before, fence, range, &read(source));
+    update(page, &before, &after);
 }
 
 /// Holds blocks of a page to the source that they include, or writes them. All of the source has to
 /// be in them where `whole` says so.
-pub fn hold(page: &str, fence: &str, blocks: Range<usize>, source: &str, whole: bool) {
+pub fn hold(page: &str, fence: &str, range: Range<usize>, source: &str, whole: bool) {
     let (before, text) = (read(page), read(source));
-    let found = before.matches(fence).count();
-    assert!(found >= blocks.end, "{page} has {found} blocks");
-    let after = include(&before, fence, blocks.clone(), &text);
+    let first = range.start;
+    let after = include(&before, fence, range, &text);
     update(page, &before, &after);
-    let first = after.split(fence).nth(blocks.start + 1);
-    let line = first.and_then(|b| b.lines().next()).unwrap_or_default();
-    assert!(
-        !whole || text.starts_with(line),
-        "{page} begins after {source}"
-    );
+    let line = blocks(&after, fence)[first].lines().next();
+    let from_start = text.starts_with(line.unwrap_or_default());
+    assert!(!whole || from_start, "{page} begins after {source}");
 }
 
 #[test]
