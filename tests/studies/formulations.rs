@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::support::formulations::{commands, results, table};
-use crate::support::program::{directory, read};
+use crate::support::program::{directory, printed, read};
 
 /// What is made anew of a model, and which of its tables.
 struct Part {
@@ -33,37 +33,26 @@ const FLEXIBLE: &[&str] = &[
 ];
 
 const PARTS: [Part; 5] = [
-    Part {
-        name: "top",
-        steps: None,
-        tables: RIGID,
-        irregular: false,
-    },
-    Part {
-        name: "free_body",
-        steps: None,
-        tables: RIGID,
-        irregular: false,
-    },
-    Part {
-        name: "elbow",
-        steps: None,
-        tables: FLEXIBLE,
-        irregular: true,
-    },
-    Part {
-        name: "smooth_arm",
-        steps: None,
-        tables: FLEXIBLE,
-        irregular: true,
-    },
-    Part {
-        name: "arm_spherical",
-        steps: Some("0.5x,0.25x"),
-        tables: FLEXIBLE,
-        irregular: true,
-    },
+    part("top", None, RIGID, false),
+    part("free_body", None, RIGID, false),
+    part("elbow", None, FLEXIBLE, true),
+    part("smooth_arm", None, FLEXIBLE, true),
+    part("arm_spherical", Some("0.5x,0.25x"), FLEXIBLE, true),
 ];
+
+const fn part(
+    name: &'static str,
+    steps: Option<&'static str>,
+    tables: &'static [&'static str],
+    irregular: bool,
+) -> Part {
+    Part {
+        name,
+        steps,
+        tables,
+        irregular,
+    }
+}
 
 #[test]
 fn all_models_of_the_page_are_compared() {
@@ -139,13 +128,7 @@ fn made_anew(command: &str, name: &str) -> String {
             Some(_) => format!("{}/{word}", env!("CARGO_MANIFEST_DIR")),
             None => word.to_owned(),
         });
-    let ran = std::process::Command::new(env!("CARGO_BIN_EXE_pullback"))
-        .current_dir(&out)
-        .args(arguments)
-        .output()
-        .unwrap();
-    let said = String::from_utf8_lossy(&ran.stderr);
-    assert!(ran.status.success(), "{said}");
+    printed(&out, &arguments.collect::<Vec<_>>().join(" "));
     read(out.join(name).join("compare.md"))
 }
 

@@ -48,10 +48,8 @@ impl Track {
     /// Position of arc length s.
     pub fn at(&self, s: f64) -> Vector3<f64> {
         let corners = self.corners();
-        let k = corners
-            .partition_point(|c| *c <= s)
-            .clamp(1, corners.len() - 1)
-            - 1;
+        let k = corners.partition_point(|c| *c <= s);
+        let k = k.clamp(1, corners.len() - 1) - 1;
         let part = (s - corners[k]) / (corners[k + 1] - corners[k]);
         self.positions[k] + (self.positions[k + 1] - self.positions[k]) * part
     }
@@ -64,11 +62,8 @@ impl Track {
             .collect();
         for &node in &nodes {
             b.support(node, &Dof::ROTATIONS);
-            for (dof, v) in [Dof::X, Dof::Y, Dof::Z]
-                .into_iter()
-                .zip(self.velocity.iter())
-            {
-                b.prescribe(node, dof, Proportional(*v));
+            for (k, dof) in [Dof::X, Dof::Y, Dof::Z].into_iter().enumerate() {
+                b.prescribe(node, dof, Proportional(self.velocity[k]));
             }
         }
         nodes
