@@ -3,6 +3,8 @@
 
 use super::assert_near;
 use crate::support::beams::{COLUMN, PINNED, line};
+use crate::support::closures::fixed;
+use crate::support::program::example;
 use pullback::input::{Plan, assemble_text};
 use pullback::integrators::linearization::{BucklingError, BucklingMode, buckling};
 use pullback::integrators::statics::{
@@ -49,65 +51,64 @@ fn a_pinned_column_in_both_planes() {
     let n = 16.0;
     let load = |EI: f64, k: f64| 4.0 * EI * n * n * (k * PI / (2.0 * n)).tan().powi(2);
     let exact = [load(1.0, 1.0), load(3.0, 1.0), load(1.0, 2.0)];
+    let text = line(COLUMN, 16, 1, PINNED);
     for from in [0.0, 5.0] {
-        let found = critical(&line(COLUMN, 16, 1, PINNED), from, 3).unwrap();
-        for (mode, exact) in found.iter().zip(exact) {
+        for (mode, exact) in critical(&text, from, 3).unwrap().iter().zip(exact) {
             assert_near(mode.load, exact, 1e-6);
+            if from == 0.0 {
+                assert_direct(&text, mode, 1e-9);
+            }
         }
     }
-    let text = line(COLUMN, 16, 1, PINNED);
-    for mode in critical(&text, 0.0, 3).unwrap() {
-        assert_direct(&text, &mode, 1e-9);
-    }
-    let beyond = critical(&line(COLUMN, 16, 1, PINNED), 12.0, 1);
+    let beyond = critical(&text, 12.0, 1);
     assert_eq!(beyond, Err(BucklingError::Unstable));
 }
 
-const CLAMPED: &str = "[[supports]]\nnode = \"A\"\nfix = \"all\"\n";
+/// A line of elements of an order that is clamped at A, with a load.
+fn clamped(stiffness: &str, (elements, order): (usize, usize), load: &str) -> String {
+    let rest = format!("{}[[loads]]\n{load}\n", fixed("A"));
+    line(stiffness, elements, order, &rest)
+}
 
 /// P L²/√(EI GJ) of a narrow cantilever with a force at its tip, across the plane of its large stiffness.
 #[test]
 fn lateral_buckling_of_a_cantilever() {
-    let load = format!("{CLAMPED}[[loads]]\nnode = \"B\"\nforce = [0, 0, -1]\n");
     let stiffness = "EA = 1e8, GA = [1e8, 1e8], GJ = 0.25, EI = [1e7, 1.0]";
-    let found = critical(&line(stiffness, 12, 3, &load), 0.0, 2).unwrap();
-    for mode in found {
+    let text = clamped(stiffness, (12, 3), "node = \"B\"\nforce = [0, 0, -1]");
+    for mode in critical(&text, 0.0, 2).unwrap() {
         assert_near(mode.load.abs(), 4.012599343578901 * 0.5, 1e-5);
-        assert_direct(&line(stiffness, 12, 3, &load), &mode, 1e-6);
+        assert_direct(&text, &mode, 1e-6);
     }
 }
 
 /// q L³/EI of a column under its own weight.
 #[test]
 fn a_column_under_its_own_weight() {
-    let load = format!("{CLAMPED}[[loads]]\nline = \"line\"\nforce_per_length = [-1, 0, 0]\n");
     let stiffness = "EA = 1e7, GA = [1e7, 1e7], GJ = 1.0, EI = [1.0, 2.0]";
-    let found = critical(&line(stiffness, 12, 3, &load), 0.0, 2).unwrap();
-    assert_near(found[0].load, 7.837347438943484, 1e-5);
-    assert_near(found[1].load, 2.0 * 7.837347438943484, 1e-5);
-    for mode in &found {
-        assert_direct(&line(stiffness, 12, 3, &load), mode, 1e-6);
+    let weight = "line = \"line\"\nforce_per_length = [-1, 0, 0]";
+    let text = clamped(stiffness, (12, 3), weight);
+    for (mode, EI) in critical(&text, 0.0, 2).unwrap().iter().zip([1.0, 2.0]) {
+        assert_near(mode.load, EI * 7.837347438943484, 1e-5);
+        assert_direct(&text, mode, 1e-6);
     }
 }
 
 #[test]
 fn follower_loads_are_refused() {
-    let load = format!("{CLAMPED}[[loads]]\nnode = \"B\"\nforce = [0, 0, -1]\nfollower = true\n");
-    let stiffness = "EA = 1e4, GA = [1e4, 1e4], GJ = 1.0, EI = [1.0, 1.0]";
+    let follower = "node = \"B\"\nforce = [0, 0, -1]\nfollower = true";
     // Without a load as well, where the tangent is still symmetric.
     for from in [0.0, 0.5] {
-        let refused = critical(&line(stiffness, 4, 1, &load), from, 1);
+        let refused = critical(&clamped(COLUMN, (4, 1), follower), from, 1);
         assert_eq!(refused, Err(BucklingError::Asymmetric));
     }
 }
 
 #[test]
 fn loads_that_do_not_grow_are_refused() {
-    let constant = "[[loads]]\nnode = \"B\"\nforce = [0, 0, -1]\ntime = { constant = 1 }\n";
-    let stiffness = "EA = 1e4, GA = [1e4, 1e4], GJ = 1.0, EI = [1.0, 1.0]";
-    for (load, from) in [("", 0.0), (constant, 0.5)] {
-        let refused = critical(&line(stiffness, 4, 1, &format!("{CLAMPED}{load}")), from, 1);
-        assert_eq!(refused, Err(BucklingError::NoLoad));
+    let constant = "node = \"B\"\nforce = [0, 0, -1]\ntime = { constant = 1 }";
+    let none = line(COLUMN, 4, 1, &fixed("A"));
+    for (text, from) in [(none, 0.0), (clamped(COLUMN, (4, 1), constant), 0.5)] {
+        assert_eq!(critical(&text, from, 1), Err(BucklingError::NoLoad));
     }
 }
 
@@ -115,12 +116,11 @@ fn loads_that_do_not_grow_are_refused() {
 /// (independent shooting).
 #[test]
 fn the_error_tells_a_poor_estimate() {
-    let load = format!("{CLAMPED}[[loads]]\nnode = \"B\"\nforce = [-1, 0, 0]\n");
     let stiffness = "EA = 1e5, GA = [1e5, 1e5], GJ = 1.0, EI = [1.0, 2.0]";
-    let column = critical(&line(stiffness, 8, 1, &load), 0.0, 1).unwrap();
+    let column = clamped(stiffness, (8, 1), "node = \"B\"\nforce = [-1, 0, 0]");
+    let column = critical(&column, 0.0, 1).unwrap();
     assert!(column[0].error < 1e-3, "{column:?}");
-    let frame = std::fs::read_to_string("examples/models/lee_frame.toml").unwrap();
-    let frame = critical(&frame, 0.0, 1).unwrap();
+    let frame = critical(&example("lee_frame"), 0.0, 1).unwrap();
     let off = (frame[0].load / (18546.558 / 20000.0) - 1.0).abs();
     assert!(off > 0.1 && frame[0].error > 0.1, "{frame:?}");
 }

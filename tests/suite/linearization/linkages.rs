@@ -1,14 +1,14 @@
 //! Modes of linkages do not depend on how their loops are closed.
 #![allow(clippy::unwrap_used, non_snake_case)]
 
+use crate::support::program::example;
 use pullback::input::{Analysis, Closure, JointSpring, ModelFile, job, parse};
 use pullback::integrators::linearization::{ModeOptions, Modes, linearize, modes};
 use pullback::manifold::system::Point;
 
 /// A linkage of the gallery without its loads, with a spring in each joint of one coordinate.
 pub(super) fn sprung(name: &str) -> ModelFile {
-    let path = format!("{}/examples/models/{name}.toml", env!("CARGO_MANIFEST_DIR"));
-    let mut file = parse(name, &std::fs::read_to_string(path).unwrap()).unwrap();
+    let mut file = parse(name, &example(name)).unwrap();
     file.loads.clear();
     file.probes.clear();
     file.initial.clear();
@@ -25,13 +25,21 @@ pub(super) fn sprung(name: &str) -> ModelFile {
     file
 }
 
-fn closed(file: &ModelFile, closure: Option<Closure>, penalty: Option<f64>) -> Modes {
+/// The linkage with its loops closed so.
+pub(super) fn closed_by(
+    file: &ModelFile,
+    closure: Option<Closure>,
+    penalty: Option<f64>,
+) -> ModelFile {
     let mut file = file.clone();
     for joint in file.joints.iter_mut().filter(|j| j.child.is_some()) {
-        joint.closure = closure;
-        joint.penalty = penalty;
+        (joint.closure, joint.penalty) = (closure, penalty);
     }
-    let mut job = job("linkage", &file, None).unwrap();
+    file
+}
+
+fn closed(file: &ModelFile, closure: Option<Closure>, penalty: Option<f64>) -> Modes {
+    let mut job = job("linkage", &closed_by(file, closure, penalty), None).unwrap();
     let q = job.context.initial().to_vec();
     let lin = linearize(&mut job.context, Point::statics(0.0, &q)).unwrap();
     let found = modes(&lin, &ModeOptions::lowest(4)).unwrap();
@@ -41,14 +49,7 @@ fn closed(file: &ModelFile, closure: Option<Closure>, penalty: Option<f64>) -> M
 
 #[test]
 fn modes_by_maps_multipliers_and_penalties() {
-    let linkages = [
-        "four_bar",
-        "slider_crank",
-        "bricard",
-        "four_bar_flexible",
-        "parallelograms",
-    ];
-    for name in linkages {
+    for name in "four_bar slider_crank bricard four_bar_flexible parallelograms".split(' ') {
         let file = sprung(name);
         let by_map = closed(&file, None, None);
         let by_multipliers = closed(&file, Some(Closure::Multipliers), None);

@@ -6,7 +6,6 @@ mod campbell;
 mod flutter;
 mod inputs;
 mod linkages;
-mod rotating;
 mod state_space;
 
 #[track_caller]

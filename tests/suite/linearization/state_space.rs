@@ -1,15 +1,16 @@
 //! First-order form, with probes as outputs.
 #![allow(clippy::unwrap_used, non_snake_case)]
 
-use super::linkages::sprung;
+use super::linkages::{closed_by, sprung};
 use crate::support::closures::{GROUND, angle, arm, body_of, hinge, probe};
-use crate::support::program::{command, directory, ended, matrix, read, succeeded, write};
+use crate::support::program::{
+    assert_says, directory, ended, matrix, printed, program_in, read, write,
+};
 use nalgebra::{Complex, DMatrix};
 use pullback::elements::model::Context;
 use pullback::input::{Closure, ModelFile, Time, job};
 use pullback::integrators::linearization::{linearize, output_derivatives};
 use pullback::manifold::system::Point;
-use std::path::Path;
 
 fn pendulum(acts: &str) -> String {
     [
@@ -35,13 +36,10 @@ fn a_pendulum_with_a_motor() {
     let at_rest = moving
         .replace("dynamic]\nto = 0.01\nstep = 0.01", "modes]")
         .replace("-9.81, 0]", "-9.81, 0]\ntime = { constant = 1 }");
-    for (text, at) in [(moving, &["--at", "0.01"][..]), (at_rest, &[])] {
+    for (text, at) in [(moving, "--at 0.01"), (at_rest, "")] {
         let out = directory("state_space");
-        let model = write(&out, &text);
-        let arguments = ["--first-order"].iter().chain(at);
-        let arguments = arguments.map(Path::new);
-        let arguments: Vec<&Path> = std::iter::once(&*model).chain(arguments).collect();
-        succeeded(&command("linearize", &arguments));
+        write(&out, &text);
+        printed(&out, &format!("linearize model.toml --first-order {at}"));
         let of = |name: &str| matrix(&out.join("model.linear").join(name));
         let (m, g, l, c) = (1.5, 9.81, 2.0, 0.3);
         let (k, c, b) = (g / l, c / (m * l * l), 1.0 / (m * l * l));
@@ -65,22 +63,19 @@ fn a_pendulum_with_a_motor() {
 
 #[test]
 fn bad_inputs_and_missing_masses_are_refused() {
-    let model = write(
-        &directory("state_unknown"),
-        &pendulum("actuator = { input = \"torqe\" }"),
-    );
-    let said = ended(&command("linearize", &[&model]), 2);
-    assert!(said.contains("torqe") && said.contains("torque"), "{said}");
+    let refused = |text: &str, code: i32, words: &[&str]| {
+        let out = directory("state_refused");
+        write(&out, text);
+        let output = program_in(&out, "linearize model.toml --first-order");
+        assert_says(&ended(&output, code), words);
+    };
+    let unknown = pendulum("actuator = { input = \"torqe\" }");
+    refused(&unknown, 2, &["torqe", "torque"]);
     let massless = GROUND.replace("[[", "light = [1, 0, 0]\n[[")
         + "[[springs]]\nname = \"spring\"\nnodes = [\"ground\", \"light\"]\nstiffness = 1\n\
            [[supports]]\nnode = \"light\"\nfix = [\"y\", \"z\"]\n[analysis.modes]\n";
-    let model = write(&directory("state_massless"), &massless);
-    let said = ended(
-        &command("linearize", &[&model, "--first-order".as_ref()]),
-        1,
-    );
-    let massless = "node light, displacement along e1 moves without inertia";
-    assert!(said.contains(massless), "{said}");
+    let words = "node light, displacement along e1 moves without inertia";
+    refused(&massless, 1, &[words]);
 }
 
 /// D + C (s − A)⁻¹ B of a motor in the first joint and the positions, velocities and accelerations of a node.
@@ -90,10 +85,7 @@ fn transfer(
     node: &str,
     s: Complex<f64>,
 ) -> Vec<Complex<f64>> {
-    let mut file = file.clone();
-    for joint in file.joints.iter_mut().filter(|j| j.child.is_some()) {
-        joint.closure = closure;
-    }
+    let mut file = closed_by(file, closure, None);
     file.inputs.insert("torque".to_owned(), 0.0);
     file.joints[0].actuator = Some(Time::Input("torque".to_owned()));
     let mut job = job("linkage", &file, None).unwrap();
