@@ -2,14 +2,14 @@
 //! a general solver costs.
 #![allow(non_snake_case, clippy::unwrap_used)]
 
-use crate::support::laboratory::{bob, compared, model, options, pendulum, until};
-use crate::support::program::assert_says;
+use crate::support::comparisons::assert_observed;
+use crate::support::laboratory::{bob, compared, model, options, until};
+use crate::support::program::{assert_says, example};
 use pullback::input;
 use pullback::method::Method;
 use pullback::studies::compare::{
-    Candidate, ComparisonOptions, ErrorQuantity, Exact, read_exact, sampling,
+    Candidate, ComparisonOptions, ComparisonRow, ErrorQuantity, Exact,
 };
-use std::path::Path;
 
 #[test]
 fn an_exact_solution_takes_the_place_of_the_reference() {
@@ -25,15 +25,13 @@ fn an_exact_solution_takes_the_place_of_the_reference() {
     let reference = comparison.reference.as_ref().unwrap();
     assert_eq!((reference.evaluations, reference.steps), (0, [0.0; 3]));
     for (word, order) in [("newmark", 2.0), ("projected-newmark", 2.0), ("radau", 3.0)] {
-        let orders = comparison.orders.iter().find(|o| o.scheme == word).unwrap();
-        let found = orders.of(ErrorQuantity::Position).unwrap().order;
-        assert!((found - order).abs() < 0.1, "{word}: {found}");
+        assert_observed(&comparison, word, ErrorQuantity::Position, order, 0.1);
         // Nothing is said of what is not known.
+        let orders = comparison.orders.iter().find(|o| o.scheme == word).unwrap();
         assert!(orders.of(ErrorQuantity::Rotation).is_none());
         let rows = by_reference.of(word).zip(comparison.of(word));
         for (estimated, exact) in rows {
-            let error =
-                |row: &pullback::studies::compare::ComparisonRow, q| row.error.unwrap().of(q);
+            let error = |row: &ComparisonRow, q| row.error.unwrap().of(q);
             assert!(error(exact, ErrorQuantity::Rotation).is_nan());
             // Of the energy there is one value in a model, for both.
             let [a, b] = [estimated, exact].map(|row| error(row, ErrorQuantity::Energy));
@@ -46,71 +44,16 @@ fn an_exact_solution_takes_the_place_of_the_reference() {
 }
 
 #[test]
-fn an_exact_solution_comes_from_a_file() {
-    let file = until(model("pendulum.toml"), 1.0);
-    let make = |formulation| input::job("model.toml", &file, Some(formulation));
-    let steps = [0.02, 0.01];
-    let (nodes, times) = sampling(&make, &steps).unwrap();
-    let path = std::env::temp_dir().join(format!("pullback_exact_{}.csv", std::process::id()));
-    let write = |head: &str, rows: &[f64]| {
-        let mut text = head.to_owned() + "\n";
-        for &t in rows {
-            let bob = pendulum(t).position;
-            text += &format!("{t:e},{:e},0,{:e}\n", bob.x, bob.z);
-        }
-        std::fs::write(&path, text).unwrap();
-        read_exact(&path, &nodes, &times)
-    };
-    let head = "t,rod.position.x,rod.position.y,rod.position.z";
-    let exact = write(head, &times).unwrap();
-    let asked = ComparisonOptions {
-        exact: Some(exact),
-        ..options(&["newmark", "radau"], &steps)
-    };
-    let comparison = compared(&file, &asked).unwrap();
-    for (word, order) in [("newmark", 2.0), ("radau", 3.0)] {
-        let orders = comparison.orders.iter().find(|o| o.scheme == word).unwrap();
-        let found = orders.of(ErrorQuantity::Position).unwrap().order;
-        assert!((found - order).abs() < 0.2, "{word}: {found}");
-    }
-    for (head, rows, said) in [
-        (
-            "t,bob.position.x,rod.position.y,rod.position.z",
-            &times[..],
-            "no node `bob`",
-        ),
-        (
-            "t,rod.position.x,rod.position.y,rod.height",
-            &times[..],
-            "is none of t, energy",
-        ),
-        (
-            "x,rod.position.x,rod.position.y,rod.position.z",
-            &times[..],
-            "`x` is none of t",
-        ),
-        (head, &times[..10], "there is no row for t ="),
-    ] {
-        let error = write(head, rows).unwrap_err().to_string();
-        assert!(error.contains(said), "{error}");
-    }
-    std::fs::remove_file(&path).unwrap();
-}
-
-#[test]
 fn residuals_of_loops_are_tabulated() {
     let linkage = |closure: &str| {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models/four_bar.toml");
-        let text = std::fs::read_to_string(path).unwrap();
-        let text = text.replace("child = ", &format!("{closure}\nchild = "));
+        let text = example("four_bar").replace("child = ", &format!("{closure}\nchild = "));
         let file = until(input::parse("four_bar.toml", &text).unwrap(), 0.2);
         let comparison = compared(&file, &options(&["ga:0.8", "radau"], &[0.02, 0.01])).unwrap();
-        let rows = comparison.rows.iter();
-        rows.map(|row| {
+        let violations = comparison.rows.iter().map(|row| {
             assert_eq!(row.failure, None, "{closure}, {}", row.scheme);
             row.drift.violation.unwrap()
-        })
-        .fold(0.0, f64::max)
+        });
+        violations.fold(0.0, f64::max)
     };
     // What Newton's method leaves, and the compliance of the penalty, with forces of order 10.
     assert!(linkage("") < 1e-11);
@@ -121,33 +64,24 @@ fn residuals_of_loops_are_tabulated() {
     // A model without loops has none.
     let file = until(model("pendulum.toml"), 0.1);
     let comparison = compared(&file, &options(&["newmark"], &[0.02, 0.01])).unwrap();
-    assert!(
-        comparison
-            .rows
-            .iter()
-            .all(|row| row.drift.violation.is_none())
-    );
+    let mut violations = comparison.rows.iter().map(|row| row.drift.violation);
+    assert!(violations.all(|violation| violation.is_none()));
 }
 
 #[test]
 fn momenta_that_are_zero_in_a_plane_are_no_merit() {
     // The pendulum swings about e2: its momentum has no component there, its angular momentum no other one.
     let file = until(model("pendulum.toml"), 0.5);
-    let comparison = compared(
-        &file,
-        &options(&["newmark", "projected-newmark"], &[0.02, 0.01]),
-    )
-    .unwrap();
+    let both = options(&["newmark", "projected-newmark"], &[0.02, 0.01]);
+    let comparison = compared(&file, &both).unwrap();
     let zero = [[false, true, false], [true, false, true]];
     assert_eq!(comparison.zero_momenta, zero);
     let kept = comparison.reference.as_ref().unwrap().conserved;
     assert!(kept.momentum[1] && kept.angular_momentum[0]);
     for row in &comparison.rows {
-        assert_eq!(
-            (row.drift.momentum, row.drift.angular_momentum),
-            (None, None)
-        );
-        assert!(row.drift.energy.is_some());
+        let drift = &row.drift;
+        assert_eq!([drift.momentum, drift.angular_momentum], [None; 2]);
+        assert!(drift.energy.is_some());
     }
     // A free body in space has no such component.
     let file = until(model("free_body.toml"), 0.1);
@@ -159,19 +93,15 @@ fn momenta_that_are_zero_in_a_plane_are_no_merit() {
 #[test]
 fn words_make_what_is_compared() {
     let method: Candidate = " lie-ga:0.8".parse().unwrap();
-    assert_eq!(
-        method,
-        Candidate::Method("lie-ga:0.8".parse::<Method>().unwrap())
-    );
+    let known: Method = "lie-ga:0.8".parse().unwrap();
+    assert_eq!(method, Candidate::Method(known));
     assert_eq!(method.order(), Some(2));
-    let unknown = "diffsol-euler"
-        .parse::<Candidate>()
-        .unwrap_err()
-        .to_string();
-    assert_says(&unknown, &["diffsol-bdf and diffsol-esdirk"]);
-    let known = "diffsol-bdf".parse::<Candidate>();
+    let refused = |word: &str| word.parse::<Candidate>().unwrap_err().to_string();
+    assert_says(
+        &refused("diffsol-euler"),
+        &["diffsol-bdf and diffsol-esdirk"],
+    );
     if !cfg!(feature = "diffsol") {
-        let said = known.unwrap_err().to_string();
-        assert!(said.contains("--features diffsol"), "{said}");
+        assert_says(&refused("diffsol-bdf"), &["--features diffsol"]);
     }
 }

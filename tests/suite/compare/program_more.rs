@@ -4,19 +4,22 @@
 use crate::support::comparisons::BODY;
 use crate::support::dynamics::assert_order;
 use crate::support::program::{
-    assert_says, compare, directory, ended, files, program_in, read, succeeded, write,
+    assert_says, changed, compare, directory, ended, example, files, json, printed, read,
+    succeeded, write,
 };
 use nalgebra::{Rotation3, Vector3};
 use pullback::studies::compare::FILES;
-use pullback::studies::gallery::{self, MODELS};
+use pullback::studies::gallery::MODELS;
 use serde_json::Value;
 use std::fmt::Write;
 use std::path::Path;
 
 /// A free symmetrical body that also moves along, for a second.
 fn body() -> String {
-    BODY.replace("[3, 0, 4]", "[3, 0, 4]\nvelocity = [1, 2, 3]")
-        .replace("to = 2", "to = 1")
+    changed(
+        BODY,
+        "[3, 0, 4] => &\\nvelocity = [1, 2, 3]\nto = 2 => to = 1",
+    )
 }
 
 /// What compare.json says, of a comparison that ends well.
@@ -28,8 +31,13 @@ fn compared(model: &Path, words: &str) -> Value {
 
 /// What compare.json of a model says.
 fn written(model: &Path) -> Value {
-    let json = read(model.with_extension("compare").join("compare.json"));
-    serde_json::from_str(&json).unwrap()
+    json(model.with_extension("compare").join("compare.json"))
+}
+
+/// How many rows of compare.csv begin so.
+fn count(model: &Path, start: &str) -> usize {
+    let csv = read(model.with_extension("compare").join("compare.csv"));
+    csv.lines().filter(|line| line.starts_with(start)).count()
 }
 
 fn rows<'a>(json: &'a Value, scheme: &'a str) -> impl Iterator<Item = &'a Value> + 'a {
@@ -37,11 +45,16 @@ fn rows<'a>(json: &'a Value, scheme: &'a str) -> impl Iterator<Item = &'a Value>
     rows.filter(move |row| row["scheme"] == scheme)
 }
 
-/// Landau & Lifshitz, Mechanics, section 33, as a file: rotation vectors, angular velocities and their rates at
-/// k/50.
+/// Landau & Lifshitz, Mechanics, section 33, as a file: positions, rotation vectors, angular velocities and their
+/// rates at k/50.
 fn precession() -> String {
     let axis = Vector3::new(3.0, 0.0, 2.0);
-    let names = ["rotation", "angular_velocity", "angular_acceleration"];
+    let names = [
+        "position",
+        "rotation",
+        "angular_velocity",
+        "angular_acceleration",
+    ];
     let columns = names.map(|n| ["x", "y", "z"].map(|k| format!("O.{n}.{k}")).join(","));
     let mut out = format!("t,{}\n", columns.join(","));
     for k in 0..=50 {
@@ -50,7 +63,8 @@ fn precession() -> String {
         let omega = turned * Vector3::new(3.0, 0.0, 4.0);
         let R = turned * Rotation3::new(Vector3::z() * (2.0 * t));
         write!(out, "{t:e}").unwrap();
-        for vector in [R.scaled_axis(), omega, axis.cross(&omega)] {
+        let moved = Vector3::new(1.0, 2.0, 3.0) * t;
+        for vector in [moved, R.scaled_axis(), omega, axis.cross(&omega)] {
             vector.iter().for_each(|x| write!(out, ",{x:e}").unwrap());
         }
         out.push('\n');
@@ -78,14 +92,20 @@ fn an_exact_solution_comes_from_a_file() {
             assert_eq!(errors.len(), 3);
             assert_order(format!("{scheme}, {quantity}"), &errors, order, 0.1);
         }
-        assert!(rows(&json, scheme).all(|row| row["error"]["position"].is_null()));
+        for row in rows(&json, scheme) {
+            // Positions go on linearly, and steps are exact for them.
+            assert!(row["error"]["position"].as_f64().unwrap() < 1e-12, "{row}");
+            assert!(row["error"]["velocity"].is_null(), "{row}");
+        }
     }
     let page = read(model.with_extension("compare").join("compare.md"));
-    assert!(page.contains("Errors are those against a solution that is given"));
+    assert_says(
+        &page,
+        &["Errors are those against a solution that is given"],
+    );
     // A file that does not go with the steps says which times are looked at.
     let refused = compare(&model, &format!("{exact} newmark --steps 0.03,0.01"));
-    let said = ended(&refused, 2);
-    assert!(said.contains("there is no row for t = "), "{said}");
+    assert_says(&ended(&refused, 2), &["there is no row for t = "]);
     // What it says twice it says once, and something.
     let text = precession();
     let (head, body) = text.split_once('\n').unwrap();
@@ -93,19 +113,20 @@ fn an_exact_solution_comes_from_a_file() {
     let name = head.rsplit(',').next().unwrap();
     let last = first.rsplit(',').next().unwrap();
     let other = first.strip_suffix(last).unwrap().to_owned() + "7.5";
+    let twice = text.replacen("t,", &format!("{name},t,"), 1);
     for (wrong, word) in [
-        (
-            text.replacen("t,", &format!("{name},t,"), 1),
-            "is there twice",
-        ),
+        (twice, "is there twice"),
         (format!("{head}\n{other}\n{body}"), "contradict each other"),
         ("t\n0\n".to_owned(), "nothing is known in it but times"),
         (text.replacen("t,", "\u{feff}time,", 1), "column `time`"),
+        (text.replacen("t,O.", "t,body.", 1), "no node `body`"),
+        (
+            text.replacen("position.z", "height", 1),
+            "is none of t, energy",
+        ),
     ] {
         std::fs::write(&file, &wrong).unwrap();
-        let refused = compare(&model, &asked);
-        let said = ended(&refused, 2);
-        assert!(said.contains(word), "{said}");
+        assert_says(&ended(&compare(&model, &asked), 2), &[word]);
     }
 }
 
@@ -113,8 +134,7 @@ fn an_exact_solution_comes_from_a_file() {
 fn a_search_that_finds_nothing_is_apart_too() {
     // Nothing is kept by a pendulum on its pin but energy.
     let directory = directory("program_compare_search");
-    let pendulum = gallery::model(Path::new("pendulum")).unwrap();
-    let model = write(&directory, pendulum);
+    let model = write(&directory, &example("pendulum"));
     let json = compared(&model, "--schemes projected-newmark --steps 4x,2x -q");
     for row in rows(&json, "projected-newmark") {
         let [before, all] = ["searching", "assemblies"].map(|key| row[key].as_u64().unwrap());
@@ -134,26 +154,21 @@ fn times_are_taken_alone_where_they_are_asked_for() {
     let all = json["rows"].as_array().unwrap();
     assert!(all.iter().all(|row| row["seconds_alone"].is_null()));
     // What an evaluation of spins costs is counted: with a tangent it is three.
-    let counts = |scheme: &str| -> Vec<[u64; 2]> {
-        let of = |row: &Value| {
-            [&row["assemblies"], &row["counts"]["evaluations"]].map(|x| x.as_u64().unwrap())
-        };
-        rows(&json, scheme).map(of).collect()
+    let counts = |row: &Value| {
+        [&row["assemblies"], &row["counts"]["evaluations"]].map(|x| x.as_u64().unwrap())
     };
     // What a scheme looks for before its first step is apart, whatever the number of steps. The matrix of
     // two stages of Radau's takes two tangents of each.
-    for scheme in [
-        "newmark",
-        "projected-newmark",
-        "central-difference",
-        "radau",
+    for (scheme, searches) in [
+        ("newmark", false),
+        ("projected-newmark", true),
+        ("central-difference", true),
+        ("radau", false),
     ] {
-        for [assemblies, evaluations] in counts(scheme) {
-            assert_eq!(assemblies, evaluations, "{scheme}");
-        }
         for row in rows(&json, scheme) {
+            let [assemblies, evaluations] = counts(row);
+            assert_eq!(assemblies, evaluations, "{scheme}");
             let before = row["searching"].as_u64().unwrap();
-            let searches = ["projected-newmark", "central-difference"].contains(&scheme);
             assert_eq!(before > 0, searches, "{scheme}: {before}");
         }
     }
@@ -163,12 +178,10 @@ fn times_are_taken_alone_where_they_are_asked_for() {
             ["evaluations", "iterations", "steps"].map(|key| row["counts"][key].as_u64().unwrap());
         assert!(evaluations <= 2 * (iterations + 2 * steps) + 1, "{row}");
     }
-    for [assemblies, evaluations] in counts("lie-newmark") {
+    for [assemblies, evaluations] in rows(&json, "lie-newmark").map(counts) {
         // Of two evaluations per step or more one at least is a last residual.
-        assert!(
-            assemblies > evaluations && assemblies < 3 * evaluations,
-            "{assemblies} {evaluations}"
-        );
+        let between = evaluations < assemblies && assemblies < 3 * evaluations;
+        assert!(between, "{assemblies} {evaluations}");
     }
     let json = compared(&model, &(asked + " --timed --charts"));
     for scheme in ["newmark", "lie-newmark"] {
@@ -176,24 +189,17 @@ fn times_are_taken_alone_where_they_are_asked_for() {
             .map(|row| row["seconds_alone"].as_f64().unwrap())
             .collect();
         // Forty times the steps take longer.
-        assert!(
-            times[0] > 0.0 && times[1] > 2.0 * times[0],
-            "{scheme}: {times:?}"
-        );
+        let longer = times[0] > 0.0 && times[1] > 2.0 * times[0];
+        assert!(longer, "{scheme}: {times:?}");
     }
     assert_eq!(json["equal_time"]["seconds"], true);
     assert_eq!(json["equal_cost"]["seconds"], false);
     assert_eq!(json["charts"].as_array().unwrap().len(), 10);
     let page = read(model.with_extension("compare").join("compare.md"));
-    for heading in [
-        "Errors at equal work",
-        "Errors at equal time",
-        "What changes of chart cost",
-    ] {
-        assert!(page.contains(&format!("\n## {heading}\n")), "{heading}");
-    }
-    let csv = read(model.with_extension("compare").join("compare.csv"));
-    assert_eq!(csv.lines().filter(|l| l.starts_with("charts,")).count(), 10);
+    let equal = ["\n## Errors at equal work\n", "\n## Errors at equal time\n"];
+    assert_says(&page, &equal);
+    assert_says(&page, &["\n## What changes of chart cost\n"]);
+    assert_eq!(count(&model, "charts,"), 10);
 }
 
 /// Momenta and constraints over a long run: by theory, not by an earlier one.
@@ -201,10 +207,10 @@ fn times_are_taken_alone_where_they_are_asked_for() {
 fn long_runs_tell_what_becomes_of_momenta_and_constraints() {
     let directory = directory("program_compare_long");
     let model = write(&directory, &body());
-    let schemes = "newmark,projected-newmark";
-    let asked = format!("--schemes {schemes} --steps 0.02,0.01 --long 5 -q --residual 1e-13");
-    let json = compared(&model, &asked);
-    let long = |json: &Value, scheme: &str, what: &str| {
+    let schemes = ["newmark", "projected-newmark"];
+    let asked = "--steps 0.02,0.01 --long 5 -q --residual 1e-13 --schemes";
+    let json = compared(&model, &format!("{asked} {}", schemes.join(",")));
+    let long = |scheme: &str, what: &str| {
         let rows = json["long"].as_array().unwrap();
         let row = rows.iter().find(|row| row["scheme"] == scheme).unwrap();
         assert!(row["failure"].is_null());
@@ -215,14 +221,13 @@ fn long_runs_tell_what_becomes_of_momenta_and_constraints() {
         assert_eq!(kept[momentum], serde_json::json!([true, true, true]));
     }
     // Positions go on linearly, and Newmark's scheme is exact for them; angular momenta are kept by `projected-newmark` alone.
-    for scheme in ["newmark", "projected-newmark"] {
-        assert!(long(&json, scheme, "momentum") < 1e-11);
+    for scheme in schemes {
+        assert!(long(scheme, "momentum") < 1e-11);
     }
     // The centre of mass moves, |L| = √52 about it: 5 s at 0.02 are far from exact.
-    let [lost, kept] = ["newmark", "projected-newmark"].map(|s| long(&json, s, "angular_momentum"));
+    let [lost, kept] = schemes.map(|s| long(s, "angular_momentum"));
     assert!(lost > 1e-5 && kept < 1e-10, "{lost:e} {kept:e}");
-    let csv = read(model.with_extension("compare").join("compare.csv"));
-    assert_eq!(csv.lines().filter(|l| l.starts_with("long,")).count(), 2);
+    assert_eq!(count(&model, "long,"), 2);
 }
 
 /// The same model for a few of its own steps.
@@ -233,10 +238,8 @@ fn short(text: &str) -> Option<(String, f64)> {
         let number = line.strip_prefix(name)?.trim_start().strip_prefix('=')?;
         number.split('#').next()?.trim().parse().ok()
     };
-    let step = analysis
-        .lines()
-        .find_map(|line| value(line, "step"))
-        .unwrap();
+    let mut all = analysis.lines();
+    let step = all.find_map(|line| value(line, "step")).unwrap();
     let lines = analysis.lines().map(|line| match value(line, "to") {
         Some(to) => format!("to = {}", to.min(8.0 * step)),
         None => line.to_owned(),
@@ -278,13 +281,10 @@ fn the_command_runs_on_every_model_of_the_gallery_that_moves() {
         // A model without free rotations refuses the formulation, and one whose loops need damping the scheme.
         for row in json["rows"].as_array().unwrap() {
             let reason = row["failure"].as_str().unwrap_or("prefix");
-            assert!(
-                reason.contains("prefix") || reason.contains("multiplier"),
-                "{name}: {reason}"
-            );
+            let known = reason.contains("prefix") || reason.contains("multiplier");
+            assert!(known, "{name}: {reason}");
         }
-        let mut found = files(&model.with_extension("compare"));
-        found.sort();
+        let found = files(&model.with_extension("compare"));
         // Where no error is larger than that of the reference there is none to draw.
         let above = |row: &Value, (quantity, least): (&String, &Value)| {
             let error = row["error"][quantity].as_f64();
@@ -306,15 +306,14 @@ fn the_command_runs_on_every_model_of_the_gallery_that_moves() {
 fn motions_of_the_gallery_that_are_known_are_the_reference() {
     for name in ["pendulum", "free_body"] {
         let directory = directory(&format!("program_compare_exact_{name}"));
-        let json = |more: &str, out: &str| -> Value {
-            let line =
-                format!("compare {name} --schemes newmark --steps 4x,2x,1x --out {out}{more}");
-            succeeded(&program_in(&directory, &line));
-            serde_json::from_str(&read(directory.join(out).join("compare.json"))).unwrap()
+        let compared = |more: &str, out: &str| {
+            let asked = "--schemes newmark --steps 4x,2x,1x --out";
+            printed(&directory, &format!("compare {name} {asked} {out}{more}"));
+            json(directory.join(out).join("compare.json"))
         };
-        let exact = json("", "exact");
+        let exact = compared("", "exact");
         assert_eq!(exact["reference"]["scheme"], "Jacobi's elliptic functions");
-        let radau = json(" --reference radau", "radau");
+        let radau = compared(" --reference radau", "radau");
         for quantity in ["rotation", "angular_velocity", "angular_acceleration"] {
             for (a, b) in rows(&exact, "newmark").zip(rows(&radau, "newmark")) {
                 let [a, b] = [a, b].map(|row| row["error"][quantity].as_f64().unwrap());

@@ -3,7 +3,7 @@
 
 use pullback::input::{self, Analysis, ModelFile};
 use pullback::studies::compare::{
-    CompareError, Comparison, ComparisonOptions, FrameSample, Hooks, Sample, compare,
+    CompareError, Comparison, ComparisonOptions, Hooks, Sample, compare,
 };
 use pullback::studies::gallery::exact;
 use std::path::Path;
@@ -32,17 +32,12 @@ pub fn compared(file: &ModelFile, options: &ComparisonOptions) -> Result<Compari
     compare(&make, "model.toml", options, &Hooks::NONE)
 }
 
-/// The bob of the pendulum of the gallery, by Jacobi's elliptic functions.
-pub fn pendulum(t: f64) -> FrameSample {
-    let mut sample = Sample::unknown(t, 2);
-    let nodes = ["pivot", "rod"].map(str::to_owned);
-    exact("pendulum", &nodes).unwrap().fill(&mut sample);
-    sample.nodes[1]
-}
-
-/// Position and velocity of it alone.
+/// Position and velocity alone of the bob of the pendulum of the gallery, by Jacobi's elliptic functions.
 pub fn bob(sample: &mut Sample) {
-    let known = pendulum(sample.t);
+    let mut exactly = Sample::unknown(sample.t, 2);
+    let nodes = ["pivot", "rod"].map(str::to_owned);
+    exact("pendulum", &nodes).unwrap().fill(&mut exactly);
+    let known = exactly.nodes[1];
     // The node of the joint comes first, then that of the rod.
     let rod = sample.nodes.len() - 1;
     sample.nodes[rod].position = known.position;
