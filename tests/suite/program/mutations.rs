@@ -28,16 +28,21 @@ static MODELS: LazyLock<Vec<(String, String)>> = LazyLock::new(|| {
 #[derive(Clone, Debug)]
 enum Mistake {
     NoLine(Index),
+    TwoLines(Index),
+    Cut(Index),
     Number(Index, String),
     Key(Index),
 }
 
 fn mistakes() -> impl Strategy<Value = Mistake> {
     let huge = format!("\"{}\"", "long ".repeat(20_000));
-    let numbers = ["nan", "inf", "-1", "1e400", &huge].map(str::to_owned);
+    let extremes = "nan inf 0 -1 1e-300 1e100 -1e100 1e400 9223372036854775807".split(' ');
+    let numbers: Vec<String> = extremes.chain([&*huge]).map(str::to_owned).collect();
     prop_oneof![
         any::<Index>().prop_map(Mistake::NoLine),
-        (any::<Index>(), prop::sample::select(numbers.to_vec()))
+        any::<Index>().prop_map(Mistake::TwoLines),
+        any::<Index>().prop_map(Mistake::Cut),
+        (any::<Index>(), prop::sample::select(numbers))
             .prop_map(|(position, number)| Mistake::Number(position, number)),
         any::<Index>().prop_map(Mistake::Key),
     ]
@@ -73,12 +78,22 @@ impl Mistake {
             });
             words[position.index(words.len())].0.clone()
         };
+        let line = |position: &Index| {
+            let lines: Vec<&str> = text.split_inclusive('\n').collect();
+            let k = position.index(lines.len());
+            let from = lines[..k].concat().len();
+            (from..from + lines[k].len(), lines[k])
+        };
         let (position, new) = match self {
-            Self::NoLine(position) => {
-                let lines: Vec<&str> = text.split_inclusive('\n').collect();
-                let gone = position.index(lines.len());
-                let from: usize = lines[..gone].iter().map(|line| line.len()).sum();
-                (from..from + lines[gone].len(), "")
+            Self::NoLine(position) => (line(position).0, ""),
+            Self::TwoLines(position) => {
+                let (Range { start, .. }, line) = line(position);
+                (start..start, line)
+            }
+            Self::Cut(position) => {
+                let mut starts = text.char_indices().map(|(k, _)| k);
+                let start = starts.nth(position.index(text.chars().count()));
+                (start.unwrap()..text.len(), "")
             }
             Self::Number(position, number) => (pick(position, false), number.as_str()),
             Self::Key(position) => (pick(position, true), "renamed"),
@@ -89,7 +104,7 @@ impl Mistake {
 
 proptest! {
     #![proptest_config(ProptestConfig {
-        cases: 1000,
+        cases: 1500,
         rng_seed: RngSeed::Fixed(2004),
         failure_persistence: None,
         ..ProptestConfig::default()
@@ -103,7 +118,7 @@ proptest! {
             return Ok(());
         };
         // What a file lacks altogether has no position in it.
-        if !matches!(*error.problem, InputProblem::Missing { .. }) {
+        if !matches!(*error.problem, InputProblem::Missing { .. } | InputProblem::Empty) {
             let position = error.span.clone();
             let stands = position.is_some_and(|position| text.get(position).is_some());
             prop_assert!(stands && error.line_column().is_some(), "{name}: no position for {error}");
