@@ -1,6 +1,7 @@
 //! Straight lines of beam elements between nodes.
 #![allow(dead_code, clippy::unwrap_used)]
 
+use super::closures::beam_line;
 use pullback::elements::beam::Interpolation;
 use pullback::prelude::*;
 
@@ -46,22 +47,10 @@ pub fn beam_with(
 
 /// A model file with a line from A to B, of length one along e1, and more of the file.
 pub fn line(stiffness: &str, elements: usize, order: usize, rest: &str) -> String {
+    let line = beam_line("line", ["A", "B"], elements, "main");
     format!(
-        r#"
-        [sections.main]
-        stiffness = {{ {stiffness} }}
-        [nodes]
-        A = [0, 0, 0]
-        B = [1, 0, 0]
-        [[lines]]
-        name = "line"
-        from = "A"
-        to = "B"
-        elements = {elements}
-        order = {order}
-        section = "main"
-        {rest}
-        "#
+        "[sections.main]\nstiffness = {{ {stiffness} }}\n\
+         [nodes]\nA = [0, 0, 0]\nB = [1, 0, 0]\n{line}order = {order}\n{rest}\n"
     )
 }
 
