@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::support::formulations::{commands, results, table};
-use crate::support::program::{directory, printed, read};
+use crate::support::program::{directory, read, succeeded};
 
 /// What is made anew of a model, and which of its tables.
 struct Part {
@@ -128,7 +128,9 @@ fn made_anew(command: &str, name: &str) -> String {
             Some(_) => format!("{}/{word}", env!("CARGO_MANIFEST_DIR")),
             None => word.to_owned(),
         });
-    printed(&out, &arguments.collect::<Vec<_>>().join(" "));
+    let mut program = std::process::Command::new(env!("CARGO_BIN_EXE_pullback"));
+    let ran = program.current_dir(&out).args(arguments).output();
+    succeeded(&ran.unwrap());
     read(out.join(name).join("compare.md"))
 }
 

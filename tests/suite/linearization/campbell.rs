@@ -194,17 +194,13 @@ fn whirl_of_an_overhung_disc() {
 /// hinges that rotates about its line.
 #[test]
 fn whirl_of_a_spinning_shaft() {
+    let hinges = "axis = [0, 1, 0]\nsecond_axis = [0, 0, 1]";
     let text = [
         "[sections.shaft]\nstiffness = { EA = 1e6, GA = [1e8, 1e8], GJ = 1e6, EI = [1.0, 1.0] }\n\
          mass = { A_rho = 1.0, J = [2e-3, 1e-3, 1e-3] }\n",
         GROUND,
         &joint("hub", "revolute", "ground", "axis = [1, 0, 0]"),
-        &joint(
-            "root",
-            "universal",
-            "hub",
-            "axis = [0, 1, 0]\nsecond_axis = [0, 0, 1]",
-        ),
+        &joint("root", "universal", "hub", hinges),
         &joint("tip", "free", "hub", "position = [1, 0, 0]"),
         &arm("wall", "ground", [1.0, 0.0, 0.0]),
         "[[springs]]\nname = \"bearing\"\nnodes = [\"wall\", \"tip\"]\n\

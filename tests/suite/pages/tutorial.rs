@@ -24,9 +24,9 @@ fn with_model(directory: &Path, model: &str, changes: &str) -> PathBuf {
 
 /// Runs a model of the examples, whose parts are replaced, in a directory; where its results are.
 fn ran(directory: &Path, model: &str, changes: &str) -> PathBuf {
-    let model = with_model(directory, model, changes);
-    printed(directory, &format!("run {}", model.display()));
-    model.with_extension("out")
+    let path = with_model(directory, model, changes);
+    printed(directory, &format!("run examples/models/{model}"));
+    path.with_extension("out")
 }
 
 /// Whether two texts are the same but for numbers that differ by the tolerance at most, as rounding

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::support::beams::line;
-use crate::support::closures::{body_of, fixed, joint, motion};
+use crate::support::closures::{body_of, fixed, hinge, motion};
 use crate::support::dynamics::assert_slopes;
 use crate::support::program::{
     assert_close, assert_says, changed, example, number, read, recorded, run_of,
@@ -187,14 +187,9 @@ fn adaptive_steps_keep_the_error_and_are_counted() {
 #[test]
 fn rates_of_joints_follow_an_initial_rotation_and_starts_that_strain_are_told() {
     let stiffness = "EA = 1e6, GA = [1e6, 1e6], GJ = 1e4, EI = [1e4, 1e4]";
-    let rod = |initial: &str, hinge: &str| {
+    let rod = |initial: &str, more: &str| {
         let rest = [
-            &joint(
-                "pivot",
-                "revolute",
-                "A",
-                &format!("axis = [0, 0, 1]\n{hinge}"),
-            ),
+            &hinge("pivot", "A", more),
             "[sections.main.mass]\nA_rho = 1\nJ = [2e-3, 1e-3, 1e-3]\n",
             &fixed("A"),
             initial,

@@ -15,17 +15,18 @@ use std::sync::LazyLock;
 
 /// Two flexible links on a driven hub that makes more than a turn, with a ball joint between them
 /// and a hand on a spring: changes of chart, a kink, joints, damping.
-pub static MODEL: LazyLock<String> =
-    LazyLock::new(|| {
-        [
-        "[sections.link]\nstiffness = { EA = 1e5, GA = [1e5, 1e5], GJ = 1e3, EI = [1e3, 1e3] }\n\
-         mass = { A_rho = 1, J = [2, 1, 1] }\ndamping = { stiffness = 1e-4 }\n\
+pub static MODEL: LazyLock<String> = LazyLock::new(|| {
+    let pin = "axis = [0, 1, 0]\nspring = { k = 3.0, c = 0.1 }";
+    let hand = "inertia = [0.1, 0.2, 0.3]\ncenter = [0.1, 0, 0]";
+    [
+        "[sections.link]\nmass = { A_rho = 1, J = [2, 1, 1] }\ndamping = { stiffness = 1e-4 }\n\
+         stiffness = { EA = 1e5, GA = [1e5, 1e5], GJ = 1e3, EI = [1e3, 1e3] }\n\
          [nodes]\nhub = [0, 0, 0]\nmiddle = [1, 0, 0]\ntip = [2, 0, 0]\n",
         &beam_line("first", ["hub", "middle"], 2, "link"),
         &joint("ball", "spherical", "middle", ""),
         &beam_line("second", ["ball", "tip"], 2, "link"),
-        &joint("pin", "revolute", "tip", "axis = [0, 1, 0]\nspring = { k = 3.0, c = 0.1 }"),
-        &body_of("pin", 0.5, "inertia = [0.1, 0.2, 0.3]\ncenter = [0.1, 0, 0]"),
+        &joint("pin", "revolute", "tip", pin),
+        &body_of("pin", 0.5, hand),
         "[[supports]]\nnode = \"hub\"\nfix = [\"x\", \"y\", \"z\", \"rx\", \"ry\"]\n\
          prescribed = { rz = { table = [[0, 0], [0.4, 8], [2, 20]] } }\n",
         GRAVITY,
@@ -36,7 +37,7 @@ pub static MODEL: LazyLock<String> =
         &probe("push", "reaction_force", "hub"),
     ]
     .concat()
-    });
+});
 
 /// The results of a run, without the time that it took.
 fn timeless(out: &Path) -> Value {

@@ -40,12 +40,8 @@ fn elsewhere() -> String {
 }
 
 fn slider(more: &str) -> String {
-    joint(
-        "J",
-        "prismatic",
-        "ground",
-        &format!("axis = [0, 0, 1]\n{more}"),
-    )
+    let axis = format!("axis = [0, 0, 1]\n{more}");
+    joint("J", "prismatic", "ground", &axis)
 }
 
 /// A line from a node to the tip.
