@@ -43,30 +43,53 @@ const QUANTITIES: [&str; 7] = [
     "energy",
 ];
 
+/// A page in Markdown, and what its JSON says.
+struct Page {
+    text: String,
+    json: Value,
+}
+
+impl Page {
+    /// Cells of each row of a table, and the part of the JSON that it shows.
+    fn rows(&self, heading: &str, name: &str) -> impl Iterator<Item = (Vec<String>, &Value)> {
+        let (lines, parts) = (table(&self.text, heading), self.json[name].as_array());
+        let parts = parts.unwrap();
+        assert_eq!(lines.len(), 2 + parts.len(), "{heading}");
+        let cells: Vec<_> = lines[2..].iter().map(|line| cells(line)).collect();
+        cells.into_iter().zip(parts)
+    }
+}
+
+#[track_caller]
+fn same(heading: &str, cell: &str, value: &Value) {
+    assert!(is(cell, value), "{heading}: {cell} and not {value}");
+}
+
 #[test]
 fn cells_of_pages_are_the_numbers_of_the_json() {
     let directory = directory("program_compare_cells");
     let asked = "compare pendulum --schemes newmark,ga:0.8,radau --steps 0.1,0.05,0.025 --long 3 -q --out out";
     printed(&directory, asked);
-    let [text, page] = ["md", "html"].map(|e| read(directory.join(format!("out/compare.{e}"))));
+    let [text, html] = ["md", "html"].map(|e| read(directory.join(format!("out/compare.{e}"))));
     let json = json(directory.join("out/compare.json"));
-    let all = |name: &str| json[name].as_array().unwrap().clone();
-    let (rows, long, orders) = (all("rows"), all("long"), all("orders"));
-    let own = |heading: &str, count: usize| -> Vec<Vec<String>> {
-        let lines = table(&text, heading);
-        assert_eq!(lines.len(), 2 + count, "{heading}");
-        lines[2..].iter().map(|line| cells(line)).collect()
-    };
-    let same = |heading: &str, cell: &str, value: &Value| {
-        assert!(is(cell, value), "{heading}: {cell} and not {value}");
-    };
-    for (cells, row) in own("Errors", 9).iter().zip(&rows) {
+    let counts = ["rows", "long", "orders"].map(|name| json[name].as_array().unwrap().len());
+    assert_eq!(counts, [9, 3, 3]);
+    let page = Page { text, json };
+    errors(&page);
+    costs(&page);
+    kept(&page);
+    orders(&page);
+    html_is_alike(&page.text, &html);
+}
+
+fn errors(page: &Page) {
+    for (cells, row) in page.rows("Errors", "rows") {
         assert_eq!(cells[0], row["scheme"].as_str().unwrap());
         same("h", &cells[1], &row["step"]);
         for (cell, quantity) in cells[3..].iter().zip(QUANTITIES) {
             let (error, least) = (
                 &row["error"][quantity],
-                &json["reference"]["error"][quantity],
+                &page.json["reference"]["error"][quantity],
             );
             // What is below the error of the reference is only known to be so.
             match cell.strip_prefix("&lt; ") {
@@ -78,7 +101,10 @@ fn cells_of_pages_are_the_numbers_of_the_json() {
             }
         }
     }
-    for (cells, row) in own("Cost", 9).iter().zip(&rows) {
+}
+
+fn costs(page: &Page) {
+    for (cells, row) in page.rows("Cost", "rows") {
         let counts = &row["counts"];
         for (k, value) in [
             (2, &counts["steps"]),
@@ -95,11 +121,14 @@ fn cells_of_pages_are_the_numbers_of_the_json() {
         assert!((number(&cells[4]) - per_step).abs() <= 0.005 + 1e-12);
         same("time", &cells[9], &row["seconds"]);
     }
-    for (heading, count, rows) in [
-        ("What the motion keeps", 9, &rows),
-        ("What a long run keeps", 3, &long),
+}
+
+fn kept(page: &Page) {
+    for (heading, name) in [
+        ("What the motion keeps", "rows"),
+        ("What a long run keeps", "long"),
     ] {
-        for (cells, row) in own(heading, count).iter().zip(rows) {
+        for (cells, row) in page.rows(heading, name) {
             let drift = &row["drift"];
             let part = |name: &str| {
                 let largest = drift["largest_energy"].as_f64().unwrap();
@@ -123,7 +152,10 @@ fn cells_of_pages_are_the_numbers_of_the_json() {
             }
         }
     }
-    for (cells, scheme) in own("Orders of convergence", 3).iter().zip(&orders) {
+}
+
+fn orders(page: &Page) {
+    for (cells, scheme) in page.rows("Orders of convergence", "orders") {
         assert_eq!(cells[0], scheme["scheme"].as_str().unwrap());
         for (cell, quantity) in cells[2..].iter().zip(QUANTITIES) {
             let found = &scheme["observed"][quantity];
@@ -140,7 +172,10 @@ fn cells_of_pages_are_the_numbers_of_the_json() {
             assert!(cell.contains(&steps), "{cell}");
         }
     }
-    // The cells of the HTML are those of the Markdown.
+}
+
+/// The cells of the HTML are those of the Markdown.
+fn html_is_alike(text: &str, page: &str) {
     let found = page.split("<td").skip(1).map(|part| {
         let (_, cell) = part.split_once('>').unwrap();
         cell.split("</td>").next().unwrap().trim().to_owned()

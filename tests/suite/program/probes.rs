@@ -24,8 +24,8 @@ fn near(found: Vector3<f64>, expected: Vector3<f64>, what: &str) {
     );
 }
 
-#[test]
-fn an_arm_that_is_swung_about_an_axis() {
+/// An arm that is swung about an axis, with its probes.
+fn swung() -> String {
     let text = r#"
 probes = [
     { name = "p", quantity = "position", node = "arm" },
@@ -42,7 +42,7 @@ probes = [
 nodes = { ground = [0, 0, 0], elsewhere = [5, 0, 0] }
 "#;
     let swung = "axis = [0, 0.6, 0.8]\nprescribed = { sine = { amplitude = 4, omega = 3 } }";
-    let text = [
+    [
         text,
         &joint("hinge", "revolute", "ground", swung),
         &arm("arm", "hinge", [0.5, -0.3, 0.7]),
@@ -51,8 +51,13 @@ nodes = { ground = [0, 0, 0], elsewhere = [5, 0, 0] }
         &body_of("elsewhere", 1.0, ""),
         &fixed("ground"),
         &motion(2.0, 0.02),
-    ];
-    let rows = recorded("program_probes_arm", &text.concat());
+    ]
+    .concat()
+}
+
+#[test]
+fn an_arm_that_is_swung_about_an_axis() {
+    let rows = recorded("program_probes_arm", &swung());
     assert_eq!(rows.len(), 101);
     let e = Vector3::new(0.0, 0.6, 0.8);
     let r = Vector3::new(0.5, -0.3, 0.7);
