@@ -12,15 +12,6 @@ fn table(name: &str, text: &str) -> Vec<Vec<f64>> {
     csv(ran(&directory(name), text).join("campbell.csv"))
 }
 
-/// Circular frequencies over the speed.
-fn diagram(name: &str, text: &str) -> Vec<(f64, Vec<f64>)> {
-    let row = |cells: Vec<f64>| {
-        let frequencies = cells[1..].chunks(2).map(|pair| TAU * pair[0]);
-        (cells[0], frequencies.collect())
-    };
-    table(name, text).into_iter().map(row).collect()
-}
-
 /// Circular frequencies Im λ and damping ratios over the speed.
 fn lines(name: &str, text: &str) -> Vec<(f64, Vec<[f64; 2]>)> {
     let row = |cells: Vec<f64>| {
@@ -28,6 +19,13 @@ fn lines(name: &str, text: &str) -> Vec<(f64, Vec<[f64; 2]>)> {
         (cells[0], lines.collect())
     };
     table(name, text).into_iter().map(row).collect()
+}
+
+/// Circular frequencies over the speed.
+fn diagram(name: &str, text: &str) -> Vec<(f64, Vec<f64>)> {
+    let frequencies =
+        |(speed, lines): (f64, Vec<[f64; 2]>)| (speed, lines.iter().map(|line| line[0]).collect());
+    lines(name, text).into_iter().map(frequencies).collect()
 }
 
 /// A mass of 3 on a massless vertical shaft that rotates, with these stiffnesses EI and damping.
