@@ -61,11 +61,13 @@ impl MotionRun {
         if now.events.is_empty() {
             return Ok(());
         }
+        let mut state = progress.state.clone();
         for &k in &now.events {
             progress.events[k] = 0.0;
-            now.stopped |= (events[k].apply)(system, &mut progress.state).is_break();
+            now.stopped |= (events[k].apply)(system, &mut state).is_break();
         }
-        check(&self.options, progress, system)?;
+        check(&self.options, &state, system)?;
+        progress.state = state;
         self.refresh(system, progress)?;
         self.watch(system, events, progress)
     }
@@ -107,7 +109,7 @@ fn ratios<'a>(before: &'a [f64], values: &'a [f64]) -> impl Iterator<Item = (usi
 }
 
 /// Evaluates the system at a state: its configuration is then that.
-fn configure(system: &mut dyn System, state: &State) -> Result<(), SystemError> {
+pub(super) fn configure(system: &mut dyn System, state: &State) -> Result<(), SystemError> {
     let State { t, q, v, a, .. } = state;
     let mut r = vec![0.0; q.len()];
     system.evaluate(Point { t: *t, q, v, a }, Evaluation::residual(&mut r))

@@ -1,6 +1,6 @@
 //! Options of a run, and their validation.
 
-use super::{DynamicsError, Progress, Scheme, State};
+use super::{DynamicsError, Scheme, State};
 use crate::statics::refused;
 use pullback_manifold::system::System;
 
@@ -125,7 +125,7 @@ const UNDAMPED: f64 = 1e-6;
 /// Rejects invalid options and initial states.
 pub(super) fn check(
     options: &DynamicOptions,
-    progress: &Progress,
+    state: &State,
     system: &dyn System,
 ) -> Result<(), DynamicsError> {
     check_numbers(options)?;
@@ -144,11 +144,11 @@ pub(super) fn check(
             multiplier: system.name(i),
         });
     }
-    if !(options.to >= progress.state.t && options.to.is_finite()) {
+    if !(options.to >= state.t && options.to.is_finite()) {
         let wanted = "it must be finite and not before the time of the state";
         return refuse("to", options.to, wanted);
     }
-    check_lengths(&progress.state, system.pattern().dim())
+    check_lengths(state, system.pattern().dim())
 }
 
 fn refuse(name: &'static str, value: f64, wanted: &'static str) -> Result<(), DynamicsError> {

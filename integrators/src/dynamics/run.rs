@@ -1,6 +1,6 @@
 //! A run in time: steps that end at kinks and are halved after a failure.
 
-use super::events::{Occurrences, UserEvent};
+use super::events::{Occurrences, UserEvent, configure};
 use super::frequency::check_step;
 use super::options::check;
 use super::projection::InvariantProjection;
@@ -44,7 +44,7 @@ impl MotionRun {
         progress: &mut Progress,
         options: &DynamicOptions,
     ) -> Result<Self, DynamicsError> {
-        check(options, progress, system)?;
+        check(options, &progress.state, system)?;
         let n = system.pattern().dim();
         let mut run = Self {
             stepper: Stepper::new(system, options)?,
@@ -60,8 +60,22 @@ impl MotionRun {
         Ok(run)
     }
 
-    /// The next accepted step; `None` at the end of the run.
+    /// The next accepted step; `None` at the end of the run. After an error the system is at the last
+    /// accepted step.
     pub(super) fn next<Y: System>(
+        &mut self,
+        system: &mut Y,
+        events: &mut [UserEvent<Y>],
+        progress: &mut Progress,
+    ) -> Result<Option<Accepted>, DynamicsError> {
+        let step = self.advance(system, events, progress);
+        if step.is_err() {
+            configure(system, &progress.state).ok();
+        }
+        step
+    }
+
+    fn advance<Y: System>(
         &mut self,
         system: &mut Y,
         events: &mut [UserEvent<Y>],

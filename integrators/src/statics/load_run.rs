@@ -179,6 +179,8 @@ impl LoadRun {
         self.dt = 0.5 * (t - self.summary.t);
         let too_small = self.dt.abs() < self.options.min_step.abs() || self.dt == 0.0;
         if hopeless || too_small {
+            // Leaves the system at the last equilibrium.
+            (self.newton.evaluate(system, None, &self.q, self.summary.t)).ok();
             failed.min_step = (!hopeless).then_some(self.options.min_step);
             return Err(StaticsError::Step(failed));
         }

@@ -269,6 +269,9 @@ impl PathRun {
         let mut failed = self.newton.fail(system, failure, &self.summary, to);
         self.ds *= 0.5;
         if self.ds < self.options.min_step || hopeless {
+            // Leaves the system at the last equilibrium.
+            let Position { q, lambda, .. } = &self.at;
+            (self.newton.evaluate(system, None, q, *lambda)).ok();
             failed.min_step = (!hopeless).then_some(self.options.min_step);
             return Err(StaticsError::Step(failed));
         }

@@ -67,7 +67,8 @@ where
     /// The next equilibrium or event; `None` at the end of the load range or path.
     ///
     /// # Errors
-    /// [`StaticsError`] with the failed step, its load, the cause and the residuals.
+    /// [`StaticsError`] with the failed step, its load, the cause and the residuals. The system is then at the last
+    /// equilibrium.
     pub fn step(&mut self) -> Result<Option<Step<'_>>, StaticsError> {
         let more = self.analysis.next(&mut *self.system)?;
         Ok(more.then(|| self.analysis.report()))

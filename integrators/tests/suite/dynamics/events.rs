@@ -275,4 +275,5 @@ fn a_value_that_is_no_number_is_refused() {
     };
     run.add_event(|_, state| state.q[0] - 0.5, clear);
     refused! { run.finish() => ["velocities: 0 given"] }
+    assert_eq!(run.state().v, [1.0]);
 }

@@ -3,10 +3,10 @@
 #![allow(non_snake_case)]
 
 use crate::support::dynamics::*;
-use crate::support::refused;
+use crate::support::{Configured, refused};
 use pullback_integrators::dynamics::{
-    DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, StepReport, TangentUpdate,
-    integrate, start,
+    DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, Simulation, StepReport,
+    TangentUpdate, integrate, start,
 };
 use pullback_manifold::domain::{CHART_EDGE, DomainError};
 use pullback_manifold::sparse::BlockPattern;
@@ -121,6 +121,19 @@ fn halved_steps_lead_back_to_round_times() {
         assert_eq!(t, end);
         assert!((h - size).abs() < 1e-14, "{h} up to {t}");
     }
+}
+
+#[test]
+fn after_a_failed_step_the_system_is_at_the_last_accepted_one() {
+    let mut system = Configured::new(Stumbling(Pendulum::new(), usize::MAX));
+    let state = start(&system, 0.0, &[1.0], &[]).unwrap();
+    let options = DynamicOptions {
+        min_step: 0.06,
+        ..DynamicOptions::new(2.0, 0.1)
+    };
+    let mut run = Simulation::new(&mut system, state, &options).unwrap();
+    refused! { run.finish() => ["step 6 failed"] }
+    assert_eq!((run.state().t, &run.system().q), (0.5, &run.state().q));
 }
 
 #[test]

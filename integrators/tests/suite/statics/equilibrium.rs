@@ -3,6 +3,7 @@
 #![allow(non_snake_case)]
 
 use crate::support::statics::{LIMIT, Scalar, TIGHT, truss};
+use crate::support::{Configured, refused};
 use pullback_integrators::statics::{
     ArcLengthOptions, Cause, Event, LoadSteps, PathSteps, StaticOptions, StaticSummary,
     StaticsError, Step, equilibrium, solve_statics, trace_path,
@@ -219,6 +220,22 @@ fn a_value_that_is_not_finite_fails_with_its_name() {
         Cause::System(SystemError::NotFinite { .. })
     ));
     assert!(failed.to_string().contains("the spring"));
+}
+
+#[test]
+fn after_a_failure_the_system_is_at_the_last_equilibrium() {
+    let spring = || {
+        let f = |w| [if w > 0.55 { f64::NAN } else { w }, 1.0];
+        Configured::new(Scalar::new(1.0, f))
+    };
+    let mut system = spring();
+    let mut run = LoadSteps::new(&mut system, vec![], &StaticOptions::default()).unwrap();
+    refused! { run.finish() => ["the spring"] }
+    assert!(run.q()[0] > 0.5 && run.system().q == run.q());
+    let mut system = spring();
+    let mut run = PathSteps::new(&mut system, vec![], &ArcLengthOptions::default()).unwrap();
+    refused! { run.finish() => ["the spring"] }
+    assert!(run.q()[0] > 0.5 && run.system().q == run.q());
 }
 
 /// Two coordinates, of which nothing holds the second.

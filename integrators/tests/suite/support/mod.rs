@@ -4,6 +4,33 @@ pub mod dynamics;
 pub mod linear_solver;
 pub mod statics;
 
+use pullback_manifold::sparse::BlockPattern;
+use pullback_manifold::system::{Evaluation, Point, System, SystemError};
+
+/// A system whose configuration is that of its last evaluation.
+pub struct Configured<Y> {
+    pub system: Y,
+    pub q: Vec<f64>,
+}
+
+impl<Y> Configured<Y> {
+    pub fn new(system: Y) -> Self {
+        let q = Vec::new();
+        Self { system, q }
+    }
+}
+
+impl<Y: System> System for Configured<Y> {
+    fn pattern(&self) -> &BlockPattern {
+        self.system.pattern()
+    }
+
+    fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
+        self.q = at.q.to_vec();
+        self.system.evaluate(at, out)
+    }
+}
+
 /// What is refused, row by row, with texts that its error has.
 macro_rules! refused {
     ($($outcome:expr => $texts:expr),* $(,)?) => {$(
