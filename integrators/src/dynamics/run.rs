@@ -125,12 +125,11 @@ impl MotionRun {
         let fresh = progress.state.a.is_empty();
         // A continued run may have another step.
         let DynamicOptions { step, min_step, .. } = self.options;
-        if self.options.adaptivity.is_none() {
-            progress.next_step = progress.next_step.min(step);
-        }
         if progress.next_step < min_step {
             progress.next_step = step;
         }
+        let longest = self.options.adaptivity.map_or(step, |a| a.max_step);
+        progress.next_step = progress.next_step.min(longest);
         let (t, state) = (progress.state.t, &mut progress.state);
         // A system without this state chooses its charts; an accepted state keeps its charts.
         start(system, t, &state.q);

@@ -112,7 +112,7 @@ impl StaticAnalysis for PathRun {
             },
             next: at.clone(),
             at,
-            ds: options.first_step,
+            ds: options.first_step.min(options.max_step),
             phase: Phase::Begin,
             fresh: false,
             unstable: None,

@@ -229,6 +229,14 @@ fn adaptive_steps_follow_the_error() {
 }
 
 #[test]
+fn no_step_is_longer_than_the_longest() {
+    let options = adaptive(DynamicOptions::new(1.0, 0.3), 1.0, 0.05);
+    let size = |step: &StepReport<'_>| step.step_size;
+    let (sizes, _) = observed(Oscillator::mass(0.0), 0.0, 1.0, &options, size);
+    assert!(sizes.iter().all(|h| *h < 0.05 + 1e-14), "{sizes:?}");
+}
+
+#[test]
 fn options_are_refused_with_their_range() {
     let pendulum = |to: f64, step: f64| {
         let options = DynamicOptions::new(to, step);

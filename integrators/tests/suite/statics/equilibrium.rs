@@ -103,6 +103,17 @@ fn a_path_step_by_step_is_the_same() {
 }
 
 #[test]
+fn no_step_along_a_path_is_longer_than_the_longest() {
+    let options = ArcLengthOptions {
+        first_step: 0.2,
+        max_step: 0.01,
+        ..with_events([Event::Load(0.1)])
+    };
+    let (sizes, _) = traced(&mut vec![0.0], &options, |step| step.step_size);
+    assert!(sizes.iter().all(|ds| *ds <= 0.01), "{sizes:?}");
+}
+
+#[test]
 fn load_steps_one_by_one_end_at_the_load() {
     let options = StaticOptions {
         to: 0.3,
