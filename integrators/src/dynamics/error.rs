@@ -34,7 +34,7 @@ pub enum DynamicsError {
     #[error(
         "step {step:?} is too large for {scheme}, which is stable for steps of at most \
          {stable:.6e} here: the largest frequency is {frequency:.6e} ({what} is stiffest \
-         for its mass); take smaller steps, or an implicit scheme"
+         for its mass); take smaller steps, or a scheme that is stable at every step"
     )]
     StepTooLarge {
         scheme: &'static str,
@@ -45,10 +45,10 @@ pub enum DynamicsError {
         /// The coordinate with the largest ratio of stiffness to mass.
         what: String,
     },
-    /// Coordinates without mass in an explicit scheme.
+    /// Coordinates without mass in a scheme with a stability limit.
     #[error(
         "{scheme} needs mass in every coordinate: {source}{}; give these coordinates mass, or take \
-         an implicit scheme",
+         a scheme that is stable at every step",
         names(mechanism)
     )]
     Massless {
