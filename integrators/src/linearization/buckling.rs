@@ -5,7 +5,7 @@
 use super::inputs::central;
 use super::modes::ModesError;
 use super::search::Search;
-use super::{Linearized, linearize};
+use super::{Linearized, check_count, linearize};
 use crate::linear_solver::{AutoSolver, LinearError, LinearSolver, MatrixSymmetry};
 use crate::vectors::dot;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
@@ -76,6 +76,7 @@ pub fn buckling(
     at: Point<'_>,
     count: usize,
 ) -> Result<Vec<BucklingMode>, BucklingError> {
+    check_count(count)?;
     let mut lin = linearize(system, Point::statics(at.t, at.q))?;
     if !lin.is_symmetric(&lin.K) {
         return Err(BucklingError::Asymmetric);

@@ -14,7 +14,7 @@
 #![allow(non_snake_case)]
 
 use super::modes::{Mode, ModeOptions, ModesError, modes_while};
-use super::{LinearizationError, Linearized, SteadyMotion, inner_product, linearize};
+use super::{LinearizationError, Linearized, SteadyMotion, check_count, inner_product, linearize};
 use crate::rounding::largest;
 use crate::significant;
 use crate::statics::{StaticOptions, StaticsError, equilibrium_from};
@@ -124,6 +124,10 @@ pub fn campbell(
             lines: Vec::new(),
         });
     };
+    check_count(options.count).map_err(|source| CampbellError::Modes {
+        speed: first,
+        source,
+    })?;
     let mut sweep = Sweep {
         system,
         input: input.into(),

@@ -89,6 +89,16 @@ pub enum LinearizationError {
     },
 }
 
+/// Refuses a search for no modes.
+fn check_count(count: usize) -> Result<(), ModesError> {
+    match count {
+        0 => Err(ModesError::Options(
+            "the number of modes must be at least 1".to_owned(),
+        )),
+        _ => Ok(()),
+    }
+}
+
 /// Largest residual of a state in balance, relative to the forces.
 const BALANCED: f64 = 1e-4;
 

@@ -1,3 +1,4 @@
 //! Modes of linear systems.
 
 mod chain;
+mod requests;

@@ -1,0 +1,80 @@
+//! Requests that a system cannot meet, and systems without coordinates.
+
+#![allow(non_snake_case)]
+
+use crate::support::refused;
+use pullback_integrators::linearization::{
+    CampbellDiagram, CampbellError, CampbellOptions, buckling, campbell,
+};
+use pullback_integrators::statics::StaticOptions;
+use pullback_manifold::sparse::BlockPattern;
+use pullback_manifold::system::{Evaluation, Events, Point, System, SystemError};
+use std::ops::ControlFlow;
+
+/// Masses of one on springs of one, and an input u that loads them.
+struct Loaded {
+    pattern: BlockPattern,
+    u: [f64; 1],
+}
+
+impl Loaded {
+    fn new(n: usize) -> Self {
+        let pattern = BlockPattern::new(&vec![1; n], [[0_u32; 0]; 0]);
+        Self { pattern, u: [3.0] }
+    }
+}
+
+impl System for Loaded {
+    fn pattern(&self) -> &BlockPattern {
+        &self.pattern
+    }
+
+    fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
+        for (i, r) in out.r.iter_mut().enumerate() {
+            *r = self.u[0] - at.q[i] - at.a.get(i).copied().unwrap_or(0.0);
+        }
+        if let Some((weights, S)) = out.S {
+            S.fill(weights.K + weights.M);
+        }
+        if let Some(r_t) = out.r_t {
+            r_t.fill(0.0);
+        }
+        Ok(())
+    }
+
+    fn events(&mut self) -> Option<&mut dyn Events> {
+        Some(self)
+    }
+}
+
+impl Events for Loaded {
+    fn inputs(&mut self) -> &mut [f64] {
+        &mut self.u
+    }
+}
+
+fn diagram(input: usize, count: usize) -> Result<CampbellDiagram, CampbellError> {
+    let options = CampbellOptions {
+        t: 0.0,
+        speeds: vec![1.0, 2.0],
+        count,
+        statics: StaticOptions::default(),
+    };
+    let mut observer = |_| ControlFlow::Continue(());
+    campbell(
+        &mut Loaded::new(2),
+        input,
+        &mut vec![0.0; 2],
+        &options,
+        &mut observer,
+    )
+}
+
+#[test]
+fn no_modes_are_not_searched_for() {
+    let none = "the number of modes must be at least 1";
+    refused! {
+        buckling(&mut Loaded::new(2), Point::statics(0.0, &[3.0; 2]), 0) => [none],
+        diagram(0, 0) => ["at a speed of 1", none],
+    }
+}
