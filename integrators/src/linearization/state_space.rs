@@ -78,7 +78,6 @@ pub fn output_derivatives<Y: System>(
         }
     };
     let mut state = [at.q.to_vec(), full(at.v), full(at.a)];
-    let mut count = 0;
     let mut by_state = Vec::new();
     for k in 0..state.len() {
         let mut columns = Vec::new();
@@ -91,9 +90,7 @@ pub fn output_derivatives<Y: System>(
                 outputs(system, Point { t: at.t, q, v, a })
             });
             state[k][i] = value;
-            let column = column?;
-            count = column.len();
-            columns.extend(column);
+            columns.extend(column?);
         }
         by_state.push(columns);
     }
@@ -105,7 +102,7 @@ pub fn output_derivatives<Y: System>(
         by_inputs.extend(by_input(system, input, &mut |system| outputs(system, at))?);
     }
     // Leaves the system at the state.
-    outputs(system, at)?;
+    let count = outputs(system, at)?.len();
     let mut matrices = by_state.into_iter();
     let mut next = || DMatrix::from_vec(count, n, matrices.next().unwrap_or_default());
     Ok(OutputDerivatives {

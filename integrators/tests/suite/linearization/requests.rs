@@ -4,7 +4,7 @@
 
 use crate::support::refused;
 use pullback_integrators::linearization::{
-    CampbellDiagram, CampbellError, CampbellOptions, buckling, campbell,
+    CampbellDiagram, CampbellError, CampbellOptions, buckling, campbell, output_derivatives,
 };
 use pullback_integrators::statics::StaticOptions;
 use pullback_manifold::sparse::BlockPattern;
@@ -77,4 +77,13 @@ fn no_modes_are_not_searched_for() {
         buckling(&mut Loaded::new(2), Point::statics(0.0, &[3.0; 2]), 0) => [none],
         diagram(0, 0) => ["at a speed of 1", none],
     }
+}
+
+#[test]
+fn outputs_without_coordinates_depend_on_inputs() {
+    let square = |system: &mut Loaded, _: Point<'_>| Ok(vec![system.u[0].powi(2)]);
+    let at = Point::statics(0.0, &[]);
+    let found = output_derivatives(&mut Loaded::new(0), at, square).unwrap();
+    assert_eq!(found.q.shape(), (1, 0));
+    assert!((found.u[(0, 0)] - 6.0).abs() < 1e-12, "{}", found.u);
 }
