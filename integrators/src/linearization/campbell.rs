@@ -111,6 +111,9 @@ const STEADY: f64 = 1e-7;
 ///
 /// # Errors
 /// [`CampbellError`], with the speed.
+///
+/// # Panics
+/// If the system has no such input.
 pub fn campbell(
     system: &mut dyn System,
     input: impl Into<usize>,

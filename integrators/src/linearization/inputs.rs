@@ -37,9 +37,8 @@ pub(super) fn by_input<Y: System + ?Sized>(
     f: &mut dyn FnMut(&mut Y) -> Result<Vec<f64>, SystemError>,
 ) -> Result<Vec<f64>, SystemError> {
     let set = |system: &mut Y, u: f64| {
-        let events = system.events();
-        if let Some(input) = events.and_then(|events| events.inputs().get_mut(input)) {
-            *input = u;
+        if let Some(events) = system.events() {
+            events.inputs()[input] = u;
         }
     };
     let found = central(step(u, 1.0), |du| {

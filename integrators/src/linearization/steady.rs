@@ -20,6 +20,9 @@ pub struct SteadyMotion<'a> {
 
 impl<'a> SteadyMotion<'a> {
     /// The system at time `t`, with the input of this number as its load parameter.
+    ///
+    /// # Panics
+    /// At the first evaluation if the system has no such input.
     pub fn new(system: &'a mut dyn System, t: f64, input: impl Into<usize>) -> Self {
         Self {
             zeros: vec![0.0; system.pattern().dim()],
@@ -49,9 +52,7 @@ impl System for SteadyMotion<'_> {
         if let Some(r_t) = r_t {
             r_t.copy_from_slice(&derivative(&mut *self.system, still, (self.input, at.t))?);
         }
-        if let Some(input) = events(&mut *self.system).inputs().get_mut(self.input) {
-            *input = at.t;
-        }
+        events(&mut *self.system).inputs()[self.input] = at.t;
         self.system.evaluate(still, out)
     }
 

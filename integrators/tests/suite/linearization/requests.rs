@@ -80,6 +80,13 @@ fn no_modes_are_not_searched_for() {
 }
 
 #[test]
+#[should_panic = "index out of bounds"]
+fn an_input_that_does_not_exist_has_no_diagram() {
+    assert_eq!(diagram(0, 1).unwrap().lines.len(), 2);
+    let _ = diagram(1, 1);
+}
+
+#[test]
 fn outputs_without_coordinates_depend_on_inputs() {
     let square = |system: &mut Loaded, _: Point<'_>| Ok(vec![system.u[0].powi(2)]);
     let at = Point::statics(0.0, &[]);
