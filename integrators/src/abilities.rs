@@ -1,7 +1,7 @@
 //! The optional abilities of a system, each with the default for a system without it.
 
 use pullback_manifold::system::{
-    ChartChanges, Energies, Events, Point, RigidRates, Symmetry, System, SystemError,
+    ChartChanges, Energetics, Energies, Events, Point, System, SystemError,
 };
 
 /// See [`Charts::change_charts`](pullback_manifold::system::Charts::change_charts).
@@ -47,43 +47,19 @@ pub(crate) fn energies(
     energies.transpose()
 }
 
-/// See [`Energetics::dissipation`](pullback_manifold::system::Energetics::dissipation).
-pub(crate) fn dissipation(
-    system: &mut dyn System,
-    at: Point<'_>,
-) -> Result<Option<f64>, SystemError> {
-    let dissipation = system.energetics().map(|system| system.dissipation(at));
-    dissipation.transpose()
-}
+/// A system without energies, momenta and symmetries.
+struct Silent;
 
-/// See [`Energetics::momentum`](pullback_manifold::system::Energetics::momentum).
-pub(crate) fn momentum(
-    system: &mut dyn System,
-    at: Point<'_>,
-    p: &mut [f64],
-) -> Result<bool, SystemError> {
-    (system.energetics()).map_or(Ok(false), |system| system.momentum(at, p))
-}
-
-/// See [`Energetics::symmetries`](pullback_manifold::system::Energetics::symmetries).
-pub(crate) fn symmetries(
-    system: &mut dyn System,
-    span: [f64; 2],
-    q: &[f64],
-    v: &[f64],
-) -> Vec<Symmetry> {
-    (system.energetics()).map_or_else(Vec::new, |system| system.symmetries(span, q, v))
-}
-
-/// See [`Energetics::rigid_rates`](pullback_manifold::system::Energetics::rigid_rates).
-pub(crate) fn rigid_rates(
-    system: &mut dyn System,
-    q: &[f64],
-    motion: &RigidRates,
-    rates: &mut [f64],
-) {
-    match system.energetics() {
-        Some(system) => system.rigid_rates(q, motion, rates),
-        None => rates.fill(0.0),
+impl Energetics for Silent {
+    fn energies(&mut self, _: Point<'_>) -> Result<Energies, SystemError> {
+        Ok(Energies::default())
     }
+}
+
+/// The momenta and symmetries of a system, none by default.
+pub(crate) fn energetics(system: &mut dyn System) -> &mut dyn Energetics {
+    // Of no size: nothing is allocated.
+    system
+        .energetics()
+        .unwrap_or_else(|| Box::leak(Box::new(Silent)))
 }

@@ -5,7 +5,7 @@ use super::run::MotionRun;
 use super::step::Stepper;
 use super::stops::equal_steps;
 use super::{DynamicsError, Progress, State};
-use crate::abilities;
+use crate::abilities::energetics;
 use pullback_manifold::system::{Energies, Point, System};
 
 /// A halved step is doubled again after this many converged steps in a row.
@@ -137,6 +137,6 @@ impl MotionRun {
         }
         let t = 0.5 * (state.t + end);
         let a = &next.a;
-        abilities::dissipation(system, Point { t, q, v, a }).ok()?
+        energetics(system).dissipation(Point { t, q, v, a }).ok()
     }
 }

@@ -1,7 +1,7 @@
 //! Consistent initial accelerations, M q̈ = r(t, q, q̇, 0), and multipliers.
 
 use super::{DynamicsError, State, Stepper};
-use crate::abilities::{energies, events, momentum};
+use crate::abilities::{energetics, energies, events};
 use crate::failure::find_mechanism;
 use crate::linear_solver::{LinearError, LinearSolver, max_abs};
 use crate::vectors::add;
@@ -127,7 +127,7 @@ impl Stepper {
         while count < most {
             let at = state.point();
             let known = match prescribed {
-                true => momentum(system, at, missing),
+                true => energetics(system).momentum(at, missing),
                 false => events(system).kept_momentum(Some(at), missing),
             };
             known.map_err(DynamicsError::at(state.t))?;

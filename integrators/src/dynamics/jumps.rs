@@ -6,7 +6,7 @@ use super::run::MotionRun;
 use super::step::Stepper;
 use super::stops::StopTime;
 use super::{DynamicsError, Progress, State};
-use crate::abilities::{events, momentum};
+use crate::abilities::{energetics, events};
 use pullback_manifold::system::{Energies, Point, System};
 
 impl MotionRun {
@@ -24,7 +24,7 @@ impl MotionRun {
             v,
             a,
         };
-        let known = momentum(system, before, &mut self.momentum);
+        let known = energetics(system).momentum(before, &mut self.momentum);
         let known = known.map_err(|source| DynamicsError::System { t: *t, source })?;
         *t = stop.right;
         if known {

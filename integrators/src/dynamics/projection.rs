@@ -22,7 +22,7 @@
 
 use super::invariants::Invariants;
 use super::{DynamicsError, Scheme, State};
-use crate::abilities::{momentum, rigid_rates, symmetries};
+use crate::abilities::energetics;
 use crate::vectors::{add, dot};
 use nalgebra::Vector3;
 use pullback_manifold::system::{
@@ -102,11 +102,11 @@ impl InvariantProjection {
         buffers: [&mut [f64]; 2],
     ) -> Result<Invariants, DynamicsError> {
         let now = energies(system, scheme, state, state.t)?;
-        let symmetries = symmetries(system, [state.t, until], &state.q, &state.v);
+        let symmetries = energetics(system).symmetries([state.t, until], &state.q, &state.v);
         self.momentum(system, state, (&now, state.t), buffers)?;
         let mut kept = Invariants::of(&now);
         for Symmetry { motion, force } in symmetries {
-            rigid_rates(system, &state.q, &motion, &mut self.field);
+            energetics(system).rigid_rates(&state.q, &motion, &mut self.field);
             kept.motions.push(motion);
             kept.momenta.push(dot(&self.field, &self.p));
             kept.forces.push(force);
@@ -237,7 +237,7 @@ impl InvariantProjection {
         let out = Evaluation::with_tangent(r, Weights::MASS, S);
         self.evaluations += 1;
         system.evaluate(at, out).map_err(DynamicsError::at(t))?;
-        let known = momentum(system, at, &mut self.p);
+        let known = energetics(system).momentum(at, &mut self.p);
         self.field.fill(0.0);
         system
             .pattern()
@@ -272,7 +272,7 @@ impl InvariantProjection {
         for (xi, j) in kept.motions.iter().zip(&kept.momenta) {
             let (done, rest) = self.basis.split_at_mut(self.rank);
             let Some(d) = rest.first_mut() else { break };
-            rigid_rates(system, &state.q, xi, &mut d.e);
+            energetics(system).rigid_rates(&state.q, xi, &mut d.e);
             (d.xi, d.j) = (*xi, *j);
             let parts: f64 = d.e.iter().zip(&self.p).map(|(e, p)| (e * p).abs()).sum();
             let off = (d.j - dot(&d.e, &self.p)).abs();
@@ -325,7 +325,7 @@ impl InvariantProjection {
             if d.xi[3..].iter().all(|x| *x == 0.0) {
                 continue;
             }
-            rigid_rates(system, q, &bracket(&d.xi, &Omega), &mut self.field);
+            energetics(system).rigid_rates(q, &bracket(&d.xi, &Omega), &mut self.field);
             let (mut sum, mut length) = (0.0, 0.0);
             for along in &self.basis[..self.rank] {
                 let part = dot(&self.field, &along.Me);

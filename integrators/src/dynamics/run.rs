@@ -8,7 +8,7 @@ use super::segment_changes::SegmentSearch;
 use super::step::Stepper;
 use super::stops::{StopTime, Stops};
 use super::{DynamicOptions, DynamicsError, EnergyBalance, Progress, State, StepReport};
-use crate::abilities::{self, change_charts, start, symmetries};
+use crate::abilities::{self, change_charts, energetics, start};
 use pullback_manifold::system::{Energies, Point, System};
 
 /// Number of steps ahead for which symmetries are found if there is no kink.
@@ -156,7 +156,7 @@ impl MotionRun {
             // A system that is new to a run finds its symmetries again.
             Some(kept) if self.projection.is_some() && !kept.motions.is_empty() => {
                 let span = [*t, self.next_kink(*t)];
-                symmetries(system, span, q, v);
+                energetics(system).symmetries(span, q, v);
             }
             Some(_) if self.projection.is_some() => {}
             _ => self.set_target(system, progress)?,
