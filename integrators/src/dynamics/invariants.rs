@@ -14,19 +14,16 @@ pub struct Invariants {
     /// The power between the ends of a step is unknown; that of a damper at the ends says little
     /// about a step that does not resolve its relaxation. The trapezoidal rule takes half the sum
     /// of the powers, so a damper alone has dissipated between nothing and twice as much.
-    #[cfg_attr(feature = "serde", serde(default))]
     pub unsure: f64,
     /// Present power of everything else.
     pub power: f64,
     /// The same with the magnitudes of gains and losses.
-    #[cfg_attr(feature = "serde", serde(default))]
     pub gross_power: f64,
     /// Symmetries: velocity of the origin, angular velocity.
     pub motions: Vec<RigidRates>,
     /// Momenta along them.
     pub momenta: Vec<f64>,
     /// Rates of these momenta, from constant forces.
-    #[cfg_attr(feature = "serde", serde(default))]
     pub forces: Vec<f64>,
 }
 

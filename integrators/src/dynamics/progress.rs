@@ -22,13 +22,10 @@ pub struct EnergyBalance {
     pub largest_defect: f64,
     /// Largest forces and moments so far, applied and reactions, times a length of the model and a
     /// radian: energies below its last digit are rounding errors.
-    #[cfg_attr(feature = "serde", serde(default))]
     pub size: f64,
     /// Number of steps in a row with an absurd energy.
-    #[cfg_attr(feature = "serde", serde(default))]
     pub absurd: usize,
     /// The energy when this number was last a power of two.
-    #[cfg_attr(feature = "serde", serde(default))]
     pub mark: f64,
 }
 
@@ -113,10 +110,6 @@ pub struct Summary {
     pub energy: Option<EnergyBalance>,
     /// The largest stable step of a conditionally stable scheme, at the state where the run began
     /// or was continued.
-    #[cfg_attr(
-        feature = "serde",
-        serde(default, skip_serializing_if = "Option::is_none")
-    )]
     pub stable_step: Option<f64>,
     /// Whether the end was reached (an observer may stop earlier).
     pub finished: bool,
@@ -139,27 +132,14 @@ pub struct Progress {
     /// Inputs at which the accelerations were computed ([`Events::inputs`]).
     ///
     /// [`Events::inputs`]: pullback_manifold::system::Events::inputs
-    #[cfg_attr(
-        feature = "serde",
-        serde(default, skip_serializing_if = "Vec::is_empty")
-    )]
     pub inputs: Vec<f64>,
     /// Values of the events of the user; one with a value below zero may occur.
-    #[cfg_attr(
-        feature = "serde",
-        serde(default, skip_serializing_if = "Vec::is_empty")
-    )]
     pub events: Vec<f64>,
     /// Target of a scheme that restores energy and momenta.
-    #[cfg_attr(
-        feature = "serde",
-        serde(default, skip_serializing_if = "Option::is_none")
-    )]
     pub invariants: Option<Invariants>,
     /// Number of converged steps since the last failure.
     pub easy: usize,
     /// Number of short steps in a row that ended at an event.
-    #[cfg_attr(feature = "serde", serde(default))]
     pub short: usize,
     /// Counters so far.
     pub summary: Summary,
