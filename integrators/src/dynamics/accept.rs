@@ -1,6 +1,5 @@
 //! The end of an accepted step: charts, invariants, the energy balance, kinks, the next step size.
 
-use super::projection::energies;
 use super::run::MotionRun;
 use super::step::Stepper;
 use super::stops::equal_steps;
@@ -77,18 +76,17 @@ impl MotionRun {
         residual_changed: bool,
         (t, h): (f64, f64),
     ) -> Result<Option<Energies>, DynamicsError> {
-        let (Some(projection), Some(kept)) = (&mut self.projection, &mut progress.invariants)
-        else {
+        let Some(projection) = &mut self.projection else {
             return Ok(now);
         };
-        let (scheme, state) = (&self.options.scheme, &mut progress.state);
-        if let (true, Some(now)) = (residual_changed, &now) {
+        if let (true, Some(now), Some(invariants)) =
+            (residual_changed, &now, &mut progress.invariants)
+        {
             // The discretisation itself depends on charts.
-            kept.energy += energies(system, scheme, state, t)?.total() - now.total();
+            let changed = projection.energies(system, &progress.state, t)?;
+            invariants.energy += changed.total() - now.total();
         }
-        let Stepper { r, S, .. } = &mut self.stepper;
-        let restored = projection.restore(system, scheme, state, kept, (t, h), [r, S])?;
-        progress.summary.evaluations += projection.take_evaluations();
+        let restored = projection.restore(system, &mut self.stepper, progress, (t, h))?;
         Ok(now.map(|_| restored))
     }
 

@@ -3,7 +3,6 @@
 #![allow(non_snake_case)]
 
 use super::run::MotionRun;
-use super::step::Stepper;
 use super::stops::StopTime;
 use super::{DynamicsError, Progress, State};
 use crate::abilities::{energetics, events};
@@ -72,13 +71,10 @@ impl MotionRun {
         let impulses = (self.stepper).apply_impulse(system, state, momenta, supplied, h)?;
         progress.summary.evaluations += impulses;
         progress.summary.factorisations += impulses;
-        if let (false, Some(projection), Some(kept)) =
-            (supplied, &mut self.projection, &mut progress.invariants)
-        {
+        if let (false, Some(projection)) = (supplied, &mut self.projection) {
             // The energy is continuous at a corner.
-            let (t, Stepper { r, S, .. }) = (state.t, &mut self.stepper);
-            projection.restore(system, &self.options.scheme, state, kept, (t, 0.0), [r, S])?;
-            progress.summary.evaluations += projection.take_evaluations();
+            let t = state.t;
+            projection.restore(system, &mut self.stepper, progress, (t, 0.0))?;
         }
         self.renew(system, progress, supplied)
     }

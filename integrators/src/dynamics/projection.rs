@@ -21,8 +21,8 @@
 //! and has a least value at p = 0 that no velocities can reach.
 
 use super::invariants::Invariants;
-use super::{DynamicsError, Scheme, State};
-use crate::abilities::energetics;
+use super::{DynamicsError, Progress, State, Stepper};
+use crate::abilities::{energetics, energies};
 use crate::vectors::{add, dot};
 use nalgebra::Vector3;
 use pullback_manifold::system::{
@@ -53,21 +53,19 @@ struct Direction {
     c: f64,
 }
 
-/// Buffers of the projection.
+/// The projection of a scheme, with its buffers.
 pub(super) struct InvariantProjection {
+    scheme: &'static str,
     p: Vec<f64>,
     w: Vec<f64>,
     field: Vec<f64>,
     basis: Vec<Direction>,
     /// Number of directions in use.
     rank: usize,
-    evaluations: usize,
-    /// Whether the last correction was limited.
-    bounded: bool,
 }
 
 impl InvariantProjection {
-    pub(super) fn new(n: usize) -> Self {
+    pub(super) fn new(n: usize, scheme: &'static str) -> Self {
         let zeros = || vec![0.0; n];
         let direction = || Direction {
             xi: [0.0; 6],
@@ -77,65 +75,77 @@ impl InvariantProjection {
             c: 0.0,
         };
         Self {
+            scheme,
             p: zeros(),
             w: zeros(),
             field: zeros(),
             basis: (0..6).map(|_| direction()).collect(),
             rank: 0,
-            evaluations: 0,
-            bounded: false,
         }
     }
 
-    /// Evaluations of the system since the last call.
-    pub(super) fn take_evaluations(&mut self) -> usize {
-        std::mem::take(&mut self.evaluations)
-    }
-
-    /// Invariants of a state, until the end of a span of times.
+    /// Invariants of the present state, until the end of a span of times.
     pub(super) fn set_target(
         &mut self,
         system: &mut dyn System,
-        scheme: &Scheme,
-        state: &State,
+        stepper: &mut Stepper,
+        progress: &mut Progress,
         until: f64,
-        buffers: [&mut [f64]; 2],
     ) -> Result<Invariants, DynamicsError> {
-        let now = energies(system, scheme, state, state.t)?;
+        let state = &progress.state;
+        let now = self.energies(system, state, state.t)?;
         let symmetries = energetics(system).symmetries([state.t, until], &state.q, &state.v);
-        self.momentum(system, state, (&now, state.t), buffers)?;
-        let mut kept = Invariants::of(&now);
+        // What is found before the first step is not counted, as the largest frequency is not.
+        progress.summary.evaluations += usize::from(progress.summary.steps > 0);
+        self.momentum(system, stepper, state, (&now, state.t))?;
+        let mut invariants = Invariants::of(&now);
         for Symmetry { motion, force } in symmetries {
             energetics(system).rigid_rates(&state.q, &motion, &mut self.field);
-            kept.motions.push(motion);
-            kept.momenta.push(dot(&self.field, &self.p));
-            kept.forces.push(force);
+            invariants.motions.push(motion);
+            invariants.momenta.push(dot(&self.field, &self.p));
+            invariants.forces.push(force);
         }
-        Ok(kept)
+        Ok(invariants)
     }
 
-    /// Restores the invariants of a state at the end of a step of size h; returns its energies.
+    /// Energies of a state, at a time that may be just before its own.
+    pub(super) fn energies(
+        &self,
+        system: &mut dyn System,
+        state: &State,
+        t: f64,
+    ) -> Result<Energies, DynamicsError> {
+        let at = Point { t, ..state.point() };
+        let known = energies(system, at).map_err(DynamicsError::at(t))?;
+        known.ok_or(DynamicsError::NoEnergy {
+            scheme: self.scheme,
+        })
+    }
+
+    /// Restores the invariants of the state at the end of a step of size h; returns its energies.
     pub(super) fn restore(
         &mut self,
         system: &mut dyn System,
-        scheme: &Scheme,
-        state: &mut State,
-        kept: &mut Invariants,
+        stepper: &mut Stepper,
+        progress: &mut Progress,
         (t, h): (f64, f64),
-        [r, S]: [&mut [f64]; 2],
     ) -> Result<Energies, DynamicsError> {
-        self.bounded = false;
-        let mut now = energies(system, scheme, state, t)?;
-        kept.add_step(&now, h);
+        let (state, summary) = (&mut progress.state, &mut progress.summary);
+        let mut now = self.energies(system, state, t)?;
+        let Some(invariants) = &mut progress.invariants else {
+            return Ok(now);
+        };
+        invariants.add_step(&now, h);
         let (mut stale, mut bounded, mut driven) = (true, false, false);
         for _ in 0..PASSES {
             let gross = now.kinetic + now.stored.abs() + now.potential.abs();
-            let closed = kept.energy_gap(now.total()).abs() <= ROUNDING * gross;
+            let closed = invariants.energy_gap(now.total()).abs() <= ROUNDING * gross;
             if !stale && (driven || closed) {
                 break;
             }
-            driven = self.momentum(system, state, (&now, t), [r, S])?;
-            let missing = self.split(system, state, kept, S);
+            summary.evaluations += 1;
+            driven = self.momentum(system, stepper, state, (&now, t))?;
+            let missing = self.split(system, state, invariants, &stepper.S);
             if missing <= ROUNDING && (driven || closed) {
                 break;
             }
@@ -143,36 +153,37 @@ impl InvariantProjection {
                 .directions()
                 .map(|d| 0.5 * (d.j * d.j - d.c * d.c))
                 .sum();
-            let needed = kept.energy_gap(now.total() + rigid);
+            let needed = invariants.energy_gap(now.total() + rigid);
             let fixed = bounded || driven || needed == 0.0;
-            stale = self.correct(system, state, (!fixed).then_some(needed), t, h);
-            bounded |= self.bounded;
-            now = energies(system, scheme, state, t)?;
+            let needed = (!fixed).then_some(needed);
+            let [moved, limited] = self.correct(system, state, needed, (t, h));
+            (stale, bounded) = (moved, bounded || limited);
+            now = self.energies(system, state, t)?;
             if bounded && !stale {
                 break;
             }
         }
         if driven {
-            (kept.energy, kept.unsure) = (now.total(), 0.0);
+            (invariants.energy, invariants.unsure) = (now.total(), 0.0);
         }
-        kept.set_power(&now);
+        invariants.set_power(&now);
         Ok(now)
     }
 
-    /// Restores the momenta, and the energy that is needed, if any; whether coordinates change.
+    /// Restores the momenta, and the energy that is needed, if any; whether coordinates change, and
+    /// whether only a part of the energy can be added.
     fn correct(
         &mut self,
         system: &mut dyn System,
         state: &mut State,
         needed: Option<f64>,
-        t: f64,
-        h: f64,
-    ) -> bool {
+        (t, h): (f64, f64),
+    ) -> [bool; 2] {
         let mut gammas = [0.0; 6];
         let rest = dot(&self.p, &self.w) - self.rigid_in_rest();
         self.turns(system, &state.q, &mut gammas);
         let shares = needed.map(|needed| self.shares(needed, rest, &gammas, h));
-        let [s, eta] = shares.unwrap_or([1.0, 0.0]);
+        let ([s, eta], limited) = shares.unwrap_or(([1.0, 0.0], false));
         for (v, w) in state.v.iter_mut().zip(&self.w) {
             *v += (s - 1.0) * w;
         }
@@ -184,18 +195,17 @@ impl InvariantProjection {
             // Charts that are recentred at the end of a step are recentred again.
             state.change_charts(system, t);
         }
-        eta != 0.0
+        [eta != 0.0, limited]
     }
 
-    /// The factor s of the rest and that of the rotations γ that add the needed energy; sets
-    /// `bounded` if they cannot add all of it.
-    fn shares(&mut self, needed: f64, rest: f64, gammas: &[f64; 6], h: f64) -> [f64; 2] {
+    /// The factor s of the rest and that of the rotations γ that add the needed energy; whether they
+    /// add only a part of it.
+    fn shares(&self, needed: f64, rest: f64, gammas: &[f64; 6], h: f64) -> ([f64; 2], bool) {
         // The rest gains the energy p·w dλ by dλ, the rotation h² Σ γ² dλ.
         let (rest, size) = (rest.max(0.0), gammas.iter().map(|g| g * g).sum::<f64>());
         let slope = rest + h * h * size;
-        self.bounded = slope == 0.0;
-        if self.bounded {
-            return [1.0, 0.0];
+        if slope == 0.0 {
+            return ([1.0, 0.0], true);
         }
         let wanted = 1.0 + 2.0 * needed / slope;
         // Near rest the velocities cannot supply this energy; the next steps will.
@@ -210,8 +220,8 @@ impl InvariantProjection {
             true => [left / size, TURN * h * (speed / size).sqrt()],
             false => [0.0; 2],
         };
-        self.bounded = eta.abs() > most || (size == 0.0 && square != wanted);
-        [square.sqrt(), eta.max(-most).min(most)]
+        let limited = eta.abs() > most || (size == 0.0 && square != wanted);
+        ([square.sqrt(), eta.max(-most).min(most)], limited)
     }
 
     fn directions(&self) -> impl Iterator<Item = &Direction> {
@@ -223,19 +233,18 @@ impl InvariantProjection {
         self.directions().map(|d| d.c * dot(&d.Me, &self.w)).sum()
     }
 
-    /// Writes the mass matrix to `S` and the generalised momentum at a time: just before a kink that
+    /// Writes the mass matrix to `stepper.S` and the generalised momentum at a time: just before a kink that
     /// the state has reached, where a prescribed velocity may jump. Whether a motion is prescribed: the
     /// kinetic energy T = ½ q̇·M q̇ + b·q̇ + c, with p = M q̇ + b, then has a constant c.
     fn momentum(
         &mut self,
         system: &mut dyn System,
+        Stepper { r, S, .. }: &mut Stepper,
         state: &State,
         (now, t): (&Energies, f64),
-        [r, S]: [&mut [f64]; 2],
     ) -> Result<bool, DynamicsError> {
         let at = Point { t, ..state.point() };
         let out = Evaluation::with_tangent(r, Weights::MASS, S);
-        self.evaluations += 1;
         system.evaluate(at, out).map_err(DynamicsError::at(t))?;
         let known = energetics(system).momentum(at, &mut self.p);
         self.field.fill(0.0);
@@ -263,13 +272,13 @@ impl InvariantProjection {
         &mut self,
         system: &mut dyn System,
         state: &State,
-        kept: &Invariants,
+        invariants: &Invariants,
         M: &[f64],
     ) -> f64 {
         self.rank = 0;
         self.w.copy_from_slice(&state.v);
         let mut missing = 0.0_f64;
-        for (xi, j) in kept.motions.iter().zip(&kept.momenta) {
+        for (xi, j) in invariants.motions.iter().zip(&invariants.momenta) {
             let (done, rest) = self.basis.split_at_mut(self.rank);
             let Some(d) = rest.first_mut() else { break };
             energetics(system).rigid_rates(&state.q, xi, &mut d.e);
@@ -350,17 +359,4 @@ fn bracket(eta: &RigidRates, xi: &RigidRates) -> RigidRates {
     let linear = omega.cross(&v_xi) - omega_xi.cross(&v);
     let angular = omega.cross(&omega_xi);
     std::array::from_fn(|i| if i < 3 { linear[i] } else { angular[i - 3] })
-}
-
-pub(super) fn energies(
-    system: &mut dyn System,
-    scheme: &Scheme,
-    state: &State,
-    t: f64,
-) -> Result<Energies, DynamicsError> {
-    let at = Point { t, ..state.point() };
-    let known = crate::abilities::energies(system, at).map_err(DynamicsError::at(t))?;
-    known.ok_or(DynamicsError::NoEnergy {
-        scheme: scheme.name,
-    })
 }

@@ -53,7 +53,8 @@ impl MotionRun {
             stops: Stops::new(system, progress.state.t, options),
             segment_changes: SegmentSearch::default(),
             occurrences: Occurrences::default(),
-            projection: (options.scheme.keeps_energy()).then(|| InvariantProjection::new(n)),
+            projection: (options.scheme.keeps_energy())
+                .then(|| InvariantProjection::new(n, options.scheme.name)),
             options: *options,
         };
         run.begin(system, progress)?;
@@ -210,11 +211,9 @@ impl MotionRun {
         progress: &mut Progress,
     ) -> Result<(), DynamicsError> {
         let until = self.next_kink(progress.state.t);
-        let Stepper { r, S, .. } = &mut self.stepper;
-        let scheme = &self.options.scheme;
         progress.invariants = match &mut self.projection {
             Some(projection) => {
-                Some(projection.set_target(system, scheme, &progress.state, until, [r, S])?)
+                Some(projection.set_target(system, &mut self.stepper, progress, until)?)
             }
             None => None,
         };
