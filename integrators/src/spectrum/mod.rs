@@ -5,8 +5,8 @@
 //! acceleration y, linearly to the next. The amplification matrix A of this map is found by three
 //! steps from unit states ([`amplification`]) with the step routine of all runs; its eigenvalues λ
 //! = e^(−ξ̄ Ω̄ ± i Ω̄) give the numerical vibration (Hughes, *The Finite Element Method*, 9.1): Ω̄ = ω̄
-//! h its frequency, ξ̄ its damping ratio, T̄/T − 1 = Ω/Ω̄ − 1 its period elongation. [`closed_form`],
-//! [`closed_first_step`] and [`expansion`] are independent closed forms.
+//! h its frequency, ξ̄ its damping ratio, T̄/T − 1 = Ω/Ω̄ − 1 its period elongation. [`closed_form`]
+//! and [`expansion`] are independent closed forms.
 
 #![allow(non_snake_case)]
 
@@ -14,7 +14,7 @@ mod amplification;
 mod polynomial;
 
 pub use amplification::amplification;
-pub use polynomial::{characteristic, closed_first_step, closed_form, expansion, roots};
+pub use polynomial::{characteristic, closed_form, expansion, roots};
 
 use crate::dynamics::{DynamicsError, Scheme};
 
@@ -23,6 +23,8 @@ use crate::dynamics::{DynamicsError, Scheme};
 pub struct Accuracy {
     /// Ω = ω h.
     pub Omega: f64,
+    /// Coefficients p of the characteristic polynomial λ³ + p₁ λ² + p₂ λ + p₃.
+    pub polynomial: [f64; 3],
     /// Results of its eigenvalues.
     pub numbers: Numbers,
     /// Results of its first step.
@@ -75,9 +77,11 @@ pub fn accuracy(scheme: &Scheme, Omega: f64) -> Result<Accuracy, DynamicsError> 
         [end(0), end(1) * (1.0 + Omega) / Omega]
     };
     let square = Omega * Omega;
+    let polynomial = characteristic(A);
     Ok(Accuracy {
         Omega,
-        numbers: Numbers::of(characteristic(A), Omega),
+        polynomial,
+        numbers: Numbers::of(polynomial, Omega),
         first_step: FirstStep {
             from_rest: first([1.0, 0.0, -square / (1.0 + square)]),
             from_origin: first([0.0, Omega / (1.0 + Omega), 0.0]),

@@ -1,6 +1,6 @@
 //! Characteristic polynomials: of a matrix, in closed form, and their roots.
 
-use super::FirstStep;
+use super::{Accuracy, FirstStep, Numbers};
 use crate::dynamics::Scheme;
 use crate::dynamics::scheme::Coefficients;
 use num_complex::Complex;
@@ -18,59 +18,55 @@ pub fn characteristic(A: [[f64; 3]; 3]) -> [f64; 3] {
     ]
 }
 
-/// Closed form of the characteristic polynomial λ³ + p₁ λ² + p₂ λ + p₃ at Ω: for the generalised-α
-/// family from its coefficients (Chung & Hulbert 1993, with all four of them free), for Runge-Kutta
-/// methods λ (λ − R(iΩ)) (λ − R(−iΩ)) with their stability function R. `None` for other schemes.
-pub fn closed_form(scheme: &Scheme, Omega: f64) -> Option<[f64; 3]> {
-    let W = Omega * Omega;
-    if let Some(Coefficients {
-        alpha_m: m,
-        alpha_f: f,
-        beta: b,
-        gamma: g,
-    }) = scheme.coefficients()
-    {
-        let p0 = 1.0 - m + b * (1.0 - f) * W;
-        let p = [
-            3.0 * m - 2.0 + W * (3.0 * f * b - f * g - 0.5 * f - 2.0 * b + g + 0.5),
-            1.0 - 3.0 * m + W * (-3.0 * f * b + 2.0 * f * g + b - g + 0.5),
-            m + W * (f * b - f * g + 0.5 * f),
-        ];
-        return Some(p.map(|p| p / p0));
-    }
-    let stability = scheme.family()?.stability?;
-    let R = stability(scheme, Complex::new(0.0, Omega));
-    Some([-2.0 * R.re, R.norm_sqr(), 0.0])
+/// Closed form of the accuracy at Ω: for the generalised-α family from its coefficients (Chung & Hulbert
+/// 1993, with all four of them free), with q̈₀ = −ω² q₀ in the first step; for Runge-Kutta methods from
+/// λ (λ − R(iΩ)) (λ − R(−iΩ)) with their stability function R, which multiplies q − i q̇/ω. `None` for
+/// other schemes.
+pub fn closed_form(scheme: &Scheme, Omega: f64) -> Option<Accuracy> {
+    let (polynomial, first_step) = if let Some(coefficients) = scheme.coefficients() {
+        of_family(coefficients, Omega)
+    } else {
+        let stability = scheme.family()?.stability?;
+        let R = stability(scheme, Complex::new(0.0, Omega));
+        let first_step = FirstStep {
+            from_rest: [R.re, -R.im],
+            from_origin: [R.im, R.re],
+        };
+        ([-2.0 * R.re, R.norm_sqr(), 0.0], first_step)
+    };
+    Some(Accuracy {
+        Omega,
+        polynomial,
+        numbers: Numbers::of(polynomial, Omega),
+        first_step,
+    })
 }
 
-/// Closed form of the first step: for the generalised-α family from its equations of one step with q̈₀ =
-/// −ω² q₀, for Runge-Kutta methods by R(iΩ), which multiplies q − i q̇/ω. `None` for other schemes.
-pub fn closed_first_step(scheme: &Scheme, Omega: f64) -> Option<FirstStep> {
-    let W = Omega * Omega;
-    if let Some(Coefficients {
+/// The characteristic polynomial and the first step of the generalised-α family.
+fn of_family(coefficients: Coefficients, Omega: f64) -> ([f64; 3], FirstStep) {
+    let Coefficients {
         alpha_m: m,
         alpha_f: f,
         beta: b,
         gamma: g,
-    }) = scheme.coefficients()
-    {
-        // (1 − α_m) y₁ + α_m y₀ = −W ((1 − α_f) q₁ + α_f q₀), y = h² a, with y₀ = −W q₀,
-        // multiplied out so that nothing large cancels.
-        let (m1, f1) = (1.0 - m, 1.0 - f);
-        let p0 = m1 + f1 * b * W;
-        let position = m1 + W * (b * (m - f) - m1 * (0.5 - b));
-        let velocity = W * f1 * (0.5 * g - b) - m1;
-        return Some(FirstStep {
-            from_rest: [position / p0, Omega * velocity / p0],
-            from_origin: [Omega * m1 / p0, (m1 + W * f1 * (b - g)) / p0],
-        });
-    }
-    let stability = scheme.family()?.stability?;
-    let R = stability(scheme, Complex::new(0.0, Omega));
-    Some(FirstStep {
-        from_rest: [R.re, -R.im],
-        from_origin: [R.im, R.re],
-    })
+    } = coefficients;
+    let W = Omega * Omega;
+    let (m1, f1) = (1.0 - m, 1.0 - f);
+    let p0 = m1 + f1 * b * W;
+    let polynomial = [
+        3.0 * m - 2.0 + W * (3.0 * f * b - f * g - 0.5 * f - 2.0 * b + g + 0.5),
+        1.0 - 3.0 * m + W * (-3.0 * f * b + 2.0 * f * g + b - g + 0.5),
+        m + W * (f * b - f * g + 0.5 * f),
+    ];
+    // (1 − α_m) y₁ + α_m y₀ = −W ((1 − α_f) q₁ + α_f q₀), y = h² a, with y₀ = −W q₀,
+    // multiplied out so that nothing large cancels.
+    let position = m1 + W * (b * (m - f) - m1 * (0.5 - b));
+    let velocity = W * f1 * (0.5 * g - b) - m1;
+    let first_step = FirstStep {
+        from_rest: [position / p0, Omega * velocity / p0],
+        from_origin: [Omega * m1 / p0, (m1 + W * f1 * (b - g)) / p0],
+    };
+    (polynomial.map(|p| p / p0), first_step)
 }
 
 /// κ and σ of the period elongation κ Ω² and the damping ratio σ Ω³ at small Ω, for schemes of order 2

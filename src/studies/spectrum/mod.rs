@@ -16,10 +16,7 @@ use crate::studies::general;
 use crate::terminal::longest;
 use pullback_integrators::dynamics::{DynamicsError, Scheme};
 use pullback_integrators::significant;
-use pullback_integrators::spectrum::{
-    self as integrator, Numbers, amplification, characteristic, closed_first_step, closed_form,
-    expansion, logarithmic,
-};
+use pullback_integrators::spectrum::{self as integrator, closed_form, expansion, logarithmic};
 use serde::{Serialize, Serializer};
 use std::f64::consts::TAU;
 use std::fmt::Write;
@@ -183,15 +180,9 @@ pub fn run(scheme: &Scheme, Omegas: &[f64]) -> Result<Spectrum, DynamicsError> {
     let mut defect = closed_form(scheme, 1.0).map(|_| 0.0_f64);
     let mut points = Vec::with_capacity(Omegas.len());
     for &Omega in Omegas {
-        let polynomial = closed_form(scheme, Omega);
-        let closed = polynomial.zip(closed_first_step(scheme, Omega));
         let mut point = SpectrumPoint {
             steps: integrator::accuracy(scheme, Omega)?,
-            closed: closed.map(|(polynomial, first_step)| integrator::Accuracy {
-                Omega,
-                numbers: Numbers::of(polynomial, Omega),
-                first_step,
-            }),
+            closed: closed_form(scheme, Omega),
             expansion: expansion
                 .map(|[kappa, sigma]| [kappa * Omega.powi(2), sigma * Omega.powi(3)]),
         };
@@ -200,9 +191,9 @@ pub fn run(scheme: &Scheme, Omegas: &[f64]) -> Result<Spectrum, DynamicsError> {
             for side in std::iter::once(&mut point.steps).chain(&mut point.closed) {
                 (side.numbers.damping, side.numbers.elongation) = (None, None);
             }
-        } else if let Some(polynomial) = polynomial {
-            let steps = characteristic(amplification(scheme, Omega)?);
-            let gaps = steps.iter().zip(polynomial).map(|(a, b)| (a - b).abs());
+        } else if let Some(closed) = &point.closed {
+            let pairs = point.steps.polynomial.iter().zip(closed.polynomial);
+            let gaps = pairs.map(|(a, b)| (a - b).abs());
             defect = defect.map(|d| gaps.fold(d, f64::max));
         }
         points.push(point);
