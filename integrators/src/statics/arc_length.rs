@@ -1,10 +1,11 @@
 //! Pseudo-arc-length continuation (Riks 1979; Keller 1977): positions on a path, tangents, and one step.
 //!
-//! The path (q, λ)(s) is followed with unit tangents in the norm ‖(q, λ)‖² = Σ (qᵢ/scaleᵢ)²/n +
-//! (λ/λ_scale)², which is independent of mesh and units. Each step solves on the hyperplane normal
-//! to the tangent at its start, so that limit points in λ are passed.
+//! The path (q, t)(s) is followed with unit tangents in the norm ‖(q, t)‖² = Σ (qᵢ/scaleᵢ)²/n +
+//! (t/load_scale)², which is independent of mesh and units. Each step solves on the hyperplane normal
+//! to the tangent at its start, so that limit points in t are passed.
 
 use super::Iteration;
+use super::critical::PathDirection;
 use super::newton::{Condition, Newton};
 use crate::failure::Cause;
 use crate::rounding::largest;
@@ -14,10 +15,9 @@ use pullback_manifold::system::System;
 #[derive(Clone)]
 pub(super) struct Position {
     pub q: Vec<f64>,
-    pub lambda: f64,
-    /// dq/ds and dλ/ds.
-    pub dq: Vec<f64>,
-    pub d_lambda: f64,
+    pub t: f64,
+    /// dq/ds and dt/ds.
+    pub tangent: PathDirection,
 }
 
 /// The norm of the arc length.
@@ -29,11 +29,20 @@ pub(super) struct Norm {
 }
 
 impl Norm {
-    pub fn dot(&self, a: (&[f64], f64), b: (&[f64], f64)) -> f64 {
-        let q: f64 = (a.0.iter().zip(b.0).zip(&self.weights))
-            .map(|((a, b), w)| a * b * w)
-            .sum();
-        q + a.1 * b.1 * self.load
+    pub fn dot(&self, a: &PathDirection, b: &PathDirection) -> f64 {
+        self.product(a, b.dq.iter().copied(), b.dt)
+    }
+
+    /// The product of a direction with (dq, dt).
+    pub fn product(&self, a: &PathDirection, dq: impl Iterator<Item = f64>, dt: f64) -> f64 {
+        let parts = a.dq.iter().zip(dq).zip(&self.weights);
+        parts.map(|((a, b), w)| a * b * w).sum::<f64>() + a.dt * dt * self.load
+    }
+
+    /// Distance of (q, t) from a position along its tangent.
+    pub fn distance(&self, from: &Position, q: &[f64], t: f64) -> f64 {
+        let moved = q.iter().zip(&from.q).map(|(q, q0)| q - q0);
+        self.product(&from.tangent, moved, t - from.t)
     }
 
     /// Whether a step was corrected by more than its own length, or its displacements by more than
@@ -41,13 +50,13 @@ impl Norm {
     /// size of the structure, a step is almost a load step.
     pub fn strays(&self, from: &Position, to: &Position, ds: f64) -> bool {
         let (mut corrected, mut predicted) = (0.0, 0.0);
-        let ends = to.q.iter().zip(&from.q).zip(&from.dq);
+        let ends = to.q.iter().zip(&from.q).zip(&from.tangent.dq);
         for (((to, from), dq), w) in ends.zip(&self.weights) {
             let ahead = ds * dq;
             corrected += w * (to - from - ahead).powi(2);
             predicted += w * ahead.powi(2);
         }
-        let load = (to.lambda - from.lambda - ds * from.d_lambda).powi(2) * self.load;
+        let load = (to.t - from.t - ds * from.tangent.dt).powi(2) * self.load;
         corrected + load > ds * ds || corrected > predicted + LEAST * LEAST
     }
 }
@@ -66,20 +75,19 @@ impl Newton {
         at: &mut Position,
         norm: &Norm,
     ) -> Result<(), Cause> {
-        self.evaluate(system, None, &at.q, at.lambda)
+        self.evaluate(system, None, &at.q, at.t)
             .map_err(Cause::System)?;
         self.factorise()?;
         self.solve_rate()?;
-        let rate = (self.q_lambda.as_slice(), 1.0);
-        let length = norm.dot(rate, rate).sqrt();
-        let sense = norm.dot(rate, (&at.dq, at.d_lambda)).signum() / length;
+        let length = norm.dot(&self.rate, &self.rate).sqrt();
+        let sense = norm.dot(&self.rate, &at.tangent).signum() / length;
         if !sense.is_finite() {
             return Err(Cause::Diverged);
         }
-        for (dq, rate) in at.dq.iter_mut().zip(rate.0) {
+        for (dq, rate) in at.tangent.dq.iter_mut().zip(&self.rate.dq) {
             *dq = sense * rate;
         }
-        at.d_lambda = sense;
+        at.tangent.dt = sense;
         Ok(())
     }
 
@@ -92,35 +100,20 @@ impl Newton {
         norm: &Norm,
         next: &mut Position,
     ) -> Result<(), Cause> {
-        for (q, (q0, dq)) in next.q.iter_mut().zip(at.q.iter().zip(&at.dq)) {
+        for (q, (q0, dq)) in next.q.iter_mut().zip(at.q.iter().zip(&at.tangent.dq)) {
             *q = q0 + ds * dq;
         }
-        next.lambda = at.lambda + ds * at.d_lambda;
-        let loads = largest(system.pattern(), &self.r_lambda, [0.0; 3]);
+        next.t = at.t + ds * at.tangent.dt;
+        let loads = largest(system.pattern(), &self.r_t, [0.0; 3]);
         self.history.clear();
         self.history.push(Iteration {
-            residual: loads.map(|r| r * (ds * at.d_lambda).abs()),
+            residual: loads.map(|r| r * (ds * at.tangent.dt).abs()),
             ratio: f64::INFINITY,
-            correction: ds.abs() * self.size(&at.dq),
+            correction: ds.abs() * self.size(&at.tangent.dq),
             damping: 1.0,
         });
-        let c: Vec<f64> = (at.dq.iter().zip(&norm.weights))
-            .map(|(dq, w)| dq * w)
-            .collect();
-        let condition = Condition {
-            c: &c,
-            c_lambda: at.d_lambda * norm.load,
-            q0: &at.q,
-            lambda0: at.lambda,
-            ds,
-        };
-        let (q, lambda) = (&mut next.q, &mut next.lambda);
-        self.correct(
-            system,
-            q,
-            lambda,
-            Some(&condition),
-            Some((at.lambda, &at.q)),
-        )
+        let condition = Condition { at, norm, ds };
+        let (q, t) = (&mut next.q, &mut next.t);
+        self.correct(system, q, t, Some(&condition), Some((at.t, &at.q)))
     }
 }

@@ -154,7 +154,7 @@ impl Newton {
         let k = largest.ok_or(Cause::Diverged)?;
         let mut held = Held::at(k, self, system).ok_or(Cause::Diverged)?;
         held.update(self)?;
-        let (w, h) = held.solve(&mut self.solver, &self.r_lambda, 1.0)?;
+        let (w, h) = held.solve(&mut self.solver, &self.r_t, 1.0)?;
         // The tangent of the path is w − (h/g) ψ.
         let likely = match (h / held.g).abs() * self.size(&held.psi.dq) > self.size(&w.dq) {
             true => CriticalKind::Limit,
@@ -276,7 +276,7 @@ impl Newton {
     ) -> Result<Equations, Cause> {
         self.hold(system, q, t, held)?;
         let (_, phi_r) = held.solve(&mut self.solver, &self.r, 0.0)?;
-        let (w, h) = held.solve(&mut self.solver, &self.r_lambda, 1.0)?;
+        let (w, h) = held.solve(&mut self.solver, &self.r_t, 1.0)?;
         let mut second = |along: &PathDirection, with: &[&PathDirection]| {
             let mut out = [0.0; 2];
             let changes = self.second(system, (q, t), along, with)?;
@@ -320,7 +320,7 @@ impl Newton {
             for (change, direction) in changes.iter_mut().zip(with) {
                 let pattern = system.pattern();
                 pattern.multiply_add(-weight, &self.S, &direction.dq, change);
-                for (change, r_t) in change.iter_mut().zip(&self.r_lambda) {
+                for (change, r_t) in change.iter_mut().zip(&self.r_t) {
                     *change += weight * direction.dt * r_t;
                 }
             }

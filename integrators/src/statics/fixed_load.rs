@@ -33,9 +33,9 @@ impl Newton {
         if known != TangentStatus::Factorised {
             self.factorise()?;
         }
-        // δq = K⁻¹ (r + r_λ Δλ): with r_λ a prescribed support bends the whole structure, while the
+        // δq = K⁻¹ (r + r_t Δt): with r_t a prescribed support bends the whole structure, while the
         // residual alone would first strain the element next to it.
-        for ((dq, r), rate) in self.dq.iter_mut().zip(&self.r).zip(&self.r_lambda) {
+        for ((dq, r), rate) in self.dq.iter_mut().zip(&self.r).zip(&self.r_t) {
             *dq = r + rate * (to - from);
         }
         let residual = largest(system.pattern(), &self.dq, [0.0; 3]);

@@ -46,7 +46,7 @@ impl PathStep<'_> {
         let crosses = |a: f64, b: f64| a * b < 0.0 || (b == 0.0 && a != 0.0);
         match (event, self.unstable) {
             (Event::Bifurcation, [Some(a), Some(b)]) => {
-                let turns = crosses(self.at.d_lambda, self.next.d_lambda);
+                let turns = crosses(self.at.tangent.dt, self.next.tangent.dt);
                 a.abs_diff(b) > usize::from(turns)
             }
             // An event that cannot be evaluated (NaN) is ignored; one at the start was reported with
@@ -57,11 +57,9 @@ impl PathStep<'_> {
 
     /// Unit tangents of paths forward along the step, that of its own path first.
     fn oriented(&self, paths: &[PathDirection]) -> (Option<PathDirection>, Option<PathDirection>) {
-        let start = (&self.at.dq[..], self.at.d_lambda);
         let oriented = |path: &PathDirection| {
-            let own = (&path.dq[..], path.dt);
-            let length = self.norm.dot(own, own).sqrt();
-            let cosine = self.norm.dot(start, own) / length;
+            let length = self.norm.dot(path, path).sqrt();
+            let cosine = self.norm.dot(&self.at.tangent, path) / length;
             let sense = cosine.signum() / length;
             let dq = path.dq.iter().map(|dq| sense * dq).collect();
             let dt = sense * path.dt;
@@ -72,20 +70,14 @@ impl PathStep<'_> {
         let mut all = all.into_iter().map(|(_, path)| path);
         (all.next(), all.next())
     }
-
-    /// The cosine between the tangents at the start and at a position.
-    fn bend(&self, position: &Position) -> f64 {
-        let start = (&self.at.dq[..], self.at.d_lambda);
-        self.norm.dot(start, (&position.dq, position.d_lambda))
-    }
 }
 
 /// Value of the event function at a position: zero at the event. Bifurcations have none.
 fn event_value(event: Event, position: &Position) -> f64 {
     match event {
-        Event::TurningPoint => position.d_lambda,
+        Event::TurningPoint => position.tangent.dt,
         Event::Bifurcation => f64::NAN,
-        Event::Load(load) => position.lambda - load,
+        Event::Load(load) => position.t - load,
         Event::Coordinate { unknown, value } => {
             position.q.get(unknown).map_or(f64::NAN, |q| q - value)
         }
@@ -133,7 +125,8 @@ pub(super) fn locate(
                     one
                 }
             };
-            if step.bend(&one.position) < SHARPEST_BEND {
+            let bend = (step.norm).dot(&step.at.tangent, &one.position.tangent);
+            if bend < SHARPEST_BEND {
                 return Err(unlocated(system, event));
             }
             one.index = index;
@@ -160,8 +153,8 @@ fn find_critical(
     // The slope of the load is zero at a turning point, where the path has the direction of ψ.
     let (part, shape, kind) = match event {
         Event::TurningPoint => (
-            at.d_lambda / (at.d_lambda - next.d_lambda),
-            Some(&next.dq[..]),
+            at.tangent.dt / (at.tangent.dt - next.tangent.dt),
+            Some(&next.tangent.dq[..]),
             CriticalKind::Limit,
         ),
         _ => (0.5, None, CriticalKind::Bifurcation),
@@ -170,22 +163,19 @@ fn find_critical(
     let q: Vec<f64> = (at.q.iter().zip(&next.q))
         .map(|(a, b)| between(*a, *b))
         .collect();
-    let guess = (&q[..], between(at.lambda, next.lambda));
+    let guess = (&q[..], between(at.t, next.t));
     let point = newton.critical_point(system, guess, shape);
     let point = point.map_err(|_| unlocated(system, event))?;
     let (along, branch) = step.oriented(&point.paths);
-    let Some(along) = along.filter(|_| point.kind == kind) else {
+    let Some(tangent) = along.filter(|_| point.kind == kind) else {
         return Err(unlocated(system, event));
     };
     let position = Position {
         q: point.q,
-        lambda: point.t,
-        dq: along.dq,
-        d_lambda: along.dt,
+        t: point.t,
+        tangent,
     };
-    let moved: Vec<f64> = position.q.iter().zip(&at.q).map(|(q, q0)| q - q0).collect();
-    let start = (&at.dq[..], at.d_lambda);
-    let s = norm.dot(start, (&moved, position.lambda - at.lambda));
+    let s = norm.distance(at, &position.q, position.t);
     let within = s > -START * step.ds && s <= step.ds && !norm.strays(at, &position, s);
     if !within {
         return Err(unlocated(system, event));

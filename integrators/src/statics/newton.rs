@@ -1,7 +1,7 @@
 //! Newton's method for equilibrium, at a fixed load or together with a condition on the load.
 //!
 //! ```text
-//! K δq = r + r_λ δλ,        c·δq + c_λ δλ = ds − c·(q − q₀) − c_λ (λ − λ₀)
+//! K δq = r + r_t δt,        tangent·(δq, δt) = ds − tangent·(q − q₀, t − t₀)
 //! ```
 //!
 //! Both right-hand sides share one factorisation, so a step along a path costs one more solution
@@ -14,29 +14,27 @@
 //! simplified correction K⁻¹r at the new point is smaller (Deuflhard 2004, Newton Methods for Nonlinear
 //! Problems, section 3.3). A trial outside the domain of a chart is always damped.
 
+use super::arc_length::{Norm, Position};
+use super::critical::PathDirection;
 use super::{Iteration, StaticNewtonOptions, StaticSummary, StaticsError, solutions};
 use crate::convergence::ConvergencePredictor;
 use crate::failure::{Cause, Cost, FailedStep, FailureContext, StepParameter};
 use crate::linear_solver::{AutoSolver, LinearSolver, MatrixSymmetry};
 use crate::rounding::{ResidualTest, inverse_scales, is_rounding, largest, rounding_of_gaps};
+use crate::vectors::add;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
 
-/// A condition c·(q − q₀) + c_λ (λ − λ₀) = ds that replaces a fixed load.
+/// A distance ds along the tangent at a position (q₀, t₀), instead of a fixed load.
 pub(super) struct Condition<'a> {
-    pub c: &'a [f64],
-    pub c_lambda: f64,
-    pub q0: &'a [f64],
-    pub lambda0: f64,
+    pub at: &'a Position,
+    pub norm: &'a Norm,
     pub ds: f64,
 }
 
 impl Condition<'_> {
     /// What is missing from the condition.
-    fn defect(&self, q: &[f64], lambda: f64) -> f64 {
-        let along: f64 = (self.c.iter().zip(q).zip(self.q0))
-            .map(|((c, q), q0)| c * (q - q0))
-            .sum();
-        self.ds - along - self.c_lambda * (lambda - self.lambda0)
+    fn defect(&self, q: &[f64], t: f64) -> f64 {
+        self.ds - self.norm.distance(self.at, q, t)
     }
 }
 
@@ -45,11 +43,11 @@ pub(super) struct Newton {
     pub solver: AutoSolver,
     pub r: Vec<f64>,
     pub S: Vec<f64>,
-    pub r_lambda: Vec<f64>,
+    pub r_t: Vec<f64>,
     /// δq at a fixed load, then the whole correction.
     pub dq: Vec<f64>,
-    /// dq/dλ at a fixed state of the factorisation.
-    pub q_lambda: Vec<f64>,
+    /// (dq/dt, 1) at a fixed state of the factorisation.
+    pub rate: PathDirection,
     trial: Vec<f64>,
     simplified: Vec<f64>,
     /// 1 / typical size of each coordinate; zero for multipliers.
@@ -82,9 +80,12 @@ impl Newton {
             solver,
             r: zeros(),
             S: vec![0.0; system.pattern().len()],
-            r_lambda: zeros(),
+            r_t: zeros(),
             dq: zeros(),
-            q_lambda: zeros(),
+            rate: PathDirection {
+                dq: zeros(),
+                dt: 1.0,
+            },
             trial: zeros(),
             simplified: zeros(),
             inverse_scale: inverse_scales(system),
@@ -104,24 +105,23 @@ impl Newton {
         })
     }
 
-    /// Residual, tangent and ∂r/∂λ; the tangent may extrapolate from a previous iterate.
+    /// Residual, tangent and ∂r/∂t; the tangent may extrapolate from a previous iterate.
     pub(super) fn evaluate(
         &mut self,
         system: &mut dyn System,
         previous: Option<(f64, &[f64])>,
         q: &[f64],
-        lambda: f64,
+        t: f64,
     ) -> Result<(), SystemError> {
         self.cost.evaluations += 1;
-        let rest = |t, q| Point::statics(t, q);
         let out = Evaluation {
             r: &mut self.r,
             S: Some((Weights::STATIC, &mut self.S)),
-            r_t: Some(&mut self.r_lambda),
-            previous: previous.map(|(t, from)| rest(t, from)),
+            r_t: Some(&mut self.r_t),
+            previous: previous.map(|(t, from)| Point::statics(t, from)),
             accelerations: None,
         };
-        system.evaluate(rest(lambda, q), out)
+        system.evaluate(Point::statics(t, q), out)
     }
 
     /// Report of a failed step to `to`.
@@ -151,10 +151,10 @@ impl Newton {
         self.solver.factorise(&self.S).map_err(Cause::linear)
     }
 
-    /// dq/dλ = K⁻¹ r_λ with the present factorisation.
+    /// dq/dt = K⁻¹ r_t with the present factorisation.
     pub(super) fn solve_rate(&mut self) -> Result<(), Cause> {
-        self.q_lambda.copy_from_slice(&self.r_lambda);
-        let solved = self.solver.solve(Some(&self.S), &mut self.q_lambda);
+        self.rate.dq.copy_from_slice(&self.r_t);
+        let solved = self.solver.solve(Some(&self.S), &mut self.rate.dq);
         solved.map_err(Cause::linear)
     }
 
@@ -181,14 +181,14 @@ impl Newton {
             || is_rounding(system, &self.S, q, &self.r, work)
     }
 
-    /// Iterates (q, λ) from their present values; if `history` is not empty, a first linear
-    /// correction was made from the state `previous`. On success the tangent and r_λ at the
+    /// Iterates (q, t) from their present values; if `history` is not empty, a first linear
+    /// correction was made from the state `previous`. On success the tangent and r_t at the
     /// solution are up to date.
     pub(super) fn correct(
         &mut self,
         system: &mut dyn System,
         q: &mut [f64],
-        lambda: &mut f64,
+        t: &mut f64,
         condition: Option<&Condition<'_>>,
         previous: Option<(f64, &[f64])>,
     ) -> Result<(), Cause> {
@@ -198,7 +198,7 @@ impl Newton {
             self.predicted = self.history.len();
             self.test.first = prediction.residual;
         }
-        self.evaluate(system, previous, q, *lambda)
+        self.evaluate(system, previous, q, *t)
             .map_err(Cause::System)?;
         let work = [&mut self.trial[..], &mut self.simplified[..]];
         self.test.gaps = rounding_of_gaps(system, &self.S, q, work);
@@ -206,7 +206,7 @@ impl Newton {
             let residual = largest(system.pattern(), &self.r, [0.0; 3]);
             let ratio = (self.test).ratio(residual, system.scales().measures());
             let on_condition =
-                condition.is_none_or(|c| c.defect(q, *lambda).abs() <= 1e-9 * c.ds.abs() + 1e-14);
+                condition.is_none_or(|c| c.defect(q, *t).abs() <= 1e-9 * c.ds.abs() + 1e-14);
             // One correction is made even if the prediction is in balance: a small load beside a
             // large one that sets the tolerance would otherwise only see the tangent of the step
             // before.
@@ -216,8 +216,8 @@ impl Newton {
             let (mut correction, mut damping) = (0.0, 0.0);
             let ended = converged || self.history.len() >= self.options.max_iterations;
             if !ended {
-                let d_lambda = self.solve(q, *lambda, condition)?;
-                damping = self.damped_step(system, q, lambda, d_lambda, ratio)?;
+                let dt = self.solve(q, *t, condition)?;
+                damping = self.damped_step(system, q, t, dt, ratio)?;
                 correction = self.size(&self.dq);
             }
             self.history.push(Iteration {
@@ -234,11 +234,11 @@ impl Newton {
         }
     }
 
-    /// Writes the correction at (q, λ) to `dq`; returns that of λ.
+    /// Writes the correction at (q, t) to `dq`; returns that of t.
     fn solve(
         &mut self,
         q: &[f64],
-        lambda: f64,
+        t: f64,
         condition: Option<&Condition<'_>>,
     ) -> Result<f64, Cause> {
         self.cost.factorisations += 1;
@@ -250,26 +250,23 @@ impl Newton {
             return Ok(0.0);
         };
         self.solve_rate()?;
-        let dot = |v: &[f64]| -> f64 { c.c.iter().zip(v).map(|(c, v)| c * v).sum() };
-        let slope = dot(&self.q_lambda) + c.c_lambda;
-        let d_lambda = (c.defect(q, lambda) - dot(&self.dq)) / slope;
-        if !d_lambda.is_finite() {
+        let along = (c.norm).product(&c.at.tangent, self.dq.iter().copied(), 0.0);
+        let dt = (c.defect(q, t) - along) / c.norm.dot(&c.at.tangent, &self.rate);
+        if !dt.is_finite() {
             return Err(Cause::Diverged);
         }
-        for (dq, rate) in self.dq.iter_mut().zip(&self.q_lambda) {
-            *dq += d_lambda * rate;
-        }
-        Ok(d_lambda)
+        add(&mut self.dq, dt, &self.rate.dq);
+        Ok(dt)
     }
 
-    /// Steps along `dq` as far as the natural monotonicity test allows; updates q, λ and the
+    /// Steps along `dq` as far as the natural monotonicity test allows; updates q, t and the
     /// evaluation.
     fn damped_step(
         &mut self,
         system: &mut dyn System,
         q: &mut [f64],
-        lambda: &mut f64,
-        d_lambda: f64,
+        t: &mut f64,
+        dt: f64,
         ratio: f64,
     ) -> Result<f64, Cause> {
         let full = self.size(&self.dq);
@@ -285,13 +282,13 @@ impl Newton {
                 *x += damping * d;
             }
             let trial = std::mem::take(&mut self.trial);
-            let t = *lambda + damping * d_lambda;
-            let outcome = self.evaluate(system, Some((*lambda, &*q)), &trial, t);
+            let next = *t + damping * dt;
+            let outcome = self.evaluate(system, Some((*t, &*q)), &trial, next);
             self.trial = trial;
             last = outcome.err();
             if last.is_none() && (free || self.approaches(system, damping, full, ratio)?) {
                 q.copy_from_slice(&self.trial);
-                *lambda = t;
+                *t = next;
                 return Ok(damping);
             }
             damping *= 0.5;

@@ -99,9 +99,11 @@ impl StaticAnalysis for PathRun {
         };
         let at = Position {
             q,
-            lambda: options.from,
-            dq: vec![0.0; n],
-            d_lambda: if options.forward { 1.0 } else { -1.0 },
+            t: options.from,
+            tangent: PathDirection {
+                dq: vec![0.0; n],
+                dt: if options.forward { 1.0 } else { -1.0 },
+            },
         };
         Ok(Self {
             newton,
@@ -213,7 +215,7 @@ impl PathRun {
     /// Changes charts, and finds the tangent at the present position.
     fn find_tangent(&mut self, system: &mut dyn System) -> Result<(), Cause> {
         let at = &mut self.at;
-        let changed = change_charts(system, at.lambda, &mut at.q, &mut at.dq, &mut []);
+        let changed = change_charts(system, at.t, &mut at.q, &mut at.tangent.dq, &mut []);
         self.changes += changed.charts;
         (self.newton.tangent(system, at, &self.norm)).map_err(off_path)?;
         self.unstable = self.newton.unstable(system);
@@ -228,10 +230,9 @@ impl PathRun {
             .advance(system, at, ds, norm, next)
             .map_err(off_path)?;
         let (iterations, history) = (newton.iterations(), newton.history.clone());
-        next.dq.copy_from_slice(&at.dq);
-        next.d_lambda = at.d_lambda;
+        next.tangent.clone_from(&at.tangent);
         newton.tangent(system, next, norm).map_err(off_path)?;
-        let bend = norm.dot((&at.dq, at.d_lambda), (&next.dq, next.d_lambda));
+        let bend = norm.dot(&at.tangent, &next.tangent);
         // The step back from its end must arrive as well.
         if bend < SHARPEST_BEND || norm.strays(at, next, ds) || norm.strays(next, at, -ds) {
             return Err(Cause::OffPath);
@@ -265,13 +266,12 @@ impl PathRun {
     ) -> Result<(), StaticsError> {
         self.summary.rejected += 1;
         self.fresh = false;
-        let to = self.at.lambda + self.ds * self.at.d_lambda;
+        let to = self.at.t + self.ds * self.at.tangent.dt;
         let mut failed = self.newton.fail(system, failure, &self.summary, to);
         self.ds *= 0.5;
         if self.ds < self.options.min_step || hopeless {
             // Leaves the system at the last equilibrium.
-            let Position { q, lambda, .. } = &self.at;
-            (self.newton.evaluate(system, None, q, *lambda)).ok();
+            (self.newton.evaluate(system, None, &self.at.q, self.at.t)).ok();
             failed.min_step = (!hopeless).then_some(self.options.min_step);
             return Err(StaticsError::Step(failed));
         }
@@ -294,18 +294,16 @@ impl PathRun {
         step.unreported -= spent;
         let summary = &mut self.summary;
         summary.iterations += spent;
-        let Position { q, lambda, .. } = found.position.clone();
+        let Position { q, t, .. } = found.position.clone();
         let newton = &mut self.newton;
-        newton
-            .evaluate(system, None, &q, lambda)
-            .map_err(|source| {
-                let failure = Cause::System(source);
-                StaticsError::Step(newton.fail(system, failure, summary, lambda))
-            })?;
+        newton.evaluate(system, None, &q, t).map_err(|source| {
+            let failure = Cause::System(source);
+            StaticsError::Step(newton.fail(system, failure, summary, t))
+        })?;
         self.reached = Reached {
             step: Step {
                 number: summary.steps,
-                t: lambda,
+                t,
                 step_size: found.s,
                 iterations: spent,
                 chart_changes: self.changes,
@@ -316,7 +314,7 @@ impl PathRun {
             q,
             history: found.history,
         };
-        summary.t = lambda;
+        summary.t = t;
         summary.finished = last;
         self.phase = match (last, found.branch) {
             (true, _) => Phase::End,
@@ -338,9 +336,9 @@ impl PathRun {
             false => largest.map_or(1.0, |x| x.signum()),
         };
         branch.dq.iter_mut().for_each(|x| *x *= sense);
+        branch.dt *= sense;
         self.at = Position {
-            dq: branch.dq,
-            d_lambda: sense * branch.dt,
+            tangent: branch,
             ..position
         };
         self.ds = self.ds.min(self.options.first_step);
@@ -356,14 +354,14 @@ impl PathRun {
         self.unstable = step.unstable.or(self.unstable);
         let (at, summary) = (&self.at, &mut self.summary);
         summary.iterations += step.iterations;
-        summary.t = at.lambda;
+        summary.t = at.t;
         if step.moved {
             // Locating events has moved the system: restore it.
-            (self.newton.evaluate(system, None, &at.q, at.lambda)).ok();
+            (self.newton.evaluate(system, None, &at.q, at.t)).ok();
         }
         let end = Step {
             number: summary.steps,
-            t: at.lambda,
+            t: at.t,
             step_size: self.ds,
             iterations: step.iterations,
             chart_changes: self.changes,
@@ -378,7 +376,7 @@ impl PathRun {
     fn prepare(&mut self, system: &mut dyn System, iterations: usize, bend: f64) {
         let at = &mut self.at;
         // The next step uses this tangent, unless charts change.
-        let changed = change_charts(system, at.lambda, &mut at.q, &mut at.dq, &mut []);
+        let changed = change_charts(system, at.t, &mut at.q, &mut at.tangent.dq, &mut []);
         self.changes = changed.charts;
         self.fresh = changed == ChartChanges::default();
         let ease = (self.options.target_iterations as f64 / iterations.max(1) as f64).sqrt();
