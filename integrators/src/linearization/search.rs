@@ -21,6 +21,8 @@ const DENSE: usize = 120;
 /// Steps between two looks at the eigenvalues; with damping, whose dense eigenvalues cost more than steps, as a part of the basis.
 const LOOK: usize = 2;
 const LOOK_DAMPED: usize = 3;
+/// Steps after which another start vector shows a mode that was missed.
+const CHECK: usize = 16;
 /// Most changes of the shift.
 const SHIFTS: usize = 12;
 /// Most halvings of a range towards the modes in it.
@@ -104,9 +106,9 @@ impl<'a> Search<'a> {
         let mut shift = self.first_shift()?;
         let mut krylov = Krylov::new(self.weights.len());
         self.start(&mut krylov)?;
-        let (mut shifts, mut reached) = (0, None);
+        let (mut shifts, mut reached, mut steps) = (0, None, None);
         loop {
-            let pairs = self.advance(&mut krylov, observer)?;
+            let pairs = self.advance(&mut krylov, steps.take(), observer)?;
             if let Some(other) = self
                 .better_shift(&pairs, krylov.is_exhausted())
                 .filter(|_| shifts < SHIFTS)
@@ -126,20 +128,24 @@ impl<'a> Search<'a> {
                 }
                 continue;
             };
+            // Of a repeated frequency, a Krylov subspace holds one mode for each start vector.
+            if wanted > 0 && !self.is_symmetric() && !krylov.is_exhausted() {
+                // Without a count, until one more start vector adds none.
+                let near = self.near(&pairs, wanted);
+                if reached.replace(near) != Some(near) {
+                    if krylov.len() > limit {
+                        return Err(not_converged(converged, &krylov));
+                    }
+                    self.add_starts(&mut krylov, 1)?;
+                    steps = Some(CHECK);
+                    continue;
+                }
+            }
             let complete = krylov.is_exhausted() && converged == pairs.len();
             let vectors = self.vectors(&krylov, &pairs[..converged])?;
-            // Of a repeated frequency, a Krylov subspace holds one mode for each start vector.
-            let missing = match wanted {
-                0 => 0,
-                _ if self.is_symmetric() => {
-                    self.missing(&pairs, converged, wanted, &mut expected)?
-                }
-                // Without a count, until one more start vector adds none.
-                _ => {
-                    let near = self.near(&pairs, wanted);
-                    let more = !krylov.is_exhausted() && reached.replace(near) != Some(near);
-                    usize::from(more)
-                }
+            let missing = match self.is_symmetric() && wanted > 0 {
+                true => self.missing(&pairs, converged, wanted, &mut expected)?,
+                false => 0,
             };
             if missing == 0 {
                 return Ok(self.report(vectors, expected, complete));
@@ -255,10 +261,11 @@ impl<'a> Search<'a> {
         Ok(self.operator.below())
     }
 
-    /// Some more steps, all if the method is dense; returns the eigenvalues of the operator.
+    /// This many more steps or some, all if the method is dense; returns the eigenvalues of the operator.
     fn advance(
         &mut self,
         krylov: &mut Krylov,
+        steps: Option<usize>,
         observer: &mut dyn FnMut(usize) -> ControlFlow<()>,
     ) -> Result<Vec<RitzPair>, ModesError> {
         let gram = self.gram();
@@ -266,10 +273,13 @@ impl<'a> Search<'a> {
             Selection::Nearest { count, .. } => count + 8,
             Selection::Range(_) => 8,
         };
+        let some = match self.is_symmetric() {
+            true => LOOK,
+            false => krylov.len() / LOOK_DAMPED,
+        };
         let end = match self.weights.len() {
             size if size <= DENSE => usize::MAX,
-            _ if self.is_symmetric() => (krylov.len() + LOOK).max(first),
-            _ => (krylov.len() + krylov.len() / LOOK_DAMPED).max(first),
+            _ => (krylov.len() + steps.unwrap_or(some)).max(first),
         };
         while krylov.len() < end {
             let Some((v, Gv)) = krylov.next() else {
