@@ -269,13 +269,13 @@ impl<'a> Search<'a> {
         observer: &mut dyn FnMut(usize) -> ControlFlow<()>,
     ) -> Result<Vec<RitzPair>, ModesError> {
         let gram = self.gram();
-        let first = match self.selection {
-            Selection::Nearest { count, .. } => count + 8,
-            Selection::Range(_) => 8,
+        let count = match self.selection {
+            Selection::Nearest { count, .. } => count,
+            Selection::Range(_) => 0,
         };
-        let some = match self.is_symmetric() {
-            true => LOOK,
-            false => krylov.len() / LOOK_DAMPED,
+        let (first, some) = match self.is_symmetric() {
+            true => (count + 8, LOOK),
+            false => (4 * count + 8, krylov.len() / LOOK_DAMPED),
         };
         let end = match self.weights.len() {
             size if size <= DENSE => usize::MAX,
