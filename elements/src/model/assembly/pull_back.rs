@@ -183,10 +183,11 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// The block of a parent and another node in a pulled-back matrix, with the rows of the parent.
+/// The block of a node and another one in the tangent of an element or, with the rows of a parent, in a pulled-back
+/// matrix.
 #[derive(Clone, Copy)]
 pub(super) struct Piece {
-    /// First coordinate of the parent among those of all parents, and their number.
+    /// First coordinate of the node among those of the element or of all parents, and their number.
     pub first: u32,
     pub len: u32,
     pub block: Option<CoupledBlock>,
@@ -195,25 +196,31 @@ pub(super) struct Piece {
 }
 
 impl Piece {
-    /// Adds the parent's part of vectors of all orders (K, C, M), d apart, at coordinate c of the other node.
+    /// Adds the node's part of vectors of all orders (K, C, M) at coordinate c of the other node.
     #[inline(always)]
-    fn add(&self, f: &[f64], d: usize, c: usize, free: &[u32], into: &mut ScatterTarget<'_>) {
+    pub(super) fn add<'a>(
+        &self,
+        of_orders: impl Iterator<Item = &'a [f64]>,
+        c: usize,
+        free: &[u32],
+        into: &mut ScatterTarget<'_>,
+    ) {
         let Some(block) = self.block else {
             return;
         };
-        let of_orders = f.chunks_exact(d).map(|f| &f[self.first as usize..]);
+        let of_orders = of_orders.map(|f| &f[self.first as usize..]);
         let len = self.len as usize;
         let CoupledBlock {
             start, row, column, ..
         } = block;
-        if let Some([parent, other]) = self.own {
+        if let Some([node, other]) = self.own {
             let c = free[other as usize + c];
             if c == NONE {
                 return;
             }
             let to = &mut into.values[start + c as usize * column..];
             for (f, weight) in of_orders.zip(into.weights) {
-                for (f, r) in f[..len].iter().zip(&free[parent as usize..]) {
+                for (f, r) in f[..len].iter().zip(&free[node as usize..]) {
                     if *r != NONE {
                         to[*r as usize * row] += weight * f;
                     }
@@ -261,7 +268,7 @@ impl ScatterMap {
         let mut pieces = self.pieces[coupled.first_piece..].chunks_exact(coupled.parents.len());
         let mut put = |pieces: &[Piece], f: &[f64], c: usize| {
             for piece in pieces {
-                piece.add(f, d, c, &self.rows, into);
+                piece.add(f.chunks_exact(d), c, &self.rows, into);
             }
         };
         let size = n * coupled.width;

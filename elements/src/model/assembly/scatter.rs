@@ -2,9 +2,8 @@
 
 #![allow(non_snake_case)]
 
-use crate::model::assembly::scatter_map::{ScatterMap, free_part};
-use crate::model::kinematics::node_entries::add;
-use crate::model::{ElementEntry, NONE, Node};
+use crate::model::assembly::scatter_map::ScatterMap;
+use crate::model::{ElementEntry, Node};
 use pullback_manifold::system::Weights;
 use std::ops::Range;
 
@@ -50,46 +49,16 @@ impl ScatterMap {
         into: &mut ScatterTarget<'_>,
     ) {
         let (d, tangents) = (e.element.dim(), &tangents[into.needed.clone()]);
-        let mut positions = self.positions[self.first_position(k)..].iter();
+        let pieces = self.pieces[self.first_position(k)..].chunks_exact(e.nodes.len());
         let mut column = 0;
-        for &j in e.nodes.iter() {
-            let columns = &nodes[j as usize];
-            let mut row = 0;
-            for (&i, position) in e.nodes.iter().zip(&mut positions) {
-                let rows = &nodes[i as usize];
-                let from = row + column * d;
-                row += rows.dim;
-                if position.start == NONE {
-                    continue;
+        for (pieces, &node) in pieces.zip(e.nodes.iter()) {
+            for c in 0..nodes[node as usize].dim {
+                for piece in pieces {
+                    let of_orders = tangents.iter().map(|T| &T[column * d..]);
+                    piece.add(of_orders, c, &self.rows, into);
                 }
-                if rows.is_own() && columns.is_own() {
-                    let block = (&self.rows[rows.range()], &self.rows[columns.range()]);
-                    for (order, tangent) in tangents.iter().enumerate() {
-                        let first = position.first && order == 0;
-                        let values = &mut into.values[position.start as usize..];
-                        let (from, weight) = ((&tangent[from..], d), into.weights[order]);
-                        free_part(block, from, weight, values, first);
-                    }
-                    continue;
-                }
-                let Some(block) = self.couplings.block(nodes, i, j) else {
-                    continue;
-                };
-                for (order, tangent) in tangents.iter().enumerate() {
-                    let to = &mut into.coupled[block.start + order * block.order..];
-                    for (c, from) in tangent[from..].chunks(d).take(columns.dim).enumerate() {
-                        let to = &mut to[c * block.column..];
-                        if block.row == 1 {
-                            add(&mut to[..rows.dim], &from[..rows.dim], 1.0);
-                            continue;
-                        }
-                        for (r, s) in from[..rows.dim].iter().enumerate() {
-                            to[r * block.row] += s;
-                        }
-                    }
-                }
+                column += 1;
             }
-            column += columns.dim;
         }
     }
 }

@@ -19,27 +19,27 @@ pub(in crate::model) struct ScatterMap {
     pub rows: Vec<u32>,
     /// Per node: index of its block in the pattern, [`NONE`] if all is prescribed.
     pub blocks: Vec<u32>,
-    /// Per element, consecutively: the position of each pair of blocks, column by column.
-    pub positions: Vec<BlockPosition>,
-    /// Per element: its first position.
+    /// Per element without mapped nodes, consecutively: the position of each pair of blocks, column by column.
+    positions: Vec<BlockPosition>,
+    /// Per element: its first position, or piece with mapped nodes.
     first_positions: Vec<usize>,
     pub couplings: Couplings,
-    /// Positions of the tangents that mapped nodes pass to their parents.
+    /// The same for elements with mapped nodes, and positions of the tangents that mapped nodes pass to their
+    /// parents.
     pub(super) pieces: Vec<Piece>,
-    /// Per value: whether an element writes the block that begins here.
-    written: Vec<bool>,
-    /// Values that no element writes.
+    /// Per value: whether the first element with the block that begins here writes it; `None` without one.
+    written: Vec<Option<bool>>,
+    /// Values that are only added to.
     unwritten: Vec<Range<usize>>,
 }
 
-/// Position of the rows of one node and the columns of another: in the pattern, or among the blocks of
-/// mapped nodes.
+/// Position of the rows of one node and the columns of another in the pattern.
 #[derive(Clone, Copy)]
-pub(in crate::model) struct BlockPosition {
+struct BlockPosition {
     /// First value, [`NONE`] if there is no block.
-    pub start: u32,
+    start: u32,
     /// Whether an assembly writes it here first, so that it need not be cleared.
-    pub first: bool,
+    first: bool,
 }
 
 impl ScatterMap {
@@ -62,8 +62,12 @@ impl ScatterMap {
     ) -> [usize; 2] {
         let (couplings, blocks) = (&mut self.couplings, &self.blocks);
         let len = couplings.find(nodes, dependent, elements, blocks, |d| &d.segments);
-        let positions: usize = elements.iter().map(|e| e.nodes.len().pow(2)).sum();
-        let (mut pieces, mut scratch) = (0, 0);
+        let of_elements = |mapped: bool| -> usize {
+            let all = elements.iter().filter(|e| !e.dead && e.mapped == mapped);
+            all.map(|e| e.nodes.len().pow(2)).sum()
+        };
+        let (positions, mut pieces) = (of_elements(false), of_elements(true));
+        let mut scratch = 0;
         for (coupled, &n) in couplings.0.iter_mut().zip(dependent) {
             let node = &nodes[n as usize];
             if let Some(d) = node.mapped() {
@@ -96,19 +100,11 @@ impl ScatterMap {
         self.positions.clear();
         self.first_positions.clear();
         self.written.clear();
-        self.written.resize(pattern.len(), false);
-        for e in elements {
-            self.first_positions.push(self.positions.len());
-            if e.dead && e.mapped {
-                continue;
-            }
-            for &j in e.nodes.iter() {
-                for &i in e.nodes.iter() {
-                    self.locate_block(nodes, [i, j], pattern, !e.dead);
-                }
-            }
-        }
+        self.written.resize(pattern.len(), None);
         self.pieces.clear();
+        for e in elements {
+            self.locate_element(nodes, e, pattern);
+        }
         for (k, (_, _, d)) in mapped(nodes, dependent).enumerate() {
             if !self.couplings.0[k].loaded {
                 continue;
@@ -133,29 +129,39 @@ impl ScatterMap {
         self.unwritten.clear();
         // Room for any positions, so that a change of segment allocates nothing.
         self.unwritten.reserve_exact(all.clone().count());
-        let unwritten = all.filter(|(_, block)| !self.written[block.start]);
+        let unwritten = all.filter(|(_, block)| self.written[block.start] != Some(true));
         self.unwritten.extend(unwritten.map(|(_, block)| block));
     }
 
-    /// Adds the position of the rows of node i and the columns of node j.
-    fn locate_block(
-        &mut self,
-        nodes: &[Node],
-        [i, j]: [u32; 2],
-        pattern: &BlockPattern,
-        writes: bool,
-    ) {
-        let mut first = false;
-        let start = if nodes[i as usize].is_own() && nodes[j as usize].is_own() {
-            let found = self.pattern_block(i, j, pattern);
-            if let Some(start) = found.filter(|_| writes) {
-                first = !std::mem::replace(&mut self.written[start], true);
+    /// Adds the positions of the blocks of an element or, with mapped nodes, its pieces.
+    fn locate_element(&mut self, nodes: &[Node], e: &ElementEntry, pattern: &BlockPattern) {
+        let (position, piece) = (self.positions.len(), self.pieces.len());
+        let first = if e.mapped { piece } else { position };
+        self.first_positions.push(first);
+        for &j in e.nodes.iter().filter(|_| !e.dead) {
+            if e.mapped {
+                self.locate_pieces(nodes, &e.nodes, j, false, pattern);
+                continue;
             }
-            found
-        } else {
-            self.couplings.block(nodes, i, j).map(|block| block.start)
-        };
-        let start = start.map_or(NONE, |start| start as u32);
+            for &i in e.nodes.iter() {
+                self.locate_block([i, j], pattern);
+            }
+        }
+        for piece in &self.pieces[piece..] {
+            if let (Some(block), Some(_)) = (piece.block, piece.own) {
+                self.written[block.start].get_or_insert(false);
+            }
+        }
+    }
+
+    /// Adds the position of the rows of node i and the columns of node j.
+    fn locate_block(&mut self, [i, j]: [u32; 2], pattern: &BlockPattern) {
+        let found = self.pattern_block(i, j, pattern);
+        let first = found.is_some_and(|start| self.written[start].is_none());
+        if let Some(start) = found {
+            self.written[start].get_or_insert(true);
+        }
+        let start = found.map_or(NONE, |start| start as u32);
         self.positions.push(BlockPosition { start, first });
     }
 
@@ -167,21 +173,25 @@ impl ScatterMap {
             .flatten()
     }
 
-    /// Adds the pieces of all parents with another node: their rows and its columns or, `transposed`, the other
-    /// way round.
+    /// Adds the pieces of a group of nodes with another node: their rows and its columns or, `transposed`, the
+    /// other way round.
     fn locate_pieces(
         &mut self,
         nodes: &[Node],
-        parents: &[u32],
+        group: &[u32],
         other: u32,
         transposed: bool,
         pattern: &BlockPattern,
     ) {
         let mut first = 0;
-        for &p in parents {
-            let [parent, node] = [p, other].map(|n| &nodes[n as usize]);
-            let [i, j] = if transposed { [other, p] } else { [p, other] };
-            let own = parent.is_own() && node.is_own();
+        for &member in group {
+            let [node, partner] = [member, other].map(|n| &nodes[n as usize]);
+            let [i, j] = if transposed {
+                [other, member]
+            } else {
+                [member, other]
+            };
+            let own = node.is_own() && partner.is_own();
             let block = if own {
                 let rows = &self.rows[nodes[i as usize].range()];
                 let height = rows.iter().filter(|&&r| r != NONE).count();
@@ -195,7 +205,7 @@ impl ScatterMap {
             } else {
                 self.couplings.block(nodes, i, j)
             };
-            let len = parent.dim as u32;
+            let len = node.dim as u32;
             self.pieces.push(Piece {
                 first,
                 len,
@@ -204,7 +214,7 @@ impl ScatterMap {
                 } else {
                     block
                 },
-                own: own.then_some([parent.first as u32, node.first as u32]),
+                own: own.then_some([node.first as u32, partner.first as u32]),
             });
             first += len;
         }
@@ -251,7 +261,7 @@ impl ScatterMap {
                     // Most nodes are frames with all coordinates free: constant extents.
                     if e.held || size != (6, 6) || !d.is_multiple_of(6) {
                         let (rows, columns) = (&self.rows[rows], &self.rows[columns.clone()]);
-                        free_part((rows, columns), (S, d), 1.0, values, first);
+                        free_part((rows, columns), (S, d), values, first);
                     } else if first {
                         whole_block(S, d / 6, values, |value, s| *value = s);
                     } else {
@@ -277,11 +287,10 @@ fn whole_block(S: &[f64], stride: usize, values: &mut [f64], put: impl Fn(&mut f
     }
 }
 
-/// Writes or adds the free rows and columns of one dense block times a weight; `S` has leading dimension d.
-pub(in crate::model) fn free_part(
+/// Writes or adds the free rows and columns of one dense block; `S` has leading dimension d.
+fn free_part(
     (rows, columns): (&[u32], &[u32]),
     (S, d): (&[f64], usize),
-    weight: f64,
     values: &mut [f64],
     first: bool,
 ) {
@@ -293,7 +302,7 @@ pub(in crate::model) fn free_part(
         for (r, &row) in rows.iter().enumerate() {
             if row != NONE {
                 let value = &mut values[row as usize + column as usize * height];
-                let s = weight * S[r + c * d];
+                let s = S[r + c * d];
                 *value = if first { s } else { *value + s };
             }
         }
