@@ -52,15 +52,38 @@ use std::ops::{Deref, Range};
 /// Marks an absent index.
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// The mapped nodes among some nodes, with their maps.
-fn mapped<'a, 'b>(
-    nodes: &'a [Node],
-    some: &'b [u32],
-) -> impl DoubleEndedIterator<Item = (u32, &'a Node, &'a MappedNode)> + use<'a, 'b> {
-    some.iter().filter_map(|&n| {
-        let node = &nodes[n as usize];
-        Some((n, node, node.mapped()?))
-    })
+/// All nodes of a model, and the order of the mapped ones.
+#[derive(Clone)]
+struct Nodes {
+    all: Vec<Node>,
+    /// Mapped nodes, parents first.
+    mapped: Vec<u32>,
+}
+
+impl Nodes {
+    /// The mapped nodes, parents first, with their maps.
+    fn mapped(&self) -> impl DoubleEndedIterator<Item = (u32, &Node, &MappedNode)> {
+        self.mapped_of(&self.mapped)
+    }
+
+    /// The mapped nodes among some nodes, with their maps.
+    fn mapped_of<'a>(
+        &'a self,
+        some: &'a [u32],
+    ) -> impl DoubleEndedIterator<Item = (u32, &'a Node, &'a MappedNode)> {
+        some.iter().filter_map(|&n| {
+            let node = &self[n as usize];
+            Some((n, node, node.mapped()?))
+        })
+    }
+}
+
+impl Deref for Nodes {
+    type Target = [Node];
+
+    fn deref(&self) -> &[Node] {
+        &self.all
+    }
 }
 
 /// Kind of a node's coordinates.
@@ -251,10 +274,8 @@ fn among(prescribed: &[Prescribed], coordinates: Range<usize>) -> &[Prescribed] 
 /// neither prescribed nor mapped.
 #[derive(Clone)]
 pub struct Model {
-    nodes: Vec<Node>,
+    nodes: Nodes,
     spans: Vec<Span>,
-    /// Mapped nodes, parents first.
-    dependent: Vec<u32>,
     /// Frames by increments whose rates may be angular velocities.
     spin_frames: Vec<u32>,
     /// Frames fixed to another one at a distance, each with the child of a joint there: it is mapped from the other one.

@@ -103,10 +103,13 @@ pub(super) struct ElementState {
 impl ModelState {
     /// The state of a model as drawn, in the initial charts of its maps.
     pub(super) fn new(model: &Model, inputs: Vec<f64>) -> Self {
-        let map = |&n: &u32| Some(model.nodes[n as usize].mapped()?.map.clone());
         Self {
             inputs,
-            maps: model.dependent.iter().filter_map(map).collect(),
+            maps: model
+                .nodes
+                .mapped()
+                .map(|(_, _, d)| d.map.clone())
+                .collect(),
             elements: vec![ElementState::default(); model.elements.len()],
             turns: vec![0; model.prescribed_rotations.len()],
             ..Self::default()

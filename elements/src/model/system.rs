@@ -74,10 +74,9 @@ impl Charts for Context {
 
     fn singularity_warnings(&mut self) -> Vec<String> {
         let mut warnings = Vec::new();
-        for (&n, map) in self.model.dependent.iter().zip(&mut self.state.maps) {
-            let name = &self.model.nodes[n as usize].name;
+        for ((_, node, _), map) in self.model.nodes.mapped().zip(&mut self.state.maps) {
             let why = map.implicit().and_then(|map| map.singularity_warning());
-            warnings.extend(why.map(|why| format!("joint at node {name}: {why}")));
+            warnings.extend(why.map(|why| format!("joint at node {}: {why}", node.name)));
         }
         warnings
     }

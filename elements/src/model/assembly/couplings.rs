@@ -1,7 +1,7 @@
 //! Nodes that tangents couple with mapped nodes, and the positions of these tangents.
 
 use crate::model::kinematics::mapped_node::MappedNode;
-use crate::model::{ElementEntry, NONE, Node, mapped};
+use crate::model::{ElementEntry, NONE, Node, Nodes};
 
 /// The nodes coupled with a mapped node before it is pulled back to its parents: those of its elements,
 /// and of all that depends on it.
@@ -64,20 +64,19 @@ impl Couplings {
     /// number of values of all blocks. Fixed nodes, without a block in the pattern, have none.
     pub(in crate::model) fn find<'a>(
         &mut self,
-        nodes: &'a [Node],
-        dependent: &[u32],
+        nodes: &'a Nodes,
         elements: &[ElementEntry],
         blocks: &[u32],
         segments: impl Fn(&'a MappedNode) -> &'a [Vec<u32>],
     ) -> usize {
-        self.0.resize_with(dependent.len(), Coupled::default);
+        self.0.resize_with(nodes.mapped.len(), Coupled::default);
         let held = nodes
             .iter()
             .zip(blocks)
             .map(|(n, &block)| n.is_own() && block == NONE);
         self.1.clear();
         self.1.extend(held);
-        for (n, _, d) in mapped(nodes, dependent) {
+        for (n, _, d) in nodes.mapped() {
             let mut parents = segments(d).iter().flatten();
             self.1[n as usize] = parents.all(|&m| self.1[m as usize]);
         }
@@ -91,7 +90,7 @@ impl Couplings {
                 self.couple(nodes, &e.nodes);
             }
         }
-        for (_, _, d) in mapped(nodes, dependent).rev() {
+        for (_, _, d) in nodes.mapped().rev() {
             if !self.0[d.index].loaded {
                 continue;
             }
@@ -107,13 +106,13 @@ impl Couplings {
             }
             self.0[d.index].partners = partners;
         }
-        self.arrange(nodes, dependent)
+        self.arrange(nodes)
     }
 
     /// Arranges the tangents, those of parents first; returns the number of their values.
-    fn arrange(&mut self, nodes: &[Node], dependent: &[u32]) -> usize {
+    fn arrange(&mut self, nodes: &Nodes) -> usize {
         let mut len = 0;
-        for (coupled, &n) in self.0.iter_mut().zip(dependent) {
+        for (coupled, (_, node, _)) in self.0.iter_mut().zip(nodes.mapped()) {
             if !coupled.loaded {
                 continue;
             }
@@ -122,7 +121,7 @@ impl Couplings {
                 partner.first = coupled.width;
                 coupled.width += partner.dim;
             }
-            let dim = nodes[n as usize].dim;
+            let dim = node.dim;
             coupled.own = len;
             coupled.rows = coupled.own + 3 * dim * dim;
             coupled.columns = coupled.rows + 3 * dim * coupled.width;
@@ -131,8 +130,8 @@ impl Couplings {
         len
     }
 
-    fn load(&mut self, nodes: &[Node], group: &[u32]) {
-        for (n, _, d) in mapped(nodes, group) {
+    fn load(&mut self, nodes: &Nodes, group: &[u32]) {
+        for (n, _, d) in nodes.mapped_of(group) {
             self.0[d.index].loaded |= !self.1[n as usize];
         }
     }

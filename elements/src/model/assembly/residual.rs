@@ -80,7 +80,7 @@ impl Context {
             );
         }
         // A map may depend on time: rates of mapped nodes are read in any case.
-        w.moving |= !self.model.dependent.is_empty();
+        w.moving |= !self.model.nodes.mapped.is_empty();
         if w.stirred {
             self.take_spins();
         }

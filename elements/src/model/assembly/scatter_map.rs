@@ -5,7 +5,7 @@
 use crate::model::assembly::couplings::{CoupledBlock, Couplings};
 use crate::model::assembly::pull_back::Piece;
 use crate::model::kinematics::mapped_node::Maps;
-use crate::model::{ElementEntry, NONE, Node, Span, mapped};
+use crate::model::{ElementEntry, NONE, Node, Nodes, Span};
 use pullback_manifold::sparse::BlockPattern;
 use std::ops::Range;
 
@@ -56,27 +56,23 @@ impl ScatterMap {
     /// values of the blocks of mapped nodes, and of scratch to pull them back.
     pub(in crate::model) fn arrange(
         &mut self,
-        nodes: &[Node],
-        dependent: &[u32],
+        nodes: &Nodes,
         elements: &[ElementEntry],
     ) -> [usize; 2] {
         let (couplings, blocks) = (&mut self.couplings, &self.blocks);
-        let len = couplings.find(nodes, dependent, elements, blocks, |d| &d.segments);
+        let len = couplings.find(nodes, elements, blocks, |d| &d.segments);
         let of_elements = |mapped: bool| -> usize {
             let all = elements.iter().filter(|e| !e.dead && e.mapped == mapped);
             all.map(|e| e.nodes.len().pow(2)).sum()
         };
         let (positions, mut pieces) = (of_elements(false), of_elements(true));
         let mut scratch = 0;
-        for (coupled, &n) in couplings.0.iter_mut().zip(dependent) {
-            let node = &nodes[n as usize];
-            if let Some(d) = node.mapped() {
-                let parents = d.segments.iter().map(Vec::len).max().unwrap_or(0);
-                coupled.parents.reserve_exact(parents);
-                pieces += parents * (parents + 2 * coupled.partners.len());
-                // Vectors and matrices of the pull-back.
-                scratch = scratch.max(3 * (1 + node.dim) * d.direct);
-            }
+        for (coupled, (_, node, d)) in couplings.0.iter_mut().zip(nodes.mapped()) {
+            let parents = d.segments.iter().map(Vec::len).max().unwrap_or(0);
+            coupled.parents.reserve_exact(parents);
+            pieces += parents * (parents + 2 * coupled.partners.len());
+            // Vectors and matrices of the pull-back.
+            scratch = scratch.max(3 * (1 + node.dim) * d.direct);
         }
         self.positions.reserve_exact(positions);
         self.pieces.reserve_exact(pieces);
@@ -87,14 +83,13 @@ impl ScatterMap {
     /// Finds the positions of all blocks of elements and of mapped nodes.
     pub(in crate::model) fn locate(
         &mut self,
-        nodes: &[Node],
-        dependent: &[u32],
+        nodes: &Nodes,
         maps: &Maps,
         elements: &[ElementEntry],
         pattern: &BlockPattern,
     ) {
         let (couplings, blocks) = (&mut self.couplings, &self.blocks);
-        couplings.find(nodes, dependent, elements, blocks, |d| {
+        couplings.find(nodes, elements, blocks, |d| {
             std::slice::from_ref(&d.segments[maps[d.index].segment()])
         });
         self.positions.clear();
@@ -105,7 +100,7 @@ impl ScatterMap {
         for e in elements {
             self.locate_element(nodes, e, pattern);
         }
-        for (k, (_, _, d)) in mapped(nodes, dependent).enumerate() {
+        for (k, (_, _, d)) in nodes.mapped().enumerate() {
             if !self.couplings.0[k].loaded {
                 continue;
             }

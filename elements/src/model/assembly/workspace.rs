@@ -5,7 +5,7 @@ use crate::model::assembly::scatter_map::ScatterMap;
 use crate::model::charts::nodes::Reparametrization;
 use crate::model::charts::segments::SegmentChanges;
 use crate::model::kinematics::mapped_node::Operators;
-use crate::model::{ElementEntry, Node};
+use crate::model::{ElementEntry, Nodes};
 use pullback_manifold::system::{Point, Scales};
 
 /// Buffers of an evaluation.
@@ -110,7 +110,7 @@ impl Known {
 
 impl Workspace {
     pub(in crate::model) fn new(
-        (nodes, dependent): (&[Node], &[u32]),
+        nodes: &Nodes,
         elements: &[ElementEntry],
         [operators, coupled, scratch]: [usize; 3],
         scatter_map: ScatterMap,
@@ -118,7 +118,7 @@ impl Workspace {
         levers: [f64; 2],
     ) -> Self {
         let total = nodes.iter().map(|n| n.dim).sum::<usize>();
-        let direct = nodes.iter().filter_map(|node| Some(node.mapped()?.direct));
+        let direct = nodes.mapped().map(|(_, _, d)| d.direct);
         let parents = direct.max().unwrap_or(0);
         let n = elements.iter().map(|e| e.element.dim()).max().unwrap_or(0);
         let zeros = |len: usize| vec![0.0; len];
@@ -140,7 +140,7 @@ impl Workspace {
             coupled: zeros(coupled),
             scratch: zeros(scratch),
             local: ElementWorkspace::new(n, parents),
-            reparametrizations: Reparametrization::all(nodes, dependent),
+            reparametrizations: Reparametrization::all(nodes),
             scales,
             dead_loads: DeadLoads {
                 r: zeros(total),

@@ -1,15 +1,14 @@
 //! Check that every node of a model is connected to something.
 
 use crate::model::loops::Closing;
-use crate::model::{ElementEntry, ModelError, Node, Prescribed, Subject};
+use crate::model::{ElementEntry, ModelError, Node, Nodes, Prescribed, Subject};
 use std::collections::HashSet;
 
 /// Every own node must have an element that is not a load, directly or through a joint; a mapped
 /// node, which has no coordinates of its own, may be unused, as a point for output. A node that is
 /// held or prescribed as a whole only needs a joint, or a loop that ends there.
 pub(in crate::model) fn check_connections(
-    nodes: &[Node],
-    dependent: &[u32],
+    nodes: &Nodes,
     elements: &[ElementEntry],
     closings: &[Closing],
     prescribed: &[Prescribed],
@@ -21,9 +20,9 @@ pub(in crate::model) fn check_connections(
         }
     }
     // From the end of a chain to its beginning.
-    for n in dependent.iter().rev().map(|&n| n as usize) {
-        if connected[n] {
-            for m in nodes[n].all_parents() {
+    for (n, node, _) in nodes.mapped().rev() {
+        if connected[n as usize] {
+            for m in node.all_parents() {
                 connected[m as usize] = true;
             }
         }

@@ -2,7 +2,7 @@
 
 use crate::memory;
 use crate::model::kinematics::mapped_node::Maps;
-use crate::model::{ModelError, Node, Subject};
+use crate::model::{ModelError, Node, Nodes, Subject};
 use std::collections::HashSet;
 
 /// For every node, all sets of own nodes that it can depend on: one for each combination of
@@ -10,31 +10,29 @@ use std::collections::HashSet;
 pub(in crate::model) struct Alternatives(Vec<Vec<Vec<u32>>>);
 
 impl Alternatives {
-    /// The sets of all nodes; `order` lists mapped nodes, parents first.
+    /// The sets of all nodes.
     ///
     /// # Errors
     /// [`ModelError::Chain`] if there is not enough memory for all dependencies.
-    pub(in crate::model) fn new(nodes: &[Node], order: &[u32]) -> Result<Self, ModelError> {
+    pub(in crate::model) fn new(nodes: &Nodes) -> Result<Self, ModelError> {
         let own = |(n, node): (usize, &Node)| match node.is_own() {
             true => vec![vec![n as u32]],
             false => Vec::new(),
         };
         let mut all = Self(nodes.iter().enumerate().map(own).collect());
         let mut coordinates = 0.0;
-        for &n in order {
-            if let Some(d) = nodes[n as usize].mapped() {
-                let mut sets: Vec<Vec<u32>> = d.segments.iter().flat_map(|s| all.of(s)).collect();
-                sets.sort_unstable();
-                sets.dedup();
-                let behind = sets.iter().flatten().map(|&m| nodes[m as usize].dim);
-                coordinates += behind.sum::<usize>() as f64;
-                memory::followed(coordinates).map_err(|[needs, free]| ModelError::Chain {
-                    node: Subject::node(nodes, n),
-                    needs,
-                    free,
-                })?;
-                all.0[n as usize] = sets;
-            }
+        for (n, _, d) in nodes.mapped() {
+            let mut sets: Vec<Vec<u32>> = d.segments.iter().flat_map(|s| all.of(s)).collect();
+            sets.sort_unstable();
+            sets.dedup();
+            let behind = sets.iter().flatten().map(|&m| nodes[m as usize].dim);
+            coordinates += behind.sum::<usize>() as f64;
+            memory::followed(coordinates).map_err(|[needs, free]| ModelError::Chain {
+                node: Subject::node(nodes, n),
+                needs,
+                free,
+            })?;
+            all.0[n as usize] = sets;
         }
         Ok(all)
     }
@@ -112,10 +110,10 @@ pub(in crate::model) fn behind(nodes: &[Node], maps: &Maps, group: &[u32]) -> Ve
 }
 
 /// Numbers the mapped nodes, and arranges their operators; returns the number of values of these.
-pub(in crate::model) fn arrange(nodes: &mut [Node], order: &[u32]) -> usize {
+pub(in crate::model) fn arrange(nodes: &mut Nodes) -> usize {
     let mut operators = 0;
-    for (index, &n) in order.iter().enumerate() {
-        let node = &mut nodes[n as usize];
+    for (index, &n) in nodes.mapped.iter().enumerate() {
+        let node = &mut nodes.all[n as usize];
         if let Some(d) = &mut node.map {
             (d.index, d.local) = (index, operators);
             operators += node.dim * d.direct;

@@ -15,8 +15,8 @@ use crate::model::kinematics::pose::mark_unread;
 use crate::model::loops;
 use crate::model::state::ModelState;
 use crate::model::{
-    Context, ElementEntry, FreeCoordinates, Model, ModelError, NONE, Node, NodeForm, Prescribed,
-    Span,
+    Context, ElementEntry, FreeCoordinates, Model, ModelError, NONE, Node, NodeForm, Nodes,
+    Prescribed, Span,
 };
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{CoordinateInfo, Quantity};
@@ -67,11 +67,14 @@ impl ModelBuilder {
         formulation::apply(rotations, &mut nodes, &mut prescribed);
         arrange_coordinates(&mut nodes);
         mark_unread(&mut nodes, &elements);
-        let dependent = dependency_graph::order(&nodes);
-        let alternatives = Alternatives::new(&nodes, &dependent)?;
-        let operators = dependency_graph::arrange(&mut nodes, &dependent);
+        let mut nodes = Nodes {
+            mapped: dependency_graph::order(&nodes),
+            all: nodes,
+        };
+        let alternatives = Alternatives::new(&nodes)?;
+        let operators = dependency_graph::arrange(&mut nodes);
         let mut prescribed = resolve_prescribed(&nodes, prescribed)?;
-        check_connections(&nodes, &dependent, &elements, &closings, &prescribed)?;
+        check_connections(&nodes, &elements, &closings, &prescribed)?;
         check_reparametrized(&nodes, &elements, &prescribed)?;
 
         let numbering = Numbering::new(&nodes, &elements, &prescribed);
@@ -94,7 +97,7 @@ impl ModelBuilder {
             ..
         } = numbering;
         mark(&mut elements, &nodes, &scatter_map.rows);
-        let [coupled, scratch] = scatter_map.arrange(&nodes, &dependent, &elements);
+        let [coupled, scratch] = scatter_map.arrange(&nodes, &elements);
         prescribed.sort_unstable_by_key(|p| p.coordinate);
         let levers = levers(&nodes, &elements, extent);
         let room = [operators, coupled, scratch];
@@ -109,16 +112,8 @@ impl ModelBuilder {
             prescribed_rotations: prescribed_rotations(&nodes, &prescribed),
             free: FreeCoordinates::new(&coordinates),
             quantities,
-            work: Workspace::new(
-                (&nodes, &dependent),
-                &elements,
-                room,
-                scatter_map,
-                length,
-                levers,
-            ),
+            work: Workspace::new(&nodes, &elements, room, scatter_map, length, levers),
             nodes,
-            dependent,
             carried,
             elements,
             prescribed,

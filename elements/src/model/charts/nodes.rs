@@ -2,7 +2,7 @@
 
 use crate::model::kinematics::complement::fold;
 use crate::model::kinematics::node_entries::collect;
-use crate::model::{Context, Model, Node, among, mapped};
+use crate::model::{Context, Model, Nodes, among};
 use nalgebra::Vector3;
 use pullback_manifold::chart::Complement;
 use pullback_manifold::map::Map;
@@ -23,8 +23,8 @@ pub(in crate::model) struct Reparametrization {
 
 impl Reparametrization {
     /// Those of all maps, in the order of their nodes.
-    pub(in crate::model) fn all(nodes: &[Node], dependent: &[u32]) -> Vec<Self> {
-        let maps = mapped(nodes, dependent).filter(|(_, _, d)| d.reparametrizes);
+    pub(in crate::model) fn all(nodes: &Nodes) -> Vec<Self> {
+        let maps = nodes.mapped().filter(|(_, _, d)| d.reparametrizes);
         let buffers = maps.map(|(node, _, d)| Self {
             node,
             reads_others: d.initial_parents().len() > 1,

@@ -5,7 +5,7 @@
 use crate::model::assembly::workspace::Workspace;
 use crate::model::kinematics::mapped_node::{MappedNode, pull_back_forces};
 use crate::model::kinematics::node_entries::collect;
-use crate::model::{Context, Node};
+use crate::model::{Context, Model};
 use pullback_manifold::system::{Events, Point, SystemError};
 
 /// Buffers for maps with several segments.
@@ -78,29 +78,23 @@ impl Context {
     fn collect_overshoots(&mut self, from: Point<'_>, to: Point<'_>) {
         let h = to.t - from.t;
         self.work.segment_changes.overshoots.clear();
-        let segmented = |n: &&u32| is_segmented(&self.model.nodes[**n as usize]);
-        if !self.model.dependent.iter().any(|n| segmented(&n)) || self.expand(from).is_err() {
+        if self.model.segmented().next().is_none() || self.expand(from).is_err() {
             return;
         }
         let mut changes = std::mem::take(&mut self.work.segment_changes);
         changes.from.iter_mut().for_each(Vec::clear);
         let Workspace { local, x, v, .. } = &mut self.work;
-        for &n in &self.model.dependent {
-            if let Some(d) = segmented_map(&self.model.nodes[n as usize]) {
-                for (all, x) in changes.from.iter_mut().zip([&*x, &*v]) {
-                    let parents = d.parents(&self.state.maps);
-                    let k = collect(parents, &self.model.spans, x, &mut local.q);
-                    all.extend_from_slice(&local.q[..k]);
-                }
+        for (_, d) in self.model.segmented() {
+            for (all, x) in changes.from.iter_mut().zip([&*x, &*v]) {
+                let parents = d.parents(&self.state.maps);
+                let k = collect(parents, &self.model.spans, x, &mut local.q);
+                all.extend_from_slice(&local.q[..k]);
             }
         }
         if self.expand(to).is_ok() {
             let Workspace { local, x, v, .. } = &mut self.work;
             let mut first = 0;
-            for &n in &self.model.dependent {
-                let Some(d) = segmented_map(&self.model.nodes[n as usize]) else {
-                    continue;
-                };
+            for (n, d) in self.model.segmented() {
                 let parents = d.parents(&self.state.maps);
                 let k = collect(parents, &self.model.spans, x, &mut local.q);
                 collect(parents, &self.model.spans, v, &mut local.qv);
@@ -120,7 +114,7 @@ impl Context {
     /// Records the momenta at the nodes, and the operators to the parents, before a possible change.
     pub(in crate::model) fn keep_momentum(&mut self, at: Point<'_>) {
         // If a map cannot be evaluated, the next evaluation reports it.
-        if !self.model.nodes.iter().any(is_segmented) || self.node_momenta(at).is_err() {
+        if self.model.segmented().next().is_none() || self.node_momenta(at).is_err() {
             return;
         }
         let Workspace {
@@ -132,14 +126,8 @@ impl Context {
         changes.momenta.clone_from(r);
         changes.B.clone_from(&operators[0]);
         changes.segments.clear();
-        let nodes = self
-            .model
-            .dependent
-            .iter()
-            .map(|&n| &self.model.nodes[n as usize]);
-        let segment =
-            |node: &Node| segmented_map(node).map_or(0, |d| self.state.maps[d.index].segment());
-        changes.segments.extend(nodes.map(segment));
+        let segments = self.state.maps.iter().map(|map| map.segment());
+        changes.segments.extend(segments);
     }
 
     /// Pulls back from the nodes to the unknowns, by the present maps or by those before the change.
@@ -148,13 +136,9 @@ impl Context {
         if before {
             std::mem::swap(&mut w.operators[0], &mut w.segment_changes.B);
         }
-        for (k, &n) in self.model.dependent.iter().enumerate().rev() {
-            let node = &self.model.nodes[n as usize];
-            let Some(d) = node.mapped() else {
-                continue;
-            };
+        for (_, node, d) in self.model.nodes.mapped().rev() {
             let parents = match before {
-                true => &d.segments[w.segment_changes.segments[k]],
+                true => &d.segments[w.segment_changes.segments[d.index]],
                 false => d.parents(&self.state.maps),
             };
             pull_back_forces(d, parents, node, &self.model.spans, w, false);
@@ -166,10 +150,10 @@ impl Context {
     }
 }
 
-fn segmented_map(node: &Node) -> Option<&MappedNode> {
-    node.mapped().filter(|d| d.segments.len() > 1)
-}
-
-fn is_segmented(node: &Node) -> bool {
-    segmented_map(node).is_some()
+impl Model {
+    /// The nodes with several segments, and their maps.
+    fn segmented(&self) -> impl Iterator<Item = (u32, &MappedNode)> {
+        let mapped = self.nodes.mapped().map(|(n, _, d)| (n, d));
+        mapped.filter(|(_, d)| d.segments.len() > 1)
+    }
 }

@@ -82,14 +82,12 @@ impl Context {
     pub fn violation(&mut self) -> Option<f64> {
         let worse = |a: Option<f64>, b: f64| Some(a.map_or(b, |a| if a > b { a } else { b }));
         let mut worst = None;
-        for &n in &self.model.dependent {
-            if let Some(d) = self.model.nodes[n as usize].mapped() {
-                let mut q = vec![0.0; d.direct];
-                let parents = d.parents(&self.state.maps);
-                collect(parents, &self.model.spans, &self.work.x, &mut q);
-                if let Some(map) = self.state.maps[d.index].implicit() {
-                    worst = worse(worst, map.violation(self.work.t, &q));
-                }
+        for (_, _, d) in self.model.nodes.mapped() {
+            let mut q = vec![0.0; d.direct];
+            let parents = d.parents(&self.state.maps);
+            collect(parents, &self.model.spans, &self.work.x, &mut q);
+            if let Some(map) = self.state.maps[d.index].implicit() {
+                worst = worse(worst, map.violation(self.work.t, &q));
             }
         }
         let w = &mut self.work;

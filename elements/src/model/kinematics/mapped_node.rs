@@ -8,7 +8,7 @@ use crate::model::assembly::pull_back::Operator;
 use crate::model::assembly::scatter::ScatterTarget;
 use crate::model::assembly::workspace::Workspace;
 use crate::model::kinematics::node_entries::{collect, distribute};
-use crate::model::{Context, Node, NodeForm, Span, mapped};
+use crate::model::{Context, Node, NodeForm, Span};
 use pullback_manifold::map::Parametrization;
 use pullback_manifold::pullback;
 use pullback_manifold::system::{ChartChanges, Point, SystemError, Weights};
@@ -90,8 +90,8 @@ impl MappedNode {
 impl Context {
     /// Evaluates coordinates, velocities, accelerations and operators of all mapped nodes.
     pub(in crate::model) fn expand_dependent(&mut self, t: f64) -> Result<(), SystemError> {
-        (0..self.model.dependent.len())
-            .try_for_each(|k| self.expand_node(t, self.model.dependent[k]))
+        (0..self.model.nodes.mapped.len())
+            .try_for_each(|k| self.expand_node(t, self.model.nodes.mapped[k]))
     }
 
     /// The same for one node, if it is mapped.
@@ -129,7 +129,7 @@ impl Context {
         [statics, rates]: [bool; 2],
     ) {
         let w = &mut self.work;
-        let all = mapped(&self.model.nodes, &self.model.dependent).rev();
+        let all = self.model.nodes.mapped().rev();
         for (n, node, d) in all.filter(|(_, _, d)| d.read) {
             let parents = d.parents(&self.state.maps);
             let map = &mut self.state.maps[d.index];
@@ -171,7 +171,7 @@ impl Context {
         let mut all = ChartChanges::default();
         let (mut changed, mut moved) = (false, false);
         let model = &*self.model;
-        let read = mapped(&model.nodes, &model.dependent).filter(|(_, _, d)| d.read);
+        let read = model.nodes.mapped().filter(|(_, _, d)| d.read);
         for (_, node, d) in read {
             let own = node.range();
             let (w, maps) = (&mut self.work, &mut self.state.maps);
@@ -212,7 +212,6 @@ impl Context {
     pub(in crate::model) fn locate_tangents(&mut self) {
         self.work.scatter_map.locate(
             &self.model.nodes,
-            &self.model.dependent,
             &self.state.maps,
             &self.model.elements,
             &self.model.pattern,

@@ -13,6 +13,7 @@ use pullback_manifold::quotients::Quotients;
 use pullback_manifold::so3;
 use pullback_manifold::system::{Point, SystemError};
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 /// State of one frame node.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,7 +94,7 @@ impl Model {
         &self,
         condition: impl Fn(&Node) -> bool,
     ) -> impl Iterator<Item = (NodeId, &Node)> {
-        let all = (0..).map(NodeId).zip(&self.nodes);
+        let all = (0..).map(NodeId).zip(self.nodes.iter());
         all.filter(move |(_, n)| condition(n))
     }
 }
@@ -244,18 +245,13 @@ impl Context {
         stay.extend(given);
         let mut carried = Vec::new();
         self.work.known.forget();
-        for k in 0..self.model.dependent.len() {
-            let n = self.model.dependent[k];
+        let model = Arc::clone(&self.model);
+        for (n, _, d) in model.nodes.mapped() {
             // The frames above have been rotated already.
             self.expand_node(t, n)?;
             let rotation = self.free_rotation_of(NodeId(n));
-            let Some(d) = self.model.nodes[n as usize].mapped() else {
-                continue;
-            };
-            let mut parents = d
-                .parents(&self.state.maps)
-                .iter()
-                .map(|&m| &self.model.nodes[m as usize]);
+            let parents = d.parents(&self.state.maps).iter();
+            let mut parents = parents.map(|&m| &model.nodes[m as usize]);
             let Some(parent) = parents.find(|m| m.is_frame()) else {
                 continue;
             };
@@ -347,12 +343,9 @@ impl Context {
 
     /// Scalar unknowns that belong to no frame, rotation vector or loop: the joint coordinates.
     pub fn single_unknowns(&self) -> Vec<usize> {
-        let chosen = |&n: &u32| {
-            let mapped = self.model.nodes[n as usize].mapped();
-            let loops = mapped.filter(|d| d.reparametrizes)?;
-            loops.parents(&self.state.maps).first().copied()
-        };
-        let of_loops: Vec<u32> = self.model.dependent.iter().filter_map(chosen).collect();
+        let loops = (self.model.nodes.mapped()).filter(|(_, _, d)| d.reparametrizes);
+        let chosen = loops.filter_map(|(_, _, d)| d.parents(&self.state.maps).first());
+        let of_loops: Vec<u32> = chosen.copied().collect();
         let scalar = |n: &Node| n.form == NodeForm::Coordinates && n.dim == 1 && n.is_own();
         let nodes = self.nodes_that(scalar);
         nodes

@@ -64,7 +64,7 @@ impl Context {
     ) -> Result<Vec<String>, SystemError> {
         let (mut fitted, mut against) = (Vec::new(), Vec::new());
         let model = Arc::clone(&self.model);
-        for &n in &model.dependent {
+        for &n in &model.nodes.mapped {
             let released = |&&m: &&u32| model.nodes[m as usize].form == NodeForm::Coordinates;
             let Some(d) = model.chosen(n, nodes) else {
                 continue;
@@ -83,7 +83,7 @@ impl Context {
                 continue;
             }
             fitted.push(x);
-            let all: Vec<u32> = (model.dependent.iter().copied())
+            let all: Vec<u32> = (model.nodes.mapped.iter().copied())
                 .filter(|&k| {
                     let d = model.chosen(k, nodes);
                     let mut parents = d.map_or(&[][..], |d| d.parents(&self.state.maps)).iter();

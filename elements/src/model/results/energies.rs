@@ -7,7 +7,7 @@ use crate::model::assembly::residual::named;
 use crate::model::assembly::workspace::Workspace;
 use crate::model::kinematics::mapped_node::Maps;
 use crate::model::kinematics::pose::spatial;
-use crate::model::{Context, ElementEntry, Model, Node, mapped};
+use crate::model::{Context, ElementEntry, Model, Node};
 use nalgebra::Vector3;
 use pullback_manifold::system::{Energetics, Energies, Point, RigidRates, Symmetry, SystemError};
 
@@ -75,7 +75,7 @@ impl Energetics for Context {
 
     /// p = Bᵀ M ẋ; false if nothing is prescribed, as it cannot jump then.
     fn momentum(&mut self, at: Point<'_>, p: &mut [f64]) -> Result<bool, SystemError> {
-        if self.model.prescribed.is_empty() && self.model.dependent.is_empty() {
+        if self.model.prescribed.is_empty() && self.model.nodes.mapped.is_empty() {
             return Ok(false);
         }
         self.node_momenta(at)?;
@@ -210,7 +210,7 @@ fn supplied_at_nodes(model: &Model, maps: &Maps, w: &Workspace) -> f64 {
     for p in &model.prescribed {
         supplied -= w.r[p.coordinate] * w.v[p.coordinate];
     }
-    for (_, node, d) in mapped(&model.nodes, &model.dependent) {
+    for (_, node, d) in model.nodes.mapped() {
         let own = node.range();
         let r = &w.r[own.clone()];
         let through = d.carried_power(d.parents(maps), r, &model.spans, &w.v, &w.operators);

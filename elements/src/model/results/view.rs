@@ -86,7 +86,7 @@ impl Model {
 
     /// The mapped nodes, as indices of [`Model::nodes`], parents first.
     pub fn mapped_nodes(&self) -> &[u32] {
-        &self.dependent
+        &self.nodes.mapped
     }
 
     /// All elements and loads.
@@ -181,13 +181,11 @@ impl Context {
     /// ([`MapState::freeze_piece`](pullback_manifold::map::MapState::freeze_piece)).
     pub fn freeze_pieces(&mut self, at: Option<(f64, &[f64])>) {
         let known = at.is_none_or(|(t, q)| self.expand(Point::statics(t, q)).is_ok());
-        for &n in self.model.dependent.iter().filter(|_| known) {
-            if let Some(d) = self.model.nodes[n as usize].mapped() {
-                let (w, maps) = (&mut self.work, &mut self.state.maps);
-                let len = collect(d.parents(maps), &self.model.spans, &w.x, &mut w.local.q);
-                if let Some(state) = maps[d.index].state() {
-                    state.freeze_piece(at.map(|(t, _)| (t, &w.local.q[..len])));
-                }
+        for (_, _, d) in self.model.nodes.mapped().filter(|_| known) {
+            let (w, maps) = (&mut self.work, &mut self.state.maps);
+            let len = collect(d.parents(maps), &self.model.spans, &w.x, &mut w.local.q);
+            if let Some(state) = maps[d.index].state() {
+                state.freeze_piece(at.map(|(t, _)| (t, &w.local.q[..len])));
             }
         }
         self.work.known.forget();

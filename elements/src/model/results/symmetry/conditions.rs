@@ -4,8 +4,8 @@
 
 use super::{Measured, NOTHING, motion_of, unit};
 use crate::blocks::three;
+use crate::model::NodeForm;
 use crate::model::assembly::residual::named;
-use crate::model::{NONE, Node, NodeForm};
 use nalgebra::Matrix3;
 use pullback_manifold::so3;
 use pullback_manifold::system::{Evaluation, Point, RigidRates, System, SystemError};
@@ -132,22 +132,14 @@ impl Measured<'_> {
 
     /// Frames with elements that are not entirely prescribed.
     fn moving_frames(&self) -> Vec<usize> {
-        let nodes = &self.0.model.nodes;
-        let free = |n: &Node| n.range().any(|c| self.0.model.unknowns[c] != NONE);
-        let mut moves: Vec<bool> = nodes.iter().map(|n| n.is_own() && free(n)).collect();
-        for &n in &self.0.model.dependent {
-            if let Some(d) = nodes[n as usize].mapped() {
-                let mut parents = d.parents(&self.0.state.maps).iter();
-                moves[n as usize] = parents.any(|&m| moves[m as usize]);
-            }
-        }
+        let (nodes, couplings) = (&self.0.model.nodes, &self.0.work.scatter_map.couplings);
         let mut met = vec![false; nodes.len()];
         for e in self.0.model.elements.iter().filter(|e| !e.load) {
             for &n in e.nodes.iter() {
                 met[n as usize] = true;
             }
         }
-        let kept = |&n: &usize| met[n] && nodes[n].is_frame() && moves[n];
+        let kept = |&n: &usize| met[n] && nodes[n].is_frame() && !couplings.is_fixed(n as u32);
         (0..nodes.len()).filter(kept).collect()
     }
 
