@@ -63,29 +63,17 @@ impl ElementWorkspace {
     }
 
     /// Reads the motion of an element's nodes, in its charts: those switched are seen through the complement
-    /// map. Velocities and accelerations are zero without `rates`.
+    /// map.
     pub(in crate::model) fn read(
         &mut self,
         (e, state): (&ElementEntry, &ElementState),
         spans: &[Span],
-        x: &[f64],
-        rates: Option<[&[f64]; 2]>,
+        [x, v, a]: [&[f64]; 3],
     ) {
-        let switched = state.switched;
         collect(&e.nodes, spans, x, &mut self.x);
-        match rates {
-            Some([v, a]) => {
-                collect(&e.nodes, spans, v, &mut self.v);
-                collect(&e.nodes, spans, a, &mut self.a);
-            }
-            // Not read otherwise at rest.
-            None if switched != 0 => {
-                self.v.fill(0.0);
-                self.a.fill(0.0);
-            }
-            None => {}
-        }
-        for (i, psi) in switched_rotations(e, switched, spans) {
+        collect(&e.nodes, spans, v, &mut self.v);
+        collect(&e.nodes, spans, a, &mut self.a);
+        for (i, psi) in switched_rotations(e, state.switched, spans) {
             let [x, v, a] = [&mut self.x, &mut self.v, &mut self.a].map(|x| &mut x[psi.clone()]);
             self.complements[i].apply(x, v, a);
         }

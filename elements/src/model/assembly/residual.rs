@@ -25,14 +25,14 @@ impl Context {
             return Ok(());
         }
         w.known.forget();
+        let stirred = std::mem::replace(&mut w.stirred, !statics);
         if !statics {
             self.model.free.scatter("velocities v", at.v, &mut w.v)?;
             self.model.free.scatter("accelerations a", at.a, &mut w.a)?;
-        } else if w.stirred {
+        } else if stirred {
             w.v.fill(0.0);
             w.a.fill(0.0);
         }
-        (w.stirred, w.moving) = (!statics, !statics);
         self.expand_positions(at.t, at.q)?;
         self.work.known.set(at);
         Ok(())
@@ -68,7 +68,6 @@ impl Context {
             // parameter; that of free coordinates stays zero.
             let c = p.coordinate;
             [w.x[c], w.v[c], w.a[c]] = p.function.at(t, inputs);
-            w.moving |= w.v[c] != 0.0;
         }
         for (&node, &turns) in (self.model.prescribed_rotations.iter()).zip(&self.state.turns) {
             let first = self.model.nodes[node].first + 3;
@@ -79,8 +78,6 @@ impl Context {
                 &mut w.a[first..first + 3],
             );
         }
-        // A map may depend on time: rates of mapped nodes are read in any case.
-        w.moving |= !self.model.nodes.mapped.is_empty();
         if w.stirred {
             self.take_spins();
         }
@@ -142,8 +139,7 @@ impl Context {
                 if w.has_previous {
                     local.read_previous((e, state), spans, &w.previous);
                 }
-                let rates = w.moving.then_some([&w.v[..], &w.a]);
-                local.read((e, state), spans, &w.x, rates);
+                local.read((e, state), spans, [&w.x, &w.v, &w.a]);
             }
             let S = S.as_mut().filter(|_| !e.dead);
             let weights = S.as_ref().map(|(weights, _)| *weights);
@@ -158,7 +154,7 @@ impl Context {
             } else if alone {
                 local.measure(e, &model.nodes, moved, &mut w.exerted);
             }
-            if rates && w.moving && !e.dead {
+            if rates && !e.dead {
                 // ∂r/∂t through the nodes' motion at fixed unknowns: −K ẋ.
                 for (j, &v) in local.v[..n].iter().enumerate() {
                     if v != 0.0 {

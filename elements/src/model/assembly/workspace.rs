@@ -11,7 +11,8 @@ use pullback_manifold::system::{Point, Scales};
 /// Buffers of an evaluation.
 #[derive(Clone, Default)]
 pub(in crate::model) struct Workspace {
-    /// Coordinates, velocities, accelerations of all nodes.
+    /// Coordinates, velocities, accelerations of all nodes; in statics the rates are derivatives by the load
+    /// parameter, zero without a support or a map that depends on it.
     pub x: Vec<f64>,
     pub v: Vec<f64>,
     pub a: Vec<f64>,
@@ -27,9 +28,6 @@ pub(in crate::model) struct Workspace {
     /// Coordinates of all nodes at the previous iterate, if any.
     pub previous: Vec<f64>,
     pub has_previous: bool,
-    /// Whether anything moves: always in dynamics, and in statics if a support or a map is
-    /// time-dependent (the rates are then derivatives by the load parameter).
-    pub moving: bool,
     /// Whether rates of free coordinates may be nonzero.
     pub stirred: bool,
     /// The point at which all nodes are known.

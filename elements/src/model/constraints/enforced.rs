@@ -96,7 +96,8 @@ impl Context {
             let Some(enforced) = e.element.abilities().enforced else {
                 continue;
             };
-            w.local.read((e, state), &self.model.spans, &w.x, None);
+            w.local
+                .read((e, state), &self.model.spans, [&w.x, &w.v, &w.a]);
             let mut h = [0.0_f64; MAX_EQUATIONS];
             let (_, M) = enforced.dims();
             enforced.residual(&w.local.motion(e, w.t, true), &mut h[..M]);
@@ -123,9 +124,8 @@ impl Context {
         for &k in &model.enforced {
             let (e, state) = (&model.elements[k], self.state.elements[k]);
             let w = &mut self.work;
-            let rates = w.moving.then_some([&w.v[..], &w.a]);
-            w.local.read((e, &state), &model.spans, &w.x, rates);
-            let motion = w.local.motion(e, t, !w.moving);
+            w.local.read((e, &state), &model.spans, [&w.x, &w.v, &w.a]);
+            let motion = w.local.motion(e, t, !w.stirred);
             let Some(enforced) = e.element.abilities().enforced else {
                 continue;
             };
@@ -184,7 +184,8 @@ impl Context {
             if left_out == 0 {
                 continue;
             }
-            w.local.read((e, state), &self.model.spans, &w.x, None);
+            w.local
+                .read((e, state), &self.model.spans, [&w.x, &w.v, &w.a]);
             let mut h = [0.0; MAX_EQUATIONS];
             let (_, M) = enforced.dims();
             enforced.residual(&w.local.motion(e, t, true), &mut h[..M]);

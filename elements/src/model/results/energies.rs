@@ -66,8 +66,7 @@ impl Energetics for Context {
                 continue;
             };
             let local = &mut w.local;
-            let rates = w.moving.then_some([&w.v[..], &w.a]);
-            local.read((e, state), &model.spans, &w.x, rates);
+            local.read((e, state), &model.spans, [&w.x, &w.v, &w.a]);
             dissipated += energies.dissipation(&local.motion(e, at.t, at.is_static()));
         }
         Ok(dissipated)
@@ -123,8 +122,7 @@ impl Context {
         w.r.fill(0.0);
         for (e, state) in model.elements.iter().zip(&self.state.elements) {
             let (local, n) = (&mut w.local, e.element.dim());
-            let rates = w.moving.then_some([&w.v[..], &w.a]);
-            local.read((e, state), &model.spans, &w.x, rates);
+            local.read((e, state), &model.spans, [&w.x, &w.v, &w.a]);
             let (abilities, motion) = (e.element.abilities(), local.motion(e, at.t, statics));
             let energy = abilities.energy(&motion);
             if e.load {
@@ -182,8 +180,7 @@ impl Context {
                 continue;
             }
             let local = &mut w.local;
-            let rates = w.moving.then_some([&w.v[..], &w.a]);
-            local.read((e, state), &model.spans, &w.x, rates);
+            local.read((e, state), &model.spans, [&w.x, &w.v, &w.a]);
             local
                 .momenta(e, at.t, false)
                 .map_err(|error| named(error, &e.name))?;

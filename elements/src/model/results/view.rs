@@ -139,7 +139,8 @@ impl Context {
     pub fn element_forces(&mut self, k: usize) -> Result<Vec<f64>, DomainError> {
         let (e, state) = (&self.model.elements[k], &self.state.elements[k]);
         let w = &mut self.work;
-        w.local.read((e, state), &self.model.spans, &w.x, None);
+        w.local
+            .read((e, state), &self.model.spans, [&w.x, &w.v, &w.a]);
         w.local
             .evaluate((e, state), w.t, true, None, false, false)?;
         Ok(w.local.r[..e.element.dim()].to_vec())

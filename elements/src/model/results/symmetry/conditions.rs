@@ -73,7 +73,7 @@ impl Measured<'_> {
                 continue;
             }
             let local = &mut w.local;
-            local.read((e, state), &model.spans, &w.x, None);
+            local.read((e, state), &model.spans, [&w.x, &w.v, &w.a]);
             local
                 .evaluate((e, state), at.t, true, None, false, false)
                 .map_err(|error| named(error, &e.name))?;
