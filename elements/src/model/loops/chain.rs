@@ -153,8 +153,8 @@ pub(super) fn root_matters(
     let length = setting.length;
     let inputs = Inputs::new(nodes, &own, &[root], &nothing);
     let mut tree = set::tree(nodes, std::slice::from_ref(chain), &inputs);
-    let at = |first: usize| inputs.nodes.iter().find(|(_, f)| *f == first);
-    debug_assert!(at(0).is_some_and(|(n, _)| inputs.read(*n) == Read::Input(0)));
+    let at = |first: usize| inputs.all().find(|(_, f)| *f == first);
+    debug_assert!(at(0).is_some_and(|(n, _)| inputs.read(n) == Read::Input(0)));
     let mut value = |y: &[f64]| {
         let mut h = [0.0; 6];
         let mut J = vec![0.0; 6 * y.len()];
@@ -164,7 +164,7 @@ pub(super) fn root_matters(
     let far = |k: usize, s: f64| 0.4 * (1.3 * k as f64 + s).sin();
     [0.3, 1.1, 2.9].iter().any(|&s| {
         let mut y: Vec<f64> = (0..inputs.count).map(|k| far(k, s)).collect();
-        for &(n, first) in &inputs.nodes {
+        for (n, first) in inputs.all() {
             let quantities = (first..).zip(nodes[n as usize].quantities.iter());
             for (k, _) in quantities.filter(|(_, quantity)| **quantity == Quantity::Length) {
                 y[k] *= length;

@@ -20,44 +20,44 @@ const GOOD_CONDITION: f64 = 10.0;
 
 /// The inputs of a set of loops: first the parameters, then the unknowns.
 pub(super) struct Inputs {
-    /// Nodes of the parameters and of the unknowns, with their first input.
-    pub(super) nodes: Vec<(u32, usize)>,
-    /// Number of inputs that are parameters, and of all inputs.
-    parameters: usize,
+    /// Nodes of the parameters and of the unknowns, each with its first one among them.
+    parameters: Vec<(u32, usize)>,
+    unknowns: Vec<(u32, usize)>,
+    /// Number of parameters, and of all inputs.
+    parameter_count: usize,
     pub(super) count: usize,
-    /// Number of nodes that are parameters.
-    given: usize,
 }
 
 impl Inputs {
     /// Sorts own coordinate nodes, and required roots, into parameters and unknowns.
     pub(super) fn new(nodes: &[Node], own: &[u32], roots: &[u32], setting: &Setting<'_>) -> Self {
-        let moves = |n: &&u32| !setting.still(**n as usize, nodes[**n as usize].dim);
-        let given = |n: &&u32| roots.contains(n) || setting.any(**n as usize);
-        let all = roots.iter().chain(own).filter(moves);
-        let (parameters, unknowns): (Vec<&u32>, Vec<&u32>) = all.partition(given);
-        let mut out = Self {
-            nodes: Vec::new(),
-            parameters: 0,
-            count: 0,
-            given: parameters.len(),
+        let moves = |n: &u32| !setting.still(*n as usize, nodes[*n as usize].dim);
+        let given = |n: &u32| roots.contains(n) || setting.any(*n as usize);
+        let all = roots.iter().chain(own).copied().filter(moves);
+        let (parameters, unknowns): (Vec<u32>, Vec<u32>) = all.partition(given);
+        let count = |of: &[u32]| of.iter().map(|&n| nodes[n as usize].dim).sum::<usize>();
+        let with_first = |of: &[u32]| {
+            let first = |k: usize| count(&of[..k]);
+            of.iter().enumerate().map(|(k, &n)| (n, first(k))).collect()
         };
-        for &&n in parameters.iter().chain(&unknowns) {
-            if out.nodes.len() == out.given {
-                out.parameters = out.count;
-            }
-            out.nodes.push((n, out.count));
-            out.count += nodes[n as usize].dim;
+        Self {
+            parameter_count: count(&parameters),
+            count: count(&parameters) + count(&unknowns),
+            parameters: with_first(&parameters),
+            unknowns: with_first(&unknowns),
         }
-        if unknowns.is_empty() {
-            out.parameters = out.count;
-        }
-        out
+    }
+
+    /// All nodes with their first input.
+    pub(super) fn all(&self) -> impl Iterator<Item = (u32, usize)> {
+        let after = |&(n, first): &(u32, usize)| (n, self.parameter_count + first);
+        let parameters = self.parameters.iter().copied();
+        parameters.chain(self.unknowns.iter().map(after))
     }
 
     pub(super) fn read(&self, node: u32) -> Read {
-        let found = self.nodes.iter().find(|(n, _)| *n == node);
-        found.map_or(Read::Nothing, |(_, first)| Read::Input(*first))
+        let found = self.all().find(|(n, _)| *n == node);
+        found.map_or(Read::Nothing, |(_, first)| Read::Input(first))
     }
 }
 
@@ -155,20 +155,12 @@ fn nothing_follows(
 }
 
 /// Report on desired values that are inconsistent.
-fn displaced(
-    nodes: &[Node],
-    unknown: &[(u32, usize)],
-    map: &ImplicitMap,
-    parameters: usize,
-) -> String {
+fn displaced(nodes: &[Node], unknowns: &[(u32, usize)], map: &ImplicitMap) -> String {
     let mut words = String::new();
     for (k, x) in map.displaced() {
-        let of = |(n, first): &&(u32, usize)| {
-            let first = first - parameters;
-            (first..first + nodes[*n as usize].dim).contains(&k)
-        };
-        if let Some(&(n, first)) = unknown.iter().find(of) {
-            let name = nodes[n as usize].coordinate_name(k + parameters - first);
+        let of = |(n, first): &&(u32, usize)| (*first..first + nodes[*n as usize].dim).contains(&k);
+        if let Some(&(n, first)) = unknowns.iter().find(of) {
+            let name = nodes[n as usize].coordinate_name(k - first);
             words += &format!("; {name} starts at {x:.6}, as its value does not close the loop");
         }
     }
@@ -218,15 +210,14 @@ fn described(
     inputs: &Inputs,
     setting: &Setting<'_>,
 ) -> Description {
-    let (given, unknown) = inputs.nodes.split_at(inputs.given);
     let mut about = Description {
         good_condition: GOOD_CONDITION,
         ..Description::default()
     };
-    for &(n, first) in unknown {
+    for &(n, first) in &inputs.unknowns {
         let node = &nodes[n as usize];
         if node.form == NodeForm::Rotation {
-            about.rotations.push(first - inputs.parameters);
+            about.rotations.push(first);
         }
         for (k, quantity) in node.quantities.iter().enumerate() {
             about.unknowns.push(Unknown {
@@ -248,7 +239,7 @@ fn described(
         let node = &nodes[n as usize];
         std::iter::repeat_n(node.name.clone(), node.dim)
     };
-    about.parameters = given.iter().flat_map(of).collect();
+    about.parameters = inputs.parameters.iter().flat_map(of).collect();
     about
 }
 
@@ -276,13 +267,12 @@ fn add_map(
     inputs: &Inputs,
     joints: &str,
 ) -> Result<u32, ModelError> {
-    let (given, unknown) = inputs.nodes.split_at(inputs.given);
     let of = |&(n, _): &(u32, usize)| nodes[n as usize].quantities.clone();
-    let quantities: Vec<Quantity> = unknown.iter().flat_map(of).collect();
+    let quantities: Vec<Quantity> = inputs.unknowns.iter().flat_map(of).collect();
     let D = map.freedoms();
     let first = map.independent().and_then(|k| k.first().copied());
     let quantity = first.map_or(Quantity::Angle, |k| quantities[k]);
-    let mut parents: Vec<u32> = given.iter().map(|&(n, _)| n).collect();
+    let mut parents: Vec<u32> = inputs.parameters.iter().map(|&(n, _)| n).collect();
     if D > 0 {
         let (name, own) = (format!("loop of {joints}"), vec![quantity; D]);
         nodes.push(Node::new(name, NodeForm::Coordinates, &own, None));
@@ -304,11 +294,11 @@ fn add_map(
         Some(map),
     ));
     let x = nodes.len() as u32 - 1;
-    for &(n, first) in unknown {
+    for &(n, first) in &inputs.unknowns {
         let node = &mut nodes[n as usize];
         let part = Part {
             of: quantities.len(),
-            first: first - inputs.parameters,
+            first,
             len: node.dim,
         };
         node.map = Some(MappedNode::of(Box::new(part), vec![x]));
@@ -323,26 +313,26 @@ pub(super) fn close_set(
     setting: &Setting<'_>,
 ) -> Result<LoopReport, ModelError> {
     let inputs = inputs_of(nodes, chains, setting);
-    let (given, unknown) = inputs.nodes.split_at(inputs.given);
     let joints: Vec<&str> = (chains.iter())
         .map(|c| nodes[c.frame as usize].name.as_str())
         .collect();
     let joints = Subject::named(chains[0].frame, joints.join(", "));
     let about = described(nodes, chains, &inputs, setting);
-    let mut p = Vec::with_capacity(inputs.parameters);
-    for &(n, _) in given {
+    let mut p = Vec::with_capacity(inputs.parameter_count);
+    for &(n, _) in &inputs.parameters {
         let value = |k| setting.initial(n as usize, k).unwrap_or(0.0);
         p.extend((0..nodes[n as usize].dim).map(value));
     }
     let mut equations = Box::new(tree(nodes, chains, &inputs));
-    if unknown.is_empty() {
+    if inputs.unknowns.is_empty() {
+        let given = &inputs.parameters;
         return nothing_follows(nodes, chains, joints, given, &mut *equations, setting);
     }
     let map = ImplicitMap::new(equations, about, 0.0, &p).map_err(|source| ModelError::Loop {
         joints: joints.clone(),
         source,
     })?;
-    let moved = displaced(nodes, unknown, &map, inputs.parameters);
+    let moved = displaced(nodes, &inputs.unknowns, &map);
     let apart = drawn_apart(nodes, chains, setting);
     let x = add_map(nodes, map, &inputs, &joints.name)?;
     let closing = match chains.len() {
