@@ -49,8 +49,6 @@ pub struct ImplicitMap {
     /// Largest length of each row of h_x so far.
     pub(super) sizes: Vec<f64>,
     pub(super) work: Work,
-    /// Copy of the anchor while the path from it is followed in parts.
-    pub(super) parked: Anchor,
 }
 
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -104,8 +102,6 @@ pub(super) struct Work {
     pub equations: Pivoted,
     pub columns: Pivoted,
     pub trial: ImplicitChart,
-    /// End of the next part of a path.
-    pub stop: Vec<f64>,
 }
 
 impl Clone for ImplicitMap {
@@ -118,7 +114,6 @@ impl Clone for ImplicitMap {
             anchor: self.anchor.clone(),
             sizes: self.sizes.clone(),
             work: Work::default(),
-            parked: self.parked.clone(),
             ..*self
         };
         copy.reserve();
@@ -156,7 +151,6 @@ impl ImplicitMap {
             lambda: z(M),
             K_sigma: z(N * N),
             KZ: z(N.max(M) * Q),
-            stop: z(Q),
             ..Work::default()
         };
         self.work.factors.reserve(X);

@@ -49,7 +49,6 @@ impl ImplicitMap {
             },
             sizes: vec![0.0; M],
             work: Work::default(),
-            parked: Anchor::default(),
         };
         core.reserve();
         core.work.y[..p.len()].copy_from_slice(p);
@@ -80,7 +79,6 @@ impl ImplicitMap {
             Y: vec![0.0; X * (core.D + core.p)],
             P: vec![0.0; X * M],
         };
-        core.parked = core.anchor.clone();
         core.refresh(t, &q);
         Ok(core)
     }

@@ -1,7 +1,7 @@
 //! Path from the last converged state to another one, on one branch of solutions.
 
 use super::EvaluationError;
-use super::core::ImplicitMap;
+use super::core::{Anchor, ImplicitMap};
 use std::f64::consts::PI;
 
 /// Condition number per unknown over the steepest slope below which x is at the limit of a
@@ -26,29 +26,28 @@ impl ImplicitMap {
         if q.iter().any(|q| !q.is_finite()) {
             return Err(first);
         }
-        std::mem::swap(&mut self.anchor, &mut self.parked);
+        let start = self.anchor.clone();
         let mut parts = 2;
         let outcome = loop {
-            let outcome = self.walk(t, q, parts);
+            let outcome = self.walk(&start, t, q, parts);
             if outcome.is_ok() || parts >= PARTS {
                 break outcome;
             }
             parts *= 2;
         };
-        std::mem::swap(&mut self.anchor, &mut self.parked);
+        let reached = std::mem::replace(&mut self.anchor, start);
         outcome.map_err(|error| match error {
             EvaluationError::Inconsistent { equation, residual } => {
                 self.contradicted(equation, residual)
             }
-            other => self.explained(other),
+            other => self.explained(&reached, other),
         })
     }
 
-    /// Why the path ends at the parked position: at the limit of a prescribed motion, where the slopes
+    /// Why the path ends at the position reached: at the limit of a prescribed motion, where the slopes
     /// of x grow like the condition number, or at a singular configuration, where they do not.
-    fn explained(&mut self, error: EvaluationError) -> EvaluationError {
-        let reached = self.parked.clone();
-        let singular = self.close_to_singular(&reached);
+    fn explained(&mut self, reached: &Anchor, error: EvaluationError) -> EvaluationError {
+        let singular = self.close_to_singular(reached);
         if self.p > 0 && (self.D == 0 || singular.is_some()) {
             let slopes = reached.Y.chunks_exact(self.X).skip(self.D);
             let steepest = slopes.fold(0.0, |most, slope| {
@@ -68,29 +67,24 @@ impl ImplicitMap {
         singular.unwrap_or(error)
     }
 
-    /// Follows equal parts of a straight line from the parked anchor.
-    fn walk(&mut self, t: f64, q: &[f64], parts: usize) -> Result<(), EvaluationError> {
-        self.anchor.clone_from(&self.parked);
-        let mut next = std::mem::take(&mut self.work.stop);
-        let mut outcome = Ok(());
+    /// Follows equal parts of a straight line from an anchor.
+    fn walk(
+        &mut self,
+        start: &Anchor,
+        t: f64,
+        q: &[f64],
+        parts: usize,
+    ) -> Result<(), EvaluationError> {
+        self.anchor.clone_from(start);
         for k in 1..=parts {
             let s = k as f64 / parts as f64;
-            next.clear();
-            let from = self.parked.q.iter();
-            next.extend(
-                from.zip(q)
-                    .map(|(a, b)| if k == parts { *b } else { a + s * (b - a) }),
-            );
-            let then = self.parked.t + s * (t - self.parked.t);
-            let then = if k == parts { t } else { then };
-            outcome = self.part(then, &next, true);
-            if outcome.is_err() {
-                break;
-            }
+            let part = |a: f64, b: f64| if k < parts { a + s * (b - a) } else { b };
+            let next: Vec<f64> = (start.q.iter().zip(q)).map(|(a, b)| part(*a, *b)).collect();
+            let then = part(start.t, t);
+            self.part(then, &next, true)?;
             self.set_anchor(then, &next);
         }
-        self.work.stop = next;
-        outcome
+        Ok(())
     }
 
     /// One part of the path by Newton's method, predicted by the slopes at its beginning.
