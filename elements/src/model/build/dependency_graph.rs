@@ -1,9 +1,9 @@
 //! Dependencies of mapped nodes on own nodes, and the order of evaluation.
 
 use crate::memory;
-use crate::model::kinematics::mapped_node::Maps;
+use crate::model::kinematics::mapped_node::{MappedNode, Maps};
 use crate::model::{ModelError, Node, Nodes, Subject};
-use std::collections::HashSet;
+use std::collections::BTreeSet;
 
 /// For every node, all sets of own nodes that it can depend on: one for each combination of
 /// segments, each ascending and without repetition.
@@ -93,19 +93,32 @@ pub(in crate::model) fn order(nodes: &[Node]) -> Vec<u32> {
     out
 }
 
-/// The own nodes that a group of nodes depends on with its present parents, ascending.
-pub(in crate::model) fn behind(nodes: &[Node], maps: &Maps, group: &[u32]) -> Vec<u32> {
-    let (mut waiting, mut met) = (group.to_vec(), HashSet::new());
+/// The nodes of a group and all those that they depend on by some of their sets of parents, ascending; `end` and
+/// what only it depends on are left out.
+pub(in crate::model) fn ancestors<'a>(
+    nodes: &'a [Node],
+    group: &[u32],
+    end: Option<u32>,
+    parents: impl Fn(&'a MappedNode) -> &'a [Vec<u32>],
+) -> Vec<u32> {
+    let (mut waiting, mut met) = (group.to_vec(), BTreeSet::new());
     while let Some(n) = waiting.pop() {
-        if met.insert(n)
+        if end != Some(n)
+            && met.insert(n)
             && let Some(d) = nodes[n as usize].mapped()
         {
-            waiting.extend(d.parents(maps));
+            waiting.extend(parents(d).iter().flatten());
         }
     }
-    let mut own: Vec<u32> = met.into_iter().collect();
+    met.into_iter().collect()
+}
+
+/// The own nodes that a group of nodes depends on with its present parents, ascending.
+pub(in crate::model) fn behind(nodes: &[Node], maps: &Maps, group: &[u32]) -> Vec<u32> {
+    let mut own = ancestors(nodes, group, None, |d| {
+        std::slice::from_ref(&d.segments[maps[d.index].segment()])
+    });
     own.retain(|&n| nodes[n as usize].is_own());
-    own.sort_unstable();
     own
 }
 

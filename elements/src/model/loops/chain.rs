@@ -2,6 +2,7 @@
 
 use super::set::{self, Inputs};
 use super::{Closing, Setting};
+use crate::model::build::dependency_graph::ancestors;
 use crate::model::{ModelError, Node, NodeForm, Subject};
 use pullback_manifold::map::{Parametrization, Read};
 use pullback_manifold::system::Quantity;
@@ -116,21 +117,13 @@ fn reads_no_frame(nodes: &[Node], n: u32) -> bool {
 
 /// The own scalar coordinate nodes along both chains below the root.
 pub(super) fn coordinates(nodes: &[Node], chain: &JointLoop) -> Vec<u32> {
-    let mut out = Vec::new();
-    let mut waiting = vec![chain.frame, chain.child];
-    while let Some(n) = waiting.pop() {
-        if chain.root == Some(n) {
-            continue;
-        }
+    let mut out = ancestors(nodes, &[chain.frame, chain.child], chain.root, |d| {
+        std::slice::from_ref(&d.segments[d.map.segment()])
+    });
+    out.retain(|&n| {
         let node = &nodes[n as usize];
-        match node.mapped() {
-            Some(d) => waiting.extend(d.initial_parents()),
-            None if node.form != NodeForm::Frame => out.push(n),
-            None => {}
-        }
-    }
-    out.sort_unstable();
-    out.dedup();
+        node.is_own() && node.form != NodeForm::Frame
+    });
     out
 }
 

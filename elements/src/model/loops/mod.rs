@@ -24,6 +24,7 @@ use super::{ModelError, Node, Subject};
 use crate::joint::{JointMap, Offset};
 use crate::model::build::builder::{ModelBuilder, NodeId};
 use crate::model::build::closures::Closure;
+use crate::model::build::dependency_graph::ancestors;
 use crate::model::kinematics::pose::add_pose;
 use crate::time::TimeFunction;
 pub(in crate::model) use chain::upwards;
@@ -149,12 +150,6 @@ impl Setting<'_> {
     }
 }
 
-/// Whether node n follows from node `from`, through any number of maps.
-fn follows(nodes: &[Node], n: u32, from: u32) -> bool {
-    let mut parents = nodes[n as usize].all_parents();
-    n == from || parents.any(|m| follows(nodes, m, from))
-}
-
 /// Closes all loops; adds nodes of the loops' coordinates after the others.
 pub(in crate::model) fn close(
     nodes: &mut Vec<Node>,
@@ -166,8 +161,8 @@ pub(in crate::model) fn close(
     for &closing in closings {
         let Closing { frame, child, .. } = closing;
         let (a, b) = (&nodes[frame.0 as usize], &nodes[child.0 as usize]);
-        let free =
-            b.is_own() && !setting.any(child.0 as usize) && !follows(nodes, frame.0, child.0);
+        let follows = || ancestors(nodes, &[frame.0], None, |d| &d.segments).contains(&child.0);
+        let free = b.is_own() && !setting.any(child.0 as usize) && !follows();
         if !free {
             // Poses are compared.
             add_pose(nodes, frame.0);

@@ -5,6 +5,7 @@
 use crate::support::{Idle, Offset, beam, line, simple, straight};
 use nalgebra::{Matrix3, SVector, Unit, Vector3};
 use pullback_elements::body::PointMass;
+use pullback_elements::joint::Revolute;
 use pullback_elements::model::{
     CircularArc, Context, Dof, ModelBuilder, ModelError, NodeId, ReferenceCurve, StraightLine,
     frame_along,
@@ -249,4 +250,23 @@ fn maps_read_inputs() {
         assert_eq!(r, [-3.0 * u * u * 0.5]);
         assert_eq!(context.coordinate(x, 0), Some([0.5 * u, 0.0]));
     }
+}
+
+/// The paths from a coordinate that follows from two, which follow from two each, are as many as Fibonacci's numbers.
+#[test]
+fn coordinates_may_follow_from_others_along_many_paths() {
+    let (mut b, ends) = simple();
+    let mut x = [0, 1].map(|k| b.coordinates(format!("x{k}"), &[Quantity::Angle]).unwrap());
+    for k in 2..90 {
+        let map = Ratio.boxed();
+        let next = b.mapped_coordinates(format!("x{k}"), &[Quantity::Angle], map, &x);
+        x = [x[1], next.unwrap()];
+    }
+    let joint = Revolute::new([0.0, 0.0, 1.0]).unwrap();
+    let hinge = b.add_joint_frame("hinge", ends[1], joint, &x[1..]);
+    let child = b.node("child", [1.0, 0.0, 0.0]).unwrap();
+    let mass = PointMass::new(1.0).unwrap();
+    b.element("mass", mass, &[child]).unwrap();
+    b.close(hinge.unwrap(), child).unwrap();
+    b.build().unwrap();
 }
