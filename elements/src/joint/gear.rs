@@ -31,8 +31,9 @@ impl ModelBuilder {
     ///
     /// # Errors
     /// [`ModelError::Gear`] for a ratio that is zero or not finite, a node that is no coordinate, and
-    /// gears that contradict each other.
+    /// gears that contradict each other; [`ModelError::ForeignNode`].
     pub fn gear(&mut self, coordinates: [NodeId; 2], ratio: f64) -> Result<(), ModelError> {
+        self.check_own(&coordinates, || "a gear".to_owned())?;
         couple(self, coordinates, ratio).map_err(|source| {
             let [first, second] = coordinates.map(|n| self.node_name(n).to_owned());
             ModelError::Gear {

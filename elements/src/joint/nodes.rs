@@ -80,6 +80,8 @@ impl ModelBuilder {
         parent: NodeId,
         position: [f64; 3],
     ) -> Result<NodeId, ModelError> {
+        let name = name.into();
+        self.check_own(&[parent], || format!("joint at node {name}"))?;
         let c = Vector3::from(position) - self.position(parent);
         let frame = self.add_joint_frame(name, parent, Offset { c }, &[])?;
         let (carrier, at) = self.carrier_of(parent);
@@ -99,6 +101,7 @@ impl ModelBuilder {
         position: [f64; 3],
     ) -> Result<JointNodes, ModelError> {
         let name = name.into();
+        self.check_own(&[parent], || format!("joint at node {name}"))?;
         let joint = Free {
             c: Vector3::from(position) - self.position(parent),
         };
@@ -123,6 +126,7 @@ impl ModelBuilder {
         origin: f64,
         interpolation: Interpolation,
     ) -> Result<JointNodes, ModelError> {
+        self.check_own(chain, || format!("joint at node {name}"))?;
         let positions: Vec<Vector3<f64>> = chain.iter().map(|&n| self.position(n)).collect();
         let along = Chain::new(&positions, origin).ok_or_else(|| ModelError::Slide {
             joint: name.to_owned(),

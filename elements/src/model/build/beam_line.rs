@@ -103,6 +103,7 @@ impl ModelBuilder {
                 line.elements
             ))
         })?;
+        self.check_own(&[from, to], || format!("line {name}"))?;
         let size = (self.position(to) - self.position(from)).norm().max(1e-300);
         for (node, u) in [(from, 0.0), (to, 1.0)] {
             let gap = (axis.at(u).0 - self.position(node)).norm();
@@ -156,6 +157,7 @@ impl ModelBuilder {
                 ),
             });
         }
+        self.check_own(nodes, || format!("line {name}"))?;
         let mut elements = Vec::with_capacity(line.elements);
         for e in 0..line.elements {
             let first = e * line.order;

@@ -229,7 +229,7 @@ impl ModelBuilder {
         self.nodes[follower.0 as usize].map = Some(MappedNode::of(map, vec![leader.0]));
     }
 
-    pub(in crate::model) fn check_own(
+    pub(crate) fn check_own(
         &self,
         nodes: &[NodeId],
         what: impl Fn() -> String,

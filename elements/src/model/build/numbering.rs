@@ -37,6 +37,10 @@ impl ModelBuilder {
         if self.nodes.is_empty() {
             return Err(ModelError::Empty);
         }
+        let prescribed: Vec<NodeId> = self.prescribed.iter().map(|(n, ..)| *n).collect();
+        self.check_own(&prescribed, || "a support or prescribed motion".to_owned())?;
+        let starts: Vec<NodeId> = self.starts.keys().map(|(n, _)| *n).collect();
+        self.check_own(&starts, || "an initial value".to_owned())?;
         let (mut reports, positions) = self.close_loops(&enforced, length)?;
         self.add_dummy_dof(&reports)?;
         reports.extend(forces);

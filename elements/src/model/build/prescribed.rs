@@ -71,11 +71,7 @@ pub(in crate::model) fn resolve_prescribed(
     let mut out: Vec<Prescribed> = Vec::with_capacity(prescribed.len());
     let mut taken = HashSet::new();
     for (id, dof, function) in prescribed {
-        let Some(node) = nodes.get(id.0 as usize) else {
-            return Err(ModelError::ForeignNode {
-                what: "a support or prescribed motion".to_owned(),
-            });
-        };
+        let node = &nodes[id.0 as usize];
         if dof >= node.dim {
             return Err(ModelError::NoCoordinate {
                 node: node.name.clone(),

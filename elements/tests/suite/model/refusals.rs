@@ -4,6 +4,7 @@
 
 use crate::support::{Idle, Offset, Twin, line, refused, simple, straight};
 use nalgebra::{SVector, Vector3};
+use pullback_elements::beam::Interpolation;
 use pullback_elements::element::{Element, Motion, Response};
 use pullback_elements::joint::{ConstantVelocity, Revolute};
 use pullback_elements::load::{LoadKind, NodalLoad};
@@ -58,9 +59,34 @@ fn elements_that_do_not_fit() {
         b.mapped_node("dependent", [0.0; 3], Twin.boxed(), &[foreign]) =>
             "joint at node dependent refers to a node of another model builder",
     }
-    b.prescribe(foreign, Dof::X, Constant(0.0));
+    let interpolation = Interpolation::Total;
+    let axis = straight(&b, ends);
+    let mut along =
+        |ends, parent| b.line_relative("l", &axis, ends, &line(2, 1), interpolation, parent);
+    let of_line = "line l refers to a node of another model builder";
     refused! {
-        b.build() => "a support or prescribed motion refers to a node of another model builder",
+        along([ends[0], foreign], None) => of_line,
+        along(ends, Some(foreign)) =>
+            "joint at node l/1 refers to a node of another model builder",
+        b.line_through("l", &axis, &[ends[0], foreign], &line(1, 1), interpolation) => of_line,
+        b.offset("o", foreign, [0.0; 3]) =>
+            "joint at node o refers to a node of another model builder",
+        b.relative_node("o", foreign, [0.0; 3]) =>
+            "joint at node o refers to a node of another model builder",
+        b.slide("o", &[ends[0], foreign], 0.0, interpolation) =>
+            "joint at node o refers to a node of another model builder",
+        b.gear([foreign, ends[0]], 2.0) => "a gear refers to a node of another model builder",
+    }
+    b.start(foreign, 0, 1.0);
+    refused! { b.build() => "an initial value refers to a node of another model builder" }
+    // Also where nothing else is free.
+    for held in [&[][..], &Dof::ALL] {
+        let (mut b, ends) = simple();
+        ends.iter().for_each(|&end| b.support(end, held));
+        b.prescribe(foreign, Dof::X, Constant(0.0));
+        refused! {
+            b.build() => "a support or prescribed motion refers to a node of another model builder",
+        }
     }
 }
 
