@@ -80,7 +80,11 @@ impl Context {
     /// Largest residual |h| of the loop equations relative to their sizes, in the configuration
     /// last set: of implicit maps, multipliers and penalties. `None` for a model without them.
     pub fn violation(&mut self) -> Option<f64> {
-        let worse = |a: Option<f64>, b: f64| Some(a.map_or(b, |a| if a > b { a } else { b }));
+        // Not a number is the worst.
+        let worse = |a: Option<f64>, b: f64| match a {
+            Some(a) if a >= b || a.is_nan() => Some(a),
+            _ => Some(b),
+        };
         let mut worst = None;
         for (_, _, d) in self.model.nodes.mapped() {
             let mut q = vec![0.0; d.direct];

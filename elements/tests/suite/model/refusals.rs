@@ -149,6 +149,29 @@ fn coordinates_that_follow_from_coordinates_that_follow() {
     }
 }
 
+/// Where one set of equations has no solution, what another one leaves is not the largest residual.
+#[test]
+fn equations_without_a_solution_have_no_residual() {
+    let (mut b, _) = simple();
+    for name in ["first", "second"] {
+        let map = ImplicitMap::of(Circle, 1, 0.0, [0.8, 0.6], Choice::Fixed).unwrap();
+        let q = b.coordinates(format!("q of {name}"), &[Quantity::Other]);
+        let both = b.mapped_coordinates(name, &[Quantity::Length; 2], Box::new(map), &[q.unwrap()]);
+        b.element(name, Idle(2), &[both.unwrap()]).unwrap();
+    }
+    let mut context = Context::new(b.build().unwrap());
+    let mut q = vec![0.0; context.pattern().dim()];
+    context.configure(Point::statics(0.0, &q)).unwrap();
+    assert!(context.violation().unwrap() < 1e-15);
+    for name in ["q of first", "q of second"] {
+        let u = (0..q.len()).find(|&u| context.name(u) == name).unwrap();
+        q[u] = 7.0;
+        context.configure(Point::statics(0.0, &q)).unwrap_err();
+        assert!(context.violation().unwrap().is_nan());
+        q[u] = 0.0;
+    }
+}
+
 #[test]
 fn shafts_against_each_other_have_no_direction_of_tilt() {
     let e = [0.3, -0.2, 0.9];
