@@ -119,7 +119,9 @@ impl ModelBuilder {
                     Box::new(made.named(&EQUATIONS))
                 }
                 Closure::Map | Closure::Multipliers => {
-                    nodes.push(self.multipliers(format!("multipliers of {name}"), 6)?);
+                    // A frame may coincide with several.
+                    let both = format!("{name} and {}", self.node_name(child));
+                    nodes.push(self.multipliers(format!("multipliers of {both}"), 6)?);
                     Box::new(Multipliers::<_, 12, 6>::new(h).named(&EQUATIONS))
                 }
             };

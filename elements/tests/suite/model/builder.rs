@@ -7,8 +7,8 @@ use nalgebra::{Matrix3, SVector, Unit, Vector3};
 use pullback_elements::body::PointMass;
 use pullback_elements::joint::Revolute;
 use pullback_elements::model::{
-    CircularArc, Context, Dof, ModelBuilder, ModelError, NodeId, ReferenceCurve, StraightLine,
-    frame_along,
+    CircularArc, Closure, Context, Dof, ModelBuilder, ModelError, NodeId, ReferenceCurve,
+    StraightLine, frame_along,
 };
 use pullback_elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback_manifold::map::Map;
@@ -269,4 +269,30 @@ fn coordinates_may_follow_from_others_along_many_paths() {
     b.element("mass", mass, &[child]).unwrap();
     b.close(hinge.unwrap(), child).unwrap();
     b.build().unwrap();
+}
+
+#[test]
+fn a_frame_may_coincide_with_several_by_multipliers() {
+    let mut b = ModelBuilder::new();
+    let frames = ["a", "b", "c"].map(|name| b.node(name, [0.0; 3]).unwrap());
+    for frame in frames {
+        let mass = PointMass::new(1.0).unwrap();
+        b.element("mass", mass, &[frame]).unwrap();
+    }
+    for child in &frames[1..] {
+        b.close_by(frames[0], *child, Closure::Multipliers).unwrap();
+    }
+    let model = b.build().unwrap();
+    let names = model.nodes().iter().map(|n| n.name());
+    assert_eq!(
+        names.collect::<Vec<_>>(),
+        [
+            "a",
+            "b",
+            "c",
+            "multipliers of a and b",
+            "multipliers of a and c"
+        ]
+    );
+    assert_eq!(model.mobility().freedoms, 6);
 }
