@@ -5,7 +5,7 @@
 use crate::model::constraints::enforced::EnforcedEquations;
 use crate::model::{Context, Model, ModelError, Node, NodeId, Subject};
 use nalgebra::{DMatrix, DVector};
-use pullback_manifold::system::{Quantity, System, SystemError};
+use pullback_manifold::system::{System, SystemError};
 use std::collections::HashMap;
 
 /// Largest scaled residual of satisfied equations.
@@ -187,11 +187,7 @@ pub(in crate::model) fn check_values(
 ) -> Result<(), ModelError> {
     for (n, node) in nodes.iter().enumerate() {
         for (k, quantity) in node.quantities.iter().enumerate() {
-            let size = if *quantity == Quantity::Angle {
-                1.0
-            } else {
-                length
-            };
+            let size = quantity.size(length);
             let given = starts.get(&(NodeId(n as u32), k));
             if let Some(&value) = given.filter(|x| x.abs() > FARTHEST * size) {
                 return Err(ModelError::FarStart {

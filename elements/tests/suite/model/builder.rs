@@ -296,3 +296,22 @@ fn a_frame_may_coincide_with_several_by_multipliers() {
     );
     assert_eq!(model.mobility().freedoms, 6);
 }
+
+/// A value may be as large as positions stay exact with it: a length in the size of the model, a number in one.
+#[test]
+fn initial_values_are_measured_in_their_quantities() {
+    let start = |quantity: Quantity, value: f64| {
+        let mut b = ModelBuilder::new();
+        for (name, x) in [("a", 0.0), ("b", 1e-6)] {
+            let node = b.node(name, [x, 0.0, 0.0]).unwrap();
+            b.element(name, PointMass::new(1.0).unwrap(), &[node])
+                .unwrap();
+        }
+        let q = b.coordinates("q", &[quantity]).unwrap();
+        b.element("idle", Idle(1), &[q]).unwrap();
+        b.start(q, 0, value);
+        b.build().is_ok()
+    };
+    assert!(start(Quantity::Other, 5.0) && start(Quantity::Angle, 5.0));
+    assert!(start(Quantity::Length, 4.0) && !start(Quantity::Length, 5.0));
+}
