@@ -79,6 +79,10 @@ impl Context {
         if restored {
             self.state.inputs.clone_from(&saved.inputs);
             self.set_element_charts(&saved.element_charts);
+            // The next change of charts checks the equations that are left out.
+            for e in &mut self.state.elements {
+                e.violated = None;
+            }
         }
         self.forget();
         restored

@@ -10,7 +10,7 @@ use pullback_elements::model::{Context, ModelBuilder};
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::map::Map;
 use pullback_manifold::scalar::Scalar;
-use pullback_manifold::system::{Evaluation, Point, Quantity, System, Weights};
+use pullback_manifold::system::{Charts, Evaluation, Point, Quantity, System, Weights};
 
 /// x = 0, twice.
 #[derive(Clone, Copy)]
@@ -90,4 +90,38 @@ fn a_combined_tangent_omits_them_as_well() {
     let rows = [[-1.2, -0.3, 0.7], [0.7, -1.2, -0.3]];
     assert!(rows.iter().any(|row| r == row), "{r:?}");
     assert_eq!(evaluate(Fast(Plain::new(Twice))), [r, S]);
+}
+
+/// x = 0 and x = t.
+#[derive(Clone, Copy)]
+struct Apart;
+
+impl Map<1, 2> for Apart {
+    fn phi<S: Scalar>(&self, t: S, x: &SVector<S, 1>) -> SVector<S, 2> {
+        SVector::<S, 2>::new(x[0], x[0] - t)
+    }
+}
+
+/// A state that is restored has not violated them yet.
+#[test]
+fn what_they_violate_is_forgotten_with_the_state() {
+    let mut b = ModelBuilder::new();
+    let x = b.coordinates("x", &[Quantity::Length]).unwrap();
+    let lambda = b.multipliers("force", 2).unwrap();
+    let apart = Multipliers::<_, 1, 2>::new(Apart);
+    b.element("apart", apart, &[x, lambda]).unwrap();
+    let mut context = Context::new(b.build().unwrap());
+    let evaluate = |context: &mut Context, t: f64| {
+        let mut r = [0.0; 3];
+        context.evaluate(Point::statics(t, &[0.0; 3]), Evaluation::residual(&mut r))
+    };
+    evaluate(&mut context, 0.0).unwrap();
+    let saved = context.save();
+    // Half way between the two, whichever is left out.
+    context.change_charts(1.0, &mut [0.5, 0.0, 0.0], &mut [], &mut []);
+    let error = evaluate(&mut context, 1.0).unwrap_err().to_string();
+    let why = "though it followed from the other equations at the start";
+    assert!(error.contains(why), "{error}");
+    assert!(context.restore(&saved));
+    evaluate(&mut context, 0.0).unwrap();
 }
