@@ -187,6 +187,20 @@ fn a_line_makes_nodes_and_elements_in_order() {
     assert_eq!(context.pattern().find(0, 6), None);
 }
 
+#[test]
+fn a_line_that_does_not_fit_into_memory_is_refused() {
+    let mut b = ModelBuilder::new();
+    let ends = [0.0, 1.0].map(|x| b.node(format!("{x}"), [x, 0.0, 0.0]).unwrap());
+    let axis = straight(&b, ends);
+    let error = b
+        .line("rod", &axis, ends, &line(1 << 60, 1))
+        .unwrap_err()
+        .to_string();
+    let start =
+        "line rod: its 1152921504606846976 elements need about 9223372036854.8 GB of memory, and ";
+    assert!(error.starts_with(start), "{error}");
+}
+
 /// Sixteen times as many nodes take sixteen times as long, where a search among all nodes for every
 /// coordinate takes 256 times as long.
 #[test]
