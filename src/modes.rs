@@ -221,7 +221,7 @@ fn growing(diagram: &CampbellDiagram) -> impl Iterator<Item = String> + '_ {
         let grows = |m: &Mode| m.damping_ratio() < -GROWS;
         let mut speeds = modes.filter(|(_, mode)| mode.as_ref().is_some_and(grows));
         let (first, _) = speeds.next()?;
-        let last = speeds.last().map_or(first, |(last, _)| last);
+        let last = speeds.next_back().map_or(first, |(last, _)| last);
         Some(format!(
             "the mode of line {k} grows at speeds between {} and {}: the rotor is unstable there",
             significant(*first),

@@ -261,9 +261,10 @@ pub(super) fn ritz_pairs(columns: &[Vec<f64>], symmetric: bool) -> Option<Vec<Ri
     };
     let pairs = (0..).zip(pairs).map(|(k, (theta, mut vector))| {
         let mut below = residual(&vector);
-        // Negated, as it may not be a number.
-        let is_near = !(below > NEAR * theta.norm());
-        if !symmetric && is_near && !(error(theta, &vector) <= TRUSTED * n as f64 * size) {
+        let is_far = symmetric || below > NEAR * theta.norm();
+        // Not if it is not a number.
+        let is_right = is_far || error(theta, &vector) <= TRUSTED * n as f64 * size;
+        if !is_right {
             vector = inverse_iteration(&Mat::from_fn(n, n, entry), theta, k);
             below = residual(&vector);
         }

@@ -11,10 +11,9 @@ use crate::random::Random;
 use num_complex::Complex64;
 use std::ops::ControlFlow;
 
+mod counting;
 mod selection;
 mod start;
-
-use selection::squares;
 
 /// Up to this size of the operator all unit vectors are start vectors, a dense method.
 const DENSE: usize = 120;
@@ -25,10 +24,6 @@ const LOOK_DAMPED: usize = 3;
 const CHECK: usize = 16;
 /// Most changes of the shift.
 const SHIFTS: usize = 12;
-/// Most halvings of a range towards the modes in it.
-const HALVINGS: usize = 24;
-/// Part of a range at which it is divided.
-const MIDDLE: f64 = 0.47;
 /// The radius that is counted, relative to the distance of the last mode from the shift.
 const MARGIN: f64 = 1e-3;
 
@@ -104,10 +99,13 @@ impl<'a> Search<'a> {
             return Ok(self.report(Vec::new(), expected, false));
         }
         let mut shift = self.first_shift()?;
-        let mut krylov = Krylov::new(self.weights.len());
-        self.start(&mut krylov)?;
+        let mut krylov = self.krylov()?;
         let (mut shifts, mut reached, mut steps) = (0, None, None);
+        let (mut converged, mut limit) = (0, usize::MAX);
         loop {
+            if krylov.len() > limit {
+                return Err(not_converged(converged, &krylov));
+            }
             let pairs = self.advance(&mut krylov, steps.take(), observer)?;
             if let Some(other) = self
                 .better_shift(&pairs, krylov.is_exhausted())
@@ -115,17 +113,13 @@ impl<'a> Search<'a> {
             {
                 shifts += 1;
                 shift = self.factorise_near(other)?;
-                krylov = Krylov::new(self.weights.len());
-                self.start(&mut krylov)?;
+                krylov = self.krylov()?;
                 continue;
             }
-            let converged = self.converged(&pairs);
+            converged = self.converged(&pairs);
             let wanted = self.wanted(&pairs[..converged], expected);
-            let limit = 200 + 8 * wanted.unwrap_or(converged);
+            limit = 200 + 8 * wanted.unwrap_or(converged);
             let Some(wanted) = wanted.or_else(|| krylov.is_exhausted().then_some(converged)) else {
-                if krylov.len() > limit {
-                    return Err(not_converged(converged, &krylov));
-                }
                 continue;
             };
             // Of a repeated frequency, a Krylov subspace holds one mode for each start vector.
@@ -133,9 +127,6 @@ impl<'a> Search<'a> {
                 // Without a count, until one more start vector adds none.
                 let near = self.near(&pairs, wanted);
                 if reached.replace(near) != Some(near) {
-                    if krylov.len() > limit {
-                        return Err(not_converged(converged, &krylov));
-                    }
                     self.add_starts(&mut krylov, 1)?;
                     steps = Some(CHECK);
                     continue;
@@ -149,9 +140,6 @@ impl<'a> Search<'a> {
             };
             if missing == 0 {
                 return Ok(self.report(vectors, expected, complete));
-            }
-            if krylov.len() > limit {
-                return Err(not_converged(converged, &krylov));
             }
             if self.operator.shift() != shift {
                 self.factorise(shift)?;
@@ -228,39 +216,6 @@ impl<'a> Search<'a> {
         Err(ModesError::Singular { error, name })
     }
 
-    /// Number of eigenvalues in the range, if there is one and they can be counted. The shift is set to the middle
-    /// of the part of the range that holds them.
-    fn number_in_range(&mut self) -> Result<Option<usize>, ModesError> {
-        let Selection::Range(range) = self.selection else {
-            return Ok(None);
-        };
-        if !self.is_symmetric() {
-            return Ok(None);
-        }
-        let [mut from, mut to] = squares(range);
-        let (Some(below), Some(up_to)) = (self.below(from)?, self.below(to)?) else {
-            return Ok(None);
-        };
-        // Not where a symmetric structure may have an eigenvalue.
-        self.middle = from + MIDDLE * (to - from);
-        let count = up_to.saturating_sub(below);
-        for _ in 0..HALVINGS {
-            match self.below(self.middle)? {
-                Some(half) if half == below => from = self.middle,
-                Some(half) if half == up_to => to = self.middle,
-                _ => break,
-            }
-            self.middle = from + MIDDLE * (to - from);
-        }
-        Ok(Some(count))
-    }
-
-    /// Number of eigenvalues below a limit, if they can be counted.
-    fn below(&mut self, limit: f64) -> Result<Option<usize>, ModesError> {
-        self.factorise_near(limit)?;
-        Ok(self.operator.below())
-    }
-
     /// This many more steps or some, all if the method is dense; returns the eigenvalues of the operator.
     fn advance(
         &mut self,
@@ -295,38 +250,6 @@ impl<'a> Search<'a> {
         let pairs = krylov.ritz(self.is_symmetric());
         let pairs = pairs.ok_or_else(|| not_converged(0, krylov))?;
         Ok(self.without_wandering(pairs))
-    }
-
-    /// Number of eigenvalues near the shift beyond the pairs found.
-    fn missing(
-        &mut self,
-        pairs: &[RitzPair],
-        converged: usize,
-        wanted: usize,
-        expected: &mut Option<usize>,
-    ) -> Result<usize, ModesError> {
-        if let Selection::Range(_) = self.selection {
-            let inside = self.inside(&pairs[..converged]);
-            return Ok(expected.map_or(0, |expected| expected.saturating_sub(inside)));
-        }
-        let shift = self.operator.shift();
-        let radius = pairs[wanted - 1].theta.norm().recip() * (1.0 + MARGIN);
-        let near = pairs[..converged]
-            .iter()
-            .filter(|p| p.theta.norm() * radius >= 1.0);
-        let found = near.count();
-        let below = match self.inner {
-            // Nor is any below a lower shift.
-            Inner::Mass if self.operator.below() == Some(0) => Some(0),
-            _ => self.below(shift - radius)?,
-        };
-        let up_to = self.below(shift + radius)?;
-        *expected = up_to.zip(below).map(|(up_to, below)| match self.inner {
-            // Eigenvalues of both signs, from zero on.
-            Inner::Stiffness => up_to + below,
-            _ => up_to.saturating_sub(below),
-        });
-        Ok(expected.map_or(0, |expected| expected.saturating_sub(found)))
     }
 
     /// The eigenvectors of converged pairs, as selected, and their eigenvalues.

@@ -104,16 +104,17 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Start vectors: all unit vectors if there are few, else one.
-    pub(super) fn start(&mut self, krylov: &mut Krylov) -> Result<(), ModesError> {
+    /// A subspace of start vectors: all unit vectors if there are few, else one.
+    pub(super) fn krylov(&mut self) -> Result<Krylov, ModesError> {
+        let mut krylov = Krylov::new(self.weights.len());
         let size = self.weights.len();
         let few = match self.selection {
             Selection::Nearest { count, .. } => size <= DENSE.max(4 * count),
             Selection::Range(_) => size <= DENSE,
         };
         if !few {
-            self.add_starts(krylov, 1)?;
-            return Ok(());
+            self.add_starts(&mut krylov, 1)?;
+            return Ok(krylov);
         }
         let gram = self.gram();
         for i in 0..size {
@@ -121,7 +122,7 @@ impl<'a> Search<'a> {
             unit[i] = 1.0;
             krylov.add(unit, &gram);
         }
-        Ok(())
+        Ok(krylov)
     }
 
     /// Adds pseudo-random start vectors in the range of the operator; false if the basis holds them.

@@ -1,0 +1,137 @@
+//! Lines of a Campbell diagram: modes of successive speeds whose shapes agree best.
+
+#![allow(non_snake_case)]
+
+use super::{Linearized, Mode, inner_product};
+
+/// Least agreement of shapes that are one line.
+const SAME: f64 = 0.2;
+/// Distance of eigenvalues that count as repeated, relative to their size.
+const REPEATED: f64 = 1e-6;
+/// Ratio of the stiffness of a shape of unit mass to the largest |λ|², above which its mass is a rounding error.
+const MASSLESS: f64 = 1e6;
+
+impl Linearized {
+    /// Removes shapes without mass, but for rounding errors, in which dampers alone relax: they are orthogonal to nothing.
+    pub(super) fn retain_vibrations(&self, modes: &mut Vec<Mode>) {
+        let fastest = modes.iter().map(Mode::omega).fold(0.0, f64::max);
+        modes.retain(|mode| {
+            let form =
+                |values: &[f64]| inner_product(&mode.shape, &self.product(values, &mode.shape)).re;
+            let (stiffness, mass) = (form(&self.K), form(&self.M));
+            // A shape with mass is one of unit mass.
+            mass > 0.5 && (fastest == 0.0 || stiffness.abs() <= MASSLESS * fastest * fastest)
+        });
+    }
+}
+
+/// Continues lines by modes at the next speed; with the least agreement of shapes.
+pub(super) fn continued(
+    lines: &[Option<Mode>],
+    found: Vec<Mode>,
+    lin: &Linearized,
+) -> (Vec<Option<Mode>>, f64) {
+    let own: Vec<usize> = (0..lines.len()).filter(|&i| lines[i].is_some()).collect();
+    let before: Vec<&Mode> = lines.iter().flatten().collect();
+    let pairs = (0..found.len()).filter(|&j| found[j].eigenvalue.im != 0.0);
+    let of: Vec<usize> = (0..found.len()).chain(pairs).collect();
+    let conjugates: Vec<Mode> = of[found.len()..]
+        .iter()
+        .map(|&j| conjugate(&found[j]))
+        .collect();
+    let found = [found, conjugates].concat();
+    let mac = assurance(&before, &found, lin);
+    // Shapes of repeated eigenvalues are any ones in their space.
+    let (groups_before, groups) = (groups(&before), groups(&found.iter().collect::<Vec<_>>()));
+    let agreement = |i: usize, j: usize| -> f64 {
+        let (rows, columns) = (&groups_before[i], &groups[j]);
+        let sum: f64 = rows
+            .iter()
+            .map(|&k| columns.iter().map(|&l| mac[k][l]).sum::<f64>())
+            .sum();
+        sum / rows.len().min(columns.len()) as f64
+    };
+    let mut matches: Vec<(f64, usize, usize)> = (0..before.len())
+        .flat_map(|i| (0..found.len()).map(move |j| (i, j)))
+        .map(|(i, j)| (agreement(i, j), i, j))
+        .collect();
+    matches.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut out: Vec<Option<Mode>> = vec![None; lines.len()];
+    let (mut taken, mut least) = (vec![false; found.len()], 1.0_f64);
+    let mut open = vec![true; before.len()];
+    for &(agreement, i, mut j) in &matches {
+        if agreement >= SAME && open[i] && !taken[of[j]] {
+            // Where a pair becomes two real eigenvalues, λ and about −λ, the line is the one that grows.
+            if before[i].eigenvalue.im != 0.0 && found[j].eigenvalue.im == 0.0 {
+                let real = |&&(other, row, k): &&(f64, usize, usize)| {
+                    let similar = row == i && other >= 0.5 * agreement && !taken[of[k]];
+                    similar && found[k].eigenvalue.im == 0.0
+                };
+                let growth = |&(.., k): &(f64, usize, usize)| found[k].eigenvalue.re;
+                let split = matches.iter().filter(real);
+                let most = split.max_by(|a, b| growth(a).total_cmp(&growth(b)));
+                j = most.map_or(j, |&(.., k)| k);
+            }
+            (open[i], taken[of[j]]) = (false, true);
+            least = least.min(agreement);
+            out[own[i]] = Some(found[j].clone());
+        }
+    }
+    if open.contains(&true) {
+        least = 0.0;
+    }
+    (out, least)
+}
+
+/// The other mode of a pair of conjugates.
+pub(super) fn conjugate(mode: &Mode) -> Mode {
+    Mode {
+        eigenvalue: mode.eigenvalue.conj(),
+        shape: mode.shape.iter().map(|x| x.conj()).collect(),
+        ..*mode
+    }
+}
+
+/// The modal assurance criterion of each mode with each of others, shapes with their velocities.
+fn assurance(before: &[&Mode], found: &[Mode], lin: &Linearized) -> Vec<Vec<f64>> {
+    let product = |mode: &Mode| lin.product(&lin.M, &mode.shape);
+    let sizes: Vec<f64> = found
+        .iter()
+        .map(|mode| inner_product(&mode.shape, &product(mode)).re)
+        .collect();
+    let omega = before.iter().map(|mode| mode.omega()).fold(0.0, f64::max);
+    // (s² + λ̄ μ)² over the squares of the lengths; of rigid modes alone, one.
+    let velocities = |a: &Mode, b: &Mode| {
+        let square = |mode: &Mode| omega * omega + mode.eigenvalue.norm_sqr();
+        let product = omega * omega + a.eigenvalue.conj() * b.eigenvalue;
+        match square(a) * square(b) {
+            0.0 => 1.0,
+            squares => product.norm_sqr() / squares,
+        }
+    };
+    before
+        .iter()
+        .map(|mode| {
+            let image = product(mode);
+            let size = inner_product(&mode.shape, &image).re;
+            let pairs = found.iter().zip(&sizes);
+            pairs
+                .map(|(other, other_size)| {
+                    let shapes =
+                        inner_product(&other.shape, &image).norm_sqr() / (size * other_size);
+                    shapes * velocities(other, mode)
+                })
+                .collect()
+        })
+        .collect()
+}
+
+/// For each mode all modes with the same eigenvalue.
+pub(super) fn groups(modes: &[&Mode]) -> Vec<Vec<usize>> {
+    let same = |i: usize, j: usize| {
+        let (a, b) = (modes[i].eigenvalue, modes[j].eigenvalue);
+        (a - b).norm() <= REPEATED * a.norm().max(b.norm())
+    };
+    let all = |i: usize| (0..modes.len()).filter(|&j| same(i, j)).collect();
+    (0..modes.len()).map(all).collect()
+}
