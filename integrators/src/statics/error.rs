@@ -24,6 +24,14 @@ pub enum StaticsError {
          and follower loads have no potential"
     )]
     Asymmetric,
+    /// A bifurcation that a path should leave along another branch, of which there are several.
+    #[error(
+        "{directions} directions become unstable at or near the bifurcation at load parameter {}, so that there is no single \
+         branch to go on along: take smaller steps, or hold the structure in one of the directions, by a support or \
+         by more stiffness",
+        crate::significant(*t)
+    )]
+    Multiple { t: f64, directions: usize },
     /// [`critical_point`](super::critical_point) has not converged.
     #[error(
         "no simple critical point is found from load parameter {}: {reason}; begin nearer to it, or give its shape",

@@ -32,6 +32,8 @@ pub(super) struct Located {
     pub position: Position,
     /// The path that crosses this one at a bifurcation.
     pub branch: Option<PathDirection>,
+    /// Number of directions that become stable or unstable in the step of a bifurcation.
+    pub directions: usize,
     /// Linear solutions to find it.
     pub iterations: usize,
     /// History of the iterations there.
@@ -185,6 +187,10 @@ fn find_critical(
         s,
         position,
         branch,
+        directions: match step.unstable {
+            [Some(a), Some(b)] => a.abs_diff(b),
+            _ => 0,
+        },
         iterations: newton.iterations(),
         history: newton.history.clone(),
         unstable: None,
@@ -210,6 +216,7 @@ fn find(
         s: ds,
         position: step.next.clone(),
         branch: None,
+        directions: 0,
         iterations: 0,
         history: Vec::new(),
         unstable: None,

@@ -318,6 +318,10 @@ impl PathRun {
         summary.finished = last;
         self.phase = match (last, found.branch) {
             (true, _) => Phase::End,
+            (false, Some(_)) if self.options.switch_branch && found.directions > 1 => {
+                let directions = found.directions;
+                return Err(StaticsError::Multiple { t, directions });
+            }
             (false, Some(branch)) if self.options.switch_branch => {
                 self.switch(found.position, branch);
                 Phase::Advance

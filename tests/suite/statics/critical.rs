@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, non_snake_case)]
 
 use crate::support::beams::{COLUMN, PINNED, line};
-use crate::support::closures::failure;
+use crate::support::closures::{failure, fixed};
 use crate::support::laboratory::model;
 use crate::support::program::{assert_close, assert_says, changed, number, run_of};
 use pullback::input::{Plan, job};
@@ -106,6 +106,20 @@ fn a_column_follows_the_elastica() {
         assert_eq!(row["unstable"], "0", "{angle}");
     }
     assert_eq!(run.result["warnings"], serde_json::json!([]));
+}
+
+/// A round cantilever buckles in all planes at Euler's load π²/4.
+#[test]
+fn a_round_column_has_no_single_branch() {
+    let rest = "[[loads]]\nnode = \"B\"\nforce = [-5, 0, 0]\n[analysis.arc_length]\nbranch = \"switch\"\n\
+                max_step = 0.05\nstop = [{ load = 1 }]\n";
+    let stiffness = "EA = 1e4, GA = [1e4, 1e4], GJ = 1.0, EI = [1.0, 1.0]";
+    let text = line(stiffness, 4, 2, &(fixed("A") + rest));
+    let said = failure("critical_round", &text);
+    assert_says(
+        &said,
+        &["2 directions become unstable", "load parameter 0.493"],
+    );
 }
 
 #[test]
