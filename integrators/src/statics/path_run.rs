@@ -316,17 +316,16 @@ impl PathRun {
         };
         summary.t = t;
         summary.finished = last;
-        self.phase = match (last, found.branch) {
-            (true, _) => Phase::End,
-            (false, Some(_)) if self.options.switch_branch && found.directions > 1 => {
-                let directions = found.directions;
+        self.phase = match (last, found.branch, found.directions) {
+            (true, ..) => Phase::End,
+            (false, Some(_), directions @ 2..) if self.options.switch_branch => {
                 return Err(StaticsError::Multiple { t, directions });
             }
-            (false, Some(branch)) if self.options.switch_branch => {
+            (false, Some(branch), _) if self.options.switch_branch => {
                 self.switch(found.position, branch);
                 Phase::Advance
             }
-            (false, _) => Phase::Report(step),
+            (false, ..) => Phase::Report(step),
         };
         Ok(())
     }
