@@ -5,7 +5,7 @@ use crate::support::beams::{COLUMN, PINNED, line};
 use crate::support::closures::{body_of, fixed, motion};
 use crate::support::program::{
     MODEL, assert_close, assert_says, changed, command, csv, directory, ended, failed, json,
-    matrix, read, refusal, run_of, succeeded, write,
+    matrix, ran, read, refusal, run_of, succeeded, write,
 };
 use nalgebra::DMatrix;
 use pullback::input::assemble_text;
@@ -167,4 +167,24 @@ fn matrices_of_a_motion_are_those_of_an_instant() {
     let model = write(&directory("moving matrices"), &model);
     let said = succeeded(&command("linearize", &[&model]));
     assert_says(&said, &["warning: the state moves"]);
+}
+
+/// The frequency of a pendulum is that of its weight, which acts without a `time`; one that grows with the load is zero.
+#[test]
+fn loads_act_in_full_about_a_state_of_modes() {
+    let g = 9.81;
+    for (time, exact) in [
+        ("", f64::sqrt(g / 2.0) / TAU),
+        ("time = { proportional = 1 }", 0.0),
+    ] {
+        let text = format!(
+            "[nodes]\nground = [0, 0, 0]\n[[supports]]\nnode = \"ground\"\nfix = \"all\"\n[[joints]]\nname = \"hinge\"\n\
+             type = \"revolute\"\nparent = \"ground\"\naxis = [0, 1, 0]\n[[joints]]\nname = \"bob\"\ntype = \"offset\"\n\
+             parent = \"hinge\"\nposition = [0, 0, -2]\n[[bodies]]\nname = \"bob\"\nnode = \"bob\"\nmass = 3\n[[loads]]\n\
+             gravity = [0, 0, -{g}]\n{time}\n[analysis.modes]\ncount = 1\n"
+        );
+        let out = ran(&directory("modes_of_a_pendulum"), &text);
+        let found = csv(out.join("modes.csv"))[0][1];
+        assert!((found - exact).abs() < 1e-12, "{time}: {found}");
+    }
 }
