@@ -21,7 +21,7 @@ pub enum Selection {
         /// Circular frequency ω.
         omega: f64,
     },
-    /// All with a circular frequency in this range. Unstable modes without oscillation have none.
+    /// All with |λ| in this range, its ends included.
     Range([f64; 2]),
 }
 
@@ -124,7 +124,7 @@ pub enum ModesError {
     Linear(#[from] LinearError),
     /// The iteration did not converge.
     #[error(
-        "{converged} modes converged in a Krylov subspace of dimension {dimension}, fewer than requested; ask for \
+        "{converged} modes converged in a Krylov subspace of dimension {dimension}, and others as near may be missing; ask for \
          fewer modes, or for a narrower range"
     )]
     NotConverged {

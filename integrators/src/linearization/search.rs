@@ -113,7 +113,7 @@ impl<'a> Search<'a> {
             {
                 shifts += 1;
                 shift = self.factorise_near(other)?;
-                krylov = self.krylov()?;
+                (krylov, reached) = (self.krylov()?, None);
                 continue;
             }
             converged = self.converged(&pairs);

@@ -5,7 +5,7 @@
 use crate::model::assembly::workspace::Workspace;
 use crate::model::kinematics::mapped_node::{MappedNode, pull_back_forces};
 use crate::model::kinematics::node_entries::collect;
-use crate::model::{Context, Model};
+use crate::model::{Context, Nodes};
 use pullback_manifold::system::{Events, Point, SystemError};
 
 /// Buffers for maps with several segments.
@@ -78,13 +78,13 @@ impl Context {
     fn collect_overshoots(&mut self, from: Point<'_>, to: Point<'_>) {
         let h = to.t - from.t;
         self.work.segment_changes.overshoots.clear();
-        if self.model.segmented().next().is_none() || self.expand(from).is_err() {
+        if self.model.nodes.segmented().next().is_none() || self.expand(from).is_err() {
             return;
         }
         let mut changes = std::mem::take(&mut self.work.segment_changes);
         changes.from.iter_mut().for_each(Vec::clear);
         let Workspace { local, x, v, .. } = &mut self.work;
-        for (_, d) in self.model.segmented() {
+        for (_, d) in self.model.nodes.segmented() {
             for (all, x) in changes.from.iter_mut().zip([&*x, &*v]) {
                 let parents = d.parents(&self.state.maps);
                 let k = collect(parents, &self.model.spans, x, &mut local.q);
@@ -94,7 +94,7 @@ impl Context {
         if self.expand(to).is_ok() {
             let Workspace { local, x, v, .. } = &mut self.work;
             let mut first = 0;
-            for (n, d) in self.model.segmented() {
+            for (n, d) in self.model.nodes.segmented() {
                 let parents = d.parents(&self.state.maps);
                 let k = collect(parents, &self.model.spans, x, &mut local.q);
                 collect(parents, &self.model.spans, v, &mut local.qv);
@@ -114,7 +114,7 @@ impl Context {
     /// Records the momenta at the nodes, and the operators to the parents, before a possible change.
     pub(in crate::model) fn keep_momentum(&mut self, at: Point<'_>) {
         // If a map cannot be evaluated, the next evaluation reports it.
-        if self.model.segmented().next().is_none() || self.node_momenta(at).is_err() {
+        if self.model.nodes.segmented().next().is_none() || self.node_momenta(at).is_err() {
             return;
         }
         let Workspace {
@@ -150,10 +150,10 @@ impl Context {
     }
 }
 
-impl Model {
-    /// The nodes with several segments, and their maps.
+impl Nodes {
+    /// Those with several segments, and their maps.
     fn segmented(&self) -> impl Iterator<Item = (u32, &MappedNode)> {
-        let mapped = self.nodes.mapped().map(|(n, _, d)| (n, d));
+        let mapped = self.mapped().map(|(n, _, d)| (n, d));
         mapped.filter(|(_, d)| d.segments.len() > 1)
     }
 }
