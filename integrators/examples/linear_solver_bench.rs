@@ -5,7 +5,7 @@
 use std::time::Instant;
 
 use pullback_integrators::linear_solver::{
-    BlockLu, FaerCholesky, FaerLu, LinearError, LinearSolver, MatrixSymmetry,
+    BlockLu, FaerLdlt, FaerLu, LinearError, LinearSolver, MatrixSymmetry,
 };
 use pullback_manifold::sparse::BlockPattern;
 
@@ -119,11 +119,7 @@ fn main() -> Result<(), LinearError> {
             MatrixSymmetry::Symmetric,
         )?;
         run("FaerLu", &mut FaerLu::new(), MatrixSymmetry::General)?;
-        run(
-            "FaerCholesky",
-            &mut FaerCholesky::new(),
-            MatrixSymmetry::Symmetric,
-        )?;
+        run("FaerLdlt", &mut FaerLdlt::new(), MatrixSymmetry::Symmetric)?;
         println!("{nodes:>7} FaerLu / BlockLu = {:.1}", sums[2] / sums[0]);
     }
     Ok(())

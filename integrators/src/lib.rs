@@ -9,7 +9,7 @@
 //!   estimate.
 //! - [`spectrum`]: numerical damping and dispersion of schemes, measured and in closed form.
 //! - [`linearization`]: K, C and M about a state, and their modes.
-//! - [`linear_solver`]: block elimination on the node graph with sparse LU and Cholesky behind it.
+//! - [`linear_solver`]: block elimination on the node graph with sparse LU and LDLᵀ behind it.
 
 #![warn(clippy::unwrap_used)]
 

@@ -2,22 +2,22 @@
 
 use pullback_manifold::sparse::BlockPattern;
 
-use super::{BlockLu, FaerCholesky, FaerLu, LinearError, LinearSolver, MatrixSymmetry, ready};
+use super::{BlockLu, FaerLdlt, FaerLu, LinearError, LinearSolver, MatrixSymmetry, ready};
 
-/// [`BlockLu`] if it suits the matrix, faer if not or if it fails.
+/// [`BlockLu`] or [`FaerLdlt`], whichever suits the matrix; [`FaerLu`] if none does or if it fails.
 ///
 /// A matrix is called singular only if both agree.
 #[derive(Default)]
 pub struct AutoSolver {
     block: BlockLu,
-    cholesky: FaerCholesky,
+    ldlt: FaerLdlt,
     lu: FaerLu,
     pattern: Option<BlockPattern>,
     symmetry: MatrixSymmetry,
     chosen: SolverKind,
     /// The solver that holds the factors.
     active: Option<SolverKind>,
-    /// Number of factorisations in a row in which the block solver failed and the fallback did not.
+    /// Number of factorisations in a row in which the chosen solver failed and the LU did not.
     failures: usize,
 }
 
@@ -28,13 +28,13 @@ pub enum SolverKind {
     /// [`BlockLu`].
     #[default]
     Block,
-    /// [`FaerCholesky`].
-    Cholesky,
+    /// [`FaerLdlt`].
+    Ldlt,
     /// [`FaerLu`].
     Lu,
 }
 
-/// Number of failures in a row after which the block solver is not used any more.
+/// Number of failures in a row after which the chosen solver is not used any more.
 const FAILURES: usize = 3;
 
 impl AutoSolver {
@@ -48,60 +48,67 @@ impl AutoSolver {
         self.active
     }
 
-    /// Whether to try the block solver.
-    fn tries_block(&mut self) -> bool {
-        self.active = None;
-        self.chosen == SolverKind::Block && self.failures < FAILURES
-    }
-
-    fn factorise_other(&mut self, values: &[f64]) -> Result<(), LinearError> {
-        if self.chosen != SolverKind::Cholesky {
-            return self.fall_back(values);
+    /// The solver of a kind.
+    fn solver(&mut self, kind: SolverKind) -> &mut dyn LinearSolver {
+        match kind {
+            SolverKind::Block => &mut self.block,
+            SolverKind::Ldlt => &mut self.ldlt,
+            SolverKind::Lu => &mut self.lu,
         }
-        self.cholesky.factorise(values)?;
-        self.active = Some(SolverKind::Cholesky);
-        Ok(())
     }
 
-    /// Result of a factorisation by blocks, and the solver that holds the factors.
-    fn after_block(
+    /// The solver to try first.
+    fn first(&mut self) -> Option<&mut dyn LinearSolver> {
+        self.active = None;
+        let tried = self.chosen != SolverKind::Lu && self.failures < FAILURES;
+        tried.then(|| self.solver(self.chosen))
+    }
+
+    /// Result of a factorisation by the chosen solver, and the solver that holds the factors.
+    fn after(
         &mut self,
         result: Result<(), LinearError>,
         values: &[f64],
     ) -> Result<SolverKind, LinearError> {
-        match result {
+        let error = match result {
             Ok(()) => {
                 self.failures = 0;
-                self.active = Some(SolverKind::Block);
-                Ok(SolverKind::Block)
+                self.active = Some(self.chosen);
+                return Ok(self.chosen);
             }
-            Err(LinearError::Growth { .. }) => self.fall_back(values).map(|()| SolverKind::Lu),
-            Err(error @ LinearError::VanishingPivot { unknown, .. }) => {
-                match self.fall_back(values) {
-                    Ok(()) => {
-                        self.failures += 1;
-                        Ok(SolverKind::Lu)
-                    }
-                    // Both agree. The block solver names the last unknown without resistance
-                    // (usually at a missing support), if it is part of the mechanism.
-                    Err(LinearError::Singular { .. }) if self.lu.mobility(unknown) > 1e-3 => {
-                        Err(error)
-                    }
-                    Err(other) => Err(other),
-                }
+            Err(error) => error,
+        };
+        let lost = match error {
+            LinearError::VanishingPivot { unknown, .. } => Some(unknown),
+            LinearError::Singular { .. }
+            | LinearError::Growth { .. }
+            | LinearError::Residual { .. } => None,
+            _ => return Err(error),
+        };
+        match (self.fall_back(values), lost) {
+            // Both agree. The block solver names the last unknown without resistance
+            // (usually at a missing support), if it is part of the mechanism.
+            (Err(LinearError::Singular { .. }), Some(unknown))
+                if self.lu.mobility(unknown) > 1e-3 =>
+            {
+                Err(error)
             }
-            Err(other) => Err(other),
+            (Ok(kind), _) => {
+                self.failures += 1;
+                Ok(kind)
+            }
+            (other, _) => other,
         }
     }
 
-    fn fall_back(&mut self, values: &[f64]) -> Result<(), LinearError> {
+    fn fall_back(&mut self, values: &[f64]) -> Result<SolverKind, LinearError> {
         let pattern = ready(&mut self.pattern, "factorise")?;
         if !self.lu.is_analysed() {
             self.lu.analyse(pattern, self.symmetry)?;
         }
         self.lu.factorise(values)?;
         self.active = Some(SolverKind::Lu);
-        Ok(())
+        Ok(SolverKind::Lu)
     }
 }
 
@@ -121,72 +128,64 @@ impl LinearSolver for AutoSolver {
             Ok(()) | Err(LinearError::Fill { .. }) => {
                 self.block = BlockLu::new();
                 match symmetry {
-                    MatrixSymmetry::Symmetric => SolverKind::Cholesky,
+                    MatrixSymmetry::Symmetric => SolverKind::Ldlt,
                     MatrixSymmetry::General => SolverKind::Lu,
                 }
             }
             Err(error) => return Err(error),
         };
-        if self.chosen == SolverKind::Cholesky {
-            self.cholesky.analyse(pattern, symmetry)?;
+        if self.chosen == SolverKind::Ldlt {
+            self.ldlt.analyse(pattern, symmetry)?;
         }
         Ok(())
     }
 
     fn factorise(&mut self, values: &[f64]) -> Result<(), LinearError> {
-        if !self.tries_block() {
-            return self.factorise_other(values);
-        }
-        let result = self.block.factorise(values);
-        self.after_block(result, values).map(|_| ())
+        match self.first().map(|first| first.factorise(values)) {
+            Some(result) => self.after(result, values),
+            None => self.fall_back(values),
+        }?;
+        Ok(())
     }
 
     fn solve(&mut self, values: Option<&[f64]>, b: &mut [f64]) -> Result<(), LinearError> {
-        match self.active {
-            None => Err(LinearError::NotReady { call: "solve" }),
-            Some(SolverKind::Cholesky) => self.cholesky.solve(values, b),
-            Some(SolverKind::Lu) => self.lu.solve(values, b),
-            Some(SolverKind::Block) => match (self.block.solve(values, b), values) {
-                // `b` is untouched when a solve fails.
-                (Err(LinearError::Residual { .. }), Some(known)) => {
-                    self.fall_back(known)?;
-                    self.lu.solve(values, b)
-                }
-                (result, _) => result,
-            },
+        let Some(active) = self.active else {
+            return Err(LinearError::NotReady { call: "solve" });
+        };
+        match (self.solver(active).solve(values, b), values) {
+            // `b` is untouched when a solve fails.
+            (Err(LinearError::Residual { .. }), Some(known)) if active != SolverKind::Lu => {
+                self.fall_back(known)?;
+                self.lu.solve(values, b)
+            }
+            (result, _) => result,
         }
     }
 
     fn factorise_and_solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError> {
-        if !self.tries_block() {
-            self.factorise_other(values)?;
-            return self.solve(Some(values), b);
-        }
-        match self.block.factorise_and_solve(values, b) {
-            Err(LinearError::Residual { .. }) => {
-                self.fall_back(values)?;
-                self.lu.solve(Some(values), b)
-            }
-            result => match self.after_block(result, values)? {
-                SolverKind::Block => Ok(()),
-                _ => self.lu.solve(Some(values), b),
-            },
+        let holds = match self
+            .first()
+            .map(|first| first.factorise_and_solve(values, b))
+        {
+            Some(result) => self.after(result, values),
+            None => self.fall_back(values),
+        }?;
+        match holds {
+            SolverKind::Lu => self.lu.solve(Some(values), b),
+            _ => Ok(()),
         }
     }
 
     /// An LU with row interchanges does not provide the signs: they need an LDLᵀ factorisation.
     fn negative_pivots(&mut self, values: &[f64]) -> Option<usize> {
-        match self.active? {
-            SolverKind::Block => self.block.negative_pivots(values),
-            SolverKind::Cholesky => self.cholesky.negative_pivots(values),
-            SolverKind::Lu if self.symmetry == MatrixSymmetry::General => None,
-            SolverKind::Lu => {
-                if !self.cholesky.is_analysed() {
-                    let pattern = self.pattern.as_ref()?;
-                    self.cholesky.analyse(pattern, self.symmetry).ok()?;
-                }
-                self.cholesky.signs(values)
-            }
+        let active = self.active?;
+        if active != SolverKind::Lu || self.symmetry == MatrixSymmetry::General {
+            return self.solver(active).negative_pivots(values);
         }
+        if !self.ldlt.is_analysed() {
+            let pattern = self.pattern.as_ref()?;
+            self.ldlt.analyse(pattern, self.symmetry).ok()?;
+        }
+        self.ldlt.signs(values)
     }
 }

@@ -30,22 +30,12 @@ const MAX_UPDATES: usize = 20_000_000;
 pub struct BlockLu {
     ready: Option<Factors>,
     factorised: bool,
-    /// Replacement of vanishing pivots; 0 to fail instead.
-    floor: f64,
 }
 
 impl BlockLu {
     /// A solver without a pattern.
     pub fn new() -> Self {
         Self::default()
-    }
-
-    /// A solver that replaces vanishing pivots by `floor` (of the scaled matrix).
-    pub(super) fn perturbed(floor: f64) -> Self {
-        Self {
-            floor,
-            ..Self::default()
-        }
     }
 
     /// Floating point operations of one factorisation, once analysed.
@@ -57,7 +47,7 @@ impl BlockLu {
     ///
     /// Estimates in nanoseconds, fitted to chains and grids of six-dof nodes. The general LU costs
     /// 30 per entry of the matrix and then does 8 operations per nanosecond (of ours: its order
-    /// fills in more, but its dense kernels are better); the general Cholesky, for symmetric
+    /// fills in more, but its dense kernels are better); the general LDLᵀ, for symmetric
     /// matrices, costs 15 per entry and does 30 operations.
     pub fn suits(&self) -> bool {
         let Some(ready) = &self.ready else {
@@ -79,10 +69,10 @@ impl BlockLu {
         if let Some(b) = b {
             check_length("right-hand side", ready.pattern.dim(), b.len())?;
         }
-        let result = match ready.factorise(values, self.floor, false, b) {
+        let result = match ready.factorise(values, false, b) {
             Err(FactorError::Scale) => {
                 ready.equilibrate(values)?;
-                ready.factorise(values, self.floor, true, b)
+                ready.factorise(values, true, b)
             }
             result => result,
         };
@@ -127,7 +117,7 @@ impl LinearSolver for BlockLu {
         let largest = ready.substitute();
         if let Some(values) = values {
             check_length("matrix", ready.pattern.len(), values.len())?;
-            check(ready, self.floor, largest, values, b)?;
+            check(ready, largest, values, b)?;
         }
         ready.scatter(b);
         Ok(())
@@ -137,7 +127,7 @@ impl LinearSolver for BlockLu {
         self.factorise_with(values, Some(b))?;
         let ready = ready(&mut self.ready, "solve")?;
         let largest = ready.substitute_back();
-        check(ready, self.floor, largest, values, b)?;
+        check(ready, largest, values, b)?;
         ready.scatter(b);
         Ok(())
     }
@@ -154,15 +144,9 @@ const ORDINARY: std::ops::Range<f64> = 1e-200..1e200;
 
 /// Computes the residual of a solution with the largest entry `largest` and refines it, unless it
 /// is known to be small.
-fn check(
-    ready: &mut Factors,
-    floor: f64,
-    largest: f64,
-    values: &[f64],
-    b: &[f64],
-) -> Result<(), LinearError> {
+fn check(ready: &mut Factors, largest: f64, values: &[f64], b: &[f64]) -> Result<(), LinearError> {
     let ordinary = ORDINARY.contains(&largest) && ORDINARY.contains(&ready.largest_rhs);
-    if ordinary && floor == 0.0 && ready.error_bound() <= RESIDUAL_GOAL {
+    if ordinary && ready.error_bound() <= RESIDUAL_GOAL {
         return Ok(());
     }
     ready.refine(values, b)

@@ -11,13 +11,13 @@ use super::{
 
 /// Shift of the diagonal of a scaled matrix whose factors are not finite, to find the direction of
 /// its mechanism.
-pub(super) const SHIFT: f64 = 1e-9;
+const SHIFT: f64 = 1e-12;
 
 /// Diagonal entry of a multiplier in the scaled matrix when only signs are needed.
 const SOFTNESS: f64 = 1e-8;
 
 /// The scaled matrix column by column, and the work vectors of the checks.
-pub(super) struct Columns {
+pub struct Columns {
     pub pattern: BlockPattern,
     pub starts: Vec<usize>,
     pub rows: Vec<usize>,

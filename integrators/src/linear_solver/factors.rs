@@ -82,7 +82,6 @@ impl Factors {
     pub fn factorise(
         &mut self,
         values: &[f64],
-        floor: f64,
         scaled: bool,
         b: Option<&[f64]>,
     ) -> Result<(), FactorError> {
@@ -97,7 +96,7 @@ impl Factors {
             if !self.load(k, values, scaled) {
                 return Err(FactorError::Scale);
             }
-            self.factorise_diagonal(k, floor, limit)?;
+            self.factorise_diagonal(k, limit)?;
             self.finish_panel(k);
             self.update_later(k);
             if let Some(b) = b {
@@ -132,14 +131,14 @@ impl Factors {
 
     /// Factorises the diagonal block of panel `k`.
     #[inline(always)]
-    fn factorise_diagonal(&mut self, k: usize, floor: f64, limit: f64) -> Result<(), FactorError> {
+    fn factorise_diagonal(&mut self, k: usize, limit: f64) -> Result<(), FactorError> {
         let panel = &self.symbolic.panels[k];
         let n = panel.size;
         let d = &mut self.factors[panel.start..panel.start + n * n];
         let swaps = &mut self.swaps[panel.first..panel.first + n];
-        let pivots = kernels::lu(n, d, swaps, floor);
+        let pivots = kernels::lu(n, d, swaps);
         self.swapped[k] = pivots.swapped;
-        if !(pivots.smallest > limit && pivots.largest < GROWTH_LIMIT) && floor == 0.0 {
+        if !(pivots.smallest > limit && pivots.largest < GROWTH_LIMIT) {
             return Err(FactorError::Error(name_pivot(panel.unknown, n, d, limit)));
         }
         Ok(())

@@ -7,11 +7,10 @@
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
-use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::mat::MatMut;
 use faer::sparse::linalg::LuError;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
+    CholeskySymbolicParams, LdltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
     factorize_symbolic_cholesky,
 };
 use faer::sparse::linalg::lu::{
@@ -45,14 +44,31 @@ fn column(x: &mut [f64]) -> MatMut<'_, f64> {
     MatMut::from_column_major_slice_mut(x, n, 1)
 }
 
-/// An LU factorisation with its storage.
-struct Lu {
+/// A kind of factorisation, with its storage.
+pub trait Factors: Sized + Send {
+    /// The structure of the factors.
+    fn new(columns: &Columns) -> Result<Self, LinearError>;
+
+    /// Factorises; false if a pivot is zero.
+    fn factorise(&mut self, columns: &Columns) -> Result<bool, LinearError>;
+
+    /// Replaces the right-hand side by the solution.
+    fn solve(&mut self, x: &mut [f64]);
+
+    /// The pivots, if their signs are those of the eigenvalues.
+    fn pivots(&self) -> Option<Vec<f64>> {
+        None
+    }
+}
+
+/// See [`FaerLu`].
+pub struct Lu {
     symbolic: SymbolicLu<usize>,
     numeric: NumericLu<usize, f64>,
     memory: MemBuffer,
 }
 
-impl Lu {
+impl Factors for Lu {
     fn new(columns: &Columns) -> Result<Self, LinearError> {
         let symbolic = factorize_symbolic_lu(structure(columns), LuSymbolicParams::default())
             .map_err(library)?;
@@ -66,7 +82,6 @@ impl Lu {
         })
     }
 
-    /// Factorises; false if a pivot is structurally zero.
     fn factorise(&mut self, columns: &Columns) -> Result<bool, LinearError> {
         let (a, stack) = (matrix(columns), MemStack::new(&mut self.memory));
         let numeric = &mut self.numeric;
@@ -92,13 +107,95 @@ impl Lu {
     }
 }
 
-/// Sparse LU with row interchanges (faer), for matrices of any kind.
-#[derive(Default)]
-pub struct FaerLu {
-    ready: Option<(Columns, Lu)>,
+/// See [`FaerLdlt`].
+pub struct Ldlt {
+    symbolic: SymbolicCholesky<usize>,
+    factor: Vec<f64>,
+    memory: MemBuffer,
 }
 
-impl FaerLu {
+impl Factors for Ldlt {
+    fn new(columns: &Columns) -> Result<Self, LinearError> {
+        let symbolic = factorize_symbolic_cholesky(
+            structure(columns),
+            Side::Lower,
+            SymmetricOrdering::Amd,
+            CholeskySymbolicParams::default(),
+        )
+        .map_err(library)?;
+        let scratch = symbolic
+            .factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Default::default())
+            .or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
+        Ok(Self {
+            factor: vec![0.0; symbolic.len_val()],
+            symbolic,
+            memory: MemBuffer::try_new(scratch).map_err(library)?,
+        })
+    }
+
+    fn factorise(&mut self, columns: &Columns) -> Result<bool, LinearError> {
+        let result = self.symbolic.factorize_numeric_ldlt(
+            &mut self.factor,
+            matrix(columns),
+            Side::Lower,
+            LdltRegularization::default(),
+            Par::Seq,
+            MemStack::new(&mut self.memory),
+            Default::default(),
+        );
+        clear_upper_halves();
+        Ok(result.is_ok())
+    }
+
+    fn solve(&mut self, x: &mut [f64]) {
+        let stack = MemStack::new(&mut self.memory);
+        LdltRef::new(&self.symbolic, &self.factor).solve_in_place_with_conj(
+            Conj::No,
+            column(x),
+            Par::Seq,
+            stack,
+        );
+        clear_upper_halves();
+    }
+
+    fn pivots(&self) -> Option<Vec<f64>> {
+        Some(match self.symbolic.raw() {
+            SymbolicCholeskyRaw::Simplicial(l) => {
+                let starts = &l.col_ptr()[..l.nrows()];
+                starts.iter().map(|&start| self.factor[start]).collect()
+            }
+            SymbolicCholeskyRaw::Supernodal(l) => {
+                let spans = l.supernode_begin().iter().zip(l.supernode_end());
+                let pivots = spans.zip(l.col_ptr_for_val().windows(2));
+                let pivots = pivots.flat_map(|((&begin, &end), bounds)| {
+                    // A dense trapezium, column by column.
+                    let (first, rows) = (bounds[0], (bounds[1] - bounds[0]) / (end - begin));
+                    (0..end - begin).map(move |k| self.factor[first + k * (rows + 1)])
+                });
+                pivots.collect()
+            }
+        })
+    }
+}
+
+/// A solver of faer.
+pub struct Faer<F> {
+    ready: Option<(Columns, F)>,
+}
+
+/// Sparse LU with row interchanges (faer), for matrices of any kind.
+pub type FaerLu = Faer<Lu>;
+
+/// Sparse LDLᵀ without interchanges (faer), for symmetric matrices that need none.
+pub type FaerLdlt = Faer<Ldlt>;
+
+impl<F> Default for Faer<F> {
+    fn default() -> Self {
+        Self { ready: None }
+    }
+}
+
+impl<F: Factors> Faer<F> {
     /// A solver without a pattern.
     pub fn new() -> Self {
         Self::default()
@@ -118,42 +215,60 @@ impl FaerLu {
 
     /// Factorises `A` with a small shift of the scaled diagonal, without any check.
     pub(super) fn factorise_shifted(&mut self, values: &[f64]) -> Result<(), LinearError> {
-        let (columns, lu) = ready(&mut self.ready, "factorise")?;
+        let (columns, factors) = ready(&mut self.ready, "factorise")?;
         columns.load(values)?;
         columns.shift_diagonal();
-        columns.finished = lu.factorise(columns)?;
+        columns.finished = factors.factorise(columns)?;
         Ok(())
     }
 
     /// Solution without a residual check, for inverse iteration.
     pub(super) fn solve_unchecked(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
-        let (columns, lu) = ready(&mut self.ready, "solve")?;
+        let (columns, factors) = ready(&mut self.ready, "solve")?;
         if !columns.finished {
             return Err(LinearError::NotReady { call: "solve" });
         }
         let scale = |b: &mut [f64]| b.iter_mut().zip(&columns.scales).for_each(|(b, s)| *b *= s);
         scale(b);
-        lu.solve(b);
+        factors.solve(b);
         scale(b);
         Ok(())
     }
+
+    /// Negative pivots of a factorisation for their signs alone, which replaces the present one. Unknowns without a
+    /// diagonal, Lagrange multipliers, get a small negative one: their equations become stiff springs, which does not
+    /// change the signs.
+    pub(super) fn signs(&mut self, values: &[f64]) -> Option<usize> {
+        let (columns, factors) = self.ready.as_mut()?;
+        columns.load(values).ok()?;
+        columns.soften();
+        factors.factorise(columns).ok().filter(|regular| *regular)?;
+        negative(columns, factors)
+    }
 }
 
-impl LinearSolver for FaerLu {
+/// Number of negative pivots, unless one is too small to have a sign.
+fn negative(columns: &Columns, factors: &impl Factors) -> Option<usize> {
+    let (pivots, limit) = (factors.pivots()?, rounding_level(columns.pattern.blocks()));
+    let regular = pivots.iter().all(|pivot| pivot.abs() > limit);
+    regular.then(|| pivots.iter().filter(|pivot| **pivot < 0.0).count())
+}
+
+impl<F: Factors> LinearSolver for Faer<F> {
     fn analyse(&mut self, pattern: &BlockPattern, _: MatrixSymmetry) -> Result<(), LinearError> {
         self.ready = None;
         let columns = Columns::new(pattern);
-        let lu = Lu::new(&columns)?;
-        self.ready = Some((columns, lu));
+        let factors = F::new(&columns)?;
+        self.ready = Some((columns, factors));
         Ok(())
     }
 
     fn factorise(&mut self, values: &[f64]) -> Result<(), LinearError> {
-        let (columns, lu) = ready(&mut self.ready, "factorise")?;
+        let (columns, factors) = ready(&mut self.ready, "factorise")?;
         columns.load(values)?;
         let mut condition = f64::INFINITY;
-        if lu.factorise(columns)? {
-            condition = columns.probe(|x| lu.solve(x));
+        if factors.factorise(columns)? {
+            condition = columns.probe(|x| factors.solve(x));
             if condition <= columns.condition_limit() {
                 columns.finished = true;
                 return Ok(());
@@ -162,201 +277,21 @@ impl LinearSolver for FaerLu {
         if !condition.is_finite() {
             condition = f64::INFINITY;
             columns.shift_diagonal();
-            if lu.factorise(columns)? {
-                columns.probe(|x| lu.solve(x));
+            if factors.factorise(columns)? {
+                columns.probe(|x| factors.solve(x));
             }
         }
         Err(columns.singular(condition))
     }
 
     fn solve(&mut self, _: Option<&[f64]>, b: &mut [f64]) -> Result<(), LinearError> {
-        let (columns, lu) = ready(&mut self.ready, "solve")?;
-        columns.solve(b, |x| lu.solve(x))
-    }
-}
-
-/// A Cholesky factorisation with its storage.
-struct Cholesky {
-    symbolic: SymbolicCholesky<usize>,
-    factor: Vec<f64>,
-    memory: MemBuffer,
-}
-
-impl Cholesky {
-    fn new(columns: &Columns) -> Result<Self, LinearError> {
-        let symbolic = factorize_symbolic_cholesky(
-            structure(columns),
-            Side::Lower,
-            SymmetricOrdering::Amd,
-            CholeskySymbolicParams::default(),
-        )
-        .map_err(library)?;
-        let scratch = symbolic
-            .factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default())
-            .or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
-        Ok(Self {
-            factor: vec![0.0; symbolic.len_val()],
-            symbolic,
-            memory: MemBuffer::try_new(scratch).map_err(library)?,
-        })
+        let (columns, factors) = ready(&mut self.ready, "solve")?;
+        columns.solve(b, |x| factors.solve(x))
     }
 
-    /// Factorises; false if the matrix is not positive definite.
-    fn factorise(&mut self, columns: &Columns) -> bool {
-        let result = self.symbolic.factorize_numeric_llt(
-            &mut self.factor,
-            matrix(columns),
-            Side::Lower,
-            LltRegularization::default(),
-            Par::Seq,
-            MemStack::new(&mut self.memory),
-            Default::default(),
-        );
-        clear_upper_halves();
-        result.is_ok()
-    }
-
-    /// Factorises as LDLᵀ; false for a zero pivot.
-    fn factorise_indefinite(&mut self, columns: &Columns) -> bool {
-        let symbolic = &self.symbolic;
-        let scratch = symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Default::default());
-        let Ok(mut memory) = MemBuffer::try_new(scratch) else {
-            return false;
-        };
-        let result = symbolic.factorize_numeric_ldlt(
-            &mut self.factor,
-            matrix(columns),
-            Side::Lower,
-            LdltRegularization::default(),
-            Par::Seq,
-            MemStack::new(&mut memory),
-            Default::default(),
-        );
-        clear_upper_halves();
-        result.is_ok()
-    }
-
-    fn solve(&mut self, x: &mut [f64]) {
-        let stack = MemStack::new(&mut self.memory);
-        LltRef::new(&self.symbolic, &self.factor).solve_in_place_with_conj(
-            Conj::No,
-            column(x),
-            Par::Seq,
-            stack,
-        );
-        clear_upper_halves();
-    }
-
-    /// The diagonal of the factors.
-    fn pivots(&self) -> Vec<f64> {
-        match self.symbolic.raw() {
-            SymbolicCholeskyRaw::Simplicial(l) => {
-                let starts = &l.col_ptr()[..l.nrows()];
-                starts.iter().map(|&start| self.factor[start]).collect()
-            }
-            SymbolicCholeskyRaw::Supernodal(l) => {
-                let spans = l.supernode_begin().iter().zip(l.supernode_end());
-                let pivots = spans.zip(l.col_ptr_for_val().windows(2));
-                let pivots = pivots.flat_map(|((&begin, &end), bounds)| {
-                    // A dense trapezium, column by column.
-                    let (first, rows) = (bounds[0], (bounds[1] - bounds[0]) / (end - begin));
-                    (0..end - begin).map(move |k| self.factor[first + k * (rows + 1)])
-                });
-                pivots.collect()
-            }
-        }
-    }
-}
-
-/// Sparse Cholesky (faer) for symmetric matrices; indefinite ones go to [`FaerLu`].
-#[derive(Default)]
-pub struct FaerCholesky {
-    ready: Option<(Columns, Cholesky)>,
-    lu: FaerLu,
-    /// Number of factorisations in a row that were not positive definite.
-    misses: usize,
-}
-
-/// Number of indefinite factorisations in a row after which Cholesky is not tried any more.
-const MISSES: usize = 3;
-
-impl FaerCholesky {
-    /// A solver without a pattern.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
-    /// Whether a pattern has been analysed.
-    pub(super) fn is_analysed(&self) -> bool {
-        self.ready.is_some()
-    }
-
-    /// Negative pivots of an LDLᵀ factorisation, unless one is too small to have a sign; replaces
-    /// the present factors.
-    ///
-    /// Unknowns without a diagonal, Lagrange multipliers, get a small negative one: their equations
-    /// become stiff springs, which does not change the signs.
-    pub(super) fn signs(&mut self, values: &[f64]) -> Option<usize> {
-        let (columns, cholesky) = self.ready.as_mut()?;
-        columns.load(values).ok()?;
-        columns.soften();
-        if !cholesky.factorise_indefinite(columns) {
-            return None;
-        }
-        let (pivots, limit) = (cholesky.pivots(), rounding_level(columns.pattern.blocks()));
-        let regular = pivots.iter().all(|pivot| pivot.abs() > limit);
-        regular.then(|| pivots.iter().filter(|pivot| **pivot < 0.0).count())
-    }
-}
-
-impl LinearSolver for FaerCholesky {
-    fn analyse(&mut self, pattern: &BlockPattern, _: MatrixSymmetry) -> Result<(), LinearError> {
-        *self = Self::default();
-        let columns = Columns::new(pattern);
-        let cholesky = Cholesky::new(&columns)?;
-        self.ready = Some((columns, cholesky));
-        Ok(())
-    }
-
-    fn factorise(&mut self, values: &[f64]) -> Result<(), LinearError> {
-        let (columns, cholesky) = ready(&mut self.ready, "factorise")?;
-        if self.misses < MISSES {
-            columns.load(values)?;
-            if cholesky.factorise(columns) {
-                self.misses = 0;
-                let condition = columns.probe(|x| cholesky.solve(x));
-                if condition <= columns.condition_limit() {
-                    columns.finished = true;
-                    return Ok(());
-                }
-                if condition.is_finite() {
-                    return Err(columns.singular(condition));
-                }
-            }
-            self.misses += 1;
-        }
-        if !self.lu.is_analysed() {
-            self.lu
-                .analyse(&columns.pattern, MatrixSymmetry::Symmetric)?;
-        }
-        self.lu.factorise(values)
-    }
-
-    fn solve(&mut self, values: Option<&[f64]>, b: &mut [f64]) -> Result<(), LinearError> {
-        let (columns, cholesky) = ready(&mut self.ready, "solve")?;
-        match self.misses {
-            0 => columns.solve(b, |x| cholesky.solve(x)),
-            _ => self.lu.solve(values, b),
-        }
-    }
-
-    /// Zero if the last matrix was positive definite; else from the signs of an LDLᵀ factorisation,
-    /// unless a pivot is too small to have a sign.
-    fn negative_pivots(&mut self, values: &[f64]) -> Option<usize> {
-        let (columns, _) = self.ready.as_ref()?;
-        match self.misses {
-            0 => columns.finished.then_some(0),
-            _ => self.signs(values),
-        }
+    /// From the signs of the pivots of an LDLᵀ factorisation.
+    fn negative_pivots(&mut self, _: &[f64]) -> Option<usize> {
+        let (columns, factors) = self.ready.as_ref()?;
+        (columns.finished).then(|| negative(columns, factors))?
     }
 }

@@ -5,7 +5,7 @@
 //! | [`AutoSolver`] | general use: [`BlockLu`] if it suits, else faer |
 //! | [`BlockLu`] | chains, trees, rings, small frames: blocks of a few unknowns, little fill |
 //! | [`FaerLu`] | matrices that need row interchanges between blocks, or that fill in a lot |
-//! | [`FaerCholesky`] | the same, symmetric positive definite |
+//! | [`FaerLdlt`] | symmetric matrices that fill in a lot and need no interchanges |
 //!
 //! All of them work on the symmetrically scaled matrix `S A S`, `S` a diagonal of powers of two
 //! ([`scaling`]), so that "small" means the same for a metre and for a radian. The relative
@@ -37,7 +37,7 @@ mod symbolic;
 
 pub use auto::{AutoSolver, SolverKind};
 pub use block::BlockLu;
-pub use faer::{FaerCholesky, FaerLu};
+pub use faer::{FaerLdlt, FaerLu};
 pub(crate) use null_vector::softest;
 pub use null_vector::{NullVector, null_vector};
 

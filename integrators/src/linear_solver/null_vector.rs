@@ -2,7 +2,7 @@
 
 use pullback_manifold::sparse::BlockPattern;
 
-use super::{BlockLu, FaerLu, LinearError, LinearSolver, MatrixSymmetry, max_abs};
+use super::{FaerLu, LinearError, LinearSolver, MatrixSymmetry, max_abs};
 
 /// A direction that the matrix (nearly) annihilates.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,18 +13,14 @@ pub struct NullVector {
     pub residual: f64,
 }
 
-/// Replacement of vanishing pivots in the scaled matrix. The iteration converges to a vector that
-/// the matrix annihilates up to this size: hence hardly more than rounding.
-const FLOOR: f64 = 1e-14;
 /// Directions with a larger residual are not mechanisms.
 const LIMIT: f64 = 1e-11;
 const ITERATIONS: usize = 6;
 
 /// Direction of the mechanism of a (nearly) singular matrix; `None` for a regular one.
 ///
-/// Inverse iteration in the scaled matrix, with vanishing pivots replaced by a small number; if
-/// that fails (a saddle point matrix, whose pivots vanish without being singular), with a small
-/// shift of the diagonal and row interchanges. Of several mechanisms any combination may be found.
+/// Inverse iteration in the scaled matrix with a small shift of its diagonal. Of several mechanisms any combination may
+/// be found.
 pub fn null_vector(pattern: &BlockPattern, values: &[f64]) -> Option<NullVector> {
     softest(pattern, values).filter(|v| v.residual <= LIMIT)
 }
@@ -54,25 +50,10 @@ pub(crate) fn softest(pattern: &BlockPattern, values: &[f64]) -> Option<NullVect
         scales: &scales,
         norm,
     };
-    let mut block = BlockLu::perturbed(FLOOR);
-    let mut best: Option<NullVector> = None;
-    if block.analyse(pattern, MatrixSymmetry::General).is_ok() && block.factorise(values).is_ok() {
-        best = check.iterate(|x| block.solve(None, x));
-    }
-    if best.as_ref().is_none_or(|v| v.residual > LIMIT) {
-        let mut lu = FaerLu::new();
-        if lu.analyse(pattern, MatrixSymmetry::General).is_ok()
-            && lu.factorise_shifted(values).is_ok()
-        {
-            let other = check.iterate(|x| lu.solve_unchecked(x));
-            if let Some(other) = other
-                && best.as_ref().is_none_or(|v| other.residual < v.residual)
-            {
-                best = Some(other);
-            }
-        }
-    }
-    best
+    let mut lu = FaerLu::new();
+    lu.analyse(pattern, MatrixSymmetry::General).ok()?;
+    lu.factorise_shifted(values).ok()?;
+    check.iterate(|x| lu.solve_unchecked(x))
 }
 
 struct Check<'a> {

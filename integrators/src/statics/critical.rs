@@ -83,7 +83,7 @@ pub fn critical_point(
     options: &StaticNewtonOptions,
 ) -> Result<CriticalPoint, StaticsError> {
     super::options::check(&[], options)?;
-    let mut newton = Newton::new(system, options)?;
+    let mut newton = Newton::new(system, options, at.t)?;
     newton
         .critical_point(system, (at.q, at.t), shape)
         .map_err(|cause| {
@@ -144,7 +144,7 @@ impl Newton {
         let estimate = match shape {
             Some(shape) => shape.to_vec(),
             None => {
-                self.cost.factorisations += 1;
+                self.summary.factorisations += 1;
                 let softest = softest(system.pattern(), &self.S);
                 softest.ok_or(Cause::Diverged)?.vector
             }

@@ -17,7 +17,6 @@ const EASY: usize = 5;
 pub struct LoadRun {
     newton: Newton,
     options: StaticOptions,
-    summary: StaticSummary,
     q: Vec<f64>,
     /// Coordinates at the beginning of a step.
     start: Vec<f64>,
@@ -45,18 +44,14 @@ impl StaticAnalysis for LoadRun {
             ("max_step", options.max_step),
         ];
         check(&numbers, &options.newton)?;
-        let newton = Newton::new(system, &options.newton)?;
+        let mut newton = Newton::new(system, &options.newton, options.from)?;
+        // Without a range there is only the equilibrium at the start.
+        newton.summary.finished = options.from == options.to;
         q.resize(newton.r.len(), 0.0);
         let first_step = options.first_step.abs().min(options.max_step.abs());
         Ok(Self {
             newton,
             options: *options,
-            summary: StaticSummary {
-                t: options.from,
-                // Without a range there is only the equilibrium at the start.
-                finished: options.from == options.to,
-                ..StaticSummary::default()
-            },
             start: q.clone(),
             q,
             dt: (options.to - options.from).signum() * first_step,
@@ -68,28 +63,26 @@ impl StaticAnalysis for LoadRun {
     /// Goes on to the next equilibrium.
     fn next(&mut self, system: &mut dyn System) -> Result<bool, StaticsError> {
         if self.known.is_none() {
-            let (q, summary) = (&mut self.q, &mut self.summary);
-            let (known, start) = begin(&mut self.newton, system, q, summary)?;
+            let (known, start) = begin(&mut self.newton, system, &mut self.q)?;
             self.known = Some(known);
             if let Some(start) = start {
                 self.reached = start;
                 return Ok(true);
             }
         }
-        while !self.summary.finished {
-            let rest = self.options.to - self.summary.t;
+        while !self.newton.summary.finished {
+            let rest = self.options.to - self.newton.summary.t;
             // The last step absorbs a tiny remainder.
             let last = rest.abs() <= self.dt.abs() * (1.0 + 1e-9);
             let t = match last {
                 true => self.options.to,
-                false => self.summary.t + self.dt,
+                false => self.newton.summary.t + self.dt,
             };
             let known = self.known.unwrap_or(TangentStatus::Nothing);
             let attempt = self.attempt(system, t, known);
-            self.summary.count(self.newton.cost);
             match attempt {
                 Ok(chart_changes) => {
-                    self.summary.finished = last;
+                    self.newton.summary.finished = last;
                     self.accept(system, t, chart_changes);
                     return Ok(true);
                 }
@@ -112,7 +105,7 @@ impl StaticAnalysis for LoadRun {
     }
 
     fn summary(&self) -> &StaticSummary {
-        &self.summary
+        &self.newton.summary
     }
 }
 
@@ -124,7 +117,8 @@ impl LoadRun {
         t: f64,
         known: TangentStatus,
     ) -> Result<usize, Cause> {
-        let (newton, q, from) = (&mut self.newton, &mut self.q, self.summary.t);
+        let (newton, q) = (&mut self.newton, &mut self.q);
+        let from = newton.summary.t;
         self.start.copy_from_slice(q);
         newton.predict(system, q, [from, t], known)?;
         newton.settle(system, q, t, Some((from, &self.start)))
@@ -132,23 +126,23 @@ impl LoadRun {
 
     /// Accepts the equilibrium at `t`.
     fn accept(&mut self, system: &mut dyn System, t: f64, chart_changes: usize) {
-        let (newton, summary) = (&mut self.newton, &mut self.summary);
+        let newton = &mut self.newton;
         let iterations = newton.iterations();
+        let summary = &mut newton.summary;
         summary.steps += 1;
         summary.iterations += iterations;
         summary.chart_changes += chart_changes;
-        let step_size = t - summary.t;
+        let (number, step_size) = (summary.steps, t - summary.t);
         summary.t = t;
         // The next step begins with this factorisation: the last one was made at the iterate before.
         let (known, unstable) = newton.prepare(system);
         self.known = Some(known);
-        summary.count(newton.cost);
         if iterations <= EASY {
             let longest = self.options.max_step.abs();
             self.dt = self.dt.signum() * (2.0 * self.dt.abs()).min(longest);
         }
         self.reached = Step {
-            number: summary.steps,
+            number,
             t,
             step_size,
             iterations,
@@ -167,20 +161,23 @@ impl LoadRun {
         failure: Cause,
     ) -> Result<(), StaticsError> {
         // A smaller step would begin with the same tangent, unless this one was extrapolated.
-        let exact = known != TangentStatus::Evaluated || self.summary.steps == 0;
+        let exact = known != TangentStatus::Evaluated || self.newton.summary.steps == 0;
         let unpredicted = self.newton.history.is_empty();
         let hopeless = exact && unpredicted && matches!(failure, Cause::Linear { .. });
-        self.summary.rejected += 1;
+        self.newton.summary.rejected += 1;
         self.known = Some(TangentStatus::Nothing);
-        let mut failed = self.newton.fail(system, failure, &self.summary, t);
+        let mut failed = self.newton.fail(system, failure, t);
         self.q.copy_from_slice(&self.start);
-        start(system, self.summary.t, &self.q);
-        change_charts(system, self.summary.t, &mut self.q, &mut [], &mut []);
-        self.dt = 0.5 * (t - self.summary.t);
+        start(system, self.newton.summary.t, &self.q);
+        change_charts(system, self.newton.summary.t, &mut self.q, &mut [], &mut []);
+        self.dt = 0.5 * (t - self.newton.summary.t);
         let too_small = self.dt.abs() < self.options.min_step.abs() || self.dt == 0.0;
         if hopeless || too_small {
             // Leaves the system at the last equilibrium.
-            (self.newton.evaluate(system, None, &self.q, self.summary.t)).ok();
+            (self
+                .newton
+                .evaluate(system, None, &self.q, self.newton.summary.t))
+            .ok();
             failed.min_step = (!hopeless).then_some(self.options.min_step);
             return Err(StaticsError::Step(failed));
         }

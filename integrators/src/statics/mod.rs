@@ -93,10 +93,3 @@ pub struct StaticSummary {
     /// Whether the end of the load, or an ending event of a path, was reached (an observer may stop earlier).
     pub finished: bool,
 }
-
-impl StaticSummary {
-    /// Takes over the cost so far.
-    fn count(&mut self, cost: Cost) {
-        (self.evaluations, self.factorisations) = (cost.evaluations, cost.factorisations);
-    }
-}

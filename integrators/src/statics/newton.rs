@@ -53,7 +53,8 @@ pub(super) struct Newton {
     /// 1 / typical size of each coordinate; zero for multipliers.
     pub inverse_scale: Vec<f64>,
     pub history: Vec<Iteration>,
-    pub cost: Cost,
+    /// Counters and results of the analysis.
+    pub summary: StaticSummary,
     pub test: ResidualTest,
     /// Number of predictions in the history, made before any residual was known.
     predicted: usize,
@@ -61,10 +62,11 @@ pub(super) struct Newton {
 }
 
 impl Newton {
-    /// A solver and buffers for a system.
+    /// A solver and buffers for an analysis that begins at load parameter `from`.
     pub(super) fn new(
         system: &dyn System,
         options: &StaticNewtonOptions,
+        from: f64,
     ) -> Result<Self, StaticsError> {
         let symmetry = match system.is_symmetric() {
             true => MatrixSymmetry::Symmetric,
@@ -90,7 +92,10 @@ impl Newton {
             simplified: zeros(),
             inverse_scale: inverse_scales(system),
             history: Vec::with_capacity(options.max_iterations.min(100) + 1),
-            cost: Cost::default(),
+            summary: StaticSummary {
+                t: from,
+                ..StaticSummary::default()
+            },
             test: ResidualTest::new(options.relative, options.absolute),
             predicted: 0,
             options: *options,
@@ -113,7 +118,7 @@ impl Newton {
         q: &[f64],
         t: f64,
     ) -> Result<(), SystemError> {
-        self.cost.evaluations += 1;
+        self.summary.evaluations += 1;
         let out = Evaluation {
             r: &mut self.r,
             S: Some((Weights::STATIC, &mut self.S)),
@@ -125,13 +130,8 @@ impl Newton {
     }
 
     /// Report of a failed step to `to`.
-    pub(super) fn fail(
-        &self,
-        system: &mut dyn System,
-        cause: Cause,
-        summary: &StaticSummary,
-        to: f64,
-    ) -> Box<FailedStep> {
+    pub(super) fn fail(&self, system: &mut dyn System, cause: Cause, to: f64) -> Box<FailedStep> {
+        let summary = &self.summary;
         let context = FailureContext {
             cause,
             r: &self.r,
@@ -141,13 +141,16 @@ impl Newton {
             span: [summary.t, to],
             steps: summary.steps,
             rejected: summary.rejected,
-            cost: self.cost,
+            cost: Cost {
+                evaluations: summary.evaluations,
+                factorisations: summary.factorisations,
+            },
         };
         FailedStep::new(system, context)
     }
 
     pub(super) fn factorise(&mut self) -> Result<(), Cause> {
-        self.cost.factorisations += 1;
+        self.summary.factorisations += 1;
         self.solver.factorise(&self.S).map_err(Cause::linear)
     }
 
@@ -241,7 +244,7 @@ impl Newton {
         t: f64,
         condition: Option<&Condition<'_>>,
     ) -> Result<f64, Cause> {
-        self.cost.factorisations += 1;
+        self.summary.factorisations += 1;
         self.dq.copy_from_slice(&self.r);
         self.solver
             .factorise_and_solve(&self.S, &mut self.dq)

@@ -20,7 +20,6 @@ pub struct PathRun {
     newton: Newton,
     norm: Norm,
     options: ArcLengthOptions,
-    summary: StaticSummary,
     at: Position,
     next: Position,
     ds: f64,
@@ -89,7 +88,7 @@ impl StaticAnalysis for PathRun {
         if options.events.iter().any(counts) && !system.is_symmetric() {
             return Err(StaticsError::Asymmetric);
         }
-        let newton = Newton::new(system, &options.newton)?;
+        let newton = Newton::new(system, &options.newton, options.from)?;
         let n = newton.r.len();
         q.resize(n, 0.0);
         let weights = newton.inverse_scale.iter().map(|s| s * s / n as f64);
@@ -108,10 +107,6 @@ impl StaticAnalysis for PathRun {
         Ok(Self {
             newton,
             norm,
-            summary: StaticSummary {
-                t: options.from,
-                ..StaticSummary::default()
-            },
             next: at.clone(),
             at,
             ds: options.first_step.min(options.max_step),
@@ -129,15 +124,14 @@ impl StaticAnalysis for PathRun {
         loop {
             match std::mem::replace(&mut self.phase, Phase::Advance) {
                 Phase::Begin => {
-                    let summary = &mut self.summary;
-                    let (_, start) = begin(&mut self.newton, system, &mut self.at.q, summary)?;
+                    let (_, start) = begin(&mut self.newton, system, &mut self.at.q)?;
                     if let Some(step) = start {
                         let history = self.newton.history.clone();
                         self.reach(step, history);
                         return Ok(true);
                     }
                 }
-                Phase::Advance if self.summary.steps >= self.options.max_steps => {
+                Phase::Advance if self.newton.summary.steps >= self.options.max_steps => {
                     self.phase = Phase::End;
                 }
                 Phase::Advance => self.advance(system)?,
@@ -174,7 +168,7 @@ impl StaticAnalysis for PathRun {
     }
 
     fn summary(&self) -> &StaticSummary {
-        &self.summary
+        &self.newton.summary
     }
 }
 
@@ -199,10 +193,9 @@ impl PathRun {
         // A smaller step would begin with the same tangent.
         let hopeless = ready.is_err();
         let outcome = ready.and_then(|()| self.attempt(system));
-        let summary = &mut self.summary;
-        summary.count(self.newton.cost);
         match outcome {
             Ok(step) => {
+                let summary = &mut self.newton.summary;
                 summary.steps += 1;
                 summary.chart_changes += self.changes;
                 self.phase = Phase::Report(step);
@@ -264,10 +257,10 @@ impl PathRun {
         failure: Cause,
         hopeless: bool,
     ) -> Result<(), StaticsError> {
-        self.summary.rejected += 1;
+        self.newton.summary.rejected += 1;
         self.fresh = false;
         let to = self.at.t + self.ds * self.at.tangent.dt;
-        let mut failed = self.newton.fail(system, failure, &self.summary, to);
+        let mut failed = self.newton.fail(system, failure, to);
         self.ds *= 0.5;
         if self.ds < self.options.min_step || hopeless {
             // Leaves the system at the last equilibrium.
@@ -292,14 +285,15 @@ impl PathRun {
             found.iterations
         };
         step.unreported -= spent;
-        let summary = &mut self.summary;
-        summary.iterations += spent;
         let Position { q, t, .. } = found.position.clone();
         let newton = &mut self.newton;
         newton.evaluate(system, None, &q, t).map_err(|source| {
             let failure = Cause::System(source);
-            StaticsError::Step(newton.fail(system, failure, summary, t))
+            StaticsError::Step(newton.fail(system, failure, t))
         })?;
+        let summary = &mut newton.summary;
+        summary.iterations += spent;
+        (summary.t, summary.finished) = (t, last);
         self.reached = Reached {
             step: Step {
                 number: summary.steps,
@@ -314,8 +308,6 @@ impl PathRun {
             q,
             history: found.history,
         };
-        summary.t = t;
-        summary.finished = last;
         self.phase = match (last, found.branch, found.directions) {
             (true, ..) => Phase::End,
             (false, Some(_), directions @ 2..) if self.options.switch_branch => {
@@ -355,15 +347,16 @@ impl PathRun {
         std::mem::swap(&mut self.at, &mut self.next);
         // Where nothing is known, the count before is the best one.
         self.unstable = step.unstable.or(self.unstable);
-        let (at, summary) = (&self.at, &mut self.summary);
+        let (at, summary) = (&self.at, &mut self.newton.summary);
         summary.iterations += step.iterations;
         summary.t = at.t;
+        let number = summary.steps;
         if step.moved {
             // Locating events has moved the system: restore it.
             (self.newton.evaluate(system, None, &at.q, at.t)).ok();
         }
         let end = Step {
-            number: summary.steps,
+            number,
             t: at.t,
             step_size: self.ds,
             iterations: step.iterations,

@@ -6,12 +6,12 @@
 
 use super::fixed_load::TangentStatus;
 use super::newton::Newton;
-use super::{StaticSummary, StaticsError, Step};
+use super::{StaticsError, Step};
 use crate::abilities::{change_charts, start};
 use crate::failure::Cause;
 use pullback_manifold::system::System;
 
-/// Balances the loads at `summary.t`, from `q`: the state of the tangent, and the equilibrium if
+/// Balances the loads at the first load parameter, from `q`: the state of the tangent, and the equilibrium if
 /// there are any loads.
 ///
 /// # Errors
@@ -20,11 +20,10 @@ pub(super) fn begin(
     newton: &mut Newton,
     system: &mut dyn System,
     q: &mut [f64],
-    summary: &mut StaticSummary,
 ) -> Result<(TangentStatus, Option<Step<'static>>), StaticsError> {
-    let t = summary.t;
+    let t = newton.summary.t;
     start(system, t, q);
-    summary.chart_changes += change_charts(system, t, q, &mut [], &mut []).charts;
+    newton.summary.chart_changes += change_charts(system, t, q, &mut [], &mut []).charts;
     newton.history.clear();
     let evaluated = newton.evaluate(system, None, q, t).map_err(Cause::System);
     if evaluated.is_ok() && newton.r.iter().all(|r| *r == 0.0) {
@@ -32,17 +31,17 @@ pub(super) fn begin(
     }
     let settled = evaluated.and_then(|()| newton.settle(system, q, t, None));
     let chart_changes = settled.map_err(|failure| {
-        let mut failed = newton.fail(system, failure, summary, t);
+        let mut failed = newton.fail(system, failure, t);
         failed.step = 0;
         StaticsError::Step(failed)
     })?;
     let (known, unstable) = newton.prepare(system);
-    summary.iterations = newton.iterations();
-    summary.chart_changes += chart_changes;
-    summary.count(newton.cost);
+    let iterations = newton.iterations();
+    newton.summary.iterations = iterations;
+    newton.summary.chart_changes += chart_changes;
     let start = Step {
         t,
-        iterations: summary.iterations,
+        iterations,
         chart_changes,
         unstable,
         ..Step::default()

@@ -3,7 +3,9 @@
 
 use super::assert_near;
 use crate::support::closures::{GROUND, arm, beam_line, body_of, failure, fixed, hinge, joint};
-use crate::support::program::{assert_close, assert_says, changed, csv, directory, example, ran};
+use crate::support::program::{
+    assert_close, assert_says, changed, csv, directory, example, ran, told,
+};
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 
@@ -78,10 +80,14 @@ fn internal_damping_drives_the_whirl() {
     }
 }
 
-/// Between √(k₁/m) = 10.0 and √(k₂/m) = 12.2 a shaft of two stiffnesses diverges.
+/// Between √(k₁/m) = 10.0 and √(k₂/m) = 12.2 a shaft of two stiffnesses diverges, as a warning says.
 #[test]
 fn a_shaft_of_two_stiffnesses_diverges_between_its_critical_speeds() {
-    for (speed, found) in lines("campbell_two_stiffnesses", &rotor([100.0, 150.0], 0.0)) {
+    let text = rotor([100.0, 150.0], 0.0);
+    let [_, warnings] = told("campbell_diverges", &text);
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+    assert_says(&warnings[0], &["line 1 grows at speeds between 10 and 12:"]);
+    for (speed, found) in lines("campbell_two_stiffnesses", &text) {
         let squares = [100.0, 150.0].map(|EI| stiffness(EI) / 3.0 - speed * speed);
         let exact = if squares[0] * squares[1] < 0.0 {
             -1.0

@@ -4,7 +4,7 @@
 use super::linkages::{closed_by, sprung};
 use crate::support::closures::{GROUND, angle, arm, body_of, hinge, probe};
 use crate::support::program::{
-    assert_says, directory, ended, matrix, printed, program_in, read, write,
+    assert_says, directory, ended, matrix, printed, program_in, read, succeeded, write,
 };
 use nalgebra::{Complex, DMatrix};
 use pullback::elements::model::Context;
@@ -58,6 +58,20 @@ fn a_pendulum_with_a_motor() {
             assert_eq!(found.shape(), exact.shape(), "{name}");
             assert!((&found - &exact).amax() < 1e-9, "{name}: {found} {exact}");
         }
+    }
+}
+
+#[test]
+fn inputs_that_prescribe_a_motion_are_warned_of() {
+    for (acts, warned) in [
+        ("actuator = { input = \"torque\" }", false),
+        ("prescribed = { input = \"torque\" }", true),
+    ] {
+        let out = directory("state_prescribed");
+        write(&out, &pendulum(acts).replace("dynamic]", "modes]"));
+        let said = succeeded(&program_in(&out, "linearize model.toml"));
+        let warning = "input torque prescribes a motion";
+        assert_eq!(said.contains(warning), warned, "{said}");
     }
 }
 

@@ -15,7 +15,7 @@ use pullback_manifold::system::{Point, SystemError};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// State of one frame node.
+/// State of one frame node. In statics its rates are derivatives by the load parameter, of prescribed motion alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NodeState {
     /// Displacement from the reference position, global components.
@@ -26,13 +26,13 @@ pub struct NodeState {
     pub position: Vector3<f64>,
     /// Rotation from the reference orientation.
     pub R: Matrix3<f64>,
-    /// Velocity ẋ, global components; zero in statics.
+    /// Velocity ẋ, global components.
     pub velocity: Vector3<f64>,
-    /// Angular velocity ω = Tᵀ Ψ̇, global components; zero in statics.
+    /// Angular velocity ω = Tᵀ Ψ̇, global components.
     pub omega: Vector3<f64>,
-    /// Acceleration ẍ, global components; zero in statics.
+    /// Acceleration ẍ, global components.
     pub acceleration: Vector3<f64>,
-    /// Rate ω̇ of the angular velocity, global components; zero in statics.
+    /// Rate ω̇ of the angular velocity, global components.
     pub omega_dot: Vector3<f64>,
 }
 
@@ -128,7 +128,7 @@ impl Context {
         Some([x, v])
     }
 
-    /// As [`Context::coordinate`], with the acceleration: zero in statics, and after an evaluation
+    /// As [`Context::coordinate`], with the acceleration, which is that of prescribed motion alone after an evaluation
     /// without accelerations.
     pub fn coordinate_motion(&self, node: NodeId, k: usize) -> Option<[f64; 3]> {
         let n = &self.model.nodes[node.0 as usize];

@@ -17,26 +17,21 @@ pub(in crate::linear_solver) struct Pivots {
 }
 
 /// Factorises a diagonal block in place, `P D = L U`, the reciprocals of the pivots on the
-/// diagonal and the interchanges in `swaps`. Pivots below `floor` are replaced by it.
-pub(in crate::linear_solver) fn lu(
-    n: usize,
-    d: &mut [f64],
-    swaps: &mut [u32],
-    floor: f64,
-) -> Pivots {
+/// diagonal and the interchanges in `swaps`.
+pub(in crate::linear_solver) fn lu(n: usize, d: &mut [f64], swaps: &mut [u32]) -> Pivots {
     match n {
-        6 => lu_of(6, d, swaps, floor),
-        3 => lu_of(3, d, swaps, floor),
-        2 => lu_of(2, d, swaps, floor),
-        1 => lu_of(1, d, swaps, floor),
-        _ => lu_of(n, d, swaps, floor),
+        6 => lu_of(6, d, swaps),
+        3 => lu_of(3, d, swaps),
+        2 => lu_of(2, d, swaps),
+        1 => lu_of(1, d, swaps),
+        _ => lu_of(n, d, swaps),
     }
 }
 
 /// The same with literal extents, for which the compiler unrolls: a diagonal block is on the critical
 /// path of a chain.
 #[inline(always)]
-fn lu_of(n: usize, d: &mut [f64], swaps: &mut [u32], floor: f64) -> Pivots {
+fn lu_of(n: usize, d: &mut [f64], swaps: &mut [u32]) -> Pivots {
     let mut pivots = Pivots::new();
     let d = &mut d[..n * n];
     for k in 0..n {
@@ -50,7 +45,7 @@ fn lu_of(n: usize, d: &mut [f64], swaps: &mut [u32], floor: f64) -> Pivots {
         }
         let (left, right) = d.split_at_mut((k + 1) * n);
         let lower = &mut left[k * n..];
-        let reciprocal = pivots.accept(lower[k], floor);
+        let reciprocal = pivots.accept(lower[k]);
         for r in k + 1..n {
             lower[r] *= reciprocal;
         }
@@ -91,11 +86,7 @@ impl Pivots {
     }
 
     #[inline(always)]
-    fn accept(&mut self, pivot: f64, floor: f64) -> f64 {
-        let mut pivot = pivot;
-        if pivot.abs() < floor {
-            pivot = floor.copysign(pivot);
-        }
+    fn accept(&mut self, pivot: f64) -> f64 {
         let size = pivot.abs();
         // NaN counts as smallest.
         self.smallest = if size >= self.smallest {

@@ -46,7 +46,7 @@ impl Held {
         self.values.copy_from_slice(&newton.S);
         let spring = self.spring.max(2.0 * newton.S[self.entry].abs());
         self.values[self.entry] += spring;
-        newton.cost.factorisations += 1;
+        newton.summary.factorisations += 1;
         let psi = &mut self.psi.dq;
         psi.fill(0.0);
         psi[self.k] = 1.0;

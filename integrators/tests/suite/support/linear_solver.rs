@@ -4,7 +4,7 @@
 
 pub use pullback_integrators::linear_solver::MatrixSymmetry::{self, General, Symmetric};
 use pullback_integrators::linear_solver::{
-    AutoSolver, BlockLu, FaerCholesky, FaerLu, LinearError, LinearSolver,
+    AutoSolver, BlockLu, FaerLdlt, FaerLu, LinearError, LinearSolver,
 };
 use pullback_manifold::sparse::BlockPattern;
 
@@ -115,7 +115,7 @@ pub fn solvers() -> Vec<(&'static str, Box<dyn LinearSolver>)> {
 /// The same and one for symmetric matrices alone.
 pub fn symmetric_solvers() -> Vec<(&'static str, Box<dyn LinearSolver>)> {
     let mut all = solvers();
-    all.push(("cholesky", Box::new(FaerCholesky::new())));
+    all.push(("LDLᵀ", Box::new(FaerLdlt::new())));
     all
 }
 
