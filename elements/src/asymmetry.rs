@@ -1,7 +1,5 @@
 //! Symmetry of given matrices.
 
-#![allow(non_snake_case)]
-
 use nalgebra::SMatrix;
 
 /// Two entries of a matrix that must be equal and are not.

@@ -1,7 +1,5 @@
 //! The element interface: one evaluation of the residual and the requested tangents.
 
-#![allow(non_snake_case)]
-
 mod abilities;
 
 pub use abilities::{Abilities, Combined, CrossSections, ElementEnergies, SectionState};

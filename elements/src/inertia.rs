@@ -10,8 +10,6 @@
 //!
 //! and the tangents are those of \[M04\] (147), (152) with the terms of S.
 
-#![allow(non_snake_case)]
-
 use crate::Asymmetry;
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 use pullback_manifold::quotients::{Quotients, TangentQuotients};

@@ -1,7 +1,5 @@
 //! Functions of time (or of the load parameter) for loads and prescribed motion.
 
-#![allow(non_snake_case)]
-
 use std::f64::consts::TAU;
 use std::fmt::Debug;
 

@@ -1,7 +1,5 @@
 //! Report of a failed step: position, cause, iterations and the worst residuals.
 
-#![allow(non_snake_case)]
-
 use crate::abilities::events;
 use crate::linear_solver::{LinearError, null_vector};
 use crate::statics::{Iteration, solutions};

@@ -1,7 +1,5 @@
 //! Scales of coordinates, and tests of residuals for equilibrium and for rounding errors.
 
-#![allow(non_snake_case)]
-
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{CoordinateInfo, Quantity, System};
 

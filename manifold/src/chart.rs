@@ -1,7 +1,5 @@
 //! Charts of rotations: three coordinates, their domain, and the change between them.
 
-#![allow(non_snake_case)]
-
 mod charted;
 mod wiener_milenkovic;
 

@@ -11,8 +11,6 @@
 //! and one run over second derivatives of f·φ gives the geometric stiffness
 //! K_σ(f) = D_q(Bᵀf) = Σ fᵢ D²φᵢ.
 
-#![allow(non_snake_case)]
-
 mod abilities;
 pub mod derived;
 mod erased;

@@ -8,8 +8,6 @@
 //! K_mr = Bᵀ (K B + C Ḃ + M B̈) − K_σ(r)
 //! ```
 
-#![allow(non_snake_case)]
-
 use nalgebra::{RowSVector, SMatrix, SVector};
 
 /// Factors of B, Ḃ and B̈ in the columns of K, C and M.

@@ -6,8 +6,6 @@
 //!
 //! Integrators see only [`System`], never the elements behind it.
 
-#![allow(non_snake_case)]
-
 mod abilities;
 
 pub use crate::coordinate::{CoordinateInfo, Quantity};

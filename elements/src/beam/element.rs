@@ -1,7 +1,5 @@
 //! The beam element with two, three or four nodes, by the same code.
 
-#![allow(non_snake_case)]
-
 use super::interpolation::{Rotations, Total};
 use super::mass::MassPoint;
 use super::orientation::oriented;

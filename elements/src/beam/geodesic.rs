@@ -15,8 +15,6 @@
 //! δz_i = R_rᵀ (δd_i − δd_r) + z_i~ δΘ_r,     δϑ_i = T⁻¹(ϑ_i) δΘ_i − T⁻ᵀ(ϑ_i) δΘ_r
 //! ```
 
-#![allow(non_snake_case)]
-
 use super::interpolation::{Rotations, Seen};
 use super::mass::MassPoint;
 use super::nodal::NodalInertia;

@@ -1,7 +1,5 @@
 //! Interpolation of rotations in a beam element.
 
-#![allow(non_snake_case)]
-
 use super::element::{Beam, BeamError};
 use super::geodesic::Geodesic;
 use super::mass::MassPoint;

@@ -1,7 +1,5 @@
 //! Inertia of the beam at one integration point: \[M04\] (119), (147), (152).
 
-#![allow(non_snake_case)]
-
 use super::Section;
 use super::element::{Beam, BeamError};
 use crate::blocks::three;

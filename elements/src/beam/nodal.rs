@@ -19,8 +19,6 @@
 //!
 //! which is (119) of \[M04\] if all nodes have the same motion.
 
-#![allow(non_snake_case)]
-
 use super::mass::MassPoint;
 use crate::blocks::{add_block, three};
 use crate::element::{CombinedTangents, Motion};

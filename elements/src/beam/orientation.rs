@@ -1,7 +1,5 @@
 //! Section axes along a reference line.
 
-#![allow(non_snake_case)]
-
 use super::element::BeamError;
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::so3;

@@ -1,7 +1,5 @@
 //! One integration point of the internal force.
 
-#![allow(non_snake_case)]
-
 use super::strain::{Law, SectionStiffness};
 use nalgebra::{Matrix3, Vector3};
 

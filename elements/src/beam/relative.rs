@@ -1,7 +1,5 @@
 //! A frame relative to another one: a node of a geodesic element, or an end of a bushing.
 
-#![allow(non_snake_case)]
-
 use crate::blocks::{add_block, three};
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 use pullback_manifold::quotients::{InverseQuotients, Quotients};

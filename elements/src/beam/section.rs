@@ -1,7 +1,5 @@
 //! Cross-sections: the linear law between strains and stress resultants, and mass per length.
 
-#![allow(non_snake_case)]
-
 use crate::Asymmetry;
 use crate::inertia::{Inertia, InertiaError};
 use nalgebra::{Matrix3, Matrix6, Vector3};

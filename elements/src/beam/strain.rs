@@ -1,7 +1,5 @@
 //! Strains, internal forces and tangent at one point of the axis.
 
-#![allow(non_snake_case)]
-
 use nalgebra::{Matrix3, Matrix6, Vector3};
 use pullback_manifold::quotients::{Quotients, TangentQuotients};
 use pullback_manifold::so3::{self, skew};

@@ -1,7 +1,5 @@
 //! Stiffness-proportional Kelvin-Voigt damping: stresses β C (Γ̇, K̇).
 
-#![allow(non_snake_case)]
-
 use super::strain::{Gradients, Law, Strained};
 use crate::element::CombinedTangents;
 use nalgebra::{Matrix3, SMatrix, Vector3};

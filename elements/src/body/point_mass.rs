@@ -1,7 +1,5 @@
 //! A point mass at a node.
 
-#![allow(non_snake_case)]
-
 use crate::element::{Abilities, Element, ElementEnergies, Motion, Properties, Response};
 use crate::inertia::InertiaError;
 use crate::load::{LoadKind, NodalLoad};

@@ -1,7 +1,5 @@
 //! The rigid body.
 
-#![allow(non_snake_case)]
-
 use crate::blocks::{add_block, three};
 use crate::element::{Abilities, Element, ElementEnergies, Motion, Properties, Response};
 use crate::inertia::{Inertia, InertiaError, centrifugal, check};

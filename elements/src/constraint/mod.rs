@@ -15,8 +15,6 @@
 //! solvers equilibrate rows and columns of multipliers, so that neither the step size nor the unit
 //! of λ affects conditioning (\[Bottasso2007\]).
 
-#![allow(non_snake_case)]
-
 mod multipliers;
 mod penalty;
 

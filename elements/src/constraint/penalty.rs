@@ -1,7 +1,5 @@
 //! A constraint enforced by stiff springs.
 
-#![allow(non_snake_case)]
-
 use super::{NamedEquations, vectors};
 use crate::blocks::add_block;
 use crate::element::{Abilities, Element, ElementEnergies, Motion, Properties, Response};

@@ -1,7 +1,5 @@
 //! Abilities of an element beyond its evaluation.
 
-#![allow(non_snake_case)]
-
 use super::{CombinedTangents, Motion};
 use crate::constraint::Enforced;
 use nalgebra::{Matrix3, Vector3};

@@ -1,7 +1,5 @@
 //! The element of energies at points, in variables interpolated from the nodes.
 
-#![allow(non_snake_case)]
-
 use super::EnergyElement;
 use super::local::{self, Local};
 use crate::element::{

@@ -1,7 +1,5 @@
 //! Residual and tangents of energies in their own variables, by one evaluation of each over jets.
 
-#![allow(non_snake_case)]
-
 use super::EnergyElement;
 use nalgebra::{SMatrix, SVector};
 use pullback_manifold::jet::{Grad, Phase};

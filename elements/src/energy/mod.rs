@@ -21,8 +21,6 @@
 //! - with [`EnergySample`] it is a sum of energies at integration points in interpolated variables, like a
 //!   finite element, and much faster than in the coordinates themselves.
 
-#![allow(non_snake_case)]
-
 mod by_energy;
 mod local;
 

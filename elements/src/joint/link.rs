@@ -11,8 +11,6 @@
 //! \[M04\] (207) for any joint, in the variations of poses ([`ToPose`](pullback_manifold::map::ToPose)).
 //! Derivatives of c and Q are exact ones in the joint's own coordinates.
 
-#![allow(non_snake_case)]
-
 use super::{Joint, Pose};
 use crate::blocks::three_or_zero;
 use nalgebra::{Matrix3, SVector, Vector3};

@@ -1,7 +1,5 @@
 //! The maps of joints: from the pose of a parent and the coordinates of a joint to the child.
 
-#![allow(non_snake_case)]
-
 use super::link::{Link, unit};
 use super::{Joint, Slide};
 use crate::blocks::{three, three_or_zero};

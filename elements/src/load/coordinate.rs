@@ -1,7 +1,5 @@
 //! A force on one scalar coordinate.
 
-#![allow(non_snake_case)]
-
 use crate::element::{Abilities, Element, ElementEnergies, Motion, Properties, Response};
 use crate::time::TimeFunction;
 use pullback_manifold::domain::DomainError;

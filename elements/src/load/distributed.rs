@@ -1,7 +1,5 @@
 //! Forces per length along a beam element, and its self-weight.
 
-#![allow(non_snake_case)]
-
 use crate::beam::shape::{gauss, lagrange};
 use crate::beam::{BeamError, Geodesic, Interpolation, Rotations, Total};
 use crate::blocks::{add_block, three};

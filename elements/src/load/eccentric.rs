@@ -1,7 +1,5 @@
 //! A dead force at a point beside the node, such as the weight of an eccentric mass.
 
-#![allow(non_snake_case)]
-
 use crate::blocks::add_block;
 use crate::element::{Abilities, Element, ElementEnergies, Motion, Properties, Response};
 use crate::time::TimeFunction;

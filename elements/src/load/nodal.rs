@@ -1,7 +1,5 @@
 //! Forces and moments at a node (\[M04\] section 3.5; theory of conservative and follower loads).
 
-#![allow(non_snake_case)]
-
 use crate::blocks::add_block;
 use crate::element::{Abilities, Element, ElementEnergies, Motion, Properties, Response};
 use crate::time::TimeFunction;

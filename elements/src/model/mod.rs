@@ -9,8 +9,6 @@
 //! A [`Context`] is a [`System`](pullback_manifold::system::System) for integrators. Any number of
 //! contexts, in any threads, share one model.
 
-#![allow(non_snake_case)]
-
 mod assembly;
 mod build;
 mod charts;

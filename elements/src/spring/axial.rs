@@ -1,7 +1,5 @@
 //! A spring and damper along the line between two nodes.
 
-#![allow(non_snake_case)]
-
 use super::{SpringError, finite, not_negative};
 use crate::blocks::{add_block, three};
 use crate::element::{Abilities, Element, ElementEnergies, Motion, Properties, Response};

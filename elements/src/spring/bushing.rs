@@ -1,7 +1,5 @@
 //! An elastic joint: a 6×6 spring and damper between two frames.
 
-#![allow(non_snake_case)]
-
 use super::relative::RelativeMap;
 use super::{SpringError, finite};
 use crate::Asymmetry;

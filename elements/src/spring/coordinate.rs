@@ -1,7 +1,5 @@
 //! A spring and damper on one scalar coordinate.
 
-#![allow(non_snake_case)]
-
 use super::{SpringError, finite, not_negative};
 use crate::element::{Abilities, Element, ElementEnergies, Motion, Response};
 use pullback_manifold::domain::DomainError;

@@ -1,7 +1,5 @@
 //! Springs and dampers: along a line, on one coordinate, and bushings between two frames.
 
-#![allow(non_snake_case)]
-
 mod axial;
 mod bushing;
 mod coordinate;

@@ -1,7 +1,5 @@
 //! The relative displacement and rotation of two frames, with their derivatives.
 
-#![allow(non_snake_case)]
-
 use crate::beam::relative::{Operator, RelativeNode, RelativePose, Turn, turn_between};
 use crate::blocks::three;
 use nalgebra::{SMatrix, SVector, Vector3, Vector6};

@@ -1,7 +1,5 @@
 //! Discontinuities: a kink of a prescribed motion, a change of inputs, a change of segment.
 
-#![allow(non_snake_case)]
-
 use super::run::MotionRun;
 use super::stops::StopTime;
 use super::{DynamicsError, Progress, State};

@@ -5,8 +5,6 @@
 //! are elements of a vector space, so the schemes apply to q directly; after an accepted step the
 //! system may change its charts and transforms q, q̇, q̈ and the algorithmic acceleration.
 
-#![allow(non_snake_case)]
-
 mod accept;
 mod attempt;
 mod coupled_stages;

@@ -1,7 +1,5 @@
 //! Linear buckling: critical loads by linear extrapolation of the tangent.
 
-#![allow(non_snake_case)]
-
 use super::inputs::central;
 use super::modes::ModesError;
 use super::search::Search;

@@ -11,8 +11,6 @@
 //! criterion is applied to shapes with their velocities, (s φ, λ φ) with a frequency s of the modes, and to both modes
 //! of a conjugate pair: a whirl whose frequency passes through zero goes on as the conjugate mode.
 
-#![allow(non_snake_case)]
-
 mod lines;
 
 use super::modes::{Mode, ModeOptions, ModesError, modes_while};

@@ -1,7 +1,5 @@
 //! Modes of the eigenvectors of a search: eigenvalues, scale and residuals.
 
-#![allow(non_snake_case)]
-
 use super::modes::Mode;
 use super::shift_invert::Order;
 use super::{Linearized, inner_product};

@@ -7,8 +7,6 @@
 //! without length are dropped, and with them infinite eigenvalues of a pencil with the singular mass
 //! matrix G (Nour-Omid, Parlett, Ericsson & Jensen 1987, Math. Comp. 48). Products and eigenvalues of dense matrices are faer's.
 
-#![allow(non_snake_case)]
-
 use crate::random::Random;
 use crate::registers::clear_upper_halves;
 use crate::vectors::{add, dot};

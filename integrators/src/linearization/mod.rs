@@ -17,8 +17,6 @@
 //! - [`stability_limit`] finds the load at which a mode begins to grow, such as flutter.
 //! - [`SteadyMotion`] makes the equilibrium relative to a rotating frame a problem of statics.
 
-#![allow(non_snake_case)]
-
 mod buckling;
 mod campbell;
 mod finish;

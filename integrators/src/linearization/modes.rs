@@ -1,7 +1,5 @@
 //! Frequencies, damping and shapes of the modes of a linearised system.
 
-#![allow(non_snake_case)]
-
 use super::Linearized;
 use super::finish::Finish;
 use super::search::Search;

@@ -1,7 +1,5 @@
 //! The search for modes by shift and invert in a Krylov subspace.
 
-#![allow(non_snake_case)]
-
 use super::Linearized;
 use super::krylov::{Krylov, RitzPair};
 use super::modes::{ModeOptions, ModesError, Selection};

@@ -1,7 +1,5 @@
 //! First-order form with outputs: A, B, C, D.
 
-#![allow(non_snake_case)]
-
 use super::Linearized;
 use super::inputs::{by_input, central, step, values};
 use nalgebra::DMatrix;

@@ -8,8 +8,6 @@
 //! h its frequency, ξ̄ its damping ratio, T̄/T − 1 = Ω/Ω̄ − 1 its period elongation. [`closed_form`]
 //! and [`expansion`] are independent closed forms.
 
-#![allow(non_snake_case)]
-
 mod amplification;
 mod polynomial;
 

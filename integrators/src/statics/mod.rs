@@ -4,8 +4,6 @@
 //! A step changes charts, evaluates the system, predicts, corrects and accepts. Its size is halved
 //! after a failure and grows after a step of few iterations.
 
-#![allow(non_snake_case)]
-
 mod arc_length;
 mod critical;
 mod error;

@@ -1,7 +1,5 @@
 //! A frame whose rotation is an unknown in a chart of its own.
 
-#![allow(non_snake_case)]
-
 use super::RotationChart;
 use crate::domain::{CHART_EDGE, DomainError};
 use crate::map::{Map, MapState, Reparametrization};

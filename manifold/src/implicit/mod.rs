@@ -28,7 +28,6 @@
 //! a factor of 2, the coordinates are reparametrized: x, ẋ and ẍ are kept, and the new coordinates
 //! are linear in them.
 
-#![allow(non_snake_case)]
 #![allow(
     clippy::needless_range_loop,
     reason = "matrices in slices are read by their indices"

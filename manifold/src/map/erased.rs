@@ -1,7 +1,5 @@
 //! The object-safe interface to maps of any dimensions.
 
-#![allow(non_snake_case)]
-
 use super::{Duplicate, Map, MapState, Reparametrization, Segments};
 use crate::domain::DomainError;
 use crate::implicit::ImplicitMap;

@@ -6,8 +6,6 @@
 //! B B₀,   Ḃ B₀ + B Ḃ₀,   B̈ B₀ + 2 Ḃ Ḃ₀ + B B̈₀,   K_σ(f) + B₀ᵀ K_σ,own(f) B₀ with Bᵀ f for what it reads
 //! ```
 
-#![allow(non_snake_case)]
-
 mod link;
 
 use super::{MapState, Order, Parametrization};

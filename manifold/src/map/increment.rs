@@ -1,7 +1,5 @@
 //! Rotations by increments: the chart of the updated Lagrangian formulation.
 
-#![allow(non_snake_case)]
-
 use super::{Map, MapState, Reparametrization};
 use crate::domain::{CHART_EDGE, DomainError};
 use crate::quotients::Quotients;

@@ -1,7 +1,5 @@
 //! Coordinates that follow from others by a constant matrix: a selection, a gear.
 
-#![allow(non_snake_case)]
-
 use super::Map;
 use crate::scalar::Scalar;
 use nalgebra::{SMatrix, SVector};

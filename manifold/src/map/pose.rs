@@ -15,8 +15,6 @@
 //! like those in coordinates, \[M04\] (180), (183). They are not symmetric where there is a moment; those in
 //! coordinates are.
 
-#![allow(non_snake_case)]
-
 use super::{MapState, Order, Parametrization, write_block};
 use crate::domain::{CHART_EDGE, DomainError};
 use crate::quotients::{InverseQuotients, Quotients};

@@ -14,8 +14,6 @@
 //! [`tensors`] are closed forms. All quotients come from [`crate::quotients`]; a kernel that needs
 //! several tensors at one Ψ computes [`crate::quotients::Quotients`] once and passes it.
 
-#![allow(non_snake_case)]
-
 pub mod complement;
 pub mod log;
 pub mod spin;

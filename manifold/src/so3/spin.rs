@@ -1,7 +1,5 @@
 //! Rates of a rotation vector from an angular velocity and its derivative.
 
-#![allow(non_snake_case)]
-
 use super::{A_varied, C1, T_dot_psi_dot, rotation, skew, tangent, tangent_inverse};
 use crate::quotients::Quotients;
 use nalgebra::{Matrix3, Vector3};

@@ -1,7 +1,5 @@
 //! A smooth curve through given points.
 
-#![allow(non_snake_case)]
-
 use crate::joint::Curve;
 use nalgebra::Vector3;
 use pullback_manifold::scalar::Scalar;

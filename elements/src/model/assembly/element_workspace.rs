@@ -1,7 +1,5 @@
 //! Evaluation of one element: gather, change chart, evaluate, pull back.
 
-#![allow(non_snake_case)]
-
 use crate::element::{Combined, Motion, Response};
 use crate::model::assembly::couplings::Couplings;
 use crate::model::assembly::residual::MAX_NODES;

@@ -14,8 +14,6 @@
 //! node are stored transposed ([`Coupled`](crate::model::assembly::couplings::Coupled)), nearly all are
 //! products Bᵀ f of vectors.
 
-#![allow(non_snake_case)]
-
 use crate::model::NONE;
 use crate::model::assembly::couplings::CoupledBlock;
 use crate::model::assembly::scatter::ScatterTarget;

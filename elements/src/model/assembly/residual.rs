@@ -1,7 +1,5 @@
 //! Assembly into a pattern that is found once.
 
-#![allow(non_snake_case)]
-
 use crate::element::overturned;
 use crate::model::Context;
 use crate::model::assembly::scatter::ScatterTarget;

@@ -1,7 +1,5 @@
 //! Tangents of elements with mapped nodes.
 
-#![allow(non_snake_case)]
-
 use crate::model::assembly::scatter_map::ScatterMap;
 use crate::model::{ElementEntry, Node};
 use pullback_manifold::system::Weights;

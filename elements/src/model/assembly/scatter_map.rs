@@ -1,7 +1,5 @@
 //! Positions of element matrices in the pattern.
 
-#![allow(non_snake_case)]
-
 use crate::model::assembly::couplings::{CoupledBlock, Couplings};
 use crate::model::assembly::pull_back::Piece;
 use crate::model::kinematics::mapped_node::Maps;

@@ -3,8 +3,6 @@
 //! Solvers need at least one unknown. They get a separate coordinate that stays zero, with a spring
 //! and a mass; states, reactions and energies are those of the prescribed motions.
 
-#![allow(non_snake_case)]
-
 use crate::element::{Abilities, Element, ElementEnergies, Motion, Response};
 use crate::model::loops::LoopReport;
 use crate::model::{ModelBuilder, ModelError, NodeForm, Subject};

@@ -1,7 +1,5 @@
 //! Reference axes of beams: straight lines and arcs, with the orientation of the section.
 
-#![allow(non_snake_case)]
-
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
 /// A curve in space with an orientation of the cross-section: the reference shape of a line of beam

@@ -1,7 +1,5 @@
 //! Maps with several segments: changes of segment, and the momentum to conserve.
 
-#![allow(non_snake_case)]
-
 use crate::model::assembly::workspace::Workspace;
 use crate::model::kinematics::mapped_node::{MappedNode, pull_back_forces};
 use crate::model::kinematics::node_entries::collect;

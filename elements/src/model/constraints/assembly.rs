@@ -1,7 +1,5 @@
 //! Assembly of loops that forces close: a start that keeps as many desired values as possible.
 
-#![allow(non_snake_case)]
-
 use crate::model::constraints::start::{CLOSED, FITS, STRIDE};
 use crate::model::{Context, ModelError, NodeId};
 use pullback_manifold::system::Charts;

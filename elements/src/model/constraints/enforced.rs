@@ -1,7 +1,5 @@
 //! Equations that elements enforce on a model ([`Enforced`](crate::constraint::Enforced)).
 
-#![allow(non_snake_case)]
-
 use crate::constraint::{Levels, MAX_EQUATIONS};
 use crate::model::assembly::element_workspace::ElementWorkspace;
 use crate::model::kinematics::node_entries::collect;

@@ -1,7 +1,5 @@
 //! Redundant equations in the residual of an element.
 
-#![allow(non_snake_case)]
-
 use crate::constraint::MAX_EQUATIONS;
 use crate::element::Response;
 use crate::model::ElementEntry;

@@ -1,7 +1,5 @@
 //! Redundant equations of multipliers: which ones are omitted.
 
-#![allow(non_snake_case)]
-
 use crate::model::constraints::enforced::EnforcedEquations;
 use crate::model::constraints::start::start;
 use crate::model::{Context, Model, ModelError, NodeId};

@@ -1,7 +1,5 @@
 //! Projection of given coordinates and velocities to those that satisfy the enforced equations.
 
-#![allow(non_snake_case)]
-
 use crate::model::constraints::enforced::EnforcedEquations;
 use crate::model::{Context, Model, ModelError, Node, NodeId, Subject};
 use nalgebra::{DMatrix, DVector};

@@ -1,7 +1,5 @@
 //! Changes of rotation chart inside an assembly: \[M04\] definition 15 and section 4.1.1.
 
-#![allow(non_snake_case)]
-
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::chart::Complement;
 use pullback_manifold::jet::Moving;

@@ -1,7 +1,5 @@
 //! Formulations of rotations: the rotational unknowns of a frame, and their rates.
 
-#![allow(non_snake_case)]
-
 use crate::model::build::builder::{FRAME, ModelBuilder, NodeId};
 use crate::model::kinematics::mapped_node::MappedNode;
 use crate::model::{Context, Model, Node, NodeForm};

@@ -1,8 +1,6 @@
 //! Mapped nodes: kinematic operators along chains of maps, and the pull-back of forces and
 //! geometric stiffness.
 
-#![allow(non_snake_case)]
-
 use crate::model::assembly::element_workspace::ElementWorkspace;
 use crate::model::assembly::pull_back::Operator;
 use crate::model::assembly::scatter::ScatterTarget;

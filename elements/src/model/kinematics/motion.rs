@@ -1,7 +1,5 @@
 //! Motion of a model: initial velocities, joint coordinates, joint forces.
 
-#![allow(non_snake_case)]
-
 use crate::blocks::three;
 use crate::model::build::builder::NodeId;
 use crate::model::kinematics::formulation::rotation_rate;

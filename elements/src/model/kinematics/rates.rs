@@ -1,7 +1,5 @@
 //! Initial rates of joint coordinates.
 
-#![allow(non_snake_case)]
-
 use crate::model::assembly::workspace::Workspace;
 use crate::model::build::builder::NodeId;
 use crate::model::build::dependency_graph::behind;

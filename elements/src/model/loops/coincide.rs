@@ -1,7 +1,5 @@
 //! The equations that two frames coincide.
 
-#![allow(non_snake_case)]
-
 use crate::blocks::{three, three_or_zero};
 use crate::joint::Pose;
 use nalgebra::{Matrix3, SVector, Vector3};

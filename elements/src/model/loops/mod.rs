@@ -12,8 +12,6 @@
 //!
 //! Loops that share a joint coordinate are solved together.
 
-#![allow(non_snake_case)]
-
 mod chain;
 mod coincide;
 mod part;

@@ -1,7 +1,5 @@
 //! The coordinates of a joint among the unknowns of its loop.
 
-#![allow(non_snake_case)]
-
 use pullback_manifold::map::{Order, Parametrization};
 
 /// Some consecutive unknowns of a loop, as the coordinates of a node.

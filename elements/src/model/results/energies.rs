@@ -1,7 +1,5 @@
 //! Energies, powers and momenta of a model.
 
-#![allow(non_snake_case)]
-
 use crate::model::assembly::element_workspace::ElementWorkspace;
 use crate::model::assembly::residual::named;
 use crate::model::assembly::workspace::Workspace;

@@ -1,7 +1,5 @@
 //! Mobility of a model: degrees of freedom, locked loops, coordinates without mass.
 
-#![allow(non_snake_case)]
-
 use crate::model::{Context, Model, NONE, Node, NodeForm};
 use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
 use std::fmt;

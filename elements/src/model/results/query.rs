@@ -1,7 +1,5 @@
 //! Queries of a model: names, positions, section forces, reactions, supports.
 
-#![allow(non_snake_case)]
-
 use crate::element::{Motion, SectionState};
 use crate::model::build::builder::{Dof, ElementId, NodeId};
 use crate::model::{Context, Model, ModelError, NONE, Node, NodeForm, Subject};

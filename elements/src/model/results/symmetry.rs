@@ -6,8 +6,6 @@
 //! along it and other static forces none; if dampers dissipate nothing; and if the kinetic energy
 //! is unchanged. Its momentum then changes at the rate of that power.
 
-#![allow(non_snake_case)]
-
 mod conditions;
 
 use crate::blocks::three;

@@ -1,7 +1,5 @@
 //! Lines of a Campbell diagram: modes of successive speeds whose shapes agree best.
 
-#![allow(non_snake_case)]
-
 use super::{Linearized, Mode, inner_product};
 
 /// Least agreement of shapes that are one line.

@@ -1,6 +1,5 @@
 //! One map of a graph, with the chain rule.
 
-#![allow(non_snake_case)]
 #![allow(
     clippy::needless_range_loop,
     reason = "orders of derivatives and matrices in slices are read by their indices"

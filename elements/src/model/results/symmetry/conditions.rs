@@ -1,7 +1,5 @@
 //! The conditions of a symmetry: forces, frames, dampers and the kinetic energy along a motion.
 
-#![allow(non_snake_case)]
-
 use super::{Measured, NOTHING, motion_of, unit};
 use crate::blocks::three;
 use crate::model::NodeForm;
