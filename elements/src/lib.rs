@@ -21,7 +21,6 @@
 //! and strains Γ, K. Units are free, but must be consistent.
 
 #![warn(clippy::unwrap_used)]
-#![allow(non_snake_case, reason = "symbols of equations")]
 
 mod asymmetry;
 pub mod beam;

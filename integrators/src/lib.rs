@@ -12,7 +12,6 @@
 //! - [`linear_solver`]: block elimination on the node graph with sparse LU and LDLᵀ behind it.
 
 #![warn(clippy::unwrap_used)]
-#![allow(non_snake_case, reason = "symbols of equations")]
 
 mod abilities;
 mod convergence;

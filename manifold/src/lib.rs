@@ -23,7 +23,6 @@
 //!   Report 2004:3.
 
 #![warn(clippy::unwrap_used)]
-#![allow(non_snake_case, reason = "symbols of equations")]
 
 pub mod chart;
 mod coordinate;
