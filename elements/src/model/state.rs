@@ -1,6 +1,6 @@
 //! What changes in a run besides coordinates and time.
 
-use super::{Context, Model};
+use super::{Context, ElementEntry, Model};
 use crate::model::charts::element_charts::ElementCharts;
 use pullback_manifold::map::Parametrization;
 use std::sync::Arc;
@@ -68,7 +68,15 @@ impl Context {
         let (maps, choice) = saved
             .maps
             .split_at(saved.maps.len().min(self.state.maps.len()));
+        // Bit k is the chart of the frame k of an element.
+        let fits = |(bits, e): (&u32, &ElementEntry)| {
+            let is_frame = |n: &u32| self.model.nodes[*n as usize].is_frame();
+            (0..32).all(|k| bits >> k & 1 == 0 || e.nodes.get(k).is_some_and(is_frame))
+        };
+        let charts = &saved.element_charts;
         let same = maps.len() == self.state.maps.len()
+            && charts.len() == self.model.elements.len()
+            && charts.iter().zip(&self.model.elements).all(fits)
             && saved.inputs.len() == self.state.inputs.len()
             && choice.len() == usize::from(!self.state.chosen_at.is_empty())
             && choice.iter().all(|choice| self.restore_choice(choice));

@@ -1,5 +1,6 @@
 //! Options of a run, and their validation.
 
+use super::scheme::Stage;
 use super::{DynamicsError, Scheme, State};
 use crate::statics::refused;
 use pullback_manifold::system::System;
@@ -175,11 +176,27 @@ fn check_numbers(options: &DynamicOptions) -> Result<(), DynamicsError> {
             return refuse(name, value, "it must be positive and finite");
         }
     }
+    if let Some(Adaptivity { max_step, .. }) = options.adaptivity {
+        if max_step < options.min_step {
+            return refuse("max_step", max_step, "it must be at least `min_step`");
+        }
+        let scheme = &options.scheme;
+        let useless = |row: &Stage| {
+            let mut weights = row.q.iter().chain(&row.v);
+            Some(row) == scheme.stages().last() || !weights.all(|w| w.is_finite())
+        };
+        if scheme.embedded().is_some_and(useless) {
+            return Err(DynamicsError::Table {
+                name: scheme.name,
+                problem: "its embedded row is not finite, or that of the scheme itself",
+            });
+        }
+    }
     match refused(options.newton.relative, options.newton.absolute) {
         Some((name, value)) => refuse(
             name,
             value,
-            "it must be finite, and a tolerance at most 0.1",
+            "it must be finite, and a relative tolerance positive and at most 0.1",
         ),
         None => Ok(()),
     }

@@ -16,7 +16,7 @@ pub struct EnergyBalance {
     /// potential, that of dampers follows from the displacements of each step, the rest from the
     /// trapezoidal rule over the steps.
     pub work: f64,
-    /// Sum of the magnitudes of the work of all steps.
+    /// Sum of the magnitudes of the work of all steps, without what dampers take.
     pub gross: f64,
     /// Largest |kinetic + stored − start − work| so far.
     pub largest_defect: f64,
@@ -51,9 +51,10 @@ impl EnergyBalance {
         let drawn = self.now.potential - now.potential;
         let lost = dissipated.unwrap_or(0.5 * (self.now.dissipated + now.dissipated));
         let given = |e: &Energies| e.supplied - e.drawn;
-        let work = drawn + h * (0.5 * (given(&self.now) + given(now)) - lost);
-        self.work += work;
-        self.gross += work.abs();
+        let supplied = drawn + 0.5 * h * (given(&self.now) + given(now));
+        self.work += supplied - h * lost;
+        // What dampers take cannot come back.
+        self.gross += supplied.abs() + (-h * lost).max(0.0);
         self.now = *now;
         self.largest_defect = self.largest_defect.max(self.defect().abs());
     }

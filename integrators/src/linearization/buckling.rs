@@ -41,8 +41,10 @@ pub enum BucklingError {
         "the equilibrium from which critical loads are extrapolated is not stable; begin at a smaller load"
     )]
     Unstable,
-    /// No load grows.
-    #[error("no load or prescribed motion changes with the load parameter: nothing buckles")]
+    /// The tangent does not change.
+    #[error(
+        "no load or prescribed motion that changes with the load parameter changes the tangent: nothing buckles"
+    )]
     NoLoad,
     /// The linear solver failed.
     #[error(transparent)]
@@ -96,6 +98,9 @@ pub fn buckling(
     if !symmetric {
         return Err(BucklingError::Asymmetric);
     }
+    if change.iter().all(|x| *x == 0.0) {
+        return Err(BucklingError::NoLoad);
+    }
     lin.M = change.into_iter().map(|K| -K).collect();
     let mut search = Search::indefinite(&lin, count)?;
     if !search.is_definite()? {
@@ -139,9 +144,6 @@ fn path_rate(
         ..Evaluation::residual(&mut r)
     };
     system.evaluate(Point::statics(at.t, at.q), out)?;
-    if rate.iter().all(|x| *x == 0.0) {
-        return Err(BucklingError::NoLoad);
-    }
     let mut solver = AutoSolver::new();
     solver.analyse(&lin.pattern, MatrixSymmetry::Symmetric)?;
     let solved = solver.factorise(&lin.K);

@@ -4,10 +4,14 @@ use super::modes::Mode;
 use super::shift_invert::Order;
 use super::{Linearized, inner_product};
 use crate::linear_solver::scaling;
+use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 /// Rounding errors of φᵀ K φ in units of those of its terms.
 pub(super) const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
+/// Square of the imaginary part of a shape, relative to the whole, that is rounding.
+const PART: f64 = 1e-16;
 
 /// Makes modes of eigenvectors: their eigenvalues, scale and residual.
 pub(super) struct Finish<'a> {
@@ -35,8 +39,23 @@ impl<'a> Finish<'a> {
         }
     }
 
-    /// A mode of an eigenvector of any length, and the eigenvalue of the search: ω² or λ.
-    pub fn mode(&self, mut shape: Vec<Complex64>, found: Complex64) -> Mode {
+    /// The mode of an eigenvector of any length, and the eigenvalue of the search: ω² or λ. Two modes at rest may have
+    /// been found as a pair, of which they are the real and imaginary part.
+    pub fn modes(&self, shape: Vec<Complex64>, found: Complex64) -> Vec<Mode> {
+        let mode = self.mode(shape, found);
+        if self.order == Order::Squares || mode.eigenvalue != Complex64::ZERO {
+            return vec![mode];
+        }
+        let size = self.square(&mode.shape);
+        let parts = [|x: &Complex64| x.re, |x: &Complex64| x.im];
+        let parts = parts.map(|part| mode.shape.iter().map(|x| part(x).into()).collect());
+        let parts = parts
+            .into_iter()
+            .filter(|x: &Vec<Complex64>| self.square(x) > PART * size);
+        parts.map(|x| self.mode(x, found)).collect()
+    }
+
+    fn mode(&self, mut shape: Vec<Complex64>, found: Complex64) -> Mode {
         let lin = self.lin;
         let image = |values: &[f64]| lin.product(values, &shape);
         let damping = match self.order {
@@ -98,10 +117,18 @@ impl<'a> Finish<'a> {
         if self.order == Order::Squares || mode.eigenvalue != Complex64::ZERO {
             return false;
         }
-        let image = self.lin.product(&self.lin.M, &mode.shape);
+        let product = |x: &Mode, y: &Mode| {
+            let image = self.lin.product(&self.lin.M, &y.shape);
+            inner_product(&x.shape, &image)
+        };
         let rigid = modes.iter().filter(|m| m.eigenvalue == Complex64::ZERO);
-        let parts = rigid.map(|m| inner_product(&m.shape, &image).norm_sqr());
-        parts.sum::<f64>() > 0.99
+        let rigid: Vec<&Mode> = rigid.collect();
+        let gram = DMatrix::from_fn(rigid.len(), rigid.len(), |i, j| product(rigid[i], rigid[j]));
+        let parts = DVector::from_fn(rigid.len(), |i, _| product(rigid[i], mode));
+        let along = gram
+            .cholesky()
+            .map(|gram| parts.dotc(&gram.solve(&parts)).re);
+        along.is_some_and(|along| along > 0.99)
     }
 
     /// Whether λ is zero but for rounding errors of a mode of this shape φ, with the forms φᴴ K φ and φᴴ M φ.

@@ -164,9 +164,10 @@ pub fn modes_while(
     let finish = Finish::new(lin, order, symmetric, found.scales);
     let mut modes: Vec<Mode> = Vec::with_capacity(found.vectors.len());
     for (vector, eigenvalue) in found.vectors {
-        let mode = finish.mode(vector, eigenvalue);
-        if !finish.repeats(&modes, &mode) {
-            modes.push(mode);
+        for mode in finish.modes(vector, eigenvalue) {
+            if !finish.repeats(&modes, &mode) {
+                modes.push(mode);
+            }
         }
     }
     modes.sort_by(|a, b| a.omega().total_cmp(&b.omega()));

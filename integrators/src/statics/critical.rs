@@ -63,7 +63,8 @@ pub struct CriticalPoint {
     /// Null vector ψ of the tangent; its largest component is the scale of that coordinate.
     pub shape: Vec<f64>,
     /// Directions of the paths through the point, the one with the least part of ψ first, each with a largest
-    /// component of one scale: ψ itself at a limit point, two at a bifurcation, none if the point is isolated.
+    /// component of one scale, or a change of the load alone: ψ itself at a limit point, two at a bifurcation, none if the
+    /// point is isolated.
     pub paths: Vec<PathDirection>,
     /// The largest correction of each iteration, relative to the scales of coordinates or to the load.
     pub corrections: Vec<f64>,
@@ -84,6 +85,7 @@ pub fn critical_point(
 ) -> Result<CriticalPoint, StaticsError> {
     super::options::check(&[], options)?;
     let mut newton = Newton::new(system, options, at.t)?;
+    shape.map_or(Ok(()), |shape| newton.check("shape", shape))?;
     newton
         .critical_point(system, (at.q, at.t), shape)
         .map_err(|cause| {
@@ -127,6 +129,11 @@ fn is_exact(corrections: &[f64]) -> bool {
     };
     let stagnates = now > DECREASE * last || (quadratic(before, last) && !quadratic(last, now));
     now <= EXACT || (last < EXACT.sqrt() && stagnates)
+}
+
+/// Size of changes of a load parameter.
+fn load(t: f64) -> f64 {
+    if t == 0.0 { 1.0 } else { t.abs() }
 }
 
 impl Newton {
@@ -217,7 +224,7 @@ impl Newton {
                     t,
                     q,
                     shape: held.psi.dq.iter().map(|x| x / scale).collect(),
-                    paths: self.paths(&eq, held, kind),
+                    paths: self.paths(&eq, held, kind, t),
                     corrections,
                 });
             }
@@ -308,8 +315,7 @@ impl Newton {
         along: &PathDirection,
         with: &[&PathDirection],
     ) -> Result<Vec<Vec<f64>>, Cause> {
-        let load = if t == 0.0 { 1.0 } else { t.abs() };
-        let step = CHANGE / self.size(&along.dq).max(along.dt.abs() / load);
+        let step = CHANGE / self.size(&along.dq).max(along.dt.abs() / load(t));
         let mut changes = vec![vec![0.0; q.len()]; with.len()];
         for sign in [1.0, -1.0] {
             let s = sign * step;
@@ -330,11 +336,16 @@ impl Newton {
 
     /// Directions of the paths through a point: s ψ + τ w, where
     /// s² φᵀr″ψψ + 2 s τ φᵀr″ψw + τ² φᵀr″ww = 0 at a bifurcation.
-    fn paths(&self, eq: &Equations, held: &Held, kind: CriticalKind) -> Vec<PathDirection> {
+    fn paths(&self, eq: &Equations, held: &Held, kind: CriticalKind, t: f64) -> Vec<PathDirection> {
+        let load = load(t);
         let direction = |s: f64, tau: f64| {
             let parts = held.psi.dq.iter().zip(&eq.w.dq);
             let dq: Vec<f64> = parts.map(|(psi, w)| s * psi + tau * w).collect();
-            let length = self.size(&dq).max(f64::MIN_POSITIVE);
+            // A path may change the load alone.
+            let length = match self.size(&dq) {
+                0.0 => tau.abs() / load,
+                size => size,
+            };
             PathDirection {
                 dq: dq.iter().map(|x| x / length).collect(),
                 dt: tau / length,
@@ -344,7 +355,7 @@ impl Newton {
             return vec![direction(1.0, 0.0)];
         }
         // ψ as large as w, so that the coefficients are comparable.
-        let unit = self.size(&eq.w.dq).max(f64::MIN_POSITIVE) / self.size(&held.psi.dq);
+        let unit = self.size(&eq.w.dq).max(EXACT / load) / self.size(&held.psi.dq);
         let (a, b, c) = (unit * unit * eq.psi_psi, unit * eq.psi_w, eq.w_w);
         let discriminant = b * b - a * c;
         if discriminant.is_nan() || discriminant < 0.0 {

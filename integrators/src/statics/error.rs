@@ -15,6 +15,16 @@ pub enum StaticsError {
         super::StaticNewtonOptions::LOOSEST
     )]
     Option { name: &'static str, value: f64 },
+    /// A vector of the wrong length.
+    #[error("{what} has {found} entries; the system has {expected} unknowns")]
+    Length {
+        what: &'static str,
+        found: usize,
+        expected: usize,
+    },
+    /// An event that cannot occur.
+    #[error("{0:?} cannot occur: its value must be finite, and its unknown one of the system")]
+    Event(super::Event),
     /// The linear solver cannot analyse the pattern.
     #[error("the linear solver cannot take this model: {source}")]
     Analysis { source: LinearError },

@@ -33,7 +33,7 @@ impl StaticAnalysis for LoadRun {
 
     fn new(
         system: &mut dyn System,
-        mut q: Vec<f64>,
+        q: Vec<f64>,
         options: &StaticOptions,
     ) -> Result<Self, StaticsError> {
         let numbers = [
@@ -47,7 +47,7 @@ impl StaticAnalysis for LoadRun {
         let mut newton = Newton::new(system, &options.newton, options.from)?;
         // Without a range there is only the equilibrium at the start.
         newton.summary.finished = options.from == options.to;
-        q.resize(newton.r.len(), 0.0);
+        let q = newton.start(q)?;
         let first_step = options.first_step.abs().min(options.max_step.abs());
         Ok(Self {
             newton,

@@ -102,6 +102,26 @@ impl Newton {
         })
     }
 
+    /// Rejects a vector of another length than that of the unknowns.
+    pub(super) fn check(&self, what: &'static str, x: &[f64]) -> Result<(), StaticsError> {
+        let (found, expected) = (x.len(), self.r.len());
+        match found == expected {
+            true => Ok(()),
+            false => Err(StaticsError::Length {
+                what,
+                found,
+                expected,
+            }),
+        }
+    }
+
+    /// The coordinates of a start; missing ones are zero.
+    pub(super) fn start(&self, mut q: Vec<f64>) -> Result<Vec<f64>, StaticsError> {
+        q.resize(q.len().max(self.r.len()), 0.0);
+        self.check("q", &q)?;
+        Ok(q)
+    }
+
     /// Largest entry of a coordinate vector relative to the coordinates' scales.
     pub(super) fn size(&self, v: &[f64]) -> f64 {
         (v.iter().zip(&self.inverse_scale)).fold(0.0, |m: f64, (v, s)| {

@@ -74,7 +74,7 @@ impl StaticAnalysis for PathRun {
 
     fn new(
         system: &mut dyn System,
-        mut q: Vec<f64>,
+        q: Vec<f64>,
         options: &ArcLengthOptions,
     ) -> Result<Self, StaticsError> {
         let numbers = [
@@ -89,8 +89,17 @@ impl StaticAnalysis for PathRun {
             return Err(StaticsError::Asymmetric);
         }
         let newton = Newton::new(system, &options.newton, options.from)?;
-        let n = newton.r.len();
-        q.resize(n, 0.0);
+        let q = newton.start(q)?;
+        let n = q.len();
+        let impossible = |event: &Event| match *event {
+            Event::Coordinate { unknown, value } => unknown >= n || !value.is_finite(),
+            Event::Load(value) => !value.is_finite(),
+            Event::TurningPoint | Event::Bifurcation => false,
+        };
+        let mut events = options.events.iter().map(|(event, _)| *event);
+        if let Some(event) = events.find(impossible) {
+            return Err(StaticsError::Event(event));
+        }
         let weights = newton.inverse_scale.iter().map(|s| s * s / n as f64);
         let norm = Norm {
             weights: weights.collect(),

@@ -113,6 +113,12 @@ fn transfer(
         let parts = [state.position, state.velocity, state.acceleration];
         Ok(parts.iter().flat_map(|x| [x.x, x.y]).collect())
     });
+    // Derivatives of a position by multipliers and velocities are rounding errors alone.
+    let position = output_derivatives(&mut job.context, at, |context: &mut Context, at| {
+        context.configure(at)?;
+        Ok(vec![context.node_state(node).position.x])
+    });
+    lin.state_space(&position.unwrap()).unwrap();
     let space = lin.state_space(&outputs.unwrap()).unwrap();
     let n = space.A.nrows();
     let complex = |A: &DMatrix<f64>| A.map(|x| Complex::new(x, 0.0));

@@ -7,6 +7,7 @@ mod energies;
 mod equilibrium;
 mod imperfections;
 mod program;
+mod rigid_bar;
 mod stability;
 mod units;
 

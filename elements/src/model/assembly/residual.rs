@@ -65,7 +65,12 @@ impl Context {
             // In statics the velocity of a prescribed coordinate is its derivative by the load
             // parameter; that of free coordinates stays zero.
             let c = p.coordinate;
-            [w.x[c], w.v[c], w.a[c]] = p.function.at(t, inputs);
+            let motion = p.function.at(t, inputs);
+            if !motion.iter().all(|x| x.is_finite()) {
+                let what = format!("the prescribed motion of {}", self.model.coordinate_name(c));
+                return Err(SystemError::NotFinite { what });
+            }
+            [w.x[c], w.v[c], w.a[c]] = motion;
         }
         for (&node, &turns) in (self.model.prescribed_rotations.iter()).zip(&self.state.turns) {
             let first = self.model.nodes[node].first + 3;

@@ -147,6 +147,17 @@ impl Context {
         if saved.len() != n + self.model.enforced.len() || saved.iter().any(|x| !x.is_finite()) {
             return false;
         }
+        let equations = |&k: &usize| {
+            let enforced = self.model.elements[k].element.abilities().enforced;
+            enforced.map_or(0, |enforced| enforced.dims().1)
+        };
+        let counts = self.model.enforced.iter().map(equations);
+        if counts
+            .zip(&saved[n..])
+            .any(|(M, left_out)| *left_out as u64 >> M != 0)
+        {
+            return false;
+        }
         self.state.chosen_at.copy_from_slice(&saved[..n]);
         for (&k, left_out) in self.model.enforced.iter().zip(&saved[n..]) {
             self.state.elements[k].left_out = *left_out as u32;

@@ -117,6 +117,18 @@ fn what_they_violate_is_forgotten_with_the_state() {
     };
     evaluate(&mut context, 0.0).unwrap();
     let saved = context.save();
+    // Charts and equations that are not there.
+    let mut wrong = saved.clone();
+    wrong.element_charts[0] = u32::MAX;
+    assert!(!context.restore(&wrong));
+    let mut wrong = saved.clone();
+    *wrong
+        .maps
+        .last_mut()
+        .and_then(|choice| choice.last_mut())
+        .unwrap() = 4.0;
+    assert!(!context.restore(&wrong));
+    assert!(context.restore(&saved));
     // Half way between the two, whichever is left out.
     context.change_charts(1.0, &mut [0.5, 0.0, 0.0], &mut [], &mut []);
     let error = evaluate(&mut context, 1.0).unwrap_err().to_string();

@@ -5,11 +5,12 @@
 use crate::support::{Idle, Offset, Twin, line, refused, simple, straight};
 use nalgebra::{SVector, Vector3};
 use pullback_elements::beam::Interpolation;
+use pullback_elements::body::PointMass;
 use pullback_elements::element::{Element, Motion, Response};
 use pullback_elements::joint::{ConstantVelocity, Revolute};
 use pullback_elements::load::{LoadKind, NodalLoad};
 use pullback_elements::model::{Context, Dof, ModelBuilder};
-use pullback_elements::time::{Constant, Proportional};
+use pullback_elements::time::{Constant, Proportional, TimeFunction};
 use pullback_manifold::domain::{CHART_EDGE, DomainError};
 use pullback_manifold::implicit::{Choice, Implicit, ImplicitMap};
 use pullback_manifold::map::{Linear, Map};
@@ -378,4 +379,30 @@ fn a_joint_that_ends_where_it_begins() {
     let joint = Revolute::new([0.0, 0.0, 1.0]).unwrap();
     let joint = b.attach("C", seat, joint).unwrap();
     b.close(joint.frame, node).unwrap();
+}
+
+/// A function without a value.
+#[derive(Debug)]
+struct Nothing;
+
+impl TimeFunction for Nothing {
+    fn at(&self, _: f64, _: &[f64]) -> [f64; 3] {
+        [f64::NAN; 3]
+    }
+}
+
+#[test]
+fn a_prescribed_motion_without_a_value_is_named() {
+    let mut b = ModelBuilder::new();
+    let a = b.node("a", [0.0; 3]).unwrap();
+    b.element("mass", PointMass::new(1.0).unwrap(), &[a])
+        .unwrap();
+    b.support(a, &Dof::ALL[1..]);
+    b.prescribe(a, Dof::X, Nothing);
+    let mut context = Context::new(b.build().unwrap());
+    let at = Point::statics(0.0, &[0.0]);
+    let error = context.configure(at).unwrap_err();
+    let named =
+        "the prescribed motion of node a, displacement along e1 gives a value that is not finite";
+    assert!(error.to_string().starts_with(named), "{error}");
 }

@@ -24,7 +24,13 @@ impl Search<'_> {
         };
         // Not where a symmetric structure may have an eigenvalue.
         self.middle = from + MIDDLE * (to - from);
-        let count = up_to.saturating_sub(below);
+        let mut count = up_to.saturating_sub(below);
+        // Modes that grow have ω² < 0.
+        if below > 0
+            && let Some(growing @ 1..) = self.below(-from.abs())?
+        {
+            count += growing.saturating_sub(self.below(-to)?.unwrap_or(growing));
+        }
         for _ in 0..HALVINGS {
             match self.below(self.middle)? {
                 Some(half) if half == below => from = self.middle,

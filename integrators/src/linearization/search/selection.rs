@@ -119,10 +119,9 @@ impl Search<'_> {
             return true;
         };
         let value = self.eigenvalue(pair);
-        let square = match (self.order, self.is_symmetric()) {
-            (Order::Squares, true) => value.re,
-            (Order::Squares, false) => value.norm(),
-            (Order::Quadratic, _) => value.norm_sqr(),
+        let square = match self.order {
+            Order::Squares => value.norm(),
+            Order::Quadratic => value.norm_sqr(),
         };
         let [from, to] = squares([from, to]);
         (from..=to).contains(&square)

@@ -3,6 +3,8 @@
 #![allow(non_snake_case)]
 
 use crate::support::dynamics::*;
+use crate::support::refused;
+use pullback_integrators::dynamics::scheme::Stage;
 use pullback_integrators::dynamics::{Scheme, integrate};
 
 const OMEGA: f64 = 2.0;
@@ -43,5 +45,26 @@ fn the_estimate_is_the_local_error_of_small_steps() {
             assert!((slope - 1.0).abs() < within, "{scheme}: {gaps:?}");
         }
         assert!(gaps[3] < 0.01, "{scheme}: {gaps:?}");
+    }
+}
+
+#[test]
+fn embedded_rows_that_estimate_nothing_and_contradicting_steps_are_refused() {
+    let tsitouras = Scheme::tsitouras();
+    let main = *tsitouras.stages().last().unwrap();
+    let nan = Stage {
+        c: f64::NAN,
+        q: main.q.map(|_| f64::NAN),
+        ..main
+    };
+    let trial = |scheme: Scheme, max_step: f64| {
+        let options = adaptive(steps_of(scheme, 1.0, 0.1), 1e-6, max_step);
+        attempt(&mut Oscillator::new(1.0, 4.0), [&[1.0], &[0.0]], &options)
+    };
+    trial(tsitouras, 1.0).unwrap();
+    refused! {
+        trial(tsitouras.with_embedded(main), 1.0) => ["embedded row"],
+        trial(tsitouras.with_embedded(nan), 1.0) => ["embedded row"],
+        trial(tsitouras, 1e-9) => ["max_step = 1e-9", "at least `min_step`"],
     }
 }

@@ -241,3 +241,55 @@ fn an_observer_ends_the_search() {
     let ended = modes_while(&lin, &ModeOptions::lowest(5), &mut stop);
     assert_eq!(ended.unwrap_err(), ModesError::Interrupted);
 }
+
+/// Three coordinates with these matrices, K and M diagonal.
+fn three(K: [f64; 3], C: [[f64; 3]; 3], M: [f64; 3]) -> Linearized {
+    let diagonal = |x: [f64; 3]| {
+        (0..9)
+            .map(|k| if k % 4 == 0 { x[k / 4] } else { 0.0 })
+            .collect()
+    };
+    Linearized {
+        K: diagonal(K),
+        C: C.concat(),
+        M: diagonal(M),
+        r_u: Vec::new(),
+        names: ["a", "b", "c"].map(str::to_owned).to_vec(),
+        pattern: BlockPattern::dense(3),
+    }
+}
+
+/// ω² = −4, 9, 25: the first one grows with λ = 2.
+#[test]
+fn a_range_holds_growing_modes_with_and_without_damping() {
+    for damping in [0.0, 1e-9] {
+        let mut C = [[0.0; 3]; 3];
+        C[1][1] = damping;
+        let lin = three([-4.0, 9.0, 25.0], C, [1.0; 3]);
+        for (range, exact) in [
+            ([0.0, 4.0], &[2.0, 3.0][..]),
+            ([1.5, 2.5], &[2.0]),
+            ([2.5, 6.0], &[3.0, 5.0]),
+        ] {
+            let found = modes(&lin, &all(range)).unwrap().modes;
+            // With damping λ = −2 is a mode of its own.
+            let growing = found.iter().filter(|m| m.eigenvalue.re > -1.0);
+            let found: Vec<f64> = growing.map(|m| m.eigenvalue.norm()).collect();
+            assert_eq!(found.len(), exact.len(), "{damping} {range:?}: {found:?}");
+            found
+                .iter()
+                .zip(exact)
+                .for_each(|(a, b)| near(*a, *b, 1e-8));
+        }
+    }
+}
+
+/// Two free carts with dampers to each other, to a third one and to the ground: K x = 0 for both, so that λ = 0 twice.
+#[test]
+fn two_rigid_modes_with_dampers_are_both_found() {
+    let C = [[3.0, -2.0, -1.0], [-2.0, 4.0, -2.0], [-1.0, -2.0, 5.0]];
+    let lin = three([0.0, 0.0, 5.0], C, [3.0, 4.0, 3.0]);
+    let found = modes(&lin, &ModeOptions::lowest(6)).unwrap().modes;
+    let rigid = found.iter().filter(|m| m.eigenvalue.norm() < 1e-7);
+    assert_eq!(rigid.count(), 2, "{found:?}");
+}
