@@ -1,6 +1,6 @@
 //! `pullback compare`.
 
-use super::{FAILED, INTERRUPTED, complain, print, refuse};
+use super::{Exit, FAILED, INTERRUPTED, complain, print, refuse};
 use crate::input::{Analysis, Registry, closest};
 use crate::method::Method;
 use crate::studies::compare::{
@@ -192,7 +192,7 @@ pub(super) fn quoted(arguments: &[OsString]) -> String {
 }
 
 /// Runs the comparison and prints its outcome; returns the exit code.
-pub(super) fn compare(registry: &Registry, args: CompareArguments, command: &str) -> u8 {
+pub(super) fn compare(registry: &Registry, args: CompareArguments, command: &str) -> Exit {
     let CompareArguments {
         models, out, quiet, ..
     } = &args;
@@ -224,17 +224,16 @@ pub(super) fn compare(registry: &Registry, args: CompareArguments, command: &str
         several => compare::run_several(several, Some(command), &directory, &hooks),
     });
     progress.clear();
-    let comparisons = match ran {
-        Ok(comparisons) => comparisons,
-        Err(CompareError::Input(error)) => return complain(&error),
-        Err(error) => return refuse(error),
-    };
+    let comparisons = ran.map_err(|error| match error {
+        CompareError::Input(error) => complain(error),
+        error => refuse(error),
+    })?;
     let kept = directory.display();
     if comparisons.iter().any(|c| !c.complete) {
         tell(format_args!(
             "interrupted: what was found is kept in {kept}, marked incomplete"
         ));
-        return INTERRUPTED;
+        return Err(INTERRUPTED);
     }
     let problem = (comparisons.iter().find_map(unreferenced))
         .or_else(|| comparisons.iter().find_map(unknown))
@@ -244,10 +243,10 @@ pub(super) fn compare(registry: &Registry, args: CompareArguments, command: &str
             "error: {problem}
 results are in {kept}"
         ));
-        return FAILED;
+        return Err(FAILED);
     }
     if *quiet {
-        return 0;
+        return Ok(0);
     }
     let mut text = String::new();
     for comparison in &comparisons {
@@ -256,7 +255,7 @@ results are in {kept}"
         }
         text += &format!("{}\n", compare::summary(comparison));
     }
-    print(&format!("{text}the page is {kept}/compare.html\n"))
+    Ok(print(&format!("{text}the page is {kept}/compare.html\n")))
 }
 
 /// Why a comparison has no reference at all.

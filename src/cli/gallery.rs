@@ -1,6 +1,6 @@
 //! `pullback gallery`.
 
-use super::{FAILED, print, refuse};
+use super::{Exit, FAILED, print, refuse};
 use crate::studies::gallery::{self, CaseRow};
 use crate::terminal::{self, ProgressLine, tell};
 use std::path::Path;
@@ -12,21 +12,16 @@ pub(super) fn cases() -> String {
 }
 
 /// Computes the cases and prints the comparison; returns the exit code.
-pub(super) fn gallery(cases: &[String], json: bool, out: Option<&Path>) -> u8 {
+pub(super) fn gallery(cases: &[String], json: bool, out: Option<&Path>) -> Exit {
     let progress = ProgressLine::new(json);
     let ran = gallery::run(cases, out, &mut |case| progress.say(case));
     progress.clear();
-    let rows = match ran {
-        Ok(rows) => rows,
-        Err(error) => return refuse(error),
-    };
+    let rows = ran.map_err(refuse)?;
     if out.is_some_and(|out| !out.exists()) {
         tell("note: none of these cases draws a plot");
     }
-    match answer(&rows, json) {
-        Ok((text, code)) => code.max(print(&text)),
-        Err(code) => code,
-    }
+    let (text, code) = answer(&rows, json)?;
+    Ok(code.max(print(&text)))
 }
 
 /// The output and the exit code, which is 0 only if every row is within its tolerance.

@@ -1,7 +1,7 @@
 //! `pullback linearize`.
 
 use super::parameters::ModelArguments;
-use super::{FAILED, INTERRUPTED, complain, print, refuse};
+use super::{Exit, INTERRUPTED, complain, fail, print, refuse};
 use crate::input::{Analysis, Job, ModelFile, Registry, Time};
 use crate::modes::warning_of_motion;
 use crate::output::{Directory, OutputError};
@@ -49,38 +49,23 @@ pub(super) struct LinearizeArguments {
 }
 
 /// Solves up to the state, and writes the matrices; returns the exit code.
-pub(super) fn linearize(registry: &Registry, args: &LinearizeArguments) -> u8 {
-    let mut job = match args.file.load(registry) {
-        Ok(job) => job,
-        Err(error) => return complain(&error),
-    };
-    let progress = match reach(&mut job, args.at, &mut |_| terminal::flow()) {
-        Ok(progress) => progress,
-        Err(ReachError::Interrupted) => {
+pub(super) fn linearize(registry: &Registry, args: &LinearizeArguments) -> Exit {
+    let mut job = args.file.load(registry).map_err(complain)?;
+    let reached = reach(&mut job, args.at, &mut |_| terminal::flow());
+    let progress = reached.map_err(|error| match error {
+        ReachError::Interrupted => {
             tell("interrupted: nothing is written");
-            return INTERRUPTED;
+            INTERRUPTED
         }
-        Err(error @ ReachError::Path) => return refuse(format!("--at: {error}")),
-        Err(error @ ReachError::Start(_)) => return refuse(error),
-        Err(error @ ReachError::Failed(_)) => {
-            refuse(error);
-            return FAILED;
-        }
-    };
+        ReachError::Path => refuse(format!("--at: {error}")),
+        ReachError::Start(_) => refuse(error),
+        ReachError::Failed(_) => fail(error),
+    })?;
     let out = (args.out.clone()).unwrap_or_else(|| args.file.model.with_extension("linear"));
     let at = progress.state.point();
-    let found = linearized(&mut job.context, at).map_err(|error| error.to_string());
-    let found = found.and_then(|lin| {
-        let first_order = args.first_order.then(|| first_order(&mut job, &lin, at));
-        Ok((first_order.transpose()?, lin))
-    });
-    let (first_order, lin) = match found {
-        Ok(found) => found,
-        Err(message) => {
-            refuse(message);
-            return FAILED;
-        }
-    };
+    let lin = linearized(&mut job.context, at).map_err(fail)?;
+    let first_order = args.first_order.then(|| first_order(&mut job, &lin, at));
+    let first_order = first_order.transpose()?;
     if let Some(warning) = warning_of_motion(at) {
         tell(format!("warning: {warning}"));
     }
@@ -94,15 +79,13 @@ pub(super) fn linearize(registry: &Registry, args: &LinearizeArguments) -> u8 {
     if let Analysis::Campbell(campbell) = &job.file.analysis {
         inputs.push(format!("speed of {}", campbell.joint));
     }
-    match write(&lin, &inputs, first_order.as_ref(), &out) {
-        Ok(()) => print(&format!(
-            "{}, {} in {}\n",
-            plural(lin.dim(), "coordinate"),
-            plural(lin.r_u.len(), "input"),
-            out.display()
-        )),
-        Err(error) => refuse(error),
-    }
+    write(&lin, &inputs, first_order.as_ref(), &out).map_err(refuse)?;
+    Ok(print(&format!(
+        "{}, {} in {}\n",
+        plural(lin.dim(), "coordinate"),
+        plural(lin.r_u.len(), "input"),
+        out.display()
+    )))
 }
 
 /// An input that prescribes a motion, if there is one.
@@ -122,8 +105,8 @@ fn prescribing(file: &ModelFile) -> Option<&String> {
 /// Names of outputs, and the matrices of the first-order form.
 type FirstOrder = (Vec<String>, StateSpace);
 
-/// The first-order form with the probes as outputs.
-fn first_order(job: &mut Job, lin: &Linearized, at: Point<'_>) -> Result<FirstOrder, String> {
+/// The first-order form with the probes as outputs, or the exit code.
+fn first_order(job: &mut Job, lin: &Linearized, at: Point<'_>) -> Result<FirstOrder, u8> {
     let probes = &mut job.probes;
     let names = probes.iter().flat_map(Probe::columns).collect();
     let derivatives = output_derivatives(&mut job.context, at, |context: &mut Context, at| {
@@ -137,9 +120,8 @@ fn first_order(job: &mut Job, lin: &Linearized, at: Point<'_>) -> Result<FirstOr
         }
         Ok(values)
     });
-    let derivatives = derivatives.map_err(|error| error.to_string())?;
-    let space = lin.state_space(&derivatives);
-    Ok((names, space.map_err(|error| error.to_string())?))
+    let space = lin.state_space(&derivatives.map_err(fail)?);
+    Ok((names, space.map_err(fail)?))
 }
 
 fn write(

@@ -9,7 +9,7 @@ mod sweep;
 
 use crate::input::{InputError, Plan, Registry};
 use crate::output::Ending;
-use crate::run::{Outcome, RunError, default_directory, run_job};
+use crate::run::{Outcome, default_directory, run_job};
 use crate::solve::Advance;
 use crate::terminal::{self, ProgressLine, tell};
 use clap::{CommandFactory, Parser, Subcommand};
@@ -140,6 +140,9 @@ pub fn main(registry: &Registry) -> ExitCode {
     ExitCode::from(run(registry, std::env::args_os()))
 }
 
+/// The exit code of a command, also where it ends early, with the reason printed.
+type Exit = Result<u8, u8>;
+
 /// Runs a command line, which begins with the program's name; returns the exit code.
 pub fn run(registry: &Registry, arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let arguments: Vec<OsString> = arguments.into_iter().collect();
@@ -152,24 +155,26 @@ pub fn run(registry: &Registry, arguments: impl IntoIterator<Item = OsString>) -
             return u8::from(error.use_stderr()) * REFUSED;
         }
     };
-    match command {
+    let exit = match command {
         Command::Run(args) => run_model(registry, args),
         Command::Check(args) => check(registry, &args),
         Command::Compare(args) => compare::compare(registry, args, &command_line),
         Command::Linearize(args) => linearize::linearize(registry, &args),
         Command::Sweep(args) => sweep::sweep(registry, args),
         Command::Spectrum(args) => spectrum::spectrum(args, &command_line),
-        Command::Schema => {
-            json("the schema", &registry.schema()).map_or_else(|code| code, |text| print(&text))
-        }
+        Command::Schema => json("the schema", &registry.schema()).map(|text| print(&text)),
         Command::Completions { shell } => {
             let mut text = Vec::new();
             clap_complete::generate(shell, &mut Arguments::command(), "pullback", &mut text);
-            print(&String::from_utf8_lossy(&text))
+            Ok(print(&String::from_utf8_lossy(&text)))
         }
-        Command::Man => manual().map_or_else(refuse, |text| print(&String::from_utf8_lossy(&text))),
+        Command::Man => {
+            let text = manual().map_err(refuse);
+            text.map(|text| print(&String::from_utf8_lossy(&text)))
+        }
         Command::Gallery { cases, json, out } => gallery::gallery(&cases, json, out.as_deref()),
-    }
+    };
+    exit.unwrap_or_else(|code| code)
 }
 
 /// The manual pages of the program and of its commands, one after another.
@@ -196,12 +201,11 @@ fn print(text: &str) -> u8 {
 
 /// A value as JSON, or the exit code if it cannot be encoded.
 fn json(what: &str, value: &impl serde::Serialize) -> Result<String, u8> {
-    let text = serde_json::to_string_pretty(value);
-    let text = text.map_err(|error| {
+    let text = serde_json::to_string_pretty(value).map_err(|error| {
         tell(format_args!("cannot encode {what}: {error}"));
         REFUSED
-    })?;
-    Ok(text + "\n")
+    });
+    Ok(text? + "\n")
 }
 
 /// Prints an error; returns the exit code.
@@ -210,24 +214,24 @@ fn refuse(error: impl std::fmt::Display) -> u8 {
     REFUSED
 }
 
+/// Prints the failure of an analysis; returns the exit code.
+fn fail(error: impl std::fmt::Display) -> u8 {
+    refuse(error);
+    FAILED
+}
+
 /// Prints the refusal of a model file with the position in it; returns the exit code.
-fn complain(error: &InputError) -> u8 {
+fn complain(error: InputError) -> u8 {
     tell(error.report(io::stderr().is_terminal()));
     REFUSED
 }
 
-fn run_model(registry: &Registry, args: RunArguments) -> u8 {
-    let RunArguments {
-        file,
-        out,
-        resume,
-        quiet,
-    } = args;
-    let directory = out.unwrap_or_else(|| default_directory(&file.model));
-    let source = file.model.display().to_string();
-    let mut progress = ProgressLine::new(quiet);
-    let job = file.load(registry).map_err(RunError::from);
-    if let Ok(Plan::Dynamic(motion)) = job.as_ref().map(|job| &job.plan) {
+fn run_model(registry: &Registry, args: RunArguments) -> Exit {
+    let model = &args.file.model;
+    let directory = args.out.unwrap_or_else(|| default_directory(model));
+    let job = args.file.load(registry).map_err(complain)?;
+    let mut progress = ProgressLine::new(args.quiet);
+    if let Plan::Dynamic(motion) = &job.plan {
         progress.until(motion.options.to);
     }
     let mut observer = |step: &Advance<'_>| {
@@ -235,13 +239,10 @@ fn run_model(registry: &Registry, args: RunArguments) -> u8 {
         // Before the first step there is nothing to save: until then Ctrl-C ends the program at once.
         terminal::flow()
     };
-    let ran = job.and_then(|job| run_job(job, &source, &directory, resume, &mut observer));
+    let source = model.display().to_string();
+    let ran = run_job(job, &source, &directory, args.resume, &mut observer);
     progress.clear();
-    match ran {
-        Err(RunError::Input(error)) => complain(&error),
-        Err(error) => refuse(error),
-        Ok(outcome) => report(&outcome, quiet),
-    }
+    Ok(report(&ran.map_err(refuse)?, args.quiet))
 }
 
 fn report(outcome: &Outcome, quiet: bool) -> u8 {
@@ -293,28 +294,19 @@ fn report(outcome: &Outcome, quiet: bool) -> u8 {
     }
 }
 
-fn check(registry: &Registry, args: &CheckArguments) -> u8 {
+fn check(registry: &Registry, args: &CheckArguments) -> Exit {
+    let mut job = args.file.load(registry).map_err(complain)?;
     let mut notes = String::new();
-    let report = match args.file.load(registry) {
-        Ok(mut job) => {
-            if job.context.mapped_frames().next().is_some() {
-                notes = job.context.descriptions().join("\n") + "\n";
-                notes = format!("{}{}\n\n", notes.trim_start(), job.context.mobility());
-            }
-            crate::check::job(&mut job, args.seed)
-        }
-        Err(error) => return complain(&error),
-    };
-    let text = if args.json {
-        match json("the rows", &crate::check::entries(&report)) {
-            Ok(text) => text,
-            Err(code) => return code,
-        }
-    } else if args.all {
-        notes + &crate::check::table(&report)
-    } else {
-        notes + &crate::check::summary(&report)
+    if job.context.mapped_frames().next().is_some() {
+        notes = job.context.descriptions().join("\n") + "\n";
+        notes = format!("{}{}\n\n", notes.trim_start(), job.context.mobility());
+    }
+    let report = crate::check::job(&mut job, args.seed);
+    let text = match (args.json, args.all) {
+        (true, _) => json("the rows", &crate::check::entries(&report))?,
+        (_, true) => notes + &crate::check::table(&report),
+        _ => notes + &crate::check::summary(&report),
     };
     let code = if report.is_ok() { 0 } else { FAILED };
-    code.max(print(&text))
+    Ok(code.max(print(&text)))
 }

@@ -1,7 +1,7 @@
 //! `pullback spectrum`.
 
-use super::{print, refuse};
-use crate::studies::spectrum::{self, SpectrumError};
+use super::{Exit, print, refuse};
+use crate::studies::spectrum;
 use crate::terminal::tell;
 use std::path::PathBuf;
 
@@ -27,22 +27,16 @@ pub(super) struct SpectrumArguments {
 }
 
 /// Prints the table and writes the files; returns the exit code.
-pub(super) fn spectrum(args: SpectrumArguments, command: &str) -> u8 {
-    let done = || -> Result<String, SpectrumError> {
-        let all = spectrum::all(&args.schemes, [args.from, args.to])?;
-        let table = spectrum::table(&all)?;
-        if let Some(directory) = &args.out {
-            spectrum::write(&all, Some(command), directory)?;
-        }
-        if args.out.is_none() && [args.from, args.to] != [FROM, TO] {
-            tell(
-                "note: --from and --to apply to the files written with --out; the table has fixed values of Ω",
-            );
-        }
-        Ok(table)
-    };
-    match done() {
-        Ok(table) => print(&table),
-        Err(error) => refuse(error),
+pub(super) fn spectrum(args: SpectrumArguments, command: &str) -> Exit {
+    let range = [args.from, args.to];
+    let all = spectrum::all(&args.schemes, range).map_err(refuse)?;
+    let table = spectrum::table(&all).map_err(refuse)?;
+    if let Some(directory) = &args.out {
+        spectrum::write(&all, Some(command), directory).map_err(refuse)?;
+    } else if range != [FROM, TO] {
+        tell(
+            "note: --from and --to apply to the files written with --out; the table has fixed values of Ω",
+        );
     }
+    Ok(print(&table))
 }

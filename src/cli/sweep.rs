@@ -1,7 +1,7 @@
 //! `pullback sweep`.
 
 use super::parameters::ModelArguments;
-use super::{FAILED, INTERRUPTED, complain, print, refuse};
+use super::{Exit, FAILED, INTERRUPTED, complain, print, refuse};
 use crate::input::Registry;
 use crate::studies::sweep::{Axis, Reduction, Sweep, SweepRow, SweepTable};
 use crate::terminal::{self, ProgressLine, plural, tell};
@@ -39,25 +39,13 @@ pub(super) struct SweepArguments {
 }
 
 /// Runs a sweep; returns the exit code.
-pub(super) fn sweep(registry: &Registry, args: SweepArguments) -> u8 {
+pub(super) fn sweep(registry: &Registry, args: SweepArguments) -> Exit {
     let out = (args.out).unwrap_or_else(|| args.file.model.with_extension("sweep"));
-    let text = match args.file.text() {
-        Ok(text) => text,
-        Err(error) => return complain(&error),
-    };
+    let text = args.file.text().map_err(complain)?;
     let model = args.file.model.display().to_string();
-    let sweep = match Sweep::new(model, text, args.over, args.keep) {
-        Ok(sweep) => sweep,
-        Err(error) => return refuse(error),
-    };
-    let columns = match sweep.columns(registry) {
-        Ok(columns) => columns,
-        Err(error) => return complain(&error),
-    };
-    let mut table = match SweepTable::open(&sweep, &columns, &out) {
-        Ok(table) => table,
-        Err(error) => return refuse(error),
-    };
+    let sweep = Sweep::new(model, text, args.over, args.keep).map_err(refuse)?;
+    let columns = sweep.columns(registry).map_err(complain)?;
+    let mut table = SweepTable::open(&sweep, &columns, &out).map_err(refuse)?;
     let done: HashSet<usize> = table.rows().iter().map(|row| row.run).collect();
     let runs: Vec<usize> = (0..sweep.runs())
         .filter(|run| !done.contains(run))
@@ -80,13 +68,11 @@ pub(super) fn sweep(registry: &Registry, args: SweepArguments) -> u8 {
     let swept = sweep.run(registry, &runs, threads, &mut each, &terminal::flow);
     progress.clear();
     if let Some(error) = unsaved {
-        return refuse(error);
+        return Err(refuse(error));
     }
-    match swept.map(|()| table.finish()) {
-        Err(error) => complain(&error),
-        Ok(Err(error)) => refuse(error),
-        Ok(Ok(rows)) => report(&rows, sweep.runs(), &out, args.quiet),
-    }
+    swept.map_err(complain)?;
+    let rows = table.finish().map_err(refuse)?;
+    Ok(report(&rows, sweep.runs(), &out, args.quiet))
 }
 
 /// Tells how a sweep ended; returns the exit code.
