@@ -2,6 +2,7 @@
 
 use crate::input::{Job, Plan};
 use crate::probe::{Answers, Probe};
+use nalgebra::Vector3;
 use pullback_elements::model::Context;
 use pullback_integrators::dynamics::{DynamicsError, Simulation, Snapshot, State};
 use pullback_manifold::system::SystemError;
@@ -59,7 +60,7 @@ pub enum MotionError {
 pub struct SavedMotion {
     snapshot: Snapshot<Context>,
     /// Last rotation vectors of the probes.
-    memories: Vec<[f64; 3]>,
+    memories: Vec<Vector3<f64>>,
 }
 
 impl Motion {
@@ -157,7 +158,7 @@ impl Motion {
     pub fn save(&self) -> SavedMotion {
         SavedMotion {
             snapshot: self.simulation.save(),
-            memories: self.probes.iter().map(Probe::save).collect(),
+            memories: self.probes.iter().map(|probe| probe.continued).collect(),
         }
     }
 
@@ -168,7 +169,7 @@ impl Motion {
     pub fn restore(&mut self, saved: &SavedMotion) -> Result<(), MotionError> {
         self.simulation.restore(&saved.snapshot)?;
         for (probe, memory) in self.probes.iter_mut().zip(&saved.memories) {
-            probe.restore(*memory);
+            probe.continued = *memory;
         }
         Ok(())
     }

@@ -28,12 +28,10 @@ pub(crate) enum Target {
 pub(crate) enum ProbeComponent {
     /// All three, with the ends of their column names.
     All([&'static str; 3]),
-    /// One.
+    /// One; the first of a scalar.
     One(usize),
     /// The Euclidean norm.
     Norm,
-    /// The quantity is a scalar.
-    Whole,
 }
 
 /// A probe of a model.
@@ -44,7 +42,7 @@ pub struct Probe {
     target: Target,
     component: ProbeComponent,
     /// Rotation vector at the last step, continued over changes of chart; the next value depends on it.
-    continued: Vector3<f64>,
+    pub(crate) continued: Vector3<f64>,
 }
 
 /// The quantities of a model at one step, evaluated once for all probes.
@@ -84,15 +82,19 @@ impl Answers {
         })
     }
 
-    /// A scalar of the whole model.
-    fn whole(&self, quantity: ProbeQuantity) -> f64 {
+    /// A quantity of the whole model.
+    fn whole(&self, quantity: ProbeQuantity) -> Vector3<f64> {
         let (balance, defect) = self.motion.unwrap_or_default();
         let kinetic = balance.energies.kinetic;
         match quantity {
-            ProbeQuantity::kinetic_energy => kinetic,
-            ProbeQuantity::total_energy => kinetic + self.strain_energy + self.load_potential,
-            ProbeQuantity::energy_defect => defect,
-            _ => self.strain_energy,
+            ProbeQuantity::momentum => balance.momentum.linear,
+            ProbeQuantity::angular_momentum => balance.momentum.angular,
+            ProbeQuantity::kinetic_energy => scalar(kinetic),
+            ProbeQuantity::total_energy => {
+                scalar(kinetic + self.strain_energy + self.load_potential)
+            }
+            ProbeQuantity::energy_defect => scalar(defect),
+            _ => scalar(self.strain_energy),
         }
     }
 
@@ -134,16 +136,6 @@ impl Probe {
         if let (ProbeQuantity::rotation, Target::Node(node)) = (self.quantity, &self.target) {
             self.continued = continue_rotation(&self.continued, &context.node_state(*node).psi);
         }
-    }
-
-    /// Rotation vector at the last step, for a checkpoint.
-    pub(crate) fn save(&self) -> [f64; 3] {
-        self.continued.into()
-    }
-
-    /// Restores that rotation vector.
-    pub(crate) fn restore(&mut self, memory: [f64; 3]) {
-        self.continued = memory.into();
     }
 
     /// Its name.
@@ -191,30 +183,21 @@ impl Probe {
             ProbeComponent::All(_) => out.extend(v.iter()),
             ProbeComponent::One(k) => out.push(v[k]),
             ProbeComponent::Norm => out.push(v.norm()),
-            ProbeComponent::Whole => out.push(match &self.target {
-                Target::Joint(node, _) => {
-                    let rate = match self.quantity {
-                        ProbeQuantity::joint_rate => 1,
-                        ProbeQuantity::joint_acceleration => 2,
-                        _ => 0,
-                    };
-                    (context.coordinate_motion(*node, 0)).map_or(f64::NAN, |x| x[rate])
-                }
-                _ => answers.whole(self.quantity),
-            }),
         }
     }
 
     fn vector(&mut self, context: &Context, answers: &Answers) -> Vector3<f64> {
         match &self.target {
-            Target::Joint(..) => Vector3::zeros(),
-            Target::Whole => {
-                let momentum = answers.motion.unwrap_or_default().0.momentum;
-                match self.quantity {
-                    ProbeQuantity::momentum => momentum.linear,
-                    _ => momentum.angular,
-                }
+            Target::Joint(node, _) => {
+                let rate = match self.quantity {
+                    ProbeQuantity::joint_rate => 1,
+                    ProbeQuantity::joint_acceleration => 2,
+                    _ => 0,
+                };
+                let motion = context.coordinate_motion(*node, 0);
+                scalar(motion.map_or(f64::NAN, |x| x[rate]))
             }
+            Target::Whole => answers.whole(self.quantity),
             Target::Element(id) => answers.mean(*id, |s| match self.quantity {
                 ProbeQuantity::M => s.M,
                 ProbeQuantity::Gamma => s.Gamma,
@@ -251,6 +234,10 @@ impl Probe {
             }
         }
     }
+}
+
+fn scalar(x: f64) -> Vector3<f64> {
+    Vector3::new(x, 0.0, 0.0)
 }
 
 /// The rotation vector of the same rotation as `psi` that is closest to `before`: the family is

@@ -117,7 +117,7 @@ fn component(
         Target::Node(..) | Target::Whole => (["x", "y", "z"], "\"x\", \"y\", \"z\" or \"norm\""),
     };
     let component = match probe.component.as_deref() {
-        None if names[0].is_empty() => Some(ProbeComponent::Whole),
+        None if names[0].is_empty() => Some(ProbeComponent::One(0)),
         None => Some(ProbeComponent::All(names)),
         Some(_) if names[0].is_empty() => None,
         Some("norm") => Some(ProbeComponent::Norm),

@@ -8,6 +8,7 @@ use super::log::{self, Extent};
 use super::plot::Shapes;
 use super::recording::Seen;
 use crate::input::Plan;
+use nalgebra::Vector3;
 use pullback_elements::model::{Context, SavedState};
 use pullback_integrators::dynamics::Progress;
 use pullback_manifold::system::System;
@@ -56,7 +57,7 @@ pub struct Checkpoint {
     /// State of the model besides the coordinates.
     state: SavedState,
     /// Last rotation vectors of the probes.
-    pub(super) memories: Vec<[f64; 3]>,
+    pub(super) memories: Vec<Vector3<f64>>,
     pub(super) record: Record,
     /// The part of the log that belongs to it.
     pub(super) log: Extent,

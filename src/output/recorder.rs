@@ -107,7 +107,7 @@ impl<'a> Recorder<'a> {
     ) -> Result<(), RecordError> {
         let recording = &mut self.recording;
         for (probe, memory) in recording.probes.iter_mut().zip(checkpoint.memories) {
-            probe.restore(memory);
+            probe.continued = memory;
         }
         recording.rows = checkpoint.rows;
         self.record = checkpoint.record;
@@ -233,7 +233,8 @@ impl<'a> Recorder<'a> {
         let settings =
             serde_json::to_value(self.setting.file).map_err(encoding(checkpoint::NAME))?;
         let mut checkpoint = Checkpoint::new(settings, context, progress);
-        checkpoint.memories = self.recording.probes.iter().map(Probe::save).collect();
+        let probes = self.recording.probes.iter();
+        checkpoint.memories = probes.map(|probe| probe.continued).collect();
         checkpoint.record = self.record.clone();
         checkpoint.record.seen = self.recording.seen.clone();
         checkpoint.record.seconds = self.seconds();
