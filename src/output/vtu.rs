@@ -10,7 +10,7 @@ use crate::probe::Answers;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use nalgebra::{Matrix3, Vector3};
-use pullback_elements::model::{Context, NodeId};
+use pullback_elements::model::{Context, NodeId, NodeState};
 use std::fmt::Write;
 
 /// A grid and its time.
@@ -63,66 +63,125 @@ pub(super) fn grid(
     let _ = writeln!(
         out,
         "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">",
-        points.positions.len(),
-        cells.types.len()
+        points.len(),
+        cells.len()
     );
     out += "<Points>\n";
-    vectors(&mut out, "Points", &points.positions);
+    vectors(&mut out, "Points", points.iter().map(Point::position));
     out += "</Points>\n<Cells>\n";
-    let (connectivity, offsets) = (&cells.connectivity, &cells.offsets);
-    for (name, values) in [("connectivity", connectivity), ("offsets", offsets)] {
-        let about = format!("type=\"Int64\" Name=\"{name}\"");
-        array(&mut out, &about, values.iter().map(|i| i.to_le_bytes()));
-    }
-    let types = cells.types.iter().map(|kind| [*kind]);
-    array(&mut out, "type=\"UInt8\" Name=\"types\"", types);
-    out += "</Cells>\n<PointData Vectors=\"displacement\">\n";
-    vectors(&mut out, "displacement", &points.displacement);
-    vectors(&mut out, "rotation", &points.rotation);
-    if answers.motion.is_some() {
-        vectors(&mut out, "velocity", &points.velocity);
-        vectors(&mut out, "angular_velocity", &points.omega);
-    }
-    for (name, axis) in ["e1", "e2", "e3"].into_iter().zip(&points.axes) {
-        vectors(&mut out, name, axis);
-    }
-    vectors(&mut out, "reference", &points.reference());
-    // Each string ends with a zero.
-    let bytes = (points.names.iter()).flat_map(|name| name.bytes().chain([0]));
+    let connectivity = cells.iter().flat_map(|cell| &cell.points);
+    let connectivity = connectivity.map(|point| (*point as i64).to_le_bytes());
     array(
         &mut out,
-        "type=\"String\" Name=\"node\"",
-        bytes.map(|byte| [byte]),
+        "type=\"Int64\" Name=\"connectivity\"",
+        connectivity,
     );
+    let offsets = cells.iter().scan(0, |end: &mut i64, cell| {
+        *end += cell.points.len() as i64;
+        Some(end.to_le_bytes())
+    });
+    array(&mut out, "type=\"Int64\" Name=\"offsets\"", offsets);
+    let types = cells.iter().map(|cell| [cell.cell_type]);
+    array(&mut out, "type=\"UInt8\" Name=\"types\"", types);
+    out += "</Cells>\n<PointData Vectors=\"displacement\">\n";
+    point_data(&mut out, &points, answers.motion.is_some());
     out += "</PointData>\n<CellData>\n";
-    for (name, values) in ["N", "M", "Gamma", "K"].into_iter().zip(&cells.resultants) {
-        vectors(&mut out, name, values);
+    for (k, name) in ["N", "M", "Gamma", "K"].into_iter().enumerate() {
+        vectors(&mut out, name, cells.iter().map(|cell| cell.means[k]));
     }
-    let lines = cells.lines.iter().map(|line| line.to_le_bytes());
+    let lines = cells.iter().map(|cell| (cell.line as i32).to_le_bytes());
     array(&mut out, "type=\"Int32\" Name=\"line\"", lines);
     out + "</CellData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n"
 }
 
+/// The arrays of points; velocities in a motion.
+fn point_data(out: &mut String, points: &[Point<'_>], moving: bool) {
+    let points = || points.iter();
+    vectors(out, "displacement", points().map(Point::displacement));
+    vectors(out, "rotation", points().map(|p| p.node.psi));
+    if moving {
+        let velocity = |p: &Point<'_>| p.node.velocity + p.node.omega.cross(&p.arm);
+        vectors(out, "velocity", points().map(velocity));
+        vectors(out, "angular_velocity", points().map(|p| p.node.omega));
+    }
+    for (k, name) in ["e1", "e2", "e3"].into_iter().enumerate() {
+        vectors(out, name, points().map(|p| p.axes.column(k).into()));
+    }
+    let reference = points().map(|p| p.position() - p.displacement());
+    vectors(out, "reference", reference);
+    // Each string ends with a zero.
+    let bytes = points().flat_map(|p| p.name.bytes().chain([0]));
+    let about = "type=\"String\" Name=\"node\"";
+    array(out, about, bytes.map(|byte| [byte]));
+}
+
+/// A point that moves with a node.
+struct Point<'a> {
+    /// Name of the node.
+    name: &'a str,
+    node: NodeState,
+    /// Position as seen from the node, and that in the reference configuration.
+    arm: Vector3<f64>,
+    center: Vector3<f64>,
+    /// Section axes, as columns.
+    axes: Matrix3<f64>,
+}
+
+impl Point<'_> {
+    fn position(&self) -> Vector3<f64> {
+        self.node.position + self.arm
+    }
+
+    fn displacement(&self) -> Vector3<f64> {
+        self.node.d + self.arm - self.center
+    }
+}
+
+struct Cell {
+    cell_type: u8,
+    points: Vec<usize>,
+    /// Number of the line from 1; 0 for bodies and links.
+    line: usize,
+    /// N, M, Γ and K.
+    means: [Vector3<f64>; 4],
+}
+
 /// The points and cells of all lines, bodies and links.
-fn parts<'a>(context: &'a Context, geometry: &Geometry, answers: &Answers) -> (Points<'a>, Cells) {
-    let (mut points, mut cells) = (Points::default(), Cells::default());
-    for (l, line) in geometry.lines.iter().enumerate() {
-        let first = points.positions.len();
-        for (&node, R0) in line.nodes.iter().zip(&line.frames) {
-            points.push(context, node, Vector3::zeros(), R0);
+fn parts<'a>(
+    context: &'a Context,
+    geometry: &Geometry,
+    answers: &Answers,
+) -> (Vec<Point<'a>>, Vec<Cell>) {
+    let (mut points, mut cells) = (Vec::new(), Vec::new());
+    let point = |id: NodeId, center: Vector3<f64>, R0: &Matrix3<f64>| {
+        let node = context.node_state(id);
+        Point {
+            name: context.node(id).name(),
+            arm: node.R * center,
+            center,
+            axes: node.R * R0,
+            node,
         }
+    };
+    for (l, line) in geometry.lines.iter().enumerate() {
+        let first = points.len();
+        let nodes = line.nodes.iter().zip(&line.frames);
+        points.extend(nodes.map(|(&id, R0)| point(id, Vector3::zeros(), R0)));
         for (e, &id) in line.elements.iter().enumerate() {
             let start = first + e * line.order;
             // Both ends come first, then the inner nodes.
             let ends = [start, start + line.order];
-            let own = ends.into_iter().chain(start + 1..start + line.order);
-            let means = [
-                answers.mean(id, |s| s.N),
-                answers.mean(id, |s| s.M),
-                answers.mean(id, |s| s.Gamma),
-                answers.mean(id, |s| s.K),
-            ];
-            cells.push(CELL_TYPES[(line.order - 1).min(2)], own, l + 1, means);
+            cells.push(Cell {
+                cell_type: CELL_TYPES[(line.order - 1).min(2)],
+                points: ends.into_iter().chain(start + 1..ends[1]).collect(),
+                line: l + 1,
+                means: [
+                    answers.mean(id, |s| s.N),
+                    answers.mean(id, |s| s.M),
+                    answers.mean(id, |s| s.Gamma),
+                    answers.mean(id, |s| s.K),
+                ],
+            });
         }
     }
     let bodies = geometry.bodies.iter();
@@ -130,92 +189,22 @@ fn parts<'a>(context: &'a Context, geometry: &Geometry, answers: &Answers) -> (P
     let links = geometry.links.iter();
     let links = links.map(|ends| (CELL_TYPES[0], ends.map(|n| (n, Vector3::zeros())).to_vec()));
     for (cell_type, all) in bodies.chain(links) {
-        let first = points.positions.len();
-        for (node, center) in all {
-            points.push(context, node, center, &Matrix3::identity());
-        }
-        let own = first..points.positions.len();
-        cells.push(cell_type, own, 0, [Vector3::zeros(); 4]);
+        let first = points.len();
+        let all = all.into_iter();
+        points.extend(all.map(|(id, center)| point(id, center, &Matrix3::identity())));
+        cells.push(Cell {
+            cell_type,
+            points: (first..points.len()).collect(),
+            line: 0,
+            means: [Vector3::zeros(); 4],
+        });
     }
     (points, cells)
 }
 
-/// Cells and their data.
-#[derive(Default)]
-struct Cells {
-    connectivity: Vec<i64>,
-    offsets: Vec<i64>,
-    types: Vec<u8>,
-    /// Numbers of lines from 1; 0 for bodies and links.
-    lines: Vec<i32>,
-    /// N, M, Γ and K.
-    resultants: [Vec<Vector3<f64>>; 4],
-}
-
-impl Cells {
-    fn push(
-        &mut self,
-        cell_type: u8,
-        points: impl Iterator<Item = usize>,
-        line: usize,
-        resultants: [Vector3<f64>; 4],
-    ) {
-        self.connectivity.extend(points.map(|point| point as i64));
-        self.offsets.push(self.connectivity.len() as i64);
-        self.types.push(cell_type);
-        self.lines.push(line as i32);
-        for (all, own) in self.resultants.iter_mut().zip(resultants) {
-            all.push(own);
-        }
-    }
-}
-
-/// Points and their data.
-#[derive(Default)]
-struct Points<'a> {
-    /// Names of the nodes.
-    names: Vec<&'a str>,
-    positions: Vec<Vector3<f64>>,
-    displacement: Vec<Vector3<f64>>,
-    rotation: Vec<Vector3<f64>>,
-    velocity: Vec<Vector3<f64>>,
-    omega: Vec<Vector3<f64>>,
-    axes: [Vec<Vector3<f64>>; 3],
-}
-
-impl<'a> Points<'a> {
-    /// A point that is at `center` as seen from a node in the reference configuration, with axes that
-    /// are the columns of `R0` there.
-    fn push(
-        &mut self,
-        context: &'a Context,
-        node: NodeId,
-        center: Vector3<f64>,
-        R0: &Matrix3<f64>,
-    ) {
-        self.names.push(context.node(node).name());
-        let node = context.node_state(node);
-        let arm = node.R * center;
-        self.positions.push(node.position + arm);
-        self.displacement.push(node.d + arm - center);
-        self.rotation.push(node.psi);
-        self.velocity.push(node.velocity + node.omega.cross(&arm));
-        self.omega.push(node.omega);
-        let frame = node.R * R0;
-        for (k, axis) in self.axes.iter_mut().enumerate() {
-            axis.push(frame.column(k).into_owned());
-        }
-    }
-
-    fn reference(&self) -> Vec<Vector3<f64>> {
-        let pairs = self.positions.iter().zip(&self.displacement);
-        pairs.map(|(x, d)| x - d).collect()
-    }
-}
-
-fn vectors(out: &mut String, name: &str, values: &[Vector3<f64>]) {
+fn vectors(out: &mut String, name: &str, values: impl Iterator<Item = Vector3<f64>>) {
     let about = format!("type=\"Float64\" Name=\"{name}\" NumberOfComponents=\"3\"");
-    let numbers = values.iter().flat_map(|v| [v.x, v.y, v.z]);
+    let numbers = values.flat_map(|v| [v.x, v.y, v.z]);
     array(out, &about, numbers.map(f64::to_le_bytes));
 }
 
