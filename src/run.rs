@@ -119,10 +119,9 @@ pub fn run_job(
     observer: &mut dyn FnMut(&Advance<'_>) -> ControlFlow<()>,
 ) -> Result<Outcome, RunError> {
     let mut notes = notes(&job);
-    let checkpoint = match resume {
-        true => Some(checkpoint(&mut job, directory)?),
-        false => None,
-    };
+    let checkpoint = resume
+        .then(|| checkpoint(&mut job, directory))
+        .transpose()?;
     // A refused start leaves the directory unchanged.
     let resumed = checkpoint.as_ref().map(|c| c.progress.clone());
     let mut progress = initial_progress(&mut job, resumed)?;
@@ -130,46 +129,35 @@ pub fn run_job(
         None => first_warnings(&mut job, &progress, &mut notes),
         Some(_) => Vec::new(),
     };
-    let Job {
-        mut context,
-        plan,
-        eigenvalues,
-        probes,
-        geometry,
-        file,
-        ..
-    } = job;
     let directory = match &checkpoint {
         None => Directory::open(directory)?,
-        Some(checkpoint) => Directory::reopen(directory, checkpoint.grids(&plan))?,
+        Some(checkpoint) => Directory::reopen(directory, checkpoint.grids(&job.plan))?,
     };
     let setting = Setting {
         source,
-        file: &file,
-        plan: &plan,
-        geometry: &geometry,
+        file: &job.file,
+        plan: &job.plan,
+        geometry: &job.geometry,
         notes: &notes,
     };
-    let mut recorder = Recorder::new(setting, directory, probes, &context, warnings)?;
+    let (context, probes) = (&mut job.context, std::mem::take(&mut job.probes));
+    let mut recorder = Recorder::new(setting, directory, probes, context, warnings)?;
     match checkpoint {
-        Some(checkpoint) => recorder.resume(&mut context, checkpoint, &progress)?,
-        None => recorder.start(&mut context, &progress)?,
+        Some(checkpoint) => recorder.resume(context, checkpoint, &progress)?,
+        None => recorder.start(context, &progress)?,
     }
     let mut each =
-        |context: &mut Context, step: &Advance<'_>| record(&mut recorder, context, &plan, step);
-    let (ended, mut ending) =
-        solve_recorded(&mut context, &plan, &mut progress, &mut each, observer)?;
-    if matches!(plan, Plan::Dynamic(_)) {
-        recorder.checkpoint(&context, &progress)?;
+        |context: &mut Context, step: &Advance<'_>| record(&mut recorder, context, &job.plan, step);
+    let ended = solve_recorded(context, &job.plan, &mut progress, &mut each, observer)?;
+    if matches!(job.plan, Plan::Dynamic(_)) {
+        recorder.checkpoint(context, &progress)?;
     }
     let rows = &recorder.recording.rows;
-    let (rows, t) = (rows.len(), rows.last().map_or(plan.start(), |row| row.t));
-    let mut found = None;
-    if let (Some(wanted), Ending::Complete) = (eigenvalues, &ending) {
-        (found, ending) = find(&mut context, &progress, wanted, observer);
-        if let Some(found) = &found {
-            recorder.write_eigenvalues(&mut context, progress.state.point(), found)?;
-        }
+    let t = rows.last().map_or(job.plan.start(), |row| row.t);
+    let rows = rows.len();
+    let (found, ending) = find(context, &progress, job.eigenvalues, ended.ending, observer);
+    if let Some(found) = &found {
+        recorder.write_eigenvalues(context, progress.state.point(), found)?;
     }
     let (written, warnings) = recorder.finish(&ending, ended.counts)?;
     Ok(Outcome {
@@ -177,7 +165,7 @@ pub fn run_job(
         counts: ended.counts,
         rows,
         t,
-        parameter: plan.parameter(),
+        parameter: job.plan.parameter(),
         warnings,
         directory: written.path().to_owned(),
         files: written.files().to_vec(),
@@ -193,37 +181,38 @@ fn solve_recorded(
     progress: &mut Progress,
     record: &mut dyn FnMut(&mut Context, &Advance<'_>) -> Result<(), RecordError>,
     observer: &mut dyn FnMut(&Advance<'_>) -> ControlFlow<()>,
-) -> Result<(Ended, Ending), RecordError> {
+) -> Result<Ended, RecordError> {
     let mut unrecorded = None;
-    let mut t = match plan {
-        Plan::Dynamic(_) => progress.state.t,
-        _ => plan.start(),
-    };
-    let ended = solve(context, plan, progress, &mut |context, step| {
+    let mut ended = solve(context, plan, progress, &mut |context, step| {
         if let Err(error) = record(context, step) {
             unrecorded = Some(error);
             return ControlFlow::Break(());
         }
-        t = step.t;
         observer(step)
     });
-    let ending = match unrecorded {
-        None => ending(&ended, t),
-        Some(error @ RecordError::System(_)) => Ending::Failed {
-            message: error.to_string(),
-        },
+    match unrecorded {
+        None => {}
+        Some(error @ RecordError::System(_)) => {
+            let message = error.to_string();
+            ended.ending = Ending::Failed { message };
+        }
         Some(error) => return Err(error),
-    };
-    Ok((ended, ending))
+    }
+    Ok(ended)
 }
 
-/// Finds modes or critical loads at the end of an analysis; without them, why the run has not ended with them.
+/// Finds modes or critical loads at the end of a complete analysis, if they are wanted; without them, why the run has not
+/// ended with them.
 fn find(
     context: &mut Context,
     progress: &Progress,
-    wanted: EigenvaluePlan,
+    wanted: Option<EigenvaluePlan>,
+    ending: Ending,
     observer: &mut dyn FnMut(&Advance<'_>) -> ControlFlow<()>,
 ) -> (Option<Eigenvalues>, Ending) {
+    let (Some(wanted), Ending::Complete) = (wanted, &ending) else {
+        return (None, ending);
+    };
     let at = progress.state.point();
     let found = match wanted {
         EigenvaluePlan::Modes(options) => {
@@ -319,17 +308,4 @@ fn record(
         recorder.checkpoint(context, progress)?;
     }
     Ok(())
-}
-
-pub(crate) fn ending(ended: &Ended, t: f64) -> Ending {
-    if let Some(failure) = &ended.failure {
-        return Ending::Failed {
-            message: failure.to_string(),
-        };
-    }
-    match ended.step_limit {
-        _ if ended.finished => Ending::Complete,
-        Some(max_steps) if ended.counts.steps >= max_steps => Ending::StepLimit { max_steps, t },
-        _ => Ending::Interrupted { t },
-    }
 }

@@ -1,40 +1,17 @@
 //! Runs the analysis of a job; the only caller of the solvers.
 
 use crate::input::Plan;
+use crate::output::Ending;
 use crate::terminal::plural;
 use pullback_elements::model::Context;
 use pullback_integrators::dynamics::{
     self, DynamicOptions, DynamicsError, EnergyBalance, Progress, StepReport,
 };
 use pullback_integrators::significant;
-use pullback_integrators::statics::{
-    FailedStep, Iteration, StaticsError, Step, solve_statics, trace_path,
-};
+use pullback_integrators::statics::{Iteration, StaticsError, Step, solve_statics, trace_path};
 use serde::ser::{SerializeMap, Serializer};
+use std::error::Error;
 use std::ops::ControlFlow;
-
-/// Failure of an analysis.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum SolveError {
-    /// In statics.
-    #[error(transparent)]
-    Statics(#[from] StaticsError),
-    /// In dynamics.
-    #[error(transparent)]
-    Dynamics(#[from] DynamicsError),
-}
-
-impl SolveError {
-    fn step(&self) -> Option<&FailedStep> {
-        match self {
-            Self::Statics(StaticsError::Step(step)) | Self::Dynamics(DynamicsError::Step(step)) => {
-                Some(step)
-            }
-            _ => None,
-        }
-    }
-}
 
 /// A converged step of any analysis.
 #[derive(Clone, Copy, Debug)]
@@ -223,12 +200,25 @@ impl Counts {
 pub struct Ended {
     /// Its statistics.
     pub counts: Counts,
-    /// Whether its end was reached.
-    pub finished: bool,
-    /// Most steps allowed, if there is a limit.
-    pub step_limit: Option<usize>,
-    /// The failure of the solver, if any.
-    pub failure: Option<SolveError>,
+    /// How it ended.
+    pub ending: Ending,
+}
+
+impl Ended {
+    /// The end at `t` of an analysis that came to its end, or did not, in at most so many steps; or its failure.
+    fn new<E: Error>(counts: Counts, t: f64, most: Option<usize>, solved: Result<bool, E>) -> Self {
+        let ending = match (solved, most) {
+            (Err(failure), _) => Ending::Failed {
+                message: failure.to_string(),
+            },
+            (Ok(true), _) => Ending::Complete,
+            (Ok(false), Some(max_steps)) if counts.steps >= max_steps => {
+                Ending::StepLimit { max_steps, t }
+            }
+            (Ok(false), _) => Ending::Interrupted { t },
+        };
+        Self { counts, ending }
+    }
 }
 
 /// Initialises charts, consistent accelerations and energies at the start of a motion; of a resumed one
@@ -260,17 +250,17 @@ pub fn solve(
     observer: &mut dyn FnMut(&mut Context, &Advance<'_>) -> ControlFlow<()>,
 ) -> Ended {
     let mut q = context.initial().to_vec();
-    let mut counts = Counts::default();
-    let mut step_limit = None;
+    let (mut counts, mut t, mut most) = (Counts::default(), plan.start(), None);
     let mut seen = |context: &mut Context, step: &Step<'_>| {
         let advance = Advance::from(step);
         counts.add(&advance);
+        t = step.t;
         observer(context, &advance)
     };
     let statics = match plan {
         Plan::Static(options) => solve_statics(context, &mut q, options, &mut seen),
         Plan::Path(options, _) => {
-            step_limit = Some(options.max_steps);
+            most = Some(options.max_steps);
             trace_path(context, &mut q, options, &mut seen)
         }
         Plan::Dynamic(plan) => {
@@ -278,38 +268,23 @@ pub fn solve(
                 dynamics::integrate(context, progress, &plan.options, &mut |context, step| {
                     observer(context, &Advance::from(step))
                 });
-            return Ended {
-                counts: Counts::of_motion(&progress.summary),
-                finished: solved.is_ok() && progress.summary.finished,
-                step_limit,
-                failure: solved.err().map(SolveError::from),
-            };
+            let (counts, t) = (Counts::of_motion(&progress.summary), progress.state.t);
+            let solved = solved.map(|()| progress.summary.finished);
+            return Ended::new(counts, t, None, solved);
         }
     };
     progress.state.q = q;
-    match statics {
+    match &statics {
         Ok(summary) => {
             progress.state.t = summary.t;
-            Ended {
-                counts: Counts::of_statics(&summary),
-                finished: summary.finished,
-                step_limit,
-                failure: None,
-            }
+            counts = Counts::of_statics(summary);
         }
-        Err(error) => {
-            let failure = SolveError::from(error);
-            if let Some(step) = failure.step() {
-                counts.rejected = step.rejected;
-                counts.evaluations = step.cost.evaluations;
-                counts.factorisations = step.cost.factorisations;
-            }
-            Ended {
-                counts,
-                finished: false,
-                step_limit,
-                failure: Some(failure),
-            }
+        Err(StaticsError::Step(step)) => {
+            counts.rejected = step.rejected;
+            counts.evaluations = step.cost.evaluations;
+            counts.factorisations = step.cost.factorisations;
         }
+        Err(_) => {}
     }
+    Ended::new(counts, t, most, statics.map(|summary| summary.finished))
 }

@@ -1,6 +1,6 @@
 //! A run in memory: no files are written.
 
-use super::{RunError, ending, find, first_warnings, initial_progress, notes, solve_recorded};
+use super::{RunError, find, first_warnings, initial_progress, notes, solve_recorded};
 use crate::input::{Job, Plan};
 use crate::modes::Eigenvalues;
 use crate::output::{Ending, History, RecordError, Recording};
@@ -42,17 +42,11 @@ pub fn record_job(
     let mut notes = notes(&job);
     let mut progress = initial_progress(&mut job, None)?;
     let warnings = first_warnings(&mut job, &progress, &mut notes);
-    let Job {
-        mut context,
-        plan,
-        eigenvalues,
-        probes,
-        ..
-    } = job;
-    let mut recording = Recording::new(&plan, probes, warnings);
-    let start = recording.start(&mut context, &progress);
+    let (context, probes) = (&mut job.context, std::mem::take(&mut job.probes));
+    let mut recording = Recording::new(&job.plan, probes, warnings);
+    let start = recording.start(context, &progress);
     if start.map_err(RecordError::from)?.is_some() {
-        each_row(&context);
+        each_row(context);
     }
     let mut each = |context: &mut Context, step: &Advance<'_>| {
         if recording.take(context, step)?.is_some() {
@@ -60,12 +54,8 @@ pub fn record_job(
         }
         Ok(())
     };
-    let (ended, mut ending) =
-        solve_recorded(&mut context, &plan, &mut progress, &mut each, observer)?;
-    let mut found = None;
-    if let (Some(wanted), Ending::Complete) = (eigenvalues, &ending) {
-        (found, ending) = find(&mut context, &progress, wanted, observer);
-    }
+    let ended = solve_recorded(context, &job.plan, &mut progress, &mut each, observer)?;
+    let (found, ending) = find(context, &progress, job.eigenvalues, ended.ending, observer);
     if let Some(found) = &found {
         let warnings = &mut recording.seen.warnings;
         warnings.extend_from_slice(found.warnings());
@@ -74,7 +64,7 @@ pub fn record_job(
     Ok(Recorded {
         warnings: recording.warnings(&ending),
         counts: ended.counts,
-        parameter: plan.parameter(),
+        parameter: job.plan.parameter(),
         history: recording.history(),
         ending,
         notes,
@@ -123,7 +113,7 @@ pub fn reach(
         &mut progress,
         &mut |_, step| observer(step),
     );
-    match ending(&ended, progress.state.t) {
+    match ended.ending {
         Ending::Interrupted { .. } => Err(ReachError::Interrupted),
         ending => match ending.problem() {
             Some(problem) => Err(ReachError::Failed(problem)),

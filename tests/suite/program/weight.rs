@@ -7,6 +7,7 @@ use crate::support::program::{assert_close, changed};
 use pullback::elements::model::NodeState;
 use pullback::input::assemble_text;
 use pullback::integrators::dynamics::{Progress, start};
+use pullback::output::Ending;
 use pullback::solve::solve;
 use std::ops::ControlFlow;
 
@@ -33,7 +34,7 @@ fn ends(stiffness: &str, of: (usize, &str), from: &str, rest: &[&str]) -> Vec<No
             ControlFlow::Continue(())
         },
     );
-    assert!(ended.finished, "{:?}", ended.failure);
+    assert_eq!(ended.ending, Ending::Complete);
     states
 }
 
