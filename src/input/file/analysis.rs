@@ -203,7 +203,7 @@ pub struct Dynamic {
     /// Step sizes by an estimate of the local error.
     pub adaptive: Option<Adaptive>,
     /// A row of the history every this many steps.
-    #[serde(default = "one")]
+    #[serde(default = "super::count::<1>")]
     #[schemars(range(min = 1))]
     pub record_every: usize,
     /// Instead of `record_every`: a row at every multiple of this time, where steps end exactly.
@@ -214,10 +214,6 @@ pub struct Dynamic {
     /// Newton's method.
     #[serde(default)]
     pub newton: DynamicNewton,
-}
-
-fn one() -> usize {
-    1
 }
 
 /// Adaptive step sizes.

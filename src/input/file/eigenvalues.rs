@@ -70,19 +70,11 @@ pub struct CampbellAnalysis {
     /// Last speed; the modes there are written as well.
     pub to: f64,
     /// Number of steps between them.
-    #[serde(default = "twenty")]
+    #[serde(default = "super::count::<20>")]
     #[schemars(range(min = 1))]
     pub steps: usize,
     /// Number of modes, from the lowest one at the first speed on.
-    #[serde(default = "six")]
+    #[serde(default = "super::count::<6>")]
     #[schemars(range(min = 1))]
     pub count: usize,
-}
-
-fn twenty() -> usize {
-    20
-}
-
-fn six() -> usize {
-    6
 }

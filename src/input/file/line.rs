@@ -18,7 +18,7 @@ pub struct Line {
     #[schemars(range(min = 1))]
     pub elements: usize,
     /// Polynomial order of the elements: 1, 2 or 3 (two, three or four nodes each).
-    #[serde(default = "one")]
+    #[serde(default = "super::count::<1>")]
     #[schemars(range(min = 1, max = 3))]
     pub order: usize,
     /// Name of its cross-section.
@@ -78,13 +78,9 @@ pub struct Imperfection {
     /// directory of the model file.
     pub shapes: String,
     /// Number of the mode there.
-    #[serde(default = "one")]
+    #[serde(default = "super::count::<1>")]
     #[schemars(range(min = 1))]
     pub mode: usize,
     /// Largest displacement of a node; negative for the opposite one.
     pub amplitude: f64,
-}
-
-fn one() -> usize {
-    1
 }

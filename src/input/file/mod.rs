@@ -99,3 +99,8 @@ pub struct ModelFile {
     #[serde(default)]
     pub output: Output,
 }
+
+/// A count by default.
+fn count<const N: usize>() -> usize {
+    N
+}

@@ -113,21 +113,17 @@ impl Assembly<'_> {
 
 /// Refuses numbers of elements, and orders, that are none.
 fn check_counts(at: &Location<'_>, line: &Line) -> Result<(), InputError> {
-    let counts = [
-        (
+    if !(1..=MOST_ELEMENTS).contains(&line.elements) {
+        return Err(at.range(
             "elements",
-            line.elements,
-            MOST_ELEMENTS,
+            line.elements as f64,
             "a count from 1 to 1000000",
-        ),
-        ("order", line.order, 3, "1, 2 or 3"),
-    ];
-    for (key, value, most, expected) in counts {
-        if value == 0 || value > most {
-            return Err(at.range(key, value as f64, expected));
-        }
+        ));
     }
-    Ok(())
+    match line.order {
+        1..=3 => Ok(()),
+        order => Err(at.range("order", order as f64, "1, 2 or 3")),
+    }
 }
 
 /// The axis of a line, checked so that it has a direction everywhere.
