@@ -71,13 +71,11 @@ fn speeds(at: &Location<'_>, c: &CampbellAnalysis) -> Result<CampbellOptions, In
     at.positive("count", c.count as f64)?;
     at.positive("steps", c.steps as f64)?;
     for (key, speed) in [("from", c.from), ("to", c.to)] {
-        if !speed.is_finite() {
-            return Err(at.range(key, speed, "a speed in radians per unit of time"));
-        }
+        let expected = "a speed in radians per unit of time";
+        at.refuse_if(!speed.is_finite(), key, speed, expected)?;
     }
-    if c.steps > MOST_SPEEDS {
-        return Err(at.range("steps", c.steps as f64, "at most 100000 steps"));
-    }
+    let many = c.steps > MOST_SPEEDS;
+    at.refuse_if(many, "steps", c.steps as f64, "at most 100000 steps")?;
     let steps = if c.from == c.to { 0 } else { c.steps };
     let part = |k: usize| k as f64 / steps.max(1) as f64;
     Ok(CampbellOptions {
@@ -95,9 +93,8 @@ const MOST_SPEEDS: usize = 100_000;
 
 fn mode_options(at: &Location<'_>, m: &ModalAnalysis) -> Result<ModeOptions, InputError> {
     at.positive("count", m.count as f64)?;
-    if !(m.near >= 0.0 && m.near.is_finite()) {
-        return Err(at.range("near", m.near, "a frequency, zero or positive"));
-    }
+    let usable = m.near >= 0.0 && m.near.is_finite();
+    at.refuse_if(!usable, "near", m.near, "a frequency, zero or positive")?;
     let selection = match m.range {
         Some([from, to]) if !(0.0 <= from && from < to && to.is_finite()) => {
             return Err(at.range(

@@ -131,20 +131,30 @@ impl Location<'_> {
         })
     }
 
+    /// Refuses a number of this table if it is out of range.
+    pub fn refuse_if(
+        &self,
+        out_of_range: bool,
+        key: &'static str,
+        value: f64,
+        expected: &'static str,
+    ) -> Result<(), InputError> {
+        match out_of_range {
+            true => Err(self.range(key, value, expected)),
+            false => Ok(()),
+        }
+    }
+
     /// Refuses a number of this table that is negative (or not finite).
     pub fn not_negative(&self, key: &'static str, value: f64) -> Result<(), InputError> {
-        match value >= 0.0 && value.is_finite() {
-            true => Ok(()),
-            false => Err(self.range(key, value, "zero or a positive number")),
-        }
+        let usable = value >= 0.0 && value.is_finite();
+        self.refuse_if(!usable, key, value, "zero or a positive number")
     }
 
     /// Refuses a number of this table that is not positive (or not finite).
     pub fn positive(&self, key: &'static str, value: f64) -> Result<(), InputError> {
-        match value > 0.0 && value.is_finite() {
-            true => Ok(()),
-            false => Err(self.range(key, value, "a positive number")),
-        }
+        let usable = value > 0.0 && value.is_finite();
+        self.refuse_if(!usable, key, value, "a positive number")
     }
 
     /// The directory of the file.

@@ -123,12 +123,10 @@ fn dynamic(at: &Location<'_>, d: &Dynamic) -> Result<DynamicPlan, InputError> {
         at.positive("tolerance", a.tolerance)?;
         at.positive("max_step", a.max_step)?;
     }
-    if d.step > d.to || min_step > d.step {
-        return Err(at.range("step", d.step, "a step between min_step and to"));
-    }
-    if d.adaptive.is_none() && d.to / d.step > MOST_STEPS {
-        return Err(at.range("step", d.step, "at most 1e9 steps"));
-    }
+    let apart = d.step > d.to || min_step > d.step;
+    at.refuse_if(apart, "step", d.step, "a step between min_step and to")?;
+    let many = d.adaptive.is_none() && d.to / d.step > MOST_STEPS;
+    at.refuse_if(many, "step", d.step, "at most 1e9 steps")?;
     Ok(DynamicPlan {
         options: DynamicOptions {
             interval: d.record_interval,
@@ -193,39 +191,30 @@ fn check_newton(
     max_iterations: usize,
 ) -> Result<(), InputError> {
     at.positive("relative", relative)?;
-    if relative > StaticNewtonOptions::LOOSEST {
-        let expected = "a tenth of the forces at most (1e-9 is the default)";
-        return Err(at.range("relative", relative, expected));
-    }
+    let expected = "a tenth of the forces at most (1e-9 is the default)";
+    let loose = relative > StaticNewtonOptions::LOOSEST;
+    at.refuse_if(loose, "relative", relative, expected)?;
     at.positive("max_iterations", max_iterations as f64)?;
     at.not_negative("absolute", absolute)
 }
 
-fn newton(at: &Location<'_>, settings: &NewtonSettings) -> Result<StaticNewtonOptions, InputError> {
-    let &NewtonSettings {
-        relative,
-        absolute,
-        max_iterations,
-    } = settings;
-    check_newton(at, relative, absolute, max_iterations)?;
-    if max_iterations > 1000 {
-        let expected = "at most 1000 iterations";
-        return Err(at.range("max_iterations", max_iterations as f64, expected));
-    }
+fn newton(at: &Location<'_>, n: &NewtonSettings) -> Result<StaticNewtonOptions, InputError> {
+    check_newton(at, n.relative, n.absolute, n.max_iterations)?;
+    let (most, expected) = (n.max_iterations as f64, "at most 1000 iterations");
+    at.refuse_if(most > 1000.0, "max_iterations", most, expected)?;
     Ok(StaticNewtonOptions {
-        relative,
-        absolute,
-        max_iterations,
+        relative: n.relative,
+        absolute: n.absolute,
+        max_iterations: n.max_iterations,
         ..StaticNewtonOptions::default()
     })
 }
 
 fn load_steps(at: &Location<'_>, s: &Static) -> Result<StaticOptions, InputError> {
     let range = (s.to - s.from).abs();
-    if range == 0.0 || !range.is_finite() {
-        let expected = "a load parameter that differs from the one it starts from";
-        return Err(at.range("to", s.to, expected));
-    }
+    let expected = "a load parameter that differs from the one it starts from";
+    let none = range == 0.0 || !range.is_finite();
+    at.refuse_if(none, "to", s.to, expected)?;
     let given = [
         ("first_step", s.first_step),
         ("max_step", s.max_step),
@@ -241,9 +230,7 @@ fn load_steps(at: &Location<'_>, s: &Static) -> Result<StaticOptions, InputError
     let steps = s.steps.map(|steps| steps as f64);
     if let Some(steps) = steps {
         at.positive("steps", steps)?;
-        if steps > MOST_STEPS {
-            return Err(at.range("steps", steps, "at most 1e9 steps"));
-        }
+        at.refuse_if(steps > MOST_STEPS, "steps", steps, "at most 1e9 steps")?;
     }
     let equal = steps.map(|steps| range / steps);
     let max_step = equal
@@ -253,10 +240,8 @@ fn load_steps(at: &Location<'_>, s: &Static) -> Result<StaticOptions, InputError
         .or(s.first_step)
         .unwrap_or_else(|| (0.1 * range).min(max_step));
     let min_step = s.min_step.unwrap_or(1e-6 * range).min(first_step);
-    if first_step > max_step {
-        let expected = "a first step that is not larger than max_step";
-        return Err(at.range("first_step", first_step, expected));
-    }
+    let expected = "a first step that is not larger than max_step";
+    at.refuse_if(first_step > max_step, "first_step", first_step, expected)?;
     Ok(StaticOptions {
         from: s.from,
         to: s.to,
@@ -303,10 +288,8 @@ fn path(
     for (key, value) in numbers {
         at.positive(key, value)?;
     }
-    if a.stop.is_empty() {
-        let expected = "at least one position to stop at, such as { load = 1.0 }";
-        return Err(at.range("stop", 0.0, expected));
-    }
+    let expected = "at least one position to stop at, such as { load = 1.0 }";
+    at.refuse_if(a.stop.is_empty(), "stop", 0.0, expected)?;
     let mut events = Vec::new();
     let mut names = Vec::new();
     for (list, stops, ends) in [("stop", &a.stop, true), ("record", &a.record, false)] {

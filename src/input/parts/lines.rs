@@ -113,17 +113,11 @@ impl Assembly<'_> {
 
 /// Refuses numbers of elements, and orders, that are none.
 fn check_counts(at: &Location<'_>, line: &Line) -> Result<(), InputError> {
-    if !(1..=MOST_ELEMENTS).contains(&line.elements) {
-        return Err(at.range(
-            "elements",
-            line.elements as f64,
-            "a count from 1 to 1000000",
-        ));
-    }
-    match line.order {
-        1..=3 => Ok(()),
-        order => Err(at.range("order", order as f64, "1, 2 or 3")),
-    }
+    let [elements, order] = [line.elements, line.order].map(|count| count as f64);
+    let wrong = !(1..=MOST_ELEMENTS).contains(&line.elements);
+    at.refuse_if(wrong, "elements", elements, "a count from 1 to 1000000")?;
+    let wrong = !(1..=3).contains(&line.order);
+    at.refuse_if(wrong, "order", order, "1, 2 or 3")
 }
 
 /// The axis of a line, checked so that it has a direction everywhere.
@@ -197,10 +191,9 @@ fn circular(
     if tangent.norm() <= 1e-12 * from.amax().max(center.amax()) {
         return Err(no_direction(&at, line, "center", arc.center));
     }
-    if arc.angle_deg == 0.0 || arc.angle_deg.abs() > 360.0 {
-        let expected = "an angle between -360 and 360 degrees, not 0";
-        return Err(at.range("angle_deg", arc.angle_deg, expected));
-    }
+    let expected = "an angle between -360 and 360 degrees, not 0";
+    let wrong = arc.angle_deg == 0.0 || arc.angle_deg.abs() > 360.0;
+    at.refuse_if(wrong, "angle_deg", arc.angle_deg, expected)?;
     per_element(&at, line, "angle_deg", arc.angle_deg)?;
     let axis = CircularArc {
         from,
@@ -230,10 +223,8 @@ fn per_element(
     key: &'static str,
     degrees: f64,
 ) -> Result<(), InputError> {
-    if degrees.abs() < 180.0 * line.elements as f64 {
-        return Ok(());
-    }
+    let clear = degrees.abs() < 180.0 * line.elements as f64;
     let expected =
         "less than 180 degrees from one end of an element to the other: take more elements";
-    Err(table.range(key, degrees, expected))
+    table.refuse_if(!clear, key, degrees, expected)
 }

@@ -285,13 +285,9 @@ fn closure(at: &Location<'_>, joint: &Joint) -> Result<Closure, InputError> {
         )),
         (file::Closure::Penalty, Some(p)) => {
             let tau = joint.penalty_damping.unwrap_or(0.0);
-            if p <= 0.0 {
-                return Err(at.range("penalty", p, "a positive stiffness"));
-            }
-            if tau < 0.0 {
-                let expected = "a time that is zero or positive";
-                return Err(at.range("penalty_damping", tau, expected));
-            }
+            at.refuse_if(p <= 0.0, "penalty", p, "a positive stiffness")?;
+            let expected = "a time that is zero or positive";
+            at.refuse_if(tau < 0.0, "penalty_damping", tau, expected)?;
             Ok(Closure::Penalty(PenaltyStiffness { p, tau }))
         }
     }
