@@ -146,74 +146,55 @@ pub fn table(report: &Report) -> String {
     text(report, true)
 }
 
-/// Rows that share a line: the one closest to failing, the components, and the number of rows.
-struct Line<'a> {
-    family: String,
-    worst: &'a LawRow,
-    components: HashSet<&'a str>,
-    laws: HashSet<&'a str>,
-}
-
-impl Line<'_> {
-    /// The component, or the family of components.
-    fn name(&self) -> String {
-        match self.components.len() {
-            1 => self.worst.component.clone(),
-            count => format!("{}, {count} of them", self.family),
-        }
-    }
-
-    /// The property closest to failing.
-    fn property(&self) -> String {
-        match self.laws.len() {
-            1 => self.worst.law.clone(),
-            count => format!("{} (worst of {count})", self.worst.law),
-        }
-    }
-}
-
-/// The lines of a report: one for each family of components, or for each property of it as well.
-fn lines(report: &Report, all: bool) -> Vec<Line<'_>> {
-    let mut lines: Vec<Line<'_>> = Vec::new();
+/// The rows of each family of components, or of each property of it as well.
+fn families(report: &Report, all: bool) -> Vec<(String, Vec<&LawRow>)> {
+    let mut families: Vec<(String, Vec<&LawRow>)> = Vec::new();
     let mut positions = HashMap::new();
     for row in report.rows() {
         let law = if all { row.law.as_str() } else { "" };
         let family = family(&row.component);
-        let k = *positions
-            .entry((family.clone(), law))
-            .or_insert(lines.len());
-        if k == lines.len() {
-            lines.push(Line {
-                family,
-                worst: row,
-                components: HashSet::new(),
-                laws: HashSet::new(),
-            });
+        let next = families.len();
+        let k = *positions.entry((family.clone(), law)).or_insert(next);
+        if k == next {
+            families.push((family, Vec::new()));
         }
-        let line = &mut lines[k];
-        line.components.insert(&row.component);
-        line.laws.insert(&row.law);
-        if row.measure.strain() > line.worst.measure.strain() {
-            line.worst = row;
-        }
+        families[k].1.push(row);
     }
-    lines
+    families
+}
+
+/// A line for some rows: the component or family of components, the property closest to failing, and its row.
+fn line((family, rows): (String, Vec<&LawRow>)) -> Option<(String, String, &LawRow)> {
+    let strain = |row: &LawRow| row.measure.strain();
+    let rows = || rows.iter().copied();
+    let worst = rows().reduce(|worst, row| match strain(row) > strain(worst) {
+        true => row,
+        false => worst,
+    })?;
+    let components: HashSet<_> = rows().map(|row| &row.component).collect();
+    let laws: HashSet<_> = rows().map(|row| &row.law).collect();
+    let name = match components.len() {
+        1 => worst.component.clone(),
+        count => format!("{family}, {count} of them"),
+    };
+    let law = match laws.len() {
+        1 => worst.law.clone(),
+        count => format!("{} (worst of {count})", worst.law),
+    };
+    Some((name, law, worst))
 }
 
 /// The table of a report, its failures in detail, and the numbers of properties and failures.
 fn text(report: &Report, all: bool) -> String {
-    let lines = lines(report, all);
-    let names: Vec<String> = lines.iter().map(Line::name).collect();
-    let laws: Vec<String> = lines.iter().map(Line::property).collect();
-    let first = longest(names.iter().map(|name| &**name)).max("component".len());
-    let second = longest(laws.iter().map(|law| &**law)).max("property".len());
+    let lines: Vec<_> = families(report, all).into_iter().filter_map(line).collect();
+    let first = longest(lines.iter().map(|(name, ..)| &**name)).max("component".len());
+    let second = longest(lines.iter().map(|(_, law, _)| &**law)).max("property".len());
     let mut out = format!(
         "{:first$}  {:second$}  {:>15}  {:>9}\n",
         "component", "property", "measured", "limit"
     );
     let mut last = "";
-    for ((name, law), line) in names.iter().zip(&laws).zip(&lines) {
-        let row = line.worst;
+    for (name, law, row) in &lines {
         let shown = if name == last { "" } else { name };
         last = name;
         let (measured, limit) = match &row.measure {
