@@ -205,14 +205,11 @@ fn acts(
 ) -> Result<(), InputError> {
     let Entry { at, joint, .. } = entry;
     let own = joint.acts();
-    if let &[node] = released {
-        if !joint.coordinates.is_empty() {
-            return Err(entry.useless(&["coordinates"]));
-        }
-        return act(at, (builder, inputs), &joint.name, &own, node);
-    }
-    if released.is_empty() && !joint.coordinates.is_empty() {
+    if released.len() < 2 && !joint.coordinates.is_empty() {
         return Err(entry.useless(&["coordinates"]));
+    }
+    if let &[node] = released {
+        return act(at, (builder, inputs), &joint.name, &own, node);
     }
     let names = released.iter().map(|&n| builder.node_name(n));
     let names = names.map(|n| n.strip_prefix(&joint.name).unwrap_or(n).trim_start());

@@ -13,7 +13,6 @@ use pullback_elements::model::{ModelBuilder, ModelError, NodeId};
 use pullback_elements::time::{Constant, Input, TimeFunction};
 use std::collections::{BTreeMap, HashSet};
 use std::ops::Range;
-use std::rc::Rc;
 
 impl Assembly<'_> {
     /// Adds the supports: prescribes coordinates.
@@ -60,22 +59,24 @@ impl Assembly<'_> {
 
     /// Adds the loads.
     pub(super) fn add_loads(&mut self, bodies: &[PlacedBody]) -> Result<(), InputError> {
-        let file = self.file;
+        let (file, mut builder) = (self.file, std::mem::take(&mut self.builder));
         let usual = match (&file.analysis, file.analysis.stepwise()) {
             (Analysis::Buckling(_), _) => Time::Proportional(1.0),
             (_, None | Some(Analysis::Dynamic(_))) => Time::Constant(1.0),
             (_, Some(_)) => Time::Proportional(1.0),
         };
         for (k, load) in file.loads.iter().enumerate() {
-            let entry = Entry {
+            let mut entry = Entry {
                 at: self.at("loads").at(k),
                 name: format!("load {}", k + 1),
                 load,
                 time: load.time.as_ref().unwrap_or(&usual),
-                inputs: Rc::clone(&self.inputs),
+                parts: self,
+                builder: &mut builder,
             };
-            entry.apply(self, bodies)?;
+            entry.apply(bodies)?;
         }
+        self.builder = builder;
         Ok(())
     }
 }
@@ -134,17 +135,18 @@ struct Entry<'a> {
     name: String,
     load: &'a Load,
     time: &'a Time,
-    inputs: Rc<Names<Input>>,
+    parts: &'a Assembly<'a>,
+    builder: &'a mut ModelBuilder,
 }
 
 impl Entry<'_> {
     fn amplitude(&self) -> Result<Box<dyn TimeFunction>, InputError> {
-        function(&self.at.at("time"), &self.inputs, self.time)
+        function(&self.at.at("time"), &self.parts.inputs, self.time)
     }
 
     /// Adds the load.
-    fn apply(&self, to: &mut Assembly<'_>, bodies: &[PlacedBody]) -> Result<(), InputError> {
-        let (at, load) = (&self.at, self.load);
+    fn apply(&mut self, bodies: &[PlacedBody]) -> Result<(), InputError> {
+        let (at, load, parts) = (self.at.clone(), self.load, self.parts);
         let all = [
             ("force", load.force),
             ("moment", load.moment),
@@ -169,80 +171,84 @@ impl Entry<'_> {
                     (_, false) => LoadKind::SpatialMoment,
                     (_, true) => LoadKind::FollowerMoment,
                 };
-                let node = to.nodes.find(&at.at("node"), node)?;
+                let node = parts.nodes.find(&at.at("node"), node)?;
                 let load = NodalLoad::new(which, vector, self.amplitude()?);
-                self.add(&mut to.builder, self.name.clone(), Box::new(load), &[node])
+                self.add(self.name.clone(), Box::new(load), &[node])
             }
             ("force" | "moment", ..) => target("node"),
             ("force_per_length", None, Some(line)) => {
-                let line = &to.geometry.lines[to.lines.find(&at.at("line"), line)?];
+                let line = &parts.geometry.lines[parts.lines.find(&at.at("line"), line)?];
                 (0..line.elements.len()).try_for_each(|e| {
                     let name = format!("{}:{}", self.name, e + 1);
-                    self.distribute(&mut to.builder, line, e, name, vector)
+                    self.distribute(line, e, name, vector)
                 })
             }
             ("force_per_length", ..) | (_, Some(_), _) => target("line"),
             _ if load.follower => Err(at.at("follower").refuse(InputProblem::FollowerGravity)),
             (_, None, Some(line)) => {
-                let line = to.lines.find(&at.at("line"), line)?;
-                self.weigh_lines(to, vector, line..line + 1, true)
+                let line = parts.lines.find(&at.at("line"), line)?;
+                self.weigh_lines(vector, line..line + 1, true)
             }
             (_, None, None) => {
                 // Where bodies have weight, lines may have none.
-                self.weigh_lines(to, vector, 0..to.file.lines.len(), bodies.is_empty())?;
-                self.weigh_bodies(to, bodies, vector)
+                self.weigh_lines(vector, 0..parts.file.lines.len(), bodies.is_empty())?;
+                for (placed, body) in bodies.iter().zip(&parts.file.bodies) {
+                    let name = format!("{}: weight of {}", self.name, body.name);
+                    let weight = (placed.weight)(vector, self.amplitude()?);
+                    self.add(name, weight, &[placed.node])?;
+                }
+                Ok(())
             }
         }
     }
 
     fn add(
-        &self,
-        builder: &mut ModelBuilder,
+        &mut self,
         name: String,
         load: Box<dyn Element>,
         nodes: &[NodeId],
     ) -> Result<(), InputError> {
-        let added = builder.element(name, load, nodes);
+        let added = self.builder.element(name, load, nodes);
         added.map(|_| ()).map_err(|error| self.at.refuse(error))
     }
 
     /// Adds a force per length on element `e` of a line.
     fn distribute(
-        &self,
-        builder: &mut ModelBuilder,
+        &mut self,
         line: &LineGeometry,
         e: usize,
         name: String,
         force: [f64; 3],
     ) -> Result<(), InputError> {
         let nodes = nodes(line, e);
-        let positions: Vec<Vector3<f64>> = nodes.iter().map(|&n| builder.position(n)).collect();
+        let positions = nodes.iter().map(|&n| self.builder.position(n));
+        let positions: Vec<Vector3<f64>> = positions.collect();
         let load = LineLoad::new(&positions, force, self.load.follower, self.amplitude()?);
         let load = load.map_err(|source| {
             let element = name.clone();
             self.at.refuse(ModelError::Beam { element, source })
         })?;
         let load = load.with_interpolation(line.interpolation);
-        self.add(builder, name, Box::new(load), nodes)
+        self.add(name, Box::new(load), nodes)
     }
 
     /// Adds the weight of lines, which must have mass if they are `heavy`.
     fn weigh_lines(
-        &self,
-        to: &mut Assembly<'_>,
+        &mut self,
         g: [f64; 3],
         lines: Range<usize>,
         heavy: bool,
     ) -> Result<(), InputError> {
+        let parts = self.parts;
         for l in lines {
-            let (line, section) = (&to.geometry.lines[l], &to.file.lines[l].section);
-            let mass = (to.sections.get(section)).map_or(0.0, |s| s.inertia.mass);
+            let (line, section) = (&parts.geometry.lines[l], &parts.file.lines[l].section);
+            let mass = (parts.sections.get(section)).map_or(0.0, |s| s.inertia.mass);
             if mass == 0.0 && heavy {
                 let (line, section) = (line.name.clone(), section.clone());
                 return Err((self.at.at("gravity")).refuse(InputProblem::NoMass { line, section }));
             }
             if mass != 0.0 {
-                self.weigh(&mut to.builder, line, mass, g.into())?;
+                self.weigh(line, mass, g.into())?;
             }
         }
         Ok(())
@@ -250,43 +256,21 @@ impl Entry<'_> {
 
     /// Adds the weight of a line with a mass per length. The weight of a mass centre off the axis is distributed
     /// over the nodes like the inertia, so that free fall causes no rotation.
-    fn weigh(
-        &self,
-        builder: &mut ModelBuilder,
-        line: &LineGeometry,
-        mass: f64,
-        g: Vector3<f64>,
-    ) -> Result<(), InputError> {
+    fn weigh(&mut self, line: &LineGeometry, mass: f64, g: Vector3<f64>) -> Result<(), InputError> {
         for e in 0..line.elements.len() {
             let name = format!("{}:{}:{}", self.name, line.name, e + 1);
             let Some(shares) = line.carried.get(e) else {
-                self.distribute(builder, line, e, name, (g * mass).into())?;
+                self.distribute(line, e, name, (g * mass).into())?;
                 continue;
             };
             for (i, (mass, first_moment)) in shares.iter().enumerate() {
                 let (force, center) = ((g * *mass).into(), (first_moment / *mass).into());
                 let share = EccentricForce::new(force, center, self.amplitude()?);
                 let name = format!("{name}, node {}", i + 1);
-                self.add(builder, name, Box::new(share), &[nodes(line, e)[i]])?;
+                self.add(name, Box::new(share), &[nodes(line, e)[i]])?;
             }
         }
         Ok(())
-    }
-
-    fn weigh_bodies(
-        &self,
-        to: &mut Assembly<'_>,
-        bodies: &[PlacedBody],
-        g: [f64; 3],
-    ) -> Result<(), InputError> {
-        bodies
-            .iter()
-            .zip(&to.file.bodies)
-            .try_for_each(|(placed, body)| {
-                let name = format!("{}: weight of {}", self.name, body.name);
-                let weight = (placed.weight)(g, self.amplitude()?);
-                self.add(&mut to.builder, name, weight, &[placed.node])
-            })
     }
 }
 

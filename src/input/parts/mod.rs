@@ -19,7 +19,6 @@ use pullback_elements::constraint::PenaltyStiffness;
 use pullback_elements::joint::JointNodes;
 use pullback_elements::model::{Closure, ModelBuilder, NodeId};
 use pullback_elements::time::Input;
-use std::rc::Rc;
 
 /// A model under construction, with the parts that others refer to by name.
 pub(super) struct Assembly<'a> {
@@ -37,7 +36,7 @@ pub(super) struct Assembly<'a> {
     /// Nodes of released coordinates, by the name of their joint.
     pub joint_coordinates: Names<NodeId>,
     pub geometry: Geometry,
-    pub inputs: Rc<Names<Input>>,
+    pub inputs: Names<Input>,
     /// The speed of the joint of a Campbell diagram.
     pub speed: Option<Input>,
     /// Displacements and rotations of the reference configuration by node, if there are imperfections.
@@ -66,7 +65,7 @@ impl<'a> Assembly<'a> {
                 "joint with a released coordinate (a node of one coordinate)",
             ),
             geometry: Geometry::default(),
-            inputs: Rc::new(Names::new("input")),
+            inputs: Names::new("input"),
             speed: None,
             offsets: None,
         }
@@ -103,11 +102,10 @@ impl<'a> Assembly<'a> {
 
     /// Adds the inputs in the order of their names.
     fn add_inputs(&mut self) {
-        let mut inputs = Names::new("input");
         for (name, value) in &self.file.inputs {
-            inputs.add(name.clone(), self.builder.input(*value));
+            let input = self.builder.input(*value);
+            self.inputs.add(name.clone(), input);
         }
-        self.inputs = Rc::new(inputs);
     }
 
     /// Adds the nodes in the order in which the file names them.
