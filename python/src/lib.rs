@@ -206,16 +206,11 @@ fn write(py: Python<'_>, text: &str, name: &str, out: &str) -> PyResult<(bool, S
         let mut observer = |step: &Advance<'_>| watch.step(step.t);
         run_job(job, name, Path::new(out), false, &mut observer).map_err(failed)
     })?;
-    match watch.raised {
-        Some(error) => Err(error),
-        None => {
-            let problem = outcome.ending.problem();
-            Ok((
-                outcome.ending == Ending::Complete,
-                problem.unwrap_or_default(),
-            ))
-        }
+    if let Some(error) = watch.raised {
+        return Err(error);
     }
+    let problem = outcome.ending.problem().unwrap_or_default();
+    Ok((outcome.ending == Ending::Complete, problem))
 }
 
 fn array(py: Python<'_>, values: Vec<f64>) -> Bound<'_, PyArray1<f64>> {
@@ -268,12 +263,8 @@ fn linear<'py>(
         out.set_item(name, triplets)?;
     }
     let columns = lin.r_u.iter().take(inputs.len());
-    out.set_item(
-        "r_u",
-        columns
-            .map(|r_u| array(py, r_u.clone()))
-            .collect::<Vec<_>>(),
-    )?;
+    let columns = columns.map(|r_u| array(py, r_u.clone()));
+    out.set_item("r_u", columns.collect::<Vec<_>>())?;
     out.set_item("inputs", inputs)?;
     out.set_item("coordinates", lin.names)?;
     Ok(out)

@@ -129,10 +129,8 @@ impl PyTable {
     }
 
     fn add(&mut self, rows: Vec<Row>) -> PyResult<()> {
-        let table = self
-            .table
-            .as_mut()
-            .ok_or_else(|| failed("the table is finished"))?;
+        let table = self.table.as_mut();
+        let table = table.ok_or_else(|| failed("the table is finished"))?;
         let mut rows = rows.into_iter().map(of_python);
         rows.try_for_each(|row| table.add(row)).map_err(unsaved)
     }
