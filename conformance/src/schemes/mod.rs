@@ -16,7 +16,7 @@ mod problems;
 
 use crate::Report;
 use crate::vectors::larger;
-use problems::{KnownMotion, Polynomial, Turning};
+use problems::{KnownMotion, OneCoordinate};
 use pullback_integrators::dynamics::{
     DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, Simulation, State, start,
 };
@@ -110,7 +110,7 @@ fn order(report: &mut Report, scheme: &Scheme, switching: bool) {
 
 fn turns(report: &mut Report, scheme: &Scheme) {
     let end = |leaping: bool| -> Result<[f64; 2], DynamicsError> {
-        let mut system = Turning::new(leaping);
+        let mut system = OneCoordinate::pendulum(leaping);
         let mut progress = Progress::new(start(&system, 0.0, &[1.0], &[8.0])?);
         run(&mut system, scheme, &mut progress, 4.0, 200)?;
         let angle = progress.state.q[0] + system.turns();
@@ -125,9 +125,9 @@ fn turns(report: &mut Report, scheme: &Scheme) {
 }
 
 fn exactness(report: &mut Report, scheme: &Scheme) {
-    let degree = scheme.order().min(Polynomial::DEGREE);
+    let degree = scheme.order().min(OneCoordinate::DEGREE);
     let at = ["a line", "a parabola", "a cubic", "a quartic"][degree.clamp(1, 4) - 1];
-    let mut system = Polynomial::new(degree);
+    let mut system = OneCoordinate::polynomial(degree);
     let [q, v] = system.motion(0.0);
     let run = start(&system, 0.0, &[q], &[v]).and_then(|state| {
         let mut progress = Progress::new(state);
@@ -144,7 +144,7 @@ fn cubic(report: &mut Report, scheme: &Scheme) {
     if scheme.order() < 2 {
         return;
     }
-    let mut system = Polynomial::new(3);
+    let mut system = OneCoordinate::polynomial(3);
     let [q, v] = system.motion(0.0);
     let (to, steps) = (2.0, 10_u32);
     let h = to / f64::from(steps);

@@ -200,19 +200,41 @@ impl Charts for KnownMotion {
     }
 }
 
-/// A pendulum with a little friction that makes turns; its angle jumps by −2π beyond π if it is `leaping`.
-pub(crate) struct Turning {
+/// One coordinate with q̈ = p̈(t) − g sin q − c q̇: that of a polynomial p, or of a pendulum with a little friction that
+/// makes turns.
+pub(crate) struct OneCoordinate {
     pattern: BlockPattern,
+    /// Degree of p.
+    degree: usize,
+    gravity: f64,
+    friction: f64,
+    /// Whether it jumps by −2π beyond π, as an angle.
     leaping: bool,
     leaps: usize,
 }
 
-impl Turning {
-    pub(crate) fn new(leaping: bool) -> Self {
+impl OneCoordinate {
+    /// Largest degree of a polynomial.
+    pub(crate) const DEGREE: usize = 4;
+    const COEFFICIENTS: [f64; Self::DEGREE + 1] = [0.3, 0.7, -0.4, 0.5, -0.2];
+
+    pub(crate) fn polynomial(degree: usize) -> Self {
         Self {
             pattern: BlockPattern::dense(1),
-            leaping,
+            degree,
+            gravity: 0.0,
+            friction: 0.0,
+            leaping: false,
             leaps: 0,
+        }
+    }
+
+    pub(crate) fn pendulum(leaping: bool) -> Self {
+        Self {
+            gravity: 4.0,
+            friction: 0.1,
+            leaping,
+            ..Self::polynomial(0)
         }
     }
 
@@ -220,17 +242,39 @@ impl Turning {
     pub(crate) fn turns(&self) -> f64 {
         TAU * self.leaps as f64
     }
+
+    /// p̈.
+    pub(crate) fn acceleration(&self, t: f64) -> f64 {
+        let terms = Self::COEFFICIENTS[..=self.degree].iter().zip(0..).skip(2);
+        terms
+            .map(|(c, n)| f64::from(n * (n - 1)) * c * t.powi(n - 2))
+            .sum()
+    }
+
+    /// p and ṗ.
+    pub(crate) fn motion(&self, t: f64) -> [f64; 2] {
+        let terms = Self::COEFFICIENTS[..=self.degree].iter().zip(0..);
+        terms.fold([0.0; 2], |[q, v], (c, n)| {
+            let rate = match n {
+                0 => 0.0,
+                _ => f64::from(n) * c * t.powi(n - 1),
+            };
+            [q + c * t.powi(n), v + rate]
+        })
+    }
 }
 
-impl System for Turning {
+impl System for OneCoordinate {
     fn pattern(&self) -> &BlockPattern {
         &self.pattern
     }
 
     fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
-        out.r[0] = -4.0 * at.q[0].sin() - 0.1 * at.v[0] - at.a[0];
+        let (sin, cos) = at.q[0].sin_cos();
+        let (gravity, friction) = (self.gravity, self.friction);
+        out.r[0] = self.acceleration(at.t) - gravity * sin - friction * at.v[0] - at.a[0];
         if let Some((w, S)) = out.S {
-            S[0] = w.K * 4.0 * at.q[0].cos() + w.C * 0.1 + w.M;
+            S[0] = w.K * gravity * cos + w.C * friction + w.M;
         }
         Ok(())
     }
@@ -244,19 +288,20 @@ impl System for Turning {
     }
 }
 
-impl Energetics for Turning {
+impl Energetics for OneCoordinate {
     fn energies(&mut self, at: Point<'_>) -> Result<Energies, SystemError> {
         let v = at.v[0];
         Ok(Energies {
             kinetic: 0.5 * v * v,
-            stored: 4.0 * (1.0 - at.q[0].cos()),
-            dissipated: 0.1 * v * v,
+            stored: self.gravity * (1.0 - at.q[0].cos()),
+            supplied: self.acceleration(at.t) * v,
+            dissipated: self.friction * v * v,
             ..Energies::default()
         })
     }
 }
 
-impl Charts for Turning {
+impl Charts for OneCoordinate {
     fn change_charts(
         &mut self,
         _: f64,
@@ -273,73 +318,5 @@ impl Charts for Turning {
             charts: usize::from(due),
             residual: false,
         }
-    }
-}
-
-/// q̈ = the second derivative of a polynomial of a degree.
-pub(crate) struct Polynomial {
-    pattern: BlockPattern,
-    degree: usize,
-}
-
-impl Polynomial {
-    /// Largest degree.
-    pub(crate) const DEGREE: usize = 4;
-    const COEFFICIENTS: [f64; Self::DEGREE + 1] = [0.3, 0.7, -0.4, 0.5, -0.2];
-
-    pub(crate) fn new(degree: usize) -> Self {
-        Self {
-            pattern: BlockPattern::dense(1),
-            degree,
-        }
-    }
-
-    pub(crate) fn acceleration(&self, t: f64) -> f64 {
-        let terms = Self::COEFFICIENTS[..=self.degree].iter().zip(0..).skip(2);
-        terms
-            .map(|(c, n)| f64::from(n * (n - 1)) * c * t.powi(n - 2))
-            .sum()
-    }
-
-    /// Position and velocity.
-    pub(crate) fn motion(&self, t: f64) -> [f64; 2] {
-        let terms = Self::COEFFICIENTS[..=self.degree].iter().zip(0..);
-        terms.fold([0.0; 2], |[q, v], (c, n)| {
-            let rate = if n > 0 {
-                f64::from(n) * c * t.powi(n - 1)
-            } else {
-                0.0
-            };
-            [q + c * t.powi(n), v + rate]
-        })
-    }
-}
-
-impl System for Polynomial {
-    fn pattern(&self) -> &BlockPattern {
-        &self.pattern
-    }
-
-    fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
-        out.r[0] = self.acceleration(at.t) - at.a[0];
-        if let Some((w, S)) = out.S {
-            S[0] = w.M;
-        }
-        Ok(())
-    }
-
-    fn energetics(&mut self) -> Option<&mut dyn Energetics> {
-        Some(self)
-    }
-}
-
-impl Energetics for Polynomial {
-    fn energies(&mut self, at: Point<'_>) -> Result<Energies, SystemError> {
-        let v = at.v[0];
-        Ok(Energies {
-            kinetic: 0.5 * v * v,
-            supplied: self.acceleration(at.t) * v,
-            ..Energies::default()
-        })
     }
 }
