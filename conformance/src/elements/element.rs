@@ -1,6 +1,6 @@
 //! The laws of one element.
 
-use super::{in_charts, inertia};
+use super::{InCharts, inertia};
 use crate::{Forces, Layout, Random, Report, TestState, forces_at, states};
 use nalgebra::{DMatrix, DVector};
 use pullback_elements::element::{Element, Motion, Response};
@@ -15,9 +15,8 @@ use pullback_manifold::system::Weights;
 pub fn element(element: &dyn Element) -> Report {
     let n = element.dim();
     let name = format!("element of {n} coordinates");
-    in_charts(element, |element| {
-        element_at(&name, &Layout::plain(n), &states(n), element)
-    })
+    let element = InCharts(element);
+    element_at(&name, &Layout::plain(n), &states(n), element.element())
 }
 
 /// As [`element`], with a layout of the coordinates, at given states.
@@ -70,17 +69,15 @@ pub(crate) struct One<'a> {
 }
 
 impl One<'_> {
-    /// The norm of a tangent in units of the coordinates: an energy.
-    pub(crate) fn norm(&self, A: &DMatrix<f64>) -> f64 {
+    /// A tangent in units of the coordinates: its entries are energies.
+    pub(crate) fn scaled(&self, A: &DMatrix<f64>) -> DMatrix<f64> {
         let units = self.layout.units();
-        let scaled = DMatrix::from_fn(A.nrows(), A.ncols(), |i, j| A[(i, j)] * units[i] * units[j]);
-        scaled.norm()
+        DMatrix::from_fn(A.nrows(), A.ncols(), |i, j| A[(i, j)] * units[i] * units[j])
     }
 
-    /// The state with other velocities and accelerations.
-    pub(crate) fn moving(&self, v: DVector<f64>, a: DVector<f64>) -> TestState {
-        let (t, x) = (self.state.t, self.state.x.clone());
-        TestState { t, x, v, a }
+    /// The norm of a tangent in units of the coordinates.
+    pub(crate) fn norm(&self, A: &DMatrix<f64>) -> f64 {
+        self.scaled(A).norm()
     }
 
     /// The same motion at other coordinates.
@@ -141,8 +138,8 @@ fn evaluate_from(
     Some(Forces {
         r,
         K,
-        C: moving.then_some(C),
-        M: moving.then_some(M),
+        C,
+        M,
         r_t: Some(r_t),
         energy: None,
     })
@@ -186,17 +183,15 @@ impl One<'_> {
             M: 3.0 / (rate * rate),
         };
         let parts = [
-            (weights.K, Some(&all.K)),
-            (weights.C, all.C.as_ref()),
-            (weights.M, all.M.as_ref()),
+            (weights.K, &all.K),
+            (weights.C, &all.C),
+            (weights.M, &all.M),
         ];
         let mut sum = DMatrix::zeros(s.x.len(), s.x.len());
         let mut size = self.layout.forces(all.r.as_slice()).iter().sum::<f64>();
         for (weight, part) in parts {
-            if let Some(part) = part {
-                sum += part * weight;
-                size += weight * self.norm(part);
-            }
+            sum += part * weight;
+            size += weight * self.norm(part);
         }
         if element.properties().dead {
             report.defect("a dead element has no tangent", at, sum.norm(), 0.0);
@@ -225,7 +220,7 @@ impl One<'_> {
         report.defect("dissipation >= 0", at, (-lost).max(0.0), 0.0);
         if s.is_static() {
             report.defect("no dissipation at rest", at, lost.abs(), 0.0);
-        } else if all.M.as_ref().is_none_or(|M| M.norm() == 0.0) {
+        } else if all.M.norm() == 0.0 {
             let power = evaluate(element, &self.state.still(), Request::Residual)
                 .map_or(f64::NAN, |rest| (&all.r - rest.r).dot(&s.v));
             let size = lost + all.r.norm() * s.v.norm();

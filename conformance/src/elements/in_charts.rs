@@ -1,5 +1,6 @@
 //! An element that reads poses, in the charts of its frames.
 
+use crate::maps::motion;
 use crate::vectors::add;
 use nalgebra::{Matrix6, Vector6};
 use pullback_elements::element::{
@@ -9,50 +10,42 @@ use pullback_manifold::domain::DomainError;
 use pullback_manifold::map::{Parametrization, ToPose};
 use pullback_manifold::pullback::tangents;
 
-/// Calls `laws` with an element of chart coordinates.
-pub(crate) fn in_charts<T>(element: &dyn Element, laws: impl FnOnce(&dyn Element) -> T) -> T {
-    match element.properties().reads_poses {
-        true => laws(&InCharts(element)),
-        false => laws(element),
-    }
-}
-
 /// An element that [reads poses](Properties::reads_poses), as an element of the coordinates (d, Ψ) of its frames, as in a
 /// model.
 pub struct InCharts<'a>(pub &'a dyn Element);
 
-/// Number of coordinates of a frame, and of entries of its operator.
-const FRAME: usize = 6;
-const OPERATOR: usize = FRAME * FRAME;
+impl InCharts<'_> {
+    /// This element if the given one reads poses, or else the given one.
+    pub(crate) fn element(&self) -> &dyn Element {
+        match self.0.properties().reads_poses {
+            true => self,
+            false => self.0,
+        }
+    }
+}
 
-/// The poses of all frames, with their operators frame by frame.
+/// Number of coordinates of a frame.
+const FRAME: usize = 6;
+
+/// The poses of all frames and their rates, and the operators of each frame.
 struct Poses {
     x: [Vec<f64>; 3],
-    B: [Vec<f64>; 3],
+    B: Vec<[Matrix6<f64>; 3]>,
 }
 
 impl Poses {
     fn of(at: &Motion<'_>) -> Self {
-        let zero = vec![0.0; at.x.len()];
-        let moving = |x| if at.v.is_empty() { &zero[..] } else { x };
-        let (v, a) = (moving(at.v), moving(at.a));
-        let mut out = Self {
-            x: [zero.clone(), zero.clone(), zero.clone()],
-            B: std::array::from_fn(|_| vec![0.0; FRAME * at.x.len()]),
-        };
-        for k in 0..at.x.len() / FRAME {
-            let own = k * FRAME..(k + 1) * FRAME;
-            let all = k * OPERATOR..(k + 1) * OPERATOR;
-            let motion = [at.x, v, a].map(|x| &x[own.clone()]);
-            let [x, x_dot, x_ddot] = out.x.each_mut().map(|x| &mut x[own.clone()]);
-            let [B, B_dot, B_ddot] = out.B.each_mut().map(|B| &mut B[all.clone()]);
-            ToPose.evaluate(
-                at.t,
-                motion,
-                &mut [[x, B], [x_dot, B_dot], [x_ddot, B_ddot]],
-            );
+        let (mut x, mut B) = ([Vec::new(), Vec::new(), Vec::new()], Vec::new());
+        for first in (0..at.x.len()).step_by(FRAME) {
+            let own = |x: &'_ [f64]| x.get(first..first + FRAME).unwrap_or_default().to_vec();
+            let [q, v, a] = [at.x, at.v, at.a].map(own);
+            let [pose, rate, change, operators @ ..] = motion(&ToPose, at.t, [&q, &v, &a]);
+            x.iter_mut()
+                .zip([pose, rate, change])
+                .for_each(|(x, own)| x.extend(own));
+            B.push(operators.map(|B| Matrix6::from_column_slice(&B)));
         }
-        out
+        Self { x, B }
     }
 
     fn motion<'a>(&'a self, at: &Motion<'a>) -> Motion<'a> {
@@ -97,15 +90,12 @@ impl Element for InCharts<'_> {
         self.0.evaluate(&poses.motion(at), &mut own)?;
         let mut parts = [&mut K[..], &mut C, &mut M];
         let parts = &mut parts[..if moving { 3 } else { 1 }];
-        for first in (0..n).step_by(FRAME) {
+        for (first, B) in (0..n).step_by(FRAME).zip(&poses.B) {
             let own = first..first + FRAME;
-            let operator =
-                |B: &Vec<f64>| Matrix6::from_column_slice(&B[first * FRAME..][..OPERATOR]);
-            let B = poses.B.each_ref().map(operator);
             let mut K_sigma = Matrix6::zeros();
             let (x, f) = (&at.x[own.clone()], &r[own.clone()]);
             ToPose.geometric_stiffness(at.t, x, f, K_sigma.as_mut_slice());
-            tangents(parts, n, first, &B, &K_sigma);
+            tangents(parts, n, first, B, &K_sigma);
             for covector in [&mut r, &mut r_t] {
                 let own = &mut covector[own.clone()];
                 let pulled = B[0].tr_mul(&Vector6::from_column_slice(own));

@@ -12,14 +12,11 @@ const SAME: f64 = 1e-12;
 
 /// The laws of inertia at a state in motion; `conservative` if the element has an energy.
 pub(crate) fn laws(report: &mut Report, one: &One<'_>, conservative: bool, random: &mut Random) {
-    let n = one.state.x.len();
-    let Some(M) = (one.all.M.as_ref()).filter(|_| one.element.properties().symmetric) else {
+    if one.state.is_static() || !one.element.properties().symmetric {
         return;
-    };
-    let mass = |state: &TestState| {
-        let all = evaluate(one.element, state, Request::All)?;
-        Some(all.M.unwrap_or_else(|| DMatrix::zeros(n, n)))
-    };
+    }
+    let M = &one.all.M;
+    let mass = |state: &TestState| Some(evaluate(one.element, state, Request::All)?.M);
     let heavy = M.norm() > 0.0;
     if heavy {
         symmetric(report, one, M);
@@ -49,8 +46,7 @@ pub(crate) fn laws(report: &mut Report, one: &One<'_>, conservative: bool, rando
 
 /// M is symmetric and positive semidefinite.
 fn symmetric(report: &mut Report, one: &One<'_>, M: &DMatrix<f64>) {
-    let units = one.layout.units();
-    let scaled = DMatrix::from_fn(M.nrows(), M.ncols(), |i, j| M[(i, j)] * units[i] * units[j]);
+    let scaled = one.scaled(M);
     let size = scaled.norm();
     let gap = (&scaled - scaled.transpose()).norm();
     report.defect("M symmetric", one.at, gap, 1e-13 * size);
@@ -74,7 +70,10 @@ fn lagrange(
 ) {
     let (s, rate) = (one.state, one.layout.rate);
     let r = |s: &TestState| evaluate(one.element, s, Request::Residual).map(|f| f.r);
-    let back = one.moving(-&s.v, s.a.clone());
+    let back = TestState {
+        v: -&s.v,
+        ..s.clone()
+    };
     let (Some(rest), Some(back)) = (r(&one.state.still()), r(&back)) else {
         return;
     };

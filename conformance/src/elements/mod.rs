@@ -11,7 +11,6 @@ mod same;
 pub use element::element;
 pub(crate) use element::{Request, element_at, evaluate};
 pub use in_charts::InCharts;
-pub(crate) use in_charts::in_charts;
 pub(crate) use invariance::{Component, EXACT, FIRST};
 pub use joint::joint;
 pub(crate) use rigid::{Carrier, FrameAt, carry};

@@ -69,17 +69,17 @@ impl TestState {
     }
 }
 
-/// Forces at a state. Absent tangents count as zero, other absent values are not verified.
+/// Forces at a state. Absent values are not verified.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Forces {
     /// Residual.
     pub r: DVector<f64>,
     /// −∂r/∂x.
     pub K: DMatrix<f64>,
-    /// −∂r/∂ẋ.
-    pub C: Option<DMatrix<f64>>,
-    /// −∂r/∂ẍ.
-    pub M: Option<DMatrix<f64>>,
+    /// −∂r/∂ẋ; zero in statics.
+    pub C: DMatrix<f64>,
+    /// −∂r/∂ẍ; zero in statics.
+    pub M: DMatrix<f64>,
     /// ∂r/∂t.
     pub r_t: Option<DVector<f64>>,
     /// Energy with r = −∂E/∂x in statics.
@@ -172,19 +172,10 @@ pub(crate) fn sizes(layout: &Layout, state: &TestState, f: &Forces) -> Vec<f64> 
 
 impl Forces {
     fn tangents<'a>(&'a self, pattern: &'a BlockPattern) -> Linearization<'a> {
-        let n = pattern.len();
-        let or_zero = |m: &Option<DMatrix<f64>>| match m {
-            Some(m) => m.as_slice().to_vec(),
-            None => vec![0.0; n],
-        };
         Linearization {
             pattern,
             r: self.r.as_slice(),
-            values: [
-                self.K.as_slice().to_vec(),
-                or_zero(&self.C),
-                or_zero(&self.M),
-            ],
+            values: [&self.K, &self.C, &self.M].map(|A| A.as_slice().to_vec()),
         }
     }
 }

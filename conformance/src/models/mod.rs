@@ -7,10 +7,9 @@ mod states;
 mod transport;
 mod view;
 
-use crate::elements::{Component, Request, element_at, evaluate, in_charts, invariance};
+use crate::elements::{Component, InCharts, Request, element_at, evaluate, invariance};
 use crate::forces::{parts, system_at};
 use crate::{Forces, Layout, Random, Report, TestState};
-use pullback_elements::element::Element;
 use pullback_elements::model::Context;
 use pullback_manifold::system::System;
 use states::{Size, beside, moving};
@@ -140,22 +139,12 @@ fn component<'a>(
     random: &mut Random,
 ) -> Report {
     let own = view::element(context, k, units);
-    in_charts(own.thing, |element| {
-        let own = Component {
-            thing: element,
-            ..own
-        };
-        of_element(own, rate, positions, random)
-    })
-}
-
-fn of_element<'a>(
-    mut own: Component<&dyn Element>,
-    rate: f64,
-    positions: impl Iterator<Item = (&'a str, &'a TestState)>,
-    random: &mut Random,
-) -> Report {
-    let element = own.thing;
+    let charts = InCharts(own.thing);
+    let element = charts.element();
+    let mut own = Component {
+        thing: element,
+        ..own
+    };
     own.layout.rate = rate;
     let mut states = Vec::new();
     for (at, rest) in positions {
@@ -183,7 +172,6 @@ fn mean_rate(pairs: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
 }
 
 fn element_rate(layout: &Layout, f: &Forces) -> Option<f64> {
-    let M = f.M.as_ref()?;
     // The largest stiffness and the largest mass: others may be small by chance.
     let units = layout.units();
     let most = |A: &nalgebra::DMatrix<f64>| {
@@ -191,7 +179,7 @@ fn element_rate(layout: &Layout, f: &Forces) -> Option<f64> {
         let scaled = diagonal.iter().zip(&units).map(|(a, u)| a.abs() * u * u);
         scaled.fold(0.0, f64::max)
     };
-    mean_rate(std::iter::once((most(&f.K), most(M))))
+    mean_rate(std::iter::once((most(&f.K), most(&f.M))))
 }
 
 /// Smallest stiffness, as an energy, over the largest: below it is the rounding error of a coordinate without
