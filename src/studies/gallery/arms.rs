@@ -2,7 +2,7 @@
 
 use super::case::{CaseProblem, CaseReport, meshed, until, with_step};
 use super::motion::{History, observed_order};
-use crate::input::{ModelFile, PrescribedMotion, SpinUp, Time};
+use crate::input::ModelFile;
 use crate::output::plot::PlotCurve;
 
 /// Case 6 of [M04]: a spherical joint between the links. Its plot redraws Fig. 39.
@@ -44,21 +44,6 @@ fn apart(one: &History, other: &History) -> f64 {
     let (one, other) = (&one.nodes[0], &other.nodes[0]);
     let squares = (one.iter().zip(other)).map(|(a, b)| (a.d - b.d).norm_squared());
     (squares.sum::<f64>() / one.len() as f64).sqrt()
-}
-
-/// The prescribed motion without the jerk at its start.
-fn smooth(file: &ModelFile) -> ModelFile {
-    let mut file = file.clone();
-    let spin_up = |rate| {
-        let duration = 0.5;
-        Some(Time::SpinUp(SpinUp { rate, duration }))
-    };
-    file.supports[0].prescribed = Some(PrescribedMotion {
-        z: spin_up(6.0),
-        rz: spin_up(3.0),
-        ..PrescribedMotion::default()
-    });
-    file
 }
 
 /// The thesis's two meshes with its step, and their limit.
@@ -112,7 +97,7 @@ fn arm(
         report.compare(what, worst / LENGTH, 0.0, tolerance, source);
     }
     converged(report, &file, independent)?;
-    orders(report, &file)?;
+    orders(report, model, &file)?;
     report.figure(
         file.title.as_deref().unwrap_or("Robot arm"),
         ["time t", "displacement of the tip"],
@@ -148,7 +133,7 @@ fn converged(
 }
 
 /// Orders of convergence.
-fn orders(report: &mut CaseReport, file: &ModelFile) -> Result<(), CaseProblem> {
+fn orders(report: &mut CaseReport, model: &str, file: &ModelFile) -> Result<(), CaseProblem> {
     // The jerk of the base excites waves: only steps that resolve them show the order.
     let coarse = meshed(file, 2, 1);
     let tip = |t: f64| move |run: History| run.at(0, t).d;
@@ -156,7 +141,13 @@ fn orders(report: &mut CaseReport, file: &ModelFile) -> Result<(), CaseProblem> 
     let ends = report.motions(files, &["tip"])?.map(tip(0.45));
     let what = "order in the step, 4 elements, driven with a jerk";
     report.compare_order(what, observed_order(&ends), 0.1);
-    let smooth = smooth(file);
+    let lift = "{ spin_up = { rate = 6, duration = 0.5 } }";
+    let turn = "{ spin_up = { rate = 3, duration = 0.5 } }";
+    let prescribed = [
+        ("supports.0.prescribed.z", lift),
+        ("supports.0.prescribed.rz", turn),
+    ];
+    let smooth = report.model_with(model, &prescribed)?;
     let quarter = meshed(&smooth, 4, 1);
     let files = [2e-3, 1e-3, 5e-4].map(|h| until(&quarter, h, 1.0));
     let steps = report.motions(files, &["tip"])?;

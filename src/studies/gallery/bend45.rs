@@ -93,8 +93,8 @@ pub(super) fn objectivity(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("bend45")?;
 
     // Load and unload.
-    let mut cycle = file.clone();
-    cycle.loads[0].time = Some(Time::Table(vec![[0.0, 0.0], [1.0, 1.0], [2.0, 0.0]]));
+    let time = "{ table = [[0, 0], [1, 1], [2, 0]] }";
+    let cycle = report.model_with("bend45", &[("loads.0.time", time)])?;
     let end = report
         .build(&cycle, "tip")?
         .end(&until(2.0))?
@@ -104,17 +104,14 @@ pub(super) fn objectivity(report: &mut CaseReport) -> Result<(), CaseProblem> {
     report.compare("tip after loading and unloading", end, 0.0, 1e-9, CLOSED);
 
     // Two loads in either order.
-    let first = Time::Table(vec![[0.0, 0.0], [1.0, 1.0]]);
-    let second = Time::Table(vec![[1.0, 0.0], [2.0, 1.0]]);
     let mut tips = Vec::new();
-    for times in [[&first, &second], [&second, &first]] {
-        let mut both = file.clone();
-        let mut other = both.loads[0].clone();
-        other.force = Some([0.0, 300.0, 0.0]);
-        both.loads.push(other);
-        for (load, time) in both.loads.iter_mut().zip(times) {
-            load.time = Some(time.clone());
-        }
+    for [first, second] in [[0, 1], [1, 0]] {
+        let load = |force: [u32; 3], from: u32| {
+            let time = [[from, 0], [from + 1, 1]];
+            format!("{{ node = \"tip\", force = {force:?}, time = {{ table = {time:?} }} }}")
+        };
+        let loads = [load([0, 0, 600], first), load([0, 300, 0], second)];
+        let both = report.model_with("bend45", &[("loads", &format!("[{}]", loads.join(", ")))])?;
         tips.push(report.build(&both, "tip")?.end(&until(2.0))?.state.d);
     }
     let gap = (tips[0] - tips[1]).norm();

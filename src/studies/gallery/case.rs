@@ -2,7 +2,7 @@
 
 use super::models::model;
 use super::motion::History;
-use crate::input::{self, Analysis, Dynamic, InputError, ModelFile};
+use crate::input::{self, Analysis, Dynamic, InputError, ModelFile, with_parameters};
 use crate::output::plot::{AxisScale, Graph, PlotCurve, panels};
 use pullback_elements::model::{Context, Dof, NodeId, NodeState};
 use pullback_integrators::dynamics::DynamicsError;
@@ -207,8 +207,18 @@ impl CaseReport {
 
     /// A model file of the gallery.
     pub(super) fn model(&self, name: &str) -> Result<ModelFile, CaseProblem> {
+        self.model_with(name, &[])
+    }
+
+    /// A model file of the gallery with other values of parameters, each with its path.
+    pub(super) fn model_with(
+        &self,
+        name: &str,
+        values: &[(&str, &str)],
+    ) -> Result<ModelFile, CaseProblem> {
         let text = model(Path::new(name)).ok_or(CaseProblem::Setup("it has no model file"))?;
-        Ok(input::parse(self.case, text).map_err(Box::new)?)
+        let text = with_parameters(text, values.iter().copied()).map_err(Box::new)?;
+        Ok(input::parse(self.case, &text).map_err(Box::new)?)
     }
 
     /// Builds a model file and finds the watched node.
