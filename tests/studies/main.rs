@@ -5,5 +5,6 @@ mod arms;
 mod formulations;
 mod gallery;
 mod heavy_top;
+mod mechanisms;
 mod rods;
 mod support;

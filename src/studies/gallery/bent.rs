@@ -1,7 +1,7 @@
 //! Planar linkages with a flexible part.
 
 use super::case::{CaseProblem, CaseReport, until};
-use super::linkages::{BARS, CRANK, ROD, gap, last};
+use super::linkages::{gap, last};
 use super::motion::History;
 use crate::input::{ModelFile, Stiffness, Tensor};
 use crate::output::plot::PlotCurve;
@@ -46,7 +46,7 @@ pub(super) fn coupler(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("four_bar_flexible")?;
     // The coupler of the other file weighs 1; this one weighs its length.
     let mut alike = rigid.clone();
-    let l = BARS[1];
+    let l = 1.5;
     // Both start at rest.
     alike.joints[0].rate = None;
     alike.bodies[1].mass = l;
@@ -82,6 +82,10 @@ pub(super) fn coupler(report: &mut CaseReport) -> Result<(), CaseProblem> {
     report.compare(what, bent.energy_error(), 0.0, 1e-3, source);
     Ok(())
 }
+
+/// Lengths of the crank and of the rod of the slider-crank mechanism.
+const CRANK: f64 = 0.4;
+const ROD: f64 = 1.0;
 
 /// A slider-crank mechanism with a flexible rod.
 pub(super) fn connecting_rod(report: &mut CaseReport) -> Result<(), CaseProblem> {

@@ -7,7 +7,6 @@
 )]
 
 use super::case::{CaseProblem, CaseReport, StepRecord, order, peak};
-use super::motion::runge_kutta;
 use crate::input::Interpolation;
 use crate::output::plot::PlotCurve;
 use nalgebra::{Matrix3, Matrix3x4, Vector3, stack};
@@ -37,16 +36,22 @@ const MOMENT: f64 = 200.0 * std::f64::consts::PI;
 fn shoot(load: f64, tip: &Vector3<f64>) -> Vector3<f64> {
     let n = Vector3::z() * (load * FORCE);
     // Position and directors along the curve.
-    let rates = |_, y: &Matrix3x4<f64>| {
+    let rates = |y: &Matrix3x4<f64>| {
         let (x, R) = (y.fixed_columns::<1>(0), y.fixed_columns::<3>(1));
         let m = Vector3::z() * (load * MOMENT) + (tip - x).cross(&n);
         let (Gamma, K) = (R.tr_mul(&n) / STRETCH, R.tr_mul(&m) / BEND);
         stack![R * (Vector3::x() + Gamma), R * skew(&K)]
     };
     let start = stack![Vector3::zeros(), Matrix3::identity()];
-    runge_kutta(rates, start, LENGTH, 600)
-        .column(0)
-        .into_owned()
+    let h = LENGTH / 600.0;
+    let end = (0..600).fold(start, |y, _| {
+        let k1 = rates(&y);
+        let k2 = rates(&(y + k1 * (0.5 * h)));
+        let k3 = rates(&(y + k2 * (0.5 * h)));
+        let k4 = rates(&(y + k3 * h));
+        y + (k1 + (k2 + k3) * 2.0 + k4) / 6.0 * h
+    });
+    end.column(0).into_owned()
 }
 
 /// Tip of the exact curve at each load, found by Newton's method from the tip at the load before.

@@ -1,14 +1,10 @@
 //! Hooke's joint: two shafts and a cross between them.
 
-#![allow(non_snake_case)]
-
-use super::case::{CaseProblem, CaseReport, with_step};
-use super::motion::{History, continued, richardson, runge_kutta};
-use crate::input::{
-    Analysis, DofName, Fix, ModelFile, PrescribedMotion, SchemeName, SpinUp, Support, Time,
-};
+use super::case::{CaseProblem, CaseReport, with_scheme, with_step};
+use super::motion::{History, continued, richardson};
+use crate::input::ModelFile;
 use crate::output::plot::PlotCurve;
-use nalgebra::{Vector2, Vector3};
+use nalgebra::Vector3;
 use pullback_elements::model::NodeState;
 use std::f64::consts::PI;
 
@@ -21,27 +17,6 @@ fn ahead(alpha: f64, cosine: f64) -> f64 {
 /// Rotation angle of a node over time, any number of turns.
 fn angles(states: &[NodeState]) -> Vec<f64> {
     continued(states).iter().map(Vector3::norm).collect()
-}
-
-/// Angle of the input of rigid shafts with inertias of 20 after the moment 0 → 40 → 0, by the
-/// classical Runge-Kutta method: the momentum p = I α̇ with I = 20 (1 + ρ²), ρ = dβ/dα, has the rate
-/// M + ½ I' α̇².
-fn rigid_shafts(cosine: f64, until: f64) -> f64 {
-    let inertia = |alpha: f64| {
-        let (s, c) = alpha.sin_cos();
-        let bottom = cosine * c * c + s * s / cosine;
-        let slope = 2.0 * s * c * (1.0 / cosine - cosine);
-        let I = 20.0 * (1.0 + bottom.powi(-2));
-        [I, -40.0 * slope * bottom.powi(-3)]
-    };
-    let rates = |t: f64, y: &Vector2<f64>| {
-        let (alpha, p) = (y.x, y.y);
-        let moment = (40.0 * (1.0 - (2.0 * t - 1.0).abs())).max(0.0);
-        let [I, slope] = inertia(alpha);
-        let speed = p / I;
-        Vector2::new(speed, moment + 0.5 * slope * speed * speed)
-    };
-    runge_kutta(rates, Vector2::zeros(), until, 30_000).x
 }
 
 /// Case 4 of [M04]. Its plot redraws Fig. 35.
@@ -60,10 +35,11 @@ pub(super) fn hooke(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let amplitude = difference.iter().fold(0.0_f64, |m, d| m.max(d.abs()));
     let most = ((1.0 - cosine) / (1.0 + cosine)).asin();
     report.compare("amplitude", amplitude, most, 1e-3, source);
+    // `tests/studies/mechanisms.rs`
     let source = "independent: rigid shafts, Runge-Kutta";
     let last = a.last().copied().unwrap_or(f64::NAN);
     let what = "angle of the input at t = 30";
-    report.compare(what, last, rigid_shafts(cosine, 30.0), 1e-3, source);
+    report.compare(what, last, 12.058148856657146, 1e-3, source);
     let curve = |values: &[f64]| -> Vec<(f64, f64)> {
         run.t.iter().copied().zip(values.iter().copied()).collect()
     };
@@ -83,37 +59,23 @@ const STEP: f64 = PI / 360.0;
 const SPIN_UP: usize = 40;
 
 /// The input shaft spins up to a constant speed and makes a whole turn; the shafts are stiff and light.
-fn light(file: &ModelFile, degrees: f64) -> ModelFile {
-    let mut file = file.clone();
+fn light(report: &CaseReport, degrees: f64) -> Result<ModelFile, CaseProblem> {
     let (s, c) = degrees.to_radians().sin_cos();
-    file.nodes.insert("B".to_owned(), [c, s, 0.0]);
-    for section in file.sections.values_mut() {
-        if let Some(stiffness) = &mut section.stiffness {
-            stiffness.GA = [1e7; 2];
-        }
-        if let Some(mass) = &mut section.mass {
-            mass.J = [2e-3, 1e-3, 1e-3];
-        }
-    }
-    file.loads.clear();
-    let held = DofName::ALL.into_iter().filter(|dof| *dof != DofName::RX);
-    let spin_up = SpinUp {
-        rate: 1.0,
-        duration: SPIN_UP as f64 * STEP,
-    };
-    file.supports[0] = Support {
-        node: "A".to_owned(),
-        fix: Some(Fix::List(held.collect())),
-        prescribed: Some(PrescribedMotion {
-            rx: Some(Time::SpinUp(spin_up)),
-            ..PrescribedMotion::default()
-        }),
-    };
-    if let Analysis::Dynamic(d) = &mut file.analysis {
-        d.to = (SPIN_UP / 2 + 720) as f64 * STEP;
-        d.scheme = SchemeName::from("ga:0.5");
-    }
-    file
+    let turn = format!(
+        "{{ spin_up = {{ rate = 1, duration = {} }} }}",
+        SPIN_UP as f64 * STEP
+    );
+    let end = ((SPIN_UP / 2 + 720) as f64 * STEP).to_string();
+    let values = [
+        ("nodes.B", &*format!("[{c}, {s}, 0]")),
+        ("sections.shaft.stiffness.GA", "[1e7, 1e7]"),
+        ("sections.shaft.mass.J", "[2e-3, 1e-3, 1e-3]"),
+        ("loads", "[]"),
+        ("supports.0.fix", r#"["x", "y", "z", "ry", "rz"]"#),
+        ("supports.0.prescribed", &format!("{{ rx = {turn} }}")),
+        ("analysis.dynamic.to", &end),
+    ];
+    Ok(with_scheme(&report.model_with("hooke", &values)?, "ga:0.5"))
 }
 
 /// Angles of input and output and the ratio of their speeds at all steps.
@@ -127,7 +89,6 @@ fn turned(run: &History) -> Vec<[f64; 3]> {
 
 /// R08: the kinematics alone.
 pub(super) fn universal(report: &mut CaseReport) -> Result<(), CaseProblem> {
-    let file = report.model("hooke")?;
     let source = "exact: R08, angles from where the input yoke lies in the plane";
     let at_30 = [
         (0, 0.0, 1.15470053838),
@@ -137,7 +98,7 @@ pub(super) fn universal(report: &mut CaseReport) -> Result<(), CaseProblem> {
     ];
     let at_45 = [(60, 67.7923457014, 0.808122035642)];
     for (degrees, points) in [(30.0, &at_30[..]), (45.0, &at_45)] {
-        let file = light(&file, degrees);
+        let file = light(report, degrees)?;
         let files = [STEP, 0.5 * STEP].map(|h| with_step(&file, h));
         let [coarse, fine] = report.motions(files, &["A", "B"])?;
         let (coarse, fine) = (turned(&coarse), turned(&fine));

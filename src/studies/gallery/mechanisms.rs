@@ -1,16 +1,9 @@
 //! Mechanisms in space: Bricard's, Bauchau's.
 
-#![allow(non_snake_case)]
-
 use super::case::{CaseProblem, CaseReport, meshed, with_scheme, with_step};
-use super::linkages::{G, gap, integrate, slope, with_rate};
+use super::linkages::gap;
 use super::motion::{History, continued, observed_order, richardson};
-use crate::input::{Closure, ModelFile};
-use nalgebra::Vector3;
-use pullback_manifold::jet::Moving;
-use pullback_manifold::scalar::Scalar;
-use pullback_manifold::so3::Quaternion;
-use std::f64::consts::FRAC_1_SQRT_2;
+use crate::input::ModelFile;
 
 /// Values, rates and accelerations of joint coordinates at the end, and the largest gap between
 /// pairs of nodes during the motion.
@@ -75,13 +68,11 @@ pub(super) fn bricard(report: &mut CaseReport) -> Result<(), CaseProblem> {
             "it does not move far enough to prove anything",
         ));
     }
-    let [x, _] = bricard_angles(with_rate(integrate(&bricard_system, [0.0; 2], 5.0)));
-    let exact = [x.x[0], x.x[1]];
+    // `tests/studies/mechanisms.rs`
+    let exact = [0.22555647346845764, -0.8533487686651305];
     let source = "exact: equation of its one freedom, closed-form kinematics, Runge-Kutta";
-    let mut enforced = with_scheme(&file, "ga:0.8");
-    let last = enforced.joints.iter_mut().find(|j| j.name == "hinge 6");
-    let last = last.ok_or(CaseProblem::Setup("it has no hinge 6"))?;
-    last.closure = Some(Closure::Multipliers);
+    let closure = [("joints.\"hinge 6\".closure", "multipliers")];
+    let enforced = with_scheme(&report.model_with("bricard", &closure)?, "ga:0.8");
     for (file, how) in [(&file, "a map"), (&enforced, "multipliers")] {
         let mut ends = Vec::new();
         for step in [4e-3, 2e-3] {
@@ -96,43 +87,6 @@ pub(super) fn bricard(report: &mut CaseReport) -> Result<(), CaseProblem> {
     Ok(())
 }
 
-/// Angles x and y of the odd and the even hinges of Bricard's mechanism. Of
-/// cos θ + cos φ + cos θ cos φ = 0 with θ = 90° + x and φ = 90° + y remains, for the mean m and the
-/// difference 4w of x and y, sin m = −2 sin² w: a closed curve with the parameter s, √2 sin w = sin s.
-fn bricard_angles(s: Moving<0>) -> [Moving<0>; 2] {
-    let sine = s.sin();
-    let square = sine * sine;
-    let m = (-square).atan2(s.cos() * (square + 1.0).sqrt());
-    let w = (sine * FRAC_1_SQRT_2).atan2((-(square * 0.5) + 1.0).sqrt());
-    [m + w * 2.0, m - w * 2.0]
-}
-
-/// Its mass and potential. Bars are slender, of mass and length 1: one whose ends move with a and b has
-/// the energy (a² + a·b + b²)/6.
-fn bricard_system(s: Moving<0>) -> [Moving<0>; 2] {
-    let [x, y] = bricard_angles(s);
-    let zero = Moving::<0>::constant(0.0);
-    let mut turn = Quaternion::about(&Vector3::x(), zero);
-    let mut end = Vector3::repeat(zero);
-    let (mut M, mut V) = (zero, zero);
-    let [e1, e2, e3] = [Vector3::x(), Vector3::y(), Vector3::z()];
-    for (axis, bar, angle) in [
-        (-e2, e1, x),
-        (e3, e2, y),
-        (e1, e3, x),
-        (-e2, -e1, y),
-        (e3, -e2, x),
-    ] {
-        turn = turn.product(&Quaternion::about(&axis, angle));
-        let next = end + turn.rotate(&bar.map(Moving::<0>::constant));
-        let [a, b] = [end.map(slope), next.map(slope)];
-        M += (a.dot(&a) + a.dot(&b) + b.dot(&b)) * (1.0 / 3.0);
-        V += (end.y + next.y) * (0.5 * G);
-        end = next;
-    }
-    [M, V]
-}
-
 /// D06: a linkage that moves only by the flexibility of its bars.
 pub(super) fn misaligned(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let file = report.model("four_bar_misaligned")?;
@@ -142,12 +96,8 @@ pub(super) fn misaligned(report: &mut CaseReport) -> Result<(), CaseProblem> {
         turns.last().map_or(f64::NAN, |psi| psi.z)
     };
     // A parallelogram where the axis is not misaligned: bar 3 turns like bar 1.
-    let mut aligned = file.clone();
-    for joint in &mut aligned.joints {
-        if let Some(axis) = joint.keys.get_mut("axis") {
-            *axis = serde_json::json!([0.0, 0.0, 1.0]);
-        }
-    }
+    let axis = [("joints.\"axis C\".axis", "[0, 0, 1]")];
+    let aligned = report.model_with("four_bar_misaligned", &axis)?;
     let run = report.motion(&with_step(&aligned, 8e-3), &watched)?;
     let source = "exact: rigid parallelogram";
     let what = "aligned: angle of bar 3 at t = 12";
@@ -202,17 +152,14 @@ pub(super) fn misaligned(report: &mut CaseReport) -> Result<(), CaseProblem> {
 
 /// The same in static equilibrium, with decreasing misalignment.
 pub(super) fn hardly_misaligned(report: &mut CaseReport) -> Result<(), CaseProblem> {
-    let mut file = meshed(&report.model("four_bar_misaligned")?, 4, 2);
     // Bar 1 turns by 0.15 each.
     let loads: Vec<f64> = (1..=8).map(|k| 0.25 * f64::from(k)).collect();
     let mut found = Vec::new();
     for degrees in [0.5_f64, 0.25] {
         let (s, c) = degrees.to_radians().sin_cos();
-        let joint = file.joints.iter_mut().find(|j| j.name == "axis C");
-        let joint = joint.ok_or(CaseProblem::Setup("it has no axis C"))?;
-        let axis = serde_json::json!([s, 0.0, c]);
-        joint.keys.insert("axis".into(), axis);
-        let records = report.build(&file, "C")?.at_loads(&loads)?;
+        let axis = [("joints.\"axis C\".axis", &*format!("[{s}, 0, {c}]"))];
+        let file = report.model_with("four_bar_misaligned", &axis)?;
+        let records = report.build(&meshed(&file, 4, 2), "C")?.at_loads(&loads)?;
         found.push([3, 5, 7].map(|k| records[k].state.d.z * c / s));
     }
     // The other sign of the misalignment reverses the bending: the remainder is quadratic, and with both signs

@@ -3,7 +3,7 @@
 use super::case::{CaseProblem, CaseReport, find};
 use crate::input::{self, ModelFile, Plan};
 use crate::probe::continue_rotation;
-use nalgebra::{SMatrix, Vector3};
+use nalgebra::Vector3;
 use pullback_elements::model::{Context, EnergiesAndMomentum, NodeId, NodeState};
 use pullback_integrators::dynamics::{DynamicsError, Simulation, Summary};
 
@@ -135,22 +135,4 @@ pub(super) fn richardson<const N: usize>(coarse: [f64; N], fine: [f64; N]) -> [f
 pub(super) fn observed_order(values: &[Vector3<f64>; 3]) -> f64 {
     let [a, b, c] = values;
     ((a - b).norm() / (b - c).norm()).log2()
-}
-
-/// The classical Runge-Kutta method with `count` steps from t = 0.
-pub(super) fn runge_kutta<const R: usize, const C: usize>(
-    rates: impl Fn(f64, &SMatrix<f64, R, C>) -> SMatrix<f64, R, C>,
-    start: SMatrix<f64, R, C>,
-    to: f64,
-    count: u32,
-) -> SMatrix<f64, R, C> {
-    let h = to / f64::from(count);
-    (0..count).fold(start, |y, n| {
-        let t = h * f64::from(n);
-        let k1 = rates(t, &y);
-        let k2 = rates(t + 0.5 * h, &(y + k1 * (0.5 * h)));
-        let k3 = rates(t + 0.5 * h, &(y + k2 * (0.5 * h)));
-        let k4 = rates(t + h, &(y + k3 * h));
-        y + (k1 + (k2 + k3) * 2.0 + k4) / 6.0 * h
-    })
 }
