@@ -2,6 +2,7 @@
 
 mod drift;
 
+use super::tables::listed;
 use super::{Comparison, ComparisonRow, ErrorQuantity};
 use crate::output::plot::{AxisScale, Graph, PlotCurve, PlotError, escaped, graphs};
 use drift::{PARTS, drift};
@@ -133,16 +134,8 @@ fn stopping(comparison: &Comparison) -> String {
         let (scheme, h) = (escaped(&row.scheme), rounded(row.step));
         format!("{scheme} with h = {h} after t = {}", rounded(t))
     };
-    let names: Vec<String> = stopped(comparison).map(name).collect();
-    listed("Curves that stop, as their runs failed", &names)
-}
-
-/// A sentence that lists names, if there are any.
-fn listed(what: &str, names: &[String]) -> String {
-    match names.is_empty() {
-        true => String::new(),
-        false => format!(" {what}: {}.", names.join(", ")),
-    }
+    let before = " Curves that stop, as their runs failed: ";
+    listed(before, stopped(comparison).map(name))
 }
 
 /// Caption of the runs that are not drawn.
@@ -163,7 +156,7 @@ fn left_out(comparison: &Comparison) -> String {
             names.push(format!("{word} with h = {} ({why})", rounded(row.step)));
         }
     }
-    listed("Left out", &names)
+    listed(" Left out: ", names.into_iter())
 }
 
 /// The quantities with more than round-off.

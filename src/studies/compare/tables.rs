@@ -210,6 +210,25 @@ pub fn unknown(comparison: &Comparison) -> Option<String> {
     ))
 }
 
+/// A number for a page, if it is known.
+pub(super) fn known(x: Option<f64>) -> String {
+    x.map_or_else(|| "–".to_owned(), short)
+}
+
+/// A sentence that ends with the different ones of some names, if there are any.
+pub(super) fn listed(before: &str, names: impl Iterator<Item = String>) -> String {
+    let mut different: Vec<String> = Vec::new();
+    for name in names {
+        if !different.contains(&name) {
+            different.push(name);
+        }
+    }
+    match different.is_empty() {
+        true => String::new(),
+        false => format!("{before}{}.", different.join(", ")),
+    }
+}
+
 /// A number of three digits, for a page.
 pub(super) fn short(x: f64) -> String {
     if x == 0.0 {

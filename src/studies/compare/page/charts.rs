@@ -1,7 +1,7 @@
 //! The table of the cost of chart changes.
 
 use super::{Page, begun, run_table};
-use crate::studies::compare::tables::short;
+use crate::studies::compare::tables::known;
 use crate::studies::compare::{Comparison, ComparisonRow, ErrorQuantity};
 
 /// Quantities whose errors are compared with those of runs with late changes of chart.
@@ -39,7 +39,7 @@ pub(super) fn charts(out: &mut Page, c: &Comparison) {
         let twin = |late: &&&ComparisonRow| late.scheme == row.scheme && late.step == row.step;
         let late = late.iter().find(twin)?;
         let both = |of: &dyn Fn(&ComparisonRow) -> Option<f64>| {
-            let [a, b] = [row, late].map(|r| of(r).map_or("–".to_owned(), short));
+            let [a, b] = [row, late].map(|r| known(of(r)));
             format!("{a} / {b}")
         };
         let mut line = vec![format!("{} / {}", changes(row), changes(late))];

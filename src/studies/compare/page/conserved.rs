@@ -1,8 +1,8 @@
 //! Tables of energies and momenta.
 
 use super::{Page, escaped, run_table};
-use crate::studies::compare::tables::short;
-use crate::studies::compare::{Comparison, ComparisonRow, Components, Conserved};
+use crate::studies::compare::tables::{known, short};
+use crate::studies::compare::{Comparison, ComparisonRow, Components, Conserved, Drift};
 
 pub(super) fn drift(out: &mut Page, c: &Comparison) {
     let found = c.reference.as_ref().map(|r| r.conserved);
@@ -27,7 +27,7 @@ pub(super) fn drift(out: &mut Page, c: &Comparison) {
     rows(out, caption, &c.rows);
     if let Some(row) = c.long.first() {
         out.heading(2, "", "What a long run keeps");
-        let end = row.samples.last().map_or(0.0, |s| s.t);
+        let end = short(row.samples.last().map_or(0.0, |s| s.t));
         let halved = c.long.iter().filter(|row| row.counts.rejected > 0);
         let halved: Vec<&str> = halved.map(|row| row.scheme.as_str()).collect();
         let halved = match halved.is_empty() {
@@ -37,7 +37,6 @@ pub(super) fn drift(out: &mut Page, c: &Comparison) {
                 escaped(&halved.join(", "))
             ),
         };
-        let end = short(end);
         let caption = format!("The same over a long run, until t = {end}{halved}.");
         rows(out, &caption, &c.long);
     }
@@ -57,30 +56,22 @@ fn zero(conserved: &Conserved, zero: Components) -> String {
     }
 }
 
+/// A number of the drift of a run, if it is known.
+type Part = fn(&Drift) -> Option<f64>;
+
 fn rows(out: &mut Page, caption: &str, all: &[ComparisonRow]) {
-    let columns = [
-        "energy",
-        "relative",
-        "momentum",
-        "angular momentum",
-        "|h|",
-        "balance of energy",
-        "relative",
-        "trend, relative",
+    let columns: [(&str, Part); 8] = [
+        ("energy", |d| d.energy),
+        ("relative", |d| d.relative(d.energy)),
+        ("momentum", |d| d.momentum),
+        ("angular momentum", |d| d.angular_momentum),
+        ("|h|", |d| d.violation),
+        ("balance of energy", |d| d.balance),
+        ("relative", |d| d.relative(d.balance)),
+        ("trend, relative", |d| d.relative(d.trend)),
     ];
-    run_table(out, caption, &columns, all, |row| {
-        let drift = row.drift;
-        let all = [
-            drift.energy,
-            drift.relative(drift.energy),
-            drift.momentum,
-            drift.angular_momentum,
-            drift.violation,
-            drift.balance,
-            drift.relative(drift.balance),
-            drift.relative(drift.trend),
-        ];
-        Some(all.map(|x| x.map_or("–".to_owned(), short)).to_vec())
+    run_table(out, caption, &columns.map(|c| c.0), all, |row| {
+        Some(columns.map(|c| known(c.1(&row.drift))).to_vec())
     });
 }
 

@@ -1,7 +1,7 @@
 //! Tables of the runs: errors, cost, reasons of failures.
 
 use super::{Page, escaped, exact, run_table, with_errors};
-use crate::studies::compare::tables::{failures as failures_of, short, status};
+use crate::studies::compare::tables::{failures as failures_of, known, listed, short, status};
 use crate::studies::compare::{Comparison, ComparisonRow, EqualCost, ErrorQuantity};
 
 pub(super) fn errors(out: &mut Page, c: &Comparison) {
@@ -34,20 +34,6 @@ fn changed_steps(c: &Comparison) -> String {
         |row: &ComparisonRow| format!("{} for {}", exact(row.step), exact(row.requested_step));
     let before = " Steps end at kinks of the functions of time and at common times: h is ";
     listed(before, c.rows.iter().filter(changed).map(pair))
-}
-
-/// A sentence that ends with the different ones of some names, if there are any.
-fn listed(before: &str, names: impl Iterator<Item = String>) -> String {
-    let mut different: Vec<String> = Vec::new();
-    for name in names {
-        if !different.contains(&name) {
-            different.push(name);
-        }
-    }
-    match different.is_empty() {
-        true => String::new(),
-        false => format!("{before}{}.", different.join(", ")),
-    }
 }
 
 /// Status of a run, in a word.
@@ -94,20 +80,9 @@ pub(super) fn equal_cost(out: &mut Page, equal: &EqualCost) {
 }
 
 pub(super) fn cost(out: &mut Page, c: &Comparison) {
-    let mut columns = vec![
-        "steps",
-        "rejected",
-        "solutions per step",
-        "evaluations",
-        "assemblies",
-        "factorisations",
-        "changes of chart",
-        "time / s",
-    ];
     let alone = match c.rows.iter().any(|row| row.seconds_alone.is_some()) {
         false => "",
         true => {
-            columns.push("alone / s");
             "; alone is that of the integration only, with the search before its first step, the \
              least of some repetitions"
         }
@@ -122,26 +97,30 @@ pub(super) fn cost(out: &mut Page, c: &Comparison) {
          centred anew in every step, and each time counts as a change of chart.{}",
         searching(c)
     );
-    run_table(out, &caption, &columns, &c.rows, |row| {
-        let n = &row.counts;
-        let per_step = match n.steps {
+    type Cell = fn(&ComparisonRow) -> String;
+    let mut columns: Vec<(&str, Cell)> = vec![
+        ("steps", |row| row.counts.steps.to_string()),
+        ("rejected", |row| row.counts.rejected.to_string()),
+        ("solutions per step", |row| match row.counts.steps {
             0 => "–".to_owned(),
             _ => format!("{:.2}", row.iterations_per_step()),
-        };
-        let mut line = vec![
-            n.steps.to_string(),
-            n.rejected.to_string(),
-            per_step,
-            n.evaluations.to_string(),
-            row.assemblies.to_string(),
-            n.factorisations.to_string(),
-            n.chart_changes.to_string(),
-            short(row.seconds),
-            row.seconds_alone.map_or("–".to_owned(), short),
-        ];
-        line.truncate(columns.len());
-        Some(line)
-    });
+        }),
+        ("evaluations", |row| row.counts.evaluations.to_string()),
+        ("assemblies", |row| row.assemblies.to_string()),
+        ("factorisations", |row| {
+            row.counts.factorisations.to_string()
+        }),
+        ("changes of chart", |row| {
+            row.counts.chart_changes.to_string()
+        }),
+        ("time / s", |row| short(row.seconds)),
+    ];
+    if !alone.is_empty() {
+        columns.push(("alone / s", |row| known(row.seconds_alone)));
+    }
+    let names: Vec<&str> = columns.iter().map(|column| column.0).collect();
+    let cells = |row: &ComparisonRow| columns.iter().map(|column| column.1(row)).collect();
+    run_table(out, &caption, &names, &c.rows, |row| Some(cells(row)));
 }
 
 /// Assemblies before the first step, which are not counted.
@@ -149,10 +128,8 @@ fn searching(c: &Comparison) -> String {
     let before = " Not counted are assemblies before the first step, once in a run, that find what a scheme \
                   has to know (invariants of the motion, the largest frequency): ";
     let count = |row: &ComparisonRow| format!("{} {}", escaped(&row.scheme), row.searching);
-    listed(
-        before,
-        c.rows.iter().filter(|row| row.searching > 0).map(count),
-    )
+    let rows = c.rows.iter().filter(|row| row.searching > 0);
+    listed(before, rows.map(count))
 }
 
 pub(super) fn failures(out: &mut Page, c: &Comparison) {
