@@ -9,9 +9,10 @@ use crate::solve::{Counts, begin};
 use crate::studies::general::General;
 use pullback_elements::model::{Context, Formulation};
 use pullback_integrators::dynamics::{
-    DynamicOptions, NewtonOptions, Progress, StepReport, Summary, integrate,
+    DynamicOptions, DynamicsError, NewtonOptions, Progress, StepReport, Summary, integrate,
 };
 use pullback_manifold::system::Point;
+use std::error::Error;
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 use std::sync::{Mutex, PoisonError};
@@ -106,22 +107,29 @@ impl Task<'_> {
     }
 }
 
-/// Why a run did not reach its end.
-struct RunFailure(String);
-
-impl<E: std::error::Error> From<E> for RunFailure {
-    fn from(error: E) -> Self {
-        Self(error.to_string())
-    }
-}
-
 /// Reason of a run that was interrupted.
 pub(super) const INTERRUPTED: &str = "interrupted";
 
-/// The sample of a converged state.
-fn sample(model: &mut Context, at: Point<'_>, defect: Option<f64>) -> Result<Sample, RunFailure> {
-    let refused = |error| RunFailure(format!("a converged state cannot be evaluated: {error}"));
-    Sample::of(model, at, defect).map_err(refused)
+impl ComparisonRow {
+    /// Adds the sample of a converged state; one that cannot be evaluated ends the run.
+    fn sample(
+        &mut self,
+        model: &mut Context,
+        at: Point<'_>,
+        defect: Option<f64>,
+    ) -> ControlFlow<()> {
+        match Sample::of(model, at, defect) {
+            Ok(sample) => {
+                self.samples.push(sample);
+                ControlFlow::Continue(())
+            }
+            Err(error) => {
+                let why = format!("a converged state cannot be evaluated: {error}");
+                self.failure = Some(why);
+                ControlFlow::Break(())
+            }
+        }
+    }
 }
 
 /// The dynamic plan of a job.
@@ -135,16 +143,21 @@ pub(super) fn dynamic(plan: &Plan) -> Option<&DynamicPlan> {
 /// Runs a task, and samples the model at the common times. The row has neither errors nor drift.
 pub(super) fn drive(make: &Maker<'_>, task: &Task<'_>, hooks: &Hooks<'_>) -> ComparisonRow {
     let mut row = task.row();
-    row.failure = advance(make, task, hooks, &mut row).err().map(|f| f.0);
+    match advance(make, task, hooks, &mut row) {
+        Err(why) => row.failure = Some(why.to_string()),
+        Ok(false) if row.failure.is_none() => row.failure = Some(INTERRUPTED.to_owned()),
+        Ok(_) => {}
+    }
     row
 }
 
+/// Runs a task; whether it came to its end.
 fn advance(
     make: &Maker<'_>,
     task: &Task<'_>,
     hooks: &Hooks<'_>,
     row: &mut ComparisonRow,
-) -> Result<(), RunFailure> {
+) -> Result<bool, Box<dyn Error>> {
     let grid = task.grid;
     let mut job = make(task.candidate.formulation())?;
     if task.late_charts {
@@ -156,11 +169,9 @@ fn advance(
             in_general(&mut job, &task.solver(general), grid, hooks, row)
         }
         Candidate::Method(method) => {
-            let interval = Some(grid.to / grid.times as f64);
-            let options = task.options(method, plan);
             let options = DynamicOptions {
-                interval,
-                ..options
+                interval: Some(grid.to / grid.times as f64),
+                ..task.options(method, plan)
             };
             by_scheme(&mut job, &options, hooks, row)
         }
@@ -173,7 +184,7 @@ fn by_scheme(
     options: &DynamicOptions,
     hooks: &Hooks<'_>,
     row: &mut ComparisonRow,
-) -> Result<(), RunFailure> {
+) -> Result<bool, Box<dyn Error>> {
     let model = &mut job.context;
     let mut progress = job.start.motion(model)?;
     let accelerations = assemblies(model, options, &mut progress)?;
@@ -185,31 +196,23 @@ fn by_scheme(
     row.searching = assemblies(model, options, &mut anew)?;
     let again = assemblies(model, options, &mut progress)?;
     let before = model.assemblies();
-    let mut failed = None;
     let mut seen = |model: &mut Context, progress: &Progress| {
         let defect = progress.summary.energy.map(|e| e.defect());
-        failed = match sample(model, progress.state.point(), defect) {
-            Ok(sample) => {
-                row.samples.push(sample);
-                None
-            }
-            Err(failure) => Some(failure),
-        };
-        failed.is_none()
+        row.sample(model, progress.state.point(), defect)
     };
     let begun = seen(model, &progress);
     let clock = Instant::now();
     let mut observer = |model: &mut Context, step: &StepReport<'_>| {
         let t = step.progress.state.t;
         let is_common = options.intervals(t) > options.intervals(t - step.step_size);
-        match !(is_common || t >= options.to) || seen(model, step.progress) {
-            true => (hooks.flow)(),
-            false => ControlFlow::Break(()),
+        if is_common || t >= options.to {
+            seen(model, step.progress)?;
         }
+        (hooks.flow)()
     };
     let integrated = match begun {
-        true => integrate(model, &mut progress, options, &mut observer),
-        false => Ok(()),
+        ControlFlow::Continue(()) => integrate(model, &mut progress, options, &mut observer),
+        ControlFlow::Break(()) => Ok(()),
     };
     row.seconds = clock.elapsed().as_secs_f64();
     row.counts = Counts::of_motion(&progress.summary);
@@ -219,11 +222,7 @@ fn by_scheme(
         _ => progress.summary.evaluations,
     };
     integrated?;
-    match failed {
-        Some(failure) => Err(failure),
-        None if !progress.summary.finished => Err(RunFailure(INTERRUPTED.to_owned())),
-        None => Ok(()),
-    }
+    Ok(progress.summary.finished)
 }
 
 /// The number of assemblies before the first step. They include a search for invariants or the largest frequency, which
@@ -232,7 +231,7 @@ fn assemblies(
     model: &mut Context,
     options: &DynamicOptions,
     progress: &mut Progress,
-) -> Result<usize, RunFailure> {
+) -> Result<usize, DynamicsError> {
     let before = model.assemblies();
     begin(model, options, progress)?;
     Ok(model.assemblies() - before)
@@ -246,26 +245,14 @@ fn in_general(
     grid: &Grid,
     hooks: &Hooks<'_>,
     row: &mut ComparisonRow,
-) -> Result<(), RunFailure> {
+) -> Result<bool, Box<dyn Error>> {
     use crate::studies::general;
     let model = &mut job.context;
     let mut progress = job.start.motion(model)?;
     let clock = Instant::now();
     let before = model.assemblies();
-    let mut failed = None;
-    let samples = &mut row.samples;
-    let mut seen = |model: &mut Context, at: Point<'_>| match sample(model, at, None) {
-        Ok(sample) => {
-            samples.push(sample);
-            ControlFlow::Continue(())
-        }
-        Err(failure) => {
-            failed = Some(failure);
-            ControlFlow::Break(())
-        }
-    };
     let mut observer = general::Observer {
-        seen: &mut seen,
+        seen: &mut |model, at| row.sample(model, at, None),
         go: hooks.flow,
     };
     let times = grid.all_times();
@@ -274,11 +261,7 @@ fn in_general(
     row.assemblies = model.assemblies() - before;
     row.seconds = clock.elapsed().as_secs_f64();
     ended?;
-    match failed {
-        Some(failure) => Err(failure),
-        None if !progress.summary.finished => Err(RunFailure(INTERRUPTED.to_owned())),
-        None => Ok(()),
-    }
+    Ok(progress.summary.finished)
 }
 
 /// General solvers are refused by programs built without them.
@@ -289,9 +272,9 @@ fn in_general(
     _: &Grid,
     _: &Hooks<'_>,
     _: &mut ComparisonRow,
-) -> Result<(), RunFailure> {
+) -> Result<bool, Box<dyn Error>> {
     let why = format!("{general}: this program is built without the feature `diffsol`");
-    Err(RunFailure(why))
+    Err(why.into())
 }
 
 /// Most repetitions of a timed run, and the total time in seconds after which there are no more.
@@ -318,8 +301,9 @@ pub(super) fn clock(make: &Maker<'_>, task: &Task<'_>, hooks: &Hooks<'_>) -> Opt
             }
             Candidate::General(general) => {
                 let mut row = task.row();
-                in_general(&mut job, &task.solver(general), task.grid, hooks, &mut row).ok()?;
-                row.seconds
+                let solver = task.solver(general);
+                let finished = in_general(&mut job, &solver, task.grid, hooks, &mut row).ok()?;
+                finished.then_some(row.seconds)?
             }
         };
         if (hooks.flow)().is_break() {
