@@ -8,7 +8,7 @@ use pullback_integrators::significant;
 /// Why a comparison cannot be made. The failure of a scheme at a step size is not among them: it is a
 /// row with the reason.
 #[derive(Debug, thiserror::Error)]
-#[allow(missing_docs, reason = "the messages say what the fields are")]
+#[allow(missing_docs, reason = "each message says what its variant is")]
 #[non_exhaustive]
 pub enum CompareError {
     /// The model file is refused.
@@ -16,79 +16,54 @@ pub enum CompareError {
     Input(#[from] InputError),
     /// Any other error, with its model.
     #[error("{model}: {error}")]
-    Of {
-        /// Name of the model in the results.
-        model: String,
-        error: Box<Self>,
-    },
-    /// The analysis is not dynamic.
+    Of { model: String, error: Box<Self> },
     #[error(
         "the analysis of this model is not dynamic: give it [analysis.dynamic] with `to` and `step`"
     )]
     Static,
-    /// No scheme at all.
     #[error("no scheme to compare: name one at least, such as `newmark`")]
     NoScheme,
-    /// No scheme can start.
     #[error("no scheme can begin this motion; {name}: {why}")]
-    NoneBegins {
-        /// The first one.
-        name: String,
-        why: String,
-    },
-    /// A scheme twice.
+    NoneBegins { name: String, why: String },
     #[error("scheme `{name}` is given twice: name it once")]
     SchemeTwice { name: String },
-    /// A reference scheme that is not accurate or stable enough.
     #[error(
         "scheme `{name}` is no reference: take one of order 2 or more that is stable at every step"
     )]
     Reference { name: String },
-    /// A reference of a general solver.
     #[error(
         "the reference is three runs in steps of halves, and `{name}` chooses its own steps: take `radau`, say"
     )]
     ReferenceForm { name: String },
-    /// Neither a file nor a model of the gallery.
     #[error(
         "there is no file `{name}`, and no model of the gallery is called so{} gallery has {known}",
         near.as_ref().map_or("; the".to_owned(), |near| format!(": did you mean `{near}`? The"))
     )]
     NoModel {
         name: String,
-        /// The nearest name.
         near: Option<String>,
-        /// All names.
         known: String,
     },
-    /// A step as long as the motion.
     #[error("step size {} makes one step of the whole motion: take smaller ones", significant(*value))]
     OneStep { value: f64 },
-    /// Fewer than two step sizes.
     #[error("an order takes two step sizes at least, {found} given: name them from large to small")]
     FewSteps { found: usize },
-    /// An invalid step size.
     #[error("step size {} is not usable: it must be positive and finite", significant(*value))]
     Step { value: f64 },
-    /// Step sizes that do not descend.
     #[error("step sizes must decrease, and {} comes after {}", significant(*after), significant(*before))]
     Order { before: f64, after: f64 },
-    /// A step size larger than the whole motion.
     #[error(
         "step size {} is larger than the duration {} of the motion: take smaller ones",
         significant(*value), significant(*to)
     )]
     Long { value: f64, to: f64 },
-    /// Too many steps.
     #[error("step size {} makes more than {most:e} steps: take larger ones", significant(*value))]
     Many { value: f64, most: f64 },
-    /// A long run with too many steps.
     #[error(
         "a run of {} times the duration makes more than {most:e} steps: take it shorter",
         significant(*value)
     )]
     TooLong { value: f64, most: f64 },
-    /// Two step sizes with the same number of steps.
     #[error(
         "step sizes {before} and {after} both come to {count} equal steps: take sizes further apart"
     )]
@@ -97,25 +72,20 @@ pub enum CompareError {
         after: f64,
         count: usize,
     },
-    /// An invalid file of exact values.
     #[error("the exact solution {}: {problem}", path.display())]
     Exact {
         path: std::path::PathBuf,
         problem: String,
     },
-    /// An invalid factor of long runs.
     #[error("long runs of {} times the duration are none: it must be 1 or more, and finite", significant(*value))]
     Longer { value: f64 },
-    /// An invalid residual.
     #[error("residual {value} is not usable: it must be positive and finite, such as 1e-10")]
     Residual { value: f64 },
-    /// A residual below the rounding errors of forces.
     #[error(
         "residual {value:e} is below the rounding of forces, {:.1e} of them: no run reaches it; take 1e-10, for example",
         f64::EPSILON
     )]
     Rounding { value: f64 },
-    /// Models with the same directory of results.
     #[error(
         "two models are called `{name}`: results of each go to a directory of its name; rename a file, or compare \
          on one of them alone"

@@ -24,23 +24,17 @@ use std::str::FromStr;
 
 /// Failure of a general solver.
 #[derive(Debug, thiserror::Error)]
-#[allow(missing_docs, reason = "the messages say what the fields are")]
+#[allow(missing_docs, reason = "each message says what its variant is")]
 #[non_exhaustive]
 pub enum GeneralError {
-    /// Multipliers are not supported.
     #[error(
         "the solver {solver} takes ordinary differential equations, and {multiplier} is a \
          multiplier: close the loop by a map"
     )]
-    Multiplier {
-        solver: String,
-        /// The first multiplier.
-        multiplier: String,
-    },
+    Multiplier { solver: String, multiplier: String },
     /// The motion cannot start, or continue.
     #[error(transparent)]
     Dynamics(#[from] DynamicsError),
-    /// The model cannot be evaluated at a state of the solver.
     #[error("the solver {solver} at time {t:.6}: {reason}")]
     Solver {
         solver: String,

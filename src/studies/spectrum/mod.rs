@@ -38,52 +38,33 @@ const RANGE: [f64; 2] = [1e-12, 1e12];
 
 /// Errors of spectra.
 #[derive(Debug, thiserror::Error)]
-#[allow(missing_docs, reason = "the messages say what the fields are")]
+#[allow(missing_docs, reason = "each message says what its variant is")]
 #[non_exhaustive]
 pub enum SpectrumError {
     /// A scheme or a position is refused.
     #[error("{0}")]
     Scheme(#[from] DynamicsError),
-    /// An invalid range of Ω.
     #[error(
         "Ω from {} to {} is no range: both must lie between {:e} and {:e}, the second one larger",
         significant(*from), significant(*to), RANGE[0], RANGE[1]
     )]
     Range { from: f64, to: f64 },
-    /// A formulation of rotations, which do not occur in a vibration.
     #[error(
         "scheme `{word}`: formulations of rotations do not affect a linear vibration: leave the prefix \
          out, `{scheme}`"
     )]
-    Prefix {
-        /// The requested scheme.
-        word: String,
-        /// The scheme without its prefix.
-        scheme: String,
-    },
-    /// A scheme that conserves energy by a projection.
+    Prefix { word: String, scheme: String },
     #[error(
         "scheme `{word}`: its projection is no linear map and gives back what the step takes, so that it has no \
          spectrum; that of its step is the one of `{step}`"
     )]
-    Projection {
-        /// The requested scheme.
-        word: String,
-        /// The scheme without the projection.
-        step: String,
-    },
-    /// A general solver.
+    Projection { word: String, step: String },
     #[error(
         "`{word}` is a general solver, which chooses its own steps: it has no spectrum over Ω = ω h"
     )]
-    Solver {
-        /// The requested scheme.
-        word: String,
-    },
-    /// A scheme twice.
+    Solver { word: String },
     #[error("scheme `{name}` is given twice: name it once")]
     Twice { name: String },
-    /// Files cannot be written.
     #[error("{0}")]
     Output(#[from] OutputError),
 }
