@@ -140,23 +140,11 @@ fn range(inner: &str, geometric: bool) -> Option<Vec<String>> {
         return None;
     }
     let value = |k: usize| match k as f64 / (count.max(2) - 1) as f64 {
+        1.0 => to,
         s if geometric => from * (to / from).powf(s),
         s => from + s * (to - from),
     };
-    Some(
-        (0..count)
-            .map(|k| {
-                format!(
-                    "{:?}",
-                    if k > 0 && k + 1 == count {
-                        to
-                    } else {
-                        value(k)
-                    }
-                )
-            })
-            .collect(),
-    )
+    Some((0..count).map(|k| format!("{:?}", value(k))).collect())
 }
 
 impl FromStr for Reduction {
