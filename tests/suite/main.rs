@@ -1,4 +1,5 @@
 //! All integration tests of the program and its library, linked once.
+#![allow(non_snake_case, reason = "symbols are those of the equations")]
 
 mod closures;
 mod compare;

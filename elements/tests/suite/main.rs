@@ -1,4 +1,5 @@
 //! All integration tests of elements and models, linked once.
+#![allow(non_snake_case, reason = "symbols are those of the equations")]
 
 mod check;
 mod leaves;

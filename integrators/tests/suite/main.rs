@@ -1,4 +1,5 @@
 //! All integration tests of integrators and solvers, linked once.
+#![allow(non_snake_case, reason = "symbols are those of the equations")]
 
 mod dynamics;
 mod linear_solver;

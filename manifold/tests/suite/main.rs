@@ -1,4 +1,5 @@
 //! All integration tests of charts and maps, linked once.
+#![allow(non_snake_case, reason = "symbols are those of the equations")]
 
 mod check;
 mod implicit;

@@ -1,6 +1,5 @@
 //! Loops that multipliers close start where the maps of these loops start, and loops in which nothing
 //! can move rest by every scheme.
-#![allow(clippy::unwrap_used)]
 
 use crate::support::closures::{
     CLOSURES, GROUND, RUN, angle, arm, body, five_bar, hinge, joint, rows, start,

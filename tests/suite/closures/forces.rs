@@ -1,8 +1,6 @@
 //! One constraint, three methods: the map, multipliers and a penalty, against each other and against
 //! closed-form kinematics, an equation of motion of one freedom, and Newton's laws for the pin.
 
-#![allow(non_snake_case, clippy::unwrap_used)]
-
 use super::started_with;
 use crate::support::dynamics::*;
 use crate::support::loops::four_bar::*;

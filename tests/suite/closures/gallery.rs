@@ -1,7 +1,5 @@
 //! Every mechanism of the gallery with its loops closed by a map, by multipliers and by a penalty.
 
-#![allow(clippy::unwrap_used)]
-
 use crate::support::dynamics::*;
 use crate::support::loops::gap;
 use pullback::input::assemble_text;

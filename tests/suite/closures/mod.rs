@@ -1,5 +1,4 @@
 //! Loops closed by multipliers and penalties.
-#![allow(clippy::unwrap_used)]
 
 mod alike;
 mod allocation;

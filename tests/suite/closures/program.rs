@@ -1,5 +1,4 @@
 //! The word `closure` in model files: three methods for one file, what the program says and refuses.
-#![allow(clippy::unwrap_used)]
 
 use crate::support::closures::{arm, body, failure, fixed, hinge, probe, start};
 use crate::support::program::{

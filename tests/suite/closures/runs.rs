@@ -1,7 +1,5 @@
 //! Changes of chart and drives that jump: multipliers against the map.
 
-#![allow(non_snake_case, clippy::unwrap_used)]
-
 use super::started_with;
 use crate::support::dynamics::*;
 use crate::support::loops::four_bar::*;

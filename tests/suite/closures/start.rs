@@ -1,6 +1,5 @@
 //! Where models begin whose loops are closed by multipliers or a penalty, and loops that are driven:
 //! values and velocities that are kept, noted, or refused by their names.
-#![allow(clippy::unwrap_used)]
 
 use super::linkage_of;
 use crate::support::closures::{

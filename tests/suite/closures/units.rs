@@ -1,8 +1,6 @@
 //! Models in the units of micromachines and of ships: the same motion at the same steps. Closed loops with
 //! multipliers as with the map, and linkages where kinematics has them.
 
-#![allow(non_snake_case, clippy::unwrap_used)]
-
 use crate::support::beams::line;
 use crate::support::closures::{angle, apart, beam_line, fixed, hinge, linkage, probe};
 use crate::support::program::{number, recorded};

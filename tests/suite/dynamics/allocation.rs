@@ -1,7 +1,5 @@
 //! A step in time allocates nothing: all buffers are made when a run begins.
 
-#![allow(non_snake_case)]
-
 use crate::support::beams::beam;
 use crate::support::dynamics::{body, revolute, turning};
 use allocation_counter::measure;

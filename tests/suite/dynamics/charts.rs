@@ -7,8 +7,6 @@
 //! scheme. Where the axis of rotation is fixed the map is a shift, and histories agree to the
 //! tolerance of Newton's method.
 
-#![allow(non_snake_case, clippy::unwrap_used)]
-
 use crate::support::beams;
 use crate::support::dynamics::*;
 use nalgebra::{Matrix3, Vector3};

@@ -1,5 +1,4 @@
 //! One model, several contexts: in threads, and continued from a snapshot.
-#![allow(clippy::unwrap_used)]
 
 use crate::support::dynamics::motion_of;
 use pullback::elements::body::PointMass;

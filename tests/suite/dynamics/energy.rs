@@ -1,7 +1,5 @@
 //! Energy along motions: the balance of power.
 
-#![allow(non_snake_case, clippy::unwrap_used)]
-
 use crate::support::beams;
 use crate::support::dynamics::*;
 use nalgebra::Vector3;

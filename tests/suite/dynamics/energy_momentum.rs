@@ -1,7 +1,5 @@
 //! The energy-momentum projection: what it keeps, on which models, and that it stays of order two.
 
-#![allow(non_snake_case, clippy::unwrap_used)]
-
 use crate::support::beams::beam_with;
 use crate::support::dynamics::*;
 use nalgebra::{Matrix3, SVector, Vector3};

@@ -2,8 +2,6 @@
 //! under drives; what it leaves of a momentum with dampers that steps do not resolve; and steps of more
 //! than a turn.
 
-#![allow(clippy::unwrap_used)]
-
 use crate::support::beams::line;
 use crate::support::closures::{GROUND, arm, body, body_of, hinge, joint};
 use crate::support::dynamics::{configure, motion_of, point};

@@ -1,8 +1,6 @@
 //! Joints against the same system described in another way: ordinary differential equations of minimal
 //! coordinates integrated here.
 
-#![allow(non_snake_case, clippy::unwrap_used)]
-
 use crate::support::dynamics::*;
 use nalgebra::{Matrix2, Matrix3, SVector, Vector2, Vector3};
 use pullback::elements::body::{PointMass, RigidBody};

@@ -1,5 +1,4 @@
 //! Jumps of driven velocities: what is free takes the impulse. Inputs that change between steps.
-#![allow(clippy::unwrap_used)]
 
 use crate::support::closures::{body_of, hinge, joint};
 use crate::support::dynamics::{motion_of, point};

@@ -11,8 +11,6 @@
 //! which is quadratic convergence as soon as cₖ₋₁² is below cₖ, that is from the second correction
 //! on. In the first iteration the iterate before is the state at the beginning of the step.
 
-#![allow(non_snake_case, clippy::unwrap_used)]
-
 use crate::support::beams;
 use crate::support::dynamics::*;
 use nalgebra::{Matrix3, Vector3};

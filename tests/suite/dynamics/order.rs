@@ -1,7 +1,5 @@
 //! Order of convergence of every scheme on constrained, driven motions that change charts.
 
-#![allow(non_snake_case, clippy::unwrap_used)]
-
 use crate::support::beams::beam_with;
 use crate::support::dynamics::*;
 use nalgebra::Vector3;

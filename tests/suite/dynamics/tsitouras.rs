@@ -1,8 +1,6 @@
 //! The explicit pair of Tsitouras on rigid bodies whose motion is known by Jacobi's elliptic functions, its
 //! cost beside the default scheme, checkpoints, and what it refuses.
 
-#![allow(non_snake_case, clippy::unwrap_used)]
-
 use crate::support::closures::hinge;
 use crate::support::dynamics::{assert_slopes, configure, motion_of};
 use crate::support::program::assert_says;

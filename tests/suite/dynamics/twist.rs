@@ -2,8 +2,6 @@
 //! laws are linear, so that everything is known in closed form up to a whole turn. Beyond it no pair
 //! of rotation vectors tells what the ends have done, and the answer is an error.
 
-#![allow(non_snake_case, clippy::unwrap_used)]
-
 use crate::support::beams::straight;
 use crate::support::dynamics::*;
 use crate::support::program::assert_close;

@@ -1,6 +1,5 @@
 //! A wave in a bar of beam elements by the explicit central difference: d'Alembert's solution, and
 //! the largest stable step of a bar of linear elements with consistent mass.
-#![allow(non_snake_case, clippy::unwrap_used)]
 
 use crate::support::beams::{beam, line};
 use crate::support::dynamics::{assert_order, observed};

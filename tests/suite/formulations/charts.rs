@@ -1,5 +1,4 @@
 //! Another chart of rotations gives the same motion and the same equilibrium.
-#![allow(clippy::unwrap_used)]
 
 use crate::support::comparisons::compared;
 use crate::support::dynamics::{assert_order, turning};

@@ -1,5 +1,4 @@
 //! The formulations of a comparison against exact motions and against each other.
-#![allow(non_snake_case, clippy::unwrap_used)]
 
 use crate::support::closures::body_of;
 use crate::support::comparisons::{self, BODY};

@@ -1,7 +1,6 @@
 //! The Lie-group generalised-α method as Brüls, Cardona & Arnold 2012 publish it, stepped here by hand on
 //! their heavy top, beside `lie-ga`; the spin-vector Newmark of Simo & Vu-Quoc 1988; and Newmark's formulas
 //! for the increment of rotation, the updated Lagrangian of Cardona & Géradin 1988.
-#![allow(non_snake_case, clippy::unwrap_used)]
 
 use crate::support::dynamics::{observed, tight};
 use nalgebra::{Matrix3, Rotation3, Vector3};

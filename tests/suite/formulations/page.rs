@@ -1,7 +1,6 @@
 //! The page of docs/formulations.md on smaller models: what theory says of orders and of energies. And
 //! whether the page is a copy of docs/formulations. Whether that is up to date is a gate of its own
 //! (tests/studies/formulations.rs), and says nothing of whether it is right.
-#![allow(clippy::unwrap_used)]
 
 use crate::support::formulations::{PAGE, commands, results, table};
 use crate::support::included;

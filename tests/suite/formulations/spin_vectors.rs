@@ -13,7 +13,6 @@
 //! Mixed spins add rates in the components of the body to a velocity in the fixed frame,
 //! ω′ = ω + (h/2) Rₙ(Ω̇ + Ω̇′), which leaves out the turn of Ω̇′ by hΩ: ω is off by −(h²/2) Rₙ(Ω×Ω̇) in every
 //! step, and an order is lost.
-#![allow(non_snake_case, clippy::unwrap_used)]
 
 use crate::support::comparisons::{BODY, rod};
 use crate::support::dynamics::{assert_order, observed, tight};

@@ -1,5 +1,4 @@
 //! Exact motions of models of the gallery.
-#![allow(non_snake_case, clippy::unwrap_used)]
 
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use pullback::studies::compare::{FrameSample, Sample};

@@ -3,7 +3,6 @@
 //! Three straight beams after Timoshenko, a cubic each, in the plane of a parallelogram that stands still:
 //! only deflections out of the plane and the rotations about axes in it are unknown. Nothing is shared with
 //! the program.
-#![allow(non_snake_case, clippy::unwrap_used)]
 
 use crate::support::independent::assert_published;
 use nalgebra::{Matrix2, Matrix3, Matrix6, Vector2, Vector3};

@@ -4,7 +4,6 @@
 //! is constant where nothing acts between the ends), shot from A over B to C and from D to C. Unknown are the
 //! force and the moment at A and at D and the angles of the joints there; what is left open at B and C is to
 //! vanish. Nothing is shared with the program.
-#![allow(non_snake_case, clippy::unwrap_used)]
 
 use crate::support::independent::assert_published;
 use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector3};

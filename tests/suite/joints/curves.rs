@@ -1,7 +1,5 @@
 //! Points on curves and surfaces in motion, against closed forms.
 
-#![allow(clippy::unwrap_used)]
-
 use crate::support::dynamics::{assert_slopes, body, configure, grounded, observed, tight};
 use crate::support::program::assert_says;
 use nalgebra::Matrix3;

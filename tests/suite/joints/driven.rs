@@ -1,5 +1,4 @@
 //! Models of which everything is driven: the forces of given motions.
-#![allow(clippy::unwrap_used, non_snake_case)]
 
 use crate::support::closures::{GROUND, Rows, STATIC, angle, body_of, hinge, probe};
 use crate::support::program::{directory, history, number, program, succeeded, write};

@@ -1,8 +1,6 @@
 //! Coordinates of joints that follow functions of time: where, how fast and with what force the hung
 //! frame moves, for every joint of the library.
 
-#![allow(clippy::unwrap_used)]
-
 use crate::support::dynamics::{assert_slopes, grounded, observed, point, revolute, sine, tight};
 use nalgebra::Matrix3;
 use pullback::elements::joint::{

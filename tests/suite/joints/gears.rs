@@ -1,7 +1,5 @@
 //! Gears and racks against closed forms.
 
-#![allow(clippy::unwrap_used)]
-
 use crate::support::closures::{GROUND, SECOND, angle, body_of, fixed, hinge, joint, probe};
 use crate::support::dynamics::{grounded, observed, point, revolute};
 use crate::support::program::{assert_says, check, number, recorded};

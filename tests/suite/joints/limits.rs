@@ -1,7 +1,5 @@
 //! Where charts of joints end: they change, or an error names the joint.
 
-#![allow(non_snake_case, clippy::unwrap_used)]
-
 use crate::support::dynamics::{assert_order, configure, grounded, observed, tight};
 use crate::support::program::assert_says;
 use nalgebra::Matrix3;

@@ -1,5 +1,4 @@
 //! The joints of the library in motion, from model files, against closed forms.
-#![allow(clippy::unwrap_used)]
 
 use crate::support::closures::{angle, arm, beam_line, joint, on_joint, probe};
 use crate::support::program::{assert_close, check_table, number, recorded, refusal};

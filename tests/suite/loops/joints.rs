@@ -1,7 +1,5 @@
 //! Loops of joints closed by a map: forces whichever joint closes, and ball joints that change their charts.
 
-#![allow(non_snake_case, clippy::unwrap_used)]
-
 use crate::closures::started_with;
 use crate::support::dynamics::*;
 use crate::support::loops::four_bar::*;

@@ -1,8 +1,6 @@
 //! Loops at the limits of what they can be: without coordinates, locked, tiny and huge, driven fast
 //! or too far, started with words that do not fit.
 
-#![allow(clippy::unwrap_used)]
-
 use crate::support::closures::{
     GROUND, angle, apart, arm, body, failure, fixed, four_bar, four_bar_of, hinge, joint, linkage,
     probe, rows,

@@ -1,8 +1,6 @@
 //! Linkages of rigid bars that are closed by h(t, x) = 0, against their closed-form kinematics and
 //! the equation of motion of their one freedom, integrated here.
 
-#![allow(non_snake_case, clippy::unwrap_used)]
-
 use crate::support::dynamics::*;
 use crate::support::loops::*;
 use nalgebra::{SVector, Vector2, Vector3};

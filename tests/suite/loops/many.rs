@@ -1,8 +1,6 @@
 //! Many loops: what one evaluation asks of a joint does not depend on how many loops there are, and
 //! loops that stand on each other.
 
-#![allow(non_snake_case, clippy::unwrap_used)]
-
 use super::program::probes;
 use crate::support::closures::{GROUND, arm, body, body_of, joint};
 use crate::support::dynamics::revolute;

@@ -1,5 +1,4 @@
 //! Closed loops in model files: what the program finds out, says and refuses.
-#![allow(clippy::unwrap_used)]
 
 use crate::support::closures::{GROUND, arm, body, body_of, hinge, joint, probe, rows};
 use crate::support::program::{

@@ -1,6 +1,5 @@
 //! Redundant equations: some that always are, and a loop in which others are as it moves, so that they are chosen
 //! anew on the way.
-#![allow(clippy::unwrap_used)]
 
 use crate::support::closures::{CLOSURES, GROUND, RUN, angle, arm, body, hinge, joint, rows};
 use crate::support::dynamics::{grounded, integrate_ode};

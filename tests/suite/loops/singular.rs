@@ -1,5 +1,4 @@
 //! Loops that come to a singular configuration in mid-run: their maps end there, and it is named.
-#![allow(clippy::unwrap_used)]
 
 use crate::support::closures::{GROUND, angle, arm, body, hinge};
 use crate::support::program::{assert_close, directory, history, number, program, write};

@@ -1,5 +1,4 @@
 //! Where a slide is handed over: exact motions of beads on polygons of wire.
-#![allow(clippy::unwrap_used)]
 
 use crate::support::dynamics::{observed, tight};
 use crate::support::landing::{G, Track, bowl};

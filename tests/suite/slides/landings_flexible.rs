@@ -1,5 +1,4 @@
 //! Slides on free flexible chains: invariance, momenta, formulations, interpolations, and runs that go on.
-#![allow(non_snake_case, clippy::unwrap_used)]
 
 use crate::support::beams::beam_with;
 use crate::support::dynamics::{assert_order, configure, moving, observed, point, tight};

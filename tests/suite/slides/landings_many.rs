@@ -1,6 +1,5 @@
 //! Several slides, closed rings, schemes of all families, adaptive steps, and failing steps, where slides
 //! are handed over.
-#![allow(clippy::unwrap_used)]
 
 use crate::support::dynamics::{assert_order, observed, spring, tight};
 use crate::support::landing::{G, Track, bead, bowl};

@@ -1,5 +1,4 @@
 //! A slide along two lines of a model file.
-#![allow(clippy::unwrap_used)]
 
 use crate::support::closures::{beam_line, body, probe};
 use crate::support::program::{number, recorded};

@@ -1,7 +1,5 @@
 //! The slide against exact motions along a straight line and around a circle.
 
-#![allow(non_snake_case, clippy::unwrap_used)]
-
 use crate::support::dynamics::*;
 use crate::support::landing::{self, G, MASS};
 use nalgebra::{Unit, Vector2, Vector3};

@@ -1,6 +1,5 @@
 //! When Newton's method may stop: states that are no equilibrium are not called one, and rounding
 //! errors do not keep one from being found. All against closed forms.
-#![allow(non_snake_case)]
 
 use crate::support::beams::{COLUMN, beam, line};
 use crate::support::closures::{body_of, fixed};

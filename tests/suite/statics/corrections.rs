@@ -1,6 +1,5 @@
 //! Statics is not content with its predictions: what is small beside other loads, or beside the
 //! rounding errors of stiff neighbours, is corrected too. All against closed forms.
-#![allow(non_snake_case)]
 
 use super::solved;
 use crate::support::beams::line;

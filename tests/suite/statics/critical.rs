@@ -1,7 +1,5 @@
 //! Limit points of beams found directly, and the path of a column beyond its bifurcation.
 
-#![allow(clippy::unwrap_used, non_snake_case)]
-
 use crate::support::beams::{COLUMN, PINNED, line};
 use crate::support::closures::{failure, fixed};
 use crate::support::laboratory::model;

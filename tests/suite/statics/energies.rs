@@ -1,7 +1,5 @@
 //! Elements by their energies in models, against closed forms.
 
-#![allow(non_snake_case)]
-
 use crate::support::dynamics::{assert_order, observed};
 use crate::support::program::assert_close;
 use nalgebra::Matrix3;

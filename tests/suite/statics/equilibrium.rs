@@ -1,7 +1,5 @@
 //! Statics of beams: how Newton's method converges, and how it fails.
 
-#![allow(non_snake_case)]
-
 use crate::support::beams::beam;
 use pullback::integrators::statics::{Step, solve_statics};
 use pullback::prelude::*;

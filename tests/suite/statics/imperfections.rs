@@ -1,7 +1,5 @@
 //! Shapes of buckling as imperfections of another model.
 
-#![allow(clippy::unwrap_used)]
-
 use crate::support::beams::{COLUMN, PINNED, line};
 use crate::support::closures::fixed;
 use crate::support::program::{

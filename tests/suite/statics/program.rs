@@ -1,5 +1,4 @@
 //! What a run in statics records and warns of.
-#![allow(clippy::unwrap_used, non_snake_case)]
 
 use super::corrections::truss;
 use crate::support::beams::line;

@@ -1,6 +1,5 @@
 //! Stability of equilibria by the signs of pivots: columns against Euler's loads, arches at their
 //! limit points.
-#![allow(clippy::unwrap_used, non_snake_case)]
 
 use super::solved;
 use crate::support::beams::{COLUMN, PINNED, line};

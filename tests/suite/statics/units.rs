@@ -1,7 +1,5 @@
 //! What has no length, or next to none, is solved in any unit (tests/suite/closures/units.rs: models of any size).
 
-#![allow(non_snake_case)]
-
 use crate::support::dynamics::{grounded, observed, revolute, spring, weighed};
 use crate::support::program::assert_close;
 use nalgebra::{Matrix3, Matrix6};

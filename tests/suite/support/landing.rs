@@ -1,7 +1,5 @@
 //! Shared by the tests of landings: beads on polygons of wire, and their exact motions.
 
-#![allow(dead_code)]
-
 use nalgebra::{Vector2, Vector3};
 use pullback::elements::beam::Interpolation;
 use pullback::elements::body::PointMass;

@@ -1,7 +1,5 @@
 //! `check::model`: a right model passes from many seeds, whatever its units and stiffness ratios.
 
-#![allow(non_snake_case)]
-
 use crate::support::{frame_model, seeded, sine, straight};
 use nalgebra::{Matrix3, Matrix6, Vector3};
 use pullback_conformance::{self as check, ModelOptions};

@@ -1,7 +1,5 @@
 //! Errors planted where the pieces of a map meet: the lines of a chain, the formulas of a curve.
 
-#![allow(non_snake_case)]
-
 use crate::support::{checked, failures};
 use nalgebra::{Matrix3, SVector, Vector3};
 use pullback_conformance::{Report, joint};

@@ -1,8 +1,6 @@
 //! Errors planted in components of a model: `check::model` names the component, the block, and how
 //! much of it is missing.
 
-#![allow(non_snake_case)]
-
 use crate::support::{checked, coupled, failures, lay};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use pullback_conformance::{InCharts, LawRow, Report};

@@ -1,7 +1,5 @@
 //! Bodies: their laws, the reference, their kinetic energy and inertia.
 
-#![allow(non_snake_case)]
-
 use crate::support::{forces, matrix, moving, numbers, reference, vector};
 use nalgebra::{Matrix3, Vector3, Vector6};
 use pullback_conformance as check;

@@ -1,7 +1,5 @@
 //! One line per element and load.
 
-#![allow(non_snake_case)]
-
 use crate::support::{Coupling, DAMPING, coupled, forces, massive, moving, section, sine};
 use nalgebra::{Matrix3, Vector3};
 use pullback_conformance as check;

@@ -1,7 +1,5 @@
 //! Elements by their energies: conformance, and agreement with what was derived by hand.
 
-#![allow(non_snake_case)]
-
 use crate::support::elastic_joint::ElasticJoint;
 use crate::support::gravity::Gravity;
 use crate::support::polynomial_spring::PolynomialSpring;

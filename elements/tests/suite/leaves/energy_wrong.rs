@@ -1,7 +1,5 @@
 //! Errors that derivations by hand make, planted: the kit finds each, and names the law.
 
-#![allow(non_snake_case)]
-
 use crate::support::strain_beam::FrameInertia;
 use nalgebra::{Matrix3, SVector, Vector3};
 use pullback_conformance as check;

@@ -1,7 +1,5 @@
 //! Interpolation and integration over a beam element: exact for polynomials of the degrees they should be.
 
-#![allow(non_snake_case)]
-
 use crate::support::{forces, moving};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use pullback_elements::beam::{Interpolation, Section};

@@ -1,8 +1,6 @@
 //! What sets the two interpolations of rotations apart: the geodesic one is a function of relative
 //! rotations, the total one is not.
 
-#![allow(non_snake_case)]
-
 use crate::support::{DAMPING, checked, coupled, forces, line, massive, moving, straight};
 use nalgebra::{Matrix3, Matrix6, SVector, Vector3};
 use pullback_conformance as check;

@@ -1,7 +1,5 @@
 //! The joint library: every law of the maps, and poses against what the joints mean.
 
-#![allow(non_snake_case, clippy::unwrap_used)]
-
 use nalgebra::{Matrix3, SVector, Vector3};
 use pullback_conformance as check;
 use pullback_elements::joint::{

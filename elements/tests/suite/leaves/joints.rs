@@ -1,7 +1,5 @@
 //! Joints: every law of their maps, reference tensors.
 
-#![allow(non_snake_case)]
-
 use crate::support::{matrix, numbers, reference};
 use nalgebra::{DMatrix, SVector, Vector3};
 use pullback_conformance as check;

@@ -1,7 +1,5 @@
 //! The beam against an independent implementation, sections against published numbers.
 
-#![allow(non_snake_case)]
-
 use crate::support::{forces, matrix, moving, numbers, reference, refused, vector};
 use nalgebra::{DVector, Matrix3, Matrix6, Vector3};
 use pullback_elements::beam::{Interpolation, Material, Section, SectionError, rectangle_torsion};

@@ -1,7 +1,5 @@
 //! What no body and no spring can be, with the reason.
 
-#![allow(non_snake_case)]
-
 use crate::support::{axes, positions, refused};
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 use pullback_elements::body::{PointMass, RigidBody};

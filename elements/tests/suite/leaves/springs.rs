@@ -1,7 +1,5 @@
 //! Springs, dampers and bushings: laws and numbers.
 
-#![allow(non_snake_case)]
-
 use crate::support::{axes, moving, positions, residual};
 use nalgebra::{DVector, Matrix3, Matrix6, Vector3, Vector6};
 use pullback_conformance as check;

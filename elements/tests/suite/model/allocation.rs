@@ -1,7 +1,5 @@
 //! An evaluation allocates nothing: buffers are made when the model is, and are no larger than it needs.
 
-#![allow(non_snake_case)]
-
 use crate::support::polynomial_spring::PolynomialSpring;
 use crate::support::strain_beam::{Reissner, strain_beam};
 use crate::support::{Coupling, Offset, coupled, lay};

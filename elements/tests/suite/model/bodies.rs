@@ -1,7 +1,5 @@
 //! Bodies, springs and their loads in a model: the assembled tangent, changes of chart, refusals.
 
-#![allow(non_snake_case)]
-
 use nalgebra::{Matrix3, Matrix6, Vector3};
 use pullback_conformance::{self as check, ModelOptions, Random};
 use pullback_elements::body::{PointMass, RigidBody};

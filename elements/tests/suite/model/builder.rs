@@ -1,7 +1,5 @@
 //! Supports, numbering, names, axes and lines of a model.
 
-#![allow(non_snake_case)]
-
 use crate::support::{Idle, Offset, beam, line, simple, straight};
 use nalgebra::{Matrix3, SVector, Unit, Vector3};
 use pullback_elements::body::PointMass;

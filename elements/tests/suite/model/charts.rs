@@ -1,7 +1,5 @@
 //! Nothing physical may jump when charts change: energy, strains, forces, velocities.
 
-#![allow(non_snake_case)]
-
 use crate::support::{Twin, coupled, forces, lay, moving, spatial};
 use nalgebra::Vector3;
 use pullback_conformance::Random;

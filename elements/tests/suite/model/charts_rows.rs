@@ -1,7 +1,5 @@
 //! What is told of a state that was accepted is told in the charts in which it was balanced.
 
-#![allow(non_snake_case)]
-
 use crate::support::{coupled, lay};
 use nalgebra::Vector3;
 use pullback_elements::model::{Context, Dof, ModelBuilder};

@@ -1,5 +1,4 @@
 //! Redundant equations of an element, which a model omits.
-#![allow(non_snake_case, clippy::unwrap_used)]
 
 use nalgebra::SVector;
 use pullback_elements::constraint::Multipliers;

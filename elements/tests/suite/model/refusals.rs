@@ -1,7 +1,5 @@
 //! What a model refuses, and with which words.
 
-#![allow(non_snake_case)]
-
 use crate::support::{Idle, Offset, Twin, line, refused, simple, straight};
 use nalgebra::{SVector, Vector3};
 use pullback_elements::beam::Interpolation;

@@ -1,7 +1,5 @@
 //! The assembled model as a system: its tangent is that of its residual, in whatever charts.
 
-#![allow(non_snake_case)]
-
 use crate::support::{Coupling, Offset, Twin, TwoTurn, coupled, frame_model, lay, section, sine};
 use nalgebra::{DVector, Vector3};
 use pullback_conformance::{self as check, Random, TestState};

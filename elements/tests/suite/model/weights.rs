@@ -1,7 +1,5 @@
 //! Loads beside a node and on one coordinate: weights and motors.
 
-#![allow(non_snake_case)]
-
 use crate::support::{forces, moving, residual, sine, spatial};
 use nalgebra::{Matrix3, Vector3};
 use pullback_conformance as check;

@@ -1,7 +1,5 @@
 //! Sections, joints, an element and the reference file, shared by the tests.
 
-#![allow(non_snake_case, dead_code)]
-
 #[path = "../../../../examples/elements/elastic_joint.rs"]
 pub mod elastic_joint;
 #[path = "../../../../examples/elements/gravity.rs"]

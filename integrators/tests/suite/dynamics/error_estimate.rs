@@ -1,7 +1,5 @@
 //! The estimate of the local error beside the error that a step has.
 
-#![allow(non_snake_case)]
-
 use crate::support::dynamics::*;
 use crate::support::refused;
 use pullback_integrators::dynamics::scheme::Stage;

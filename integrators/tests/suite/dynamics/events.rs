@@ -1,7 +1,5 @@
 //! Events of a run: located, applied, repeated, saved.
 
-#![allow(non_snake_case)]
-
 use crate::support::dynamics::{Oscillator, Pendulum, adaptive, schemes, steps_of};
 use crate::support::refused;
 use pullback_integrators::dynamics::{DynamicOptions, Scheme, Simulation, State, start};

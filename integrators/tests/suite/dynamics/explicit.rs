@@ -1,7 +1,5 @@
 //! The explicit schemes: stable steps, waves, what they refuse.
 
-#![allow(non_snake_case)]
-
 use crate::support::dynamics::{adaptive, attempt, steps_of};
 use crate::support::linear_solver::filled;
 use crate::support::refused;

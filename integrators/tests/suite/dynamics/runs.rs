@@ -1,7 +1,5 @@
 //! Runs in time: failing and adaptive steps, copies that go on, what is refused.
 
-#![allow(non_snake_case)]
-
 use crate::support::dynamics::*;
 use crate::support::{Configured, refused};
 use pullback_integrators::dynamics::{

@@ -1,7 +1,5 @@
 //! Integration in time of systems small enough to be known exactly: no beam is known here.
 
-#![allow(non_snake_case)]
-
 use crate::support::dynamics::*;
 use nalgebra::{Matrix3, Matrix4, Vector2, Vector3, Vector4};
 use pullback_integrators::dynamics::{

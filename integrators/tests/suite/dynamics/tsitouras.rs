@@ -1,7 +1,5 @@
 //! The pair of Tsitouras: its order conditions, adaptive steps.
 
-#![allow(non_snake_case)]
-
 use crate::support::dynamics::*;
 use pullback_integrators::dynamics::Scheme;
 use std::f64::consts::FRAC_PI_2;

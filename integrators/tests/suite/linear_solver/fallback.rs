@@ -1,8 +1,6 @@
 //! Regular matrices that blocks eliminated in their own order cannot solve: what the block solver says of
 //! them, and that the general LU is asked instead.
 
-#![allow(non_snake_case)]
-
 use crate::support::linear_solver::*;
 use pullback_integrators::linear_solver::{
     AutoSolver, BlockLu, LinearError, LinearSolver, SolverKind, null_vector,

@@ -1,7 +1,5 @@
 //! Negative pivots against the eigenvalues of a dense matrix (nalgebra): Sylvester's law.
 
-#![allow(clippy::unwrap_used)]
-
 use crate::support::linear_solver::*;
 use nalgebra::DMatrix;
 use pullback_integrators::linear_solver::{AutoSolver, BlockLu, FaerLu, LinearSolver};

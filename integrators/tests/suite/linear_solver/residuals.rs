@@ -1,7 +1,5 @@
 //! Residuals of solutions that are known to be small without a look at the matrix.
 
-#![allow(clippy::unwrap_used)]
-
 use crate::support::linear_solver::{General, Random, analysed};
 use pullback_integrators::linear_solver::{BlockLu, LinearSolver};
 use pullback_manifold::sparse::BlockPattern;

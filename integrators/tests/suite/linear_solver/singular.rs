@@ -1,7 +1,5 @@
 //! What linear solvers say of matrices that are singular or not finite.
 
-#![allow(clippy::unwrap_used)]
-
 use crate::support::linear_solver::*;
 use nalgebra::DVector;
 use pullback_integrators::linear_solver::{AutoSolver, LinearError, LinearSolver, null_vector};

@@ -1,7 +1,5 @@
 //! The linear solvers against nalgebra's dense LU, against closed forms, and against each other.
 
-#![allow(clippy::unwrap_used)]
-
 use crate::support::linear_solver::*;
 use nalgebra::DVector;
 use pullback_integrators::linear_solver::{

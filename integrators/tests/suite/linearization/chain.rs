@@ -1,7 +1,5 @@
 //! Modes of systems with exact eigenvalues, and of those without modes.
 
-#![allow(non_snake_case)]
-
 use pullback_integrators::linearization::{
     Linearized, ModeOptions, ModesError, Selection, modes, modes_while,
 };

@@ -1,7 +1,5 @@
 //! Requests that a system cannot meet, and systems without coordinates.
 
-#![allow(non_snake_case)]
-
 use crate::support::refused;
 use pullback_integrators::linearization::{
     CampbellDiagram, CampbellError, CampbellOptions, buckling, campbell, output_derivatives,

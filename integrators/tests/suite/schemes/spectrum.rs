@@ -1,8 +1,6 @@
 //! Spectra of the step routine against closed forms and a published table
 //! (reference/spectra.json).
 
-#![allow(non_snake_case)]
-
 use super::WORDS;
 use crate::support::refused;
 use pullback_integrators::dynamics::Scheme;

@@ -1,7 +1,5 @@
 //! Critical points, found directly, of systems whose paths are known in closed form.
 
-#![allow(non_snake_case, clippy::unwrap_used)]
-
 use crate::support::statics::{LIMIT, TIGHT, truss};
 use pullback_integrators::statics::{
     ArcLengthOptions, CriticalKind, CriticalPoint, Event, StaticNewtonOptions, StaticsError,

@@ -1,7 +1,5 @@
 //! Statics on systems small enough to be solved by hand: no beam is known here.
 
-#![allow(non_snake_case)]
-
 use crate::support::statics::{LIMIT, Scalar, TIGHT, truss};
 use crate::support::{Configured, refused};
 use pullback_integrators::statics::{

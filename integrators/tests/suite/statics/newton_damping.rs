@@ -1,7 +1,5 @@
 //! How far Newton's method goes along a correction, and where it stops: springs solved by hand.
 
-#![allow(non_snake_case)]
-
 use crate::support::statics::{Scalar, TIGHT};
 use pullback_integrators::statics::{
     Cause, Iteration, StaticNewtonOptions, StaticOptions, StaticsError, solve_statics,

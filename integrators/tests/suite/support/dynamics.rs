@@ -1,7 +1,5 @@
 //! Systems of one coordinate that are known exactly, and runs of them.
 
-#![allow(non_snake_case, dead_code)]
-
 use pullback_integrators::dynamics::{
     Adaptivity, DynamicOptions, DynamicsError, Progress, Scheme, StepReport, integrate, start,
 };

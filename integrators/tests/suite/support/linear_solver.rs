@@ -1,7 +1,5 @@
 //! Matrices of all shapes, and solvers for them.
 
-#![allow(dead_code, non_snake_case, clippy::unwrap_used)]
-
 pub use pullback_integrators::linear_solver::MatrixSymmetry::{self, General, Symmetric};
 use pullback_integrators::linear_solver::{
     AutoSolver, BlockLu, FaerLdlt, FaerLu, LinearError, LinearSolver,

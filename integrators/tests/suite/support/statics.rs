@@ -1,7 +1,5 @@
 //! One spring that is not linear, and how to solve for its equilibrium.
 
-#![allow(non_snake_case)]
-
 use pullback_integrators::statics::StaticNewtonOptions;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{

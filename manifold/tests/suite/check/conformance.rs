@@ -1,7 +1,5 @@
 //! One line per leaf.
 
-#![allow(non_snake_case)]
-
 use crate::support::{Offset, Revolute};
 use nalgebra::{SVector, Vector3};
 use pullback_conformance as check;

@@ -1,7 +1,5 @@
 //! The conformance kit fails when it should: errors planted in forces and in an assembly.
 
-#![allow(non_snake_case)]
-
 use nalgebra::{DMatrix, DVector};
 use pullback_conformance::{self as check, Forces, TestState};
 use pullback_manifold::sparse::BlockPattern;

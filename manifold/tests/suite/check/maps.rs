@@ -1,7 +1,5 @@
 //! The conformance kit fails when it should: errors planted in maps and charts.
 
-#![allow(non_snake_case)]
-
 use nalgebra::{SMatrix, SVector, Vector3};
 use pullback_conformance::{self as check, Measure, Report};
 use pullback_manifold::chart::{RotationChart, RotationVector};

@@ -1,7 +1,5 @@
 //! The charts of implicit constraints with redundant equations and parameters.
 
-#![allow(non_snake_case, clippy::unwrap_used)]
-
 use super::linear::Linear;
 use crate::support::Circle;
 use nalgebra::{SMatrix, SVector, Vector2};

@@ -1,7 +1,5 @@
 //! Linear equations, whose maps are known: dependent ones, and ones that need rows interchanged.
 
-#![allow(non_snake_case, clippy::unwrap_used)]
-
 use crate::support::tangent;
 use nalgebra::{Matrix2x3, Matrix3, Matrix3x4, SMatrix, SVector};
 use pullback_manifold::implicit::{Choice, Implicit, ImplicitMap};

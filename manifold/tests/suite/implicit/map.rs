@@ -1,7 +1,5 @@
 //! Implicit constraints: exact derivatives, changes of split, and the branch of a solution.
 
-#![allow(non_snake_case, clippy::unwrap_used)]
-
 use super::{Planted, gap};
 use crate::support::tangent;
 use nalgebra::{SVector, Vector2, Vector3};

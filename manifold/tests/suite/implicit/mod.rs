@@ -1,7 +1,5 @@
 //! Maps defined by equations.
 
-#![allow(non_snake_case)]
-
 mod charts;
 mod flat;
 mod linear;

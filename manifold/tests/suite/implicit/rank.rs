@@ -1,7 +1,5 @@
 //! Ranks of constraints: equations that follow from others, and places where the rank changes.
 
-#![allow(non_snake_case, clippy::unwrap_used)]
-
 use super::map::{FourBar, GRASHOF};
 use crate::support::{Circle, tangent};
 use nalgebra::SVector;

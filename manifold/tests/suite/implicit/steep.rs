@@ -1,7 +1,5 @@
 //! Laws of a solved constraint near a singular position, where its values have few digits.
 
-#![allow(non_snake_case)]
-
 use super::Planted;
 use crate::support::Circle;
 use nalgebra::DVector;

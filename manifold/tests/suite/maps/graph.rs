@@ -1,7 +1,5 @@
 //! What graphs keep of the maps in them.
 
-#![allow(non_snake_case)]
-
 use crate::support::{Circle, tangent};
 use nalgebra::Vector1;
 use pullback_manifold::implicit::{Choice, Description, Equation, ImplicitMap, Unknown};

@@ -1,7 +1,5 @@
 //! The jets against the num-dual crate: one function, two implementations of differentiation.
 
-#![allow(non_snake_case)]
-
 use nalgebra::SVector;
 use num_dual::{Derivative, Dual3, DualNum, DualSVec64};
 use num_traits::{One, Zero};

@@ -1,7 +1,5 @@
 //! The jet of energies against nested gradients, which are checked against another crate.
 
-#![allow(non_snake_case)]
-
 use pullback_manifold::jet::{Grad, Phase};
 use pullback_manifold::scalar::Scalar;
 

@@ -1,7 +1,5 @@
 //! Frames by their charts and by their poses, and graphs of maps.
 
-#![allow(non_snake_case)]
-
 use crate::support::Offset;
 use nalgebra::{Vector3, Vector6};
 use pullback_conformance::{self as check, Random};

@@ -1,7 +1,5 @@
 //! The pull-back of tangents in place.
 
-#![allow(non_snake_case)]
-
 use nalgebra::{DMatrix, Matrix3};
 use pullback_conformance::Random;
 use pullback_manifold::pullback;

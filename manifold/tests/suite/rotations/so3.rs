@@ -1,8 +1,6 @@
 //! Rotation vectors: against an independent implementation, against exact forward derivatives, and
 //! the identities that tie the tensors together.
 
-#![allow(non_snake_case)]
-
 use crate::support::{matrix, reference, relative as close, vector};
 use nalgebra::{Matrix3, Vector3};
 use pullback_conformance::Random;

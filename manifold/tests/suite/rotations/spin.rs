@@ -1,5 +1,4 @@
 //! Rates of rotation vectors from spins, against their definitions.
-#![allow(non_snake_case, clippy::unwrap_used)]
 
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::map::{Increment, Map, MapState, Reparametrization};

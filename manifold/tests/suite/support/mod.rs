@@ -1,7 +1,5 @@
 //! Joints written as maps of a few lines, and the reference file.
 
-#![allow(non_snake_case, dead_code)]
-
 pub mod double_double;
 
 use nalgebra::{SMatrix, SVector, Vector3};

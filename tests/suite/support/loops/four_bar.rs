@@ -1,7 +1,5 @@
 //! A planar four-bar linkage in closed form, and the equation of motion of its one freedom.
 
-#![allow(non_snake_case, dead_code)]
-
 use super::{G, one_freedom};
 use crate::support::dynamics::*;
 use nalgebra::Vector2;

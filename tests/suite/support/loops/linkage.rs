@@ -1,7 +1,5 @@
 //! The planar four-bar linkage as a model of bodies on joints.
 
-#![allow(non_snake_case, dead_code)]
-
 use super::four_bar::*;
 use super::{DOWN, ground};
 use crate::support::dynamics::{revolute, weighed};

@@ -1,7 +1,5 @@
 //! Shared by the tests of closed loops: bars on pins, runs that watch the constraint.
 
-#![allow(non_snake_case, dead_code)]
-
 pub mod four_bar;
 pub mod linkage;
 
