@@ -1,9 +1,7 @@
 //! Loops that multipliers close start where the maps of these loops start, and loops in which nothing
 //! can move rest by every scheme.
 
-use crate::support::closures::{
-    CLOSURES, GROUND, RUN, angle, arm, body, five_bar, hinge, joint, rows, start,
-};
+use crate::support::closures::*;
 use crate::support::program::{number, results};
 use std::path::Path;
 

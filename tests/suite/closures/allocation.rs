@@ -2,16 +2,9 @@
 
 use crate::support::dynamics::{grounded, revolute, weighed};
 use crate::support::loops::DOWN;
+use crate::support::prelude::*;
 use allocation_counter::measure;
-use nalgebra::{Matrix3, Vector3};
-use pullback::elements::body::RigidBody;
 use pullback::elements::constraint::PenaltyStiffness;
-use pullback::elements::model::Closure;
-use pullback::integrators::dynamics::{
-    DynamicOptions, Progress, Scheme, StepReport, integrate, start,
-};
-use pullback::prelude::*;
-use std::ops::ControlFlow;
 
 /// Allocations of a run of so many steps: a double pendulum whose second body flies freely but for a
 /// joint, and is closed to a third one, which is redundant in part. It does not get far: which

@@ -6,15 +6,11 @@ use crate::support::dynamics::*;
 use crate::support::loops::four_bar::*;
 use crate::support::loops::linkage::*;
 use crate::support::loops::*;
+use crate::support::prelude::*;
 use crate::support::program::assert_says;
-use nalgebra::{DMatrix, DVector, Vector2, Vector3};
+use nalgebra::{DMatrix, DVector};
 use pullback::elements::constraint::PenaltyStiffness;
-use pullback::elements::model::{Closure, Context, ModelBuilder};
-use pullback::integrators::dynamics::{DynamicsError, Progress, Scheme, integrate, start};
 use pullback::integrators::linear_solver::{AutoSolver, LinearSolver, MatrixSymmetry, scaling};
-use pullback::integrators::statics::{StaticNewtonOptions, StaticOptions, solve_statics};
-use pullback::manifold::system::{Evaluation, Point, System, Weights};
-use std::ops::ControlFlow;
 
 /// With dampers, so that what vibrates at first does not stay.
 fn penalty(p: f64) -> Closure {

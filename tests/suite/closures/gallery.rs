@@ -2,8 +2,7 @@
 
 use crate::support::dynamics::*;
 use crate::support::loops::gap;
-use pullback::input::assemble_text;
-use pullback::integrators::dynamics::Scheme;
+use crate::support::prelude::*;
 use pullback::studies::gallery::MODELS;
 use std::collections::BTreeSet;
 

@@ -10,7 +10,7 @@ mod start;
 mod units;
 
 use crate::support::closures::{GROUND, RUN, four_bar};
-use pullback::elements::model::{Context, NodeId};
+use crate::support::prelude::*;
 
 /// The four-bar linkage as a model, with words for crank, coupler and rocker, and how its loop is closed.
 fn linkage_of(words: [&str; 3], closure: &str) -> String {

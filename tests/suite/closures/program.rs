@@ -1,10 +1,7 @@
 //! The word `closure` in model files: three methods for one file, what the program says and refuses.
 
 use crate::support::closures::{arm, body, failure, fixed, hinge, probe, start};
-use crate::support::program::{
-    assert_close, assert_says, check, check_table, directory, history, number, program, recorded,
-    refusal, succeeded, told, write,
-};
+use crate::support::program::*;
 
 const FOUR_BAR: &str = include_str!("../../../examples/models/four_bar.toml");
 const CHILD: &str = "child = \"rocker tip\"";

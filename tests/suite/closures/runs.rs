@@ -5,10 +5,7 @@ use crate::support::dynamics::*;
 use crate::support::loops::four_bar::*;
 use crate::support::loops::linkage::*;
 use crate::support::loops::*;
-use nalgebra::Vector3;
-use pullback::elements::model::{BEFORE_START, Closure, Context, ModelBuilder};
-use pullback::elements::time::Table;
-use pullback::integrators::dynamics::Scheme;
+use crate::support::prelude::*;
 
 #[test]
 fn multipliers_go_through_changes_of_chart() {

@@ -2,16 +2,9 @@
 //! values and velocities that are kept, noted, or refused by their names.
 
 use super::linkage_of;
-use crate::support::closures::{
-    CLOSURES, GROUND, RUN, Rows, STATIC, angle, apart, arm, body, failure, four_bar, hinge, joint,
-    linkage, rows, start, started,
-};
+use crate::support::closures::{start, *};
+use crate::support::prelude::*;
 use crate::support::program::{assert_close, assert_says, check, number, refusal};
-use pullback::elements::model::Context;
-use pullback::input::assemble_text;
-use pullback::integrators::statics::{StaticOptions, Step, solve_statics};
-use std::f64::consts::TAU;
-use std::ops::ControlFlow;
 
 /// The linkage closed by a penalty, a spring on its crank and a force on the coupler's tip: angles
 /// of crank, coupler and rocker in equilibrium, or why there is none.

@@ -2,24 +2,8 @@
 
 use crate::support::beams::beam;
 use crate::support::dynamics::{body, revolute, turning};
+use crate::support::prelude::*;
 use allocation_counter::measure;
-use nalgebra::{Matrix3, SVector};
-use pullback::elements::beam::{Damping, Interpolation};
-use pullback::elements::body::RigidBody;
-use pullback::elements::joint::{Revolute, Spherical};
-use pullback::elements::load::CoordinateForce;
-use pullback::elements::load::LineLoad;
-use pullback::elements::model::Formulation;
-use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
-use pullback::integrators::dynamics::{
-    Adaptivity, DynamicOptions, Progress, StepReport, Summary, integrate, start,
-};
-use pullback::manifold::implicit::{Choice, Implicit, ImplicitMap};
-use pullback::manifold::map::{Linear, Map};
-use pullback::manifold::scalar::Scalar;
-use pullback::manifold::system::{Quantity, System};
-use pullback::prelude::*;
-use std::ops::ControlFlow;
 
 fn section() -> Section {
     let section = Section::diagonal(1e5, [1e5, 1e5], 1e3, [1e3, 1e3]).unwrap();

@@ -9,15 +9,7 @@
 
 use crate::support::beams;
 use crate::support::dynamics::*;
-use nalgebra::{Matrix3, Vector3};
-use pullback::elements::beam::Section;
-use pullback::elements::body::{PointMass, RigidBody};
-use pullback::elements::joint::Spherical;
-use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId, NodeState};
-use pullback::integrators::dynamics::Scheme;
-use pullback::manifold::so3;
-use pullback::manifold::system::System;
-use std::f64::consts::PI;
+use crate::support::prelude::*;
 
 /// A model, the nodes compared, its start, and where its free rotation vectors stand.
 struct Problem {

@@ -1,10 +1,7 @@
 //! One model, several contexts: in threads, and continued from a snapshot.
 
 use crate::support::dynamics::motion_of;
-use pullback::elements::body::PointMass;
-use pullback::elements::load::{LoadKind, NodalLoad};
-use pullback::elements::model::{Context, Dof, Model, ModelBuilder};
-use pullback::integrators::dynamics::{DynamicOptions, Simulation, State, start};
+use crate::support::prelude::*;
 use std::sync::Arc;
 
 /// Mechanisms whose loops change their split, and beams that turn beyond their first chart.

@@ -2,14 +2,7 @@
 
 use crate::support::beams;
 use crate::support::dynamics::*;
-use nalgebra::Vector3;
-use pullback::elements::beam::Damping;
-use pullback::elements::load::LineLoad;
-use pullback::elements::model::Context;
-use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
-use pullback::elements::time::Constant;
-use pullback::integrators::dynamics::{DynamicOptions, EnergyBalance, Scheme};
-use pullback::manifold::system::System;
+use crate::support::prelude::*;
 
 /// Energies at the end of a run.
 fn balance(context: &mut Context, v: &[f64], scheme: Scheme, to: f64, n: usize) -> EnergyBalance {

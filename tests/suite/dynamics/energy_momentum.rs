@@ -2,19 +2,8 @@
 
 use crate::support::beams::beam_with;
 use crate::support::dynamics::*;
-use nalgebra::{Matrix3, SVector, Vector3};
-use pullback::elements::beam::Interpolation;
-use pullback::elements::body::RigidBody;
+use crate::support::prelude::*;
 use pullback::elements::energy::EnergyElement;
-use pullback::elements::joint::Spherical;
-use pullback::elements::load::{LineLoad, LoadKind, NodalLoad};
-use pullback::elements::model::{
-    Context, Dof, Formulation, ModelBuilder, NodeId, NodeState, RigidMotion,
-};
-use pullback::elements::time::{Constant, Pulse};
-use pullback::integrators::dynamics::{DynamicOptions, Progress, Scheme};
-use pullback::manifold::scalar::Scalar;
-use pullback::manifold::system::{Energetics, Point, System};
 
 const LENGTH: f64 = 1.0;
 const MASS: f64 = 1.0;

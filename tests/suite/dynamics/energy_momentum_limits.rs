@@ -5,9 +5,7 @@
 use crate::support::beams::line;
 use crate::support::closures::{GROUND, arm, body, body_of, hinge, joint};
 use crate::support::dynamics::{configure, motion_of, point};
-use nalgebra::Vector3;
-use pullback::elements::model::Context;
-use pullback::integrators::dynamics::{Simulation, State};
+use crate::support::prelude::*;
 
 /// Runs a model by a scheme with a step, and hands its states over.
 fn run(text: &str, scheme: &str, step: f64, at: &mut dyn FnMut(&mut Context, &State)) -> Context {

@@ -2,12 +2,8 @@
 //! coordinates integrated here.
 
 use crate::support::dynamics::*;
-use nalgebra::{Matrix2, Matrix3, SVector, Vector2, Vector3};
-use pullback::elements::body::{PointMass, RigidBody};
-use pullback::elements::model::{Context, NodeId};
-use pullback::integrators::dynamics::Scheme;
-use pullback::manifold::so3;
-use pullback::manifold::system::System;
+use crate::support::prelude::*;
+use nalgebra::Matrix2;
 
 const G: f64 = 9.81;
 

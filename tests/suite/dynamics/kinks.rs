@@ -2,13 +2,8 @@
 
 use crate::support::closures::{body_of, hinge, joint};
 use crate::support::dynamics::{motion_of, point};
-use pullback::elements::body::PointMass;
-use pullback::elements::load::{LoadKind, NodalLoad};
-use pullback::elements::model::{Context, Dof, ModelBuilder};
-use pullback::elements::time::TimeFunction;
-use pullback::integrators::dynamics::{DynamicOptions, Progress, integrate, start};
+use crate::support::prelude::*;
 use pullback::solve::begin;
-use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 

@@ -13,20 +13,8 @@
 
 use crate::support::beams;
 use crate::support::dynamics::*;
-use nalgebra::{Matrix3, Vector3};
-use pullback::elements::beam::Section;
-use pullback::elements::joint::{Curve, Helical, OnCurve, Planar};
-use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId};
-use pullback::elements::time::Sine;
-use pullback::integrators::dynamics::{
-    DynamicOptions, Predictor, Progress, Scheme, StepReport, integrate, start,
-};
-use pullback::integrators::statics::Iteration;
-use pullback::manifold::scalar::Scalar;
+use crate::support::prelude::*;
 use pullback::manifold::sparse::BlockPattern;
-use pullback::manifold::system::{Evaluation, Point, Scales, System, SystemError};
-use std::f64::consts::{FRAC_PI_2, TAU};
-use std::ops::ControlFlow;
 
 #[derive(Clone)]
 struct Coil;

@@ -2,14 +2,7 @@
 
 use crate::support::beams::beam_with;
 use crate::support::dynamics::*;
-use nalgebra::Vector3;
-use pullback::elements::beam::Interpolation;
-use pullback::elements::body::PointMass;
-use pullback::elements::joint::Spherical;
-use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId, NodeState};
-use pullback::integrators::dynamics::Scheme;
-use pullback::manifold::system::System;
-use std::f64::consts::PI;
+use crate::support::prelude::*;
 
 /// A model, the nodes whose motion is compared, and its start; without coordinates from the reference configuration.
 struct Problem {

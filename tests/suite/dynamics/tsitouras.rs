@@ -3,11 +3,9 @@
 
 use crate::support::closures::hinge;
 use crate::support::dynamics::{assert_slopes, configure, motion_of};
+use crate::support::prelude::*;
 use crate::support::program::assert_says;
 use allocation_counter::measure;
-use pullback::elements::model::Context;
-use pullback::input::assemble_text;
-use pullback::integrators::dynamics::{Adaptivity, DynamicOptions, Simulation, State, Summary};
 use pullback::studies::compare::Sample;
 use pullback::studies::gallery::exact;
 

@@ -4,18 +4,9 @@
 
 use crate::support::beams::straight;
 use crate::support::dynamics::*;
+use crate::support::prelude::*;
 use crate::support::program::assert_close;
-use nalgebra::{Matrix3, Matrix6, Vector3};
-use pullback::elements::beam::Interpolation;
-use pullback::elements::body::RigidBody;
-use pullback::elements::spring::Bushing;
-use pullback::integrators::dynamics::{Progress, Scheme, integrate, start};
-use pullback::integrators::statics::{StaticsError, solve_statics};
-use pullback::manifold::so3;
-use pullback::manifold::system::{Charts, System};
-use pullback::prelude::*;
-use std::f64::consts::{PI, TAU};
-use std::ops::ControlFlow;
+use nalgebra::Matrix6;
 
 /// Torsional stiffness GJ, and moment per angle of the bushing.
 const GJ: f64 = 0.7;

@@ -3,16 +3,8 @@
 
 use crate::support::beams::{beam, line};
 use crate::support::dynamics::{assert_order, observed};
+use crate::support::prelude::*;
 use crate::support::program::{assert_says, command, directory, results, write};
-use nalgebra::{Matrix3, Vector3};
-use pullback::elements::load::{LoadKind, NodalLoad};
-use pullback::elements::time::TimeFunction;
-use pullback::integrators::dynamics::{
-    DynamicOptions, DynamicsError, Progress, Scheme, StepReport, Summary, integrate, start,
-};
-use pullback::prelude::*;
-use std::f64::consts::PI;
-use std::ops::ControlFlow;
 
 /// Stiffness EA, mass per length and length of the bar, which is free.
 const EA: f64 = 100.0;

@@ -3,14 +3,9 @@
 use crate::support::comparisons::compared;
 use crate::support::dynamics::{assert_order, turning};
 use crate::support::laboratory::options;
-use nalgebra::{Matrix3, Vector3};
+use crate::support::prelude::*;
 use pullback::conformance;
-use pullback::elements::model::Formulation;
-use pullback::input::{self, Plan};
-use pullback::integrators::statics::LoadSteps;
 use pullback::manifold::chart::RotationChart;
-use pullback::manifold::so3;
-use pullback::prelude::*;
 use pullback::studies::compare::ErrorQuantity;
 
 /// Bodies, and beams of both interpolations, that turn beyond π: with Radau IIA of two stages their

@@ -5,12 +5,10 @@ use crate::support::comparisons::{self, BODY};
 use crate::support::dynamics::{assert_order, observed, tight};
 use crate::support::heavy_top::{HELD, assert_heavy_top};
 use crate::support::laboratory::options;
+use crate::support::prelude::*;
 use crate::support::program::assert_close;
-use nalgebra::{Rotation3, Vector3};
+use nalgebra::Rotation3;
 use pullback::conformance as check;
-use pullback::elements::model::Formulation;
-use pullback::input;
-use pullback::integrators::dynamics::Scheme;
 use pullback::method::Method;
 use pullback::studies::compare::{Comparison, ComparisonRow, ErrorQuantity, Sample};
 

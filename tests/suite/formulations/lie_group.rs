@@ -3,8 +3,8 @@
 //! for the increment of rotation, the updated Lagrangian of Cardona & Géradin 1988.
 
 use crate::support::dynamics::{observed, tight};
-use nalgebra::{Matrix3, Rotation3, Vector3};
-use pullback::input;
+use crate::support::prelude::*;
+use nalgebra::Rotation3;
 use pullback::method::Method;
 
 const TOP: &str = include_str!("../../../examples/models/heavy_top.toml");

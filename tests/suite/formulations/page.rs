@@ -4,8 +4,8 @@
 
 use crate::support::formulations::{PAGE, commands, results, table};
 use crate::support::included;
+use crate::support::prelude::*;
 use crate::support::program::{directory, files, read};
-use pullback::input;
 use pullback::studies::compare::{
     Comparison, ComparisonOptions, ErrorQuantity, Hooks, Slope, Subject, run_several,
 };

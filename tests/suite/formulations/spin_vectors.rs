@@ -16,12 +16,9 @@
 
 use crate::support::comparisons::{BODY, rod};
 use crate::support::dynamics::{assert_order, observed, tight};
-use nalgebra::{Matrix3, Rotation3, Vector3};
-use pullback::input::{self, Job};
-use pullback::integrators::dynamics::{Progress, integrate};
-use pullback::manifold::so3;
+use crate::support::prelude::*;
+use nalgebra::Rotation3;
 use pullback::method::Method;
-use std::ops::ControlFlow;
 
 const METHODS: [&str; 3] = ["lie-newmark", "ul-newmark", "spin-newmark"];
 

@@ -1,6 +1,7 @@
 //! Exact motions of models of the gallery.
 
-use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
+use crate::support::prelude::*;
+use nalgebra::{Quaternion, Rotation3, UnitQuaternion};
 use pullback::studies::compare::{FrameSample, Sample};
 use pullback::studies::gallery::exact;
 

@@ -5,7 +5,8 @@
 //! the program.
 
 use crate::support::independent::assert_published;
-use nalgebra::{Matrix2, Matrix3, Matrix6, Vector2, Vector3};
+use crate::support::prelude::*;
+use nalgebra::{Matrix2, Matrix6};
 use pullback::studies::gallery;
 
 /// Torsional, bending and shear stiffness of bars 1 and 2, and of bar 3.

@@ -6,7 +6,8 @@
 //! vanish. Nothing is shared with the program.
 
 use crate::support::independent::assert_published;
-use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector3};
+use crate::support::prelude::*;
+use nalgebra::{Rotation3, SMatrix};
 use pullback::studies::gallery;
 
 /// Stretching, shear, torsional and bending stiffness of bars 1 and 2, and of bar 3.

@@ -1,15 +1,8 @@
 //! Points on curves and surfaces in motion, against closed forms.
 
 use crate::support::dynamics::{assert_slopes, body, configure, grounded, observed, tight};
+use crate::support::prelude::*;
 use crate::support::program::assert_says;
-use nalgebra::Matrix3;
-use pullback::elements::joint::{Curve, JointNodes, OnCurve, OnSurface, Spline, Surface};
-use pullback::elements::model::NodeState;
-use pullback::integrators::dynamics::{Progress, StepReport, integrate};
-use pullback::manifold::system::System;
-use pullback::prelude::*;
-use std::f64::consts::{FRAC_PI_2, PI};
-use std::ops::ControlFlow;
 
 const G: f64 = 9.81;
 

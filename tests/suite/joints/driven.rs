@@ -1,8 +1,8 @@
 //! Models of which everything is driven: the forces of given motions.
 
 use crate::support::closures::{GROUND, Rows, STATIC, angle, body_of, hinge, probe};
+use crate::support::prelude::*;
 use crate::support::program::{directory, history, number, program, succeeded, write};
-use std::f64::consts::TAU;
 
 /// What an arm of mass 2 and centre 0.5 does whose angle a motor prescribes.
 fn driven_arm(name: &str, analysis: &str, angle_of: &str) -> Rows {

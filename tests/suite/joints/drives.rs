@@ -2,16 +2,7 @@
 //! frame moves, for every joint of the library.
 
 use crate::support::dynamics::{assert_slopes, grounded, observed, point, revolute, sine, tight};
-use nalgebra::Matrix3;
-use pullback::elements::joint::{
-    ConstantVelocity, Curve, Cylindrical, Helical, OnCurve, OnSurface, Planar, Prismatic, Revolute,
-    Spherical, Surface, Universal,
-};
-use pullback::elements::time::TimeFunction;
-use pullback::manifold::so3;
-use pullback::manifold::system::Point;
-use pullback::manifold::system::{Evaluation, System};
-use pullback::prelude::*;
+use crate::support::prelude::*;
 
 const MASS: f64 = 2.0;
 

@@ -2,13 +2,8 @@
 
 use crate::support::closures::{GROUND, SECOND, angle, body_of, fixed, hinge, joint, probe};
 use crate::support::dynamics::{grounded, observed, point, revolute};
+use crate::support::prelude::*;
 use crate::support::program::{assert_says, check, number, recorded};
-use nalgebra::Matrix3;
-use pullback::elements::joint::GearError;
-use pullback::elements::load::CoordinateForce;
-use pullback::elements::model::ModelError;
-use pullback::manifold::system::System;
-use pullback::prelude::*;
 
 /// Two rotors on the ground with a motor on the first, and a spring and damper where `acts` says so.
 fn rotors(acts: [&str; 2], gear: &str) -> String {

@@ -1,19 +1,8 @@
 //! Where charts of joints end: they change, or an error names the joint.
 
 use crate::support::dynamics::{assert_order, configure, grounded, observed, tight};
+use crate::support::prelude::*;
 use crate::support::program::assert_says;
-use nalgebra::Matrix3;
-use pullback::elements::joint::{
-    ConstantVelocity, Curve, JointNodes, OnCurve, Spherical, Universal,
-};
-use pullback::elements::model::NodeState;
-use pullback::elements::spring::AxialSpring;
-use pullback::integrators::dynamics::{DynamicsError, Progress, StepReport, integrate};
-use pullback::manifold::so3;
-use pullback::manifold::system::System;
-use pullback::prelude::*;
-use std::f64::consts::TAU;
-use std::ops::ControlFlow;
 
 /// A body that is the same about all axes, on whatever `hang` makes on the ground; no weight.
 fn ball(hang: impl Fn(&mut ModelBuilder, NodeId) -> JointNodes) -> (Context, JointNodes) {

@@ -1,9 +1,9 @@
 //! The joints of the library in motion, from model files, against closed forms.
 
 use crate::support::closures::{angle, arm, beam_line, joint, on_joint, probe};
+use crate::support::prelude::*;
 use crate::support::program::{assert_close, check_table, number, recorded, refusal};
 use std::collections::HashMap;
-use std::f64::consts::{PI, TAU};
 
 #[track_caller]
 fn ran(name: &str, text: &str) -> Vec<HashMap<String, String>> {

@@ -5,10 +5,7 @@ use crate::support::dynamics::*;
 use crate::support::loops::four_bar::*;
 use crate::support::loops::linkage::*;
 use crate::support::loops::*;
-use nalgebra::Vector3;
-use pullback::elements::model::{Closure, Context, ModelBuilder, NodeId};
-use pullback::integrators::dynamics::Scheme;
-use pullback::manifold::system::{Evaluation, System};
+use crate::support::prelude::*;
 
 /// The linkage as another tree: the coupler on the rocker, closed at B.
 fn other_tree(b: &mut ModelBuilder, crank: f64) -> NodeId {

@@ -1,14 +1,9 @@
 //! Loops at the limits of what they can be: without coordinates, locked, tiny and huge, driven fast
 //! or too far, started with words that do not fit.
 
-use crate::support::closures::{
-    GROUND, angle, apart, arm, body, failure, fixed, four_bar, four_bar_of, hinge, joint, linkage,
-    probe, rows,
-};
-use crate::support::program::{
-    assert_close, assert_says, check, command, directory, ended, number, refusal, write,
-};
-use pullback::input::assemble_text;
+use crate::support::closures::*;
+use crate::support::prelude::*;
+use crate::support::program::*;
 
 const RUN: &str = "[analysis.dynamic]\nto = 1\nstep = 0.01\nscheme = { newmark = [0.25, 0.5] }\n";
 
@@ -69,9 +64,9 @@ fn velocities_of_the_whole_set_the_rates_of_loops() {
     check(&text, "[[initial]]", "loop closed by joint C", "rate");
     // All of it, flying.
     let text = text.replace(&fixed("ground"), &body("ground"));
-    let start = assemble_text("model.toml", &text).unwrap().start;
-    let square = start.v.iter().map(|v| v * v).sum();
-    assert_close(square, 4.0, 1e-12, format_args!("{:?}", start.v));
+    let rates = assemble_text("model.toml", &text).unwrap().start.v;
+    let square = rates.iter().map(|v| v * v).sum();
+    assert_close(square, 4.0, 1e-12, format_args!("{:?}", rates));
 }
 
 #[test]

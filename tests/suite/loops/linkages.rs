@@ -3,18 +3,9 @@
 
 use crate::support::dynamics::*;
 use crate::support::loops::*;
-use nalgebra::{SVector, Vector2, Vector3};
+use crate::support::prelude::*;
 use pullback::conformance as check;
-use pullback::elements::body::PointMass;
 use pullback::elements::constraint::{Multipliers, Penalty, PenaltyStiffness, Scaled};
-use pullback::elements::model::{Context, ModelBuilder, ModelError, NodeId};
-use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
-use pullback::elements::time::Constant;
-use pullback::manifold::implicit::{Choice, Equations, Implicit, ImplicitMap};
-use pullback::manifold::jet::Moving;
-use pullback::manifold::map::{Linear, Map};
-use pullback::manifold::scalar::Scalar;
-use pullback::manifold::system::Quantity;
 
 // Slider-crank ---------------------------------------------------------------------------------
 

@@ -4,15 +4,8 @@
 use super::program::probes;
 use crate::support::closures::{GROUND, arm, body, body_of, joint};
 use crate::support::dynamics::revolute;
-use crate::support::program::{
-    assert_close, assert_says, command, directory, number, program, recorded, succeeded, write,
-};
-use nalgebra::{Matrix3, SVector, Vector3};
-use pullback::elements::body::RigidBody;
-use pullback::elements::joint::{Joint, JointCoordinate, Pose, Revolute};
-use pullback::elements::model::{Context, Dof, ModelBuilder};
-use pullback::manifold::scalar::Scalar;
-use pullback::manifold::system::{Charts, Evaluation, Point, Quantity, System, Weights};
+use crate::support::prelude::*;
+use crate::support::program::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 

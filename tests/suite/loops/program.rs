@@ -1,10 +1,7 @@
 //! Closed loops in model files: what the program finds out, says and refuses.
 
 use crate::support::closures::{GROUND, arm, body, body_of, hinge, joint, probe, rows};
-use crate::support::program::{
-    assert_close, assert_says, changed, check, directory, number, program, recorded, refusal, told,
-    write,
-};
+use crate::support::program::*;
 
 const FOUR_BAR: &str = include_str!("../../../examples/models/four_bar.toml");
 

@@ -4,14 +4,8 @@
 use crate::support::closures::{CLOSURES, GROUND, RUN, angle, arm, body, hinge, joint, rows};
 use crate::support::dynamics::{grounded, integrate_ode};
 use crate::support::loops::{G, bar, gap, pick, run};
+use crate::support::prelude::*;
 use crate::support::program::number;
-use nalgebra::{SVector, Vector2};
-use pullback::elements::model::{Context, ModelBuilder, NodeId};
-use pullback::manifold::implicit::{Choice, Implicit, ImplicitMap};
-use pullback::manifold::map::{Linear, Map};
-use pullback::manifold::scalar::Scalar;
-use pullback::manifold::system::Quantity;
-use std::f64::consts::FRAC_PI_2;
 
 /// Cardan's circles: a point on the rim of a wheel that rolls in a ring twice its size runs on a diameter,
 /// where a slider guides it. The wheel sees the gap in its own axes: what the slider asks for is the gap along

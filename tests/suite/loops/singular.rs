@@ -1,8 +1,8 @@
 //! Loops that come to a singular configuration in mid-run: their maps end there, and it is named.
 
 use crate::support::closures::{GROUND, angle, arm, body, hinge};
+use crate::support::prelude::*;
 use crate::support::program::{assert_close, directory, history, number, program, write};
-use std::f64::consts::PI;
 
 /// Equal cranks of length 1 on a coupler and a ground of length 2: flat where they lie along it. With
 /// bodies on all three bars and nothing else θ̇ is constant, as θ is all there is.

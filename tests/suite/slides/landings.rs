@@ -2,9 +2,7 @@
 
 use crate::support::dynamics::{observed, tight};
 use crate::support::landing::{G, Track, bowl};
-use nalgebra::Vector3;
-use pullback::elements::model::Context;
-use pullback::integrators::dynamics::{Progress, Scheme, Simulation, State, start};
+use crate::support::prelude::*;
 use std::ops::ControlFlow::Continue;
 
 /// Largest errors in position and speed of a bead that starts at s with speed v on its way to time `to`.

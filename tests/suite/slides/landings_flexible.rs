@@ -3,16 +3,7 @@
 use crate::support::beams::beam_with;
 use crate::support::dynamics::{assert_order, configure, moving, observed, point, tight};
 use crate::support::loops::gap;
-use nalgebra::{Matrix3, Vector3};
-use pullback::elements::beam::{Interpolation, Section};
-use pullback::elements::body::RigidBody;
-use pullback::elements::joint::JointNodes;
-use pullback::elements::model::{Context, Formulation, ModelBuilder, NodeId, RigidMotion};
-use pullback::integrators::dynamics::{
-    DynamicOptions, NewtonOptions, Progress, Scheme, State, StepReport, integrate, start,
-};
-use pullback::manifold::system::System;
-use std::ops::ControlFlow;
+use crate::support::prelude::*;
 
 const STEP: f64 = 2e-3;
 const TO: f64 = 0.2;

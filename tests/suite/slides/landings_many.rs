@@ -3,18 +3,8 @@
 
 use crate::support::dynamics::{assert_order, observed, spring, tight};
 use crate::support::landing::{G, Track, bead, bowl};
+use crate::support::prelude::*;
 use crate::support::program::{assert_close, assert_says};
-use nalgebra::{Vector2, Vector3};
-use pullback::elements::joint::JointNodes;
-use pullback::elements::model::{Context, ModelBuilder, NodeId};
-use pullback::integrators::dynamics::{
-    Adaptivity, DynamicOptions, DynamicsError, Progress, Scheme, StepReport, integrate, start,
-};
-use pullback::integrators::statics::Cause;
-use pullback::manifold::domain::DomainError;
-use pullback::manifold::system::SystemError;
-use std::f64::consts::TAU;
-use std::ops::ControlFlow;
 
 /// Largest errors in position or speed of beads that start at these positions with these speeds.
 fn worst(

@@ -2,16 +2,8 @@
 
 use crate::support::dynamics::*;
 use crate::support::landing::{self, G, MASS};
-use nalgebra::{Unit, Vector2, Vector3};
-use pullback::elements::beam::Section;
-use pullback::elements::joint::JointNodes;
-use pullback::elements::model::{
-    BeamLine, CircularArc, Context, Dof, ModelBuilder, ReferenceCurve, StraightLine,
-};
-use pullback::elements::time::TimeFunction;
-use pullback::integrators::dynamics::Scheme;
-use pullback::manifold::system::{Evaluation, System};
-use std::f64::consts::PI;
+use crate::support::prelude::*;
+use nalgebra::Unit;
 
 const RADIUS: f64 = 1.5;
 const FRAC_PI_9: f64 = PI / 9.0;

@@ -4,14 +4,8 @@
 use crate::support::beams::{COLUMN, beam, line};
 use crate::support::closures::{body_of, fixed};
 use crate::support::dynamics::{observed, weighed};
+use crate::support::prelude::*;
 use crate::support::program::assert_close;
-use nalgebra::Matrix3;
-use pullback::elements::load::LineLoad;
-use pullback::elements::spring::AxialSpring;
-use pullback::input::assemble_text;
-use pullback::integrators::dynamics::Summary;
-use pullback::integrators::statics::StaticsError;
-use pullback::prelude::*;
 
 /// Displacement of the crown of a von Mises truss of height `rise` and half span 1 (stiffness 1 of
 /// each bar) under a load that presses it down, with another node held `far` away.

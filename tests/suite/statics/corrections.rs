@@ -4,9 +4,8 @@
 use super::solved;
 use crate::support::beams::line;
 use crate::support::closures::{beam_line, fixed, hinge};
+use crate::support::prelude::*;
 use crate::support::program::assert_close;
-use pullback::integrators::statics::StaticsError;
-use pullback::prelude::*;
 
 /// Runs a text to the end of its loads, under an analysis of its own.
 fn run(text: &str, analysis: &str) -> Context {

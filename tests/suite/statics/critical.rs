@@ -3,14 +3,9 @@
 use crate::support::beams::{COLUMN, PINNED, line};
 use crate::support::closures::{failure, fixed};
 use crate::support::laboratory::model;
+use crate::support::prelude::*;
 use crate::support::program::{assert_close, assert_says, changed, number, run_of};
-use pullback::input::{Plan, job};
-use pullback::integrators::statics::{
-    CriticalKind, StaticNewtonOptions, critical_point, trace_path,
-};
-use pullback::manifold::system::Point;
-use std::f64::consts::FRAC_PI_2;
-use std::ops::ControlFlow;
+use pullback::input::job;
 
 /// From the last step before it, in five iterations. Values by independent shooting: S11 and S12.
 #[test]

@@ -1,19 +1,16 @@
 //! Elements by their energies in models, against closed forms.
 
 use crate::support::dynamics::{assert_order, observed};
+use crate::support::prelude::*;
 use crate::support::program::assert_close;
-use nalgebra::Matrix3;
+use gravity::Gravity;
 use pullback::elements::energy::EnergyElement;
-use pullback::elements::model::NodeState;
-use pullback::prelude::*;
-use std::f64::consts::PI;
+use strain_beam::{GreenLagrange, Reissner, StrainMeasure, strain_beam};
 
 #[path = "../../../examples/elements/gravity.rs"]
 mod gravity;
 #[path = "../../../examples/elements/strain_beam.rs"]
 mod strain_beam;
-use gravity::Gravity;
-use strain_beam::{GreenLagrange, Reissner, StrainMeasure, strain_beam};
 
 const LENGTH: f64 = 2.0;
 const EA: f64 = 300.0;

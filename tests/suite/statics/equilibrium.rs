@@ -1,9 +1,7 @@
 //! Statics of beams: how Newton's method converges, and how it fails.
 
 use crate::support::beams::beam;
-use pullback::integrators::statics::{Step, solve_statics};
-use pullback::prelude::*;
-use std::ops::ControlFlow;
+use crate::support::prelude::*;
 
 /// A cantilever of unit length along e1 with a load at its tip.
 fn cantilever(EA: f64, elements: usize, load: NodalLoad) -> Context {

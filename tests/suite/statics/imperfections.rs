@@ -2,10 +2,8 @@
 
 use crate::support::beams::{COLUMN, PINNED, line};
 use crate::support::closures::fixed;
-use crate::support::program::{
-    assert_close, assert_says, changed, directory, json, ran, refusal, results,
-};
-use nalgebra::Vector3;
+use crate::support::prelude::*;
+use crate::support::program::*;
 use serde_json::Value;
 
 fn stiff_column() -> String {

@@ -11,10 +11,7 @@ mod rigid_bar;
 mod stability;
 mod units;
 
-use pullback::elements::model::Context;
-use pullback::input::{Plan, assemble_text};
-use pullback::integrators::statics::{StaticsError, Step, solve_statics, trace_path};
-use std::ops::ControlFlow;
+use crate::support::prelude::*;
 
 /// The model of a text at the end of its loads; each step is seen.
 fn solved(text: &str, see: &mut dyn FnMut(&Step<'_>)) -> Result<Context, StaticsError> {

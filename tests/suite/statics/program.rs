@@ -4,13 +4,10 @@ use super::corrections::truss;
 use crate::support::beams::line;
 use crate::support::closures::{CLOSURES, GROUND, PLAIN, Rows, arm, fixed, hinge, joint};
 use crate::support::drawings::tagged;
-use crate::support::program::{
-    MODEL, assert_close, assert_says, changed, directory, ended, example, grid_array, number,
-    program, read, run_of, with, write,
-};
+use crate::support::prelude::*;
+use crate::support::program::*;
 use roxmltree::Document;
 use serde_json::Value;
-use std::f64::consts::PI;
 use std::path::PathBuf;
 
 /// Runs a text to its end: rows, result.json and directory.

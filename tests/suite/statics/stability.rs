@@ -4,8 +4,8 @@
 use super::solved;
 use crate::support::beams::{COLUMN, PINNED, line};
 use crate::support::closures::{CLOSURES, fixed, hinge};
+use crate::support::prelude::*;
 use crate::support::program::{assert_says, changed, example, run_of};
-use std::f64::consts::PI;
 
 /// Elements of a column.
 const ELEMENTS: usize = 16;

@@ -1,11 +1,9 @@
 //! What has no length, or next to none, is solved in any unit (tests/suite/closures/units.rs: models of any size).
 
 use crate::support::dynamics::{grounded, observed, revolute, spring, weighed};
+use crate::support::prelude::*;
 use crate::support::program::assert_close;
-use nalgebra::{Matrix3, Matrix6};
-use pullback::elements::body::RigidBody;
-use pullback::elements::spring::Bushing;
-use pullback::prelude::*;
+use nalgebra::Matrix6;
 
 /// A pendulum that is a body with its centre of mass `arm` away from a hinge, which is all that has a
 /// position; a mass that is held `far` away where that is not zero.

@@ -1,11 +1,6 @@
 //! Shared by the tests of landings: beads on polygons of wire, and their exact motions.
 
-use nalgebra::{Vector2, Vector3};
-use pullback::elements::beam::Interpolation;
-use pullback::elements::body::PointMass;
-use pullback::elements::joint::JointNodes;
-use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId};
-use pullback::elements::time::{Constant, Proportional};
+use crate::support::prelude::*;
 
 pub const G: f64 = 9.81;
 

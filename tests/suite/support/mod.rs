@@ -13,4 +13,5 @@ pub mod independent;
 pub mod laboratory;
 pub mod landing;
 pub mod loops;
+pub mod prelude;
 pub mod program;

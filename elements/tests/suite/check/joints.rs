@@ -1,14 +1,8 @@
 //! What the kit says of one joint in one line, `check::joint(&joint)`, where the joint is not one:
 //! each error is called what it is.
 
-use nalgebra::{SVector, Vector3};
-use pullback_conformance::{self as check, Report};
-use pullback_elements::body::PointMass;
-use pullback_elements::joint::{Joint, JointCoordinate, Pose};
-use pullback_elements::model::{Context, Dof, ModelBuilder};
-use pullback_manifold::scalar::Scalar;
+use crate::support::*;
 use pullback_manifold::so3::Quaternion;
-use pullback_manifold::system::{Point, Quantity, System};
 use std::f64::consts::FRAC_PI_2;
 
 type Posed<S> = (Vector3<S>, Quaternion<S>);

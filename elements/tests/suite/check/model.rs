@@ -1,15 +1,6 @@
 //! `check::model`: a right model passes from many seeds, whatever its units and stiffness ratios.
 
-use crate::support::{frame_model, seeded, sine, straight};
-use nalgebra::{Matrix3, Matrix6, Vector3};
-use pullback_conformance::{self as check, ModelOptions};
-use pullback_elements::beam::{Interpolation, Section};
-use pullback_elements::body::RigidBody;
-use pullback_elements::inertia::Inertia;
-use pullback_elements::joint::{Revolute, Spherical, Universal};
-use pullback_elements::model::{BeamLine, Context, Dof, ModelBuilder, StraightLine};
-use pullback_elements::spring::{AxialSpring, Bushing, CoordinateLaw, CoordinateSpring};
-use pullback_elements::time::Constant;
+use crate::support::*;
 
 /// Everything at once: beams of two orders, a body on a revolute joint and a rigid link, a ball
 /// joint, a slide, springs, a bushing, loads of all kinds and a driven support.

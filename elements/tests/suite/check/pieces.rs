@@ -1,20 +1,7 @@
 //! Errors planted where the pieces of a map meet: the lines of a chain, the formulas of a curve.
 
-use crate::support::{checked, failures};
-use nalgebra::{Matrix3, SVector, Vector3};
-use pullback_conformance::{Report, joint};
-use pullback_elements::beam::Interpolation;
-use pullback_elements::body::RigidBody;
-use pullback_elements::joint::{Chain, Curve, OnCurve, Slide};
-use pullback_elements::model::{ModelBuilder, NodeId};
-use pullback_elements::time::Constant;
-use pullback_manifold::domain::DomainError;
-use pullback_manifold::map::{
-    Kinematics, Map, MapState, Order, Parametrization, Segments, derived,
-    write_geometric_stiffness, write_orders,
-};
-use pullback_manifold::scalar::Scalar;
-use pullback_manifold::system::{ChartChanges, Quantity};
+use crate::support::*;
+use pullback_conformance::joint;
 
 /// What is wrong on the second line of the chain.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,18 +1,8 @@
 //! Errors planted in components of a model: `check::model` names the component, the block, and how
 //! much of it is missing.
 
-use crate::support::{checked, coupled, failures, lay};
-use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
-use pullback_conformance::{InCharts, LawRow, Report};
-use pullback_elements::body::RigidBody;
-use pullback_elements::element::{Abilities, Element, ElementEnergies, Motion, Response};
-use pullback_elements::joint::Pose;
-use pullback_elements::model::{Dof, ModelBuilder};
-use pullback_manifold::domain::DomainError;
-use pullback_manifold::map::{Kinematics, Map, derived};
-use pullback_manifold::scalar::Scalar;
-use pullback_manifold::so3;
-use pullback_manifold::system::Quantity;
+use crate::support::*;
+use pullback_conformance::LawRow;
 
 /// What is wrong.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,13 +1,6 @@
 //! Bodies: their laws, the reference, their kinetic energy and inertia.
 
-use crate::support::{forces, matrix, moving, numbers, reference, vector};
-use nalgebra::{Matrix3, Vector3, Vector6};
-use pullback_conformance as check;
-use pullback_conformance::Random;
-use pullback_elements::body::{PointMass, RigidBody};
-use pullback_elements::element::{Element, ElementEnergies, Motion};
-use pullback_elements::inertia::Inertia;
-use pullback_manifold::so3;
+use crate::support::*;
 
 /// A symmetric inertia with principal moments 2.5, 3, 4 and axes that are not the global ones.
 fn inertia() -> Matrix3<f64> {

@@ -1,14 +1,6 @@
 //! One line per element and load.
 
-use crate::support::{Coupling, DAMPING, coupled, forces, massive, moving, section, sine};
-use nalgebra::{Matrix3, Vector3};
-use pullback_conformance as check;
-use pullback_elements::beam::{BeamError, Interpolation};
-use pullback_elements::element::{Abilities, Element, ElementEnergies, Motion, Response};
-use pullback_elements::load::{LineLoad, LoadKind, NodalLoad};
-use pullback_elements::model::frame_along;
-use pullback_elements::time::Constant;
-use pullback_manifold::domain::DomainError;
+use crate::support::*;
 
 /// Positions on a quarter of a helix, equidistant in the parameter.
 fn helix(nodes: usize) -> Vec<Vector3<f64>> {

@@ -4,18 +4,7 @@ use crate::support::elastic_joint::ElasticJoint;
 use crate::support::gravity::Gravity;
 use crate::support::polynomial_spring::PolynomialSpring;
 use crate::support::strain_beam::{FrameInertia, GreenLagrange, Reissner, strain_beam};
-use crate::support::{DAMPING, forces, massive, moving, residual, section, sine};
-use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, Vector3};
-use pullback_conformance as check;
-use pullback_elements::beam::{Beam, Section};
-use pullback_elements::body::RigidBody;
-use pullback_elements::element::{Element, Properties};
-use pullback_elements::energy::{ByEnergy, EnergyElement, EnergySample};
-use pullback_elements::load::{LoadKind, NodalLoad};
-use pullback_elements::model::frame_along;
-use pullback_elements::spring::{AxialSpring, Bushing, CoordinateLaw, CoordinateSpring};
-use pullback_elements::time::Sine;
-use pullback_manifold::scalar::Scalar;
+use crate::support::*;
 
 fn positions() -> [Vector3<f64>; 2] {
     [Vector3::new(0.4, -0.9, 0.2), Vector3::new(1.5, 0.3, -0.4)]

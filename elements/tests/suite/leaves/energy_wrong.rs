@@ -1,13 +1,7 @@
 //! Errors that derivations by hand make, planted: the kit finds each, and names the law.
 
 use crate::support::strain_beam::FrameInertia;
-use nalgebra::{Matrix3, SVector, Vector3};
-use pullback_conformance as check;
-use pullback_elements::body::RigidBody;
-use pullback_elements::element::{Abilities, Element, ElementEnergies, Motion, Response};
-use pullback_elements::energy::EnergyElement;
-use pullback_manifold::domain::DomainError;
-use pullback_manifold::scalar::Scalar;
+use crate::support::*;
 
 /// Laws that fail, each once.
 fn failing(element: &dyn Element) -> Vec<String> {

@@ -1,8 +1,6 @@
 //! Interpolation and integration over a beam element: exact for polynomials of the degrees they should be.
 
-use crate::support::{forces, moving};
-use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
-use pullback_elements::beam::{Interpolation, Section};
+use crate::support::*;
 
 /// K and M of a straight beam of unit shear stiffness along e2 and unit mass per length at rest, with its
 /// nodes at these positions on e1.

@@ -1,23 +1,9 @@
 //! What sets the two interpolations of rotations apart: the geodesic one is a function of relative
 //! rotations, the total one is not.
 
-use crate::support::{DAMPING, checked, coupled, forces, line, massive, moving, straight};
-use nalgebra::{Matrix3, Matrix6, SVector, Vector3};
-use pullback_conformance as check;
-use pullback_conformance::Random;
-use pullback_elements::beam::{Beam, Damping, Geodesic, Interpolation, Section};
-use pullback_elements::element::Element;
-use pullback_elements::energy::{EnergyElement, inside_chart, rate};
-use pullback_elements::inertia::Inertia;
-use pullback_elements::load::LineLoad;
-use pullback_elements::model::{BeamLine, ModelBuilder, frame_along};
-use pullback_elements::time::Constant;
-use pullback_manifold::domain::DomainError;
+use crate::support::*;
 use pullback_manifold::quotients::TangentQuotients;
-use pullback_manifold::scalar::Scalar;
-use pullback_manifold::so3;
 use std::collections::BTreeSet;
-use std::f64::consts::{PI, TAU};
 
 /// The two-node geodesic beam by its energies: nothing is shared with the one by hand.
 struct ByEnergy {

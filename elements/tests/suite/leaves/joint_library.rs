@@ -1,17 +1,8 @@
 //! The joint library: every law of the maps, and poses against what the joints mean.
 
-use nalgebra::{Matrix3, SVector, Vector3};
-use pullback_conformance as check;
-use pullback_elements::joint::{
-    self, AxisError, ConstantVelocity, Curve, Cylindrical, Helical, Joint, OnCurve, OnSurface,
-    Planar, Pose, Prismatic, Quadric, Spline, Surface, Universal,
-};
-use pullback_elements::model::ModelBuilder;
-use pullback_manifold::jet::Moving;
-use pullback_manifold::scalar::Scalar;
-use pullback_manifold::so3;
+use crate::support::*;
+use pullback_elements::joint;
 use std::collections::BTreeSet;
-use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
 /// A helix of radius 1 and rise 0.3 per radian.

@@ -1,17 +1,7 @@
 //! Joints: every law of their maps, reference tensors.
 
-use crate::support::{matrix, numbers, reference};
-use nalgebra::{DMatrix, SVector, Vector3};
-use pullback_conformance as check;
-use pullback_elements::beam::Interpolation;
-use pullback_elements::joint::{
-    Chain, Helical, Joint, JointCoordinate, JointMap, Offset, Pose, Revolute, Slide, Spherical,
-};
-use pullback_manifold::map::{MapGraph, MapState, Parametrization, Read};
-use pullback_manifold::scalar::Scalar;
+use crate::support::*;
 use pullback_manifold::so3::{self, Quaternion};
-use pullback_manifold::system::Quantity;
-use serde_json::Value;
 
 #[test]
 fn every_joint_obeys_the_laws_of_a_map() {

@@ -1,11 +1,6 @@
 //! Forces per length: what they add up to on a straight element of length 1.5.
 
-use crate::support::{forces, moving};
-use nalgebra::Vector3;
-use pullback_elements::beam::{BeamError, Interpolation};
-use pullback_elements::load::LineLoad;
-use pullback_elements::time::Constant;
-use std::f64::consts::PI;
+use crate::support::*;
 
 const FORCE: [f64; 3] = [1.0, -2.0, 4.0];
 

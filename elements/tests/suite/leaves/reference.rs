@@ -1,10 +1,6 @@
 //! The beam against an independent implementation, sections against published numbers.
 
-use crate::support::{forces, matrix, moving, numbers, reference, refused, vector};
-use nalgebra::{DVector, Matrix3, Matrix6, Vector3};
-use pullback_elements::beam::{Interpolation, Material, Section, SectionError, rectangle_torsion};
-use serde_json::Value;
-use std::f64::consts::PI;
+use crate::support::*;
 
 /// Positions of the nodes and the frame of a beam of the reference.
 fn geometry(row: &Value) -> (Vec<Vector3<f64>>, Matrix3<f64>) {

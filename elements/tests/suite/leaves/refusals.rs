@@ -1,12 +1,6 @@
 //! What no body and no spring can be, with the reason.
 
-use crate::support::{axes, positions, refused};
-use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
-use pullback_elements::body::{PointMass, RigidBody};
-use pullback_elements::spring::{
-    AxialSpring, Bushing, CoordinateLaw, CoordinateSpring, SpringError,
-};
-use pullback_manifold::so3;
+use crate::support::*;
 
 #[test]
 fn impossible_bodies_are_refused_with_their_reason() {

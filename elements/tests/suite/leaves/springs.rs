@@ -1,13 +1,6 @@
 //! Springs, dampers and bushings: laws and numbers.
 
-use crate::support::{axes, moving, positions, residual};
-use nalgebra::{DVector, Matrix3, Matrix6, Vector3, Vector6};
-use pullback_conformance as check;
-use pullback_elements::element::{Element, ElementEnergies};
-use pullback_elements::spring::{AxialSpring, Bushing};
-use pullback_manifold::domain::DomainError;
-use pullback_manifold::so3;
-use std::f64::consts::PI;
+use crate::support::*;
 
 /// A symmetric positive definite 6×6 matrix in which everything couples.
 fn full(shift: f64) -> Matrix6<f64> {

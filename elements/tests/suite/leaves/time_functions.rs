@@ -1,9 +1,6 @@
 //! Functions of time: values, derivatives, kinks, and refused numbers.
 
-use pullback_elements::time::{
-    Constant, Proportional, Pulse, Sine, SpinUp, Table, TimeFunction, TimeFunctionError,
-};
-use std::f64::consts::TAU;
+use crate::support::*;
 
 #[test]
 fn constants_and_straight_lines_have_the_slopes_drawn() {

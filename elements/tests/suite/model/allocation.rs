@@ -2,19 +2,8 @@
 
 use crate::support::polynomial_spring::PolynomialSpring;
 use crate::support::strain_beam::{Reissner, strain_beam};
-use crate::support::{Coupling, Offset, coupled, lay};
+use crate::support::*;
 use allocation_counter::measure;
-use nalgebra::{Matrix3, Matrix6, Vector3};
-use pullback_elements::beam::{Damping, Interpolation};
-use pullback_elements::body::RigidBody;
-use pullback_elements::energy::EnergyElement;
-use pullback_elements::joint::Revolute;
-use pullback_elements::load::{LineLoad, LoadKind, NodalLoad};
-use pullback_elements::model::{Context, Dof, ModelBuilder, frame_along};
-use pullback_elements::spring::{AxialSpring, Bushing};
-use pullback_elements::time::{Constant, Proportional, Table};
-use pullback_manifold::map::Map;
-use pullback_manifold::system::{Charts, Evaluation, Point, System, Weights};
 
 #[test]
 fn nothing_is_allocated_after_the_first_evaluation() {
@@ -37,7 +26,7 @@ fn nothing_is_allocated_after_the_first_evaluation() {
             b.element(name, beam.unwrap(), &nodes[..count]).unwrap();
         }
     }
-    let offset = Offset([0.0, 0.3, 0.4]).boxed();
+    let offset = GrowingOffset([0.0, 0.3, 0.4]).boxed();
     let dependent = b
         .mapped_node("dependent", [3.0, 0.3, 0.4], offset, &[end])
         .unwrap();

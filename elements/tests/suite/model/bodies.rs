@@ -1,13 +1,6 @@
 //! Bodies, springs and their loads in a model: the assembled tangent, changes of chart, refusals.
 
-use nalgebra::{Matrix3, Matrix6, Vector3};
-use pullback_conformance::{self as check, ModelOptions, Random};
-use pullback_elements::body::{PointMass, RigidBody};
-use pullback_elements::joint::{Offset, Revolute, Spherical};
-use pullback_elements::model::{Context, Dof, ModelBuilder, NodeId};
-use pullback_elements::spring::{AxialSpring, Bushing};
-use pullback_elements::time::Constant;
-use pullback_manifold::system::{Charts, Energetics, Evaluation, Point, System, Weights};
+use crate::support::*;
 
 /// Two bodies joined by a bushing, one of them by a spring to a point mass, all in a gravity field.
 fn model() -> (Context, [NodeId; 3]) {

@@ -1,17 +1,7 @@
 //! Supports, numbering, names, axes and lines of a model.
 
-use crate::support::{Idle, Offset, beam, line, simple, straight};
-use nalgebra::{Matrix3, SVector, Unit, Vector3};
-use pullback_elements::body::PointMass;
-use pullback_elements::joint::Revolute;
-use pullback_elements::model::{
-    CircularArc, Closure, Context, Dof, ModelBuilder, ModelError, NodeId, ReferenceCurve,
-    StraightLine, frame_along,
-};
-use pullback_elements::spring::{CoordinateLaw, CoordinateSpring};
-use pullback_manifold::map::Map;
-use pullback_manifold::scalar::Scalar;
-use pullback_manifold::system::{Charts, Evaluation, Point, Quantity, System};
+use crate::support::*;
+use nalgebra::Unit;
 use std::time::Instant;
 
 fn built(support: impl Fn(&mut ModelBuilder, [NodeId; 2])) -> Context {
@@ -64,7 +54,7 @@ fn structures_that_can_move_as_rigid_bodies() {
     );
     let (mut b, ends) = simple();
     b.support(ends[0], &Dof::ALL);
-    let offset = Offset([0.0, 1.0, 0.0]).boxed();
+    let offset = GrowingOffset([0.0, 1.0, 0.0]).boxed();
     let dependent = b
         .mapped_node("dependent", [1.0, 1.0, 0.0], offset, &ends[1..])
         .unwrap();

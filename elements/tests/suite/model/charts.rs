@@ -1,16 +1,6 @@
 //! Nothing physical may jump when charts change: energy, strains, forces, velocities.
 
-use crate::support::{Twin, coupled, forces, lay, moving, spatial};
-use nalgebra::Vector3;
-use pullback_conformance::Random;
-use pullback_elements::beam::Interpolation;
-use pullback_elements::element::SectionState;
-use pullback_elements::model::{Context, Dof, ModelBuilder, NodeId, frame_along};
-use pullback_elements::time::{Constant, Table, TimeFunction};
-use pullback_manifold::map::Map;
-use pullback_manifold::so3;
-use pullback_manifold::system::{Charts, Evaluation, Point, System};
-use std::f64::consts::PI;
+use crate::support::*;
 
 const EXACT: f64 = 1e-12;
 

@@ -1,9 +1,6 @@
 //! What is told of a state that was accepted is told in the charts in which it was balanced.
 
-use crate::support::{coupled, lay};
-use nalgebra::Vector3;
-use pullback_elements::model::{Context, Dof, ModelBuilder};
-use pullback_manifold::system::{Charts, Evaluation, Point, System};
+use crate::support::*;
 
 #[test]
 fn forces_of_an_accepted_state_do_not_depend_on_the_charts_to_come() {

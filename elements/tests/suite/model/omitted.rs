@@ -1,15 +1,7 @@
 //! Redundant equations of an element, which a model omits.
 
-use nalgebra::SVector;
+use crate::support::*;
 use pullback_elements::constraint::Multipliers;
-use pullback_elements::element::{
-    Abilities, Combined, CombinedTangents, Element, Motion, Response,
-};
-use pullback_elements::model::{Context, ModelBuilder};
-use pullback_manifold::domain::DomainError;
-use pullback_manifold::map::Map;
-use pullback_manifold::scalar::Scalar;
-use pullback_manifold::system::{Charts, Evaluation, Point, Quantity, System, Weights};
 
 /// x = 0, twice.
 #[derive(Clone, Copy)]

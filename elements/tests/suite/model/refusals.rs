@@ -1,19 +1,6 @@
 //! What a model refuses, and with which words.
 
-use crate::support::{Idle, Offset, Twin, line, refused, simple, straight};
-use nalgebra::{SVector, Vector3};
-use pullback_elements::beam::Interpolation;
-use pullback_elements::body::PointMass;
-use pullback_elements::element::{Element, Motion, Response};
-use pullback_elements::joint::{ConstantVelocity, Revolute};
-use pullback_elements::load::{LoadKind, NodalLoad};
-use pullback_elements::model::{Context, Dof, ModelBuilder};
-use pullback_elements::time::{Constant, Proportional, TimeFunction};
-use pullback_manifold::domain::{CHART_EDGE, DomainError};
-use pullback_manifold::implicit::{Choice, Implicit, ImplicitMap};
-use pullback_manifold::map::{Linear, Map};
-use pullback_manifold::scalar::Scalar;
-use pullback_manifold::system::{Evaluation, Point, Quantity, System, SystemError, Weights};
+use crate::support::*;
 
 #[test]
 fn nodes_that_cannot_be() {
@@ -234,7 +221,7 @@ fn nodes_that_nothing_holds_on_to() {
         b.build() => "node lost carries no element (loads do not count); connect it or remove it",
     }
     let (mut b, ends) = simple();
-    let offset = Offset([0.0, 1.0, 0.0]).boxed();
+    let offset = GrowingOffset([0.0, 1.0, 0.0]).boxed();
     let dependent = b
         .mapped_node("dependent", [1.0, 1.0, 0.0], offset, &ends[1..])
         .unwrap();

@@ -1,14 +1,6 @@
 //! The assembled model as a system: its tangent is that of its residual, in whatever charts.
 
-use crate::support::{Coupling, Offset, Twin, TwoTurn, coupled, frame_model, lay, section, sine};
-use nalgebra::{DVector, Vector3};
-use pullback_conformance::{self as check, Random, TestState};
-use pullback_elements::load::{LineLoad, LoadKind, NodalLoad};
-use pullback_elements::model::{Context, Dof, ModelBuilder, NodeId};
-use pullback_elements::time::{Proportional, TimeFunction};
-use pullback_manifold::map::Map;
-use pullback_manifold::system::{Charts, Evaluation, Point, Quantity, System, Weights};
-use std::f64::consts::PI;
+use crate::support::*;
 
 /// States of a model's n unknowns near a configuration.
 fn around(context: &Context, q: &DVector<f64>, spread: f64) -> Vec<(String, TestState)> {
@@ -109,7 +101,7 @@ fn nodes_that_follow_through_maps() {
     let root = b.node("root", [0.0; 3]).unwrap();
     let corner = b.node("corner", [1.0, 0.0, 0.0]).unwrap();
     let angle = b.coordinates("angle", &[Quantity::Angle]).unwrap();
-    let offset = Offset([0.0, 0.3, 0.4]).boxed();
+    let offset = GrowingOffset([0.0, 0.3, 0.4]).boxed();
     let dependent = b
         .mapped_node("dependent", [1.0, 0.3, 0.4], offset, &[corner])
         .unwrap();

@@ -1,13 +1,6 @@
 //! Loads beside a node and on one coordinate: weights and motors.
 
-use crate::support::{forces, moving, residual, sine, spatial};
-use nalgebra::{Matrix3, Vector3};
-use pullback_conformance as check;
-use pullback_elements::body::{PointMass, RigidBody};
-use pullback_elements::element::Element;
-use pullback_elements::load::{CoordinateForce, EccentricForce};
-use pullback_elements::time::Constant;
-use pullback_manifold::so3;
+use crate::support::*;
 
 #[test]
 fn loads_obey_the_laws_of_elements() {

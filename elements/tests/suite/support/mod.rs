@@ -9,19 +9,13 @@ pub mod polynomial_spring;
 #[path = "../../../../examples/elements/strain_beam.rs"]
 pub mod strain_beam;
 
-use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, SVector, Vector3};
-use pullback_conformance::{self as check, InCharts, ModelOptions, Report};
-use pullback_elements::beam::{Damping, Section};
-use pullback_elements::element::{Element, Motion, Properties, Response};
-use pullback_elements::inertia::Inertia;
-use pullback_elements::load::{LineLoad, LoadKind, NodalLoad};
-use pullback_elements::model::{BeamLine, Context, ModelBuilder, NodeId, StraightLine};
-use pullback_elements::time::Sine;
-use pullback_manifold::domain::DomainError;
-use pullback_manifold::map::Map;
-use pullback_manifold::scalar::Scalar;
-use pullback_manifold::so3;
-use serde_json::Value;
+pub use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, SMatrix, SVector, Vector3, Vector6};
+pub use pullback_conformance::{self as check, InCharts, ModelOptions, Random, Report, TestState};
+pub use pullback_elements::{beam::*, body::*, element::*, energy::*, inertia::*, joint::*};
+pub use pullback_elements::{load::*, model::*, spring::*, time::*};
+pub use pullback_manifold::{domain::*, implicit::*, jet::*, map::*, scalar::*, so3, system::*};
+pub use serde_json::Value;
+pub use std::f64::consts::{PI, TAU};
 
 /// What is refused, row by row, and with which words.
 macro_rules! refused {
@@ -114,9 +108,9 @@ pub fn matrix(v: &Value) -> DMatrix<f64> {
 
 /// Rigid link: d_s = d_m + (R_m − I) c(t), Ψ_s = Ψ_m, with an offset that grows.
 #[derive(Clone)]
-pub struct Offset(pub [f64; 3]);
+pub struct GrowingOffset(pub [f64; 3]);
 
-impl Map<6, 6> for Offset {
+impl Map<6, 6> for GrowingOffset {
     fn phi<S: Scalar>(&self, t: S, q: &SVector<S, 6>) -> SVector<S, 6> {
         let psi = Vector3::new(q[3], q[4], q[5]);
         let c = Vector3::from(self.0).map(S::constant);

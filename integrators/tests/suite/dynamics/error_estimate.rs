@@ -1,9 +1,8 @@
 //! The estimate of the local error beside the error that a step has.
 
 use crate::support::dynamics::*;
-use crate::support::refused;
+use crate::support::*;
 use pullback_integrators::dynamics::scheme::Stage;
-use pullback_integrators::dynamics::{Scheme, integrate};
 
 const OMEGA: f64 = 2.0;
 

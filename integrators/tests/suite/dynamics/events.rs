@@ -1,9 +1,7 @@
 //! Events of a run: located, applied, repeated, saved.
 
-use crate::support::dynamics::{Oscillator, Pendulum, adaptive, schemes, steps_of};
-use crate::support::refused;
-use pullback_integrators::dynamics::{DynamicOptions, Scheme, Simulation, State, start};
-use pullback_manifold::system::System;
+use crate::support::dynamics::*;
+use crate::support::*;
 use std::ops::ControlFlow::{self, Break, Continue};
 use std::sync::{Arc, Mutex};
 

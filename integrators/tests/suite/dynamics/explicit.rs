@@ -1,11 +1,8 @@
 //! The explicit schemes: stable steps, waves, what they refuse.
 
-use crate::support::dynamics::{adaptive, attempt, steps_of};
+use crate::support::dynamics::*;
 use crate::support::linear_solver::filled;
-use crate::support::refused;
-use pullback_integrators::dynamics::{DynamicOptions, DynamicsError, Progress, Scheme};
-use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::{Energetics, Energies, Evaluation, Point, System, SystemError};
+use crate::support::*;
 use std::f64::consts::PI;
 
 /// Masses on a line between walls, springs of stiffness k between them.

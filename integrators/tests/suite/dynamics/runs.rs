@@ -1,16 +1,8 @@
 //! Runs in time: failing and adaptive steps, copies that go on, what is refused.
 
 use crate::support::dynamics::*;
-use crate::support::{Configured, refused};
-use pullback_integrators::dynamics::{
-    DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, Simulation, StepReport,
-    TangentUpdate, integrate, start,
-};
-use pullback_manifold::domain::{CHART_EDGE, DomainError};
-use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::{Charts, Evaluation, Point, System, SystemError};
+use crate::support::*;
 use std::f64::consts::TAU;
-use std::ops::ControlFlow;
 
 /// A system that cannot be evaluated where it would have moved far in one step.
 struct Skittish(Pendulum, f64);

@@ -1,14 +1,8 @@
 //! Integration in time of systems small enough to be known exactly: no beam is known here.
 
 use crate::support::dynamics::*;
+use crate::support::*;
 use nalgebra::{Matrix3, Matrix4, Vector2, Vector3, Vector4};
-use pullback_integrators::dynamics::{
-    DynamicOptions, NewtonOptions, Progress, Scheme, State, StepReport, integrate, start,
-};
-use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::{
-    Energetics, Energies, Evaluation, Events, Point, System, SystemError,
-};
 
 #[test]
 fn steps_that_change_their_size_keep_the_order() {

@@ -1,7 +1,7 @@
 //! The pair of Tsitouras: its order conditions, adaptive steps.
 
 use crate::support::dynamics::*;
-use pullback_integrators::dynamics::Scheme;
+use crate::support::*;
 use std::f64::consts::FRAC_PI_2;
 
 type Vector = [f64; 7];

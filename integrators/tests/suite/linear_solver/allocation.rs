@@ -1,8 +1,7 @@
 //! The block solver allocates in `analyse` only.
 
+use crate::support::*;
 use allocation_counter::measure;
-use pullback_integrators::linear_solver::{AutoSolver, BlockLu, LinearSolver, MatrixSymmetry};
-use pullback_manifold::sparse::BlockPattern;
 
 #[test]
 fn factorise_and_solve_do_not_allocate() {

@@ -2,10 +2,7 @@
 //! them, and that the general LU is asked instead.
 
 use crate::support::linear_solver::*;
-use pullback_integrators::linear_solver::{
-    AutoSolver, BlockLu, LinearError, LinearSolver, SolverKind, null_vector,
-};
-use pullback_manifold::sparse::BlockPattern;
+use crate::support::*;
 
 /// A matrix, a right-hand side and its solution.
 struct Case {

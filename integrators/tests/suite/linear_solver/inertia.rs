@@ -1,9 +1,8 @@
 //! Negative pivots against the eigenvalues of a dense matrix (nalgebra): Sylvester's law.
 
 use crate::support::linear_solver::*;
+use crate::support::*;
 use nalgebra::DMatrix;
-use pullback_integrators::linear_solver::{AutoSolver, BlockLu, FaerLu, LinearSolver};
-use pullback_manifold::sparse::BlockPattern;
 
 /// A random symmetric matrix.
 fn symmetric(n: usize, random: &mut Random) -> DMatrix<f64> {

@@ -1,8 +1,7 @@
 //! Residuals of solutions that are known to be small without a look at the matrix.
 
-use crate::support::linear_solver::{General, Random, analysed};
-use pullback_integrators::linear_solver::{BlockLu, LinearSolver};
-use pullback_manifold::sparse::BlockPattern;
+use crate::support::linear_solver::*;
+use crate::support::*;
 
 /// Largest relative residual of a solution that needs no refinement, and of one that is returned at all.
 const GOAL: f64 = 1e-12;

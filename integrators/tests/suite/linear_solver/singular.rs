@@ -1,9 +1,8 @@
 //! What linear solvers say of matrices that are singular or not finite.
 
 use crate::support::linear_solver::*;
+use crate::support::*;
 use nalgebra::DVector;
-use pullback_integrators::linear_solver::{AutoSolver, LinearError, LinearSolver, null_vector};
-use pullback_manifold::sparse::BlockPattern;
 
 /// Scalar springs between neighbours, and to the ground at the nodes given.
 fn springs(nodes: usize, grounded: &[usize], random: &mut Random) -> (BlockPattern, Vec<f64>) {

@@ -1,12 +1,8 @@
 //! The linear solvers against nalgebra's dense LU, against closed forms, and against each other.
 
 use crate::support::linear_solver::*;
+use crate::support::*;
 use nalgebra::DVector;
-use pullback_integrators::linear_solver::{
-    AutoSolver, BlockLu, FaerLu, LinearError, LinearSolver, SolverKind,
-};
-use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::CoordinateInfo;
 
 #[test]
 fn all_solvers_agree_with_a_dense_factorisation() {

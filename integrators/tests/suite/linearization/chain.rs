@@ -1,10 +1,6 @@
 //! Modes of systems with exact eigenvalues, and of those without modes.
 
-use pullback_integrators::linearization::{
-    Linearized, ModeOptions, ModesError, Selection, modes, modes_while,
-};
-use pullback_manifold::sparse::BlockPattern;
-use std::ops::ControlFlow;
+use crate::support::*;
 
 /// Masses of one between n + 1 springs of one, fixed at both ends, with C = α M + β K.
 fn chain(n: usize, alpha: f64, beta: f64) -> Linearized {

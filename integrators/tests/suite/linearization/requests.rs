@@ -1,13 +1,6 @@
 //! Requests that a system cannot meet, and systems without coordinates.
 
-use crate::support::refused;
-use pullback_integrators::linearization::{
-    CampbellDiagram, CampbellError, CampbellOptions, buckling, campbell, output_derivatives,
-};
-use pullback_integrators::statics::StaticOptions;
-use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::{Evaluation, Events, Point, System, SystemError};
-use std::ops::ControlFlow;
+use crate::support::*;
 
 /// Masses of one on springs of one, and an input u that loads them.
 struct Loaded {

@@ -1,8 +1,8 @@
 //! Every scheme of the list has its stated properties, and the kit tells where one does not.
 
 use super::WORDS;
+use crate::support::*;
 use pullback_conformance as check;
-use pullback_integrators::dynamics::Scheme;
 use pullback_integrators::dynamics::scheme::{SCHEMES, SchemeProperties, Stage};
 
 #[test]

@@ -2,8 +2,7 @@
 //! (reference/spectra.json).
 
 use super::WORDS;
-use crate::support::refused;
-use pullback_integrators::dynamics::Scheme;
+use crate::support::*;
 use pullback_integrators::spectrum::{
     FirstStep, Numbers, accuracy, amplification, characteristic, closed_form, expansion,
     logarithmic,

@@ -1,7 +1,6 @@
 //! Words, tables and limits of the schemes.
 
-use crate::support::refused;
-use pullback_integrators::dynamics::Scheme;
+use crate::support::*;
 use pullback_integrators::dynamics::scheme::{SCHEMES, STAGES, SchemeProperties, Stage};
 
 #[test]

@@ -1,13 +1,7 @@
 //! Critical points, found directly, of systems whose paths are known in closed form.
 
-use crate::support::statics::{LIMIT, TIGHT, truss};
-use pullback_integrators::statics::{
-    ArcLengthOptions, CriticalKind, CriticalPoint, Event, StaticNewtonOptions, StaticsError,
-    critical_point, trace_path,
-};
-use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::{Evaluation, Point, System, SystemError};
-use std::ops::ControlFlow;
+use crate::support::statics::*;
+use crate::support::*;
 
 /// A load t that shortens a column by x and bends it by y beyond t = 1:
 ///

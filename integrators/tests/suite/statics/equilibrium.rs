@@ -1,14 +1,7 @@
 //! Statics on systems small enough to be solved by hand: no beam is known here.
 
-use crate::support::statics::{LIMIT, Scalar, TIGHT, truss};
-use crate::support::{Configured, refused};
-use pullback_integrators::statics::{
-    ArcLengthOptions, Cause, Event, LoadSteps, PathSteps, StaticOptions, StaticSummary,
-    StaticsError, Step, equilibrium, solve_statics, trace_path,
-};
-use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::{Evaluation, Point, System, SystemError};
-use std::ops::ControlFlow;
+use crate::support::statics::*;
+use crate::support::*;
 
 /// Options of a path with events, the last of which ends it.
 fn with_events<const N: usize>(events: [Event; N]) -> ArcLengthOptions {

@@ -1,10 +1,7 @@
 //! How far Newton's method goes along a correction, and where it stops: springs solved by hand.
 
-use crate::support::statics::{Scalar, TIGHT};
-use pullback_integrators::statics::{
-    Cause, Iteration, StaticNewtonOptions, StaticOptions, StaticsError, solve_statics,
-};
-use std::ops::ControlFlow;
+use crate::support::statics::*;
+use crate::support::*;
 
 /// The load from one value to another in a single step, from the equilibrium w: where it ends, and the
 /// iterations of the step.

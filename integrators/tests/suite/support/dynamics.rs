@@ -1,13 +1,6 @@
 //! Systems of one coordinate that are known exactly, and runs of them.
 
-use pullback_integrators::dynamics::{
-    Adaptivity, DynamicOptions, DynamicsError, Progress, Scheme, StepReport, integrate, start,
-};
-use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::{
-    CoordinateInfo, Energetics, Energies, Evaluation, Events, Point, Quantity, System, SystemError,
-};
-use std::ops::ControlFlow;
+use super::*;
 
 /// m ẍ + k x = p(t): r and its tangents for one coordinate.
 #[derive(Clone)]

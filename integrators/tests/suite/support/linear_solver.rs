@@ -1,10 +1,7 @@
 //! Matrices of all shapes, and solvers for them.
 
-pub use pullback_integrators::linear_solver::MatrixSymmetry::{self, General, Symmetric};
-use pullback_integrators::linear_solver::{
-    AutoSolver, BlockLu, FaerLdlt, FaerLu, LinearError, LinearSolver,
-};
-use pullback_manifold::sparse::BlockPattern;
+use super::*;
+pub use MatrixSymmetry::{General, Symmetric};
 
 /// Numbers in (-1, 1), the same every time.
 pub struct Random(pub u64);

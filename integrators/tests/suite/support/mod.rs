@@ -4,8 +4,9 @@ pub mod dynamics;
 pub mod linear_solver;
 pub mod statics;
 
-use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::{Evaluation, Point, System, SystemError};
+pub use pullback_integrators::{dynamics::*, linear_solver::*, linearization::*, statics::*};
+pub use pullback_manifold::{domain::*, sparse::BlockPattern, system::*};
+pub use std::ops::ControlFlow;
 
 /// A system whose configuration is that of its last evaluation.
 pub struct Configured<Y> {

@@ -1,10 +1,6 @@
 //! One spring that is not linear, and how to solve for its equilibrium.
 
-use pullback_integrators::statics::StaticNewtonOptions;
-use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::{
-    CoordinateInfo, Evaluation, Point, Quantity, Scales, System, SystemError,
-};
+use super::*;
 
 /// One coordinate with the equilibrium λ P = f(w), given f and f′.
 pub struct Scalar {

@@ -1,11 +1,6 @@
 //! One line per leaf.
 
-use crate::support::{Offset, Revolute};
-use nalgebra::{SVector, Vector3};
-use pullback_conformance as check;
-use pullback_manifold::chart::{Complement, RotationVector, WienerMilenkovic};
-use pullback_manifold::map::{Increment, Map};
-use pullback_manifold::scalar::Scalar;
+use crate::support::*;
 
 /// q ↦ a pendulum on a driven cart: a map that knows the time.
 #[derive(Clone)]

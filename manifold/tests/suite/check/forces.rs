@@ -1,9 +1,7 @@
 //! The conformance kit fails when it should: errors planted in forces and in an assembly.
 
-use nalgebra::{DMatrix, DVector};
-use pullback_conformance::{self as check, Forces, TestState};
-use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::{Evaluation, Point, System, SystemError};
+use crate::support::*;
+use pullback_conformance::Forces;
 
 /// Errors of a small nonlinear law of forces in three coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,12 +1,7 @@
 //! The conformance kit fails when it should: errors planted in maps and charts.
 
-use nalgebra::{SMatrix, SVector, Vector3};
-use pullback_conformance::{self as check, Measure, Report};
-use pullback_manifold::chart::{RotationChart, RotationVector};
-use pullback_manifold::domain::{CHART_EDGE, DomainError};
-use pullback_manifold::implicit::{Choice, Implicit, ImplicitMap};
-use pullback_manifold::map::{Kinematics, Map, MapState, Tangent, derived};
-use pullback_manifold::scalar::Scalar;
+use crate::support::*;
+use pullback_conformance::Measure;
 use pullback_manifold::so3::Quaternion;
 use std::collections::BTreeSet;
 

@@ -1,14 +1,7 @@
 //! The charts of implicit constraints with redundant equations and parameters.
 
 use super::linear::Linear;
-use crate::support::Circle;
-use nalgebra::{SMatrix, SVector, Vector2};
-use pullback_conformance::motion;
-use pullback_manifold::implicit::{
-    Description, Equation, Equations, Implicit, ImplicitError, ImplicitMap, Unknown,
-};
-use pullback_manifold::map::{Map, MapState, Parametrization, Reparametrization};
-use pullback_manifold::scalar::Scalar;
+use crate::support::*;
 
 const LINKS: usize = 5;
 

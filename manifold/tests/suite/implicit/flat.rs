@@ -1,8 +1,6 @@
 //! Equations that no coordinate changes: refused at the start, with the reason.
 
-use nalgebra::SVector;
-use pullback_manifold::implicit::{Choice, Implicit, ImplicitError, ImplicitMap};
-use pullback_manifold::scalar::Scalar;
+use crate::support::*;
 
 /// Powers of the equation of the unit circle, c = x² + y² − 1, and others beside it.
 #[derive(Clone, Copy, Debug)]

@@ -1,9 +1,7 @@
 //! Linear equations, whose maps are known: dependent ones, and ones that need rows interchanged.
 
-use crate::support::tangent;
-use nalgebra::{Matrix2x3, Matrix3, Matrix3x4, SMatrix, SVector};
-use pullback_manifold::implicit::{Choice, Implicit, ImplicitMap};
-use pullback_manifold::scalar::Scalar;
+use crate::support::*;
+use nalgebra::{Matrix2x3, Matrix3x4};
 
 /// A x = 0.
 #[derive(Clone, Copy, Debug)]

@@ -1,12 +1,7 @@
 //! Implicit constraints: exact derivatives, changes of split, and the branch of a solution.
 
 use super::{Planted, gap};
-use crate::support::tangent;
-use nalgebra::{SVector, Vector2, Vector3};
-use pullback_conformance::{self as check, motion};
-use pullback_manifold::implicit::{Choice, Implicit, ImplicitMap};
-use pullback_manifold::map::{Linear, Parametrization, Reparametrization};
-use pullback_manifold::scalar::Scalar;
+use crate::support::*;
 
 /// A four-bar linkage: absolute angles of crank, coupler, rocker; ground pivots `d` apart. The
 /// ground pivot may move, and the length of the coupler may breathe.

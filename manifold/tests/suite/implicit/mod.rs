@@ -7,9 +7,7 @@ mod map;
 mod rank;
 mod steep;
 
-use pullback_manifold::domain::DomainError;
-use pullback_manifold::implicit::ImplicitMap;
-use pullback_manifold::map::{MapState, Order, Parametrization};
+use crate::support::*;
 
 fn gap(a: &[f64], b: &[f64]) -> f64 {
     assert_eq!(a.len(), b.len());

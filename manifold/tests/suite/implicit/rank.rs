@@ -1,13 +1,7 @@
 //! Ranks of constraints: equations that follow from others, and places where the rank changes.
 
 use super::map::{FourBar, GRASHOF};
-use crate::support::{Circle, tangent};
-use nalgebra::SVector;
-use pullback_conformance as check;
-use pullback_manifold::domain::DomainError;
-use pullback_manifold::implicit::{Choice, Implicit, ImplicitError, ImplicitMap};
-use pullback_manifold::map::{Parametrization, Reparametrization};
-use pullback_manifold::scalar::Scalar;
+use crate::support::*;
 
 /// Two equations and combinations of them.
 #[derive(Clone, Copy, Debug)]

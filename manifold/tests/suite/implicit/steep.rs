@@ -1,10 +1,8 @@
 //! Laws of a solved constraint near a singular position, where its values have few digits.
 
 use super::Planted;
-use crate::support::Circle;
-use nalgebra::DVector;
-use pullback_conformance::{Layout, Mapped, Random, Report, TestState, kinematics};
-use pullback_manifold::implicit::{Choice, ImplicitMap};
+use crate::support::*;
+use pullback_conformance::kinematics;
 
 /// The laws at an angle from where x has its largest value, by the coordinate x.
 fn laws(angle: f64, factor: f64, seed: u64) -> Report {

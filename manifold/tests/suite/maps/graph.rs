@@ -1,10 +1,7 @@
 //! What graphs keep of the maps in them.
 
-use crate::support::{Circle, tangent};
+use crate::support::*;
 use nalgebra::Vector1;
-use pullback_manifold::implicit::{Choice, Description, Equation, ImplicitMap, Unknown};
-use pullback_manifold::map::{Linear, Map, MapGraph, MapState, Parametrization, Read};
-use pullback_manifold::scalar::Scalar;
 
 /// The ordinate of a point on the unit circle, less 0.8, of its abscissa.
 fn ordinate(choice: Choice) -> MapGraph {

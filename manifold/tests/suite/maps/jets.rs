@@ -1,13 +1,9 @@
 //! The jets against the num-dual crate: one function, two implementations of differentiation.
 
-use nalgebra::SVector;
+use crate::support::*;
 use num_dual::{Derivative, Dual3, DualNum, DualSVec64};
 use num_traits::{One, Zero};
-use pullback_conformance as check;
-use pullback_manifold::jet::{Grad, Hess, Moving, Trace};
-use pullback_manifold::map::Map;
 use pullback_manifold::quotients;
-use pullback_manifold::scalar::Scalar;
 use std::f64::consts::FRAC_PI_2;
 
 const D: usize = 4;

@@ -1,7 +1,6 @@
 //! The jet of energies against nested gradients, which are checked against another crate.
 
-use pullback_manifold::jet::{Grad, Phase};
-use pullback_manifold::scalar::Scalar;
+use crate::support::*;
 
 /// Four coordinates and velocities: a three and a rest, with every kind of operation.
 fn energy<S: Scalar>(x: &[S; 4], v: &[S; 4]) -> S {

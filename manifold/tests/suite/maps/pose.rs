@@ -1,13 +1,9 @@
 //! Frames by their charts and by their poses, and graphs of maps.
 
-use crate::support::Offset;
-use nalgebra::{Vector3, Vector6};
-use pullback_conformance::{self as check, Random};
-use pullback_manifold::jet::Moving;
+use crate::support::*;
+use nalgebra::Vector6;
 use pullback_manifold::map::pose::orientation;
-use pullback_manifold::map::{Map, MapGraph, Parametrization, Read, ToChart, ToPose};
 use pullback_manifold::so3::{self, Quaternion};
-use std::f64::consts::{PI, TAU};
 
 /// Rotation angles on both branches of the rotation vector.
 const ANGLES: [f64; 7] = [0.0, 1e-8, 1.1, PI - 1e-6, PI + 1e-6, 4.0, 6.2];

@@ -1,7 +1,6 @@
 //! The pull-back of tangents in place.
 
-use nalgebra::{DMatrix, Matrix3};
-use pullback_conformance::Random;
+use crate::support::*;
 use pullback_manifold::pullback;
 
 const N: usize = 10;

@@ -3,13 +3,8 @@
 //! Bounds are relative to the value itself, also beside its zeros.
 
 use crate::support::double_double::{Dd, series};
+use crate::support::*;
 use approx::{assert_abs_diff_eq, assert_relative_eq};
-use pullback_manifold::jet::{Grad, Hess};
-use pullback_manifold::quotients::{
-    InverseQuotients, Quotients, SERIES_LIMIT, TangentQuotients, cos_sqrt, half_angle,
-    inverse_quotients, log_factor, sinc,
-};
-use std::f64::consts::{PI, TAU};
 
 const NAMES: [&str; 14] = [
     "sinc",

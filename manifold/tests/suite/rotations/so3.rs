@@ -1,13 +1,8 @@
 //! Rotation vectors: against an independent implementation, against exact forward derivatives, and
 //! the identities that tie the tensors together.
 
-use crate::support::{matrix, reference, relative as close, vector};
-use nalgebra::{Matrix3, Vector3};
-use pullback_conformance::Random;
-use pullback_manifold::jet::{Grad, Hess, Moving};
-use pullback_manifold::quotients::{InverseQuotients, Quotients};
-use pullback_manifold::so3::*;
-use std::f64::consts::{PI, TAU};
+use crate::support::{relative as close, *};
+use pullback_manifold::so3::{tangent, *};
 
 type V3 = Vector3<f64>;
 type M3 = Matrix3<f64>;

@@ -1,8 +1,6 @@
 //! Rates of rotation vectors from spins, against their definitions.
 
-use nalgebra::{Matrix3, Vector3};
-use pullback_manifold::map::{Increment, Map, MapState, Reparametrization};
-use pullback_manifold::quotients::Quotients;
+use crate::support::*;
 use pullback_manifold::so3::{Spin, T_dot_psi_dot, VelocityKind, rotation, tangent};
 
 fn cases() -> [[Vector3<f64>; 3]; 4] {

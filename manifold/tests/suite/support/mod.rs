@@ -2,13 +2,12 @@
 
 pub mod double_double;
 
-use nalgebra::{SMatrix, SVector, Vector3};
-use pullback_manifold::domain::{CHART_EDGE, DomainError};
-use pullback_manifold::implicit::Implicit;
-use pullback_manifold::map::{Map, Parametrization};
-use pullback_manifold::scalar::Scalar;
-use pullback_manifold::so3;
+pub use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, SVector, Vector2, Vector3};
+pub use pullback_conformance::{self as check, Layout, Mapped, Random, Report, TestState, motion};
+pub use pullback_manifold::{chart::*, domain::*, implicit::*, jet::*, map::*, quotients::*};
+pub use pullback_manifold::{scalar::*, so3, sparse::BlockPattern, system::*};
 use serde_json::Value;
+pub use std::f64::consts::{PI, TAU};
 
 /// Rigid link: d_s = d_m + (R_m − I) c, Ψ_s = Ψ_m (\[M04\] 4.1.2).
 #[derive(Clone)]

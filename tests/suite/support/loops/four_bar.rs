@@ -2,9 +2,7 @@
 
 use super::{G, one_freedom};
 use crate::support::dynamics::*;
-use nalgebra::Vector2;
-use pullback::manifold::jet::Moving;
-use pullback::manifold::scalar::Scalar;
+use crate::support::prelude::*;
 
 /// Crank, coupler, rocker: where the crank points along the base the others are nearly parallel, so
 /// that its angle hardly determines theirs.

@@ -3,16 +3,12 @@
 use super::four_bar::*;
 use super::{DOWN, ground};
 use crate::support::dynamics::{revolute, weighed};
-use nalgebra::{Matrix3, Vector3};
-use pullback::elements::body::RigidBody;
-use pullback::elements::joint::{JointNodes, Spherical};
-use pullback::elements::model::{Closure, ModelBuilder, NodeId};
-use pullback::elements::time::{Constant, Proportional, TimeFunction};
+use crate::support::prelude::*;
 
 pub const E3: [f64; 3] = [0.0, 0.0, 1.0];
 
 /// How weights come on: at once, and in statics with the load parameter.
-pub type Weights = fn() -> Box<dyn TimeFunction>;
+type Weights = fn() -> Box<dyn TimeFunction>;
 
 pub fn at_once() -> Box<dyn TimeFunction> {
     Box::new(Constant(1.0))

@@ -4,14 +4,7 @@ pub mod four_bar;
 pub mod linkage;
 
 use crate::support::dynamics::*;
-use nalgebra::{Matrix3, SVector, Vector3};
-use pullback::elements::body::RigidBody;
-use pullback::elements::joint::Revolute;
-use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId};
-use pullback::integrators::dynamics::{Progress, Scheme};
-use pullback::manifold::jet::Moving;
-use pullback::manifold::map::{Linear, Map};
-use pullback::manifold::system::{Quantity, System};
+use crate::support::prelude::*;
 
 pub const G: f64 = 9.81;
 
