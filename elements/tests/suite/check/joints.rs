@@ -127,16 +127,8 @@ fn a_model_with_one_is_refused_at_its_evaluation() {
         let body = PointMass::new(1.0).unwrap();
         builder.element("body", body, &[child.frame]).unwrap();
         let mut context = Context::new(builder.build().unwrap());
-        let (v, a) = (&[][..], &[][..]);
         let dim = context.pattern().dim();
-        let mut at = |q: f64| {
-            context.configure(Point {
-                t: 0.0,
-                q: &[q, 0.0, 0.0, 0.0][..dim],
-                v,
-                a,
-            })
-        };
+        let mut at = |q: f64| context.configure(Point::statics(0.0, &[q, 0.0, 0.0, 0.0][..dim]));
         at(0.0).unwrap();
         // cos² + 4 sin² of half the angle is 5/2 at a right angle.
         let length = 2.5_f64.sqrt();

@@ -20,13 +20,7 @@ fn everything() -> Context {
     b.element("body", body, &[far]).unwrap();
     let weight = body.weight([0.0, 0.0, -9.81], Constant(1.0));
     b.element("weight", weight, &[far]).unwrap();
-    let law = CoordinateLaw {
-        k: 3.0,
-        k3: 1.0,
-        c: 0.2,
-        x0: 0.1,
-    };
-    let spring = CoordinateSpring::new(law).unwrap();
+    let spring = CoordinateSpring::new(LAW).unwrap();
     b.element("torsion", spring, &[hinge.coordinates[0]])
         .unwrap();
     let ball = b.attach_free("ball", corner, Spherical).unwrap();
@@ -75,20 +69,11 @@ fn stiffness_ratios_of_ten_orders_and_millimetres_raise_no_alarm() {
         let mut b = ModelBuilder::new();
         let root = b.node("root", [5.0 * length, 0.0, 0.0]).unwrap();
         let tip = b.node("tip", [6.0 * length, 0.0, 0.0]).unwrap();
-        let axis = StraightLine {
-            twist: 0.2,
-            ..straight(&b, [root, tip])
-        };
         let EI = EI * length * length;
         let J = Matrix3::from_diagonal(&Vector3::new(2.0, 1.0, 1.0)) * (1e-6 * length * length);
         let section = Section::diagonal(EA, [0.4 * EA; 2], EI, [EI, 2.0 * EI]).unwrap();
         let section = section.with_mass(1e-6, J);
-        let line = BeamLine {
-            elements: 4,
-            order: 1,
-            section,
-        };
-        b.line("rod", &axis, [root, tip], &line).unwrap();
+        lay_twisted(&mut b, "rod", [root, tip], [4, 1], section, 0.2);
         b.support(root, &Dof::ALL);
         let J = Matrix3::from_diagonal(&Vector3::new(1.0, 1.5, 2.0)) * (1e-7 * length * length);
         let body = RigidBody::new(1e-6, J, Vector3::zeros()).unwrap();

@@ -117,15 +117,9 @@ impl EnergyElement<1> for Cubic {
 
 #[test]
 fn a_coordinate_spring() {
-    let law = CoordinateLaw {
-        k: 2.0,
-        k3: 0.7,
-        c: 0.4,
-        x0: 0.3,
-    };
-    let hand = CoordinateSpring::new(law).unwrap();
+    let hand = CoordinateSpring::new(LAW).unwrap();
     check::element(&hand).assert();
-    check::same(&Cubic(law).into_element(), &hand).assert();
+    check::same(&Cubic(LAW).into_element(), &hand).assert();
 }
 
 #[test]
@@ -151,13 +145,8 @@ struct Pull(Vector3<f64>, Sine);
 
 impl EnergyElement<6> for Pull {
     fn potential<S: Scalar>(&self, t: S, x: &SVector<S, 6>) -> S {
-        let Sine {
-            amplitude,
-            omega,
-            phase,
-            offset,
-        } = self.1;
-        let f = (t * omega + phase).sin() * amplitude + offset;
+        let sine = &self.1;
+        let f = (t * sine.omega + sine.phase).sin() * sine.amplitude + sine.offset;
         -(x[0] * self.0.x + x[1] * self.0.y + x[2] * self.0.z) * f
     }
 

@@ -12,14 +12,10 @@ fn nothing_is_allocated_after_the_first_evaluation() {
     let end = b.node("end", [3.0, 0.0, 0.0]).unwrap();
     let nodes = lay(&mut b, "line", [root, end], 3, 2, coupled());
     // The other interpolation, between the same nodes.
-    let damping = Damping {
-        mass: 0.1,
-        stiffness: 0.2,
-    };
     let section = coupled().with_mass(2.0, Matrix3::identity());
     let positions = [nodes[0], nodes[1], nodes[2]].map(|n| b.position(n));
     let frame = frame_along(&(positions[1] - positions[0]), None);
-    for section in [section, section.with_damping(damping).unwrap()] {
+    for section in [section, section.with_damping(DAMPING).unwrap()] {
         for count in [2, 3] {
             let beam = Interpolation::Geodesic.beam(&positions[..count], &|_| frame, &section);
             let name = format!("geodesic {count} {}", section.damping.mass);
@@ -46,7 +42,6 @@ fn nothing_is_allocated_after_the_first_evaluation() {
     b.element("bushing", bushing, &[nodes[1], dependent])
         .unwrap();
     let ramp = Table::ramp(0.0, 1.0, 2.0).unwrap();
-    let positions = [nodes[0], nodes[1], nodes[2]].map(|n| b.position(n));
     let wind = LineLoad::new(&positions, [0.0, 1.0, 0.0], true, ramp).unwrap();
     let turning = LineLoad::new(&positions, [0.0, 1.0, 0.0], true, Proportional(1.0));
     let turning = turning.unwrap().with_interpolation(Interpolation::Geodesic);
@@ -60,9 +55,8 @@ fn nothing_is_allocated_after_the_first_evaluation() {
     };
     b.element("energy", by_energy.into_element(), &[nodes[1], dependent])
         .unwrap();
-    let massive = coupled().with_mass(2.0, Matrix3::identity());
     let frame = frame_along(&(ends[1] - ends[0]), None);
-    let beam = strain_beam(Reissner, &ends, &frame, &massive).unwrap();
+    let beam = strain_beam(Reissner, &ends, &frame, &section).unwrap();
     b.element("beam", beam, &[nodes[1], dependent]).unwrap();
     b.support(root, &[Dof::X, Dof::Y]);
     for dof in Dof::ROTATIONS {
@@ -83,19 +77,10 @@ fn nothing_is_allocated_after_the_first_evaluation() {
     let (v, a) = (vec![0.3; n], vec![-0.2; n]);
     let (mut r, mut r_t) = (vec![0.0; n], vec![0.0; n]);
     let mut S = vec![0.0; context.pattern().len()];
-    let weights = Weights {
-        K: 1.0,
-        C: 2.0,
-        M: 3.0,
-    };
     let mut all = |context: &mut dyn System| {
         let rest = Point::statics(0.5, &q);
-        let moving = Point {
-            v: &v,
-            a: &a,
-            ..rest
-        };
-        for (at, weights) in [(rest, Weights::STATIC), (moving, weights)] {
+        let moving = point(0.5, [&q, &v, &a]);
+        for (at, weights) in [(rest, Weights::STATIC), (moving, weights(1.0, 2.0, 3.0))] {
             let out = Evaluation {
                 r_t: Some(&mut r_t),
                 ..Evaluation::with_tangent(&mut r, weights, &mut S)

@@ -67,12 +67,7 @@ fn a_new_context_knows_the_power_of_dampers() {
     let n = context.initial().len();
     let (q, mut v, a) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
     v[context.unknown_at(first, 0).unwrap()] = 2.0;
-    let at = Point {
-        t: 0.0,
-        q: &q,
-        v: &v,
-        a: &a,
-    };
+    let at = point(0.0, [&q, &v, &a]);
     // ẋᵀ D ẋ of the bushing with D = 0.3.
     assert!((context.dissipation(at).unwrap() - 1.2).abs() < 1e-14);
     assert!((context.energies(at).unwrap().dissipated - 1.2).abs() < 1e-14);
@@ -157,12 +152,7 @@ fn joints_at_a_frame_fixed_to_another_one_are_joints_of_that_one() {
         });
         let [q, v, a, w] = &mut state;
         let (mut r, mut S) = (vec![0.0; n], vec![0.0; context.pattern().len()]);
-        let weights = Weights {
-            K: 1.0,
-            C: 0.7,
-            M: 0.4,
-        };
-        let out = Evaluation::with_tangent(&mut r, weights, &mut S);
+        let out = Evaluation::with_tangent(&mut r, weights(1.0, 0.7, 0.4), &mut S);
         context.evaluate(Point { t: 0.0, q, v, a }, out).unwrap();
         let mut Sw = vec![0.0; n];
         context.pattern().multiply_add(1.0, &S, w, &mut Sw);

@@ -63,12 +63,7 @@ fn evaluate(element: impl Element + 'static) -> [Vec<f64>; 2] {
     let (q, rest) = ([0.3, 1.2, -0.7], [0.0; 3]);
     let mut r = vec![0.0; 3];
     let mut S = vec![0.0; context.pattern().len()];
-    let at = Point {
-        t: 0.0,
-        q: &q,
-        v: &rest,
-        a: &rest,
-    };
+    let at = point(0.0, [&q, &rest, &rest]);
     let out = Evaluation::with_tangent(&mut r, Weights::STATIC, &mut S);
     context.evaluate(at, out).unwrap();
     [r, S]

@@ -317,12 +317,7 @@ fn evaluations_that_a_point_does_not_hold_are_refused() {
     let (n, values) = (context.pattern().dim(), context.pattern().len());
     let mut evaluate = |[q, v, a, r, S]: [usize; 5], weights: Weights| {
         let (zero, mut r, mut S) = (vec![0.0; 2 * n], vec![0.0; r], vec![0.0; S]);
-        let at = Point {
-            t: 0.0,
-            q: &zero[..q],
-            v: &zero[..v],
-            a: &zero[..a],
-        };
+        let at = point(0.0, [&zero[..q], &zero[..v], &zero[..a]]);
         context.evaluate(at, Evaluation::with_tangent(&mut r, weights, &mut S))
     };
     let STATIC = Weights::STATIC;

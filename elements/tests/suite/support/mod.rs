@@ -73,6 +73,14 @@ pub fn axes() -> Matrix3<f64> {
     so3::rotation(&Vector3::new(0.3, 0.8, -0.5))
 }
 
+/// The law of a spring and a damper at a coordinate.
+pub const LAW: CoordinateLaw = CoordinateLaw {
+    k: 2.0,
+    k3: 0.7,
+    c: 0.4,
+    x0: 0.3,
+};
+
 pub fn sine(amplitude: f64) -> Sine {
     Sine {
         amplitude,
@@ -216,11 +224,25 @@ pub fn lay(
     order: usize,
     section: Section,
 ) -> Vec<NodeId> {
-    let axis = straight(b, ends);
+    lay_twisted(b, name, ends, [elements, order], section, 0.0)
+}
+
+/// The same of so many elements of an order, twisted by an angle from end to end.
+pub fn lay_twisted(
+    b: &mut ModelBuilder,
+    name: &str,
+    ends: [NodeId; 2],
+    [elements, order]: [usize; 2],
+    section: Section,
+    twist: f64,
+) -> Vec<NodeId> {
+    let axis = StraightLine {
+        twist,
+        ..straight(b, ends)
+    };
     let line = BeamLine {
-        elements,
-        order,
         section,
+        ..line(elements, order)
     };
     b.line(name, &axis, ends, &line).unwrap().nodes
 }
@@ -253,16 +275,7 @@ pub fn frame_model(b: &mut ModelBuilder, inertia: Option<Inertia>) -> [NodeId; 3
         if let Some(inertia) = inertia {
             section = section.with_inertia(inertia).unwrap();
         }
-        let axis = StraightLine {
-            twist: 0.3,
-            ..straight(b, ends)
-        };
-        let line = BeamLine {
-            elements: 2,
-            order,
-            section,
-        };
-        b.line(name, &axis, ends, &line).unwrap();
+        lay_twisted(b, name, ends, [2, order], section, 0.3);
     }
     for (which, k) in [
         (LoadKind::FollowerForce, 0.0),
@@ -291,6 +304,15 @@ impl Element for Idle {
     fn evaluate(&self, _: &Motion<'_>, _: &mut Response<'_>) -> Result<(), DomainError> {
         Ok(())
     }
+}
+
+/// A state of a model.
+pub fn point<'a>(t: f64, [q, v, a]: [&'a [f64]; 3]) -> Point<'a> {
+    Point { t, q, v, a }
+}
+
+pub fn weights(K: f64, C: f64, M: f64) -> Weights {
+    Weights { K, C, M }
 }
 
 /// A motion at t = 0, at rest where it has neither rates nor accelerations.
