@@ -6,7 +6,6 @@ mod contexts;
 mod energy;
 mod energy_momentum;
 mod energy_momentum_limits;
-mod joints;
 mod kinks;
 mod newton;
 mod order;
