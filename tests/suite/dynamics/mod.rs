@@ -3,7 +3,6 @@
 mod allocation;
 mod charts;
 mod contexts;
-mod energy;
 mod energy_momentum;
 mod energy_momentum_limits;
 mod kinks;
