@@ -99,25 +99,6 @@ fn a_point_mass_on_a_universal_joint_passes_a_right_angle_on_a_great_circle() {
 }
 
 #[test]
-fn a_spherical_joint_turns_any_number_of_times() {
-    let (mut context, made) = ball(|b, on| b.attach_free("socket", on, Spherical).unwrap());
-    let omega = Vector3::new(3.0, -4.0, 12.0);
-    let mut largest = 0.0_f64;
-    let rates = omega.as_slice();
-    let progress = run(&mut context, &made, rates, 2.0, &mut |t, state| {
-        largest = largest.max((state.R - so3::rotation(&(omega * t))).norm());
-    });
-    let progress = progress.unwrap();
-    // 26 rad: the chart changes at π, 3π, 5π and 7π.
-    assert!(largest < 1e-10, "{largest:e}");
-    assert!(progress.summary.chart_changes >= 4);
-    for k in 0..3 {
-        let [value, _] = context.coordinate(made.coordinates[0], k).unwrap();
-        assert!(value.abs() < 0.6 * TAU);
-    }
-}
-
-#[test]
 fn a_tilt_of_a_whole_turn_is_refused_with_the_name_of_the_coupling() {
     let axis = [0.0, 0.0, 1.0];
     let (mut context, made) = ball(|b, on| {
