@@ -29,7 +29,7 @@ struct Outcome {
 
 fn go(by: Closure, [to, step]: [f64; 2]) -> Outcome {
     let mut b = ModelBuilder::new();
-    let angles = linkage_by(&mut b, CRANK_START, at_once, by);
+    let angles = linkage(&mut b, CRANK_START, at_once, by);
     let mut context = Context::new(b.build().unwrap());
     let [q, v] = started_with(&mut context, &[(angles[0], 0, CRANK_RATE)]);
     let mut options = tight(Scheme::chung_hulbert(0.8).unwrap(), to, step);
@@ -104,7 +104,7 @@ fn a_penalty_is_of_order_one_in_its_compliance() {
 /// Crank angle and pin force of the linkage under its weights, a spring on the rocker.
 fn equilibrium(by: Closure) -> (f64, Vector2<f64>) {
     let mut b = ModelBuilder::new();
-    let angles = linkage_by(&mut b, CRANK_START, growing, by);
+    let angles = linkage(&mut b, CRANK_START, growing, by);
     spring(&mut b, 300.0, angles[3]);
     let mut context = Context::new(b.build().unwrap());
     context.check_supports().unwrap();
@@ -161,7 +161,7 @@ fn a_loop_in_equilibrium_all_three_ways() {
 #[test]
 fn conditioning_does_not_depend_on_the_step() {
     let mut b = ModelBuilder::new();
-    let angles = linkage_by(&mut b, CRANK_START, at_once, Closure::Multipliers);
+    let angles = linkage(&mut b, CRANK_START, at_once, Closure::Multipliers);
     let mut context = Context::new(b.build().unwrap());
     let [q, v] = started_with(&mut context, &[(angles[0], 0, CRANK_RATE)]);
     let n = q.len();
@@ -223,7 +223,7 @@ fn conditioning_does_not_depend_on_the_step() {
 fn a_scheme_that_damps_nothing_is_refused_by_name() {
     let run = |scheme: Scheme, by: Closure| {
         let mut b = ModelBuilder::new();
-        let angles = linkage_by(&mut b, CRANK_START, at_once, by);
+        let angles = linkage(&mut b, CRANK_START, at_once, by);
         let mut context = Context::new(b.build().unwrap());
         let [q, v] = started_with(&mut context, &[(angles[0], 0, CRANK_RATE)]);
         let options = tight(scheme, 0.01, 1e-3);

@@ -40,7 +40,7 @@ fn a_drive_that_jumps_strikes_the_whole_loop() {
     // The crank is driven, and its velocity jumps: the free pendulum on the coupler takes it.
     let go = |by: Closure, h: f64| {
         let mut b = ModelBuilder::new();
-        let angles = linkage_by(&mut b, CRANK_START, at_once, by);
+        let angles = linkage(&mut b, CRANK_START, at_once, by);
         let tip = b.find("tip of the coupler").unwrap();
         let from: [f64; 3] = b.position(tip).into();
         let to = [from[0] + 0.3, from[1] - 0.2, 0.0];

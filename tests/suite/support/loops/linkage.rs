@@ -39,13 +39,8 @@ pub fn link(
     made
 }
 
-/// The linkage drawn at an angle of the crank, and its joints A to D.
-pub fn linkage(b: &mut ModelBuilder, crank: f64, weights: Weights) -> [NodeId; 4] {
-    linkage_by(b, crank, weights, Closure::Map)
-}
-
-/// The linkage, closed by any method.
-pub fn linkage_by(b: &mut ModelBuilder, crank: f64, weights: Weights, by: Closure) -> [NodeId; 4] {
+/// The linkage drawn at an angle of the crank and closed by a method, and its joints A to D.
+pub fn linkage(b: &mut ModelBuilder, crank: f64, weights: Weights, by: Closure) -> [NodeId; 4] {
     let at = |angle: f64, l: f64, from: [f64; 3]| {
         [from[0] + l * angle.cos(), from[1] + l * angle.sin(), 0.0]
     };
