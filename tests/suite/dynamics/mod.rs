@@ -1,7 +1,6 @@
 //! Motions: orders, energies, charts, allocation.
 
 mod allocation;
-mod charts;
 mod contexts;
 mod energy_momentum;
 mod energy_momentum_limits;

@@ -3,6 +3,7 @@
 use crate::support::beams::beam_with;
 use crate::support::dynamics::*;
 use crate::support::prelude::*;
+use pullback::manifold::sparse::BlockPattern;
 
 /// A model, the nodes whose motion is compared, and its start; without coordinates from the reference configuration.
 struct Problem {
@@ -22,17 +23,11 @@ impl Problem {
     }
 
     /// The same where the charts of its first elements change after one step, and no others ever.
-    fn changed(
-        self,
-        scheme: Scheme,
-        to: f64,
-        n: usize,
-        after: usize,
-        elements: usize,
-    ) -> Vec<NodeState> {
+    fn changed(self, scheme: Scheme, to: f64, n: usize, change: [usize; 2]) -> Vec<NodeState> {
         let mut system = Flipped {
-            beams: elements,
-            ..Flipped::new(self.context, Vec::new(), move |step| step == after)
+            context: self.context,
+            change,
+            steps: 0,
         };
         let options = tight(scheme, to, to / n as f64);
         history(&mut system, &self.probes, [&self.q, &self.v], &options, 8).0
@@ -40,7 +35,66 @@ impl Problem {
 
     /// The same in one chart.
     fn unchanged(self, scheme: Scheme, to: f64, n: usize) -> Vec<NodeState> {
-        self.changed(scheme, to, n, usize::MAX, 0)
+        self.changed(scheme, to, n, [usize::MAX, 0])
+    }
+}
+
+/// A model whose changes of chart are made here and not by itself.
+struct Flipped {
+    context: Context,
+    /// The step after which charts change, and how many elements change theirs: the first ones.
+    change: [usize; 2],
+    /// Steps so far, and one.
+    steps: usize,
+}
+
+impl System for Flipped {
+    fn pattern(&self) -> &BlockPattern {
+        self.context.pattern()
+    }
+
+    fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
+        let previous = None;
+        self.context.evaluate(at, Evaluation { previous, ..out })
+    }
+
+    fn name(&self, i: usize) -> String {
+        self.context.name(i)
+    }
+
+    fn scales(&self) -> Scales {
+        self.context.scales()
+    }
+
+    fn charts(&mut self) -> Option<&mut dyn Charts> {
+        Some(self)
+    }
+}
+
+impl Charts for Flipped {
+    fn change_charts(
+        &mut self,
+        _: f64,
+        _: &mut [f64],
+        _: &mut [f64],
+        _: &mut [&mut [f64]],
+    ) -> ChartChanges {
+        let [after, elements] = self.change;
+        if self.steps == after {
+            let mut state = self.context.save();
+            let charts = &mut state.element_charts[..elements];
+            charts.iter_mut().for_each(|c| *c ^= 0b11);
+            assert!(self.context.restore(&state));
+        }
+        // The first call is that before the first step.
+        self.steps += 1;
+        ChartChanges::default()
+    }
+}
+
+impl Modelled for Flipped {
+    fn model(&mut self) -> &mut Context {
+        &mut self.context
     }
 }
 
@@ -241,7 +295,7 @@ fn a_geodesic_beam_swung_in_space_across_changes_of_chart() {
 fn of_a_change(elements: usize, interpolation: Interpolation, n: usize) -> [Vec<f64>; 2] {
     let run = |when: usize| {
         let problem = swung_beam_with(elements, 0.3, interpolation);
-        problem.changed(Scheme::default(), 1.0, n, when, elements)
+        problem.changed(Scheme::default(), 1.0, n, [when, elements])
     };
     let changed = run(n / 2);
     [n / 2 + 1, usize::MAX].map(|when| distances(&changed, &run(when)).to_vec())

@@ -13,11 +13,7 @@ use pullback::input::{Plan, assemble_text};
 use pullback::integrators::dynamics::{
     DynamicOptions, NewtonOptions, Progress, Scheme, State, StepReport, integrate, start,
 };
-use pullback::manifold::so3;
-use pullback::manifold::sparse::BlockPattern;
-use pullback::manifold::system::{
-    ChartChanges, Charts, Evaluation, Point, Scales, System, SystemError,
-};
+use pullback::manifold::system::{Point, System};
 use std::fmt::Display;
 use std::ops::ControlFlow;
 
@@ -53,101 +49,6 @@ pub trait Modelled: System {
 impl Modelled for Context {
     fn model(&mut self) -> &mut Context {
         self
-    }
-}
-
-/// A model whose changes of chart are made here and not by itself: at chosen steps rotation
-/// vectors of own nodes are replaced by their complements, wherever they are, and never otherwise.
-pub struct Flipped {
-    pub context: Context,
-    /// Free rotation vectors: the first of their three coordinates in the model's unknowns.
-    pub rotations: Vec<usize>,
-    /// How many elements are beams between nodes of `rotations` (the first ones of the model).
-    pub beams: usize,
-    /// Whether to change charts after a step of this number.
-    pub when: Box<dyn Fn(usize) -> bool>,
-    /// Steps so far.
-    pub steps: usize,
-}
-
-impl Flipped {
-    pub fn new(
-        context: Context,
-        rotations: Vec<usize>,
-        when: impl Fn(usize) -> bool + 'static,
-    ) -> Self {
-        Self {
-            context,
-            rotations,
-            beams: 0,
-            when: Box::new(when),
-            steps: 0,
-        }
-    }
-}
-
-impl System for Flipped {
-    fn pattern(&self) -> &BlockPattern {
-        self.context.pattern()
-    }
-
-    fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
-        let previous = None;
-        self.context.evaluate(at, Evaluation { previous, ..out })
-    }
-
-    fn name(&self, i: usize) -> String {
-        self.context.name(i)
-    }
-
-    fn scales(&self) -> Scales {
-        self.context.scales()
-    }
-
-    fn charts(&mut self) -> Option<&mut dyn Charts> {
-        Some(self)
-    }
-}
-
-impl Charts for Flipped {
-    fn change_charts(
-        &mut self,
-        _: f64,
-        q: &mut [f64],
-        v: &mut [f64],
-        accelerations: &mut [&mut [f64]],
-    ) -> ChartChanges {
-        // The first call is that before the first step.
-        self.steps += 1;
-        if self.steps == 1 || !(self.when)(self.steps - 1) {
-            return ChartChanges::default();
-        }
-        for &k in &self.rotations {
-            let take = |x: &[f64]| Vector3::new(x[k], x[k + 1], x[k + 2]);
-            let put = |x: &mut [f64], y: Vector3<f64>| x[k..k + 3].copy_from_slice(y.as_slice());
-            let (psi, psi_dot) = (take(q), take(v));
-            let (B, B_dot) = (so3::B_s(&psi), so3::B_s_dot(&psi_dot, &psi));
-            for a in accelerations.iter_mut() {
-                let y = B * take(a) + B_dot * psi_dot;
-                put(a, y);
-            }
-            put(v, B * psi_dot);
-            put(q, so3::complement(&psi));
-        }
-        let mut state = self.context.save();
-        let charts = &mut state.element_charts[..self.beams];
-        charts.iter_mut().for_each(|c| *c ^= 0b11);
-        assert!(self.context.restore(&state));
-        ChartChanges {
-            charts: self.rotations.len(),
-            residual: false,
-        }
-    }
-}
-
-impl Modelled for Flipped {
-    fn model(&mut self) -> &mut Context {
-        &mut self.context
     }
 }
 
