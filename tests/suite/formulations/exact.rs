@@ -114,10 +114,9 @@ fn a_flexible_rod_moves_alike_in_every_formulation() {
 
 #[test]
 fn the_heavy_top_is_where_it_should_be_in_every_formulation() {
-    let top = include_str!("../../../examples/models/heavy_top.toml");
     let second = ["ul-newmark", "lie-ga:0.9", "spin-newmark"].map(|m| (m, 2));
-    assert_heavy_top(top, &second);
-    assert_heavy_top(top, &[("ul-radau", 3), ("wm-radau", 3)]);
+    assert_heavy_top("", &second);
+    assert_heavy_top("", &[("ul-radau", 3), ("wm-radau", 3)]);
 }
 
 #[test]
