@@ -1,15 +1,12 @@
 //! The laboratory of integrators on the models of the gallery: what is exact, how loops hold, and what
 //! a general solver costs.
-#![allow(non_snake_case, clippy::unwrap_used)]
+#![allow(non_snake_case)]
 
 use crate::support::comparisons::assert_observed;
 use crate::support::laboratory::{bob, compared, model, options, until};
-use crate::support::program::{assert_says, example};
+use crate::support::program::example;
 use pullback::input;
-use pullback::method::Method;
-use pullback::studies::compare::{
-    Candidate, ComparisonOptions, ComparisonRow, ErrorQuantity, Exact,
-};
+use pullback::studies::compare::{ComparisonOptions, ComparisonRow, ErrorQuantity, Exact};
 
 #[test]
 fn an_exact_solution_takes_the_place_of_the_reference() {
@@ -88,20 +85,4 @@ fn momenta_that_are_zero_in_a_plane_are_no_merit() {
     let comparison = compared(&file, &options(&["newmark"], &[0.004, 0.002])).unwrap();
     assert_eq!(comparison.zero_momenta, [[true; 3], [false; 3]]);
     assert!(comparison.rows[0].drift.angular_momentum.is_some());
-}
-
-#[test]
-fn words_make_what_is_compared() {
-    let method: Candidate = " lie-ga:0.8".parse().unwrap();
-    let known: Method = "lie-ga:0.8".parse().unwrap();
-    assert_eq!(method, Candidate::Method(known));
-    assert_eq!(method.order(), Some(2));
-    let refused = |word: &str| word.parse::<Candidate>().unwrap_err().to_string();
-    assert_says(
-        &refused("diffsol-euler"),
-        &["diffsol-bdf and diffsol-esdirk"],
-    );
-    if !cfg!(feature = "diffsol") {
-        assert_says(&refused("diffsol-bdf"), &["--features diffsol"]);
-    }
 }

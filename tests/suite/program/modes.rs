@@ -1,12 +1,8 @@
 //! `[analysis.modes]` and `pullback linearize`.
-#![allow(clippy::unwrap_used, non_snake_case)]
+#![allow(non_snake_case)]
 
 use crate::support::beams::{COLUMN, PINNED, line};
-use crate::support::closures::{body_of, fixed, motion};
-use crate::support::program::{
-    MODEL, assert_close, assert_says, changed, command, csv, directory, ended, failed, json,
-    matrix, ran, read, refusal, run_of, succeeded, write,
-};
+use crate::support::*;
 use nalgebra::DMatrix;
 use pullback::input::assemble_text;
 use pullback::run;
@@ -98,22 +94,19 @@ fn why_there_are_no_modes_or_critical_loads_is_told() {
 
 #[test]
 fn settings_of_modes_are_checked() {
-    for (analysis, keys, problem) in [
-        ("modes", "count = 0", "count"),
-        ("modes", "near = -1.0", "near"),
-        ("modes", "range = [2, 1]", "range = [2, 1] is out of range"),
-        ("modes", "near = 1.0\nrange = [1, 2]", "near"),
-        ("modes", "after = { modes = {} }", "modes"),
-        ("modes", "number = 3", "number"),
-        (
-            "buckling",
-            "after = { dynamic = { to = 1, step = 0.1 } }",
-            "unknown key or word `dynamic`",
-        ),
-    ] {
-        let text = masses(&format!("[analysis.{analysis}]\n{keys}\n"));
-        assert_says(&refusal(&text).report(false), &[problem]);
-    }
+    check_table(
+        &masses("[analysis.modes]\n"),
+        refusal,
+        r#"
+[analysis.modes] => &\ncount = 0 | 0 | count
+ => &\nnear = -1.0 | -1.0 | near
+ => &\nrange = [2, 1] | [2, 1] | range = [2, 1] is out of range
+ => &\nnear = 1.0\nrange = [1, 2] | | near
+ => &\nafter = { modes = {} } | | modes
+ => &\nnumber = 3 | number | number
+ => [analysis.buckling]\nafter = { dynamic = { to = 1, step = 0.1 } } | dynamic | unknown key or word `dynamic`
+"#,
+    );
 }
 
 /// A pinned column of elements of order one with EA = GA: 4 EI/h² tan²(πh/2L). More of the file.

@@ -1,5 +1,4 @@
 //! Mistakes in a model file are refused with their position and with what would be right.
-#![allow(clippy::unwrap_used)]
 
 use crate::support::program::{MODEL, assert_says, check_table, directory, refusal, with};
 use pullback::input::{assemble_text, load};
@@ -31,6 +30,7 @@ fn unknown_keys_and_words_get_a_suggestion() {
         MODEL,
         refusal,
         r#"
+section = "main" => Section = "main" | Section | `Section` | did you mean `section`?
 elements = 8 => elemnets = 8 | elemnets | unknown key or word `elemnets` | did you mean `elements`?
 [nodes] => [nods] | nods | `nods` | did you mean `nodes`?
 EA = 1e6 => AE = 1e6 | AE | `AE` | did you mean `EA`?
@@ -140,20 +140,13 @@ fn files_that_cannot_be_read() {
 }
 
 #[test]
-fn slips_are_recognised_and_strangers_are_not() {
-    for (wrong, meant) in [
-        ("elemnets", Some("elements")),
-        ("Section", Some("section")),
-        ("colour", None),
-    ] {
-        let key = meant.unwrap_or("elements");
-        let text = with(&format!("{key} = "), &format!("{wrong} = "));
-        let help = refusal(&text).problem.advice().unwrap();
-        match meant {
-            Some(meant) => assert!(help.starts_with(&format!("did you mean `{meant}`? "))),
-            None => assert!(help.starts_with("there are: ") && !help.contains("did you mean")),
-        }
-    }
+fn what_is_like_no_key_gets_no_suggestion() {
+    let refused = refusal(&with("elements = ", "colour = "));
+    let help = refused.problem.advice().unwrap();
+    assert!(
+        help.starts_with("there are: ") && !help.contains("did you mean"),
+        "{help}"
+    );
 }
 
 #[test]

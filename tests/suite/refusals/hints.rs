@@ -1,10 +1,6 @@
 //! What the program says about motions that are not what they seem.
-#![allow(clippy::unwrap_used)]
 
-use crate::support::closures::{
-    GRAVITY, GROUND, PLAIN, angle, arm, beam_line, body_of, fixed, hinge, joint, motion, started,
-};
-use crate::support::program::{assert_says, changed, refusal, told};
+use crate::support::*;
 use nalgebra::Vector3;
 use pullback::input::assemble_text;
 
@@ -203,19 +199,13 @@ fn words_of_other_programs_are_understood_in_refusals() {
         &angle("J"),
     ]
     .concat();
-    for (change, advice) in [
-        ("rate = 1 => value_deg = 30", "give `value`, in radians"),
-        (
-            "\"ga:0.9\" => { generalised-alpha = { rho = 0.8 } }",
-            "{ generalised-alpha = 0.9 }",
-        ),
-        (
-            "joint_coordinate => joint_angle",
-            "did you mean `joint_coordinate`?",
-        ),
-    ] {
-        let error = refusal(&changed(&model, change));
-        let help = error.problem.advice().unwrap_or_default();
-        assert_says(&format!("{error} {help}"), &[advice]);
-    }
+    check_table(
+        &model,
+        refusal,
+        r#"
+rate = 1 => value_deg = 30 | value_deg | | give `value`, in radians
+"ga:0.9" => { generalised-alpha = { rho = 0.8 } } | | { generalised-alpha = 0.9 }
+joint_coordinate => joint_angle | | | did you mean `joint_coordinate`?
+"#,
+    );
 }

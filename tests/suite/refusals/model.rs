@@ -1,5 +1,4 @@
 //! Parts of a model that make no sense are refused with their position and with what would be right.
-#![allow(clippy::unwrap_used)]
 
 use crate::support::program::{MODEL, check_table, refusal, with};
 use pullback::input::assemble_text;
@@ -91,11 +90,13 @@ fn loads_must_be_one_thing_on_the_right_thing() {
         r#"
 node = "B"\nmoment = [0, 0, 3.141592653589793] => node = "B" | [[loads]] | this load has none | exactly one of
  => &\nforce = [1, 0, 0] | [[loads]] | force and moment | exactly one of
- => line = "beam"\nforce = [1, 0, 0] | [1, 0, 0] | force, which acts on a node
+ => line = "beam"\nforce = [1, 0, 0] | [1, 0, 0] | force, which acts on a node | force_per_length
+ => node = "B"\nforce = -1 | -1 | | [Fx, Fy, Fz]
  => node = "B"\nforce_per_length = [1, 0, 0] | [1, 0, 0] | acts on a line
  => gravity = [0, 0, -9.81] | [0, 0, -9.81] | section "main" has no mass | A_rho
  => &\ntime = { table = [[1, 0], [1, 2]] } | { table | times must increase strictly
  => &\ntime = { table = [] } | { table | at least one point
+ => &\ntime = { linear = 1 } | linear | linear | did you mean `proportional`?
  => &\ntime = { rmp = { end = 1 } } | rmp | `rmp` | did you mean `ramp`?
 "#,
     );

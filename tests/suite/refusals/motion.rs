@@ -1,11 +1,7 @@
 //! What is wrong with joints, bodies, springs, initial conditions and dynamic analyses is refused
 //! with its position and with what would be right.
-#![allow(clippy::unwrap_used)]
 
-use crate::support::closures::{angle, beam_line, body_of, fixed, joint, motion};
-use crate::support::program::{
-    assert_says, changed, check, check_table, directory, ended, program, ran, read, refusal, write,
-};
+use crate::support::*;
 use std::sync::LazyLock;
 
 /// Everything a moving model can have.
@@ -142,7 +138,7 @@ axis = [0, 1, 0] => &\nactuator = 5 | 5 | a table with one key
 { hht = -0.1 } => "hht" | "hht" | 0 numbers are given
 step = 0.1 => &\nadaptive = 1e-4 | 1e-4 | expected a table of its keys
 [[supports]] => [supports] | | two brackets
-[analysis.dynamic] => [analysis.static]\n[analysis.dynamic] | | exactly one key
+[analysis.dynamic] => [analysis.static]\n[analysis.dynamic] | | exactly one key | static, arc_length, dynamic, modes
 name = "hinge"\nquantity => name = "t"\nquantity | "t" | another column "t" | another name
 "#,
     );

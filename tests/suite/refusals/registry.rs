@@ -1,14 +1,10 @@
 //! Joints of a program's own in model files: they do what those of the library do, and what is wrong
 //! with them is refused with its place.
 
-#![allow(clippy::unwrap_used, non_snake_case)]
+#![allow(non_snake_case)]
 
-use crate::support::closures::{GROUND, angle, arm, body_of, joint, motion, on_joint, probe};
 use crate::support::drawings::extremes;
-use crate::support::program::{
-    assert_close, assert_says, changed, check_table, directory, ended, history, number, program_in,
-    read, write,
-};
+use crate::support::*;
 use pullback::check;
 use pullback::elements::beam::Interpolation;
 use pullback::elements::joint::{JointMap, JointNodes, Revolute};
@@ -221,32 +217,22 @@ parent = "ground"\n => | [[joints]] | needs parent
     );
 }
 
-/// Two ways of one node: springs, drives and probes act on nodes of one coordinate.
-#[derive(Clone)]
-struct Pair;
-
-impl Joint<2> for Pair {
-    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 2>) -> Pose<S> {
-        Pose::identity().translated(&Vector3::new(q[0], q[1], S::zero()))
-    }
-
-    fn coordinates(&self) -> [JointCoordinate; 2] {
-        [("x", Quantity::Length), ("y", Quantity::Length)]
-    }
-}
-
+/// Springs, drives and probes act on nodes of one coordinate.
 #[test]
-fn a_node_of_two_coordinates_is_not_one_of_a_name() {
-    let registry = Registry::standard().joint("pair", |at, _: Empty| {
-        let ways = format!("{} ways", at.name);
-        let ways = at.builder.coordinates(ways, &[Quantity::Length; 2])?;
+fn a_node_of_several_coordinates_is_not_one_of_a_name() {
+    let registry = Registry::standard().joint("pair", |at, bench: Bench| {
+        let kinds = bench.coordinates().map(|(_, kind)| kind);
+        let ways = at
+            .builder
+            .coordinates(format!("{} ways", at.name), &kinds)?;
         let frame = at
             .builder
-            .add_joint_frame(at.name, at.parent, Pair, &[ways])?;
+            .add_joint_frame(at.name, at.parent, bench, &[ways])?;
         let coordinates = vec![ways];
         Ok::<_, BoxedError>(JointNodes { frame, coordinates })
     });
-    let text = on_joint("type = \"pair\"", INERTIA, &angle("joint"));
+    let joint = "type = \"pair\"\nfirst = [1, 0, 0]\nsecond = [0, 1, 0]";
+    let text = on_joint(joint, INERTIA, &angle("joint"));
     let error = registry.assemble_text("model.toml", &text).err().unwrap();
     let expected =
         "there is no joint with a released coordinate (a node of one coordinate) named \"joint\"";

@@ -1,41 +1,20 @@
 //! What a static analysis that fails tells its user.
-#![allow(clippy::unwrap_used)]
 
-use crate::support::closures::{CLOSURES, body_of, hinge};
-use crate::support::program::{
-    MODEL, assert_says, changed, check, directory, ended, example, failed, printed, program_in,
-    refusal, run_of, with, write,
-};
+use crate::support::*;
 
 #[test]
 fn a_load_far_too_large_names_the_element_and_what_ended_the_halving() {
     let text = with("moment = [0, 0, 3.141592653589793]", "force = [0, 3e5, 0]");
     let text = text.replace("steps = 4", "first_step = 1\nmax_step = 1\nmin_step = 0.2");
     let said = failed("messages_large", &text);
-    assert_says(
-        &said,
-        &[
-            "step 1 failed between load parameter 0 (start) and",
-            "half of this step is below min_step = 0.2",
-            "kept in ",
-            ": 1 row up to load parameter 0, marked incomplete",
-        ],
-    );
+    let words = [
+        "step 1 failed between load parameter 0 (start) and",
+        "half of this step is below min_step = 0.2",
+        "kept in ",
+        ": 1 row up to load parameter 0, marked incomplete",
+    ];
+    assert_says(&said, &words);
     assert!(!said.contains("margin"), "{said}");
-}
-
-#[test]
-fn iterations_that_were_converging_are_asked_for() {
-    let text = with(
-        "steps = 4",
-        "first_step = 0.25\nmax_step = 0.25\nmin_step = 0.2\nnewton = { max_iterations = 2, \
-         relative = 1e-15 }",
-    );
-    let said = failed("messages_iterations", &text);
-    assert_says(
-        &said,
-        &["did not converge in 2 iterations", "raise max_iterations"],
-    );
 }
 
 #[test]
@@ -45,14 +24,12 @@ fn a_mechanism_is_told_at_once_and_first() {
     let load = "node = \"hinge\"\nforce = [0, 1, 0]";
     let text = with("node = \"B\"\nmoment = [0, 0, 3.141592653589793]", load) + "\n" + &hinge;
     let said = failed("messages_mechanism", &text);
-    assert_says(
-        &said,
-        &[
-            "what moves without resistance:\n",
-            "hinge angle",
-            "hold it by a support, a spring",
-        ],
-    );
+    let words = [
+        "what moves without resistance:\n",
+        "hinge angle",
+        "hold it by a support, a spring",
+    ];
+    assert_says(&said, &words);
     let position = said.find("what moves").unwrap();
     assert!(said.find("pivot").is_none_or(|p| p > position), "{said}");
     // Halving is of no use, and is not tried.
@@ -65,24 +42,20 @@ fn a_load_that_jumps_is_told_of_and_small_numbers_are_readable() {
     let pulse = "force = [0, 3e5, 0]\ntime = { pulse = { start = 2.5e-9, end = 1 } }";
     let strut = with("moment = [0, 0, 3.141592653589793]", pulse).replace("steps = 4", "to = 4e-9");
     let said = failed("messages_jump", &strut);
-    assert_says(
-        &said,
-        &[
-            "a jump or kink at 2.5e-9",
-            "grow by a ramp",
-            "load parameter 2.",
-            "e-9 (converged)",
-        ],
-    );
+    let words = [
+        "a jump or kink at 2.5e-9",
+        "grow by a ramp",
+        "load parameter 2.",
+        "e-9 (converged)",
+    ];
+    assert_says(&said, &words);
     let constant = strut.replace("pulse = { start = 2.5e-9, end = 1 }", "constant = 1");
     let said = failed("messages_constant", &constant);
-    assert_says(
-        &said,
-        &[
-            "under the loads that are there at the start",
-            "let these loads grow with the load parameter",
-        ],
-    );
+    let words = [
+        "under the loads that are there at the start",
+        "let these loads grow with the load parameter",
+    ];
+    assert_says(&said, &words);
     assert!(!said.contains("smaller steps"), "{said}");
     assert!(!said.contains("converged)"), "{said}");
 }
@@ -92,36 +65,10 @@ fn results_go_to_a_directory_not_a_file() {
     let directory = directory("messages_out");
     write(&directory, &with("steps = 4", "steps = 1"));
     let refused = program_in(&directory, "run model.toml --out model.toml");
-    assert_says(&ended(&refused, 2), &["model.toml: it is a file"]);
+    let said = ended(&refused, 2);
+    assert_says(&said, &["cannot write", "model.toml: it is a file"]);
     let said = printed(&directory, "run model.toml");
     assert_says(&said, &["2 rows up to load parameter 1 ", "1 step ("]);
-}
-
-#[test]
-fn slips_are_explained() {
-    let moment = "moment = [0, 0, 3.141592653589793]";
-    let at = |time: &str| with(moment, &format!("{moment}\ntime = {time}"));
-    check(
-        &at("{ linear = 1 }"),
-        "linear",
-        "linear",
-        "did you mean `proportional`?",
-    );
-    let on_line = "line = \"beam\"\nforce = [0, 1, 0]";
-    for (text, words) in [
-        (with("B = [1, 0, 0]", "B = [1, 0]"), "[X, Y, Z]"),
-        (with(moment, "force = -1"), "[Fx, Fy, Fz]"),
-        (
-            format!("{MODEL}\n[analysis.dynamic]\nto = 1\nstep = 0.1\n"),
-            "static, arc_length, dynamic, modes",
-        ),
-        (
-            with(&format!("node = \"B\"\n{moment}"), on_line),
-            "force_per_length",
-        ),
-    ] {
-        assert_says(&refusal(&text).problem.advice().unwrap(), &[words]);
-    }
 }
 
 /// A linkage that a spring and its weight hold, closed by multipliers: their gaps are rounding errors from
