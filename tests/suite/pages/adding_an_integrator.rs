@@ -1,6 +1,5 @@
 //! What docs/adding_an_integrator.md adds stands in the sources, and its scheme from outside has its
 //! stated properties.
-#![allow(clippy::unwrap_used)]
 
 use pullback::check;
 use pullback::integrators::dynamics::DynamicsError;

@@ -39,3 +39,40 @@ fn code_and_models_are_those_of_the_sources() {
         hold(&format!("docs/{page}.md"), fence, blocks, source, whole);
     }
 }
+
+/// Lines of code in a text.
+pub(super) fn lines_of_code(text: &str) -> usize {
+    let lines = text.lines().map(str::trim);
+    let code = lines.filter(|l| !l.is_empty() && !["//", "#"].iter().any(|c| l.starts_with(c)));
+    code.count()
+}
+
+#[test]
+fn an_element_has_fifteen_lines_at_most() {
+    let page = include_str!("../../../docs/adding_an_element.md");
+    let element = page.split("```rust\n").nth(2).unwrap();
+    assert!(lines_of_code(element.split("\n```").next().unwrap()) <= 15);
+}
+
+/// From its struct to the end of its `impl`, without what says where a slot ends.
+#[test]
+fn a_joint_has_fifteen_lines_at_most() {
+    for (example, end) in [
+        (
+            include_str!("../../../examples/helical_joint.rs"),
+            "\nconst",
+        ),
+        (
+            include_str!("../../../examples/pin_in_a_slot.rs"),
+            "    fn domain",
+        ),
+        (
+            include_str!("../../../examples/point_on_a_space_curve.rs"),
+            "\nconst",
+        ),
+    ] {
+        let joint = example.split("\nstruct").nth(1).unwrap();
+        let found = lines_of_code(joint.split(end).next().unwrap());
+        assert!(found <= 15, "{found}");
+    }
+}

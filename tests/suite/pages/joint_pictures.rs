@@ -1,5 +1,4 @@
 //! Every joint has a picture on its page, and every picture is used.
-#![allow(clippy::unwrap_used)]
 
 use super::theory::text;
 use crate::support::program::{assert_says, read};

@@ -1,5 +1,4 @@
 //! The model of docs/modes.md has the numbers that the page states.
-#![allow(clippy::unwrap_used)]
 
 use crate::support::program::{assert_close, csv, directory, ran};
 

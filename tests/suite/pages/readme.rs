@@ -1,5 +1,9 @@
 //! What the README shows is what the repository has.
 
+use super::included::lines_of_code;
+use crate::support::program::read;
+use std::path::Path;
+
 const README: &str = include_str!("../../../README.md");
 
 /// The fenced block that starts with the given line.
@@ -13,9 +17,7 @@ fn block(fence: &str) -> &'static str {
 fn the_first_program_is_the_example() {
     let example = include_str!("../../../examples/first_program.rs");
     assert_eq!(block("```rust").trim(), example.trim());
-    let code = example.lines().map(str::trim);
-    let code = code.filter(|line| !line.is_empty() && !line.starts_with("//"));
-    assert!(code.count() <= 30, "a first program is short");
+    assert!(lines_of_code(example) <= 30, "a first program is short");
 }
 
 #[test]
@@ -25,10 +27,16 @@ fn its_model_assembles() {
 }
 
 #[test]
-fn every_path_that_it_names_exists() {
-    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
-    for part in README.split("](").skip(1) {
-        let path = &part[..part.find(')').unwrap()];
-        assert!(root.join(path).exists(), "{path}");
+fn every_link_of_it_and_of_the_tutorial_leads_somewhere() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let tutorial = std::fs::read_dir(root.join("docs/tutorial")).unwrap();
+    let mut pages: Vec<_> = tutorial.map(|entry| entry.unwrap().path()).collect();
+    pages.push(root.join("README.md"));
+    assert_eq!(pages.len(), 6);
+    for page in pages {
+        for part in read(&page).split("](").skip(1) {
+            let link = part.split([')', '#']).next().unwrap();
+            assert!(page.with_file_name(link).exists(), "{page:?}: {link}");
+        }
     }
 }

@@ -1,5 +1,4 @@
 //! docs/theory.md leads to code that is there.
-#![allow(clippy::unwrap_used)]
 
 use std::fs::read_to_string;
 use std::path::Path;
