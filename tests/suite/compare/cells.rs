@@ -1,22 +1,14 @@
 //! Cells of the pages of `pullback compare` are the numbers of its JSON, to three digits.
-#![allow(clippy::unwrap_used)]
 
-use crate::support::formulations::table;
+use crate::support::formulations::{cells, plain, table};
 use crate::support::program::{directory, json, printed, read};
+use pullback::studies::compare::ErrorQuantity;
 use serde_json::Value;
 
-/// Cells of a row in Markdown.
-fn cells(line: &str) -> Vec<String> {
-    let line = line.replace("\\|", "¦");
-    let cells = line.trim_matches('|').split('|');
-    cells.map(|c| c.trim().replace('¦', "|")).collect()
-}
-
-/// A number in a cell: a power of ten is in raised digits.
+/// A number in a cell.
 fn number(cell: &str) -> f64 {
-    let text = cell.replace("·10<sup>", "e").replace("</sup>", "");
-    let text = text.replace('−', "-");
-    text.parse().unwrap_or_else(|_| panic!("no number: {cell}"))
+    let number = plain(cell).parse();
+    number.unwrap_or_else(|_| panic!("no number: {cell}"))
 }
 
 /// Whether a cell is a number rounded to three digits, or a dash where there is none.
@@ -33,15 +25,10 @@ fn is(cell: &str, value: &Value) -> bool {
     }
 }
 
-const QUANTITIES: [&str; 7] = [
-    "position",
-    "rotation",
-    "velocity",
-    "angular_velocity",
-    "acceleration",
-    "angular_acceleration",
-    "energy",
-];
+/// Keys of the quantities.
+fn quantities() -> impl Iterator<Item = String> {
+    ErrorQuantity::ALL.into_iter().map(ErrorQuantity::key)
+}
 
 /// A page in Markdown, and what its JSON says.
 struct Page {
@@ -86,18 +73,16 @@ fn errors(page: &Page) {
     for (cells, row) in page.rows("Errors", "rows") {
         assert_eq!(cells[0], row["scheme"].as_str().unwrap());
         same("h", &cells[1], &row["step"]);
-        for (cell, quantity) in cells[3..].iter().zip(QUANTITIES) {
-            let (error, least) = (
-                &row["error"][quantity],
-                &page.json["reference"]["error"][quantity],
-            );
+        for (cell, quantity) in cells[3..].iter().zip(quantities()) {
+            let errors = [&row["error"], &page.json["reference"]["error"]];
+            let [error, least] = errors.map(|errors| &errors[&quantity]);
             // What is below the error of the reference is only known to be so.
             match cell.strip_prefix("&lt; ") {
                 Some(cell) => {
                     assert!(error.as_f64() < least.as_f64());
-                    same(quantity, cell, least);
+                    same(&quantity, cell, least);
                 }
-                None => same(quantity, cell, error),
+                None => same(&quantity, cell, error),
             }
         }
     }
@@ -157,7 +142,7 @@ fn kept(page: &Page) {
 fn orders(page: &Page) {
     for (cells, scheme) in page.rows("Orders of convergence", "orders") {
         assert_eq!(cells[0], scheme["scheme"].as_str().unwrap());
-        for (cell, quantity) in cells[2..].iter().zip(QUANTITIES) {
+        for (cell, quantity) in cells[2..].iter().zip(quantities()) {
             let found = &scheme["observed"][quantity];
             let Some(slope) = found["order"].as_f64() else {
                 assert_eq!(cell, "–");
@@ -188,4 +173,7 @@ fn html_is_alike(text: &str, page: &str) {
             .flat_map(cells)
     });
     assert_eq!(found, expected.collect::<Vec<String>>());
+    let heads = text.lines().filter(|line| line.starts_with("| :--"));
+    let heads: usize = heads.map(|line| cells(line).len()).sum();
+    assert_eq!(page.matches("</th>").count(), heads);
 }

@@ -1,5 +1,4 @@
 //! The page of docs/formulations.md, its commands and the tables that they have left.
-#![allow(dead_code, clippy::unwrap_used)]
 
 use crate::support::program::read;
 
@@ -26,4 +25,17 @@ pub fn commands() -> Vec<&'static str> {
         .lines()
         .filter(|line| line.starts_with("pullback compare "));
     lines.collect()
+}
+
+/// Cells of a row in Markdown.
+pub fn cells(line: &str) -> Vec<String> {
+    let line = line.replace("\\|", "¦");
+    let cells = line.trim_matches('|').split('|');
+    cells.map(|c| c.trim().replace('¦', "|")).collect()
+}
+
+/// A text with the raised digits of powers of ten as exponents.
+pub fn plain(text: &str) -> String {
+    let text = text.replace("·10<sup>", "e").replace("</sup>", "");
+    text.replace('−', "-")
 }
