@@ -3,9 +3,9 @@
 //! Reissner's beam with the forces on faces halfway between nodes balanced around the nodes, where all
 //! inertia sits, quaternions, and the classical Runge-Kutta method. Nothing is shared with the program:
 //! no shape function, no rotation vector, no chart, no tangent, no joint map.
-#![allow(non_snake_case, clippy::unwrap_used)]
 
-use crate::support::independent::{assert_published, extrapolated};
+use crate::support::extrapolated;
+use crate::support::independent::assert_published;
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use pullback::studies::gallery;
 

@@ -1,4 +1,6 @@
 //! Computations of minutes that the suite makes small ones of: `cargo test --release --test studies`.
+// The symbols of the equations.
+#![allow(non_snake_case)]
 
 mod andrews;
 mod arms;
@@ -7,4 +9,6 @@ mod gallery;
 mod heavy_top;
 mod mechanisms;
 mod rods;
+// The suite uses all of it.
+#[allow(dead_code)]
 mod support;

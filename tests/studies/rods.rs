@@ -5,9 +5,9 @@
 //! coordinate besides its own angle: no constraint is left. As no force depends on velocities, Nyström's
 //! method of order four. Nothing is shared with the program: no shape function, no quadrature, no chart, no
 //! tangent, no joint map, no integrator.
-#![allow(non_snake_case, clippy::unwrap_used)]
 
-use crate::support::independent::{assert_published, extrapolated};
+use crate::support::extrapolated;
+use crate::support::independent::assert_published;
 use pullback::studies::gallery;
 use std::array::from_fn;
 use std::f64::consts::{FRAC_PI_2, TAU};

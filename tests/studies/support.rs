@@ -14,3 +14,8 @@ pub mod heavy_top;
 pub mod independent;
 #[path = "../suite/support/program.rs"]
 pub mod program;
+
+/// Value at no cell size from those of order two with some size and its half.
+pub fn extrapolated<const N: usize>(coarse: [f64; N], fine: [f64; N]) -> [f64; N] {
+    std::array::from_fn(|k| fine[k] + (fine[k] - coarse[k]) / 3.0)
+}
