@@ -1,5 +1,4 @@
 //! What changes of chart cost, as a comparison tells it, after theory.
-#![allow(clippy::unwrap_used)]
 
 use crate::support::comparisons;
 use crate::support::dynamics::{assert_order, slopes};

@@ -1,10 +1,10 @@
 //! Data of a comparison's figures, on an oscillator whose steps are known in closed form.
-#![allow(clippy::unwrap_used)]
 
 use crate::support::comparisons::{self, oscillator};
+use crate::support::drawings::graph;
 use crate::support::laboratory::options;
 use crate::support::program::assert_close;
-use pullback::output::plot::{AxisScale, Graph, PlotCurve, graphs};
+use pullback::output::plot::{AxisScale, Graph, PlotCurve};
 use pullback::studies::compare::{Comparison, ComparisonOptions, ErrorQuantity, Figure, figures};
 
 const STEPS: [f64; 3] = [0.1, 0.05, 0.025];
@@ -125,15 +125,11 @@ fn lines_of_one_colour_have_marks() {
         PlotCurve::new(k.to_string(), points.collect()).colored(k)
     };
     let circles = |count: usize| {
-        let graph = Graph {
-            description: [String::new(), String::new()],
-            scale: [AxisScale::Linear; 2],
-            curves: (0..count).map(line).collect(),
-            marked: false,
-            slopes: Vec::new(),
-            level: None,
-        };
-        let svg = graphs(None, "", &[graph]).unwrap();
+        let svg = graph(
+            [AxisScale::Linear; 2],
+            (0..count).map(line).collect(),
+            false,
+        );
         svg.matches("<circle").count()
     };
     assert_eq!(circles(7), 0);

@@ -1,12 +1,9 @@
 //! `compare` on loops that equations close: orders with multipliers, and penalties whose vibrations no
 //! step resolves.
-#![allow(clippy::unwrap_used)]
 
 use crate::support::comparisons;
 use crate::support::laboratory::options;
-use crate::support::program::{
-    assert_says, changed, compare, directory, ended, example, read, write,
-};
+use crate::support::program::*;
 use pullback::studies::compare::{
     Comparison, ComparisonOptions, ErrorQuantity, Sample, Slope, Values,
 };

@@ -1,13 +1,11 @@
 //! `pullback compare` with all its options, and on every model of the gallery that moves.
-#![allow(non_snake_case, clippy::unwrap_used)]
+#![allow(non_snake_case)]
 
-use crate::support::comparisons::BODY;
+use crate::support::comparisons::{BODY, precession};
 use crate::support::dynamics::assert_order;
-use crate::support::program::{
-    assert_says, changed, compare, directory, ended, example, files, json, printed, read,
-    succeeded, write,
-};
-use nalgebra::{Rotation3, Vector3};
+use crate::support::program::*;
+use nalgebra::Vector3;
+use pullback::input::{Plan, assemble_text, with_parameters};
 use pullback::studies::compare::FILES;
 use pullback::studies::gallery::MODELS;
 use serde_json::Value;
@@ -45,9 +43,9 @@ fn rows<'a>(json: &'a Value, scheme: &'a str) -> impl Iterator<Item = &'a Value>
     rows.filter(move |row| row["scheme"] == scheme)
 }
 
-/// Landau & Lifshitz, Mechanics, section 33, as a file: positions, rotation vectors, angular velocities and their
+/// The exact motion as a file: positions, rotation vectors, angular velocities and their
 /// rates at k/50.
-fn precession() -> String {
+fn exact_motion() -> String {
     let axis = Vector3::new(3.0, 0.0, 2.0);
     let names = [
         "position",
@@ -59,12 +57,11 @@ fn precession() -> String {
     let mut out = format!("t,{}\n", columns.join(","));
     for k in 0..=50 {
         let t = f64::from(k) / 50.0;
-        let turned = Rotation3::new(axis * t);
+        let [turned, rotation] = precession(t);
         let omega = turned * Vector3::new(3.0, 0.0, 4.0);
-        let R = turned * Rotation3::new(Vector3::z() * (2.0 * t));
         write!(out, "{t:e}").unwrap();
         let moved = Vector3::new(1.0, 2.0, 3.0) * t;
-        for vector in [moved, R.scaled_axis(), omega, axis.cross(&omega)] {
+        for vector in [moved, rotation.scaled_axis(), omega, axis.cross(&omega)] {
             vector.iter().for_each(|x| write!(out, ",{x:e}").unwrap());
         }
         out.push('\n');
@@ -77,7 +74,7 @@ fn an_exact_solution_comes_from_a_file() {
     let directory = directory("program_compare_exact");
     let model = write(&directory, &body());
     let file = directory.join("exact.csv");
-    std::fs::write(&file, precession()).unwrap();
+    std::fs::write(&file, exact_motion()).unwrap();
     let exact = "--exact exact.csv -q --residual 1e-12 --schemes";
     let asked = format!("{exact} newmark,radau --steps 0.02,0.01,0.005");
     let json = compared(&model, &asked);
@@ -99,15 +96,13 @@ fn an_exact_solution_comes_from_a_file() {
         }
     }
     let page = read(model.with_extension("compare").join("compare.md"));
-    assert_says(
-        &page,
-        &["Errors are those against a solution that is given"],
-    );
+    let given = "Errors are those against a solution that is given";
+    assert_says(&page, &[given]);
     // A file that does not go with the steps says which times are looked at.
     let refused = compare(&model, &format!("{exact} newmark --steps 0.03,0.01"));
     assert_says(&ended(&refused, 2), &["there is no row for t = "]);
     // What it says twice it says once, and something.
-    let text = precession();
+    let text = exact_motion();
     let (head, body) = text.split_once('\n').unwrap();
     let (first, _) = body.split_once('\n').unwrap();
     let name = head.rsplit(',').next().unwrap();
@@ -230,22 +225,15 @@ fn long_runs_tell_what_becomes_of_momenta_and_constraints() {
     assert_eq!(count(&model, "long,"), 2);
 }
 
-/// The same model for a few of its own steps.
+/// The same model for a few of its own steps, and their size.
 fn short(text: &str) -> Option<(String, f64)> {
-    let at = text.find("[analysis.dynamic]")?;
-    let (before, analysis) = text.split_at(at);
-    let value = |line: &str, name: &str| -> Option<f64> {
-        let number = line.strip_prefix(name)?.trim_start().strip_prefix('=')?;
-        number.split('#').next()?.trim().parse().ok()
+    let Plan::Dynamic(plan) = assemble_text("model.toml", text).unwrap().plan else {
+        return None;
     };
-    let mut all = analysis.lines();
-    let step = all.find_map(|line| value(line, "step")).unwrap();
-    let lines = analysis.lines().map(|line| match value(line, "to") {
-        Some(to) => format!("to = {}", to.min(8.0 * step)),
-        None => line.to_owned(),
-    });
-    let analysis: Vec<String> = lines.collect();
-    Some((format!("{before}{}\n", analysis.join("\n")), step))
+    let (to, step) = (plan.options.to, plan.options.step);
+    let to = to.min(8.0 * step).to_string();
+    let text = with_parameters(text, [("analysis.dynamic.to", &to[..])]);
+    Some((text.unwrap(), step))
 }
 
 #[test]

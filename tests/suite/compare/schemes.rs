@@ -1,5 +1,4 @@
 //! Schemes in model files: words and tables, what is refused, and a run with each.
-#![allow(clippy::unwrap_used)]
 
 use crate::support::dynamics::observed;
 use crate::support::program::{assert_close, assert_says, cells, changed, example, refusal};

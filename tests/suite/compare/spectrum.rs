@@ -1,10 +1,7 @@
 //! `pullback spectrum`: its table, its files, what it refuses.
-#![allow(clippy::unwrap_used)]
 
 use crate::support::drawings::tagged;
-use crate::support::program::{
-    assert_says, check_lines, directory, json, printed, program_in, read, succeeded,
-};
+use crate::support::program::*;
 use roxmltree::Document;
 
 #[test]

@@ -1,8 +1,8 @@
 //! Models that comparisons of schemes and of formulations run, and the comparison of a text.
-#![allow(dead_code, clippy::unwrap_used)]
 
 use super::closures::{GROUND, beam_line, body_of, fixed, joint};
 use super::laboratory;
+use nalgebra::{UnitQuaternion, Vector3};
 use pullback::input;
 use pullback::studies::compare::{CompareError, Comparison, ComparisonOptions, ErrorQuantity};
 
@@ -24,6 +24,14 @@ to = 2
 step = 0.01
 scheme = { newmark = [0.25, 0.5] }
 "#;
+
+/// The exact rotation of its axis about its fixed angular momentum J ω₀, with |L|/J₁, and that of itself, which turns
+/// about its axis with Ω₃ (1 − J₃/J₁) (Landau & Lifshitz, Mechanics, section 33).
+pub fn precession(t: f64) -> [UnitQuaternion<f64>; 2] {
+    let [about, spin] = [[6.0, 0.0, 4.0], [0.0, 0.0, 4.0]].map(|twice| Vector3::from(twice) / 2.0);
+    let [turned, spun] = [about, spin].map(|rate| UnitQuaternion::from_scaled_axis(rate * t));
+    [turned, turned * spun]
+}
 
 /// A mass of 1 on a spring of stiffness 4, let go at 0.3: x = 0.3 cos 2t.
 pub fn oscillator() -> String {

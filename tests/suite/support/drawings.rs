@@ -1,6 +1,6 @@
 //! The gallery's drawings: their labels, their curves, and points on these known from elsewhere.
-#![allow(dead_code, clippy::unwrap_used)]
 
+use pullback::output::plot::{AxisScale, Graph, PlotCurve, graphs};
 use roxmltree::{Document, Node};
 use std::collections::BTreeMap;
 
@@ -71,6 +71,19 @@ pub fn assert_labelled(document: &Document<'_>, labels: &str) {
     for label in labels.split(" | ") {
         assert!(texts.contains(&label), "{label:?} is not among {texts:?}");
     }
+}
+
+/// The drawing of a graph without descriptions, of curves with marks or without.
+pub fn graph(scale: [AxisScale; 2], curves: Vec<PlotCurve>, marked: bool) -> String {
+    let graph = Graph {
+        description: [String::new(), String::new()],
+        scale,
+        curves,
+        marked,
+        slopes: Vec::new(),
+        level: None,
+    };
+    graphs(None, "", &[graph]).unwrap()
 }
 
 /// The elements of a name.
