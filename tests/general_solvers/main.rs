@@ -1,5 +1,4 @@
 //! General solvers of ordinary differential equations in comparisons, built by the feature `diffsol`.
-#![allow(clippy::unwrap_used)]
 
 #[path = "../suite/support/laboratory.rs"]
 mod laboratory;

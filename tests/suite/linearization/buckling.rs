@@ -1,10 +1,8 @@
 //! Critical loads by linear extrapolation against exact solutions.
-#![allow(clippy::unwrap_used, non_snake_case)]
 
 use super::assert_near;
 use crate::support::beams::{COLUMN, PINNED, line};
-use crate::support::closures::fixed;
-use crate::support::program::example;
+use crate::support::*;
 use pullback::input::{Plan, assemble_text};
 use pullback::integrators::linearization::{BucklingError, BucklingMode, buckling};
 use pullback::integrators::statics::{

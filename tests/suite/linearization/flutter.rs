@@ -1,6 +1,5 @@
 //! Flutter of Ziegler's double pendulum (Ziegler 1952; Herrmann & Jong 1965): masses 2m and m, equal springs, a
 //! force that follows the second rod.
-#![allow(clippy::unwrap_used)]
 
 use super::assert_near;
 use crate::support::beams::line;

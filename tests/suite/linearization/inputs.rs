@@ -1,5 +1,4 @@
 //! ∂r/∂u: forces that are inputs, and prescribed coordinates.
-#![allow(clippy::unwrap_used)]
 
 use crate::support::dynamics::grounded;
 use pullback::elements::joint::Prismatic;

@@ -1,5 +1,4 @@
 //! Modes of linkages do not depend on how their loops are closed.
-#![allow(clippy::unwrap_used, non_snake_case)]
 
 use crate::support::program::example;
 use pullback::input::{Analysis, Closure, JointSpring, ModelFile, job, parse};

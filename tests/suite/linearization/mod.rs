@@ -1,4 +1,6 @@
 //! Linearised equations of motion and their modes.
+// The symbols of the equations.
+#![allow(non_snake_case)]
 
 mod beams;
 mod buckling;

@@ -1,11 +1,7 @@
 //! First-order form, with probes as outputs.
-#![allow(clippy::unwrap_used, non_snake_case)]
 
 use super::linkages::{closed_by, sprung};
-use crate::support::closures::{GROUND, angle, arm, body_of, hinge, probe};
-use crate::support::program::{
-    assert_says, directory, ended, matrix, printed, program_in, read, succeeded, write,
-};
+use crate::support::*;
 use nalgebra::{Complex, DMatrix};
 use pullback::elements::model::Context;
 use pullback::input::{Closure, ModelFile, Time, job};

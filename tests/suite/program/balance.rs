@@ -1,12 +1,6 @@
 //! What a run in time tells of its energy, and small forces beside large ones, against closed forms.
-#![allow(clippy::unwrap_used)]
 
-use crate::support::closures::{
-    GRAVITY, GROUND, PLAIN, angle, arm, beam_line, body_of, joint, motion,
-};
-use crate::support::program::{
-    Ran, assert_close, assert_says, changed, example, failed, number, run_of,
-};
+use crate::support::*;
 
 /// Whether a run tells that its energy is not balanced.
 fn doubted(run: &Ran) -> bool {

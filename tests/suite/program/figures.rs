@@ -1,24 +1,15 @@
 //! Figures: ticks at round numbers, ranges that are never empty, and round-off that is not drawn.
-#![allow(clippy::unwrap_used)]
 
-use crate::support::closures::{GRAVITY, body_of, fixed, joint, probe};
 use crate::support::drawings::{self, TICKS, assert_labelled, polylines, tagged};
-use crate::support::program::{assert_close, directory, files, ran, read};
-use pullback::output::plot::{AxisScale, Graph, PlotCurve, graphs};
+use crate::support::*;
+use pullback::output::plot::{AxisScale, PlotCurve};
 use roxmltree::Document;
 use serde_json::Value;
 
-/// A curve in a graph without descriptions.
+/// A curve in a graph.
 fn drawn(scale: [AxisScale; 2], points: &[(f64, f64)]) -> String {
-    let graph = Graph {
-        description: [String::new(), String::new()],
-        scale,
-        curves: vec![PlotCurve::new("curve", points.to_vec())],
-        marked: true,
-        slopes: Vec::new(),
-        level: None,
-    };
-    graphs(None, "", &[graph]).unwrap()
+    let curve = PlotCurve::new("curve", points.to_vec());
+    drawings::graph(scale, vec![curve], true)
 }
 
 /// Tick labels and their positions, along both axes.

@@ -1,9 +1,6 @@
 //! Motions of model files step by step.
 
-#![allow(clippy::unwrap_used)]
-
-use crate::support::closures::{GROUND, body_of, hinge, probe};
-use crate::support::program::{assert_close, assert_says, example, number, recorded};
+use crate::support::*;
 use pullback::input::assemble_text;
 use pullback::motion::{Motion, MotionError};
 

@@ -1,9 +1,8 @@
 //! Probes against closed forms: what an arm turning about an axis does, and a bar's strains and forces.
-#![allow(non_snake_case, clippy::unwrap_used)]
+#![allow(non_snake_case)]
 
 use crate::support::beams::line;
-use crate::support::closures::{arm, body_of, fixed, joint, motion};
-use crate::support::program::{assert_close, changed, number, recorded};
+use crate::support::*;
 use nalgebra::Vector3;
 use pullback::probe::continue_rotation;
 use std::collections::HashMap;
@@ -18,10 +17,8 @@ fn vector(row: &Row, probe: &str, ends: [&str; 3]) -> Vector3<f64> {
 #[track_caller]
 fn near(found: Vector3<f64>, expected: Vector3<f64>, what: &str) {
     let gap = (found - expected).norm();
-    assert!(
-        gap < 1e-11 * (1.0 + expected.norm()),
-        "{what}: {found:?} {expected:?}"
-    );
+    let close = gap < 1e-11 * (1.0 + expected.norm());
+    assert!(close, "{what}: {found:?} {expected:?}");
 }
 
 /// An arm that is swung about an axis, with its probes.

@@ -1,5 +1,4 @@
 //! The committed JSON Schema is the one that the types give.
-#![allow(clippy::unwrap_used)]
 
 use crate::support::program::{printed, read};
 use serde_json::Value;

@@ -1,8 +1,6 @@
 //! Points on curves and surfaces of model files, against closed forms.
-#![allow(clippy::unwrap_used)]
 
-use crate::support::closures::on_joint;
-use crate::support::program::{assert_close, changed, check_table, number, recorded, refusal};
+use crate::support::*;
 use std::f64::consts::PI;
 
 /// A body on a joint that the ground bears, under gravity along −z: x, y, z at the times of all rows.

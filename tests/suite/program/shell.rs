@@ -1,5 +1,4 @@
 //! What the program prints for shells and for `man`.
-#![allow(clippy::unwrap_used)]
 
 use crate::support::program::{assert_says, printed};
 use std::path::Path;

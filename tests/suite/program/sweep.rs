@@ -1,11 +1,6 @@
 //! Parameters by path, and sweeps over them.
 
-#![allow(clippy::unwrap_used)]
-
-use crate::support::program::{
-    assert_close, assert_says, check_lines, directory, ended, history, number, program_in, read,
-    succeeded,
-};
+use crate::support::program::*;
 use pullback::input::{assemble_text, with_parameters};
 use std::path::Path;
 
@@ -109,19 +104,13 @@ fn a_sweep_is_a_row_for_each_run() {
     let runs = ["1.0", "2.0", "3.0"].map(|stiffness| ["1e-6", "2e-6"].map(|f| [stiffness, f]));
     for (k, [stiffness, force]) in runs.into_iter().flatten().enumerate() {
         let row = &rows[k + 1];
-        assert_eq!(
-            row[..5],
-            [&k.to_string(), stiffness, force, "complete", "1.0"]
-        );
+        let head = [&k.to_string(), stiffness, force, "complete", "1.0"];
+        assert_eq!(row[..5], head);
         let [stiffness, force]: [f64; 2] = [stiffness, force].map(|x| x.parse().unwrap());
         let exact = force * (8.0 / (3.0 * stiffness) + 2.0 / 5e5);
         for (found, exact) in row[5..].iter().zip([exact, exact, 0.0, 0.5 * exact]) {
-            assert_close(
-                found.parse().unwrap(),
-                exact,
-                1e-9 * force,
-                format!("{row:?}"),
-            );
+            let found = found.parse().unwrap();
+            assert_close(found, exact, 1e-9 * force, row.join(","));
         }
     }
     let set = "--set sections.rod.stiffness.EI.0=3.0 --set loads.0.force.2=2e-6";

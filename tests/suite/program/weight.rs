@@ -1,9 +1,7 @@
 //! Weight of lines whose mass centre is beside their axis, from model files.
-#![allow(clippy::unwrap_used)]
 
 use crate::support::beams::line;
-use crate::support::closures::{GRAVITY, fixed, joint, motion};
-use crate::support::program::{assert_close, changed};
+use crate::support::*;
 use pullback::elements::model::NodeState;
 use pullback::input::assemble_text;
 use pullback::integrators::dynamics::{Progress, start};

@@ -1,5 +1,4 @@
 //! Straight lines of beam elements between nodes.
-#![allow(dead_code, clippy::unwrap_used)]
 
 use super::closures::beam_line;
 use pullback::elements::beam::Interpolation;

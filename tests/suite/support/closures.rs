@@ -1,5 +1,4 @@
 //! Joints and loops in words, for tests of closures by the program.
-#![allow(dead_code, clippy::unwrap_used)]
 
 use crate::support::program::{directory, history, program, succeeded, write};
 use pullback::input::{Job, assemble_text};

@@ -15,3 +15,6 @@ pub mod landing;
 pub mod loops;
 pub mod prelude;
 pub mod program;
+
+pub use closures::*;
+pub use program::*;

@@ -1,5 +1,4 @@
 //! A small model and directories for the tests of the program.
-#![allow(dead_code, clippy::unwrap_used)]
 
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
@@ -167,14 +166,10 @@ fn check_error(text: &str, error: &InputError, position: &str, message: &str, ad
         "{said}: position {:?} instead of {position:?}",
         &text[span.start..(span.end + 20).min(text.len())]
     );
-    let (line, column) = error.line_column().unwrap();
     let before = &text[..span.start];
-    assert_eq!(
-        line,
-        before.lines().count().max(1) + usize::from(before.ends_with('\n'))
-    );
-    let start = before.rfind('\n').map_or(0, |k| k + 1);
-    assert_eq!(column, before[start..].chars().count() + 1);
+    let column = before.chars().rev().take_while(|&c| c != '\n').count() + 1;
+    let line = before.matches('\n').count() + 1;
+    assert_eq!(error.line_column(), Some((line, column)));
 }
 
 /// The program, running a model with arguments.
@@ -328,16 +323,9 @@ pub fn csv(path: impl AsRef<Path>) -> Vec<Vec<f64>> {
 
 /// Rows of history.csv by column name.
 pub fn history(out: &Path) -> Vec<HashMap<String, String>> {
-    let text = read(out.join("history.csv"));
-    let mut lines = text.lines();
-    let cells = |line: &str| -> Vec<String> { line.split(',').map(str::to_owned).collect() };
-    let head = cells(lines.next().unwrap());
-    let row = |line: &str| {
-        let cells = cells(line);
-        assert_eq!(cells.len(), head.len(), "{line}");
-        head.iter().cloned().zip(cells).collect()
-    };
-    lines.map(row).collect()
+    let table = csv::Reader::from_path(out.join("history.csv"));
+    let rows = table.unwrap().into_deserialize();
+    rows.map(Result::unwrap).collect()
 }
 
 /// A cell as a number.
