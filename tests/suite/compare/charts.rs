@@ -23,10 +23,8 @@ fn compared(text: &str, methods: &[&str], steps: &[f64]) -> Comparison {
 
 fn rod(spin: &str, interpolation: &str) -> String {
     let analysis = "[analysis.dynamic]\nto = 0.6\nstep = 0.01\n";
-    comparisons::rod(
-        spin,
-        &format!("interpolation = {interpolation:?}\n{analysis}"),
-    )
+    let more = format!("interpolation = {interpolation:?}\n{analysis}");
+    comparisons::rod(spin, &more)
 }
 
 /// Errors of rotations of a scheme, from large to small steps.

@@ -125,11 +125,8 @@ fn lines_of_one_colour_have_marks() {
         PlotCurve::new(k.to_string(), points.collect()).colored(k)
     };
     let circles = |count: usize| {
-        let svg = graph(
-            [AxisScale::Linear; 2],
-            (0..count).map(line).collect(),
-            false,
-        );
+        let curves = (0..count).map(line).collect();
+        let svg = graph([AxisScale::Linear; 2], curves, false);
         svg.matches("<circle").count()
     };
     assert_eq!(circles(7), 0);

@@ -8,10 +8,8 @@ use pullback::integrators::dynamics::{DynamicOptions, Scheme};
 
 /// The pendulum with another scheme.
 fn with(scheme: &str) -> String {
-    changed(
-        &example("pendulum"),
-        &format!("{{ newmark = [0.25, 0.5] }} => {scheme}"),
-    )
+    let changes = format!("{{ newmark = [0.25, 0.5] }} => {scheme}");
+    changed(&example("pendulum"), &changes)
 }
 
 fn scheme(text: &str) -> Scheme {

@@ -271,14 +271,11 @@ fn a_weight_on_a_plane_that_a_base_turns_is_right() {
         let more = format!("position = {position}\nsurface = {{ {surface} }}");
         joint(name, "on_surface", "o", &more) + &body_of(name, 1.0, "inertia = [0.1, 0.2, 0.25]")
     };
+    let ball = "sphere = { center = [0, 0, 0] }";
     let turned = "prescribed = { rz = { spin_up = { rate = 3, duration = 0.02 } } }\n";
     let model = [
         "[nodes]\no = [0, 0, 0]\n",
-        &surface(
-            "far",
-            "[71.3891907758585, 0, 1]",
-            "sphere = { center = [0, 0, 0] }",
-        ),
+        &surface("far", "[71.3891907758585, 0, 1]", ball),
         &surface("plane", "[0, 1, 1]", "plane = { normal = [0, 1, 1] }"),
         &fixed("o").replace("\"all\"", "[\"x\", \"y\", \"z\", \"rx\", \"ry\"]"),
         turned,

@@ -117,12 +117,8 @@ fn springs_and_drives_act_on_released_coordinates() {
         let (sin, cos) = (3.0 * number(&row, "t")).sin_cos();
         let force = (36.0 * cos * cos).hypot(18.0 * sin);
         assert_close(number(&row, "angle"), 2.0 * sin, 1e-12, "drive");
-        assert_close(
-            number(&row, "tension"),
-            force,
-            1e-9 * (1.0 + force),
-            "drive",
-        );
+        let within = 1e-9 * (1.0 + force);
+        assert_close(number(&row, "tension"), force, within, "drive");
     }
 }
 
@@ -167,29 +163,20 @@ fn adaptive_steps_keep_the_error_and_are_counted() {
 }
 
 #[test]
-fn rates_of_joints_follow_an_initial_rotation_and_starts_that_strain_are_told() {
+fn rates_of_joints_follow_an_initial_rotation() {
+    let rest = [
+        &hinge("pivot", "A", ""),
+        "[sections.main.mass]\nA_rho = 1\nJ = [2e-3, 1e-3, 1e-3]\n",
+        &fixed("A"),
+        "[[initial]]\nline = \"line\"\nangular_velocity = [0, 0, 2]\n",
+        "[[probes]]\nname = \"rate\"\nquantity = \"joint_rate\"\njoint = \"pivot\"\n",
+        &motion(0.1, 0.001),
+    ];
     let stiffness = "EA = 1e6, GA = [1e6, 1e6], GJ = 1e4, EI = [1e4, 1e4]";
-    let rod = |initial: &str, more: &str| {
-        let rest = [
-            &hinge("pivot", "A", more),
-            "[sections.main.mass]\nA_rho = 1\nJ = [2e-3, 1e-3, 1e-3]\n",
-            &fixed("A"),
-            initial,
-            "[[probes]]\nname = \"rate\"\nquantity = \"joint_rate\"\njoint = \"pivot\"\n",
-            &motion(0.1, 0.001),
-        ];
-        let text = line(stiffness, 2, 1, &rest.concat());
-        run_of(
-            "program_starts",
-            &changed(&text, "from = \"A\" => from = \"pivot\""),
-        )
-    };
+    let text = line(stiffness, 2, 1, &rest.concat());
+    let text = changed(&text, "from = \"A\" => from = \"pivot\"");
     // A rigid turn goes on: the hinge turns with the rod from the start.
-    let turning = "[[initial]]\nline = \"line\"\nangular_velocity = [0, 0, 2]\n";
-    for row in rod(turning, "").rows {
+    for row in recorded("program_starts", &text) {
         assert_close(number(&row, "rate"), 2.0, 1e-3, &row["t"]);
     }
-    let driven = rod("", "prescribed = { constant = 0.1 }");
-    let warning = "warning: joint pivot is not where the model is drawn";
-    assert_says(&driven.said, &[warning]);
 }

@@ -207,10 +207,8 @@ fn axes_have_units_and_lengths_and_angles_panels_of_their_own() {
 #[test]
 fn the_page_of_a_run_has_its_motion() {
     let page = read(ran(&directory("program_page"), &cart("")).join("deformed.html"));
-    assert!(
-        page.contains("<title>Cart &amp; &lt;pole&gt;</title>"),
-        "no text of a model is markup"
-    );
+    // No text of a model is markup.
+    assert_says(&page, &["<title>Cart &amp; &lt;pole&gt;</title>"]);
     let (_, rest) = page.split_once("id=\"data\">").unwrap();
     let (data, _) = rest.split_once("</script>").unwrap();
     let data: Value = serde_json::from_str(data).unwrap();
@@ -249,9 +247,7 @@ fn figures_are_written_in_the_formats_of_the_file() {
         let pdf = std::fs::read(out.join(format!("{name}.pdf"))).unwrap();
         assert!(pdf.starts_with(b"%PDF-") && pdf.trim_ascii_end().ends_with(b"%%EOF"));
         let font = b"DejaVuSans";
-        assert!(
-            pdf.windows(font.len()).any(|part| part == font),
-            "texts are texts"
-        );
+        let texts = pdf.windows(font.len()).any(|part| part == font);
+        assert!(texts, "texts are texts");
     }
 }

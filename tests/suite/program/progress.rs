@@ -20,18 +20,14 @@ fn step(progress: Option<&Progress>) -> Advance<'_> {
 #[test]
 fn a_step_tells_where_it_is_its_size_and_its_iterations() {
     let motion = Progress::default();
-    assert_eq!(
-        step(Some(&motion)).describe(),
-        "step 7  time 0.35  step size 1.250e-2  3 iterations"
-    );
+    let said = "step 7  time 0.35  step size 1.250e-2  3 iterations";
+    assert_eq!(step(Some(&motion)).describe(), said);
     let still = Advance {
         iterations: 1,
         ..step(None)
     };
-    assert_eq!(
-        still.describe(),
-        "step 7  load parameter 0.35  step size 1.250e-2  1 iteration"
-    );
+    let said = "step 7  load parameter 0.35  step size 1.250e-2  1 iteration";
+    assert_eq!(still.describe(), said);
 }
 
 #[test]

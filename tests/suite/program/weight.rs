@@ -72,12 +72,8 @@ fn it_swings_a_line_about_its_axis() {
 fn what_falls_freely_does_not_turn() {
     let stiffness = "EA = 3e3, GA = [1e3, 1.2e3], GJ = 20, EI = [20, 15]";
     for of in elements() {
-        let states = ends(
-            stiffness,
-            of,
-            "A",
-            &["twist_deg = 200\n", &motion(0.5, 0.05)],
-        );
+        let falling = ["twist_deg = 200\n", &motion(0.5, 0.05)];
+        let states = ends(stiffness, of, "A", &falling);
         let state = states[states.len() - 1];
         let about = format!("{of:?}: {state:?}");
         assert_close(state.velocity.z, -9.81 * 0.5, 1e-10, &about);

@@ -81,9 +81,7 @@ fn gaps_that_are_rounding_errors_say_nothing_of_forces() {
     );
     let text = changed(&example("four_bar"), &changes);
     let (model, _) = text.split_once("[analysis").unwrap();
-    let run = run_of(
-        "messages_gaps",
-        &format!("{model}[analysis.static]\nsteps = 4\n"),
-    );
+    let text = format!("{model}[analysis.static]\nsteps = 4\n");
+    let run = run_of("messages_gaps", &text);
     assert!(!run.said.contains("rounding"), "{}", run.said);
 }
