@@ -5,7 +5,7 @@
 //! derived from its map not longer than 4 times its closed form; the aim for the falling cantilever is
 //! 2 µs per element and iteration.
 
-#![allow(non_snake_case, missing_docs)]
+#![allow(missing_docs)]
 
 mod models;
 mod race;

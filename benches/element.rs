@@ -2,7 +2,7 @@
 //!
 //! Internal force and tangent of the two-node beam must not take longer than 4 products.
 
-#![allow(non_snake_case, missing_docs)]
+#![allow(missing_docs)]
 
 mod race;
 

@@ -6,7 +6,7 @@
 //!
 //! Results are compared by the tests of the elements.
 
-#![allow(non_snake_case, missing_docs)]
+#![allow(missing_docs)]
 
 use nalgebra::{Matrix3, Matrix6};
 use pullback::elements::beam::Beam;

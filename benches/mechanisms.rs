@@ -5,7 +5,7 @@
 //! and the mass matrix, each with one solution for the accelerations; it has no Newton iteration, no balance of
 //! energy and no output.
 
-#![allow(non_snake_case, missing_docs)]
+#![allow(missing_docs)]
 
 use pullback::input::assemble_text;
 use pullback::integrators::linear_solver::{BlockLu, LinearSolver, MatrixSymmetry};

@@ -2,7 +2,7 @@
 //!
 //! `cargo bench --bench modes` prints the table.
 
-#![allow(non_snake_case, missing_docs)]
+#![allow(missing_docs)]
 
 use nalgebra::Matrix3;
 use pullback::elements::beam::Interpolation;

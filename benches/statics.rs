@@ -1,7 +1,7 @@
 //! Roll-up of a cantilever with 100 to 10,000 elements: time per element and Newton iteration,
 //! everything included, its growth with the model, and where it goes.
 
-#![allow(non_snake_case, missing_docs)]
+#![allow(missing_docs)]
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use pullback::integrators::linear_solver::{BlockLu, FaerLu, LinearSolver, MatrixSymmetry};

@@ -1,7 +1,5 @@
 //! Probes: quantities recorded at each step.
 
-#![allow(non_snake_case)]
-
 use crate::input::{Dimension, ProbeQuantity};
 use nalgebra::Vector3;
 use pullback_elements::element::SectionState;

@@ -1,7 +1,5 @@
 //! Warnings about a model or its results, for the terminal and `result.json`.
 
-#![allow(non_snake_case)]
-
 mod diagnostics;
 mod joint_rates;
 

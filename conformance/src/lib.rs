@@ -32,8 +32,6 @@
 //! and a random direction. Rotation vectors are thus checked at all of them, in any layout in which they begin at a
 //! multiple of three.
 
-#![allow(non_snake_case)]
-
 mod block;
 mod elements;
 mod forces;

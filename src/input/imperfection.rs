@@ -1,7 +1,5 @@
 //! Geometric imperfections: the reference configuration displaced by shapes of an earlier run.
 
-#![allow(non_snake_case)]
-
 use super::file::{Imperfection, ModelFile};
 use super::names::Names;
 use super::{InputError, InputProblem, Location};

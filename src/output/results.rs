@@ -169,7 +169,6 @@ pub(super) struct ReactionResult {
 
 /// Stress resultants of a beam element in section axes, mean over its integration points.
 #[derive(Clone, Copy, Debug, Serialize)]
-#[allow(non_snake_case)]
 pub(super) struct ElementResult {
     /// Normal and shear forces N₁, N₂, N₃.
     pub N: [f64; 3],

@@ -3,8 +3,6 @@
 //! Each line has its own points, so that lines that meet at a node keep their section axes. A body
 //! is a point at its centre of mass, a rigid link or spring a line between two points. Arrays are binary.
 
-#![allow(non_snake_case)]
-
 use crate::input::Geometry;
 use crate::probe::Answers;
 use base64::Engine;

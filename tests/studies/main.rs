@@ -1,6 +1,5 @@
 //! Computations of minutes that the suite makes small ones of: `cargo test --release --test studies`.
 // The symbols of the equations.
-#![allow(non_snake_case)]
 
 mod andrews;
 mod arms;

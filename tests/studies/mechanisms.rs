@@ -3,7 +3,6 @@
 //!
 //! Closed-form kinematics with their derivatives, equations of motion in one coordinate or in quaternions, and the
 //! classical Runge-Kutta method.
-#![allow(non_snake_case, clippy::unwrap_used)]
 
 use crate::support::dynamics::integrate_ode;
 use crate::support::independent::assert_published;

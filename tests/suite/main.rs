@@ -1,5 +1,4 @@
 //! All integration tests of the program and its library, linked once.
-#![allow(non_snake_case, reason = "symbols are those of the equations")]
 
 mod closures;
 mod compare;

@@ -63,6 +63,17 @@ pub enum Event {
     },
 }
 
+impl Event {
+    /// Whether a system of n unknowns can have it.
+    pub(super) fn can_occur(self, n: usize) -> bool {
+        match self {
+            Self::Coordinate { unknown, value } => unknown < n && value.is_finite(),
+            Self::Load(value) => value.is_finite(),
+            Self::TurningPoint | Self::Bifurcation => true,
+        }
+    }
+}
+
 /// Options of [`trace_path`](super::trace_path).
 #[derive(Clone, Debug, PartialEq)]
 pub struct ArcLengthOptions {

@@ -91,13 +91,8 @@ impl StaticAnalysis for PathRun {
         let newton = Newton::new(system, &options.newton, options.from)?;
         let q = newton.start(q)?;
         let n = q.len();
-        let impossible = |event: &Event| match *event {
-            Event::Coordinate { unknown, value } => unknown >= n || !value.is_finite(),
-            Event::Load(value) => !value.is_finite(),
-            Event::TurningPoint | Event::Bifurcation => false,
-        };
         let mut events = options.events.iter().map(|(event, _)| *event);
-        if let Some(event) = events.find(impossible) {
+        if let Some(event) = events.find(|event| !event.can_occur(n)) {
             return Err(StaticsError::Event(event));
         }
         let weights = newton.inverse_scale.iter().map(|s| s * s / n as f64);

@@ -1,5 +1,4 @@
 //! All integration tests of integrators and solvers, linked once.
-#![allow(non_snake_case, reason = "symbols are those of the equations")]
 
 mod dynamics;
 mod linear_solver;

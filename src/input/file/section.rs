@@ -1,7 +1,5 @@
 //! Cross-sections.
 
-#![allow(non_snake_case)]
-
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

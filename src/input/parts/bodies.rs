@@ -1,7 +1,5 @@
 //! Bodies and springs of the file.
 
-#![allow(non_snake_case)]
-
 use super::Assembly;
 use crate::input::assemble::BodyGeometry;
 use crate::input::file::{Body, Six, Spring, Tensor};

@@ -1,7 +1,5 @@
 //! Cross-sections of the file as sections of the model.
 
-#![allow(non_snake_case)]
-
 use super::Assembly;
 use crate::input::file;
 use crate::input::{InputError, InputProblem, Location};

@@ -1,7 +1,5 @@
 //! Samples of runs: spatial quantities, independent of charts.
 
-#![allow(non_snake_case)]
-
 use nalgebra::{Matrix3, Vector3};
 use pullback_elements::model::{Context, NodeState};
 use pullback_manifold::so3;

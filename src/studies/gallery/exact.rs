@@ -1,7 +1,5 @@
 //! Motions of the gallery's models that are known, by Jacobi's elliptic functions.
 
-#![allow(non_snake_case)]
-
 use crate::studies::compare::{Exact, FrameSample};
 use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::FRAC_PI_2;

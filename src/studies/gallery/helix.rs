@@ -1,6 +1,5 @@
 //! The helical beam: rotations far beyond π, at most loads with elements whose nodes are in different charts.
 
-#![allow(non_snake_case)]
 #![allow(
     clippy::toplevel_ref_arg,
     reason = "the macro `stack` of nalgebra expands to it"

@@ -1,7 +1,5 @@
 //! Cantilevers that bend and twist in space.
 
-#![allow(non_snake_case)]
-
 use super::case::{CaseProblem, CaseReport, meshed};
 use crate::input::Stiffness;
 use nalgebra::{Matrix3, Vector3};

@@ -1,7 +1,5 @@
 //! Pendulums: rigid, of two flexible rods, and of rubber.
 
-#![allow(non_snake_case)]
-
 use super::case::{CaseProblem, CaseReport, until, with_step};
 use super::exact::first_kind;
 use super::motion::{History, observed_order, richardson};

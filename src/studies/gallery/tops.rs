@@ -1,7 +1,5 @@
 //! Rigid bodies with a fixed point, and free ones.
 
-#![allow(non_snake_case)]
-
 use super::bent::stiffer;
 use super::case::{CaseProblem, CaseReport, peak, with_scheme, with_step};
 use super::motion::{History, observed_order, richardson};

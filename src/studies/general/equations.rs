@@ -1,7 +1,5 @@
 //! A second-order system as a first-order one.
 
-#![allow(non_snake_case)]
-
 use pullback_elements::model::Context;
 use pullback_integrators::dynamics::DynamicsError;
 use pullback_integrators::linear_solver::{AutoSolver, LinearSolver, MatrixSymmetry};

@@ -4,8 +4,6 @@
 //! ([`pullback_integrators::spectrum`]); [`table`], [`csv()`] and [`figures`] format them, and
 //! [`write()`] writes them to a directory.
 
-#![allow(non_snake_case)]
-
 mod figures;
 
 pub use figures::figures;

@@ -1,6 +1,5 @@
 //! The laboratory of integrators on the models of the gallery: what is exact, how loops hold, and what
 //! a general solver costs.
-#![allow(non_snake_case)]
 
 use crate::support::comparisons::assert_observed;
 use crate::support::laboratory::{bob, compared, model, options, until};

@@ -1,5 +1,4 @@
 //! Comparisons of schemes against exact solutions.
-#![allow(non_snake_case)]
 
 use crate::support::comparisons::{self, BODY, assert_observed, oscillator, precession};
 use crate::support::laboratory::options;

@@ -1,5 +1,4 @@
 //! `pullback compare` with all its options, and on every model of the gallery that moves.
-#![allow(non_snake_case)]
 
 use crate::support::comparisons::{BODY, precession};
 use crate::support::dynamics::assert_order;

@@ -1,6 +1,5 @@
 //! Linearised equations of motion and their modes.
 // The symbols of the equations.
-#![allow(non_snake_case)]
 
 mod beams;
 mod buckling;

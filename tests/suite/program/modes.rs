@@ -1,5 +1,4 @@
 //! `[analysis.modes]` and `pullback linearize`.
-#![allow(non_snake_case)]
 
 use crate::support::beams::{COLUMN, PINNED, line};
 use crate::support::*;

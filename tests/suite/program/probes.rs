@@ -1,5 +1,4 @@
 //! Probes against closed forms: what an arm turning about an axis does, and a bar's strains and forces.
-#![allow(non_snake_case)]
 
 use crate::support::beams::line;
 use crate::support::*;

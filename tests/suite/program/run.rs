@@ -1,5 +1,4 @@
 //! A run of a small model writes what docs/model_file.md says.
-#![allow(non_snake_case)]
 
 use crate::support::drawings::tagged;
 use crate::support::*;

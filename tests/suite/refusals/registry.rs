@@ -1,8 +1,6 @@
 //! Joints of a program's own in model files: they do what those of the library do, and what is wrong
 //! with them is refused with its place.
 
-#![allow(non_snake_case)]
-
 use crate::support::drawings::extremes;
 use crate::support::*;
 use pullback::check;

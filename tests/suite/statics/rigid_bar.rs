@@ -1,5 +1,4 @@
 //! A rigid bar upright on a torsion spring, under a dead load P: P = k θ / (l sin θ) beside θ = 0, on which no load moves it.
-#![allow(clippy::unwrap_used)]
 
 use crate::support::dynamics::{grounded, revolute};
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};

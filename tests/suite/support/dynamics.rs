@@ -1,6 +1,6 @@
 //! Shared by the tests of dynamics: runs, spatial quantities, slopes, independent integration.
 
-#![allow(non_snake_case, dead_code)]
+#![allow(dead_code)]
 
 use nalgebra::{Matrix3, SVector, Vector3};
 use pullback::elements::beam::Section;

@@ -1,5 +1,4 @@
 //! Comparisons of models of the gallery, and the exact motion of its pendulum.
-#![allow(non_snake_case)]
 
 use pullback::input::{self, Analysis, ModelFile};
 use pullback::studies::compare::{
