@@ -84,7 +84,8 @@
 //! # Features
 //!
 //! - `cli` (default): model files, results, figures, [`studies`] and the program. Without it the library
-//!   is [`elements`], [`integrators`], [`manifold`] and the [`prelude`], on nalgebra and faer.
+//!   is [`elements`], [`integrators`], [`manifold`], the [`prelude`] and [`conformance`], which has the functions of
+//!   [`check`], on nalgebra and faer.
 //! - `diffsol`: general solvers of ordinary differential equations in comparisons.
 
 // Both panic on closed pipes: `terminal::tell` and `cli::print` do not.
@@ -94,7 +95,6 @@
 pub mod check;
 #[cfg(feature = "cli")]
 pub mod cli;
-#[cfg(feature = "cli")]
 mod failure;
 #[cfg(feature = "cli")]
 pub mod input;
@@ -119,7 +119,6 @@ mod terminal;
 #[cfg(feature = "cli")]
 mod warnings;
 
-#[cfg(feature = "cli")]
 pub use failure::Failure;
 pub use pullback_conformance as conformance;
 pub use pullback_elements as elements;

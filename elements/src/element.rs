@@ -24,9 +24,9 @@ pub struct Motion<'a> {
     pub inputs: &'a [f64],
     /// Coordinates.
     pub x: &'a [f64],
-    /// Velocities; zero in statics.
+    /// Velocities; empty in statics.
     pub v: &'a [f64],
-    /// Accelerations; zero in statics.
+    /// Accelerations; empty in statics.
     pub a: &'a [f64],
     /// Coordinates at the previous iterate, if any. K may then use stresses extrapolated linearly from
     /// there instead of those at `x`: the residual is the same, and K differs by terms of second order in

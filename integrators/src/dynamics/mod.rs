@@ -47,7 +47,7 @@ pub struct State {
     pub q: Vec<f64>,
     /// Velocities q̇.
     pub v: Vec<f64>,
-    /// Accelerations q̈ from the equations of motion.
+    /// Accelerations q̈ from the equations of motion at q and q̇; a run computes them if they are empty.
     pub a: Vec<f64>,
     /// Algorithmic accelerations; equal to q̈ for Newmark's scheme.
     pub algorithmic: Vec<f64>,

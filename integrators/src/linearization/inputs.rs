@@ -14,7 +14,8 @@ pub(super) fn central(
     mut f: impl FnMut(f64) -> Result<Vec<f64>, SystemError>,
 ) -> Result<Vec<f64>, SystemError> {
     let mut sum: Vec<f64> = Vec::new();
-    for (s, weight) in [(-2.0, 1.0), (-1.0, -8.0), (1.0, 8.0), (2.0, -1.0)] {
+    // Of a constant the sum is zero exactly.
+    for (s, weight) in [(-2.0, 1.0), (2.0, -1.0), (-1.0, -8.0), (1.0, 8.0)] {
         let value = f(s * h)?;
         sum.resize(value.len(), 0.0);
         for (sum, x) in sum.iter_mut().zip(value) {

@@ -261,8 +261,8 @@ impl<'a> Search<'a> {
             .filter(|p| self.is_upper(p) && self.is_in_range(p))
             .collect();
         if let Selection::Nearest { count, omega } = self.selection {
-            if self.order == Order::Quadratic {
-                let distance = |p: &RitzPair| (self.eigenvalue(p).norm() - omega).abs();
+            if self.order == Order::Quadratic || omega != 0.0 {
+                let distance = |p: &RitzPair| self.distance(p, omega);
                 chosen.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
             }
             chosen.truncate(count);

@@ -2,7 +2,6 @@
 
 use super::Linearized;
 use super::inputs::{by_input, central, step, values};
-use crate::linear_solver::max_abs;
 use nalgebra::DMatrix;
 use pullback_manifold::system::{Point, System, SystemError};
 use thiserror::Error;
@@ -134,13 +133,11 @@ impl Linearized {
             if r_u.row(i).amax() > ROUNDING * r_u.amax() {
                 return Err(StateSpaceError::Driven(self.names[i].clone()));
             }
-            let by = [&outputs.q, &outputs.v, &outputs.a];
-            let reads = |k: &usize| {
-                let [own, row] = [by.map(|y| y[(*k, i)]), by.map(|y| y.row(*k).amax())];
-                max_abs(&own) > ROUNDING * max_abs(&row)
-            };
-            if let Some(output) = (0..outputs.q.nrows()).find(reads) {
-                return Err(StateSpaceError::Reaction(output + 1));
+            for y in [&outputs.q, &outputs.v, &outputs.a] {
+                let reads = |&k: &usize| y[(k, i)].abs() > ROUNDING * y.amax();
+                if let Some(output) = (0..y.nrows()).find(reads) {
+                    return Err(StateSpaceError::Reaction(output + 1));
+                }
             }
         }
         let reduced = |A: &DMatrix<f64>| N.tr_mul(&(A * &N));

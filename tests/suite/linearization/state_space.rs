@@ -64,7 +64,10 @@ fn inputs_that_prescribe_a_motion_are_warned_of() {
         ("prescribed = { input = \"torque\" }", true),
     ] {
         let out = directory("state_prescribed");
-        write(&out, &pendulum(acts).replace("dynamic]", "modes]"));
+        write(
+            &out,
+            &pendulum(acts).replace("dynamic]\nto = 0.01\nstep = 0.01", "modes]"),
+        );
         let said = succeeded(&program_in(&out, "linearize model.toml"));
         let warning = "input torque prescribes a motion";
         assert_eq!(said.contains(warning), warned, "{said}");

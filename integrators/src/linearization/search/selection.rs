@@ -51,6 +51,16 @@ impl Search<'_> {
         ((drowned || far) && square.is_finite()).then_some(square)
     }
 
+    /// Distance of the frequency of a pair from a circular frequency.
+    pub(super) fn distance(&self, pair: &RitzPair, omega: f64) -> f64 {
+        let size = self.eigenvalue(pair).norm();
+        let frequency = match self.order {
+            Order::Squares => size.sqrt(),
+            Order::Quadratic => size,
+        };
+        (frequency - omega).abs()
+    }
+
     /// Position of the pair that makes `count` modes, counting conjugate pairs once.
     pub(super) fn position(&self, pairs: &[RitzPair], count: usize) -> usize {
         let mut upper = pairs.iter().enumerate().filter(|(_, p)| self.is_upper(p));
@@ -91,17 +101,27 @@ impl Search<'_> {
             .map(|p| self.eigenvalue(p).norm())
             .unwrap_or(0.0);
         match (self.selection, self.order) {
-            (Selection::Nearest { count, omega }, order) => {
+            (Selection::Nearest { count, omega: 0.0 }, _) => {
                 let k = self.position(converged, count) + 1;
-                // Nearest to a frequency, of the lowest ones up to twice its distance.
-                let nearest = order == Order::Squares || omega == 0.0 || {
-                    let mut far: Vec<f64> = (converged.iter().filter(|p| self.is_upper(p)))
-                        .map(|p| (self.eigenvalue(p).norm() - omega).abs())
-                        .collect();
-                    far.sort_by(f64::total_cmp);
-                    far.get(count - 1).is_some_and(|d| omega + d < reach)
+                (k <= converged.len()).then_some(k)
+            }
+            (Selection::Nearest { count, omega }, order) => {
+                let mut far: Vec<f64> = (converged.iter().filter(|p| self.is_upper(p)))
+                    .map(|p| self.distance(p, omega))
+                    .collect();
+                far.sort_by(f64::total_cmp);
+                let most = *far.get(count - 1)?;
+                // All up to this distance have converged: of λ those around zero, of ω² those around the shift.
+                let within = match order {
+                    Order::Squares => most * (2.0 * omega + most),
+                    Order::Quadratic => omega + most,
                 };
-                (k <= converged.len() && nearest).then_some(k)
+                let inside = |p: &&RitzPair| match order {
+                    Order::Squares => p.theta.norm().recip() <= within,
+                    Order::Quadratic => self.eigenvalue(p).norm() <= within,
+                };
+                let k = converged.iter().take_while(inside).count() + 1;
+                (k <= converged.len()).then_some(k)
             }
             (Selection::Range([_, to]), Order::Quadratic) => {
                 (reach > to).then_some(converged.len())

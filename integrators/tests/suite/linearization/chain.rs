@@ -287,3 +287,30 @@ fn two_rigid_modes_with_dampers_are_both_found() {
     let rigid = found.iter().filter(|m| m.eigenvalue.norm() < 1e-7);
     assert_eq!(rigid.count(), 2, "{found:?}");
 }
+
+/// Frequencies 1, 3 and 10: 3 is nearer to 2.1 than 1, but its square is farther.
+#[test]
+fn the_nearest_modes_are_nearest_by_frequency() {
+    for damping in [0.0, 1e-9] {
+        let mut C = [[0.0; 3]; 3];
+        C[1][1] = damping;
+        let lin = three([1.0, 9.0, 100.0], C, [1.0; 3]);
+        for (omega, count, exact) in [
+            (2.1, 1, &[3.0][..]),
+            (1.9, 1, &[1.0]),
+            (2.1, 2, &[1.0, 3.0]),
+        ] {
+            let selection = Selection::Nearest { count, omega };
+            let options = ModeOptions {
+                selection,
+                undamped: false,
+            };
+            let found = modes(&lin, &options).unwrap().modes;
+            assert_eq!(found.len(), count, "{damping} {omega}");
+            found
+                .iter()
+                .zip(exact)
+                .for_each(|(m, b)| near(m.omega(), *b, 1e-8));
+        }
+    }
+}
