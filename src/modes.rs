@@ -105,6 +105,11 @@ pub fn find(
             "the model has {}, fewer than count = {count}",
             plural(found.modes.len(), "mode")
         )),
+        Selection::Nearest { count, .. } if found.modes.len() < count => warnings.push(format!(
+            "{} of count = {count} found: others have no mass, or frequencies so far above the lowest that they are \
+             lost in rounding errors; ask for those with `near` or `range`",
+            plural(found.modes.len(), "mode")
+        )),
         _ => {}
     }
     if lin.K.iter().all(|k| *k == 0.0) {

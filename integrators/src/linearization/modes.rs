@@ -32,6 +32,16 @@ pub struct ModeOptions {
     pub undamped: bool,
 }
 
+impl Selection {
+    /// Largest number of modes.
+    pub(super) fn most(&self) -> usize {
+        match *self {
+            Self::Nearest { count, .. } => count,
+            Self::Range(_) => usize::MAX,
+        }
+    }
+}
+
 impl ModeOptions {
     /// The lowest modes, with the damping of the system.
     pub fn lowest(count: usize) -> Self {
@@ -158,25 +168,39 @@ pub fn modes_while(
     observer: &mut dyn FnMut(usize) -> ControlFlow<()>,
 ) -> Result<Modes, ModesError> {
     check(lin, options)?;
-    let search = Search::new(lin, options)?;
-    let (order, symmetric) = search.kind();
-    let found = search.run(observer)?;
-    let finish = Finish::new(lin, order, symmetric, found.scales);
-    let mut modes: Vec<Mode> = Vec::with_capacity(found.vectors.len());
-    for (vector, eigenvalue) in found.vectors {
-        for mode in finish.modes(vector, eigenvalue) {
-            if !finish.repeats(&modes, &mode) {
-                modes.push(mode);
+    let (mut sought, mut factorisations) = (*options, 0);
+    loop {
+        let search = Search::new(lin, &sought)?;
+        let (order, symmetric) = search.kind();
+        let found = search.run(observer)?;
+        factorisations += found.factorisations;
+        let finish = Finish::new(lin, order, symmetric, found.scales);
+        let vectors = found.vectors.len();
+        let mut modes: Vec<Mode> = Vec::with_capacity(vectors);
+        for (vector, eigenvalue) in found.vectors {
+            for mode in finish.modes(vector, eigenvalue) {
+                if !finish.repeats(&modes, &mode) {
+                    modes.push(mode);
+                }
             }
         }
+        modes.sort_by(|a, b| a.omega().total_cmp(&b.omega()));
+        // Modes at rest that were found twice take the place of others.
+        if let Selection::Nearest { count, .. } = &mut sought.selection
+            && modes.len() < options.selection.most()
+            && vectors == *count
+        {
+            *count += options.selection.most() - modes.len();
+            continue;
+        }
+        modes.truncate(options.selection.most());
+        return Ok(Modes {
+            modes,
+            counted: found.counted,
+            complete: found.complete,
+            factorisations,
+        });
     }
-    modes.sort_by(|a, b| a.omega().total_cmp(&b.omega()));
-    Ok(Modes {
-        modes,
-        counted: found.counted,
-        complete: found.complete,
-        factorisations: found.factorisations,
-    })
 }
 
 fn check(lin: &Linearized, options: &ModeOptions) -> Result<(), ModesError> {

@@ -155,7 +155,7 @@ impl<'a> Search<'a> {
         complete: bool,
     ) -> Found {
         Found {
-            complete: complete && vectors.len() < self.requested(),
+            complete: complete && vectors.len() < self.selection.most(),
             vectors,
             counted,
             factorisations: self.factorisations,
@@ -176,14 +176,6 @@ impl<'a> Search<'a> {
     /// Whether the operator is self-adjoint in the inner product.
     fn is_symmetric(&self) -> bool {
         self.inner != Inner::Coordinates
-    }
-
-    /// Number of modes requested, if it is a number.
-    fn requested(&self) -> usize {
-        match self.selection {
-            Selection::Nearest { count, .. } => count,
-            Selection::Range(_) => usize::MAX,
-        }
     }
 
     fn factorise(&mut self, shift: f64) -> Result<(), LinearError> {

@@ -98,10 +98,14 @@ impl Model {
 }
 
 impl Context {
-    /// A frame node in the configuration last evaluated or set by [`Context::configure`].
+    /// A frame node in the configuration last evaluated or set by [`Context::configure`]; not a number for a node without a
+    /// frame.
     pub fn node_state(&self, node: NodeId) -> NodeState {
         let n = &self.model.nodes[node.0 as usize];
-        let [x, v, a] = self.chart_motion(n);
+        let [x, v, a] = match n.is_frame() {
+            true => self.chart_motion(n),
+            false => [[f64::NAN; 6]; 3],
+        };
         let (d, psi) = (three(&x, 0), three(&x, 3));
         let [psi_dot, psi_ddot] = [&v, &a].map(|x| three(x, 3));
         let R = so3::rotation(&psi);
