@@ -70,6 +70,19 @@ fn modes_of_two_masses() {
     }
 }
 
+/// Masses side by side, ω² = 1e-7/3 and 1e7.
+#[test]
+fn modes_that_rounding_loses_are_told_of() {
+    let text = masses("[analysis.modes]\ncount = 2\n")
+        .replace("stiffness = 2", "stiffness = 1e-7")
+        .replace("stiffness = 1\n", "stiffness = 1e7\n")
+        .replace("[\"a\", \"b\"]", "[\"ground\", \"b\"]");
+    let [_, warnings] = told("lost modes", &text);
+    assert_says(&warnings.concat(), &["1 mode of count = 2 found", "`near`"]);
+    let [_, warnings] = told("lost modes", &text.replace("count = 2", "range = [1, 1e4]"));
+    assert!(warnings.is_empty(), "{warnings:?}");
+}
+
 #[test]
 fn why_there_are_no_modes_or_critical_loads_is_told() {
     let after =
