@@ -185,7 +185,7 @@ pub fn modes_while(
             }
         }
         modes.sort_by(|a, b| a.omega().total_cmp(&b.omega()));
-        // Modes at rest that were found twice take the place of others.
+        // Modes at rest that were found twice leave too few others.
         if let Selection::Nearest { count, .. } = &mut sought.selection
             && modes.len() < options.selection.most()
             && vectors == *count
