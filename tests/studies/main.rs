@@ -1,5 +1,4 @@
 //! Computations of minutes that the suite makes small ones of: `cargo test --release --test studies`.
-// The symbols of the equations.
 
 mod andrews;
 mod arms;
@@ -8,6 +7,5 @@ mod gallery;
 mod heavy_top;
 mod mechanisms;
 mod rods;
-// The suite uses all of it.
-#[allow(dead_code)]
+#[allow(dead_code, reason = "the suite uses all of it")]
 mod support;

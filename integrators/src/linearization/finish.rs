@@ -10,8 +10,8 @@ use num_complex::Complex64;
 /// Rounding errors of φᵀ K φ in units of those of its terms.
 pub(super) const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// Square of the imaginary part of a shape, relative to the whole, that is rounding.
-const PART: f64 = 1e-16;
+/// Square of a part of a shape, relative to the whole, that is no shape of its own.
+const PART: f64 = 1e-6;
 
 /// Makes modes of eigenvectors: their eigenvalues, scale and residual.
 pub(super) struct Finish<'a> {
@@ -52,9 +52,14 @@ impl<'a> Finish<'a> {
         let parts = parts
             .into_iter()
             .filter(|x: &Vec<Complex64>| self.square(x) > PART * size);
-        parts.map(|x| self.mode(x, found)).collect()
+        let parts: Vec<Mode> = parts.map(|x| self.mode(x, found)).collect();
+        match parts.iter().all(|part| part.eigenvalue == Complex64::ZERO) {
+            true => parts,
+            false => vec![mode],
+        }
     }
 
+    /// One mode of an eigenvector.
     fn mode(&self, mut shape: Vec<Complex64>, found: Complex64) -> Mode {
         let lin = self.lin;
         let image = |values: &[f64]| lin.product(values, &shape);

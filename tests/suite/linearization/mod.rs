@@ -1,5 +1,4 @@
 //! Linearised equations of motion and their modes.
-// The symbols of the equations.
 
 mod beams;
 mod buckling;

@@ -1,7 +1,5 @@
 //! Shared by the tests of dynamics: runs, spatial quantities, slopes, independent integration.
 
-#![allow(dead_code)]
-
 use nalgebra::{Matrix3, SVector, Vector3};
 use pullback::elements::beam::Section;
 use pullback::elements::body::RigidBody;

@@ -22,14 +22,24 @@ impl Search<'_> {
         let (Some(below), Some(up_to)) = (self.below(from)?, self.below(to)?) else {
             return Ok(None);
         };
+        let mut count = up_to.saturating_sub(below);
+        if below > 0 {
+            // Modes that grow have ω² < 0.
+            let inner = self.below(-from.abs())?;
+            let outer = if inner == Some(0) {
+                inner
+            } else {
+                self.below(-to)?
+            };
+            let (Some(inner), Some(outer)) = (inner, outer) else {
+                return Ok(None);
+            };
+            count += inner.saturating_sub(outer);
+        }
         // Not where a symmetric structure may have an eigenvalue.
         self.middle = from + MIDDLE * (to - from);
-        let mut count = up_to.saturating_sub(below);
-        // Modes that grow have ω² < 0.
-        if below > 0
-            && let Some(growing @ 1..) = self.below(-from.abs())?
-        {
-            count += growing.saturating_sub(self.below(-to)?.unwrap_or(growing));
+        if up_to == below {
+            return Ok(Some(count));
         }
         for _ in 0..HALVINGS {
             match self.below(self.middle)? {
