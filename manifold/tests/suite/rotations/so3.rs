@@ -78,25 +78,6 @@ fn agree_with_the_reference() {
 }
 
 #[test]
-fn switching_agrees_with_the_reference() {
-    for row in reference("switching") {
-        let get = |key: &str| vector::<3>(&row[key]);
-        let (Psi, Psi_dot, Psi_ddot) = (get("psi"), get("psi_dot"), get("psi_ddot"));
-        let expect = |key: &str, value: M3| close(key, &value, &matrix(&row[key]), 1e-13);
-        close(
-            "complement",
-            &complement(&Psi),
-            &get("psi_complement"),
-            1e-13,
-        );
-        expect("B", B_s(&Psi));
-        expect("B_dot", B_s_dot(&Psi_dot, &Psi));
-        expect("B_ddot", B_s_ddot(&Psi_ddot, &Psi_dot, &Psi));
-        expect("K_sigma", K_sigma_s(&get("f"), &Psi));
-    }
-}
-
-#[test]
 fn identities_hold() {
     let mut random = Random::default();
     let I = M3::identity();
