@@ -27,24 +27,6 @@ impl Map<6, 6> for Offset {
     }
 }
 
-/// Ψ_s = log(R(Ψ_m) R(φ e)) (\[M04\] 4.1.4), on the branch of its own product of quaternions.
-#[derive(Clone)]
-pub struct Revolute {
-    pub axis: Vector3<f64>,
-}
-
-impl Map<4, 3> for Revolute {
-    fn phi<S: Scalar>(&self, _t: S, q: &SVector<S, 4>) -> SVector<S, 3> {
-        let half = q[3] * 0.5;
-        let joint = so3::Quaternion {
-            w: half.cos(),
-            v: self.axis.map(S::constant) * half.sin(),
-        };
-        let parent = so3::quaternion(&Vector3::new(q[0], q[1], q[2]));
-        so3::log_quaternion(&parent.product(&joint))
-    }
-}
-
 /// A point on the unit circle.
 #[derive(Clone, Copy, Debug)]
 pub struct Circle;
