@@ -1,6 +1,6 @@
-//! Implicit constraints: exact derivatives, changes of split, and the branch of a solution.
+//! Implicit constraints: exact derivatives, errors of them, and the branch of a solution.
 
-use super::{Planted, gap};
+use super::Planted;
 use crate::support::*;
 
 /// A four-bar linkage: absolute angles of crank, coupler, rocker; ground pivots `d` apart. The
@@ -83,36 +83,6 @@ fn all_laws_hold() {
     check::map(&Linear::<3, 1>::sum([1.0, 0.0, -2.0], 0.1)).assert();
 }
 
-/// A constraint whose equations over plain numbers are not those over jets.
-#[derive(Clone, Copy, Debug)]
-struct Slip(f64);
-
-impl Implicit<3, 2> for Slip {
-    fn h<S: Scalar>(&self, t: S, x: &SVector<S, 3>) -> SVector<S, 2> {
-        let mut h = GRASHOF.h(t, x);
-        if S::ORDER > 1 {
-            h[0] += x[1] * x[0] * x[2] * self.0;
-        }
-        h
-    }
-}
-
-#[test]
-fn errors_in_equations_are_found() {
-    let guess = [0.4, 0.5, 1.5];
-    let map = |off| ImplicitMap::of(Slip(off), 1, 0.0, guess, Choice::Split).unwrap();
-    check::implicit(&map(0.0), 0.0).assert();
-    let bad = map(0.03);
-    let laws = check::implicit(&bad, 0.0).failing_laws();
-    for law in [
-        "B_dot, B_ddot along the motion",
-        "K_sigma = d(B'f)/dq",
-        "x_dot, x_ddot along the motion",
-    ] {
-        assert!(laws.iter().any(|l| l == law), "{law}: {laws:?}");
-    }
-}
-
 #[test]
 fn errors_in_a_change_of_coordinates_are_found() {
     let linkage = FourBar {
@@ -159,70 +129,6 @@ fn errors_in_a_change_of_coordinates_are_found() {
         };
         let report = check::rewriting(&planted, t, &[0.02], &change, Some(&back));
         assert_eq!(report.failing_laws(), laws, "{error}: {report}");
-    }
-}
-
-/// The same four-bar linkage in coordinates that all turn back: the positions of its two pins.
-#[derive(Clone, Copy, Debug)]
-struct Pins;
-
-impl Implicit<4, 3> for Pins {
-    fn h<S: Scalar>(&self, _t: S, x: &SVector<S, 4>) -> SVector<S, 3> {
-        let FourBar {
-            lengths: [a, b, c],
-            d,
-            ..
-        } = GRASHOF;
-        let square = |x: S, y: S, l: f64| x * x + y * y - l * l;
-        Vector3::new(
-            square(x[0], x[1], a),
-            square(x[2] - x[0], x[3] - x[1], b),
-            square(x[2] - d, x[3], c),
-        )
-    }
-}
-
-#[test]
-fn splits_change_where_others_are_better() {
-    let turns = 3.0;
-    for choice in [Choice::Split, Choice::Tangent] {
-        let guess = [1.0, 0.0, 2.5, 2.5];
-        let mut map = ImplicitMap::of(Pins, 1, 0.0, guess, choice).unwrap();
-        let mut q = [0.0];
-        let (mut changes, mut worst, mut gone) = (0, 0.0_f64, 0.0);
-        let steps = 6000;
-        let dt = turns * std::f64::consts::TAU / f64::from(steps);
-        for _ in 0..steps {
-            // Along the motion with crank velocity one, in whatever the coordinate is.
-            let rate = |q: &[f64]| {
-                let [x, B] = tangent(&map, 0.0, q);
-                (x[0] * B[1] - x[1] * B[0]).recip()
-            };
-            let [before, _] = tangent(&map, 0.0, &q);
-            let half = q[0] + 0.5 * dt * rate(&q);
-            q[0] += dt * rate(&[half]);
-            let [x, _] = tangent(&map, 0.0, &q);
-            gone +=
-                (before[0] * x[1] - before[1] * x[0]).atan2(before[0] * x[0] + before[1] * x[1]);
-            worst = worst.max(Pins.h(0.0, &SVector::from_column_slice(&x)).norm());
-            let (mut v, mut a) = ([0.3], [vec![-0.2]]);
-            let before = motion(&map, 0.0, [&q, &v, &a[0]]);
-            if map.reparametrize(0.0, &mut q, &mut v, &mut a) {
-                changes += 1;
-                let after = motion(&map, 0.0, [&q, &v, &a[0]]);
-                assert!(gap(&after[0], &before[0]) < 1e-14);
-                assert!(gap(&after[1], &before[1]) < 1e-14);
-                assert!(gap(&after[2], &before[2]) < 1e-13);
-            }
-            let condition = map.condition(0.0, &q);
-            assert!(condition < 40.0, "{condition}");
-        }
-        assert!((6..60).contains(&changes), "{changes} changes");
-        assert!(
-            (gone - turns * std::f64::consts::TAU).abs() < 1e-3,
-            "the crank went {gone}"
-        );
-        assert!(worst < 1e-14, "{worst}");
     }
 }
 

@@ -9,12 +9,6 @@ mod steep;
 
 use crate::support::*;
 
-fn gap(a: &[f64], b: &[f64]) -> f64 {
-    assert_eq!(a.len(), b.len());
-    let gaps = a.iter().zip(b).map(|(a, b)| (a - b).abs());
-    gaps.fold(0.0, |most, gap| if most > gap { most } else { gap })
-}
-
 /// A solved constraint with factors at Ḃ and K_σ.
 #[derive(Clone)]
 struct Planted {
