@@ -70,6 +70,13 @@ fn poses_are_what_the_joints_mean() {
     };
     let (along, one) = (R * axis, Matrix3::identity());
 
+    let c = Vector3::new(0.3, -0.2, 0.5);
+    is(&pose(&Offset { c }, &parent, &[]), R * c - c, one, 1e-14);
+
+    let hinge = Revolute::new(axis.into()).unwrap();
+    let p = pose(&hinge, &parent, &[1.9]);
+    is(&p, Vector3::zeros(), turn(1.9), 1e-14);
+
     let screw = joint::Helical::new(axis.into(), 0.7).unwrap();
     // Three and a quarter turns.
     let p = pose(&screw, &parent, &[3.25 * TAU]);

@@ -1,4 +1,4 @@
-//! Joints: every law of their maps, reference tensors.
+//! Joints: every law of their maps.
 
 use crate::support::*;
 use pullback_manifold::so3::{self, Quaternion};
@@ -61,42 +61,4 @@ fn joints_whose_children_turn_freely_obey_the_laws_of_a_map() {
     let screw = Helical::new([1.0, -2.0, 0.5], 0.7).unwrap();
     check::parametrization(&JointMap::turning_freely(screw).between_charts()).assert();
     check::parametrization(&JointMap::turning_freely(Rheonomic).between_charts()).assert();
-}
-
-#[test]
-fn the_offset_of_the_reference() {
-    for row in reference("offset") {
-        let c = Vector3::from_vec(numbers(&row["offset"]));
-        against(&row, JointMap::new(Offset { c }).between_charts(), &[], &[]);
-    }
-}
-
-#[test]
-fn the_revolute_joint_of_the_reference() {
-    for row in reference("revolute") {
-        let e: [f64; 3] = numbers(&row["axis"]).try_into().expect("three");
-        let map = JointMap::new(Revolute::new(e).unwrap()).between_charts();
-        // The reference has the rotation and the angle alone.
-        against(&row, map, &[0.0; 3], &[0.3, -0.1, 0.8]);
-    }
-}
-
-/// Operators and geometric stiffness of a map and of the reference, which has not what stands before its coordinates
-/// and forces.
-fn against(row: &Value, mut map: MapGraph, before: &[f64], force: &[f64]) {
-    let behind = |first: &[f64], key: &str| [first, &numbers(&row[key])].concat();
-    let [q, v, a] = ["q", "q_dot", "q_ddot"].map(|key| behind(before, key));
-    let (k, d) = (before.len(), q.len());
-    let compare = |key: &str, found: DMatrix<f64>| {
-        let (found, expected) = (found.view_range(k.., k..), matrix(&row[key]));
-        let gap = (found - &expected).amax() / (1.0 + expected.amax());
-        assert!(gap < 1e-12, "{key}: {gap:e}\n{found}{expected}");
-    };
-    let motion = check::motion(&map, 0.0, [&q, &v, &a]);
-    for (key, B) in ["B", "B_dot", "B_ddot"].into_iter().zip(&motion[3..]) {
-        compare(key, DMatrix::from_column_slice(6, d, B));
-    }
-    let mut K = vec![0.0; d * d];
-    map.geometric_stiffness(0.0, &q, &behind(force, "f"), &mut K);
-    compare("K_sigma", DMatrix::from_vec(d, d, K));
 }
