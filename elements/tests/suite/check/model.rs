@@ -3,7 +3,8 @@
 use crate::support::*;
 
 /// Everything at once: beams of two orders, a body on a revolute joint and a rigid link, a ball
-/// joint, a slide, springs, a bushing, loads of all kinds and a driven support.
+/// joint, a slide, a frame that moves away from its parent with time and a beam between the two,
+/// springs, a bushing, loads of all kinds, and supports that are driven in part.
 fn everything() -> Context {
     let mut b = ModelBuilder::new();
     let inertia = Inertia::about_centre(
@@ -33,6 +34,16 @@ fn everything() -> Context {
         .slide("runner", &[corner, leg, tip], 0.3, Interpolation::Total)
         .unwrap();
     b.element("runner body", body, &[runner.frame]).unwrap();
+    let offset = [0.0, 0.3, 0.4];
+    let outer = b.position(corner) + Vector3::from(offset);
+    let outer = b.mapped_node(
+        "outer",
+        outer.into(),
+        GrowingOffset(offset).boxed(),
+        &[corner],
+    );
+    let damped = massive().with_damping(DAMPING).unwrap();
+    lay(&mut b, "brace", [corner, outer.unwrap()], 1, 1, damped);
     let positions = [tip, root].map(|n| b.position(n));
     let rope = AxialSpring::new(&positions, 4.0, 0.3).unwrap();
     b.element("rope", rope, &[tip, root]).unwrap();
@@ -43,6 +54,7 @@ fn everything() -> Context {
     b.support(root, &[Dof::X, Dof::Y, Dof::RX, Dof::RY]);
     b.prescribe(root, Dof::Z, sine(0.2));
     b.prescribe(root, Dof::RZ, sine(0.5));
+    b.prescribe(corner, Dof::Y, sine(0.3));
     Context::new(b.build().unwrap())
 }
 
@@ -54,6 +66,60 @@ fn a_right_model_passes_from_many_seeds() {
         let report = check::model(&mut model, &options);
         report.assert();
         assert!(report.rows().len() > 200, "{}", report.rows().len());
+    }
+}
+
+/// Nodes on both sides of half a turn, of which elements evaluate some in the other chart, and one that
+/// stores the complement of its parent's rotation, where an element changes charts whatever the angle.
+#[test]
+fn a_right_model_passes_astride_a_change_of_chart() {
+    let mut b = ModelBuilder::new();
+    let positions = [
+        [0.0; 3],
+        [1.0, 0.0, 0.0],
+        [1.9, 0.3, 0.0],
+        [2.8, 0.2, 0.4],
+        [2.0, 1.1, 0.3],
+    ];
+    let nodes = [0, 1, 2, 3].map(|k| b.node(format!("{k}"), positions[k]).unwrap());
+    let seat = b.node("seat", positions[4]).unwrap();
+    let twin = b.mapped_node("twin", positions[4], Twin.boxed(), &[seat]);
+    let twin = twin.unwrap();
+    let section = massive().with_damping(DAMPING).unwrap();
+    lay(&mut b, "undamped", [nodes[0], nodes[1]], 1, 1, massive());
+    for ends in [[nodes[1], nodes[2]], [nodes[2], nodes[3]], [nodes[2], twin]] {
+        lay(&mut b, &format!("{ends:?}"), ends, 1, 1, section);
+    }
+    let ends = [positions[0], positions[1]].map(Vector3::from);
+    let wind = LineLoad::new(&ends, [0.0, 2.0, 1.0], true, sine(2.0)).unwrap();
+    b.element("wind", wind, &nodes[..2]).unwrap();
+    for node in [nodes[0], seat] {
+        b.prescribe(node, Dof::RY, sine(0.3));
+    }
+    let mut context = Context::new(b.build().unwrap());
+    let mut q = vec![0.0; pullback_manifold::system::System::pattern(&context).dim()];
+    let e = Vector3::new(0.6, 0.0, -0.8);
+    let angles = [2.7, 3.1, 3.2, 3.5, 2.9];
+    for (node, angle) in nodes.into_iter().chain([seat]).zip(angles) {
+        for (i, dof) in Dof::ROTATIONS.into_iter().enumerate() {
+            if let Some(u) = context.unknown(node, dof) {
+                q[u] = e[i] * angle;
+            }
+        }
+    }
+    let ModelOptions { t, .. } = ModelOptions::default();
+    context.start(t, &q);
+    // The start has found the charts of the elements; only nodes are stored anew.
+    let changes = context.change_charts(t, &mut q, &mut [], &mut []);
+    assert_eq!((changes.charts, changes.residual), (2, false));
+    let u = context.unknown(nodes[3], Dof::RZ).unwrap();
+    assert!((q[u] - e.z * (3.5 - TAU)).abs() < 1e-14);
+    for seed in 0..4 {
+        let options = ModelOptions {
+            q: q.clone(),
+            ..seeded(seed)
+        };
+        check::model(&mut context, &options).assert();
     }
 }
 

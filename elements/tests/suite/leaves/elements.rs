@@ -46,11 +46,6 @@ fn beams() {
 }
 
 #[test]
-fn the_coupling_of_the_model_tests() {
-    check::element(&Coupling).assert();
-}
-
-#[test]
 fn nodal_loads() {
     for which in [
         LoadKind::DeadForce,

@@ -26,8 +26,6 @@ fn nothing_is_allocated_after_the_first_evaluation() {
     let dependent = b
         .mapped_node("dependent", [3.0, 0.3, 0.4], offset, &[end])
         .unwrap();
-    b.element("coupling", Coupling, &[nodes[2], dependent])
-        .unwrap();
     let load = NodalLoad::new(LoadKind::FollowerMoment, [1.0, 2.0, 3.0], Proportional(1.0));
     b.element("load", load, &[dependent]).unwrap();
     let body = RigidBody::new(2.0, Matrix3::identity(), Vector3::x()).unwrap();

@@ -1,96 +1,22 @@
-//! Bodies, springs and their loads in a model: the assembled tangent, changes of chart, refusals.
+//! Dampers and bodies in a model.
 
 use crate::support::*;
 
-/// Two bodies joined by a bushing, one of them by a spring to a point mass, all in a gravity field.
-fn model() -> (Context, [NodeId; 3]) {
-    let mut b = ModelBuilder::new();
-    let nodes = [
-        b.node("first", [0.0; 3]).unwrap(),
-        b.node("second", [1.0, 0.2, -0.1]).unwrap(),
-        b.node("mass", [1.5, 0.9, 0.4]).unwrap(),
-    ];
-    let [first, second, mass] = nodes;
-    let J = Matrix3::new(2.0, 0.1, 0.2, 0.1, 2.5, -0.3, 0.2, -0.3, 3.0);
-    let g = [0.0, 0.0, -9.81];
-    for (name, node, c) in [
-        ("body 1", first, Vector3::new(0.2, -0.3, 0.1)),
-        ("body 2", second, Vector3::zeros()),
-    ] {
-        let body = RigidBody::new(1.3, J, c).unwrap();
-        let weight = body.weight(g, Constant(1.0));
-        b.element(name, body, &[node]).unwrap();
-        b.element(format!("weight of {name}"), weight, &[node])
-            .unwrap();
-    }
-    let point = PointMass::new(0.7).unwrap();
-    b.element("point", point, &[mass]).unwrap();
-    let ends = [first, second].map(|n| b.position(n));
-    let (K, D) = (Matrix6::identity() * 4.0, Matrix6::identity() * 0.3);
-    let bushing = Bushing::new(&ends, &Matrix3::identity(), &K, &D).unwrap();
-    b.element("bushing", bushing, &[first, second]).unwrap();
-    let ends = [second, mass].map(|n| b.position(n));
-    let spring = AxialSpring::new(&ends, 5.0, 0.4).unwrap();
-    b.element("spring", spring, &[second, mass]).unwrap();
-    b.support(mass, &Dof::ROTATIONS);
-    (Context::new(b.build().unwrap()), nodes)
-}
-
-#[test]
-fn they_obey_the_laws_of_a_model_also_astride_a_change_of_chart() {
-    let (mut context, [first, second, _]) = model();
-    assert!(context.is_symmetric());
-    let mut random = Random::new(8);
-    // The second body is beyond π and moves to the other chart, the first one stays.
-    for angles in [[0.4, 0.9], [3.0, 3.3]] {
-        let mut q = vec![0.0; context.pattern().dim()];
-        random.fill(&mut q);
-        for (node, angle) in [first, second].into_iter().zip(angles) {
-            let psi = Vector3::new(0.6, 0.8, 0.1).normalize() * angle;
-            for (i, dof) in Dof::ROTATIONS.into_iter().enumerate() {
-                q[context.unknown(node, dof).unwrap()] = psi[i];
-            }
-        }
-        let changes = context.change_charts(0.0, &mut q, &mut [], &mut []);
-        assert_eq!(changes.charts, usize::from(angles[1] > 3.2));
-        let options = ModelOptions {
-            q,
-            ..ModelOptions::default()
-        };
-        check::model(&mut context, &options).assert();
-    }
-}
-
 #[test]
 fn a_new_context_knows_the_power_of_dampers() {
-    let (mut context, [first, ..]) = model();
-    let n = context.initial().len();
-    let (q, mut v, a) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
-    v[context.unknown_at(first, 0).unwrap()] = 2.0;
-    let at = point(0.0, [&q, &v, &a]);
+    let mut b = ModelBuilder::new();
+    let ends = [0.0, 1.0].map(|x| b.node(format!("{x}"), [x, 0.0, 0.0]).unwrap());
+    let (one, D) = (Matrix6::identity(), Matrix6::identity() * 0.3);
+    let positions = ends.map(|n| b.position(n));
+    let bushing = Bushing::new(&positions, &Matrix3::identity(), &one, &D).unwrap();
+    b.element("bushing", bushing, &ends).unwrap();
+    let mut context = Context::new(b.build().unwrap());
+    let (rest, mut v) = ([0.0; 12], [0.0; 12]);
+    v[0] = 2.0;
+    let at = point(0.0, [&rest, &v, &rest]);
     // ẋᵀ D ẋ of the bushing with D = 0.3.
     assert!((context.dissipation(at).unwrap() - 1.2).abs() < 1e-14);
     assert!((context.energies(at).unwrap().dissipated - 1.2).abs() < 1e-14);
-}
-
-#[test]
-fn a_spring_without_length_is_named() {
-    let (mut context, [_, second, mass]) = model();
-    let n = context.pattern().dim();
-    let mut q = vec![0.0; n];
-    let gap = context.node(second).position() - context.node(mass).position();
-    for (i, dof) in [Dof::X, Dof::Y, Dof::Z].into_iter().enumerate() {
-        q[context.unknown(mass, dof).unwrap()] = gap[i];
-    }
-    let at = Point::statics(0.0, &q);
-    let error = context
-        .evaluate(at, Evaluation::residual(&mut vec![0.0; n]))
-        .unwrap_err();
-    let text = error.to_string();
-    assert!(
-        text.starts_with("element spring: its ends coincide"),
-        "{text}"
-    );
 }
 
 /// A fixed frame: name, parent and position.

@@ -10,7 +10,7 @@ pub mod polynomial_spring;
 pub mod strain_beam;
 
 pub use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, SMatrix, SVector, Vector3, Vector6};
-pub use pullback_conformance::{self as check, InCharts, ModelOptions, Random, Report, TestState};
+pub use pullback_conformance::{self as check, InCharts, ModelOptions, Random, Report};
 pub use pullback_elements::{beam::*, body::*, element::*, energy::*, inertia::*, joint::*};
 pub use pullback_elements::{load::*, model::*, spring::*, time::*};
 pub use pullback_manifold::{domain::*, implicit::*, jet::*, map::*, scalar::*, so3, system::*};
@@ -127,25 +127,7 @@ impl Map<6, 6> for GrowingOffset {
     }
 }
 
-/// A frame and an angle to a frame: nonlinear, no joint in particular.
-#[derive(Clone)]
-pub struct TwoTurn;
-
-impl Map<7, 6> for TwoTurn {
-    fn phi<S: Scalar>(&self, t: S, q: &SVector<S, 7>) -> SVector<S, 6> {
-        let (s, c) = (q[6].sin(), q[6].cos());
-        SVector::<S, 6>::new(
-            q[0] * c - q[1] * s,
-            q[0] * s + q[1] * c,
-            q[2] + q[6] * t,
-            q[3] + q[4] * q[6] * 0.3,
-            q[4] - s * 0.5,
-            q[5] + q[6] * 0.4,
-        )
-    }
-}
-
-/// The same frame with its rotation in the other chart.
+/// The frame of its parent, with its rotation in the other chart.
 #[derive(Clone)]
 pub struct Twin;
 
@@ -153,48 +135,6 @@ impl Map<6, 6> for Twin {
     fn phi<S: Scalar>(&self, _t: S, q: &SVector<S, 6>) -> SVector<S, 6> {
         let psi = so3::complement(&Vector3::new(q[3], q[4], q[5]));
         SVector::<S, 6>::new(q[0], q[1], q[2], psi.x, psi.y, psi.z)
-    }
-}
-
-/// An element of two frames whose residual depends on everything, also on ẋ and ẍ.
-pub struct Coupling;
-
-impl Element for Coupling {
-    fn dim(&self) -> usize {
-        12
-    }
-
-    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
-        let x = at.x;
-        let moving = |s: &[f64], i: usize| s.get(i).copied().unwrap_or(0.0);
-        let (v, a) = (|i| moving(at.v, i), |i| moving(at.a, i));
-        for i in 0..12 {
-            let (j, k) = ((i + 3) % 12, (i + 7) % 12);
-            let put = |M: &mut Option<&mut [f64]>, column: usize, value: f64| {
-                if let Some(M) = M.as_deref_mut() {
-                    M[i + 12 * column] += value;
-                }
-            };
-            out.r[i] += (x[j] * x[i]).sin() + 0.3 * v(i) * v(j) * x[k] - (1.5 + x[k].cos()) * a(i)
-                + 0.2 * a(j) * v(k);
-            let c = (x[j] * x[i]).cos();
-            put(&mut out.K, j, -c * x[i]);
-            put(&mut out.K, i, -c * x[j]);
-            put(&mut out.K, k, -0.3 * v(i) * v(j) - x[k].sin() * a(i));
-            put(&mut out.C, i, -0.3 * v(j) * x[k]);
-            put(&mut out.C, j, -0.3 * v(i) * x[k]);
-            put(&mut out.C, k, -0.2 * a(j));
-            put(&mut out.M, i, 1.5 + x[k].cos());
-            put(&mut out.M, j, -0.2 * v(k));
-        }
-        Ok(())
-    }
-
-    fn properties(&self) -> Properties {
-        Properties {
-            symmetric: false,
-            ..Properties::INTERNAL
-        }
     }
 }
 
