@@ -1,95 +1,15 @@
-//! Nothing physical may jump when charts change: energy, strains, forces, velocities.
+//! Charts of nodes and elements: in which an element is evaluated, and what a change of them leaves alone.
 
 use crate::support::*;
 
 const EXACT: f64 = 1e-12;
 
-/// Reference positions of five nodes: two elements of order two, or four of order one.
-const NODES: usize = 5;
-
 fn position(k: usize) -> Vector3<f64> {
     Vector3::new(0.5 * k as f64, 0.0, 0.0)
 }
 
-/// What cannot depend on charts.
-#[derive(Clone, Debug)]
-struct Physical {
-    energy: f64,
-    states: Vec<SectionState>,
-    /// Force and moment at each node in the spatial frame.
-    forces: Vec<[Vector3<f64>; 2]>,
-}
-
-#[track_caller]
-fn same(what: &str, a: &Physical, b: &Physical) {
-    let gap = (a.energy - b.energy).abs() / b.energy;
-    assert!(gap < EXACT, "{what}: energy {gap:e}");
-    assert_eq!(a.states.len(), b.states.len());
-    for (x, y) in a.states.iter().zip(&b.states) {
-        for (name, x, y) in [
-            ("position", x.position, y.position),
-            ("Gamma", x.Gamma, y.Gamma),
-            ("K", x.K, y.K),
-            ("N", x.N, y.N),
-            ("M", x.M, y.M),
-        ] {
-            let gap = (x - y).norm() / y.norm();
-            assert!(gap < EXACT, "{what}: {name} {gap:e}");
-        }
-        assert!((x.frame - y.frame).norm() < EXACT, "{what}: frame");
-    }
-    for kind in 0..2 {
-        let size: f64 = b.forces.iter().map(|f| f[kind].norm()).fold(0.0, f64::max);
-        for (k, (x, y)) in a.forces.iter().zip(&b.forces).enumerate() {
-            let gap = (x[kind] - y[kind]).norm() / size;
-            assert!(gap < EXACT, "{what}: node {k}, kind {kind}: {gap:e}");
-        }
-    }
-}
-
-/// Displacements and rotation vectors: bent, stretched, and turned by θ about e as a whole; `psi` on
-/// the branch of θ e.
-fn configuration(theta: f64, random: &mut Random) -> Vec<[Vector3<f64>; 2]> {
-    let mut e = Vector3::zeros();
-    random.direction(1.0, e.as_mut_slice());
-    let turn = so3::rotation(&(e * theta));
-    (0..NODES)
-        .map(|k| {
-            let bend: Vector3<f64> = random.vector::<3>() * 0.3;
-            let moved = turn * (position(k) + random.vector::<3>() * 0.05);
-            let R = turn * so3::rotation(&bend);
-            [moved - position(k), so3::log_rotation(&R, &(e * theta))]
-        })
-        .collect()
-}
-
-/// A beam of `NODES` nodes, with inner nodes on a line in the builder's order.
-fn model(order: usize) -> (Context, Vec<NodeId>) {
-    let mut b = ModelBuilder::new();
-    let from = b.node("from", position(0).into()).unwrap();
-    let to = b.node("to", position(NODES - 1).into()).unwrap();
-    let elements = (NODES - 1) / order;
-    let nodes = lay(&mut b, "line", [from, to], elements, order, coupled());
-    (Context::new(b.build().unwrap()), nodes)
-}
-
-/// The same of elements between two nodes, of which every second follows a parent that stores the complement:
-/// no element can do without a change of chart, whatever the angle. Its nodes are the parents.
-fn twins() -> (Context, Vec<NodeId>) {
-    let mut b = ModelBuilder::new();
-    let (mut own, mut ends) = (Vec::new(), Vec::new());
-    for k in 0..NODES {
-        let at = position(k).into();
-        let node = b.node(format!("n{k}"), at).unwrap();
-        let twin = b.mapped_node(format!("twin {k}"), at, Twin.boxed(), &[node]);
-        own.push(node);
-        ends.push(if k % 2 == 0 { node } else { twin.unwrap() });
-    }
-    for (k, pair) in ends.windows(2).enumerate() {
-        let name = format!("beam {k}");
-        lay(&mut b, &name, [pair[0], pair[1]], 1, 1, coupled());
-    }
-    (Context::new(b.build().unwrap()), own)
+fn at(q: &[f64]) -> Point<'_> {
+    Point::statics(0.0, q)
 }
 
 fn coordinates(context: &Context, nodes: &[NodeId], values: &[[Vector3<f64>; 2]]) -> Vec<f64> {
@@ -103,158 +23,90 @@ fn coordinates(context: &Context, nodes: &[NodeId], values: &[[Vector3<f64>; 2]]
     q
 }
 
-fn at(q: &[f64]) -> Point<'_> {
-    Point::statics(0.0, q)
-}
-
-fn take(context: &Context, node: NodeId, dofs: [Dof; 3], from: &[f64]) -> Vector3<f64> {
-    Vector3::from_fn(|k, _| from[context.unknown(node, dofs[k]).unwrap()])
-}
-
-fn physical(context: &mut Context, nodes: &[NodeId], q: &[f64]) -> Physical {
-    let mut r = vec![0.0; q.len()];
-    context
-        .evaluate(at(q), Evaluation::residual(&mut r))
-        .unwrap();
-    let of_node = |&n: &NodeId| {
-        let of = |from: &[f64]| {
-            [Dof::TRANSLATIONS, Dof::ROTATIONS]
-                .map(|dofs| <[f64; 3]>::from(take(context, n, dofs, from)))
-        };
-        spatial(&of(q).concat(), &of(&r).concat())
-    };
-    let forces = nodes.iter().map(of_node).collect();
-    Physical {
-        energy: context.strain_energy(0.0),
-        states: (context.section_states(0.0).into_iter().map(|s| s.1)).collect(),
-        forces,
-    }
-}
-
-/// The same by elements alone, each in the chart in which its largest angle is smallest.
-fn by_elements(values: &[[Vector3<f64>; 2]], order: usize) -> Physical {
-    let mut out = Physical {
-        energy: 0.0,
-        states: Vec::new(),
-        forces: vec![[Vector3::zeros(); 2]; NODES],
-    };
-    let frame = frame_along(&Vector3::x(), None);
-    for first in (0..NODES - 1).step_by(order) {
-        let own = first..=first + order;
-        let positions: Vec<Vector3<f64>> = own.clone().map(position).collect();
-        let beam = Interpolation::Total
-            .beam(&positions, &|_| frame, &coupled())
-            .unwrap();
-        let largest = |switch: bool| {
-            own.clone()
-                .map(|k| chart(&values[k][1], switch).norm())
-                .fold(0.0, f64::max)
-        };
-        let switch = largest(true) < largest(false);
-        let gap = (largest(true) - largest(false)).abs();
-        assert!(gap > 1e-3, "the case does not tell: {gap}");
-        let x: Vec<f64> = own
-            .clone()
-            .flat_map(|k| {
-                let [d, psi] = values[k];
-                let psi = chart(&psi, switch);
-                [d.x, d.y, d.z, psi.x, psi.y, psi.z]
-            })
-            .collect();
-        let motion = moving(&x, &[], &[]);
-        let (r, _) = forces(&*beam, &motion).unwrap();
-        out.energy += beam.abilities().energy(&motion);
-        beam.abilities().section_states(&motion, &mut out.states);
-        for (k, (x, r)) in own.zip(x.chunks(6).zip(r.as_slice().chunks(6))) {
-            let [force, moment] = spatial(x, r);
-            out.forces[k][0] += force;
-            out.forces[k][1] += moment;
-        }
-    }
-    out
-}
-
-fn chart(psi: &Vector3<f64>, switch: bool) -> Vector3<f64> {
-    if switch { so3::complement(psi) } else { *psi }
-}
-
-/// Angles of the whole, from well below π to well beyond; nodes bend by up to 0.5 about them.
-const ANGLES: [f64; 7] = [2.5, 2.8, 3.0, 3.2, 3.4, 3.7, 4.0];
-
+/// Between rotations about several axes the interpolated one depends on the chart, and with it strains and
+/// energy: by the square of the angle between the nodes, 0.1.
 #[test]
-fn changes_of_chart_leave_everything_physical_alone() {
-    let mut random = Random::new(21);
-    let mut mixed = 0;
-    for (name, order) in [("linear", 1), ("quadratic", 2), ("twins", 1)] {
-        for theta in ANGLES {
-            let what = format!("{name}, {theta} rad");
-            let values = configuration(theta, &mut random);
-            let expected = by_elements(&values, order);
-            let beyond = values.iter().filter(|v| v[1].norm() > PI).count();
-            mixed += usize::from(beyond != 0 && beyond != NODES);
-
-            // As given: nodes beyond π go over.
-            let (mut m, nodes) = if name == "twins" {
-                twins()
-            } else {
-                model(order)
-            };
-            let mut q = coordinates(&m, &nodes, &values);
-            m.start(0.0, &q);
-            let changes = m.change_charts(0.0, &mut q, &mut [], &mut []);
-            assert_eq!(changes.charts, beyond, "{what}");
-            same(&what, &physical(&mut m, &nodes, &q), &expected);
-            // Settled: nothing more to do.
-            let before = q.clone();
-            let changes = m.change_charts(0.0, &mut q, &mut [], &mut []);
-            assert_eq!((changes.charts, changes.residual), (0, false), "{what}");
-            assert_eq!(q, before);
-
-            // All in the other chart, and back.
-            let complements = values.iter().map(|[d, psi]| [*d, so3::complement(psi)]);
-            q = coordinates(&m, &nodes, &complements.collect::<Vec<_>>());
-            m.start(0.0, &q);
-            let changes = m.change_charts(0.0, &mut q, &mut [], &mut []);
-            assert_eq!(changes.charts, NODES - beyond, "{what}");
-            same(&what, &physical(&mut m, &nodes, &q), &expected);
-            let gap = q.iter().zip(&before).map(|(a, b)| (a - b).abs());
-            assert!(gap.fold(0.0, f64::max) < 1e-14, "{what}");
-        }
-    }
-    assert!(
-        mixed >= 4,
-        "only {mixed} cases have nodes on both sides of π"
-    );
-}
-
-/// That they are those of the same motion is a law of the check of a model.
-#[test]
-fn the_chart_changes_as_many_rates_as_there_are() {
-    let mut random = Random::new(23);
-    for theta in [2.5, 3.2, 4.0] {
-        let (mut m, nodes) = model(1);
-        let q0 = coordinates(&m, &nodes, &configuration(theta, &mut random));
-        let [v0, a0, b0] = [(); 3].map(|()| {
-            let mut x = vec![0.0; q0.len()];
-            random.fill(&mut x);
-            x
+fn elements_are_evaluated_in_the_chart_with_the_smallest_largest_angle() {
+    let cases: [&[f64]; 4] = [&[2.9, 3.2], &[3.4, 2.9], &[3.0, 3.1, 3.2], &[2.8, 3.3, 3.1]];
+    for (angles, stored) in cases.iter().flat_map(|c| [(c, false), (c, true)]) {
+        let count = angles.len();
+        let mut b = ModelBuilder::new();
+        let ends = [0, count - 1].map(|k| b.node(format!("{k}"), position(k).into()).unwrap());
+        let nodes = lay(&mut b, "beam", ends, 1, count - 1, coupled());
+        let mut m = Context::new(b.build().unwrap());
+        let psi = |k: usize, other: bool| {
+            let psi = Vector3::new(0.0, 0.1 * k as f64, 1.0).normalize() * angles[k];
+            if other { so3::complement(&psi) } else { psi }
+        };
+        let of = |other: bool| {
+            let nodes = (0..count).map(|k| [Vector3::zeros(), psi(k, other)]);
+            nodes.collect::<Vec<_>>()
+        };
+        let q = coordinates(&m, &nodes, &of(stored));
+        m.start(0.0, &q);
+        m.configure(at(&q)).unwrap();
+        let positions: Vec<_> = (0..count).map(position).collect();
+        let frame = frame_along(&Vector3::x(), None);
+        let beam = Interpolation::Total.beam(&positions, &|_| frame, &coupled());
+        let beam = beam.unwrap();
+        let [here, there] = [false, true].map(|other| {
+            let x: Vec<f64> = (of(other).into_iter().flatten())
+                .flat_map(<[f64; 3]>::from)
+                .collect();
+            let largest = (0..count).map(|k| psi(k, other).norm()).fold(0.0, f64::max);
+            (largest, beam.abilities().energy(&moving(&x, &[], &[])))
         });
-        let (mut q, mut v, mut a, mut b) = (q0.clone(), v0.clone(), a0, b0.clone());
-        m.change_charts(0.0, &mut q, &mut v, &mut [&mut a, &mut b]);
-        // With the second accelerations, velocities alone, or none.
-        let (mut q1, mut v1, mut b1) = (q0.clone(), v0.clone(), b0);
-        m.change_charts(0.0, &mut q1, &mut v1, &mut [&mut b1]);
-        assert_eq!((&q, &v, &b), (&q1, &v1, &b1));
-        let (mut q2, mut v2) = (q0.clone(), v0);
-        m.change_charts(0.0, &mut q2, &mut v2, &mut []);
-        assert_eq!((&q, &v), (&q2, &v2));
-        let mut q3 = q0;
-        m.change_charts(0.0, &mut q3, &mut [], &mut []);
-        assert_eq!(q, q3);
-        for &node in &nodes {
-            assert!(take(&m, node, Dof::ROTATIONS, &q).norm() <= PI);
-        }
+        let [best, other] = if here.0 < there.0 {
+            [here, there]
+        } else {
+            [there, here]
+        };
+        let gap = (m.strain_energy(0.0) / best.1 - 1.0).abs();
+        assert!(gap < EXACT, "{angles:?}: {gap:e}");
+        assert!((other.1 / best.1 - 1.0).abs() > 1e-6, "{angles:?}");
     }
+}
+
+#[test]
+fn forces_of_an_accepted_state_do_not_depend_on_the_charts_to_come() {
+    // Between rotations about two axes the interpolated one depends on the chart, and with it strains
+    // and energy: by the square of the angle between the nodes, 0.1.
+    let mut b = ModelBuilder::new();
+    let ends = [0.0, 0.5].map(|x| b.node(format!("{x}"), [x, 0.0, 0.0]).unwrap());
+    lay(&mut b, "beam", ends, 1, 1, coupled());
+    let mut m = Context::new(b.build().unwrap());
+    let turned = |angle: f64| {
+        let mut q = vec![0.0; 12];
+        for (node, axis) in [(ends[0], [0.0, 0.0, 1.0]), (ends[1], [0.0, 0.1, 1.0])] {
+            let psi = Vector3::from(axis).normalize() * angle;
+            for i in 0..3 {
+                q[m.unknown(node, Dof::ROTATIONS[i]).unwrap()] = psi[i];
+            }
+        }
+        q
+    };
+    let (mut before, mut now) = (turned(3.0), turned(3.3));
+    m.start(0.0, &before);
+    assert_eq!(
+        m.change_charts(0.0, &mut before, &mut [], &mut []).charts,
+        0
+    );
+    let mut r = [0.0; 12];
+    m.evaluate(at(&now), Evaluation::residual(&mut r)).unwrap();
+    let stored = m.energies_and_momentum(at(&now)).unwrap().energies.stored;
+    let sections = m.section_states(0.0);
+    let changes = m.change_charts(0.0, &mut now, &mut [], &mut []);
+    assert_eq!((changes.charts, changes.residual), (2, true));
+    let told = m.energies_and_momentum(at(&now)).unwrap().energies.stored;
+    assert!((told / stored - 1.0).abs() < 1e-12, "{told}, not {stored}");
+    for ((_, a), (_, b)) in m.section_states(0.0).iter().zip(&sections) {
+        let gap = (a.N - b.N).norm() / b.N.norm() + (a.M - b.M).norm() / b.M.norm();
+        assert!(gap < 1e-12, "{gap:e}");
+    }
+    // The next step begins in the other chart.
+    m.evaluate(at(&now), Evaluation::residual(&mut r)).unwrap();
+    let other = m.energies_and_momentum(at(&now)).unwrap().energies.stored;
+    assert!((other / stored - 1.0).abs() > 1e-6, "{other}, {stored}");
 }
 
 #[test]

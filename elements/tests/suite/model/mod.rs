@@ -4,7 +4,6 @@ mod allocation;
 mod bodies;
 mod builder;
 mod charts;
-mod charts_rows;
 mod omitted;
 mod refusals;
 mod tangent;
