@@ -9,7 +9,8 @@ fn constants_and_straight_lines_have_the_slopes_drawn() {
     let ramp = Table::ramp(1.0, 3.0, 8.0).unwrap();
     let table = [[-1.0, 2.0], [1.0, 6.0], [1.5, 5.0], [4.0, 5.0]];
     let table = Table::new(table.to_vec()).unwrap();
-    let rows: [(&Table, f64, [f64; 2]); 12] = [
+    let triangle = Table::triangle(0.0, 0.5, 1.0, 40.0).unwrap();
+    let rows: [(&Table, f64, [f64; 2]); 17] = [
         (&ramp, 0.5, [0.0, 0.0]),
         (&ramp, 1.0, [0.0, 4.0]),
         (&ramp, 2.0, [4.0, 4.0]),
@@ -22,12 +23,18 @@ fn constants_and_straight_lines_have_the_slopes_drawn() {
         (&table, 1.25, [5.5, -2.0]),
         (&table, 1.5, [5.0, 0.0]),
         (&table, 9.0, [5.0, 0.0]),
+        (&triangle, -1.0, [0.0, 0.0]),
+        (&triangle, 0.25, [20.0, 80.0]),
+        (&triangle, 0.5, [40.0, -80.0]),
+        (&triangle, 0.75, [20.0, -80.0]),
+        (&triangle, 2.0, [0.0, 0.0]),
     ];
     for (f, t, [value, slope]) in rows {
         assert_eq!(f.at(t, &[]), [value, slope, 0.0], "{f:?} at {t}");
     }
     assert_eq!(ramp.kinks(), [1.0, 3.0]);
     assert_eq!(table.kinks(), [-1.0, 1.0, 1.5, 4.0]);
+    assert_eq!(triangle.kinks(), [0.0, 0.5, 1.0]);
 }
 
 #[test]
@@ -50,17 +57,6 @@ fn a_sine_has_its_mean_amplitude_frequency_and_phase() {
         }
     }
     assert!(sine.kinks().is_empty());
-}
-
-#[test]
-fn a_triangle_rises_peaks_and_falls() {
-    let triangle = Table::triangle(0.0, 0.5, 1.0, 40.0).unwrap();
-    assert_eq!(triangle.at(-1.0, &[]), [0.0, 0.0, 0.0]);
-    assert_eq!(triangle.at(0.25, &[]), [20.0, 80.0, 0.0]);
-    assert_eq!(triangle.at(0.5, &[]), [40.0, -80.0, 0.0]);
-    assert_eq!(triangle.at(0.75, &[]), [20.0, -80.0, 0.0]);
-    assert_eq!(triangle.at(2.0, &[]), [0.0, 0.0, 0.0]);
-    assert_eq!(triangle.kinks(), [0.0, 0.5, 1.0]);
 }
 
 #[test]
