@@ -198,40 +198,13 @@ fn schemes_of_order_three_are_refused_adaptive_steps() {
 }
 
 /// ẍ + 400 ẋ + 9 x = 0: h c/m = 4 is beyond the stability of the scheme, although its frequency is not.
-struct Dashpot(BlockPattern);
-
-impl System for Dashpot {
-    fn pattern(&self) -> &BlockPattern {
-        &self.0
-    }
-
-    fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
-        out.r[0] = -at.a[0] - 400.0 * at.v[0] - 9.0 * at.q[0];
-        if let Some((w, S)) = out.S {
-            S[0] = w.M + 400.0 * w.C + 9.0 * w.K;
-        }
-        Ok(())
-    }
-
-    fn energetics(&mut self) -> Option<&mut dyn Energetics> {
-        Some(self)
-    }
-}
-
-impl Energetics for Dashpot {
-    fn energies(&mut self, at: Point<'_>) -> Result<Energies, SystemError> {
-        Ok(Energies {
-            kinetic: 0.5 * at.v[0].powi(2),
-            stored: 4.5 * at.q[0].powi(2),
-            dissipated: 400.0 * at.v[0].powi(2),
-            ..Energies::default()
-        })
-    }
-}
-
 #[test]
 fn dampers_that_make_a_motion_unstable_are_noticed() {
-    let mut dashpot = Dashpot(BlockPattern::dense(1));
+    let mut dashpot = Oscillator {
+        c: 400.0,
+        kinks: Vec::new(),
+        ..Oscillator::new(1.0, 9.0)
+    };
     let options = steps_of(Scheme::tsitouras(), 2.0, 0.01);
     refused! { attempt(&mut dashpot, [&[0.0], &[1.0]], &options) => ["the motion is unstable"] }
     // λ = −0.0225 and −400: x = v₀ (e^(λ₁ t) − e^(λ₂ t)) / (λ₁ − λ₂).

@@ -75,25 +75,6 @@ fn the_truss_is_unstable_between_its_limit_points() {
 }
 
 #[test]
-fn a_path_step_by_step_is_the_same() {
-    let options = with_events([Event::TurningPoint, Event::Load(0.5)]);
-    let row = |step: &Step<'_>| (step.number, step.event, step.t, step.q[0]);
-    let mut q = Vec::new();
-    let (observed, summary) = traced(&mut q, &options, row);
-    let (mut system, mut rows) = (truss(), Vec::new());
-    let mut path = PathSteps::new(&mut system, Vec::new(), &options).unwrap();
-    while let Some(step) = path.step().unwrap() {
-        rows.push(row(&step));
-    }
-    assert_eq!(rows, observed);
-    assert!(path.step().unwrap().is_none(), "the path has ended");
-    assert_eq!((path.summary(), path.q()), (&summary, &q[..]));
-    // λ = w (w − 1)(w − 2) at its end.
-    let w = path.q()[0];
-    assert!((w * (w - 1.0) * (w - 2.0) - 0.5).abs() < 1e-12);
-}
-
-#[test]
 fn no_step_along_a_path_is_longer_than_the_longest() {
     let options = ArcLengthOptions {
         first_step: 0.2,

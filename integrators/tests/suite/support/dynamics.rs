@@ -2,11 +2,12 @@
 
 use super::*;
 
-/// m ẍ + k x = p(t): r and its tangents for one coordinate.
+/// m ẍ + c ẋ + k x = p(t): r and its tangents for one coordinate.
 #[derive(Clone)]
 pub struct Oscillator {
     pub pattern: BlockPattern,
     pub m: f64,
+    pub c: f64,
     pub k: f64,
     /// Stiffness after t = 1, if it is another one.
     pub later: Option<f64>,
@@ -22,6 +23,7 @@ impl Oscillator {
         Self {
             pattern: BlockPattern::dense(1),
             m,
+            c: 0.0,
             k,
             later: None,
             force: 0.0,
@@ -55,9 +57,9 @@ impl System for Oscillator {
 
     fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
         let k = self.stiffness(at.t);
-        out.r[0] = self.load(at.t) - k * at.q[0] - self.m * at.a[0];
+        out.r[0] = self.load(at.t) - k * at.q[0] - self.c * at.v[0] - self.m * at.a[0];
         if let Some((w, S)) = out.S {
-            S[0] = w.K * k + w.M * self.m;
+            S[0] = w.K * k + w.C * self.c + w.M * self.m;
         }
         Ok(())
     }
@@ -81,7 +83,7 @@ impl Energetics for Oscillator {
             kinetic: 0.5 * self.m * at.v[0] * at.v[0],
             stored: 0.5 * self.stiffness(at.t) * at.q[0] * at.q[0],
             supplied: self.load(at.t) * at.v[0],
-            dissipated: 0.0,
+            dissipated: self.c * at.v[0] * at.v[0],
             ..Energies::default()
         })
     }
