@@ -189,8 +189,8 @@ fn a_line_that_does_not_fit_into_memory_is_refused() {
     assert!(error.starts_with(start), "{error}");
 }
 
-/// Sixteen times as many nodes take sixteen times as long, where a search among all nodes for every
-/// coordinate takes 256 times as long.
+/// Sixteen times as many nodes take as long as sixteen questions about fewer, where a search among all nodes
+/// for every coordinate takes sixteen times as long: what else runs slows both alike.
 #[test]
 fn names_and_freedoms_cost_what_a_model_has() {
     let seconds = |count: usize| {
@@ -203,16 +203,18 @@ fn names_and_freedoms_cost_what_a_model_has() {
         let context = Context::new(b.build().unwrap());
         let time = || {
             let start = Instant::now();
-            assert_eq!(context.mobility().freedoms, 6 * count);
-            let names: Vec<String> = (0..6 * count).map(|i| context.name(i)).collect();
-            let last = format!("node n{}, rotation about e3", count - 1);
-            assert_eq!(names.last(), Some(&last));
+            for _ in 0..8000 / count {
+                assert_eq!(context.mobility().freedoms, 6 * count);
+                let names: Vec<String> = (0..6 * count).map(|i| context.name(i)).collect();
+                let last = format!("node n{}, rotation about e3", count - 1);
+                assert_eq!(names.last(), Some(&last));
+            }
             start.elapsed().as_secs_f64()
         };
         (0..3).map(|_| time()).fold(f64::INFINITY, f64::min)
     };
     let growth = seconds(8000) / seconds(500);
-    assert!(growth < 64.0, "{growth}");
+    assert!(growth < 4.0, "{growth}");
 }
 
 /// x = u q with an input u.
