@@ -64,6 +64,11 @@ impl Case {
             assert_eq!(auto.active(), Some(SolverKind::Lu));
             self.near(&found);
         }
+        let count = auto.negative_pivots(&self.values);
+        match self.symmetry {
+            Symmetric => assert_eq!(count, negative(&self.pattern, &self.values)),
+            General => assert_eq!(count, None),
+        }
     }
 
     fn near(&self, found: &[f64]) {
@@ -108,14 +113,14 @@ fn residuals_that_refinement_does_not_mend_are_noticed() {
 fn a_saddle_point_needs_the_fallback_and_gets_it() {
     // Node 0 carries nothing but multipliers; it is eliminated first as a leaf of node 1.
     let pattern = BlockPattern::new(&[3, 2, 3], [[0, 1], [0, 2]]);
-    let mut random = Random(5);
-    let base = pattern.matrix(&random_values(&pattern, &mut random, true, false, 1.0));
+    let mut random = Random::new(5);
+    let base = pattern.matrix(&random_values(&pattern, &mut random, true, true, 1.0));
     let multiplier = |i: usize| (3..5).contains(&i);
     let values = filled(&pattern, |r, c| match multiplier(r) && multiplier(c) {
         true => 0.0,
         false => base[(r, c)],
     });
-    let x = (0..8).map(|_| random.next()).collect();
+    let x = (0..8).map(|_| random.range(-1.0, 1.0)).collect();
     let case = Case::new((pattern, values), Symmetric, x);
     let error = case.refusal();
     let LinearError::VanishingPivot { unknown: 3, .. } = error else {

@@ -2,23 +2,7 @@
 
 use super::*;
 pub use MatrixSymmetry::{General, Symmetric};
-
-/// Numbers in (-1, 1), the same every time.
-pub struct Random(pub u64);
-
-impl Random {
-    pub fn next(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6364136223846793005)
-            .wrapping_add(1442695040888963407);
-        (self.0 >> 33) as f64 / (1_u64 << 30) as f64 - 1.0
-    }
-
-    pub fn size(&mut self) -> usize {
-        1 + ((self.next() + 1.0) * 3.0) as usize % 6
-    }
-}
+pub use pullback_conformance::Random;
 
 /// Shapes of structures: edges between nodes.
 pub fn graphs() -> Vec<(&'static str, usize, Vec<[u32; 2]>)> {
@@ -60,7 +44,9 @@ pub fn random_values(
     indefinite: bool,
     spread: f64,
 ) -> Vec<f64> {
-    let values: Vec<f64> = (0..pattern.len()).map(|_| random.next()).collect();
+    let values: Vec<f64> = (0..pattern.len())
+        .map(|_| random.range(-1.0, 1.0))
+        .collect();
     let mut matrix = pattern.matrix(&values);
     if symmetric {
         matrix.fill_lower_triangle_with_upper_triangle();
@@ -70,7 +56,10 @@ pub fn random_values(
         .row_iter()
         .map(|row| 1.0 + row.iter().map(size).sum::<f64>())
         .collect();
-    let units: Vec<f64> = sums.iter().map(|_| spread.powf(random.next())).collect();
+    let units: Vec<f64> = sums
+        .iter()
+        .map(|_| spread.powf(random.range(-1.0, 1.0)))
+        .collect();
     filled(pattern, |r, c| {
         let sign = if indefinite && r % 3 == 0 { -1.0 } else { 1.0 };
         let diagonal = if r == c { sign * sums[r] } else { 0.0 };
@@ -85,6 +74,12 @@ pub fn filled(pattern: &BlockPattern, entry: impl Fn(usize, usize) -> f64) -> Ve
         .triplets(&zeros)
         .map(|(r, c, _)| entry(r, c))
         .collect()
+}
+
+/// Number of negative eigenvalues of a symmetric matrix, by nalgebra.
+pub fn negative(pattern: &BlockPattern, values: &[f64]) -> Option<usize> {
+    let eigenvalues = pattern.matrix(values).symmetric_eigenvalues();
+    Some(eigenvalues.iter().filter(|e| **e < 0.0).count())
 }
 
 /// A full matrix of scalar nodes, of which the last is eliminated first, and beside them a node of six
