@@ -91,12 +91,8 @@ pub fn sine(amplitude: f64) -> Sine {
 }
 
 pub fn reference(section: &str) -> Vec<Value> {
-    let path = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../tests/reference/tensors.json"
-    );
-    let text = std::fs::read_to_string(path).expect("reference file");
-    let data: Value = serde_json::from_str(&text).expect("valid JSON");
+    let text = include_str!("../../../../tests/reference/tensors.json");
+    let data: Value = serde_json::from_str(text).expect("valid JSON");
     data[section].as_array().expect("rows").clone()
 }
 

@@ -1,4 +1,4 @@
-//! Frames by their charts and by their poses, and graphs of maps.
+//! Frames by their charts and by their poses.
 
 use crate::support::*;
 use nalgebra::Vector6;
@@ -99,20 +99,4 @@ fn modified_rodrigues_parameters_keep_the_sign_of_the_quaternion() {
         v: Vector3::zeros(),
     };
     assert_eq!(whole.rodrigues(), Vector3::zeros());
-}
-
-#[test]
-fn a_graph_composes_its_maps() {
-    // A chain of two offsets, of which both frames are values.
-    let [first, second] = [Offset([0.4, -1.1, 0.7]), Offset([-0.2, 0.5, 0.9])];
-    let mut graph = MapGraph::new(6);
-    let link = graph.add(first.clone().boxed(), vec![(Read::Input(0), 6)]);
-    graph.add(second.clone().boxed(), vec![(link, 6)]);
-    let graph = graph.with_outputs(2);
-    check::parametrization(&graph).assert();
-    let motion = random_motion(&mut Random::default(), 1.1);
-    let one = first.phi(0.3, &motion[0]);
-    let two = second.phi(0.3, &one);
-    let [x, ..] = check::motion(&graph, 0.3, motion.each_ref().map(|x| x.as_slice()));
-    near(&x, &[one.as_slice(), two.as_slice()].concat(), 1.0, "x");
 }

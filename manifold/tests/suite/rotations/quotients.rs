@@ -90,29 +90,12 @@ fn close(what: &str, found: [f64; 4], exact: [Dd; 4]) {
     }
 }
 
-fn reference() -> serde_json::Value {
-    let path = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../tests/reference/so3_coefficients.json"
-    );
-    let text = std::fs::read_to_string(path).expect("reference file");
-    serde_json::from_str(&text).expect("valid JSON")
-}
-
 fn table_name(name: &str) -> String {
     if name.starts_with('d') {
         format!("{name}_over_psi")
     } else {
         name.to_owned()
     }
-}
-
-fn number(row: &serde_json::Value, key: &str) -> f64 {
-    row[key]
-        .as_str()
-        .expect("decimal text")
-        .parse()
-        .expect("a number")
 }
 
 /// The decimal of the table, which need not be an `f64`.
@@ -127,13 +110,16 @@ fn decimal(text: &str) -> Dd {
 /// The oracle, with which the quotients agree everywhere.
 #[test]
 fn the_oracle_is_the_table() {
-    let data = reference();
+    let table = include_str!("../../../../tests/reference/so3_coefficients.json");
+    let data: serde_json::Value = serde_json::from_str(table).expect("valid JSON");
     let rows = data["values"].as_array().expect("rows");
     assert_eq!(rows.len(), 30);
     for row in rows {
-        let psi = row["psi"].as_str().expect("decimal text");
+        let text = |key: &str| row[key].as_str().expect("decimal text");
+        let psi = text("psi");
         for (name, exact) in NAMES.iter().zip(oracle(decimal(psi))) {
-            let error = relative(number(row, &table_name(name)), exact);
+            let expected = text(&table_name(name)).parse().expect("a number");
+            let error = relative(expected, exact);
             assert!(error <= 2e-16, "{name} at {psi}: {error:e}");
         }
     }

@@ -1,31 +1,13 @@
-//! Joints written as maps of a few lines, and the reference file.
+//! A constraint of one line, and the reference file.
 
 pub mod double_double;
 
 pub use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, SVector, Vector2, Vector3};
 pub use pullback_conformance::{self as check, Layout, Mapped, Random, Report, TestState, motion};
 pub use pullback_manifold::{chart::*, domain::*, implicit::*, jet::*, map::*, quotients::*};
-pub use pullback_manifold::{scalar::*, so3, sparse::BlockPattern, system::*};
+pub use pullback_manifold::{scalar::*, sparse::BlockPattern, system::*};
 use serde_json::Value;
 pub use std::f64::consts::{PI, TAU};
-
-/// Rigid link: d_s = d_m + (R_m − I) c, Ψ_s = Ψ_m (\[M04\] 4.1.2).
-#[derive(Clone)]
-pub struct Offset(pub [f64; 3]);
-
-impl Map<6, 6> for Offset {
-    fn phi<S: Scalar>(&self, _t: S, q: &SVector<S, 6>) -> SVector<S, 6> {
-        let psi = Vector3::new(q[3], q[4], q[5]);
-        let c = Vector3::from(self.0).map(S::constant);
-        let u = so3::rotation(&psi) * c - c;
-        SVector::<S, 6>::new(q[0] + u.x, q[1] + u.y, q[2] + u.z, q[3], q[4], q[5])
-    }
-
-    fn domain(&self, _t: f64, q: &SVector<f64, 6>) -> Result<f64, DomainError> {
-        let psi = Vector3::new(q[3], q[4], q[5]).norm();
-        DomainError::within(std::f64::consts::TAU - psi, CHART_EDGE)
-    }
-}
 
 /// A point on the unit circle.
 #[derive(Clone, Copy, Debug)]
@@ -47,12 +29,8 @@ pub fn tangent(map: &dyn Parametrization, t: f64, q: &[f64]) -> [Vec<f64>; 2] {
 
 /// The rows of a section of the reference tensors.
 pub fn reference(section: &str) -> Vec<Value> {
-    let path = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../tests/reference/tensors.json"
-    );
-    let text = std::fs::read_to_string(path).expect("reference file");
-    let data: Value = serde_json::from_str(&text).expect("valid JSON");
+    let text = include_str!("../../../../tests/reference/tensors.json");
+    let data: Value = serde_json::from_str(text).expect("valid JSON");
     let rows = data[section].as_array().expect("rows").clone();
     assert_eq!(rows.len(), 4);
     rows
