@@ -61,10 +61,10 @@ impl Context {
         }
     }
 
-    /// Continues from [`Context::save`] of the same model; false, with an undefined state, if it belongs to
-    /// another one.
+    /// Continues from [`Context::save`] of the same model; false, without a change, if it belongs to another one.
     #[must_use]
     pub fn restore(&mut self, saved: &SavedState) -> bool {
+        let before = self.state.clone();
         let (maps, choice) = saved
             .maps
             .split_at(saved.maps.len().min(self.state.maps.len()));
@@ -91,6 +91,8 @@ impl Context {
             for e in &mut self.state.elements {
                 e.violated = None;
             }
+        } else {
+            self.state = before;
         }
         self.forget();
         restored

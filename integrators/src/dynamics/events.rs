@@ -66,6 +66,15 @@ impl MotionRun {
             progress.events[k] = 0.0;
             now.stopped |= (events[k].apply)(system, &mut state).is_break();
         }
+        let t = progress.state.t;
+        if state.t != t {
+            let source = SystemError::Request {
+                what: "time after an event",
+                expected: format!("{t:.6}, as before"),
+                found: format!("{:.6}", state.t),
+            };
+            return Err(DynamicsError::System { t, source });
+        }
         check(&self.options, &state, system)?;
         progress.state = state;
         self.refresh(system, progress)?;

@@ -81,7 +81,7 @@ where
     /// take its negative); returns its number, from 0 in the order of addition.
     ///
     /// A step ends there, to round-off. The effect is then applied to the system, at this state, and
-    /// to the state: it may set inputs, and change velocities as an impact does. Accelerations follow
+    /// to the state: it may set inputs, and change velocities as an impact does, but not the time. Accelerations follow
     /// from the equations of motion, and energy that has come or gone counts as work. If the effect
     /// returns [`ControlFlow::Break`], the run ends.
     ///

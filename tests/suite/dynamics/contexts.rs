@@ -106,4 +106,12 @@ fn a_state_of_another_model_is_refused() {
     let again = motion_of(MODELS[0]).0;
     assert!(!context.set_state(again.state().clone()));
     assert!(context.set_state(context.state().clone()));
+    // Nor numbers of which some fit: nothing changes.
+    let saved = context.save();
+    let (mut moved, first, options) = motion_of(MODELS[0]);
+    steps(&mut Simulation::new(&mut moved, first, &options).unwrap());
+    let mut wrong = moved.save();
+    wrong.maps.last_mut().unwrap().push(0.0);
+    assert!(!context.restore(&wrong));
+    assert_eq!(context.save(), saved);
 }

@@ -30,6 +30,7 @@ fn code_and_models_are_those_of_the_sources() {
         ("embedding", 0..5, "examples/controlled_joint.rs", true),
         ("modes", 0..3, "examples/rotating_blade.rs", true),
         ("modes", 3..6, "examples/cart_pole.rs", true),
+        ("modes", 6..10, "examples/critical_loads.rs", true),
     ] {
         let fence = if source.ends_with(".rs") {
             "```rust\n"

@@ -24,11 +24,12 @@ pub(in crate::model) const FRAME_QUANTITIES: [Quantity; FRAME] = {
     [Length, Length, Length, Angle, Angle, Angle]
 };
 
-/// A node of a model builder.
+/// A node of a model builder, and of the models that it builds. Those of others are refused when a model is built;
+/// questions about them panic where there is no such number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct NodeId(pub(crate) u32);
 
-/// An element of a model builder.
+/// An element of a model builder, and of the models that it builds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ElementId(pub(crate) u32);
 

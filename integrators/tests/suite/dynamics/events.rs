@@ -262,14 +262,20 @@ fn a_value_that_is_no_number_is_refused() {
     run.add_event(|_, state| (0.5 - state.q[0]).sqrt() - 2.0, onward);
     let value = "value of an event: expected a finite number, got NaN of event 0";
     refused! { run.finish() => ["step 3", value] }
-    // Nor does an effect change the number of coordinates.
-    let mut system = Oscillator::mass(0.0);
-    let mut run = begun(&mut system, [0.0, 1.0], &options);
-    let clear = |_: &mut Oscillator, state: &mut State| {
-        state.v.clear();
-        Continue(())
-    };
-    run.add_event(|_, state| state.q[0] - 0.5, clear);
-    refused! { run.finish() => ["velocities: 0 given"] }
-    assert_eq!(run.state().v, [1.0]);
+    // Nor does an effect change the number of coordinates, or the time.
+    let effects: [(fn(&mut State), &str); 2] = [
+        (|state| state.v.clear(), "velocities: 0 given"),
+        (|state| state.t = 0.0, "time after an event: expected 0.5"),
+    ];
+    for (change, said) in effects {
+        let mut system = Oscillator::mass(0.0);
+        let mut run = begun(&mut system, [0.0, 1.0], &options);
+        let effect = move |_: &mut Oscillator, state: &mut State| {
+            change(state);
+            Continue(())
+        };
+        run.add_event(|_, state| state.q[0] - 0.5, effect);
+        refused! { run.finish() => [said] }
+        assert_eq!(run.state().v, [1.0]);
+    }
 }
