@@ -61,6 +61,9 @@ pub enum ModelModesError {
     /// No Campbell diagram.
     #[error("Campbell diagram: {0}")]
     Campbell(#[from] CampbellError),
+    /// Everything is prescribed.
+    #[error("nothing in the model is free to move: it has no modes")]
+    Immobile,
     /// A range without modes.
     #[error("no mode has a frequency between {} and {}", significant(.0[0]), significant(.0[1]))]
     None([f64; 2]),
@@ -84,6 +87,9 @@ impl From<SystemError> for ModelModesError {
     }
 }
 
+/// Residual of a mode above which a warning is given.
+const INACCURATE: f64 = 1e-6;
+
 /// The modes of a model about a state, with an observer that may end the search.
 ///
 /// # Errors
@@ -94,6 +100,7 @@ pub fn find(
     options: &ModeOptions,
     observer: &mut dyn FnMut(usize) -> ControlFlow<()>,
 ) -> Result<ModelModes, ModelModesError> {
+    check_mobility(context)?;
     let lin = linearize(context, at)?;
     let found = modes_while(&lin, options, observer)?;
     let mut warnings = Vec::new();
@@ -112,7 +119,17 @@ pub fn find(
         )),
         _ => {}
     }
-    if lin.K.iter().all(|k| *k == 0.0) {
+    if let Some((k, mode)) = (1..)
+        .zip(&found.modes)
+        .find(|(_, m)| m.residual > INACCURATE)
+    {
+        warnings.push(format!(
+            "mode {k} satisfies its equations only to {:.1e}: it and others like it are lost in rounding errors; ask for fewer modes, \
+             or for those around another frequency",
+            mode.residual
+        ));
+    }
+    if (found.modes.iter()).all(|mode| mode.eigenvalue == Complex64::ZERO) {
         warnings.push("nothing in the model is elastic: all frequencies are zero".to_owned());
     }
     warnings.extend(warning_of_motion(at));
@@ -128,6 +145,13 @@ pub fn find(
         counted: found.counted,
         warnings,
     })
+}
+
+fn check_mobility(context: &Context) -> Result<(), ModelModesError> {
+    match context.mobility().coordinates {
+        0 => Err(ModelModesError::Immobile),
+        _ => Ok(()),
+    }
 }
 
 /// Linear momentum that the velocities of each mode add to that of the state.
@@ -202,6 +226,7 @@ pub fn campbell_diagram(
     options: &CampbellOptions,
     observer: &mut dyn FnMut() -> ControlFlow<()>,
 ) -> Result<ModelCampbell, ModelModesError> {
+    check_mobility(context)?;
     let diagram = campbell(context, speed, &mut q, options, &mut |_| observer())?;
     let zeros = vec![0.0; q.len()];
     let at = Point {

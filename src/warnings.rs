@@ -64,7 +64,7 @@ fn has(own: bool, context: &Context, joint: &JointNodes) -> bool {
 fn prescribed(file: &ModelFile, order: usize) -> impl Iterator<Item = (String, Option<usize>)> {
     let off = move |time: &Time| {
         time.function(&file.inputs)
-            .is_ok_and(|f| f.at(BEFORE_START, &[])[order] != 0.0)
+            .is_ok_and(|f| f.at(BEFORE_START, &[])[order].abs() > 0.0)
     };
     let supports = file.supports.iter().filter(move |s| {
         let prescribed = s.prescribed.as_ref();

@@ -2,7 +2,6 @@
 
 use nalgebra::Matrix3;
 use pullback::elements::beam::Material;
-use pullback::elements::joint::Spherical;
 use pullback::elements::load::LineLoad;
 use pullback::elements::model::BeamLineNodes;
 use pullback::elements::time::Table;
@@ -94,10 +93,7 @@ pub fn robot_arm(elements: usize) -> Context {
     let ends = [[0.0; 3], [5.0, 0.0, 0.0]];
     let (mut b, first) = beam(elements / 2, ends, section);
     let (base, elbow) = (first.nodes[0], first.nodes[elements / 2]);
-    let start = b
-        .attach_free("start", elbow, Spherical)
-        .expect("a new name")
-        .frame;
+    let start = b.spherical("start", elbow).expect("a new name").frame;
     let tip = b.node("tip", [10.0, 0.0, 0.0]).expect("a new name");
     line(&mut b, "second", [start, tip], elements / 2, section);
     b.support(base, &[Dof::X, Dof::Y, Dof::RX, Dof::RY]);

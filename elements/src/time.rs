@@ -72,7 +72,7 @@ impl From<Input> for usize {
 
 impl TimeFunction for Input {
     fn at(&self, _: f64, inputs: &[f64]) -> [f64; 3] {
-        [inputs.get(self.0).copied().unwrap_or(0.0), 0.0, 0.0]
+        [inputs.get(self.0).copied().unwrap_or(f64::NAN), 0.0, 0.0]
     }
 }
 

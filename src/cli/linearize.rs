@@ -2,7 +2,7 @@
 
 use super::parameters::ModelArguments;
 use super::{Exit, INTERRUPTED, complain, fail, print, refuse};
-use crate::input::{Analysis, Job, ModelFile, Registry, Time};
+use crate::input::{Analysis, EigenvaluePlan, Job, ModelFile, Registry, Time};
 use crate::modes::warning_of_motion;
 use crate::output::{Directory, OutputError};
 use crate::probe::{Answers, Probe};
@@ -10,7 +10,8 @@ use crate::run::{ReachError, reach};
 use crate::terminal::{self, plural, tell};
 use pullback_elements::model::Context;
 use pullback_integrators::linearization::{
-    Linearized, StateSpace, linearize as linearized, output_derivatives,
+    Linearized, StateSpace, campbell as steady_rotation, linearize as linearized,
+    output_derivatives,
 };
 use pullback_manifold::system::Point;
 use std::fmt::Write;
@@ -37,7 +38,7 @@ const FILES: [&str; 12] = [
 pub(super) struct LinearizeArguments {
     #[command(flatten)]
     file: ModelArguments,
-    /// Load parameter or time of the state, instead of the end of the analysis.
+    /// Load parameter, time, or speed of a Campbell diagram, instead of the end of the analysis.
     #[arg(long, allow_hyphen_values = true)]
     at: Option<f64>,
     /// Directory of the matrices; `MODEL.linear` beside the model file by default.
@@ -51,7 +52,15 @@ pub(super) struct LinearizeArguments {
 /// Solves up to the state, and writes the matrices; returns the exit code.
 pub(super) fn linearize(registry: &Registry, args: &LinearizeArguments) -> Exit {
     let mut job = args.file.load(registry).map_err(complain)?;
-    let reached = reach(&mut job, args.at, &mut |_| terminal::flow());
+    let campbell = match &job.eigenvalues {
+        Some(EigenvaluePlan::Campbell(speed, options)) => Some((*speed, options.clone())),
+        _ => None,
+    };
+    let reached = reach(
+        &mut job,
+        args.at.filter(|_| campbell.is_none()),
+        &mut |_| terminal::flow(),
+    );
     let progress = reached.map_err(|error| match error {
         ReachError::Interrupted => {
             tell("interrupted: nothing is written");
@@ -62,7 +71,20 @@ pub(super) fn linearize(registry: &Registry, args: &LinearizeArguments) -> Exit 
         ReachError::Failed(_) => fail(error),
     })?;
     let out = (args.out.clone()).unwrap_or_else(|| args.file.model.with_extension("linear"));
-    let at = progress.state.point();
+    let (mut q, zeros) = (progress.state.q.clone(), vec![0.0; progress.state.q.len()]);
+    let mut at = progress.state.point();
+    if let Some((speed, mut options)) = campbell {
+        // A rotation is steady: at rest in its coordinates.
+        options.speeds = args.at.map_or(options.speeds, |speed| vec![speed]);
+        let observer = &mut |_| terminal::flow();
+        steady_rotation(&mut job.context, speed, &mut q, &options, observer).map_err(fail)?;
+        at = Point {
+            t: options.t,
+            q: &q,
+            v: &zeros,
+            a: &zeros,
+        };
+    }
     let lin = linearized(&mut job.context, at).map_err(fail)?;
     let first_order = args.first_order.then(|| first_order(&mut job, &lin, at));
     let first_order = first_order.transpose()?;

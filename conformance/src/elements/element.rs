@@ -100,7 +100,7 @@ pub(crate) enum Request {
 pub(crate) fn motion(s: &TestState) -> Motion<'_> {
     Motion {
         t: s.t,
-        inputs: &[],
+        inputs: &[1.0; 64],
         x: s.x.as_slice(),
         v: s.v.as_slice(),
         a: s.a.as_slice(),

@@ -8,7 +8,7 @@
 //! |---|---|---|
 //! | [`Offset`] | none | \[M04\] 4.1.2, (197) |
 //! | [`Revolute`] | one unbounded angle | \[M04\] 4.1.4, (207), (212) |
-//! | [`Spherical`] | a rotation vector | \[M04\] 4.1 |
+//! | [`ModelBuilder::spherical`](crate::model::ModelBuilder::spherical) | a rotation vector | \[M04\] 4.1 |
 //! | [`Slide`] | the position on a chain of beam elements | \[M04\] 4.1.3, (198) |
 //! | [`Universal`] | two angles, about crossed axes | Shabana 2013, 3.3 |
 //! | [`ConstantVelocity`] | two components of a rotation vector across the shaft | Myszka & Murray 2010 |
@@ -38,7 +38,6 @@ mod prismatic;
 mod revolute;
 mod shape;
 mod slide;
-mod spherical;
 mod universal;
 
 pub use axes::AxisError;
@@ -57,7 +56,6 @@ pub use prismatic::Prismatic;
 pub use revolute::Revolute;
 pub use shape::{Between, Chain, Quadric, Spline, SplineError};
 pub use slide::Slide;
-pub use spherical::Spherical;
 pub use universal::Universal;
 
 use axes::{PARALLEL, direction};

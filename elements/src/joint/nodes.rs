@@ -68,6 +68,20 @@ impl ModelBuilder {
         Ok(JointNodes { frame, coordinates })
     }
 
+    /// Adds a spherical joint: its child has the position of `parent`, d_s = d_m, and turns freely.
+    ///
+    /// The coordinates are the child's own rotation vector, in global components and not relative to the parent; its chart
+    /// changes at ψ > π.
+    ///
+    #[doc = include_str!("../../images/spherical.svg")]
+    ///
+    /// # Errors
+    /// As [`ModelBuilder::attach`].
+    pub fn spherical(&mut self, name: &str, parent: NodeId) -> Result<JointNodes, ModelError> {
+        let c = Vector3::zeros();
+        self.attach_free(name, parent, Offset { c })
+    }
+
     /// Adds a frame node fixed to `parent`, with its reference `position`, which may be that of the parent.
     ///
     #[doc = include_str!("../../images/weld.svg")]

@@ -4,7 +4,7 @@ use super::inputs::central;
 use super::modes::ModesError;
 use super::search::Search;
 use super::{Linearized, check_count, linearize};
-use crate::linear_solver::{AutoSolver, LinearError, LinearSolver, MatrixSymmetry};
+use crate::linear_solver::{AutoSolver, LinearError, LinearSolver, MatrixSymmetry, max_abs};
 use crate::vectors::dot;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
 use std::ops::ControlFlow;
@@ -18,8 +18,8 @@ pub struct BucklingMode {
     /// Buckling shape ψ, with ψᵀ K ψ = 1 for the tangent K at the state.
     pub shape: Vec<f64>,
     /// |ψᵀ K ψ| for the tangent K at this load and the coordinates extrapolated to it: zero where the tangent is
-    /// linear in the load, and infinite at coordinates without a tangent. Where it is small, the load is off by about
-    /// this share of its distance from the state.
+    /// linear in the load, and infinite at coordinates without a tangent; or the relative change of the rate at which loads
+    /// grow, if that is larger. Where it is small, the load is off by about this share of its distance from the state.
     pub error: f64,
 }
 
@@ -81,7 +81,8 @@ pub fn buckling(
     if !lin.is_symmetric(&lin.K) {
         return Err(BucklingError::Asymmetric);
     }
-    let rate = path_rate(system, &lin, at)?;
+    let loads = load_rate(system, at)?;
+    let rate = path_rate(&lin, &loads)?;
     let mut tangent = |s: f64| {
         let q: Vec<f64> = at.q.iter().zip(&rate).map(|(q, x)| q + s * x).collect();
         let (mut r, mut K) = (vec![0.0; q.len()], vec![0.0; lin.pattern.len()]);
@@ -107,19 +108,29 @@ pub fn buckling(
         return Err(BucklingError::Unstable);
     }
     let found = search.run(&mut |_| ControlFlow::Continue(()))?;
-    let modes = found.vectors.into_iter().map(|(shape, _)| {
+    let mut modes = Vec::new();
+    for (shape, _) in found.vectors {
         let shape: Vec<f64> = shape.iter().map(|x| x.re).collect();
         let form = |values: &[f64]| dot(&shape, &lin.product(values, &shape));
         let (stiffness, change) = (form(&lin.K), form(&lin.M));
         let distance = stiffness / change;
         let there = tangent(distance).map_or(f64::INFINITY, |K| (form(&K) / stiffness).abs());
-        BucklingMode {
+        modes.push(BucklingMode {
             load: at.t + distance,
             shape: shape.iter().map(|x| x / stiffness.sqrt()).collect(),
             error: if there.is_nan() { f64::INFINITY } else { there },
-        }
-    });
-    Ok(modes.collect())
+        });
+    }
+    // Loads that grow at another rate there, such as those that have stopped growing.
+    for mode in &mut modes {
+        let t = mode.load;
+        let error = load_rate(system, Point::statics(t, at.q)).map_or(f64::INFINITY, |there| {
+            let change = there.iter().zip(&loads).map(|(a, b)| (a - b).abs());
+            change.fold(0.0, f64::max) / max_abs(&loads)
+        });
+        mode.error = mode.error.max(error);
+    }
+    Ok(modes)
 }
 
 /// Step of the load parameter for differences of tangents along the path.
@@ -132,21 +143,23 @@ fn step(lin: &Linearized, rate: &[f64]) -> f64 {
     if fastest > 0.0 { CHANGE / fastest } else { 1.0 }
 }
 
-/// dq/dt along the equilibrium path: K dq/dt = ∂r/∂t.
-fn path_rate(
-    system: &mut dyn System,
-    lin: &Linearized,
-    at: Point<'_>,
-) -> Result<Vec<f64>, BucklingError> {
-    let (mut r, mut rate) = (vec![0.0; lin.dim()], vec![0.0; lin.dim()]);
+/// ∂r/∂t of a static state.
+fn load_rate(system: &mut dyn System, at: Point<'_>) -> Result<Vec<f64>, SystemError> {
+    let (mut r, mut rate) = (vec![0.0; at.q.len()], vec![0.0; at.q.len()]);
     let out = Evaluation {
         r_t: Some(&mut rate),
         ..Evaluation::residual(&mut r)
     };
     system.evaluate(Point::statics(at.t, at.q), out)?;
+    Ok(rate)
+}
+
+/// dq/dt along the equilibrium path: K dq/dt = ∂r/∂t.
+fn path_rate(lin: &Linearized, loads: &[f64]) -> Result<Vec<f64>, LinearError> {
+    let mut rate = loads.to_vec();
     let mut solver = AutoSolver::new();
     solver.analyse(&lin.pattern, MatrixSymmetry::Symmetric)?;
-    let solved = solver.factorise(&lin.K);
-    solved.and_then(|()| solver.solve(Some(&lin.K), &mut rate))?;
+    solver.factorise(&lin.K)?;
+    solver.solve(Some(&lin.K), &mut rate)?;
     Ok(rate)
 }

@@ -14,12 +14,15 @@
 mod lines;
 
 use super::modes::{Mode, ModeOptions, ModesError, modes_while};
-use super::{LinearizationError, Linearized, SteadyMotion, check_count, inner_product, linearize};
-use crate::rounding::largest;
+use super::{
+    LinearizationError, Linearized, SteadyMotion, check_count, inner_product, is_balanced,
+    linearize,
+};
 use crate::significant;
 use crate::statics::{StaticOptions, StaticsError, equilibrium_from};
 use lines::{conjugate, continued, groups};
-use pullback_manifold::system::{Evaluation, Point, System};
+use num_complex::Complex64;
+use pullback_manifold::system::{Point, System};
 use std::ops::ControlFlow;
 use thiserror::Error;
 
@@ -95,10 +98,8 @@ const SPARE: usize = 6;
 const SIMILAR: f64 = 0.8;
 /// Largest number of times that a step in speed is halved where shapes change fast.
 const HALVINGS: usize = 5;
-/// Largest residual of an equilibrium that counts as rounding, relative to loads and reactions.
-const BALANCED: f64 = 1e-12;
-/// Largest change of residuals and matrices during a turn that counts as rounding, relative to their rows.
-const STEADY: f64 = 1e-7;
+/// Largest change of the generalised stiffness of modes during a turn that counts as rounding, relative to that of the modes.
+const STEADY: f64 = 1e-5;
 
 /// Modes over the speeds of an input Ω, from coordinates `q` of an equilibrium at rest; `q` ends as that of the last speed.
 ///
@@ -208,25 +209,15 @@ impl Sweep<'_> {
                 .map_err(|source| CampbellError::Equilibrium { speed, source })?;
         }
         self.speed = speed;
-        let failed_at = |source| CampbellError::Linearization { speed, source };
         let zeros = vec![0.0; self.q.len()];
-        let mut at = Point {
+        let at = Point {
             t,
             q: self.q,
             v: &zeros,
             a: &zeros,
         };
-        let lin = linearize(&mut *self.system, at).map_err(failed_at)?;
-        if speed != 0.0 {
-            // After a turn by one radian.
-            at.t += speed.recip();
-            match linearize(&mut *self.system, at) {
-                Ok(turned) => lin.compare(&turned, speed),
-                Err(LinearizationError::Unbalanced { name, .. }) => Err(name),
-                Err(source) => return Err(failed_at(source)),
-            }
-            .map_err(|name| CampbellError::Periodic { speed, name })?;
-        }
+        let lin = linearize(&mut *self.system, at)
+            .map_err(|source| CampbellError::Linearization { speed, source })?;
         let wanted = self.options.count + SPARE;
         let mut massless = 0;
         loop {
@@ -237,48 +228,75 @@ impl Sweep<'_> {
             lin.retain_vibrations(&mut found.modes);
             if found.complete || found.modes.len() >= wanted || all - found.modes.len() <= massless
             {
+                self.check_steady(&lin, &found.modes, speed)?;
                 return Ok((found.modes, lin));
             }
             massless = all - found.modes.len();
         }
     }
-}
 
-/// Whether a point is an equilibrium but for rounding errors. It is not solved for then: at a critical speed its stiffness
-/// is singular.
-fn is_balanced(system: &mut dyn System, at: Point<'_>) -> bool {
-    let mut r = vec![0.0; at.q.len()];
-    if system.evaluate(at, Evaluation::residual(&mut r)).is_err() {
-        return false;
+    /// Refuses equations that are other ones after a turn by one radian.
+    fn check_steady(
+        &mut self,
+        lin: &Linearized,
+        modes: &[Mode],
+        speed: f64,
+    ) -> Result<(), CampbellError> {
+        if speed == 0.0 {
+            return Ok(());
+        }
+        let zeros = vec![0.0; self.q.len()];
+        let at = Point {
+            t: self.options.t + speed.recip(),
+            q: self.q,
+            v: &zeros,
+            a: &zeros,
+        };
+        let changed = match linearize(&mut *self.system, at) {
+            Ok(turned) => lin.change(&turned, modes, speed),
+            Err(LinearizationError::Unbalanced { name, .. }) => Some(name),
+            Err(source) => return Err(CampbellError::Linearization { speed, source }),
+        };
+        changed.map_or(Ok(()), |name| Err(CampbellError::Periodic { speed, name }))
     }
-    let worst = largest(system.pattern(), &r, [0.0; 3]);
-    let measures = system.scales().measures();
-    (worst.iter().zip(measures)).all(|(worst, measure)| *worst <= BALANCED * measure)
 }
 
 impl Linearized {
-    /// The name of a coordinate whose equation is another one, if there is any, for motions of this frequency.
-    fn compare(&self, other: &Self, omega: f64) -> Result<(), String> {
-        let n = self.dim();
-        let coordinates = self.pattern.coordinates();
-        let (mut size, mut change) = (vec![0.0_f64; n], vec![0.0_f64; n]);
-        for (factor, own, other) in [
-            (1.0, &self.K, &other.K),
-            (omega.abs(), &self.C, &other.C),
-            (omega * omega, &self.M, &other.M),
-        ] {
-            let entries = self.pattern.triplets(own).zip(self.pattern.triplets(other));
-            for ((r, c, own), (_, _, other)) in entries {
-                let unit = factor * coordinates[c].size;
-                size[r] = size[r].max((own * unit).abs());
-                change[r] = change[r].max(((own - other) * unit).abs());
+    /// The name of a coordinate whose equation in the motion of these modes is another one, if there is any.
+    fn change(&self, other: &Self, modes: &[Mode], omega: f64) -> Option<String> {
+        let matrices = [&self.K, &self.C, &self.M].into_iter();
+        let others = [&other.K, &other.C, &other.M];
+        let changes: Vec<Vec<f64>> = (matrices.zip(others))
+            .map(|(own, other)| own.iter().zip(other).map(|(a, b)| b - a).collect())
+            .collect();
+        for mode in modes {
+            let lambda = mode.eigenvalue;
+            let mut forces = vec![Complex64::ZERO; self.dim()];
+            for (change, factor) in changes
+                .iter()
+                .zip([Complex64::ONE, lambda, lambda * lambda])
+            {
+                let more = self.product(change, &mode.shape);
+                forces
+                    .iter_mut()
+                    .zip(more)
+                    .for_each(|(f, more)| *f += factor * more);
+            }
+            let least = STEADY * lambda.norm_sqr().max(omega * omega);
+            // Of circular whirl, only the conjugate one may be changed.
+            for other in modes {
+                let work = forces.iter().zip(&other.shape).map(|(f, x)| f * x);
+                let with_conjugate: Complex64 = work.clone().sum();
+                let most = with_conjugate
+                    .norm()
+                    .max(inner_product(&other.shape, &forces).norm());
+                if most > least {
+                    let sizes = work.map(|work| work.norm()).enumerate();
+                    let largest = sizes.max_by(|a, b| a.1.total_cmp(&b.1));
+                    return largest.map(|(i, _)| self.names[i].clone());
+                }
             }
         }
-        let most = largest(&self.pattern, &size, [0.0; 3]);
-        let changed = |r: &usize| change[*r] > STEADY * most[coordinates[*r].quantity.index()];
-        match (0..n).find(changed) {
-            Some(r) => Err(self.names[r].clone()),
-            None => Ok(()),
-        }
+        None
     }
 }

@@ -70,7 +70,8 @@ impl<'a> Finish<'a> {
         let images = [image(&lin.K), damping, image(&lin.M)];
         // φᴴ y, real for a symmetric matrix.
         let form = |y: &[Complex64]| inner_product(&shape, y).re;
-        let forms @ [_, mass] = [form(&images[0]), form(&images[2])];
+        let damping = inner_product(&shape[..images[1].len()], &images[1]).norm();
+        let forms @ [_, _, mass] = [form(&images[0]), damping, form(&images[2])];
         let eigenvalue = self.eigenvalue(&shape, found, forms);
         let residual = self.residual(&shape, images, eigenvalue);
         let mut largest = (0.0, Complex64::ONE);
@@ -96,12 +97,12 @@ impl<'a> Finish<'a> {
         }
     }
 
-    /// λ of a mode with the forms φᴴ K φ and φᴴ M φ, from the eigenvalue of the search.
-    fn eigenvalue(&self, shape: &[Complex64], found: Complex64, forms: [f64; 2]) -> Complex64 {
+    /// λ of a mode with the forms φᴴ K φ, |φᴴ C φ| and φᴴ M φ, from the eigenvalue of the search.
+    fn eigenvalue(&self, shape: &[Complex64], found: Complex64, forms: [f64; 3]) -> Complex64 {
         let value = match (self.order, self.symmetric) {
             (Order::Quadratic, _) => found,
             // The quotient's error is the square of the eigenvector's.
-            (Order::Squares, true) => Complex64::from(-forms[0] / forms[1]).sqrt(),
+            (Order::Squares, true) => Complex64::from(-forms[0] / forms[2]).sqrt(),
             (Order::Squares, false) => (-found).sqrt(),
         };
         if self.is_rigid(shape, value.norm(), forms) {
@@ -133,15 +134,21 @@ impl<'a> Finish<'a> {
         let along = gram
             .cholesky()
             .map(|gram| parts.dotc(&gram.solve(&parts)).re);
-        along.is_some_and(|along| along > 0.99)
+        along.is_some_and(|along| along > 1.0 - PART)
     }
 
-    /// Whether λ is zero but for rounding errors of a mode of this shape φ, with the forms φᴴ K φ and φᴴ M φ.
-    fn is_rigid(&self, shape: &[Complex64], lambda: f64, [stiffness, mass]: [f64; 2]) -> bool {
+    /// Whether λ is zero but for rounding errors of a mode of this shape φ, with the forms φᴴ K φ, |φᴴ C φ| and φᴴ M φ: where
+    /// the first two are, or it is so small that its other terms are.
+    fn is_rigid(
+        &self,
+        shape: &[Complex64],
+        lambda: f64,
+        [stiffness, damping, mass]: [f64; 3],
+    ) -> bool {
         let square = self.square(shape);
         let inertia = lambda * lambda * mass;
         let whole = self.norms.map(|norm| ROUNDING * norm * square);
-        if stiffness.abs().max(inertia) > whole[0] && lambda * mass > whole[1] {
+        if stiffness.abs() > 2.0 * whole[0] {
             return false;
         }
         let sizes: Vec<f64> = shape.iter().map(|x| x.norm()).collect();
@@ -150,7 +157,8 @@ impl<'a> Finish<'a> {
         entries.for_each(|(r, c, K)| sum += K.abs() * sizes[r] * sizes[c]);
         // Entries of φ have rounding errors themselves.
         let sum = ROUNDING * (sum + whole[0]);
-        stiffness.abs() <= sum && (inertia <= sum || lambda * mass <= whole[1])
+        let others = inertia <= sum || lambda * mass <= whole[1] || damping <= whole[1];
+        stiffness.abs() <= sum && others
     }
 
     /// Square of the length of a vector in scaled coordinates.

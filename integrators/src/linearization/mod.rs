@@ -224,6 +224,20 @@ impl Linearized {
     }
 }
 
+/// Largest residual of an equilibrium that counts as rounding, relative to loads and reactions.
+const EXACT: f64 = 1e-12;
+/// Whether a point is an equilibrium but for rounding errors. It is not solved for then: at a critical speed its stiffness
+/// is singular.
+fn is_balanced(system: &mut dyn System, at: Point<'_>) -> bool {
+    let mut r = vec![0.0; at.q.len()];
+    if system.evaluate(at, Evaluation::residual(&mut r)).is_err() {
+        return false;
+    }
+    let worst = largest(system.pattern(), &r, [0.0; 3]);
+    let measures = system.scales().measures();
+    (worst.iter().zip(measures)).all(|(worst, measure)| *worst <= EXACT * measure)
+}
+
 /// xᴴ y.
 fn inner_product(x: &[Complex64], y: &[Complex64]) -> Complex64 {
     x.iter().zip(y).map(|(x, y)| x.conj() * y).sum()

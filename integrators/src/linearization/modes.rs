@@ -90,7 +90,8 @@ impl Mode {
 pub struct Modes {
     /// The modes, by growing |λ|.
     pub modes: Vec<Mode>,
-    /// Number of eigenvalues in the region searched, by Sylvester's law of inertia: all of them were found.
+    /// Number of eigenvalues in the region searched, by Sylvester's law of inertia: all of them were found, but for more copies
+    /// of the last one than requested.
     /// `None` for a problem with damping or with matrices that are not symmetric, where no such count exists.
     pub counted: Option<usize>,
     /// Whether the system has no other modes.

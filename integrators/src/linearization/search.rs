@@ -37,8 +37,9 @@ pub(super) struct Search<'a> {
     middle: f64,
     /// They make the matrix of the first shift one of entries of order one.
     scales: Vec<f64>,
-    /// Weights of the inner product if M is not used.
+    /// Weights of the inner product where M is not used, and the factor of M with velocities.
     weights: Vec<f64>,
+    balance: f64,
     random: Random,
 }
 
@@ -83,6 +84,7 @@ impl<'a> Search<'a> {
             },
             scales: vec![1.0; lin.dim()],
             weights: Vec::new(),
+            balance: 1.0,
             random: Random(0),
         })
     }
@@ -98,34 +100,41 @@ impl<'a> Search<'a> {
         }
         let mut shift = self.first_shift()?;
         let mut krylov = self.krylov()?;
-        let (mut shifts, mut reached, mut steps) = (0, None, None);
+        let (mut shifts, mut reached, mut steps, mut starts) = (0, None, None, 1);
         let (mut converged, mut limit) = (0, usize::MAX);
         loop {
             if krylov.len() > limit {
                 return Err(not_converged(converged, &krylov));
             }
             let pairs = self.advance(&mut krylov, steps.take(), observer)?;
-            if let Some(other) = self
-                .better_shift(&pairs, krylov.is_exhausted())
-                .filter(|_| shifts < SHIFTS)
-            {
+            if let Some(other) = self.better_shift(&pairs).filter(|_| shifts < SHIFTS) {
                 shifts += 1;
-                shift = self.factorise_near(other)?;
-                (krylov, reached) = (self.krylov()?, None);
-                continue;
+                if let Ok(near) = self.factorise_near(other) {
+                    shift = near;
+                    (krylov, reached, starts) = (self.krylov()?, None, 1);
+                    continue;
+                }
+                self.factorise(shift)?;
+                shifts = SHIFTS;
             }
             converged = self.converged(&pairs);
             let wanted = self.wanted(&pairs[..converged], expected);
-            limit = 200 + 8 * wanted.unwrap_or(converged);
+            limit = 200 + CHECK * starts + 8 * wanted.unwrap_or(converged);
             let Some(wanted) = wanted.or_else(|| krylov.is_exhausted().then_some(converged)) else {
                 continue;
             };
-            // Of a repeated frequency, a Krylov subspace holds one mode for each start vector.
-            if wanted > 0 && !self.is_symmetric() && !krylov.is_exhausted() {
-                // Without a count, until one more start vector adds none.
-                let near = self.near(&pairs, wanted);
-                if reached.replace(near) != Some(near) {
-                    self.add_starts(&mut krylov, 1)?;
+            // Of a repeated frequency, a Krylov subspace holds one mode for each start vector: without a count, until one more
+            // changes nothing.
+            if wanted > 0 && !self.is_symmetric() {
+                let now = self.selected(&pairs, wanted);
+                let settled = reached
+                    .replace(now.clone())
+                    .is_some_and(|before: Vec<f64>| {
+                        let close = |(a, b): (&f64, &f64)| (a - b).abs() <= MARGIN * a;
+                        before.len() == now.len() && before.iter().zip(&now).all(close)
+                    });
+                if !settled && self.add_starts(&mut krylov, 1)? {
+                    starts += 1;
                     steps = Some(CHECK);
                     continue;
                 }
@@ -133,7 +142,7 @@ impl<'a> Search<'a> {
             let complete = krylov.is_exhausted() && converged == pairs.len();
             let vectors = self.vectors(&krylov, &pairs[..converged])?;
             let missing = match self.is_symmetric() && wanted > 0 {
-                true => self.missing(&pairs, converged, wanted, &mut expected)?,
+                true => self.missing(&pairs, converged, wanted, &mut expected),
                 false => 0,
             };
             if missing == 0 {
@@ -142,6 +151,7 @@ impl<'a> Search<'a> {
             if self.operator.shift() != shift {
                 self.factorise(shift)?;
             }
+            starts += missing;
             if !self.add_starts(&mut krylov, missing)? {
                 return Err(not_converged(converged, &krylov));
             }

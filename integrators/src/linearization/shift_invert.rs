@@ -86,6 +86,27 @@ impl<'a> ShiftInvert<'a> {
         &self.values
     }
 
+    /// Removes the part of a vector that violates equations with multipliers, as no mode does.
+    ///
+    /// # Errors
+    /// As [`ShiftInvert::apply`].
+    pub fn constrain(&mut self, x: &mut [f64]) -> Result<(), LinearError> {
+        let coordinates = self.lin.pattern.coordinates();
+        for part in x.chunks_exact_mut(self.lin.dim()) {
+            let mut h = self.lin.product(&self.values, part);
+            let others = h
+                .iter_mut()
+                .zip(coordinates)
+                .filter(|(_, info)| !info.is_multiplier);
+            others.for_each(|(h, _)| *h = 0.0);
+            if h.iter().any(|h| *h != 0.0) {
+                self.solver.solve(Some(&self.values), &mut h)?;
+                add(part, -1.0, &h);
+            }
+        }
+        Ok(())
+    }
+
     /// The product of the operator and a vector x; `Mx` is M x, if it is known.
     ///
     /// # Errors

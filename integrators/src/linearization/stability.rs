@@ -1,7 +1,7 @@
 //! The load at which a mode begins to grow: flutter and divergence.
 
 use super::modes::{Mode, ModeOptions, ModesError, modes};
-use super::{LinearizationError, linearize};
+use super::{LinearizationError, is_balanced, linearize};
 use crate::significant;
 use crate::statics::{StaticOptions, StaticsError, equilibrium_from};
 use pullback_manifold::system::{Point, System};
@@ -69,7 +69,11 @@ pub fn stability_limit(
             min_step: step.min(options.min_step),
             ..*options
         };
-        let q = equilibrium_from(system, q.to_vec(), &options)?;
+        let mut q = q.to_vec();
+        // At a critical load the stiffness is singular.
+        if !is_balanced(system, Point::statics(t, &q)) {
+            q = equilibrium_from(system, q, &options)?;
+        }
         let lin = linearize(system, Point::statics(t, &q))?;
         Ok((q, modes(&lin, &ModeOptions::lowest(count))?.modes))
     };

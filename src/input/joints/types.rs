@@ -155,7 +155,7 @@ pub(super) fn add_to(registry: Registry) -> Registry {
             at.join(joint::Revolute::new(keys.axis)?)
         })
         .joint("spherical", |at, _: Spherical| {
-            at.join_free(joint::Spherical)
+            at.builder.spherical(at.name, at.parent)
         })
         .joint_along("slide", |at, keys: Slide| {
             (at.builder).slide(at.name, at.chain, keys.start, at.interpolation)

@@ -60,7 +60,7 @@ fn everything(formulation: Formulation, driven: bool) -> (Context, [NodeId; 2]) 
     let first = line(&mut b, "first", [base, elbow], section());
     let hinge = revolute(&mut b, "hinge", elbow, [0.0, 0.0, 1.0]);
     let second = line(&mut b, "second", [hinge.frame, wrist], section());
-    let ball = b.attach_free("ball", wrist, Spherical).unwrap();
+    let ball = b.spherical("ball", wrist).unwrap();
     let damping = Damping {
         mass: 0.01,
         stiffness: 1e-4,

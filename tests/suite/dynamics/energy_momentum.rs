@@ -222,7 +222,7 @@ fn symmetries_are_found() {
 /// A heavy top of three moments of inertia, hung from a ball joint, and its velocities.
 fn heavy_top() -> (Context, Vec<f64>) {
     let (mut b, ground) = grounded();
-    let ball = b.attach_free("ball", ground, Spherical).unwrap();
+    let ball = b.spherical("ball", ground).unwrap();
     let J = Matrix3::from_diagonal(&Vector3::new(0.3, 0.25, 0.1));
     let top = RigidBody::new(1.0, J, [0.0, 0.1, 0.4].into()).unwrap();
     body(&mut b, "top", ball.frame, top);

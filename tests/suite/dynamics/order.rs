@@ -109,7 +109,7 @@ fn two_bodies(spin: [f64; 3]) -> Problem {
     let hinge = revolute(&mut b, "hinge", carriage, [0.2, -0.3, 1.0]);
     let arm = b.offset("arm", hinge.frame, [1.0, 0.2, 0.1]).unwrap();
     heavy_body(&mut b, "first", hinge.frame, 2.0, [0.5, 0.1, 0.0]);
-    let ball = b.attach_free("ball", arm, Spherical).unwrap();
+    let ball = b.spherical("ball", arm).unwrap();
     heavy_body(&mut b, "second", ball.frame, 1.0, [0.2, 0.1, -0.3]);
     let probe = b.offset("probe", ball.frame, [1.3, 0.6, -0.3]).unwrap();
     b.element("fly", PointMass::new(0.1).unwrap(), &[probe])
@@ -225,7 +225,7 @@ fn upside_down() -> Problem {
     let carriage = b.node("carriage", [0.0; 3]).unwrap();
     b.support(carriage, &[Dof::Y, Dof::Z, Dof::RX, Dof::RY, Dof::RZ]);
     b.prescribe(carriage, Dof::X, sine(0.05, 2.0, 0.2));
-    let ball = b.attach_free("ball", carriage, Spherical).unwrap();
+    let ball = b.spherical("ball", carriage).unwrap();
     heavy_body(&mut b, "body", ball.frame, 1.0, [0.0, 0.05, 0.9]);
     let probe = b.offset("probe", ball.frame, [0.3, 0.1, 0.9]).unwrap();
     b.element("fly", PointMass::new(0.1).unwrap(), &[probe])

@@ -122,3 +122,43 @@ fn the_error_tells_a_poor_estimate() {
     let off = (frame[0].load / (18546.558 / 20000.0) - 1.0).abs();
     assert!(off > 0.1 && frame[0].error > 0.1, "{frame:?}");
 }
+
+/// Three rigid links of length 1 with springs of 1 between them, between a pin and a slide: critical loads 1 and 3 (joints
+/// displaced by equal or opposite amounts), also where multipliers close the loop.
+#[test]
+fn links_between_a_pin_and_a_slide() {
+    for closure in ["map", "multipliers"] {
+        let mut text = GROUND.to_owned()
+            + &joint("top", "offset", "ground", "position = [0, 0, 3]")
+            + &joint("slide", "prismatic", "top", "axis = [0, 0, 1]");
+        let (mut end, axis) = ("ground".to_owned(), "axis = [0, 1, 0]\n");
+        for k in 1..=3 {
+            let (hinged, next) = (format!("h{k}"), format!("p{k}"));
+            let spring = if k > 1 { "spring = { k = 1 }" } else { "" };
+            text += &joint(&hinged, "revolute", &end, &(axis.to_owned() + spring));
+            text += &arm(&next, &hinged, [0.0, 0.0, f64::from(k)]);
+            text += &body_of(&next, 1.0, "");
+            end = next;
+        }
+        let closing = format!("{axis}child = \"slide\"\nclosure = \"{closure}\"");
+        text += &joint("C", "revolute", &end, &closing);
+        text += "[[loads]]\nnode = \"slide\"\nforce = [0, 0, -1]\n[analysis.static]\n";
+        let found = critical(&text, 0.01, 2).unwrap();
+        for (mode, exact) in found.iter().zip([1.0, 3.0]) {
+            assert_near(mode.load, exact, 1e-10);
+        }
+    }
+}
+
+/// A load that does not grow beyond t = 1 does not reach a critical load beyond it.
+#[test]
+fn the_error_sees_loads_that_stop_growing() {
+    let load = "node = \"B\"\nforce = [-1, 0, 0]\ntime = { ramp = { end = 1 } }";
+    let text = clamped(
+        "EA = 1e4, GA = [4e3, 4e3], GJ = 1.5, EI = [1.0, 2.0]",
+        (4, 2),
+        load,
+    );
+    let found = critical(&text, 0.0, 1).unwrap();
+    assert!(found[0].load > 1.0 && found[0].error >= 1.0, "{found:?}");
+}

@@ -282,7 +282,23 @@ fn periodic_coefficients_are_refused() {
     let disc = disc().replace("[0.2, 0.1, 0.1]", "[0.2, 0.1, 0.12]");
     let gravity = "[[loads]]\ngravity = [0, -1, 0]\ntime = { constant = 1 }\n";
     let blade = format!("{}\n{gravity}", example("rotating_blade"));
-    for (name, text) in [("campbell_unsymmetric", disc), ("campbell_gravity", blade)] {
+    // Beside stiffnesses of 1e10 as well.
+    let shaft = [
+        "[sections.s]\nstiffness = { EA = 1e10, GA = [4e9, 4e9], GJ = 1e3, EI = [100, 400] }\n",
+        "[nodes]\na = [0, 0, 0]\nb = [1, 0, 0]\n",
+        &fixed("a"),
+        &beam_line("l", ["a", "b"], 4, "s"),
+        "order = 3\n",
+        &joint("S", "revolute", "b", "axis = [1, 0, 0]"),
+        &body_of("S", 5.0, "inertia = [0.7, 0.6, 0.2]"),
+        "[analysis.campbell]\njoint = \"S\"\nfrom = 20\nto = 20\ncount = 4\n",
+    ]
+    .concat();
+    for (name, text) in [
+        ("campbell_unsymmetric", disc),
+        ("campbell_gravity", blade),
+        ("campbell_stiff", shaft),
+    ] {
         assert_says(&failure(name, &text), &["needs Floquet theory"]);
     }
 }

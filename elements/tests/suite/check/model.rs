@@ -24,7 +24,7 @@ fn everything() -> Context {
     let spring = CoordinateSpring::new(LAW).unwrap();
     b.element("torsion", spring, &[hinge.coordinates[0]])
         .unwrap();
-    let ball = b.attach_free("ball", corner, Spherical).unwrap();
+    let ball = b.spherical("ball", corner).unwrap();
     b.element("ball body", body, &[ball.frame]).unwrap();
     let cross = Universal::new([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]).unwrap();
     let cross = b.attach("cross", tip, cross).unwrap();

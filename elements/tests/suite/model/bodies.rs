@@ -38,7 +38,7 @@ fn linkage(fix: &Fix) -> Context {
     let crank = crank.frame;
     let tip = fix(&mut b, "tip of the crank", crank, p);
     let hook = fix(&mut b, "hook", tip, [0.3, 1.2, 0.1]);
-    let ball = b.attach_free("ball", hook, Spherical).unwrap().frame;
+    let ball = b.spherical("ball", hook).unwrap().frame;
     let coupler = revolute(&mut b, "coupler", tip);
     let end = fix(&mut b, "end of the coupler", coupler, q);
     let bearing = fix(&mut b, "bearing", ground, [2.0, 0.0, 0.0]);

@@ -5,6 +5,8 @@ use super::{Inner, MARGIN, ModesError, RitzPair, Search, Selection};
 
 /// Most halvings of a range towards the modes in it.
 const HALVINGS: usize = 24;
+/// Relative difference of frequencies that are one.
+const EQUAL: f64 = 1e-6;
 /// Part of a range at which it is divided.
 const MIDDLE: f64 = 0.47;
 
@@ -65,28 +67,42 @@ impl Search<'_> {
         converged: usize,
         wanted: usize,
         expected: &mut Option<usize>,
-    ) -> Result<usize, ModesError> {
+    ) -> usize {
         if let Selection::Range(_) = self.selection {
             let inside = self.inside(&pairs[..converged]);
-            return Ok(expected.map_or(0, |expected| expected.saturating_sub(inside)));
+            return expected.map_or(0, |expected| expected.saturating_sub(inside));
         }
         let shift = self.operator.shift();
-        let radius = pairs[wanted - 1].theta.norm().recip() * (1.0 + MARGIN);
-        let near = pairs[..converged]
-            .iter()
-            .filter(|p| p.theta.norm() * radius >= 1.0);
-        let found = near.count();
-        let below = match self.inner {
-            // Nor is any below a lower shift.
-            Inner::Mass if self.operator.below() == Some(0) => Some(0),
-            _ => self.below(shift - radius)?,
+        // Nor is any below a lower shift.
+        let lowest = self.inner == Inner::Mass && self.operator.below() == Some(0);
+        let found = |radius: f64| {
+            let near = pairs[..converged].iter();
+            near.filter(|p| p.theta.norm() * radius >= 1.0).count()
         };
-        let up_to = self.below(shift + radius)?;
-        *expected = up_to.zip(below).map(|(up_to, below)| match self.inner {
-            // Eigenvalues of both signs, from zero on.
-            Inner::Stiffness => up_to + below,
-            _ => up_to.saturating_sub(below),
-        });
-        Ok(expected.map_or(0, |expected| expected.saturating_sub(found)))
+        // `None` beside an eigenvalue that is zero but for rounding errors as well.
+        let mut count = |radius: f64| -> Option<usize> {
+            let below = match lowest {
+                true => Some(0),
+                false => self.below(shift - radius).ok()?,
+            };
+            let up_to = self.below(shift + radius).ok()?;
+            up_to.zip(below).map(|(up_to, below)| match self.inner {
+                // Eigenvalues of both signs, from zero on.
+                Inner::Stiffness => up_to + below,
+                _ => up_to.saturating_sub(below),
+            })
+        };
+        let last = pairs[wanted - 1].theta.norm().recip();
+        let mut radius = last * (1.0 + MARGIN);
+        *expected = count(radius);
+        let others = expected.map_or(0, |expected| expected.saturating_sub(found(radius)));
+        if others == 0 {
+            return 0;
+        }
+        // Of copies of the last frequency, as many as are requested are enough.
+        radius = last * (1.0 - EQUAL);
+        let nearer = count(radius).map_or(0, |count| count.saturating_sub(found(radius)));
+        let short = self.selection.most().saturating_sub(converged);
+        nearer.min(wanted).max(others.min(short))
     }
 }

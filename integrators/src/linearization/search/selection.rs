@@ -1,19 +1,23 @@
 //! Which eigenvalues of the operator belong to the modes selected, and when they are enough.
 
 use super::super::finish::ROUNDING;
-use super::{Inner, MARGIN, Order, RitzPair, Search, Selection};
+use super::{Inner, Order, RitzPair, Search, Selection};
 use num_complex::Complex64;
 
 /// Largest residual of a converged eigenvalue of the operator, relative to it.
 const CONVERGED: f64 = 1e-10;
 /// The same, relative to the largest eigenvalue: rounding errors of the solver.
 const FLOOR: f64 = 1e-15;
+/// Eigenvalues of the operator below this part of the largest belong to infinite ones.
+const FINITE: f64 = 1e-13;
 /// Residual, relative to the eigenvalue of the operator, of a pair that is no approximation although this many smaller ones have
 /// converged.
 const WANDERING: f64 = 1e-2;
 const INNER: usize = 4;
 /// Part of ω² by which a range is wider than requested.
 const ENDS: f64 = 1e-9;
+/// Eigenvalues below this part of the shift are rounding errors.
+const LOST: f64 = 64.0 * ROUNDING;
 /// Ratio of the eigenvalues of the operator above which another shift is taken.
 const SPREAD: f64 = 1e9;
 /// The same with damping, where shapes lose as many digits.
@@ -24,13 +28,13 @@ impl Search<'_> {
     pub(super) fn eigenvalue(&self, pair: &RitzPair) -> Complex64 {
         let shift = self.operator.shift();
         match shift + pair.theta.inv() {
-            value if value.norm() <= ROUNDING * shift.abs() => Complex64::ZERO,
+            value if value.norm() <= LOST * shift.abs() => Complex64::ZERO,
             value => value,
         }
     }
 
-    /// A shift that suits the modes better: nearer to them, or farther from a rigid one that drowns them.
-    pub(super) fn better_shift(&self, pairs: &[RitzPair], exhausted: bool) -> Option<f64> {
+    /// A shift that suits the modes better: nearer to them, or farther from a low one that drowns them.
+    pub(super) fn better_shift(&self, pairs: &[RitzPair]) -> Option<f64> {
         let Selection::Nearest { count, omega: 0.0 } = self.selection else {
             return None;
         };
@@ -38,17 +42,31 @@ impl Search<'_> {
             return None;
         }
         let shift = self.operator.shift();
-        let largest = pairs.first()?.theta.norm();
-        let k = self.position(pairs, count).min(pairs.len() - 1);
-        let last = self.eigenvalue(&pairs[k]).norm();
-        let (square, spread) = match self.order {
-            Order::Squares if exhausted => (-0.25 * last, f64::INFINITY),
-            Order::Squares => (-0.25 * last, SPREAD),
-            Order::Quadratic => (0.5 * last, SPREAD_DAMPED),
+        let first = pairs.first()?;
+        let largest = first.theta.norm();
+        let finite = match self.is_symmetric() {
+            true => pairs.len(),
+            false => pairs.partition_point(|p| p.theta.norm() > FINITE * largest),
+        };
+        let k = self.position(pairs, count).min(finite.saturating_sub(1));
+        // Rounding errors of the largest may leave nothing of it.
+        let most = (f64::EPSILON * largest).recip();
+        let last = self.eigenvalue(&pairs[k]).norm().min(most);
+        let (part, spread) = match self.order {
+            Order::Squares => (-0.25, SPREAD),
+            Order::Quadratic => (0.5, SPREAD_DAMPED),
+        };
+        let better = match shift == 0.0 {
+            // Between the first and the last, whose errors are alike there.
+            true => {
+                let mean = (self.eigenvalue(first).norm() * last).sqrt();
+                f64::signum(part) * mean.max(last / spread)
+            }
+            false => part * last,
         };
         let drowned = shift == 0.0 && largest > spread * pairs[k].theta.norm();
-        let far = shift != 0.0 && square.abs() < 0.1 * shift.abs() && last > 1e-9 * shift.abs();
-        ((drowned || far) && square.is_finite()).then_some(square)
+        let far = shift != 0.0 && better.abs() < 0.1 * shift.abs() && last > 1e-9 * shift.abs();
+        ((drowned || far) && better.is_finite()).then_some(better)
     }
 
     /// Distance of the frequency of a pair from a circular frequency.
@@ -147,13 +165,14 @@ impl Search<'_> {
         (from..=to).contains(&square)
     }
 
-    /// Number of pairs, converged or not, in the range, or as near to the shift as this number of them.
-    pub(super) fn near(&self, pairs: &[RitzPair], wanted: usize) -> usize {
-        if let Selection::Range(_) = self.selection {
-            return self.inside(pairs);
-        }
-        let least = pairs[wanted - 1].theta.norm() * (1.0 - MARGIN);
-        pairs.iter().filter(|p| p.theta.norm() >= least).count()
+    /// Distances from the shift of the pairs selected: those in the range, or as many as are wanted.
+    pub(super) fn selected(&self, pairs: &[RitzPair], wanted: usize) -> Vec<f64> {
+        let all = pairs.iter().filter(|p| self.is_in_range(p));
+        let most = match self.selection {
+            Selection::Nearest { .. } => wanted,
+            Selection::Range(_) => usize::MAX,
+        };
+        all.take(most).map(|p| p.theta.norm().recip()).collect()
     }
 
     /// Number of pairs in the range.
@@ -175,5 +194,5 @@ pub(super) fn squares([from, to]: [f64; 2]) -> [f64; 2] {
 /// Whether a pair has converged, given the largest eigenvalue of the operator.
 fn is_converged(pair: &RitzPair, largest: f64) -> bool {
     let size = pair.theta.norm();
-    pair.residual <= CONVERGED * size + FLOOR * largest && size > 1e-13 * largest
+    pair.residual <= CONVERGED * size + FLOOR * largest && size > FINITE * largest
 }

@@ -56,50 +56,63 @@ impl<'a> Search<'a> {
             }
             weights
         };
-        self.weights = weights(&[&lin.M]);
-        if self.order == Order::Quadratic {
-            let square = self.lowest_square()?;
-            let velocities = self.weights.iter().map(|w| w / square);
-            self.weights = weights(&[&lin.C, &lin.M])
-                .into_iter()
-                .chain(velocities)
-                .collect();
-        }
+        self.weights = match self.order {
+            Order::Squares => weights(&[&lin.M]),
+            Order::Quadratic => weights(&[&lin.C, &lin.M]),
+        };
         self.scales = scales;
+        if self.order == Order::Quadratic {
+            self.balance = self.find_balance()?;
+            let masses = lin.pattern.diagonal().map(|k| self.balance * lin.M[k]);
+            self.weights.extend(masses);
+        }
         Ok(())
     }
 
-    /// An estimate of |λ|² of the modes nearest to the shift: two steps of the power method.
-    fn lowest_square(&mut self) -> Result<f64, LinearError> {
-        let n = self.lin.dim();
+    /// The factor of the kinetic energy of velocities with which they count as much as the displacements of modes near the shift,
+    /// by two steps of the power method.
+    fn find_balance(&mut self) -> Result<f64, LinearError> {
+        let (n, M) = (self.lin.dim(), &self.lin.M);
         let mut x = vec![0.0; 2 * n];
         x[n..].fill_with(|| self.random.next());
         let mut square = 1.0;
         for _ in 0..2 {
             let mut y = self.operator.apply(&x, None)?;
-            let Mx = self.lin.product(&self.lin.M, &x[n..]);
+            let Mx = self.lin.product(M, &x[n..]);
             square = dot(&Mx, &x[n..]) / dot(&Mx, &y[..n]).abs();
             y.rotate_right(n);
             y[..n].fill(0.0);
             x = y;
         }
-        Ok(square)
+        let x = &x[n..];
+        let sizes = x.iter().zip(&self.weights).map(|(x, w)| w * x * x);
+        let balance = sizes.sum::<f64>() / (square * dot(&self.lin.product(M, x), x));
+        let usable = balance > 0.0 && balance.is_finite();
+        Ok(if usable { balance } else { 1.0 })
     }
 
-    /// The inner product of the search: M if the problem is symmetric.
+    /// The inner product of the search: M if the problem is symmetric, and of velocities, so that what has no mass has no
+    /// length.
     pub(super) fn gram(&self) -> impl Fn(&[f64], &mut [f64]) + use<'a> {
-        let lin = self.lin;
-        let (matrix, weights) = match self.inner {
-            Inner::Mass => (Some(&lin.M), Vec::new()),
-            Inner::Stiffness => (Some(&lin.K), Vec::new()),
-            Inner::Coordinates => (None, self.weights.clone()),
+        let (lin, inner, weights) = (self.lin, self.inner, self.weights.clone());
+        let factor = self.balance;
+        let by_mass = match inner {
+            Inner::Mass => true,
+            Inner::Stiffness => false,
+            Inner::Coordinates => lin.is_symmetric(&lin.M),
         };
-        move |x, y| match matrix {
-            Some(values) => lin.pattern.multiply_add(1.0, values, x, y),
-            None => {
-                for ((y, x), w) in y.iter_mut().zip(x).zip(&weights) {
-                    *y += w * x;
-                }
+        move |x, y| {
+            if inner == Inner::Stiffness {
+                lin.pattern.multiply_add(1.0, &lin.K, x, y);
+                return;
+            }
+            let others = x.len() - if by_mass { lin.dim() } else { 0 };
+            for ((y, x), w) in y[..others].iter_mut().zip(x).zip(&weights) {
+                *y += w * x;
+            }
+            if by_mass {
+                let (x, y) = (&x[others..], &mut y[others..]);
+                lin.pattern.multiply_add(factor, &lin.M, x, y);
             }
         }
     }
@@ -120,6 +133,7 @@ impl<'a> Search<'a> {
         for i in 0..size {
             let mut unit = vec![0.0; size];
             unit[i] = 1.0;
+            self.operator.constrain(&mut unit)?;
             krylov.add(unit, &gram);
         }
         Ok(krylov)
@@ -135,7 +149,8 @@ impl<'a> Search<'a> {
         for _ in 0..count {
             let random = &mut self.random;
             let scaled = |w: &f64| random.next() * if *w > 0.0 { w.sqrt().recip() } else { 0.0 };
-            let vector: Vec<f64> = self.weights.iter().map(scaled).collect();
+            let mut vector: Vec<f64> = self.weights.iter().map(scaled).collect();
+            self.operator.constrain(&mut vector)?;
             let vector = self.operator.apply(&vector, None)?;
             added |= krylov.add(vector, &self.gram());
         }

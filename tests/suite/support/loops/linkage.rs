@@ -72,14 +72,14 @@ pub fn balls(b: &mut ModelBuilder, by: Closure) -> (NodeId, Vector3<f64>) {
     let (P, Q, D) = ([0.3, 0.0, 0.0], [0.0, 1.0, 0.9], [0.0, 1.0, 0.0]);
     let A = link(b, "A", ground, [[0.0; 3], P], (1.0, at_once));
     let tip = b.offset("crank pin", A.frame, P).unwrap();
-    let B = b.attach_free("B", tip, Spherical).unwrap();
+    let B = b.spherical("B", tip).unwrap();
     let along = Vector3::from(Q) - Vector3::from(P);
     let e = along.normalize();
     let J = Matrix3::identity() * 0.2 - e * e.transpose() * 0.15;
     let body = RigidBody::new(0.7, J, along * 0.5).unwrap();
     weighed(b, "coupler", B.frame, body, DOWN);
     let end = b.offset("coupler end", B.frame, Q).unwrap();
-    let C = b.attach_free("C", end, Spherical).unwrap();
+    let C = b.spherical("C", end).unwrap();
     let foot = b.offset("foot", ground, D).unwrap();
     let rocker = revolute(b, "D", foot, [1.0, 0.0, 0.0]);
     let body = RigidBody::new(1.0, Matrix3::identity() * 0.3, Vector3::new(0.0, 0.0, 0.45));

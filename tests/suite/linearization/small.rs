@@ -1,0 +1,131 @@
+//! Modes of small systems, held to their polynomials.
+
+use super::assert_near;
+use crate::support::*;
+use num_complex::Complex64;
+use pullback::integrators::linearization::stability_limit;
+use pullback::integrators::statics::StaticOptions;
+
+/// Eigenvalues λ of a model on the ground, about its state as drawn.
+fn eigenvalues(name: &str, parts: &[String], count: usize) -> Vec<Complex64> {
+    let analysis = format!("[analysis.modes]\ncount = {count}\n");
+    let text = [GROUND, &parts.concat(), &analysis].concat();
+    let rows = csv(ran(&directory(name), &text).join("modes.csv"));
+    let value = |row: &Vec<f64>| Complex64::new(row[3], row[4]);
+    rows.iter().map(value).collect()
+}
+
+fn slider(name: &str, parent: &str, axis: [u8; 3], k: f64, c: f64) -> String {
+    let keys = format!("axis = {axis:?}\nspring = {{ k = {k:?}, c = {c:?} }}");
+    joint(name, "prismatic", parent, &keys)
+}
+
+const X: [u8; 3] = [1, 0, 0];
+
+/// A mass on a spring in series with a spring and a damper side by side, all of one: λ³ + 2λ² + λ + 1 = 0. M is singular.
+#[test]
+fn a_standard_solid() {
+    let parts = [
+        slider("A", "ground", X, 1.0, 1.0),
+        slider("B", "A", X, 1.0, 0.0),
+        body_of("B", 1.0, ""),
+    ];
+    let found = eigenvalues("standard solid", &parts, 10);
+    assert_eq!(found.len(), 2, "{found:?}");
+    for lambda in found {
+        let value = ((lambda + 2.0) * lambda + 1.0) * lambda + 1.0;
+        assert!(value.norm() < 1e-12, "{lambda}");
+    }
+}
+
+/// Two bars of inertia 0.3 and 0.7 on springs, welded by multipliers: λ² + λ + 150 = 0, and nothing else.
+#[test]
+fn bars_welded_by_multipliers() {
+    let on = |name: &str, spring: &str| hinge(name, "ground", &format!("spring = {spring}"));
+    let parts = [
+        on("A", "{ k = 100, c = 1 }"),
+        on("B", "{ k = 50 }"),
+        joint("C", "weld", "A", "child = \"B\"\nclosure = \"multipliers\""),
+        body_of("A", 3.0, "inertia = [0.2, 0.2, 0.3]"),
+        body_of("B", 3.0, "inertia = [0.6, 0.2, 0.7]"),
+    ];
+    let found = eigenvalues("welded bars", &parts, 4);
+    assert_eq!(found.len(), 1, "{found:?}");
+    let exact = Complex64::new(-0.5, 149.75_f64.sqrt());
+    assert!((found[0] - exact).norm() < 1e-11, "{found:?}");
+}
+
+/// Two modes at rest, of masses 2000 and 0.1, and three others.
+#[test]
+fn modes_at_rest_with_dampers() {
+    let parts = [
+        slider("A", "ground", X, 0.0, 1.0),
+        body_of("A", 1000.0, ""),
+        slider("B", "A", X, 1.0, 0.0),
+        body_of("B", 1000.0, ""),
+        slider("C", "A", [0, 1, 0], 0.0, 0.1),
+        body_of("C", 0.1, ""),
+    ];
+    let found = eigenvalues("modes at rest", &parts, 10);
+    let at_rest = found.iter().filter(|lambda| lambda.norm() == 0.0);
+    assert_eq!([at_rest.count(), found.len()], [2, 5], "{found:?}");
+}
+
+/// More copies of a frequency than modes are requested, with and without damping: λ² + c λ + 5 = 0.
+#[test]
+fn many_copies_of_a_mode() {
+    for (copies, c) in [(61, 0.1), (130, 0.0)] {
+        let pendulums: Vec<String> = (0..copies)
+            .flat_map(|k| {
+                let (joint, spring) = (format!("j{k}"), format!("spring = {{ k = 5, c = {c:?} }}"));
+                let bar = body_of(&joint, 1.0, "inertia = [1, 1, 1]");
+                [hinge(&joint, "ground", &spring), bar]
+            })
+            .collect();
+        let found = eigenvalues("many copies", &pendulums, 10);
+        assert_eq!(found.len(), 10, "{copies} copies");
+        let exact = Complex64::new(-0.5 * c, (5.0 - 0.25 * c * c).sqrt());
+        for lambda in found {
+            assert!((lambda - exact).norm() < 1e-12, "{copies} copies: {lambda}");
+        }
+    }
+}
+
+/// Two rods with springs under a dead load lose their stability by divergence at (3 − √5)/2, with or without dampers.
+#[test]
+fn divergence_is_a_stability_limit() {
+    for c in [0.0, 0.1] {
+        let spring = format!("spring = {{ k = 1, c = {c:?} }}");
+        let text = [
+            GROUND,
+            "[analysis.modes]\n",
+            &hinge("A", "ground", &spring),
+            &arm("a", "A", X.map(f64::from)),
+            &hinge("B", "a", &spring),
+            &arm("b", "B", [2.0, 0.0, 0.0]),
+            &body_of("a", 1.0, ""),
+            &body_of("b", 1.0, ""),
+            "[[loads]]\nnode = \"b\"\nforce = [-1, 0, 0]\ntime = { proportional = 1 }\n",
+        ]
+        .concat();
+        let mut context = started(&text).context;
+        let options = StaticOptions::default();
+        for range in [[0.1, 1.0], [0.2, 0.5], [0.0, 0.7]] {
+            let found = stability_limit(&mut context, &[0.0; 2], range, 2, &options).unwrap();
+            assert_near(found.t, 0.5 * (3.0 - 5.0_f64.sqrt()), 1e-10);
+        }
+    }
+}
+
+#[test]
+fn nothing_vibrates_where_all_is_prescribed() {
+    let text = [
+        GROUND,
+        &hinge("A", "ground", "prescribed = { proportional = 1 }"),
+        &body("A"),
+        "[analysis.modes]\n",
+    ]
+    .concat();
+    let said = failure("all prescribed", &text);
+    assert_says(&said, &["nothing in the model is free to move"]);
+}
