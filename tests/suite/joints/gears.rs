@@ -54,24 +54,6 @@ fn two_rotors_have_the_reduced_inertia() {
 }
 
 #[test]
-fn a_motor_and_a_spring_on_the_wheel_act_through_the_gear() {
-    let (ratio, first, second) = (-0.25_f64, 0.02, 0.9);
-    // The same on the wheel: (J₂ + J₁/i²) θ̈₂ = M − k θ₂.
-    let reduced = second + first / (ratio * ratio);
-    let (motor, k) = (0.5, 20.0_f64);
-    let omega = (k / reduced).sqrt();
-    let acts = "actuator = { constant = 0.5 }\nspring = { k = 20 }";
-    for row in recorded("gear_spring", &rotors(["", acts], GEAR)) {
-        let t = number(&row, "t");
-        let angle = motor / k * (1.0 - (omega * t).cos());
-        assert!((number(&row, "wheel") - angle).abs() < 1e-6);
-        let rate = motor / k * omega * (omega * t).sin();
-        assert!((number(&row, "rate") - rate).abs() < 1e-5);
-        assert!((number(&row, "pinion") - angle / ratio).abs() < 4e-6);
-    }
-}
-
-#[test]
 fn a_rack_falls_and_spins_its_pinion() {
     let gear = GEAR.replace("-0.25", "0.3") + "[[loads]]\ngravity = [0, -9.81, 0]\n";
     let rack = joint("wheel", "prismatic", "beside", "axis = [0, 1, 0]");

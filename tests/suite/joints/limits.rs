@@ -151,6 +151,37 @@ fn the_end_of_a_curve_is_refused_with_the_name_of_the_point() {
     assert!(reached <= 1.0 && reached > 0.98, "{reached}");
 }
 
+/// The sphere of radius one about the parent, without its poles on e2: angle u about e2 and
+/// latitude v, from the lowest point.
+#[derive(Clone)]
+struct Sphere;
+
+impl Surface for Sphere {
+    fn at<S: Scalar>(&self, u: S, v: S) -> Vector3<S> {
+        let across = v.cos();
+        Vector3::new(u.sin() * across, v.sin(), -u.cos() * across)
+    }
+
+    fn margin(&self, _u: f64, v: f64) -> f64 {
+        FRAC_PI_2 - v.abs()
+    }
+}
+
+#[test]
+fn the_edge_of_a_surface_is_refused_with_the_name_of_the_point() {
+    let (mut context, made) =
+        ball(|b, on| b.attach_free("bead", on, OnSurface::new(Sphere)).unwrap());
+    let mut reached = 0.0_f64;
+    // Along e2, over the pole.
+    let ended = run(&mut context, &made, &[0.0, 2.0], 4.0, &mut |t, state| {
+        reached = state.position.y;
+        assert!((reached - (2.0 * t).sin()).abs() < 1e-12);
+    });
+    let said = ended.unwrap_err().to_string();
+    assert_says(&said, &["joint at node bead left its surface over an edge"]);
+    assert!(reached > 0.99, "{reached}");
+}
+
 #[test]
 fn a_spring_along_a_line_lets_its_nodes_turn() {
     // At the centre of a body that turns about it, the other end held: nothing acts.

@@ -1,8 +1,6 @@
 //! Joints, what drives them and what they drive.
 
-mod curves;
 mod driven;
-mod drives;
 mod gears;
 mod limits;
 mod motions;

@@ -118,35 +118,6 @@ fn a_body_on_a_coupling_goes_round_without_turning_about_its_shaft() {
 }
 
 #[test]
-fn what_is_welded_to_an_arm_turns_with_it() {
-    // On a hinge with a motor: (J + m r²) θ̈ = M, the parts of the body as far away as the weld.
-    let motor = "type = \"revolute\"\naxis = [0, 0, 1]\nactuator = { constant = 3.0 }\n";
-    let weld = [
-        motor,
-        &arm("arm", "joint", [0.5, 0.0, 0.0]),
-        &joint("weld", "weld", "arm", ""),
-    ];
-    let turn = probe("turn", "rotation", "weld");
-    let text = on_joint(&weld.concat(), "inertia = [0.3, 0.4, 0.6]", &turn)
-        .replace("\nnode = \"joint\"", "\nnode = \"weld\"");
-    for row in ran("joint_weld", &text) {
-        let t = number(&row, "t");
-        let angle = 0.5 * 3.0 / (0.6 + 2.0 * 0.25) * t * t;
-        let (sine, cosine) = angle.sin_cos();
-        for (column, exact) in [
-            ("position.x", 0.5 * cosine),
-            ("position.y", 0.5 * sine),
-            ("position.z", 0.0),
-            ("turn.x", 0.0),
-            ("turn.y", 0.0),
-            ("turn.z", angle),
-        ] {
-            assert_close(number(&row, column), exact, 1e-9, column);
-        }
-    }
-}
-
-#[test]
 fn a_coupling_of_constant_velocity_turns_its_shafts_equally() {
     // Two shafts at 40°, the far end of the second in a bearing: statics of a driven angle.
     let (s, c) = 40_f64.to_radians().sin_cos();

@@ -97,32 +97,6 @@ fn what_a_pendulum_records_is_exact_to_the_second_order_of_the_step() {
 }
 
 #[test]
-fn springs_and_drives_act_on_released_coordinates() {
-    let rows = |acts: &str| {
-        // Something must be free where the pendulum is driven.
-        let text = pendulum(&format!(
-            "0, -9.81] => 0, 0]\naxis = [0, -1, 0] => &\\n{acts}\n[nodes] => &\\nother = [5, 0, 0]\n\
-             to = 10 => to = 2\nstep = 0.01 => step = 0.002"
-        ));
-        recorded("program_released", &(text + &body_of("other", 1.0, "")))
-    };
-    // ω² = k/J: θ = x₀ (1 − cos ω t) + θ̇₀/ω sin ω t, with a phase error of ω h²/12 per radian.
-    for row in rows("spring = { k = 9.0, x0 = 0.01 }\\nrate = 0.3") {
-        let (sin, cos) = (3.0 * number(&row, "t")).sin_cos();
-        let exact = 0.01 * (1.0 - cos) + 0.1 * sin;
-        assert_close(number(&row, "angle"), exact, 2e-6, "spring");
-    }
-    for row in rows("prescribed = { sine = { amplitude = 2.0, omega = 3.0 } }") {
-        // Centripetal and tangential force of the unit mass.
-        let (sin, cos) = (3.0 * number(&row, "t")).sin_cos();
-        let force = (36.0 * cos * cos).hypot(18.0 * sin);
-        assert_close(number(&row, "angle"), 2.0 * sin, 1e-12, "drive");
-        let within = 1e-9 * (1.0 + force);
-        assert_close(number(&row, "tension"), force, within, "drive");
-    }
-}
-
-#[test]
 fn every_model_of_the_documents_assembles() {
     let models: Vec<&str> = DOCUMENTS.split("```toml\n").skip(1).collect();
     assert_eq!(models.len(), 2);

@@ -31,12 +31,14 @@ fn near(t: f64, found: [f64; 3], exact: [f64; 3], within: f64) {
 
 #[test]
 fn a_bead_on_a_straight_wire_falls_with_a_part_of_gravity() {
-    // Along (3, 0, −4)/5 from a quarter of the way; the points are not evenly spaced.
-    let joint = "type = \"on_curve\"\n\
-                 through = [[0, 0, 0], [0.6, 0, -0.8], [0.9, 0, -1.2], [6, 0, -8]]\nstart = 2.5";
-    for [t, x, y, z] in run("wire", joint, 10.0, [1.0, 0.05]) {
-        let s = 2.5 + 0.5 * 8.0 * t * t;
-        near(t, [x, y, z], [0.6 * s, 0.0, -0.8 * s], 1e-12);
+    // Along (3, 0, −4)/5 from its end, or a quarter of the way, by its arc length; the points are not evenly spaced.
+    let wire = "type = \"on_curve\"\n\
+                through = [[0, 0, 0], [0.6, 0, -0.8], [0.9, 0, -1.2], [6, 0, -8]]\nrate = 1.5\nstart =";
+    for start in [0.0, 2.5] {
+        for [t, x, y, z] in run("wire", &format!("{wire} {start}"), 10.0, [1.0, 0.05]) {
+            let s = start + 1.5 * t + 0.5 * 8.0 * t * t;
+            near(t, [x, y, z], [0.6 * s, 0.0, -0.8 * s], 1e-12);
+        }
     }
 }
 
