@@ -50,6 +50,11 @@ fn what_is_no_scheme_is_refused_at_its_place() {
 { bath = 1 } | scheme `bath`: no scheme is called so
 "em" | scheme `em`: it is now called projected-newmark
 "svq-newmark" | scheme `svq-newmark`: it is now called lie-newmark
+"lie-radau" | one stage
+"lie-tsitouras" | schemes with one stage
+"spin-ga:0.8" | newmark
+"ul-nothing" | ul-nothing
+"lie-" | there are
 { hht = 0.3 } | rho of HHT (or alpha, which is not positive) = 0.3 is outside its range
 { wbz = [0.1, 0.2] } | 2 numbers are given
 { wbz = 0.1, hht = 0 } | one scheme is enough

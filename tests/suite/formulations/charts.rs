@@ -1,40 +1,9 @@
 //! Another chart of rotations gives the same motion and the same equilibrium.
 
-use crate::support::comparisons::compared;
 use crate::support::dynamics::{assert_order, turning};
-use crate::support::laboratory::options;
 use crate::support::prelude::*;
 use pullback::conformance;
 use pullback::manifold::chart::RotationChart;
-use pullback::studies::compare::ErrorQuantity;
-
-/// Bodies, and beams of both interpolations, that turn beyond π: with Radau IIA of two stages their
-/// positions in the chart of Wiener and Milenković converge to those in rotation vectors, with order 3.
-#[test]
-fn models_of_the_gallery_move_alike_in_both_charts() {
-    for (text, step) in [
-        (
-            include_str!("../../../examples/models/free_body.toml"),
-            2e-3,
-        ),
-        (
-            include_str!("../../../examples/models/heavy_top.toml"),
-            5e-4,
-        ),
-        (include_str!("../../../examples/models/top_beam.toml"), 5e-4),
-    ] {
-        let steps = [step, 0.5 * step, 0.25 * step];
-        let comparison = compared(text, &options(&["wm-radau"], &steps)).unwrap();
-        let errors: Vec<f64> = (comparison.of("wm-radau"))
-            .map(|row| {
-                assert_eq!(row.failure, None);
-                assert!(row.counts.chart_changes > 10);
-                row.error.unwrap().of(ErrorQuantity::Rotation)
-            })
-            .collect();
-        assert_order("chart", &errors, 3.0, 0.1);
-    }
-}
 
 /// A clamped beam rolled up into two circles by a moment: its end turns by 4π.
 #[test]
