@@ -2,7 +2,7 @@
 //! multipliers as with the map, and linkages where kinematics has them.
 
 use crate::support::beams::line;
-use crate::support::closures::{angle, apart, beam_line, fixed, hinge, linkage, probe};
+use crate::support::closures::{angle, beam_line, fixed, hinge, probe};
 use crate::support::program::{number, recorded};
 use toml::{Table, Value};
 
@@ -165,23 +165,6 @@ fn a_structure_and_a_mechanism_take_the_same_iterations_in_all_units() {
     let (model, _) = text.split_once("[[probes]]").unwrap();
     let model = with_probes(&model.replace("to = 2", "to = 0.4"), &["hip", "hinge"]);
     compare_within(0.0, "double pendulum", &model, &["hip", "hinge"]);
-}
-
-#[test]
-fn a_four_bar_is_where_its_crank_says() {
-    let text = include_str!("../../../examples/models/four_bar.toml");
-    let joints = ["A", "B", "D"];
-    for closure in ["multipliers", "map"] {
-        let model = shortened(text, "child = \"rocker tip\"", closure, "0.04", &joints);
-        for step in compare("four-bar", &model, &joints) {
-            let [crank, b, d] = step.found[..] else {
-                panic!()
-            };
-            let exact = linkage(crank);
-            let gap = apart(b, exact[0]).max(apart(d, exact[1]));
-            assert!(gap < 1e-12, "{closure}: {gap:.1e} at t = {}", step.t);
-        }
-    }
 }
 
 #[test]

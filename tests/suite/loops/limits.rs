@@ -124,31 +124,6 @@ fn the_independent_end_of_a_gear_takes_rate_and_value() {
 }
 
 #[test]
-fn loops_of_any_size_are_the_same() {
-    let initial = 1.1;
-    let run = |size: f64| {
-        let words = format!("rate = {initial}");
-        // The same moments of inertia, and so the same energies.
-        let mass = format!("mass = {:e}", (size * size).recip());
-        let text = [GROUND, RUN, &four_bar_of(size, [&words, "", ""], "")].concat();
-        let text = text.replace("mass = 1.0", &mass);
-        rows(&format!("limits-size-{size:e}"), &text)
-    };
-    let (said, one) = run(1.0);
-    for size in [1e-9, 1e9] {
-        let (says, all) = run(size);
-        let closes = |said: &str| said.lines().next().unwrap().to_owned();
-        assert_eq!(closes(&says), closes(&said));
-        for (row, one) in all.iter().zip(&one) {
-            let [a, b] = [row, one].map(|r| number(r, "A"));
-            assert!((a - b).abs() < 1e-9, "{size}: {a} {b}");
-            let d = number(row, "D");
-            assert!(apart(d, linkage(number(row, "A"))[1]) < 1e-9, "{size}: {d}");
-        }
-    }
-}
-
-#[test]
 fn a_fast_drive_stays_on_its_branch() {
     for rate in [20, 70, 85, 145, 155] {
         let drive = format!("prescribed = {{ proportional = {rate} }}");

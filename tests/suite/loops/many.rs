@@ -2,7 +2,7 @@
 //! loops that stand on each other.
 
 use super::program::probes;
-use crate::support::closures::{GROUND, arm, body, body_of, joint};
+use crate::support::closures::{GROUND, arm, body_of, joint};
 use crate::support::dynamics::revolute;
 use crate::support::prelude::*;
 use crate::support::program::*;
@@ -151,26 +151,4 @@ fn a_loop_may_stand_on_a_frame_that_another_loop_moves() {
             }
         }
     }
-}
-
-#[test]
-fn a_loop_that_is_locked_is_left_alone() {
-    // Two parallel hinges at a distance, and a body that has nothing to do with them.
-    let axis = "axis = [0, 1, 0]";
-    let text = [
-        GROUND,
-        &joint("A", "revolute", "ground", axis),
-        &arm("a", "A", [2.0, 0.0, 1.5]),
-        &arm("foot", "ground", [2.0, 0.0, 1.5]),
-        &joint("C", "revolute", "a", &format!("{axis}\nchild = \"foot\"")),
-        &joint("E", "revolute", "ground", axis),
-        &body("E"),
-        "[[initial]]\nvelocity = [0, 0, 0]\n[analysis.dynamic]\nto = 0.02\nstep = 0.01\n\
-         [output]\nparaview_every = 0\nfigures = false\n",
-    ];
-    let model = write(&directory("locked"), &text.concat());
-    let ran = program(&[&model]);
-    let said = succeeded(&ran);
-    assert_says(&said, &["the loop closed by joint C cannot move"]);
-    succeeded(&command("check", &[&model]));
 }

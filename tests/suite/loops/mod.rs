@@ -2,8 +2,8 @@
 
 mod joints;
 mod limits;
-mod linkages;
 mod many;
 mod program;
 mod redundant;
+mod reparametrized;
 mod singular;

@@ -150,6 +150,8 @@ parent = "crank tip"\naxis = [0, 0, 1] => parent = "crank tip"\naxis = [0, 1, 0]
     let said =
         "the loop closed by joint C cannot move: its 6 equations leave none of 4 coordinates";
     assert!(warnings[0].starts_with(said), "{warnings:?}");
+    let mut job = pullback::input::assemble_text("model.toml", &wrong).unwrap();
+    pullback::check::job(&mut job, 0).assert();
 }
 
 #[test]

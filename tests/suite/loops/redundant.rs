@@ -2,10 +2,8 @@
 //! anew on the way.
 
 use crate::support::closures::{CLOSURES, GROUND, RUN, angle, arm, body, hinge, joint, rows};
-use crate::support::dynamics::{grounded, integrate_ode};
-use crate::support::loops::{G, bar, gap, pick, run};
-use crate::support::prelude::*;
 use crate::support::program::number;
+use std::f64::consts::FRAC_PI_2;
 
 /// Cardan's circles: a point on the rim of a wheel that rolls in a ring twice its size runs on a diameter,
 /// where a slider guides it. The wheel sees the gap in its own axes: what the slider asks for is the gap along
@@ -148,84 +146,4 @@ fn a_loop_within_a_body_holds_nothing() {
             assert!(off.abs() < 1e-9, "{axis:?} {closure}: {off:e}");
         }
     }
-}
-
-/// A plate on three parallel cranks of the same length: the third one only fits. `length` is that
-/// of the third crank.
-#[derive(Clone, Copy, Debug)]
-struct Parallelogram {
-    length: f64,
-}
-
-impl Implicit<4, 4> for Parallelogram {
-    /// x: angles of the three cranks and of the plate.
-    fn h<S: Scalar>(&self, _t: S, x: &SVector<S, 4>) -> SVector<S, 4> {
-        let pin = |k: usize, l: f64, at: f64| {
-            [
-                x[0].cos() + x[3].cos() * at - x[k].cos() * l - at,
-                x[0].sin() + x[3].sin() * at - x[k].sin() * l,
-            ]
-        };
-        let ([a, b], [c, d]) = (pin(1, 1.0, 2.0), pin(2, self.length, 1.0));
-        SVector::<S, 4>::new(a, b, c, d)
-    }
-
-    fn equation(&self, i: usize) -> String {
-        [
-            "second pin, e1",
-            "second pin, e2",
-            "third pin, e1",
-            "third pin, e2",
-        ][i]
-            .to_owned()
-    }
-}
-
-/// The plate on its cranks, under their weights.
-fn carried(map: ImplicitMap) -> (ModelBuilder, NodeId) {
-    let (mut b, ground) = grounded();
-    let q = b.coordinates("q", &[Quantity::Angle]).unwrap();
-    let x = b
-        .mapped_coordinates("x", &[Quantity::Angle; 4], Box::new(map), &[q])
-        .unwrap();
-    let cranks = [0, 1, 2].map(|k| pick::<4>(&mut b, x, k, Quantity::Angle));
-    let first = bar(&mut b, ground, [0.0; 3], cranks[0], 1.0, 1.0);
-    bar(&mut b, ground, [2.0, 0.0, 0.0], cranks[1], 1.0, 2.0);
-    bar(&mut b, ground, [1.0, 0.0, 0.0], cranks[2], 1.0, 3.0);
-    let turn = Linear::sum([-1.0, 0.0, 0.0, 1.0], 0.0).boxed();
-    let turn = b
-        .mapped_coordinates("turn", &[Quantity::Angle], turn, &[x])
-        .unwrap();
-    bar(&mut b, first, [1.0, 0.0, 0.0], turn, 2.0, 4.0);
-    (b, x)
-}
-
-/// Angle and rate of the cranks at a time: as the plate only translates, a pendulum,
-/// (Σ m/3 + m_p) θ̈ = −g (Σ m/2 + m_p) cos θ.
-fn pendulum(start: Vector2<f64>, to: f64) -> Vector2<f64> {
-    let ode = |_: f64, z: &Vector2<f64>| Vector2::new(z[1], -G * z[0].cos() * 7.0 / 6.0);
-    integrate_ode(&ode, start, to, 4000)
-}
-
-#[test]
-fn a_redundant_crank_is_named_and_carried_along() {
-    let start = -1.0_f64;
-    let guess = [start, start, start, 0.0];
-    let plate = |length| {
-        let cranks = Parallelogram { length };
-        ImplicitMap::of(cranks, 1, 0.0, guess, Choice::Split)
-    };
-    let map = plate(1.0).unwrap();
-    assert_eq!(map.redundant().len(), 1, "{:?}", map.redundant());
-    let error = plate(0.95).err().unwrap();
-    assert!(error.to_string().contains("pin"), "{error}");
-    let (b, x) = carried(map);
-    let to = 1.0;
-    let z = pendulum(Vector2::new(start, 0.0), to);
-    let exact = [z[0], z[0], z[0], 0.0, z[1], z[1], z[1], 0.0];
-    let h = |x: &SVector<f64, 4>| Parallelogram { length: 1.0 }.h(0.0, x).amax();
-    let run = run(Context::new(b.build().unwrap()), x, &[0.0], &h, [to, 1e-3]);
-    assert!(gap(&run.end, &exact) < 1e-4, "{:?}", run.end);
-    assert!(run.residual < 1e-14);
-    assert!(run.notes[0].1.contains("redundant: "), "{:?}", run.notes);
 }

@@ -79,22 +79,16 @@ pub fn five_bar([at_a, at_d, at_c]: [&str; 3]) -> String {
 
 /// Crank 1, coupler 1.5, rocker √3.77, ground 1.6; words for crank, coupler and rocker, and how the
 /// last joint closes the loop.
-pub fn four_bar(words: [&str; 3], closure: &str) -> String {
-    four_bar_of(1.0, words, closure)
-}
-
-/// The same linkage of another size.
-pub fn four_bar_of(size: f64, [a, b, d]: [&str; 3], closure: &str) -> String {
-    let at = |x: f64, y: f64| [x * size, y * size, 0.0];
+pub fn four_bar([a, b, d]: [&str; 3], closure: &str) -> String {
     let closed = format!("child = \"rocker tip\"\n{closure}");
     [
         hinge("A", "ground", a),
-        arm("crank tip", "A", at(0.0, 1.0)),
+        arm("crank tip", "A", [0.0, 1.0, 0.0]),
         hinge("B", "crank tip", b),
-        arm("coupler tip", "B", at(1.2, 1.9)),
-        arm("foot", "ground", at(1.6, 0.0)),
+        arm("coupler tip", "B", [1.2, 1.9, 0.0]),
+        arm("foot", "ground", [1.6, 0.0, 0.0]),
         hinge("D", "foot", d),
-        arm("rocker tip", "D", at(1.2, 1.9)),
+        arm("rocker tip", "D", [1.2, 1.9, 0.0]),
         hinge("C", "coupler tip", &closed),
         body("A"),
         body("B"),
