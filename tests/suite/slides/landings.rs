@@ -1,7 +1,7 @@
 //! Where a slide is handed over: exact motions of beads on polygons of wire.
 
-use crate::support::dynamics::{observed, tight};
-use crate::support::landing::{G, Track, bowl};
+use crate::support::dynamics::{heavy_body, observed, point, sine, tight};
+use crate::support::landing::{G, MASS, Track, bead, bowl};
 use crate::support::prelude::*;
 use std::ops::ControlFlow::Continue;
 
@@ -29,6 +29,41 @@ fn errors(
         );
     });
     (worst, progress)
+}
+
+#[test]
+fn a_driven_slide_bears_weight_and_inertia_of_its_mass() {
+    // Three metres of seven sides in line.
+    let slope = -0.6_f64.asin();
+    let along = Vector3::new(slope.cos(), 0.0, slope.sin());
+    let mut b = ModelBuilder::new();
+    let nodes = Track::of(&[[3.0 / 7.0, slope]; 7]).nodes(&mut b, "wire");
+    let bead = bead(&mut b, "bead", &nodes, 1.4);
+    let drive = sine(1.1, 2.5, 0.0);
+    b.prescribe_coordinate(bead.coordinates[0], 0, drive);
+    // Something must be unknown.
+    let free = b.node("free", [0.0; 3]).unwrap();
+    heavy_body(&mut b, "free", free, 1.0, [0.0; 3]);
+    let mut context = Context::new(b.build().unwrap());
+    let mut changes = 0;
+    let options = tight(Scheme::default(), 2.6, 0.013);
+    observed(&mut context, [&[], &[]], &options, &mut |context, step| {
+        let s = &step.progress.state;
+        let mut r = vec![0.0; s.q.len()];
+        let out = Evaluation::residual(&mut r);
+        context.evaluate(point(s), out).unwrap();
+        let [way, rate, second] = drive.at(s.t, &[]);
+        let found = context.node_state(bead.frame);
+        assert!((found.position - along * (1.4 + way)).norm() < 1e-13);
+        assert!((found.velocity - along * rate).norm() < 1e-12);
+        let exact = (along * second + Vector3::z() * G) * MASS;
+        let [force, moment] = context.joint_force(bead.frame).unwrap();
+        assert!((force - exact).norm() < 1e-11, "{force} {exact}");
+        assert!(moment.norm() < 1e-12);
+        changes += step.chart_changes;
+    });
+    // From 1.4 up to 2.5, down to 0.3 and back: two elements on, five back, three on.
+    assert_eq!(changes, 10, "elements left behind");
 }
 
 #[test]

@@ -4,4 +4,3 @@ mod landings;
 mod landings_flexible;
 mod landings_many;
 mod program;
-mod slide;
