@@ -1,43 +1,8 @@
-//! The laboratory of integrators on the models of the gallery: what is exact, how loops hold, and what
-//! a general solver costs.
+//! The laboratory of integrators on models of the gallery: how loops hold, and momenta that are zero.
 
-use crate::support::comparisons::assert_observed;
-use crate::support::laboratory::{bob, compared, model, options, until};
+use crate::support::laboratory::{compared, model, options, until};
 use crate::support::program::example;
 use pullback::input;
-use pullback::studies::compare::{ComparisonOptions, ComparisonRow, ErrorQuantity, Exact};
-
-#[test]
-fn an_exact_solution_takes_the_place_of_the_reference() {
-    let file = until(model("pendulum.toml"), 2.0);
-    let steps = [0.02, 0.01, 0.005];
-    let words = ["newmark", "projected-newmark", "radau"];
-    let by_reference = compared(&file, &options(&words, &steps)).unwrap();
-    let exactly = ComparisonOptions {
-        exact: Some(Exact::new("Jacobi's elliptic functions", bob)),
-        ..options(&words, &steps)
-    };
-    let comparison = compared(&file, &exactly).unwrap();
-    let reference = comparison.reference.as_ref().unwrap();
-    assert_eq!((reference.evaluations, reference.steps), (0, [0.0; 3]));
-    for (word, order) in [("newmark", 2.0), ("projected-newmark", 2.0), ("radau", 3.0)] {
-        assert_observed(&comparison, word, ErrorQuantity::Position, order, 0.1);
-        // Nothing is said of what is not known.
-        let orders = comparison.orders.iter().find(|o| o.scheme == word).unwrap();
-        assert!(orders.of(ErrorQuantity::Rotation).is_none());
-        let rows = by_reference.of(word).zip(comparison.of(word));
-        for (estimated, exact) in rows {
-            let error = |row: &ComparisonRow, q| row.error.unwrap().of(q);
-            assert!(error(exact, ErrorQuantity::Rotation).is_nan());
-            // Of the energy there is one value in a model, for both.
-            let [a, b] = [estimated, exact].map(|row| error(row, ErrorQuantity::Energy));
-            assert!((a - b).abs() <= 1e-8 + 0.01 * a, "{word}: {a:e} {b:e}");
-        }
-    }
-    let [kept, lost] = ["projected-newmark", "newmark"]
-        .map(|word| comparison.of(word).next().unwrap().drift.energy.unwrap());
-    assert!(kept < 1e-13 && lost > 1e-5, "{kept:e} {lost:e}");
-}
 
 #[test]
 fn residuals_of_loops_are_tabulated() {

@@ -39,6 +39,7 @@ fn runs_meet_at_common_times() {
         for (row, count) in comparison.rows.iter().zip(counts) {
             assert_eq!(row.step, to / count as f64);
             assert_eq!(row.samples.len(), times + 1);
+            assert!(row.error.unwrap().0.iter().all(|error| error.is_nan()));
         }
     }
     let comparison = ran(1.0, &[0.1, 0.05]);
