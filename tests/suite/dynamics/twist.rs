@@ -92,34 +92,6 @@ fn a_driven_end_twists_one_element_by_nearly_a_turn() {
 }
 
 #[test]
-fn a_torque_twists_one_element_and_lets_it_go() {
-    for by in SHAFTS {
-        let (mut b, root, tip) = shaft(by);
-        b.support(root, &Dof::ALL);
-        // Up to 5.5 rad and back to −5.5 rad.
-        let course = sine(1.0, TAU, 0.0);
-        let moment = NodalLoad::new(LoadKind::SpatialMoment, [5.5 * GJ, 0.0, 0.0], course);
-        b.element("torque", moment, &[tip]).unwrap();
-        let mut context = Context::new(b.build().unwrap());
-        let mut q = Vec::new();
-        let mut most = 0.0_f64;
-        let options = StaticOptions::equal_steps(20);
-        solve_statics(&mut context, &mut q, &options, &mut |context, step| {
-            let twist = 5.5 * (TAU * step.t).sin();
-            most = most.max(twist.abs());
-            let exact = 0.5 * GJ * twist * twist;
-            let found = context.strain_energy(step.t);
-            assert_close(found, exact, 1e-7, format_args!("{by:?}, {twist} rad"));
-            let turned = nalgebra::Rotation3::new(Vector3::x() * twist);
-            assert!((context.node_state(tip).R - turned.matrix()).amax() < 1e-7);
-            ControlFlow::Continue(())
-        })
-        .unwrap();
-        assert!(most > 5.4);
-    }
-}
-
-#[test]
 fn beyond_a_turn_the_error_names_the_element() {
     for (by, name) in [
         (By::Beams(1, 1), "shaft:1"),

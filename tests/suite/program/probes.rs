@@ -3,7 +3,6 @@
 use crate::support::beams::line;
 use crate::support::*;
 use nalgebra::Vector3;
-use pullback::probe::continue_rotation;
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 
@@ -134,18 +133,5 @@ fn a_bar_under_an_end_force_and_a_cantilever_under_an_end_moment() {
         near(Gamma, none, "Gamma");
         near(M, axis * 1.5, "M");
         near(K, axis * 1.5 / stiffness, "K");
-    }
-}
-
-#[test]
-fn a_rotation_is_continued_over_many_turns_both_ways() {
-    let axis = Vector3::new(2.0, -1.0, 0.5).normalize();
-    let mut continued = Vector3::zeros();
-    let path = (0..100).chain((-40..100).rev()).map(|k| 0.3 * f64::from(k));
-    for angle in path {
-        // The angle in the chart is at most π.
-        let folded = angle - TAU * (angle / TAU).round();
-        continued = continue_rotation(&continued, &(axis * folded));
-        assert!((continued - axis * angle).norm() < 1e-12, "at {angle}");
     }
 }
