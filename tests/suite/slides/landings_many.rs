@@ -6,28 +6,6 @@ use crate::support::landing::{G, Track, bead, bowl};
 use crate::support::prelude::*;
 use crate::support::program::{assert_close, assert_says};
 
-/// Largest errors in position or speed of beads that start at these positions with these speeds.
-fn worst(
-    (model, beads): &mut (Context, Vec<JointNodes>),
-    ways: &[(&Track, [f64; 2])],
-    options: &DynamicOptions,
-) -> (f64, Progress) {
-    let mut v = vec![0.0; beads.len()];
-    for (bead, (_, start)) in beads.iter().zip(ways) {
-        model.set(&mut v, bead.coordinates[0], 0, start[1]);
-    }
-    let mut worst = 0.0_f64;
-    let progress = observed(model, [&[], &v], options, &mut |model, step| {
-        for (bead, (track, [s, v])) in beads.iter().zip(ways) {
-            let found = model.coordinate(bead.coordinates[0], 0).unwrap();
-            let exact = track.exact(*s, *v, step.progress.state.t);
-            let error = Vector2::new(s + found[0], found[1]) - exact;
-            worst = worst.max(error.amax());
-        }
-    });
-    (worst, progress)
-}
-
 #[test]
 fn slides_on_one_chain_are_handed_over_one_right_after_another() {
     let track = bowl();
@@ -40,35 +18,22 @@ fn slides_on_one_chain_are_handed_over_one_right_after_another() {
             [1.3 + gap, -3.0],
             [0.2 - 2.0 * gap, 4.0],
         ];
-        let mut model = track.model(&ways.map(|w| w[0]));
-        let all = ways.map(|way| (&track, way));
-        let (worst, run) = worst(&mut model, &all, &options);
+        let (mut model, beads) = track.model(&ways.map(|way| way[0]));
+        let mut v = vec![0.0; beads.len()];
+        for (bead, way) in beads.iter().zip(ways) {
+            assert!(model.set(&mut v, bead.coordinates[0], 0, way[1]));
+        }
+        let mut worst = 0.0_f64;
+        let run = observed(&mut model, [&[], &v], &options, &mut |model, step| {
+            for (bead, [s, v]) in beads.iter().zip(ways) {
+                let found = model.coordinate(bead.coordinates[0], 0).unwrap();
+                let exact = track.exact(s, v, step.progress.state.t);
+                worst = worst.max((Vector2::new(s + found[0], found[1]) - exact).amax());
+            }
+        });
         assert!(worst < 1e-9, "{gap:e}: {worst:e}");
         assert!(run.summary.steps < 15 + 16, "{gap:e}: {:?}", run.summary);
     }
-}
-
-#[test]
-fn slides_on_two_chains_that_are_handed_over_at_the_same_instant() {
-    // The one is the other seen in a mirror, and once with another course.
-    let mirror: Vec<[f64; 2]> = [[0.5, -0.9], [0.5, -0.6], [0.5, -0.35], [0.5, -0.2]].into();
-    let tracks = [
-        bowl(),
-        Track::of(&mirror),
-        Track::of(&[[0.7, -0.3], [1.0, 0.9]]),
-    ];
-    let ways = [[0.2, 4.0], [1.8, -4.0], [0.4, 3.0]];
-    let mut b = ModelBuilder::new();
-    let beads = (tracks.iter().zip(ways).enumerate()).map(|(k, (track, way))| {
-        let nodes = track.nodes(&mut b, &format!("wire {k}"));
-        bead(&mut b, &format!("bead {k}"), &nodes, way[0])
-    });
-    let beads: Vec<JointNodes> = beads.collect();
-    let mut model = (Context::new(b.build().unwrap()), beads);
-    let all: Vec<(&Track, [f64; 2])> = tracks.iter().zip(ways).collect();
-    let (worst, run) = worst(&mut model, &all, &tight(Scheme::default(), 0.2, 0.01));
-    assert!(worst < 1e-9, "{worst:e}");
-    assert!(run.summary.chart_changes >= 3, "{:?}", run.summary);
 }
 
 /// A ring of twelve elements in a vertical plane, a chain that goes round it `rounds` times.
