@@ -9,7 +9,7 @@ use pullback_manifold::system::Weights;
 /// Checks every law of an element at every position within its domain.
 ///
 /// The laws are those of tangents, at rest and in motion; symmetry where the element declares it; the force as the
-/// derivative of the energy, if it has one; inertial forces as those of the kinetic energy ½ ẋ·M ẋ, which is the one
+/// derivative of the energy, if it has one or is a steady load, which does not change with time; inertial forces as those of the kinetic energy ½ ẋ·M ẋ, which is the one
 /// that it gives; the balance of power; that neither the residual nor a tangent depends on what else is requested; and
 /// that a combined tangent is the sum of its parts. An element that reads poses is checked in the charts of its frames.
 pub fn element(element: &dyn Element) -> Report {
@@ -26,9 +26,9 @@ pub(crate) fn element_at(
     states: &[(String, TestState)],
     element: &dyn Element,
 ) -> Report {
-    // The energy of an element that has none is zero everywhere.
+    // The energy of an element that has none is zero everywhere; that of a steady load is its potential.
     let any = |of: &dyn Fn(&Motion<'_>) -> f64| states.iter().any(|(_, s)| of(&motion(s)) != 0.0);
-    let conservative = any(&|at| element.abilities().energy(at));
+    let conservative = element.properties().steady || any(&|at| element.abilities().energy(at));
     let symmetric = element.properties().symmetric;
     let mut report = forces_at(subject, layout, states, symmetric, |s| {
         let mut f = evaluate(element, s, Request::All)?;
@@ -48,6 +48,9 @@ pub(crate) fn element_at(
             };
             if dissipative {
                 one.dissipation(&mut report);
+            }
+            if element.properties().steady {
+                one.steady(&mut report);
             }
             one.requests(&mut report);
             one.iterates(&mut report, &mut random);
@@ -171,6 +174,19 @@ impl One<'_> {
             );
             report.defect("statics is the motion at rest", at, moving, 1e-14 * size);
         }
+    }
+
+    /// The force and the potential are the same at another time.
+    fn steady(&self, report: &mut Report) {
+        let energy = |s: &TestState| self.element.abilities().energy(&motion(s));
+        let later = TestState {
+            t: self.state.t + 1.0,
+            ..self.state.clone()
+        };
+        let there = evaluate(self.element, &later, Request::Residual);
+        let gap = there.map_or(f64::NAN, |there| (&there.r - &self.all.r).norm());
+        let gap = gap + (energy(&later) - energy(self.state)).abs();
+        report.defect("a steady load does not change with time", self.at, gap, 0.0);
     }
 
     /// The combined tangent is the sum of its parts, and a dead element has none.

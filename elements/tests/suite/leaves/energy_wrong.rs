@@ -97,3 +97,57 @@ fn a_missing_gyroscopic_term() {
     let against = check::same(&linear, &twin.into_element());
     assert_eq!(against.failing_laws(), ["C", "K", "M", "r"]);
 }
+
+/// A force on one coordinate that claims to be steady: c + s t, with the potential −e c x − o t.
+struct Claim {
+    growth: f64,
+    energy: f64,
+    offset: f64,
+}
+
+impl Element for Claim {
+    fn dim(&self) -> usize {
+        1
+    }
+
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
+        out.r[0] += 2.0 + self.growth * at.t;
+        if let Some(r_t) = out.r_t.as_deref_mut() {
+            r_t[0] += self.growth;
+        }
+        Ok(())
+    }
+
+    fn properties(&self) -> Properties {
+        Properties {
+            steady: true,
+            ..Properties::LOAD
+        }
+    }
+
+    fn abilities(&self) -> Abilities<'_> {
+        Abilities::of_energies(self)
+    }
+}
+
+impl ElementEnergies for Claim {
+    fn energy(&self, at: &Motion<'_>) -> f64 {
+        -self.energy * (2.0 + self.growth * at.t) * at.x[0] - self.offset * at.t
+    }
+}
+
+#[test]
+fn a_load_that_is_not_steady_or_has_no_potential() {
+    let claim = |growth, energy, offset| {
+        failing(&Claim {
+            growth,
+            energy,
+            offset,
+        })
+    };
+    let steady = "a steady load does not change with time";
+    assert!(claim(0.0, 1.0, 0.0).is_empty());
+    assert_eq!(claim(0.3, 1.0, 0.0), [steady]);
+    assert_eq!(claim(0.0, 1.0, 0.3), [steady]);
+    assert_eq!(claim(0.0, 0.0, 0.0), ["r = -dE/dx"]);
+}
