@@ -115,7 +115,11 @@ impl<H: Map<N, M> + 'static, const N: usize, const M: usize> Element for Penalty
             // Along t alone, at rest.
             let still = SVector::zeros();
             let k = self.equations.h.kinematics(at.t, &x, &still, &still);
-            let force = h.B.tr_mul(&(k.x_dot * p)) + k.B_dot.tr_mul(&mu);
+            let mut mu_t = k.x_dot * p;
+            if damped {
+                mu_t += (k.B_dot * v + k.x_ddot) * (p * tau);
+            }
+            let force = h.B.tr_mul(&mu_t) + k.B_dot.tr_mul(&mu);
             for (r, f) in r_t.iter_mut().zip(force.iter()) {
                 *r -= f;
             }

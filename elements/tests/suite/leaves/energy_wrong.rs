@@ -2,6 +2,7 @@
 
 use crate::support::strain_beam::FrameInertia;
 use crate::support::*;
+use pullback_elements::constraint::{Penalty, PenaltyStiffness};
 
 /// Laws that fail, each once.
 fn failing(element: &dyn Element) -> Vec<String> {
@@ -150,4 +151,26 @@ fn a_load_that_is_not_steady_or_has_no_potential() {
     assert_eq!(claim(0.3, 1.0, 0.0), [steady]);
     assert_eq!(claim(0.0, 1.0, 0.3), [steady]);
     assert_eq!(claim(0.0, 0.0, 0.0), ["r = -dE/dx"]);
+}
+
+/// A wall that moves and turns: h = x cos t + y − sin 3t.
+#[derive(Clone, Copy)]
+struct Wall;
+
+impl Implicit<2, 1> for Wall {
+    fn h<S: Scalar>(&self, t: S, x: &SVector<S, 2>) -> SVector<S, 1> {
+        SVector::<S, 1>::new(x[0] * t.cos() + x[1] - (t * 3.0).sin())
+    }
+}
+
+#[test]
+fn a_damped_penalty_of_a_moving_wall() {
+    let stiffness = PenaltyStiffness { p: 30.0, tau: 0.2 };
+    let wall = Penalty::<_, 2, 1>::new(Equations(Wall), stiffness).unwrap();
+    let report = check::element(&wall);
+    let mut rows = (report.rows().iter())
+        .filter(|row| row.law == "r_t = dr/dt" && row.at.ends_with("moving"))
+        .peekable();
+    assert!(rows.peek().is_some(), "{report}");
+    assert!(rows.all(|row| row.passed), "{report}");
 }
