@@ -60,6 +60,17 @@ impl Layout {
         Self::new((0..n).step_by(3).map(group).collect())
     }
 
+    /// A layout of coordinates without names, with a unit each.
+    pub(crate) fn in_units(units: &[f64]) -> Self {
+        let group = |(k, unit): (usize, &f64)| CoordinateGroup {
+            name: format!("coordinate {}", k + 1),
+            range: k..k + 1,
+            unit: *unit,
+            reach: 0.0,
+        };
+        Self::new(units.iter().enumerate().map(group).collect())
+    }
+
     /// The groups.
     pub fn groups(&self) -> &[CoordinateGroup] {
         &self.groups

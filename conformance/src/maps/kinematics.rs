@@ -38,6 +38,13 @@ pub fn motion(map: &dyn Parametrization, t: f64, motion: [&[f64]; 3]) -> Kinemat
     all
 }
 
+impl<'a> Mapped<'a> {
+    /// A map with the layouts of x and q.
+    pub(crate) fn of(map: &'a dyn Parametrization, [rows, columns]: &'a [Layout; 2]) -> Self {
+        Self { map, rows, columns }
+    }
+}
+
 impl Mapped<'_> {
     fn margin(&self, t: f64, q: &[f64]) -> f64 {
         self.map.duplicate().domain(t, q).unwrap_or(0.0)

@@ -68,24 +68,26 @@ pub(crate) fn laws_behind_slices(
         v: vector(),
         a: vector(),
     };
-    slopes(report, "", &*one_piece, at, &state, random);
+    let layouts = unscaled(&*one_piece);
+    let of = Mapped::of(&*one_piece, &layouts);
+    slopes(report, "", of, at, &state, random);
+}
+
+/// The layouts of x and q without units.
+pub(crate) fn unscaled(map: &dyn Parametrization) -> [Layout; 2] {
+    let (d, n) = map.dims();
+    [n, d].map(Layout::plain)
 }
 
 /// The laws at one state other than those of closed forms; returns whether all values are finite.
 pub(crate) fn slopes(
     report: &mut Report,
     prefix: &str,
-    map: &dyn Parametrization,
+    of: Mapped<'_>,
     at: &str,
     state: &TestState,
     random: &mut Random,
 ) -> bool {
-    let (d, n) = map.dims();
-    let of = Mapped {
-        map,
-        rows: &Layout::plain(n),
-        columns: &Layout::plain(d),
-    };
     let finite = kinematics(report, prefix, of, at, state, random);
     if finite {
         pieces(report, of, at, state, random);
@@ -166,7 +168,10 @@ pub(crate) fn laws<M, const D: usize, const N: usize>(
         v: vector(&v),
         a: vector(&a),
     };
-    if !slopes(report, "", &*map.clone().boxed(), at, &state, random) {
+    let boxed = map.clone().boxed();
+    let layouts = unscaled(&*boxed);
+    let of = Mapped::of(&*boxed, &layouts);
+    if !slopes(report, "", of, at, &state, random) {
         return;
     }
 

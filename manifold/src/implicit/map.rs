@@ -80,6 +80,11 @@ impl ImplicitMap {
         self.reference.clone()
     }
 
+    /// Sizes of the unknowns ([`Unknown::size`]).
+    pub fn unknown_sizes(&self) -> Vec<f64> {
+        self.about.unknowns.iter().map(|u| u.size).collect()
+    }
+
     /// q̇ of a velocity ẋ that the constraint allows.
     pub fn rates(&self, x_dot: &[f64]) -> Vec<f64> {
         let columns = self.chart.L.chunks_exact(self.X);

@@ -83,6 +83,33 @@ fn all_laws_hold() {
     check::map(&Linear::<3, 1>::sum([1.0, 0.0, -2.0], 0.1)).assert();
 }
 
+/// A point on an ellipsoid: semi-axes in any unit of length.
+#[derive(Clone, Copy, Debug)]
+struct Ellipsoid(f64);
+
+impl Implicit<3, 1> for Ellipsoid {
+    fn h<S: Scalar>(&self, _t: S, x: &SVector<S, 3>) -> SVector<S, 1> {
+        let x = x.component_mul(&Vector3::new(1.0, 1.4, 2.0).map(S::constant));
+        let x = x * S::constant(1.0 / self.0);
+        SVector::<S, 1>::new(x.dot(&x) - 1.0)
+    }
+
+    fn size(&self, _k: usize) -> f64 {
+        self.0
+    }
+}
+
+#[test]
+fn laws_do_not_depend_on_the_unit_of_length() {
+    for unit in [1e-6, 0.01, 0.5, 1.0, 1e3] {
+        for choice in [Choice::Split, Choice::Tangent] {
+            let guess = [0.5, -0.5, -0.25].map(|x| x * unit);
+            let map = ImplicitMap::of(Ellipsoid(unit), 2, 0.0, guess, choice).unwrap();
+            check::implicit(&map, 0.0).assert();
+        }
+    }
+}
+
 #[test]
 fn errors_in_a_change_of_coordinates_are_found() {
     let linkage = FourBar {
