@@ -50,13 +50,13 @@ fn own<J: Joint<D>, const D: usize>(
             None => report.defect(law, "everywhere", 0.0, 0.0),
         }
     }
-    // Values that are not finite are reported by the laws of the map.
-    if !B.iter().all(|b| b.is_finite()) {
-        return;
-    }
     let turn = joint.pose(TIME, q).rotation;
     let off = (turn.dot(&turn) - 1.0).abs();
     report.defect("the pose's quaternion has unit length", at, off, UNIT);
+    // Operators that are not finite are reported by the laws of the map.
+    if !B.iter().all(|b| b.is_finite()) {
+        return;
+    }
 
     let law = "moves with its coordinates";
     let names = coordinates.iter().map(|c| c.0);

@@ -46,7 +46,7 @@ pub fn parametrization(map: &dyn Parametrization) -> Report {
     report
 }
 
-/// The laws of a map behind slices at one position, where that is within its domain.
+/// The laws of a map behind slices at one position, a failure outside its domain.
 pub(crate) fn laws_behind_slices(
     report: &mut Report,
     map: &dyn Parametrization,
@@ -57,9 +57,10 @@ pub(crate) fn laws_behind_slices(
     let d = map.dims().0;
     let mut one_piece = map.duplicate();
     freeze_piece(&mut *one_piece, Some((TIME, q)));
-    let margin = one_piece.domain(TIME, q).unwrap_or(0.0);
-    if margin.is_nan() || margin <= CLEARANCE {
-        return;
+    match one_piece.domain(TIME, q) {
+        Err(why) => return report.impossible("domain", at, why.to_string()),
+        Ok(margin) if margin <= CLEARANCE => return,
+        Ok(_) => {}
     }
     let mut vector = || random.entries(&vec![1.0; d]);
     let state = TestState {
@@ -95,16 +96,23 @@ pub(crate) fn slopes(
     finite
 }
 
-/// The positions within a domain, given its margin; a failure if there are none.
+/// The positions within a domain, given its margin; a failure if there are none, and where the margin is not a number.
 pub(crate) fn within(
     report: &mut Report,
     random: &mut Random,
     dim: usize,
     margin: impl Fn(&[f64]) -> f64,
 ) -> Vec<(&'static str, Vec<f64>)> {
-    let all = random.positions(dim).into_iter();
-    // Written so that a margin that is not a number is skipped, and shows as "no position".
-    let inside: Vec<_> = all.filter(|(_, q)| margin(q) > CLEARANCE).collect();
+    let mut inside = Vec::new();
+    for (at, q) in random.positions(dim) {
+        let margin = margin(&q);
+        if margin.is_nan() {
+            let why = "the distance to the edge of the domain is not a number";
+            report.impossible("domain", at, why);
+        } else if margin > CLEARANCE {
+            inside.push((at, q));
+        }
+    }
     if inside.is_empty() {
         report.impossible("domain", "everywhere", "no position is inside the domain");
     }

@@ -72,6 +72,35 @@ joint!(
     [("w", Quantity::Length)]
 );
 
+joint!(
+    Unknown,
+    1,
+    |q| {
+        let (way, mut turn) = about(q[0]);
+        turn.w = S::constant(f64::NAN);
+        (way, turn)
+    },
+    [("a", Quantity::Angle)]
+);
+
+/// A joint with a domain that is no number.
+#[derive(Clone)]
+struct Unbounded;
+
+impl Joint<1> for Unbounded {
+    fn pose<S: Scalar>(&self, t: S, q: &SVector<S, 1>) -> Pose<S> {
+        Right.pose(t, q)
+    }
+
+    fn coordinates(&self) -> [JointCoordinate; 1] {
+        Right.coordinates()
+    }
+
+    fn domain(&self, _t: f64, _q: &SVector<f64, 1>) -> Result<f64, DomainError> {
+        Ok(f64::NAN)
+    }
+}
+
 const NAMED: &str = "coordinates have names of their own";
 const UNIT: &str = "the pose's quaternion has unit length";
 const MOVES: &str = "moves with its coordinates";
@@ -112,6 +141,25 @@ fn a_quaternion_that_is_not_of_unit_length() {
     assert_eq!(first.law, UNIT, "{report}");
     // cos² + 4 sin² − 1 = 3 sin² of half the angle, which is zero at the origin only.
     assert_eq!(first.at, "random 1", "{report}");
+}
+
+#[test]
+fn a_quaternion_that_is_no_number() {
+    let report = check::joint(&Unknown);
+    assert!(report.failing_laws().contains(&UNIT.to_owned()), "{report}");
+    let failures = report.failures();
+    for law in [UNIT, "domain"] {
+        let failed = failures.iter().filter(|row| row.law == law);
+        assert_eq!(failed.count(), 8, "{report}");
+    }
+}
+
+#[test]
+fn a_domain_that_is_no_number() {
+    let report = check::joint(&Unbounded);
+    assert_eq!(report.failing_laws(), ["domain"], "{report}");
+    let why = "the distance to the edge of the domain is not a number";
+    assert_eq!(report.failures()[0].measure.to_string(), why);
 }
 
 #[test]
@@ -162,6 +210,6 @@ fn entries_that_are_no_numbers() {
                     beside, in coordinate 7";
     assert_eq!(first.measure.to_string(), expected);
     assert!(first.blocks.is_empty(), "{report}");
-    let there = report.rows().iter().filter(|row| row.at == "0").count();
-    assert_eq!(there, 1, "{report}");
+    let there = report.failures().into_iter().filter(|row| row.at == "0");
+    assert_eq!(there.count(), 1, "{report}");
 }
