@@ -12,8 +12,8 @@ const UNIT: f64 = 1e-12;
 /// A column of B below this part of the largest is zero.
 const STILL: f64 = 1e-14;
 
-/// Checks a joint at every position within its domain: the laws of its map, that its quaternion has unit length, and
-/// that it moves with each of its coordinates.
+/// Checks a joint at every position within its domain: the laws of its map, that its quaternion has unit length, that
+/// the child has the axes of its parent in the reference configuration, and that it moves with each of its coordinates.
 pub fn joint<J, const D: usize>(joint: &J) -> Report
 where
     J: Joint<D> + Clone + 'static,
@@ -23,6 +23,11 @@ where
     let mut map = JointMap::new(joint.clone()).between_charts();
     let of_joint = |q: &[f64]| SVector::<f64, D>::from_column_slice(&q[6..]);
     let margin = |q: &[f64]| joint.domain(TIME, &of_joint(q)).unwrap_or(0.0);
+    if joint.domain(0.0, &SVector::zeros()).is_ok() {
+        let start = joint.pose(0.0, &SVector::zeros()).rotation.v;
+        let law = "the child has the axes of its parent at q = 0";
+        report.defect(law, "the reference", norm(start.as_slice()), UNIT);
+    }
     for (at, q) in within(&mut report, &mut random, 6 + D, margin) {
         let (mut x, mut B) = (vec![0.0; 6], vec![0.0; 6 * (6 + D)]);
         map.evaluate(TIME, [&q, &[], &[]], &mut [[&mut x, &mut B]]);

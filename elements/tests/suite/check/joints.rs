@@ -82,6 +82,7 @@ joint!(
     },
     [("a", Quantity::Angle)]
 );
+joint!(Rotated, 1, |q| about(q[0] + 0.5), [("a", Quantity::Angle)]);
 
 /// A joint with a domain that is no number.
 #[derive(Clone)]
@@ -103,6 +104,7 @@ impl Joint<1> for Unbounded {
 
 const NAMED: &str = "coordinates have names of their own";
 const UNIT: &str = "the pose's quaternion has unit length";
+const START: &str = "the child has the axes of its parent at q = 0";
 const MOVES: &str = "moves with its coordinates";
 const FINITE: &str = "values are finite";
 
@@ -123,7 +125,7 @@ fn only(report: &Report) -> (String, Vec<String>, String) {
 fn a_right_joint_passes_and_its_own_laws_are_looked_at() {
     let report = check::joint(&Right);
     report.assert();
-    for law in [NAMED, UNIT, MOVES] {
+    for law in [NAMED, UNIT, START, MOVES] {
         assert!(report.rows().iter().any(|row| row.law == law), "{report}");
     }
 }
@@ -160,6 +162,15 @@ fn a_domain_that_is_no_number() {
     assert_eq!(report.failing_laws(), ["domain"], "{report}");
     let why = "the distance to the edge of the domain is not a number";
     assert_eq!(report.failures()[0].measure.to_string(), why);
+}
+
+#[test]
+fn a_pose_that_is_rotated_at_the_start() {
+    let (law, positions, _) = only(&check::joint(&Rotated));
+    assert_eq!(
+        (law.as_str(), positions),
+        (START, vec!["the reference".to_owned()])
+    );
 }
 
 #[test]
