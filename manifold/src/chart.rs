@@ -16,13 +16,15 @@ use std::f64::consts::TAU;
 /// A chart of rotations: three coordinates c of a unit quaternion.
 ///
 /// A quaternion and its opposite are the same rotation. Their coordinates are those of two charts, and a
-/// chart changes to the other one where w < 0 (ψ > π). [`Charted`] derives all else from these two
-/// functions: rates, forces, stiffness, and the change of chart.
+/// chart changes to the other one where w < 0 (ψ > π): at the end of a step, within which ψ has passed π.
+/// Quaternions with w < 0 therefore have coordinates of their own. A chart that represents them by those of
+/// their opposites or ends at w = 0, such as tan(ψ/2) e or 2 sin(ψ/2) e, does not suffice. [`Charted`] derives
+/// all else from these two functions: rates, forces, stiffness, and the change of chart.
 pub trait RotationChart: Copy + Send + Sync + 'static {
     /// The unit quaternion of coordinates, smooth, with w > −1.
     fn quaternion<S: Scalar>(&self, c: &Vector3<S>) -> Quaternion<S>;
 
-    /// The coordinates of a unit quaternion.
+    /// The coordinates of a unit quaternion: [`quaternion`](Self::quaternion) gives it back with its sign.
     fn coordinates<S: Scalar>(&self, rotation: &Quaternion<S>) -> Vector3<S>;
 
     /// Distance of c to the edge of the chart: positive inside, infinite for a chart without an edge.

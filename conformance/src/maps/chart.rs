@@ -1,38 +1,52 @@
 //! The laws of a chart of rotations: coordinates and quaternions determine each other, and a change of
 //! coordinates keeps the motion.
 
-use super::map::{TIME, laws, short_name};
+use super::map::{TIME, laws, short_name, within};
 use crate::report::Report;
 use crate::sample::{CLEARANCE, Random};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::chart::{Charted, RotationChart};
 use pullback_manifold::map::{Map, Reparametrization};
-use pullback_manifold::so3;
-use std::f64::consts::TAU;
+use pullback_manifold::so3::{self, Quaternion};
+use std::f64::consts::{PI, TAU};
 
 /// Coordinates are recovered to this fraction of their size.
 ///
 /// A logarithm loses at most the inverse of the distance 0.3 to the edge of its chart; some ten
 /// operations of 1e-16 each remain below 1e-14.
 const RECOVERED: f64 = 1e-12;
+/// An angle that a frame has passed at the end of a step, before its chart changes.
+const BEYOND: f64 = PI + 0.1;
 
 /// Checks every law of a chart, and of the map [`Charted`] from its coordinates to the rotation vector,
 /// at every position inside both.
 pub fn chart<C: RotationChart>(chart: &C) -> Report {
     let mut report = Report::new(short_name::<C>());
     let mut random = Random::default();
-    let mut evaluated = 0;
-    for (at, q) in random.positions(3) {
-        let q = Vector3::from_column_slice(&q);
-        let margin = chart.margin(&q);
-        if margin.is_nan() || margin <= CLEARANCE {
-            continue;
-        }
+    let vector = |q: &[f64]| Vector3::from_column_slice(q);
+    let margin = |q: &[f64]| chart.margin(&vector(q));
+    let mut positions = within(&mut report, &mut random, 3, margin);
+    if positions.is_empty() {
+        return report;
+    }
+    let (at, turn) = (
+        "beyond half a turn",
+        so3::quaternion(&random.of_norm(BEYOND)),
+    );
+    let q = chart.coordinates(&turn);
+    let law = "rotations beyond half a turn have coordinates";
+    if margin(q.as_slice()) > 0.0 {
+        recovered(&mut report, law, at, chart, &turn);
+        positions.push((at, q.as_slice().to_vec()));
+    } else {
+        report.impossible(law, at, "they are outside the domain");
+    }
+    for (at, q) in positions {
+        let q = vector(&q);
         let turn = chart.quaternion(&q);
         if TAU - so3::log_quaternion(&turn).norm() <= CLEARANCE {
             continue;
         }
-        evaluated += 1;
         let allowed = RECOVERED * (1.0 + q.norm());
         let unit = (turn.dot(&turn) - 1.0).abs();
         report.defect("the quaternion is a unit", at, unit, RECOVERED);
@@ -53,16 +67,24 @@ pub fn chart<C: RotationChart>(chart: &C) -> Report {
         if turn.w >= 0.0 {
             continue;
         }
-        let opposite = chart.coordinates(&turn.opposite());
-        let found = chart.quaternion(&opposite);
-        let gap = (found.v + turn.v).norm() + (found.w + turn.w).abs();
-        report.defect("the opposite has coordinates of its own", at, gap, allowed);
+        let law = "the opposite has coordinates of its own";
+        recovered(&mut report, law, at, chart, &turn.opposite());
         change(&mut report, "chart to opposite", at, &mut map, [q, v, a]);
     }
-    if evaluated == 0 {
-        report.impossible("domain", "everywhere", "no position is inside the chart");
-    }
     report
+}
+
+/// Checks that a quaternion is that of its coordinates, and not its opposite.
+fn recovered<C: RotationChart>(
+    report: &mut Report,
+    law: &str,
+    at: &str,
+    chart: &C,
+    turn: &Quaternion<f64>,
+) {
+    let found = chart.quaternion(&chart.coordinates(turn));
+    let gap = (found.v - turn.v).norm() + (found.w - turn.w).abs();
+    report.defect(law, at, gap, RECOVERED);
 }
 
 /// Checks that a change of coordinates keeps rotation, angular velocity and angular acceleration.

@@ -3,6 +3,7 @@
 use crate::support::*;
 use pullback_conformance::Measure;
 use pullback_manifold::so3::Quaternion;
+use std::f64::consts::PI;
 
 /// What can be wrong with a hand-written map.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -156,10 +157,18 @@ enum PlantedChart {
     Short,
     /// No point is inside.
     Empty,
+    /// c = tan(ψ/2) e, the same for both quaternions.
+    Half,
+    /// The chart ends at half a turn.
+    Near,
 }
 
 impl RotationChart for PlantedChart {
     fn quaternion<S: Scalar>(&self, c: &Vector3<S>) -> Quaternion<S> {
+        if *self == Self::Half {
+            let w = (c.dot(c) + 1.0).sqrt().recip();
+            return Quaternion { w, v: c * w };
+        }
         let mut turn = RotationVector.quaternion(c);
         if *self == Self::Size {
             turn.w *= S::constant(1.0 + 1e-9);
@@ -172,6 +181,7 @@ impl RotationChart for PlantedChart {
         let other = rotation.opposite();
         match self {
             Self::Coordinates => c * S::constant(1.0 + 1e-9),
+            Self::Half => rotation.v * rotation.w.recip(),
             Self::Short if rotation.w.re() < 0.0 => RotationVector.coordinates(&other),
             _ => c,
         }
@@ -180,6 +190,8 @@ impl RotationChart for PlantedChart {
     fn margin(&self, c: &Vector3<f64>) -> f64 {
         match self {
             Self::Empty => f64::NAN,
+            Self::Half => f64::INFINITY,
+            Self::Near => PI - c.norm(),
             _ => RotationVector.margin(c),
         }
     }
@@ -198,6 +210,11 @@ fn every_law_of_a_chart_finds_its_error() {
     ] {
         let laws = check::chart(&chart).failing_laws();
         assert!(laws.contains(&law.to_owned()), "{chart:?}: {laws:?}");
+    }
+    for chart in [PlantedChart::Half, PlantedChart::Near] {
+        let laws = check::chart(&chart).failing_laws();
+        let expected = "rotations beyond half a turn have coordinates";
+        assert_eq!(laws, [expected], "{chart:?}");
     }
     assert_eq!(
         check::chart(&PlantedChart::Empty).failing_laws(),
