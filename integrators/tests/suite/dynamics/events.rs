@@ -263,7 +263,8 @@ fn a_value_that_is_no_number_is_refused() {
     let value = "value of an event: expected a finite number, got NaN of event 0";
     refused! { run.finish() => ["step 3", value] }
     // Nor does an effect change the number of coordinates, or the time.
-    let effects: [(fn(&mut State), &str); 2] = [
+    type Change = (fn(&mut State), &'static str);
+    let effects: [Change; 2] = [
         (|state| state.v.clear(), "velocities: 0 given"),
         (|state| state.t = 0.0, "time after an event: expected 0.5"),
     ];
