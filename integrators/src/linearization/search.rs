@@ -100,7 +100,7 @@ impl<'a> Search<'a> {
         }
         let mut shift = self.first_shift()?;
         let mut krylov = self.krylov()?;
-        let (mut shifts, mut reached, mut steps, mut starts) = (0, None, None, 1);
+        let (mut shifts, mut reached, mut steps, mut starts) = (0, vec![f64::NAN], None, 1);
         let (mut converged, mut limit) = (0, usize::MAX);
         loop {
             if krylov.len() > limit {
@@ -111,7 +111,7 @@ impl<'a> Search<'a> {
                 shifts += 1;
                 if let Ok(near) = self.factorise_near(other) {
                     shift = near;
-                    (krylov, reached, starts) = (self.krylov()?, None, 1);
+                    (krylov, starts) = (self.krylov()?, 1);
                     continue;
                 }
                 self.factorise(shift)?;
@@ -127,12 +127,7 @@ impl<'a> Search<'a> {
             // changes nothing.
             if wanted > 0 && !self.is_symmetric() {
                 let now = self.selected(&pairs, wanted);
-                let settled = reached
-                    .replace(now.clone())
-                    .is_some_and(|before: Vec<f64>| {
-                        let close = |(a, b): (&f64, &f64)| (a - b).abs() <= MARGIN * a;
-                        before.len() == now.len() && before.iter().zip(&now).all(close)
-                    });
+                let settled = selection::agree(&std::mem::replace(&mut reached, now.clone()), &now);
                 if !settled && self.add_starts(&mut krylov, 1)? {
                     starts += 1;
                     steps = Some(CHECK);

@@ -1,7 +1,7 @@
 //! Which eigenvalues of the operator belong to the modes selected, and when they are enough.
 
 use super::super::finish::ROUNDING;
-use super::{Inner, Order, RitzPair, Search, Selection};
+use super::{Inner, MARGIN, Order, RitzPair, Search, Selection};
 use num_complex::Complex64;
 
 /// Largest residual of a converged eigenvalue of the operator, relative to it.
@@ -179,6 +179,12 @@ impl Search<'_> {
     pub(super) fn inside(&self, pairs: &[RitzPair]) -> usize {
         pairs.iter().filter(|p| self.is_in_range(p)).count()
     }
+}
+
+/// Whether distances of pairs are the same.
+pub(super) fn agree(before: &[f64], now: &[f64]) -> bool {
+    let close = |(a, b): (&f64, &f64)| (a - b).abs() <= MARGIN * a;
+    before.len() == now.len() && before.iter().zip(now).all(close)
 }
 
 /// A range of ω², with the frequencies at its ends; rigid modes, zero but for rounding errors, lie in a range from zero.

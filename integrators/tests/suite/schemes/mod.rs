@@ -1,6 +1,7 @@
 //! Schemes: tables, spectra, what they claim.
 
 mod conformance;
+mod radau5;
 mod spectrum;
 mod tables;
 

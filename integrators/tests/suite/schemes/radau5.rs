@@ -1,4 +1,4 @@
-//! The laws of schemes that are not in the list of the program.
+//! The laws of a scheme of order five.
 
 use pullback_conformance as check;
 use pullback_integrators::dynamics::Scheme;
