@@ -136,10 +136,7 @@ impl<'a> Search<'a> {
             }
             let complete = krylov.is_exhausted() && converged == pairs.len();
             let vectors = self.vectors(&krylov, &pairs[..converged])?;
-            let missing = match self.is_symmetric() && wanted > 0 {
-                true => self.missing(&pairs, converged, wanted, &mut expected),
-                false => 0,
-            };
+            let missing = self.missing(&pairs, converged, wanted, &mut expected);
             if missing == 0 {
                 return Ok(self.report(vectors, expected, complete));
             }

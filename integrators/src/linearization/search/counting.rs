@@ -68,6 +68,9 @@ impl Search<'_> {
         wanted: usize,
         expected: &mut Option<usize>,
     ) -> usize {
+        if !self.is_symmetric() || wanted == 0 {
+            return 0;
+        }
         if let Selection::Range(_) = self.selection {
             let inside = self.inside(&pairs[..converged]);
             return expected.map_or(0, |expected| expected.saturating_sub(inside));
