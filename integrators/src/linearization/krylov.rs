@@ -104,6 +104,10 @@ impl Krylov {
                     add(&mut product, -known, v);
                 }
             }
+        } else {
+            // Most of the product is in the basis: it is measured after a first pass.
+            let images = columns(&self.images, self.dim);
+            project(self.basis(), images, &mut product, &mut known);
         }
         let column = self.append(product, known, gram, NEW);
         self.dropped |= column.len() == before;
@@ -125,18 +129,12 @@ impl Krylov {
         let (basis, images) = (columns(&self.basis, self.dim), columns(images, self.dim));
         let mut left = 0.0;
         for _ in 0..PASSES {
-            let parts = images.transpose() * ColRef::from_slice(&w);
-            let w_left = ColMut::from_slice_mut(&mut w);
-            matmul(w_left, Accum::Add, basis, &parts, -1.0, Par::Seq);
-            clear_upper_halves();
-            for (c, part) in coefficients.iter_mut().zip(parts.iter()) {
-                *c += part;
-            }
+            let square = project(basis, images, &mut w, &mut coefficients);
             Gw.fill(0.0);
             gram(&w, Gw);
             left = dot(&w, Gw);
             // The next pass removes what this one leaves by rounding errors.
-            if parts.squared_norm_l2() <= SMALL * left {
+            if square <= SMALL * left {
                 break;
             }
         }
@@ -182,6 +180,24 @@ impl Krylov {
             .map(|x| x.iter().copied().collect())
             .collect()
     }
+}
+
+/// Removes from a vector its part in a basis with these images, adds the coefficients of that part, and returns the sum of
+/// their squares.
+fn project(
+    basis: MatRef<'_, f64>,
+    images: MatRef<'_, f64>,
+    w: &mut [f64],
+    coefficients: &mut [f64],
+) -> f64 {
+    let parts = images.transpose() * ColRef::from_slice(w);
+    let w = ColMut::from_slice_mut(w);
+    matmul(w, Accum::Add, basis, &parts, -1.0, Par::Seq);
+    clear_upper_halves();
+    for (c, part) in coefficients.iter_mut().zip(parts.iter()) {
+        *c += part;
+    }
+    parts.squared_norm_l2()
 }
 
 /// Vectors of a length, one after the other, as the columns of a matrix.
