@@ -302,8 +302,8 @@ pub fn critical_loads(
     }
     if let Some((k, mode)) = (1..).zip(&modes).find(|(_, mode)| mode.error > POOR) {
         warnings.push(format!(
-            "critical load {k}, {}, is a poor estimate: the stiffness there differs by {:.0} % from that extrapolated, as \
-             members bend or turn before they buckle. Find the point itself, with `record = [\"bifurcation\", \
+            "critical load {k}, {}, is a poor estimate: the stiffness or the loads there differ by {:.0} % from those extrapolated, as \
+             members bend or turn before they buckle, or loads do not grow in proportion. Find the point itself, with `record = [\"bifurcation\", \
              \"turning_point\"]` in `[analysis.arc_length]`, or extrapolate from a state nearer to it",
             significant(mode.load),
             100.0 * mode.error
