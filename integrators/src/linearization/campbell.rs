@@ -98,7 +98,7 @@ const SPARE: usize = 6;
 const SIMILAR: f64 = 0.8;
 /// Largest number of times that a step in speed is halved where shapes change fast.
 const HALVINGS: usize = 5;
-/// Largest change of the generalised stiffness of modes during a turn that counts as rounding, relative to that of the modes.
+/// Largest change of the generalised stiffness of modes during a turn that counts as none, relative to that of the modes.
 const STEADY: f64 = 1e-5;
 
 /// Modes over the speeds of an input Ω, from coordinates `q` of an equilibrium at rest; `q` ends as that of the last speed.
