@@ -219,7 +219,7 @@ impl InputProblem {
                  and positions are given with all their digits"
             }
             Self::LoopMotion { .. } => {
-                "give a joint of the loop a `rate`, or the velocities to nodes or lines outside it"
+                "give a joint there a `rate`, or the velocities to other nodes or lines"
             }
             Self::DrawnApart { .. } => {
                 "draw both where they start, or give the nodes of the line [[initial]] entries with \

@@ -136,7 +136,9 @@ pub(super) fn assemble(
 
 /// Checks that a file has nodes and elements, and a title of one line if any.
 fn check_contents(at: &Location<'_>, file: &ModelFile) -> Result<(), InputError> {
+    let acting = |joint: &Joint| joint.all_acts().any(|(_, a)| a.spring.is_some());
     let elements = file.lines.is_empty() && file.bodies.is_empty() && file.springs.is_empty();
+    let elements = elements && !file.joints.iter().any(acting);
     for (what, missing) in [
         ("nodes", file.nodes.is_empty()),
         ("lines, bodies or springs", elements),

@@ -181,10 +181,7 @@ pub enum InputProblem {
     LoopRates { of: String, left: f64 },
     #[error("the initial rate of {of} is not possible: its loop leaves it no freedom")]
     LoopLocked { of: String },
-    #[error(
-        "the initial velocities contradict the loop closed by joint {joint}: its parts cannot move \
-         like that"
-    )]
+    #[error("the initial velocities contradict the joints at {joint}, which cannot move like that")]
     LoopMotion { joint: String },
     #[error(
         "line \"{line}\" is drawn from node \"{node}\", which the joints above carry elsewhere at t = 0, \

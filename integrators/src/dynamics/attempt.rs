@@ -28,6 +28,13 @@ impl MotionRun {
     ) -> Result<Option<f64>, DynamicsError> {
         let from = progress.state.t;
         let Goal { h, to, last, stop } = self.goal(progress);
+        if to <= from {
+            return Err(DynamicsError::Option {
+                name: "step",
+                value: h,
+                wanted: "it must be larger than the rounding error of the time",
+            });
+        }
         rebase(progress, h);
         let before = (self.stepper.evaluations, self.stepper.factorisations);
         let scheme = &self.options.scheme;

@@ -81,8 +81,8 @@ impl MotionRun {
         self.watch(system, events, progress)
     }
 
-    /// Finds the values of events that are new or have occurred, just behind the present state: an
-    /// event whose value is below zero there may occur.
+    /// Finds the values of events that are new, have occurred, or read inputs, just behind the present state: an
+    /// event whose value is below zero there may occur, and one that was below zero before.
     pub(super) fn watch<Y: System>(
         &mut self,
         system: &mut Y,
@@ -102,7 +102,7 @@ impl MotionRun {
             .map_err(|source| DynamicsError::System { t, source })?;
         progress.events.resize(events.len(), 0.0);
         for (old, new) in progress.events.iter_mut().zip(values) {
-            if *old >= 0.0 {
+            if *old >= 0.0 || *new < 0.0 {
                 *old = *new;
             }
         }

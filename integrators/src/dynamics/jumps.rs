@@ -32,16 +32,18 @@ impl MotionRun {
         self.set_target(system, progress)
     }
 
-    /// Continues after a change of inputs. Inputs have no rate, so velocities do not change.
+    /// Continues after a change of inputs, and says whether there was one. Inputs have no rate, so velocities do not
+    /// change.
     pub(super) fn take_inputs(
         &mut self,
         system: &mut dyn System,
         progress: &mut Progress,
-    ) -> Result<(), DynamicsError> {
-        if events(system).inputs() == progress.inputs {
-            return Ok(());
+    ) -> Result<bool, DynamicsError> {
+        let changed = events(system).inputs() != progress.inputs;
+        if changed {
+            self.refresh(system, progress)?;
         }
-        self.refresh(system, progress)
+        Ok(changed)
     }
 
     /// Continues after a change of forces or velocities that needs no impulse.

@@ -204,7 +204,7 @@ fn check_numbers(options: &DynamicOptions) -> Result<(), DynamicsError> {
 
 /// Rejects vectors of the wrong length; accelerations may be missing.
 fn check_lengths(state: &State, n: usize) -> Result<(), DynamicsError> {
-    let fresh = state.a.is_empty() && state.algorithmic.is_empty();
+    let fresh = state.a.is_empty();
     for (what, x) in [
         ("coordinates", &state.q),
         ("velocities", &state.v),

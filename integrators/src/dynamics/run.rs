@@ -50,7 +50,7 @@ impl MotionRun {
             stepper: Stepper::new(system, options)?,
             momentum: vec![0.0; n],
             missing: vec![0.0; n],
-            stops: Stops::new(system, progress.state.t, options),
+            stops: Stops::new(system, options),
             segment_changes: SegmentSearch::default(),
             occurrences: Occurrences::default(),
             projection: (options.scheme.keeps_energy())
@@ -83,8 +83,8 @@ impl MotionRun {
         progress: &mut Progress,
     ) -> Result<Option<Accepted>, DynamicsError> {
         while progress.state.t < self.options.to && !self.occurrences.stopped {
-            self.take_inputs(system, progress)?;
-            if progress.events.len() < events.len() {
+            let changed = self.take_inputs(system, progress)?;
+            if changed || progress.events.len() < events.len() {
                 self.watch(system, events, progress)?;
             }
             let Some(step_size) = self.attempt(system, events, progress)? else {

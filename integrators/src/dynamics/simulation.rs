@@ -154,7 +154,9 @@ where
         };
         let mut progress = self.progress.clone();
         progress.next_step = step;
-        self.run = MotionRun::new(&mut *self.system, &mut progress, &options)?;
+        let mut run = MotionRun::new(&mut *self.system, &mut progress, &options)?;
+        run.occurrences = std::mem::take(&mut self.run.occurrences);
+        self.run = run;
         self.progress = progress;
         Ok(())
     }

@@ -31,22 +31,26 @@ pub(super) struct Stops {
     listed: Vec<StopTime>,
     /// All kinks, ascending.
     kinks: Vec<f64>,
-    /// Times closer than this are meant to be equal.
-    slack: f64,
+    /// A step, beside which rounding errors of a time near zero are small.
+    step: f64,
     /// The k-th interval ends at k `multiple.0 / multiple.1`.
     multiple: (f64, f64),
 }
 
 impl Stops {
-    pub(super) fn new(system: &mut dyn System, from: f64, options: &DynamicOptions) -> Self {
+    pub(super) fn new(system: &mut dyn System, options: &DynamicOptions) -> Self {
         let to = options.to;
-        let slack = 1e-13 * to.abs().max(from.abs());
+        let step = options.step;
         let mut kinks = events(system).kinks();
         kinks.sort_by(f64::total_cmp);
         let mut listed: Vec<StopTime> = Vec::new();
-        for t in kinks.iter().copied().take_while(|&t| t <= to + slack) {
+        for t in kinks
+            .iter()
+            .copied()
+            .take_while(|&t| t <= to + slack(to, step))
+        {
             match listed.last_mut() {
-                Some(last) if t - last.right <= slack => last.right = t,
+                Some(last) if t - last.right <= slack(t, step) => last.right = t,
                 _ => listed.push(StopTime {
                     kink: true,
                     ..StopTime::end(t)
@@ -54,27 +58,28 @@ impl Stops {
             }
         }
         match listed.last_mut() {
-            Some(last) if to - last.left <= slack => last.left = to,
+            Some(last) if to - last.left <= slack(to, step) => last.left = to,
             _ => listed.push(StopTime::end(to)),
         }
         let interval = options.interval.unwrap_or(f64::INFINITY);
         let whole = (to / interval).round();
         // A fraction of the end is exact: 3 / 10 for 3 times 0.1.
-        let multiple = match (whole * interval - to).abs() <= slack {
+        let multiple = match (whole * interval - to).abs() <= slack(to, step) {
             true => (to, whole),
             false => (interval, 1.0),
         };
         Self {
             listed,
             kinks,
-            slack,
+            step,
             multiple,
         }
     }
 
     /// The next stop after a time.
     pub(super) fn next(&self, from: f64, options: &DynamicOptions) -> StopTime {
-        let k = self.listed.partition_point(|s| s.left <= from + self.slack);
+        let slack = slack(from, self.step);
+        let k = self.listed.partition_point(|s| s.left <= from + slack);
         let stop = self.listed.get(k).copied();
         let stop = stop.unwrap_or(StopTime::end(options.to));
         let Some(passed) = options.intervals(from) else {
@@ -82,7 +87,7 @@ impl Stops {
         };
         let (numerator, denominator) = self.multiple;
         let end = (passed + 1.0) * numerator / denominator;
-        if end < stop.left - self.slack {
+        if end < stop.left - slack {
             StopTime::end(end)
         } else {
             stop
@@ -97,7 +102,7 @@ impl Stops {
 
     /// Whether there is a kink at the beginning of a run.
     pub(super) fn is_kink(&self, t: f64) -> bool {
-        let near = |kink: &f64| (kink - t).abs() <= self.slack;
+        let near = |kink: &f64| (kink - t).abs() <= slack(t, self.step);
         self.kinks.iter().any(near)
     }
 
@@ -107,6 +112,11 @@ impl Stops {
         let stop = self.listed.get(k).filter(|s| s.kink && s.left == t);
         stop.copied()
     }
+}
+
+/// Times closer than this to a time are meant to be equal to it.
+fn slack(t: f64, step: f64) -> f64 {
+    1e-13 * t.abs().max(step)
 }
 
 /// Number of equal steps of at most this size in a span of time; a tiny remainder is ignored.

@@ -5,8 +5,8 @@ use crate::random::Random;
 use pullback_manifold::sparse::BlockPattern;
 
 use super::{
-    LinearError, REFINEMENTS, check_length, first_non_finite, is_final, max_abs, rounding_level,
-    scaling,
+    LinearError, REFINEMENTS, SUBNORMAL, check_length, first_non_finite, is_final, max_abs,
+    rounding_level, scaling,
 };
 
 /// Shift of the diagonal of a scaled matrix whose factors are not finite, to find the direction of
@@ -193,7 +193,7 @@ impl Columns {
             }
         }
         let r = max_abs(&self.residual);
-        let size = self.norm * max_abs(&self.x) + max_abs(&self.rhs);
+        let size = (self.norm * max_abs(&self.x) + max_abs(&self.rhs)).max(SUBNORMAL);
         if r <= f64::MAX && size <= f64::MAX {
             return Ok(if r == 0.0 { 0.0 } else { r / size });
         }

@@ -191,6 +191,8 @@ pub(crate) const RESIDUAL_GOAL: f64 = 1e-12;
 pub(crate) const RESIDUAL_LIMIT: f64 = 1e-9;
 /// Largest number of steps of iterative refinement.
 pub(crate) const REFINEMENTS: usize = 2;
+/// Sizes below this have rounding errors that are not relative to them.
+pub(crate) const SUBNORMAL: f64 = f64::MIN_POSITIVE / f64::EPSILON;
 
 /// Whether a solution with this relative residual is final: good enough, or not improved by
 /// refinement from the residual `best`. An error if it is too large then.

@@ -3,7 +3,8 @@
 use super::factors::Factors;
 use super::symbolic::ColumnPanel;
 use super::{
-    LinearError, MatrixSymmetry, REFINEMENTS, first_non_finite, is_final, kernels, max_abs,
+    LinearError, MatrixSymmetry, REFINEMENTS, SUBNORMAL, first_non_finite, is_final, kernels,
+    max_abs,
 };
 
 impl Factors {
@@ -150,7 +151,7 @@ impl Factors {
             *r *= s;
         }
         let (r, x, rhs) = (max_abs(r), max_abs(&self.x), max_abs(&self.rhs));
-        let size = self.norm * x + rhs;
+        let size = (self.norm * x + rhs).max(SUBNORMAL);
         if r <= f64::MAX && size <= f64::MAX {
             return Ok(if r == 0.0 { 0.0 } else { r / size });
         }

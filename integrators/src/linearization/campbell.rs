@@ -64,8 +64,9 @@ pub enum CampbellError {
     /// The equations depend on the angle.
     #[error(
         "at a speed of {} the equations of {name} change as the frame turns: coordinates of rotating parts that are not \
-         relative to them, loads that are fixed in space or depend on time, or a rotor that is not axisymmetric on \
-         parts that do not rotate. The coefficients of the latter two are periodic, and stability needs Floquet theory",
+         relative to them, bent beams of total rotation vectors (take geodesic interpolation), loads that are fixed in \
+         space or depend on time, or a rotor that is not axisymmetric on parts that do not rotate. The coefficients of the \
+         latter two are periodic, and stability needs Floquet theory",
         significant(*.speed)
     )]
     Periodic {

@@ -143,7 +143,7 @@ fn velocities_of_bodies_are_kept_where_the_loop_allows_them() {
         let still = "velocity = [0, 3, 0]\nangular_velocity = [0, 0, 0]";
         for b in ["velocity = [5, 1, 0]", still] {
             let text = linked(closure, "velocity = [0, 1, 0]", b);
-            check(&text, "[[initial]]", "loop closed by joint weld", "rate");
+            check(&text, "[[initial]]", "joints at weld", "rate");
             let position = refusal(&text).span.unwrap().start;
             assert_eq!(Some(position), text.rfind("[[initial]]"));
         }

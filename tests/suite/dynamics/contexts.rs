@@ -98,6 +98,36 @@ fn inputs_are_part_of_the_state() {
     assert_eq!(Context::new(model).input(force), 0.5);
 }
 
+/// A set point that is moved ahead of the motion is reached again.
+#[test]
+fn events_read_inputs_that_change() {
+    let mut builder = ModelBuilder::new();
+    let node = builder.node("mass", [0.0; 3]).unwrap();
+    builder.support(node, &Dof::ALL[1..]);
+    let mass = PointMass::new(1.0).unwrap();
+    builder.element("mass", mass, &[node]).unwrap();
+    let set_point = builder.input(0.5);
+    let mut context = Context::new(builder.build().unwrap());
+    let first = start(&context, 0.0, &[0.0], &[1.0]).unwrap();
+    let options = DynamicOptions::new(2.0, 0.3);
+    let mut run = Simulation::new(&mut context, first, &options).unwrap();
+    run.add_event(
+        move |context, state| state.q[0] - context.input(set_point),
+        |_, _| ControlFlow::Continue(()),
+    );
+    let mut times = Vec::new();
+    while let Some(step) = run.step().unwrap() {
+        times.extend(step.events.iter().map(|_| step.progress.state.t));
+        if run.state().t > 0.7 {
+            run.set_input(set_point, 1.3);
+        }
+    }
+    let [first, second] = times[..] else {
+        panic!("{times:?}");
+    };
+    assert!((first - 0.5).abs() < 1e-11 && (second - 1.3).abs() < 1e-11);
+}
+
 #[test]
 fn a_state_of_another_model_is_refused() {
     let [mut context, other] = MODELS.map(|text| motion_of(text).0);

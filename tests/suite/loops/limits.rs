@@ -61,12 +61,31 @@ fn velocities_of_the_whole_set_the_rates_of_loops() {
     assert_close(number(rows.last().unwrap(), "A"), 2.0, 1e-12, "A");
     // A four-bar linkage does not turn as a whole.
     let text = model(["", "", ""]) + initial;
-    check(&text, "[[initial]]", "loop closed by joint C", "rate");
+    check(&text, "[[initial]]", "joints at C", "rate");
     // All of it, flying.
     let text = text.replace(&fixed("ground"), &body("ground"));
     let rates = assemble_text("model.toml", &text).unwrap().start.v;
     let square = rates.iter().map(|v| v * v).sum();
     assert_close(square, 4.0, 1e-12, format_args!("{:?}", rates));
+}
+
+#[test]
+fn velocities_of_the_whole_set_the_rates_of_joints_or_are_refused() {
+    let second = joint("j", "prismatic", "i", "axis = [0.6, 0.8, 0]");
+    let model = |first: &str, initial: &str| {
+        let first = joint("i", first, "ground", "axis = [1, 0, 0]");
+        let initial = format!("[[initial]]\n{initial}\n");
+        [GROUND, RUN, &*first, &*second, &*body("j"), &*initial].concat()
+    };
+    // Both slides together: e2 = −0.75 e1 + 1.25 (0.6, 0.8, 0).
+    let slides = assemble_text("slides", &model("prismatic", "velocity = [0, 1, 0]"));
+    let v = slides.unwrap().start.v;
+    assert!((v[0] + 0.75).abs() < 1e-13 && (v[1] - 1.25).abs() < 1e-13);
+    // Neither a hinge about the first axis nor a slide in the plane lets it go up.
+    for first in ["prismatic", "revolute"] {
+        let text = model(first, "velocity = [0, 0, 1]");
+        check(&text, "[[initial]]", "joints at j", "rate");
+    }
 }
 
 #[test]

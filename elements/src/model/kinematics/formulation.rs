@@ -86,6 +86,9 @@ impl ModelBuilder {
     /// Initial coordinates, velocities and accelerations of a run are those of the total
     /// formulation in all of them (rotation vectors from the reference orientation, ψ < π): the
     /// first converged state centres the charts, and transforms them.
+    ///
+    /// Sums of spins ([`Formulation::LieGroup`], `SpatialSpins`, `MixedSpins`) are for schemes of one stage: those of
+    /// several, such as Radau IIA, have order two at most with them.
     pub fn formulate(&mut self, formulation: Formulation) {
         self.rotations = formulation.maps();
     }

@@ -5,7 +5,7 @@ use crate::model::build::builder::NodeId;
 use crate::model::build::dependency_graph::behind;
 use crate::model::kinematics::mapped_node::MappedNode;
 use crate::model::kinematics::motion::RigidMotion;
-use crate::model::{Context, Model, NodeForm};
+use crate::model::{Context, Model, NodeForm, among};
 use nalgebra::{DMatrix, DVector, Vector6};
 use pullback_manifold::so3;
 use pullback_manifold::system::{Point, SystemError};
@@ -38,6 +38,12 @@ impl Model {
         self.reports.iter().any(|r| r.map == Some(x)).then_some(x)
     }
 
+    /// The unknowns among the coordinates of nodes.
+    fn unknowns_of(&self, nodes: impl Iterator<Item = u32>) -> Vec<usize> {
+        let all = nodes.flat_map(|m| self.nodes[m as usize].range());
+        all.filter_map(|c| self.unknown_of(c)).collect()
+    }
+
     /// Whether a joint coordinate or rotation belongs to a closed loop: it follows from the loop's
     /// independent coordinates.
     pub fn in_loop(&self, node: NodeId) -> bool {
@@ -46,10 +52,10 @@ impl Model {
 }
 
 impl Context {
-    /// Fits the rates of joint coordinates in `v`, so that the attached frames (those among
-    /// `nodes`, all if `None`) follow a rigid motion as closely as possible: joint by joint from
-    /// the root, all joints of a loop at once, by least squares. Returns the closing joints of
-    /// loops without prescribed parts that do not allow the motion.
+    /// Fits the rates of joint coordinates in `v`, so that the frames that elements read (those among
+    /// `nodes`, all if `None`) follow a rigid motion as closely as possible: frame by frame from
+    /// the root, all frames of a loop at once, by least squares. Returns the nodes, and of loops the closing joints,
+    /// that do not allow the motion, where nothing is prescribed.
     ///
     /// # Errors
     /// [`SystemError`] if the point is outside a chart.
@@ -62,19 +68,30 @@ impl Context {
     ) -> Result<Vec<String>, SystemError> {
         let (mut fitted, mut against) = (Vec::new(), Vec::new());
         let model = Arc::clone(&self.model);
+        let released = |&m: &u32| model.nodes[m as usize].form == NodeForm::Coordinates;
+        let mut open = vec![true; v.len()];
+        let mut read = vec![false; model.nodes.len()];
+        let nodes_read = model.elements.iter().flat_map(|e| e.nodes.iter());
+        nodes_read.for_each(|&n| read[n as usize] = true);
         for &n in &model.nodes.mapped {
-            let released = |&&m: &&u32| model.nodes[m as usize].form == NodeForm::Coordinates;
             let Some(d) = model.chosen(n, nodes) else {
                 continue;
             };
-            let parents: Vec<u32> = d
-                .parents(&self.state.maps)
-                .iter()
-                .filter(released)
-                .copied()
-                .collect();
-            let Some(x) = parents.iter().find_map(|&m| self.loop_of(m)) else {
-                self.fit(q, v, &[n], &parents, motion)?;
+            let mut parents = d.parents(&self.state.maps).iter().copied();
+            let Some(x) = parents.find_map(|m| self.loop_of(m)) else {
+                if read[n as usize] {
+                    let own = behind(&model.nodes, &self.state.maps, &[n]);
+                    let mut unknowns = model.unknowns_of(own.iter().copied().filter(released));
+                    unknowns.retain(|&u| std::mem::take(&mut open[u]));
+                    let left = self.fit(q, v, &[n], &unknowns, motion)?;
+                    let given = |&m: &u32| {
+                        let all = among(&model.prescribed, model.nodes[m as usize].range());
+                        all.iter().any(|p| p.function.constant().is_none())
+                    };
+                    if left > MISSING && !own.iter().any(given) {
+                        against.push(model.nodes[n as usize].name.clone());
+                    }
+                }
                 continue;
             };
             if fitted.contains(&x) {
@@ -93,10 +110,11 @@ impl Context {
             };
             // A locked loop has no coordinates of its own.
             let parents = d.parents(&self.state.maps);
-            let own: Vec<u32> = parents.iter().take(1).filter(released).copied().collect();
-            let alone = parents.len() == 1;
-            let left = self.fit(q, v, &all, &own, motion)?;
-            if alone && left > MISSING {
+            let own = parents.iter().take(1).copied().filter(released);
+            let (unknowns, alone) = (model.unknowns_of(own), parents.len() == 1);
+            unknowns.iter().for_each(|&u| open[u] = false);
+            let left = self.fit(q, v, &all, &unknowns, motion)?;
+            if alone && !unknowns.is_empty() && left > MISSING {
                 let report = self.model.reports.iter().find(|r| r.map == Some(x));
                 let joint = report.and_then(|r| r.closures.first());
                 against.extend(joint.map(|&(n, _)| model.nodes[n as usize].name.clone()));
@@ -105,24 +123,16 @@ impl Context {
         Ok(against)
     }
 
-    /// Fits the rates of the free coordinates of `parents` to a motion of frames; returns the
-    /// missing part relative to the whole.
+    /// Fits the rates of unknowns to a motion of frames; returns the missing part relative to the whole.
     fn fit(
         &mut self,
         q: &[f64],
         v: &mut [f64],
         frames: &[u32],
-        parents: &[u32],
+        unknowns: &[usize],
         motion: &RigidMotion,
     ) -> Result<f64, SystemError> {
         let model = Arc::clone(&self.model);
-        let unknowns: Vec<usize> = (parents.iter())
-            .flat_map(|&m| model.nodes[m as usize].range())
-            .filter_map(|c| model.unknown_of(c))
-            .collect();
-        if unknowns.is_empty() {
-            return Ok(0.0);
-        }
         let unit = self.model.length.recip();
         let unit = Vector6::new(unit, unit, unit, 1.0, 1.0, 1.0);
         let rates = |work: &Workspace| {
@@ -133,7 +143,7 @@ impl Context {
             }
             DVector::from_vec(all)
         };
-        let (now, columns) = self.rates_by_unknowns(q, v, &unknowns, rates)?;
+        let (now, columns) = self.rates_by_unknowns(q, v, unknowns, rates)?;
         let mut wanted = DVector::zeros(now.len());
         for (k, &n) in frames.iter().enumerate() {
             let state = self.node_state(NodeId(n));
@@ -147,7 +157,7 @@ impl Context {
                 .fixed_rows_mut::<6>(6 * k)
                 .copy_from(&both.component_mul(&unit));
         }
-        let missing = add_fitted(v, &unknowns, columns, &wanted - &now);
+        let missing = add_fitted(v, unknowns, columns, &wanted - &now);
         let size = wanted.amax().max(now.amax());
         Ok(if size > 0.0 {
             missing.amax() / size
@@ -189,10 +199,6 @@ impl Context {
         let wanted = DVector::from_iterator(rates.len(), rates.iter().map(|r| r.2));
         let (now, columns) = self.rates_by_unknowns(q, v, &unknowns, of_nodes)?;
         let missing = wanted - now;
-        // Prescribed or locked coordinates keep their rates.
-        if unknowns.is_empty() {
-            return Ok(missing.amax());
-        }
         Ok(add_fitted(v, &unknowns, columns, missing).amax())
     }
 
@@ -228,6 +234,10 @@ fn add_fitted(
     columns: DMatrix<f64>,
     missing: DVector<f64>,
 ) -> DVector<f64> {
+    // Prescribed or locked coordinates keep their rates.
+    if unknowns.is_empty() {
+        return missing;
+    }
     match columns.clone().svd(true, true).solve(&missing, 1e-9) {
         Ok(more) => {
             for (&u, more) in unknowns.iter().zip(more.iter()) {

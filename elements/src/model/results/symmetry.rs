@@ -153,8 +153,7 @@ impl Measured<'_> {
         let size = |i: usize| match self.0.model.quantities[self.0.model.coordinates[i]] {
             _ if number == 0 || self.0.pattern().coordinates()[i].is_multiplier => 0.0,
             Quantity::Length => 0.02 * self.0.model.length,
-            Quantity::Angle => 0.1,
-            Quantity::Other => 0.0,
+            Quantity::Angle | Quantity::Other => 0.1,
         };
         let wave = |i: usize| ((1.3 + number as f64) * ((i + 1) as f64).powf(1.4)).sin();
         q.iter()

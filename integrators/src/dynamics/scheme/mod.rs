@@ -299,11 +299,17 @@ impl Scheme {
     }
 
     /// Weights of h² y and h y in the estimate of the local errors of qₙ₊₁ and q̇ₙ₊₁, and the power
-    /// of h with which these fall: the difference to the embedded method, or the factor of
-    /// h²(yₙ₊₁ − yₙ) in qₙ₊₁. `None` if that factor vanishes, as for a scheme of higher order.
+    /// of h with which these fall: the difference to the embedded method, the factor of h² yₙ₊₁ in qₙ₊₁ for a scheme of
+    /// order one, or that of h²(yₙ₊₁ − yₙ). `None` if these factors vanish, as for a scheme of higher order.
     pub(super) fn error_estimate(&self) -> Option<(Stage, usize)> {
         if let Some(embedded) = &self.embedded {
             return Some((self.stages[self.count - 1].less(embedded), self.order()));
+        }
+        let quadratic = self.stages[self.count - 1].q.iter().sum::<f64>() - 0.5;
+        if quadratic.abs() > 1e-12 {
+            let mut row = Stage::new(1.0, [0.0], [0.0]);
+            row.q[self.count] = quadratic;
+            return Some((row, 2));
         }
         let factor = self.cubic_error();
         let mut row = Stage::new(1.0, [-factor], [0.0]);

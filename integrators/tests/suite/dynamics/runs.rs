@@ -297,3 +297,48 @@ fn a_motion_whose_energy_grows_without_bounds_is_unstable() {
     assert!((energy / energies[n] - 1.0).abs() < 1e-9, "{energy:e}");
     assert_eq!(known, 0.5);
 }
+
+#[test]
+fn kinks_are_found_however_far_the_end_is() {
+    // A load of the impulse ½, linear between kinks at 0, 0.5 and 1; an event ends the run.
+    for to in [3.0, 1e13, 1e300] {
+        let mut system = Oscillator::new(1.0, 0.0);
+        system.hat = 1.0;
+        let state = start(&system, 0.0, &[0.0], &[0.0]).unwrap();
+        let options = DynamicOptions::new(to, 0.3);
+        let mut run = Simulation::new(&mut system, state, &options).unwrap();
+        run.add_event(|_, state| state.t - 2.0, |_, _| ControlFlow::Break(()));
+        run.finish().unwrap();
+        let state = run.state();
+        assert!((state.v[0] - 0.5).abs() < 1e-12, "{to}: {state:?}");
+        // It has ended, whatever the step.
+        run.set_step(0.1).unwrap();
+        assert!(run.step().unwrap().is_none(), "{to}");
+    }
+}
+
+#[test]
+fn a_motion_that_has_died_out_goes_on() {
+    // x = e^(−t) is below the smallest normal number from t = 708 on.
+    let mut system = Oscillator::new(1.0, 1.0);
+    system.c = 2.0;
+    let end = run(system, 1.0, -1.0, &DynamicOptions::new(800.0, 0.1));
+    assert_eq!(end.summary.failed, 0);
+    assert!(end.state.q[0].abs() < f64::MIN_POSITIVE, "{:?}", end.state);
+}
+
+#[test]
+fn accelerations_that_are_cleared_are_computed_anew() {
+    let mut system = Oscillator::new(1.0, 4.0);
+    let options = DynamicOptions::new(1.0, 0.1);
+    let state = start(&system, 0.0, &[1.0], &[0.0]).unwrap();
+    let mut state = Simulation::new(&mut system, state, &options)
+        .unwrap()
+        .state()
+        .clone();
+    state.q[0] = 0.5;
+    state.a.clear();
+    let run = Simulation::new(&mut system, state, &options).unwrap();
+    // ẍ = −4 x.
+    assert_eq!(run.state().a, [-2.0]);
+}
