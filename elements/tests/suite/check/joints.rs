@@ -5,100 +5,85 @@ use crate::support::*;
 use pullback_manifold::so3::Quaternion;
 use std::f64::consts::FRAC_PI_2;
 
-type Posed<S> = (Vector3<S>, Quaternion<S>);
-
-/// Joints on one frame, that move and turn from it by what a function of their own coordinates says.
-macro_rules! joint {
-    ($name:ident, $dim:literal, |$q:ident| $pose:expr, $released:expr) => {
-        #[derive(Clone)]
-        struct $name;
-
-        impl Joint<$dim> for $name {
-            fn pose<S: Scalar>(&self, _t: S, $q: &SVector<S, $dim>) -> Pose<S> {
-                let (way, turn): Posed<S> = $pose;
-                Pose::identity().translated(&way).rotated(&turn)
-            }
-
-            fn coordinates(&self) -> [JointCoordinate; $dim] {
-                $released
-            }
-        }
-    };
+/// What is wrong with a joint on one frame that turns from it about e2.
+#[derive(Clone, Copy, PartialEq)]
+enum Planted {
+    Nothing,
+    /// Its quaternion is that of an axis of length 2.
+    Long,
+    /// Its quaternion is no number.
+    Unknown,
+    /// It is turned at the start.
+    Rotated,
+    /// It moves along e1 by the square of its coordinate, and does not turn.
+    Square,
+    /// The same by the root of the square, and along e3.
+    Root,
+    /// Its domain is no number.
+    Unbounded,
 }
 
-fn still<S: Scalar>() -> Quaternion<S> {
-    Quaternion::about(&Vector3::y(), S::zero())
-}
+#[derive(Clone)]
+struct One(Planted);
 
 fn along<S: Scalar>(x: S) -> Vector3<S> {
     Vector3::new(x, S::zero(), S::zero())
 }
 
-fn about<S: Scalar>(angle: S) -> Posed<S> {
-    (Vector3::zeros(), Quaternion::about(&Vector3::y(), angle))
+fn about<S: Scalar>(angle: S) -> Quaternion<S> {
+    Quaternion::about(&Vector3::y(), angle)
 }
 
-/// As by hand with an axis of length 2.
-fn long<S: Scalar>(angle: S) -> Posed<S> {
-    let half = angle * 0.5;
-    let v = Vector3::new(S::zero(), half.sin() * 2.0, S::zero());
-    (Vector3::zeros(), Quaternion { w: half.cos(), v })
-}
-
-joint!(Right, 1, |q| about(q[0]), [("a", Quantity::Angle)]);
-joint!(
-    Twins,
-    2,
-    |q| (along(q[1]), about(q[0]).1),
-    [("a", Quantity::Angle), ("a", Quantity::Length)]
-);
-joint!(Long, 1, |q| long(q[0]), [("a", Quantity::Angle)]);
-joint!(
-    Idle,
-    2,
-    |q| about(q[0]),
-    [("a", Quantity::Angle), ("b", Quantity::Length)]
-);
-joint!(
-    Turning,
-    1,
-    |q| (along(q[0] * q[0]), still()),
-    [("s", Quantity::Other)]
-);
-joint!(
-    Root,
-    1,
-    |q| (along((q[0] * q[0]).sqrt()) + Vector3::z() * q[0], still()),
-    [("w", Quantity::Length)]
-);
-
-joint!(
-    Unknown,
-    1,
-    |q| {
-        let (way, mut turn) = about(q[0]);
-        turn.w = S::constant(f64::NAN);
-        (way, turn)
-    },
-    [("a", Quantity::Angle)]
-);
-joint!(Rotated, 1, |q| about(q[0] + 0.5), [("a", Quantity::Angle)]);
-
-/// A joint with a domain that is no number.
-#[derive(Clone)]
-struct Unbounded;
-
-impl Joint<1> for Unbounded {
-    fn pose<S: Scalar>(&self, t: S, q: &SVector<S, 1>) -> Pose<S> {
-        Right.pose(t, q)
+impl Joint<1> for One {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 1>) -> Pose<S> {
+        let (q, still) = (q[0], about(S::zero()));
+        let (way, turn) = match self.0 {
+            Planted::Nothing | Planted::Unbounded => (Vector3::zeros(), about(q)),
+            Planted::Long => {
+                let half = q * 0.5;
+                let (w, v) = (half.cos(), Vector3::y() * (half.sin() * 2.0));
+                (Vector3::zeros(), Quaternion { w, v })
+            }
+            Planted::Unknown => {
+                let (w, v) = (S::constant(f64::NAN), about(q).v);
+                (Vector3::zeros(), Quaternion { w, v })
+            }
+            Planted::Rotated => (Vector3::zeros(), about(q + 0.5)),
+            Planted::Square => (along(q * q), still),
+            Planted::Root => (along((q * q).sqrt()) + Vector3::z() * q, still),
+        };
+        Pose::identity().translated(&way).rotated(&turn)
     }
 
     fn coordinates(&self) -> [JointCoordinate; 1] {
-        Right.coordinates()
+        [match self.0 {
+            Planted::Square => ("s", Quantity::Other),
+            Planted::Root => ("w", Quantity::Length),
+            _ => ("a", Quantity::Angle),
+        }]
     }
 
     fn domain(&self, _t: f64, _q: &SVector<f64, 1>) -> Result<f64, DomainError> {
-        Ok(f64::NAN)
+        match self.0 {
+            Planted::Unbounded => Ok(f64::NAN),
+            _ => Ok(f64::INFINITY),
+        }
+    }
+}
+
+/// It turns by its first coordinate, and moves by a second one of a name, or not.
+#[derive(Clone)]
+struct Two(&'static str, bool);
+
+impl Joint<2> for Two {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 2>) -> Pose<S> {
+        let way = if self.1 { q[1] } else { S::zero() };
+        let pose = Pose::identity().translated(&along(way));
+        pose.rotated(&about(q[0]))
+    }
+
+    fn coordinates(&self) -> [JointCoordinate; 2] {
+        [("a", Quantity::Angle), (self.0, Quantity::Length)]
     }
 }
 
@@ -123,7 +108,7 @@ fn only(report: &Report) -> (String, Vec<String>, String) {
 
 #[test]
 fn a_right_joint_passes_and_its_own_laws_are_looked_at() {
-    let report = check::joint(&Right);
+    let report = check::joint(&One(Planted::Nothing));
     report.assert();
     for law in [NAMED, UNIT, START, MOVES] {
         assert!(report.rows().iter().any(|row| row.law == law), "{report}");
@@ -132,13 +117,13 @@ fn a_right_joint_passes_and_its_own_laws_are_looked_at() {
 
 #[test]
 fn two_coordinates_of_one_name() {
-    let (law, _, why) = only(&check::joint(&Twins));
+    let (law, _, why) = only(&check::joint(&Two("a", true)));
     assert_eq!((law.as_str(), why.as_str()), (NAMED, "two have the name a"));
 }
 
 #[test]
 fn a_quaternion_that_is_not_of_unit_length() {
-    let report = check::joint(&Long);
+    let report = check::joint(&One(Planted::Long));
     let first = &report.failures()[0];
     assert_eq!(first.law, UNIT, "{report}");
     // cos² + 4 sin² − 1 = 3 sin² of half the angle, which is zero at the origin only.
@@ -147,7 +132,7 @@ fn a_quaternion_that_is_not_of_unit_length() {
 
 #[test]
 fn a_quaternion_that_is_no_number() {
-    let report = check::joint(&Unknown);
+    let report = check::joint(&One(Planted::Unknown));
     assert!(report.failing_laws().contains(&UNIT.to_owned()), "{report}");
     let failures = report.failures();
     for law in [UNIT, "domain"] {
@@ -158,7 +143,7 @@ fn a_quaternion_that_is_no_number() {
 
 #[test]
 fn a_domain_that_is_no_number() {
-    let report = check::joint(&Unbounded);
+    let report = check::joint(&One(Planted::Unbounded));
     assert_eq!(report.failing_laws(), ["domain"], "{report}");
     let why = "the distance to the edge of the domain is not a number";
     assert_eq!(report.failures()[0].measure.to_string(), why);
@@ -166,7 +151,7 @@ fn a_domain_that_is_no_number() {
 
 #[test]
 fn a_pose_that_is_rotated_at_the_start() {
-    let (law, positions, _) = only(&check::joint(&Rotated));
+    let (law, positions, _) = only(&check::joint(&One(Planted::Rotated)));
     assert_eq!(
         (law.as_str(), positions),
         (START, vec!["the reference".to_owned()])
@@ -179,9 +164,10 @@ fn a_model_with_one_is_refused_at_its_evaluation() {
         let mut builder = ModelBuilder::new();
         let ground = builder.node("ground", [0.0; 3]).unwrap();
         builder.support(ground, &Dof::ALL);
+        let long = One(Planted::Long);
         let child = match turns_freely {
-            true => builder.attach_free("child", ground, Long).unwrap(),
-            false => builder.attach("child", ground, Long).unwrap(),
+            true => builder.attach_free("child", ground, long).unwrap(),
+            false => builder.attach("child", ground, long).unwrap(),
         };
         let body = PointMass::new(1.0).unwrap();
         builder.element("body", body, &[child.frame]).unwrap();
@@ -201,11 +187,11 @@ fn a_model_with_one_is_refused_at_its_evaluation() {
 
 #[test]
 fn coordinates_without_effect() {
-    let report = check::joint(&Idle);
+    let report = check::joint(&Two("b", false));
     let (law, positions, why) = only(&report);
     assert_eq!((law.as_str(), positions.len()), (MOVES, 8), "{report}");
     assert_eq!(why, "it does not move with b (coordinate 2) there");
-    let (law, positions, why) = only(&check::joint(&Turning));
+    let (law, positions, why) = only(&check::joint(&One(Planted::Square)));
     assert_eq!((law.as_str(), positions), (MOVES, vec!["0".to_owned()]));
     assert_eq!(why, "it does not move with s (coordinate 1) there");
 }
@@ -214,7 +200,7 @@ fn coordinates_without_effect() {
 /// with it.
 #[test]
 fn entries_that_are_no_numbers() {
-    let report = check::joint(&Root);
+    let report = check::joint(&One(Planted::Root));
     let first = report.failures()[0];
     assert_eq!([&first.law[..], &first.at[..]], [FINITE, "0"], "{report}");
     let expected = "B is NaN in the row of coordinates 1 to 3 (1): phi has no derivative there; it has \
