@@ -5,8 +5,8 @@ use crate::support::*;
 use pullback_manifold::quotients::TangentQuotients;
 use std::collections::BTreeSet;
 
-/// The two-node geodesic beam by its energies: nothing is shared with the one by hand.
-struct ByEnergy {
+/// The energies of the two-node geodesic beam: nothing is shared with the element.
+struct Energies {
     positions: [Vector3<f64>; 2],
     R0: Matrix3<f64>,
     section: Section,
@@ -16,7 +16,7 @@ fn triple<S: Scalar>(y: &SVector<S, 12>, i: usize) -> Vector3<S> {
     Vector3::new(y[i], y[i + 1], y[i + 2])
 }
 
-impl ByEnergy {
+impl Energies {
     fn length(&self) -> f64 {
         (self.positions[1] - self.positions[0]).norm()
     }
@@ -46,18 +46,16 @@ impl ByEnergy {
         e.dot(&(self.section.C.map(S::constant) * e)) * (0.5 * self.length())
     }
 
-    fn inertial<S: Scalar>(&self, y: &SVector<S, 12>, v: &SVector<S, 12>) -> S {
+    fn kinetic(&self, y: &SVector<f64, 12>, v: &SVector<f64, 12>) -> f64 {
         let Inertia { mass, S: first, J } = self.section.inertia.rotated(&self.R0);
-        let (first, J) = (first.map(S::constant), J.map(S::constant));
         let node = |k: usize| {
             let psi = triple(y, 6 * k + 3);
-            let c = TangentQuotients::new(psi.dot(&psi));
-            let Omega = so3::spun(&psi, &triple(v, 6 * k + 3), &c);
-            let lever = so3::turned(&psi, &Omega.cross(&first), &c);
+            let Omega = so3::tangent(&psi) * triple(v, 6 * k + 3);
+            let lever = so3::rotation(&psi) * Omega.cross(&first);
             (triple(v, 6 * k), Omega, lever)
         };
         let nodes = [node(0), node(1)];
-        let mut sum = S::zero();
+        let mut sum = 0.0;
         for i in 0..2 {
             for j in 0..2 {
                 let NN = self.length() / if i == j { 3.0 } else { 6.0 };
@@ -67,44 +65,52 @@ impl ByEnergy {
         }
         sum
     }
-}
 
-impl EnergyElement<12> for ByEnergy {
-    fn potential<S: Scalar>(&self, _t: S, y: &SVector<S, 12>) -> S {
-        self.quadratic(&self.strains(y))
-    }
-
-    fn kinetic<S: Scalar>(&self, y: &SVector<S, 12>, v: &SVector<S, 12>) -> S {
-        self.inertial(y, v)
-    }
-
-    fn dissipation<S: Scalar>(&self, y: &SVector<S, 12>, v: &SVector<S, 12>) -> S {
+    fn dissipation(&self, y: &SVector<f64, 12>, v: &SVector<f64, 12>) -> f64 {
         let Damping { mass, stiffness } = self.section.damping;
         let viscous = self.quadratic(&rate(|y| self.strains(y), y, v));
-        viscous * stiffness + self.inertial(y, v) * mass
-    }
-
-    fn domain(&self, y: &SVector<f64, 12>) -> Result<(), DomainError> {
-        inside_chart(&triple(y, 3))?;
-        inside_chart(&triple(y, 9))
+        viscous * stiffness + self.kinetic(y, v) * mass
     }
 }
 
+/// Forces follow from energies by the laws of elements, but for those of damping.
 #[test]
-fn the_element_by_hand_is_the_one_by_its_energies() {
+fn the_element_has_the_energies_of_its_definition() {
     let positions = [Vector3::new(0.2, -0.1, 0.3), Vector3::new(0.9, 0.5, 0.7)];
     let R0 = frame_along(
         &(positions[1] - positions[0]),
         Some(&Vector3::new(0.1, 0.9, 0.3)),
     );
-    for section in [massive(), massive().with_damping(DAMPING).unwrap()] {
-        let hand = Beam::<2, Geodesic<2>>::new(&positions, &|_| R0, &section).unwrap();
-        let energies = ByEnergy {
-            positions,
-            R0,
-            section,
-        };
-        check::same(&hand, &energies.into_element()).assert();
+    let beam = |section| Beam::<2, Geodesic<2>>::new(&positions, &|_| R0, &section).unwrap();
+    let section = massive().with_damping(DAMPING).unwrap();
+    let [elastic, damped] = [beam(massive()), beam(section)];
+    let energies = Energies {
+        positions,
+        R0,
+        section,
+    };
+    let mut random = Random::new(7);
+    for _ in 0..8 {
+        let [y, v] = [0.3, 1.5].map(|size| random.vector::<12>() * size);
+        let (x, v_slice) = (y.as_slice(), v.as_slice());
+        let (beam, at) = (damped.abilities(), moving(x, v_slice, &[0.0; 12]));
+        let [U, T] = [
+            energies.quadratic(&energies.strains(&y)),
+            energies.kinetic(&y, &v),
+        ];
+        let found = beam.energy(&at);
+        assert!((found - U).abs() < 1e-12 * U, "{found} {U}");
+        let found = beam.kinetic_energy(&at).unwrap();
+        assert!((found - T).abs() < 1e-12 * T, "{found} {T}");
+        // The derivative of a quadratic form by its difference.
+        let force = SVector::<f64, 12>::from_fn(|i, _| {
+            let e = SVector::ith(i, 1.0);
+            let ends = [v - e, v + e].map(|v| energies.dissipation(&y, &v));
+            0.5 * (ends[0] - ends[1])
+        });
+        let [with, without] = [&damped, &elastic].map(|beam| residual(beam, x, v_slice).unwrap());
+        let off = (with - without - force).norm();
+        assert!(off < 1e-12 * force.norm(), "{off:e} {force}");
     }
 }
 

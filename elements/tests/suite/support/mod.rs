@@ -6,6 +6,8 @@ pub mod elastic_joint;
 pub mod gravity;
 #[path = "../../../../examples/elements/polynomial_spring.rs"]
 pub mod polynomial_spring;
+// One of its two measures of strain is for tests of equilibria.
+#[allow(dead_code)]
 #[path = "../../../../examples/elements/strain_beam.rs"]
 pub mod strain_beam;
 
