@@ -23,33 +23,14 @@ impl Along {
     fn planted(&self, what: Planted) -> bool {
         self.1 == what && self.0.segment() == 1
     }
-}
 
-impl Map<13, 6> for Along {
-    fn phi<S: Scalar>(&self, t: S, q: &SVector<S, 13>) -> SVector<S, 6> {
-        let mut q = *q;
-        if self.planted(Planted::Turned) {
-            (3..6).for_each(|k| q[k] = -q[k]);
+    /// Coordinates, or their rates, as the slide sees them.
+    fn seen(&self, x: &[f64]) -> Vec<f64> {
+        let mut x = x.to_vec();
+        if self.planted(Planted::Turned) && !x.is_empty() {
+            x[3..6].iter_mut().for_each(|x| *x = -*x);
         }
-        self.0.phi(t, &q)
-    }
-
-    fn domain(&self, t: f64, q: &SVector<f64, 13>) -> Result<f64, DomainError> {
-        Map::domain(&self.0, t, q)
-    }
-
-    fn kinematics(
-        &self,
-        t: f64,
-        q: &SVector<f64, 13>,
-        v: &SVector<f64, 13>,
-        a: &SVector<f64, 13>,
-    ) -> Kinematics<13, 6> {
-        let mut out = derived::kinematics(self, t, q, v, a);
-        if self.planted(Planted::Velocity) {
-            out.x_dot -= out.B.fixed_columns::<6>(0) * v.fixed_rows::<6>(0);
-        }
-        out
+        x
     }
 }
 
@@ -63,11 +44,28 @@ impl Parametrization for Along {
     }
 
     fn evaluate(&mut self, t: f64, motion: [&[f64]; 3], out: &mut [Order<'_>]) {
-        write_orders(self, t, motion, out);
+        let seen = motion.map(|x| self.seen(x));
+        self.0.evaluate(t, seen.each_ref().map(|x| &x[..]), out);
+        if self.planted(Planted::Turned) {
+            let columns = out.iter_mut().flat_map(|[_, B]| &mut B[6 * 3..6 * 6]);
+            columns.for_each(|b| *b = -*b);
+        }
+        if let (true, [[_, B], [x_dot, _], _]) = (self.planted(Planted::Velocity), out) {
+            for (column, v) in B.chunks(6).zip(&motion[1][..6]) {
+                x_dot.iter_mut().zip(column).for_each(|(x, b)| *x -= b * v);
+            }
+        }
     }
 
     fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
-        write_geometric_stiffness(self, t, q, f, K);
+        let seen = self.seen(q);
+        Parametrization::geometric_stiffness(&mut self.0, t, &seen, f, K);
+        if self.planted(Planted::Turned) {
+            let turned = |i: usize| (3..6).contains(&i);
+            let entries = K.iter_mut().enumerate();
+            let crossed = entries.filter(|(k, _)| turned(k / 13) != turned(k % 13));
+            crossed.for_each(|(_, K)| *K = -*K);
+        }
     }
 
     fn state(&mut self) -> Option<&mut dyn MapState> {
