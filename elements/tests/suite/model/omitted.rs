@@ -3,13 +3,13 @@
 use crate::support::*;
 use pullback_elements::constraint::Multipliers;
 
-/// x = 0, twice.
+/// x = 0 and x = a multiple of t.
 #[derive(Clone, Copy)]
-struct Twice;
+struct Twice(f64);
 
 impl Map<1, 2> for Twice {
-    fn phi<S: Scalar>(&self, _t: S, x: &SVector<S, 1>) -> SVector<S, 2> {
-        SVector::<S, 2>::new(x[0], x[0])
+    fn phi<S: Scalar>(&self, t: S, x: &SVector<S, 1>) -> SVector<S, 2> {
+        SVector::<S, 2>::new(x[0], x[0] - t * self.0)
     }
 }
 
@@ -71,21 +71,11 @@ fn evaluate(element: impl Element + 'static) -> [Vec<f64>; 2] {
 
 #[test]
 fn a_combined_tangent_omits_them_as_well() {
-    let [r, S] = evaluate(Plain::new(Twice));
+    let [r, S] = evaluate(Plain::new(Twice(0.0)));
     // One multiplier holds x, the other one is zero: its row is −λ.
     let rows = [[-1.2, -0.3, 0.7], [0.7, -1.2, -0.3]];
     assert!(rows.iter().any(|row| r == row), "{r:?}");
-    assert_eq!(evaluate(Fast(Plain::new(Twice))), [r, S]);
-}
-
-/// x = 0 and x = t.
-#[derive(Clone, Copy)]
-struct Apart;
-
-impl Map<1, 2> for Apart {
-    fn phi<S: Scalar>(&self, t: S, x: &SVector<S, 1>) -> SVector<S, 2> {
-        SVector::<S, 2>::new(x[0], x[0] - t)
-    }
+    assert_eq!(evaluate(Fast(Plain::new(Twice(0.0)))), [r, S]);
 }
 
 /// A state that is restored has not violated them yet.
@@ -94,8 +84,8 @@ fn what_they_violate_is_forgotten_with_the_state() {
     let mut b = ModelBuilder::new();
     let x = b.coordinates("x", &[Quantity::Length]).unwrap();
     let lambda = b.multipliers("force", 2).unwrap();
-    let apart = Multipliers::<_, 1, 2>::new(Apart);
-    b.element("apart", apart, &[x, lambda]).unwrap();
+    b.element("apart", Plain::new(Twice(1.0)), &[x, lambda])
+        .unwrap();
     let mut context = Context::new(b.build().unwrap());
     let evaluate = |context: &mut Context, t: f64| {
         let mut r = [0.0; 3];
