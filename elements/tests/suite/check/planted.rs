@@ -254,31 +254,3 @@ fn a_frame_that_does_not_turn_with_its_master() {
         assert_eq!(failures(&report), expected, "{report}");
     }
 }
-
-/// A revolute joint that turns about an axis fixed in space.
-#[derive(Clone)]
-struct Fixed;
-
-impl Map<7, 6> for Fixed {
-    fn phi<S: Scalar>(&self, _: S, q: &SVector<S, 7>) -> SVector<S, 6> {
-        let parent = Pose::of(q, 0);
-        let turn = so3::Quaternion::about(&Vector3::z(), q[6]).product(&parent.rotation);
-        let (d, psi) = (parent.d, so3::log_quaternion(&turn));
-        SVector::<S, 6>::new(d.x, d.y, d.z, psi.x, psi.y, psi.z)
-    }
-}
-
-#[test]
-fn a_joint_with_an_axis_fixed_in_space() {
-    let mut b = ModelBuilder::new();
-    let base = b.node("base", [0.0; 3]).unwrap();
-    b.element("base", body(), &[base]).unwrap();
-    let angle = b.coordinates("hinge angle", &[Quantity::Angle]).unwrap();
-    let nodes = [base, angle];
-    let hinge = b
-        .mapped_node("hinge", [0.0; 3], Fixed.boxed(), &nodes)
-        .unwrap();
-    b.element("arm", body(), &[hinge]).unwrap();
-    let law = "frames move rigidly with their parents";
-    assert_eq!(failures(&checked(b, 0)), [["joint hinge (fixed)", law]]);
-}

@@ -64,7 +64,5 @@ fn joints_whose_children_turn_freely_obey_the_laws_of_a_map() {
         .between_charts(),
     )
     .assert();
-    let screw = Helical::new([1.0, -2.0, 0.5], 0.7).unwrap();
-    check::parametrization(&JointMap::turning_freely(screw).between_charts()).assert();
     check::parametrization(&JointMap::turning_freely(Rheonomic).between_charts()).assert();
 }
