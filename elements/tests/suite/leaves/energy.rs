@@ -53,7 +53,7 @@ fn springs() {
     let spring = PolynomialSpring {
         positions: positions(),
         rest_length: 1.1,
-        k: [3.0],
+        k: [3.0, 0.0, 0.0],
         c: 0.7,
     };
     let hand = AxialSpring::new(&positions(), 3.0, 0.7).unwrap();

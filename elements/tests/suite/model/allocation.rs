@@ -48,7 +48,7 @@ fn nothing_is_allocated_after_the_first_evaluation() {
     let by_energy = PolynomialSpring {
         positions: ends,
         rest_length: 1.0,
-        k: [3.0, 0.5],
+        k: [3.0, 0.5, -0.2],
         c: 0.2,
     };
     b.element("energy", by_energy.into_element(), &[nodes[1], dependent])
