@@ -98,29 +98,42 @@ impl Context {
                 continue;
             }
             fitted.push(x);
-            let all: Vec<u32> = (model.nodes.mapped.iter().copied())
-                .filter(|&k| {
-                    let d = model.chosen(k, nodes);
-                    let mut parents = d.map_or(&[][..], |d| d.parents(&self.state.maps)).iter();
-                    parents.any(|&m| self.loop_of(m) == Some(x))
-                })
-                .collect();
-            let Some(d) = model.nodes[x as usize].mapped() else {
-                continue;
-            };
-            // A locked loop has no coordinates of its own.
-            let parents = d.parents(&self.state.maps);
-            let own = parents.iter().take(1).copied().filter(released);
-            let (unknowns, alone) = (model.unknowns_of(own), parents.len() == 1);
-            unknowns.iter().for_each(|&u| open[u] = false);
-            let left = self.fit(q, v, &all, &unknowns, motion)?;
-            if alone && !unknowns.is_empty() && left > MISSING {
-                let report = self.model.reports.iter().find(|r| r.map == Some(x));
-                let joint = report.and_then(|r| r.closures.first());
-                against.extend(joint.map(|&(n, _)| model.nodes[n as usize].name.clone()));
-            }
+            against.extend(self.fit_loop(q, v, (nodes, x), motion, &mut open)?);
         }
         Ok(against)
+    }
+
+    /// Fits the rates of the loop of coordinates x; returns the closing joint of a loop that does not allow the motion.
+    fn fit_loop(
+        &mut self,
+        q: &[f64],
+        v: &mut [f64],
+        (nodes, x): (Option<&[NodeId]>, u32),
+        motion: &RigidMotion,
+        open: &mut [bool],
+    ) -> Result<Option<String>, SystemError> {
+        let model = Arc::clone(&self.model);
+        let all: Vec<u32> = (model.nodes.mapped.iter().copied())
+            .filter(|&k| {
+                let d = model.chosen(k, nodes);
+                let mut parents = d.map_or(&[][..], |d| d.parents(&self.state.maps)).iter();
+                parents.any(|&m| model.loop_of(m) == Some(x))
+            })
+            .collect();
+        let Some(d) = model.nodes[x as usize].mapped() else {
+            return Ok(None);
+        };
+        // A locked loop has no coordinates of its own.
+        let parents = d.parents(&self.state.maps);
+        let released = |m: &u32| model.nodes[*m as usize].form == NodeForm::Coordinates;
+        let unknowns = model.unknowns_of(parents.iter().take(1).copied().filter(released));
+        let alone = parents.len() == 1 && !unknowns.is_empty();
+        unknowns.iter().for_each(|&u| open[u] = false);
+        let left = self.fit(q, v, &all, &unknowns, motion)?;
+        let report = model.reports.iter().find(|r| r.map == Some(x));
+        let joint = report.and_then(|r| r.closures.first());
+        let name = joint.map(|&(n, _)| model.nodes[n as usize].name.clone());
+        Ok(name.filter(|_| alone && left > MISSING))
     }
 
     /// Fits the rates of unknowns to a motion of frames; returns the missing part relative to the whole.
