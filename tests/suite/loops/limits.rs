@@ -75,7 +75,18 @@ fn velocities_of_the_whole_set_the_rates_of_joints_or_are_refused() {
     let model = |first: &str, initial: &str| {
         let first = joint("i", first, "ground", "axis = [1, 0, 0]");
         let initial = format!("[[initial]]\n{initial}\n");
-        [GROUND, RUN, &*first, &*second, &*body("j"), &*initial].concat()
+        // What is fixed to the ground stays.
+        let fixed = arm("o", "ground", [1.0, 0.0, 0.0]) + &body("o");
+        [
+            GROUND,
+            RUN,
+            &*first,
+            &*second,
+            &*body("j"),
+            &*fixed,
+            &*initial,
+        ]
+        .concat()
     };
     // Both slides together: e2 = −0.75 e1 + 1.25 (0.6, 0.8, 0).
     let slides = assemble_text("slides", &model("prismatic", "velocity = [0, 1, 0]"));

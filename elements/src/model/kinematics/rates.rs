@@ -55,7 +55,7 @@ impl Context {
     /// Fits the rates of joint coordinates in `v`, so that the frames that elements read (those among
     /// `nodes`, all if `None`) follow a rigid motion as closely as possible: frame by frame from
     /// the root, all frames of a loop at once, by least squares. Returns the nodes, and of loops the closing joints,
-    /// that do not allow the motion, where nothing is prescribed.
+    /// that do not allow the motion, where they move and nothing is prescribed.
     ///
     /// # Errors
     /// [`SystemError`] if the point is outside a chart.
@@ -88,7 +88,14 @@ impl Context {
                         let all = among(&model.prescribed, model.nodes[m as usize].range());
                         all.iter().any(|p| p.function.constant().is_none())
                     };
-                    if left > MISSING && !own.iter().any(given) {
+                    let joint = |m: &u32| {
+                        released(m) || model.nodes[*m as usize].form == NodeForm::Rotation
+                    };
+                    // What is fixed to supports stays, as supported nodes do.
+                    let moves = !model
+                        .unknowns_of(own.iter().copied().filter(joint))
+                        .is_empty();
+                    if left > MISSING && moves && !own.iter().any(given) {
                         against.push(model.nodes[n as usize].name.clone());
                     }
                 }

@@ -6,8 +6,10 @@ pub mod elastic_joint;
 pub mod gravity;
 #[path = "../../../../examples/elements/polynomial_spring.rs"]
 pub mod polynomial_spring;
-// One of its two measures of strain is for tests of equilibria.
-#[allow(dead_code)]
+#[allow(
+    dead_code,
+    reason = "one of its two measures of strain is for tests of equilibria"
+)]
 #[path = "../../../../examples/elements/strain_beam.rs"]
 pub mod strain_beam;
 
