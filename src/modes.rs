@@ -7,8 +7,8 @@ use pullback_elements::model::Context;
 use pullback_elements::time::Input;
 use pullback_integrators::linearization::{
     BucklingError, BucklingMode, CampbellDiagram, CampbellError, CampbellOptions,
-    LinearizationError, Mode, ModeOptions, ModesError, Selection, buckling, campbell, linearize,
-    modes_while,
+    LinearizationError, Linearized, Mode, ModeOptions, ModesError, Selection, buckling, campbell,
+    linearize, modes_while,
 };
 use pullback_integrators::significant;
 use pullback_manifold::system::{Point, System, SystemError};
@@ -102,6 +102,17 @@ pub fn find(
 ) -> Result<ModelModes, ModelModesError> {
     check_mobility(context)?;
     let lin = linearize(context, at)?;
+    find_in(context, at, lin, options, observer)
+}
+
+/// The modes of a model by its linear equations about a state.
+fn find_in(
+    context: &mut Context,
+    at: Point<'_>,
+    lin: Linearized,
+    options: &ModeOptions,
+    observer: &mut dyn FnMut(usize) -> ControlFlow<()>,
+) -> Result<ModelModes, ModelModesError> {
     let found = modes_while(&lin, options, observer)?;
     let mut warnings = Vec::new();
     match options.selection {
@@ -227,7 +238,11 @@ pub fn campbell_diagram(
     observer: &mut dyn FnMut() -> ControlFlow<()>,
 ) -> Result<ModelCampbell, ModelModesError> {
     check_mobility(context)?;
-    let diagram = campbell(context, speed, &mut q, options, &mut |_| observer())?;
+    let options = &CampbellOptions {
+        rotor: context.cyclic_symmetry(speed, &q)?,
+        ..options.clone()
+    };
+    let mut diagram = campbell(context, speed, &mut q, options, &mut |_| observer())?;
     let zeros = vec![0.0; q.len()];
     let at = Point {
         t: options.t,
@@ -236,7 +251,11 @@ pub fn campbell_diagram(
         a: &zeros,
     };
     let lowest = ModeOptions::lowest(options.count);
-    let mut last = find(context, at, &lowest, &mut |_| observer())?;
+    let lin = match diagram.last.take() {
+        Some(lin) => lin,
+        None => linearize(context, at)?,
+    };
+    let mut last = find_in(context, at, lin, &lowest, &mut |_| observer())?;
     last.warnings.extend(growing(&diagram));
     Ok(ModelCampbell { diagram, last, q })
 }
@@ -268,7 +287,7 @@ pub enum Eigenvalues {
     /// Critical loads.
     Critical(CriticalLoads),
     /// Modes over a speed.
-    Campbell(ModelCampbell),
+    Campbell(Box<ModelCampbell>),
 }
 
 impl Eigenvalues {

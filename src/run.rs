@@ -223,7 +223,7 @@ fn find(
             let q = at.q.to_vec();
             let mut search = || observer(&Advance::search(progress, at.q.len()));
             modes::campbell_diagram(context, q, speed, &options, &mut search)
-                .map(Eigenvalues::Campbell)
+                .map(|found| Eigenvalues::Campbell(Box::new(found)))
         }
         EigenvaluePlan::Buckling(count) => modes::critical_loads(context, at, count)
             .map(Eigenvalues::Critical)

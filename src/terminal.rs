@@ -205,6 +205,9 @@ fn campbell(diagram: &CampbellDiagram) -> String {
             number(last, Mode::damping_ratio)
         );
     }
+    if diagram.multi_blade {
+        out += "frequencies are those seen from parts that do not rotate: coordinates of the rotor are multi-blade coordinates\n";
+    }
     out
 }
 

@@ -48,6 +48,16 @@ impl<'a> Point<'a> {
     }
 }
 
+/// A turn by 2π/`order`, about their common axis, that maps rotating parts of a system on themselves, such as each of N
+/// blades on the next one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CyclicSymmetry {
+    /// Number of such turns in a full one.
+    pub order: usize,
+    /// The turn of small motions, δq ↦ P δq, of the coordinates of these parts: row, column and value of the entries of P.
+    pub turn: Vec<(usize, usize, f64)>,
+}
+
 /// Factors of the combined tangent S = K·(∂r/∂q part) + C·(...) + M·(...).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weights {

@@ -26,6 +26,7 @@ pub(super) fn eigenvalues<'py>(
             let out = PyDict::new(py);
             let diagram = &found.diagram;
             out.set_item("speeds", array(py, diagram.speeds.clone()))?;
+            out.set_item("multi_blade", diagram.multi_blade)?;
             for (name, value) in [
                 ("frequencies", (|mode| mode.frequency()) as fn(&Mode) -> f64),
                 ("damping_ratios", |mode| mode.damping_ratio()),

@@ -9,9 +9,9 @@ use crate::probe::{Answers, Probe};
 use crate::run::{ReachError, reach};
 use crate::terminal::{self, plural, tell};
 use pullback_elements::model::Context;
+use pullback_elements::time::Input;
 use pullback_integrators::linearization::{
-    Linearized, StateSpace, campbell as steady_rotation, linearize as linearized,
-    output_derivatives,
+    CampbellOptions, Linearized, StateSpace, campbell, linearize as linearized, output_derivatives,
 };
 use pullback_manifold::system::Point;
 use std::fmt::Write;
@@ -33,6 +33,10 @@ const FILES: [&str; 12] = [
     "state_basis.mtx",
 ];
 
+/// Why there is no first-order form in multi-blade coordinates.
+const PERIODIC: &str = "inputs and outputs of a rotor on parts that do not rotate are periodic: there is no first-order form \
+                        with constant matrices. Leave out --first-order for K, C and M in multi-blade coordinates";
+
 /// Arguments of `pullback linearize`.
 #[derive(clap::Args)]
 pub(super) struct LinearizeArguments {
@@ -52,13 +56,13 @@ pub(super) struct LinearizeArguments {
 /// Solves up to the state, and writes the matrices; returns the exit code.
 pub(super) fn linearize(registry: &Registry, args: &LinearizeArguments) -> Exit {
     let mut job = args.file.load(registry).map_err(complain)?;
-    let campbell = match &job.eigenvalues {
+    let rotation = match &job.eigenvalues {
         Some(EigenvaluePlan::Campbell(speed, options)) => Some((*speed, options.clone())),
         _ => None,
     };
     let reached = reach(
         &mut job,
-        args.at.filter(|_| campbell.is_none()),
+        args.at.filter(|_| rotation.is_none()),
         &mut |_| terminal::flow(),
     );
     let progress = reached.map_err(|error| match error {
@@ -72,12 +76,11 @@ pub(super) fn linearize(registry: &Registry, args: &LinearizeArguments) -> Exit 
     })?;
     let out = (args.out.clone()).unwrap_or_else(|| args.file.model.with_extension("linear"));
     let (mut q, zeros) = (progress.state.q.clone(), vec![0.0; progress.state.q.len()]);
-    let mut at = progress.state.point();
-    if let Some((speed, mut options)) = campbell {
+    let (mut at, mut steady) = (progress.state.point(), None);
+    if let Some((speed, mut options)) = rotation {
         // A rotation is steady: at rest in its coordinates.
         options.speeds = args.at.map_or(options.speeds, |speed| vec![speed]);
-        let observer = &mut |_| terminal::flow();
-        steady_rotation(&mut job.context, speed, &mut q, &options, observer).map_err(fail)?;
+        steady = equations_at_speed(&mut job, speed, options.clone(), &mut q, args.first_order)?;
         at = Point {
             t: options.t,
             q: &q,
@@ -85,7 +88,10 @@ pub(super) fn linearize(registry: &Registry, args: &LinearizeArguments) -> Exit 
             a: &zeros,
         };
     }
-    let lin = linearized(&mut job.context, at).map_err(fail)?;
+    let lin = match steady {
+        Some(lin) => lin,
+        None => linearized(&mut job.context, at).map_err(fail)?,
+    };
     let first_order = args.first_order.then(|| first_order(&mut job, &lin, at));
     let first_order = first_order.transpose()?;
     if let Some(warning) = warning_of_motion(at) {
@@ -108,6 +114,29 @@ pub(super) fn linearize(registry: &Registry, args: &LinearizeArguments) -> Exit 
         plural(lin.r_u.len(), "input"),
         out.display()
     )))
+}
+
+/// Solves for a steady rotation from coordinates `q`, which end as those there; returns its linear equations.
+fn equations_at_speed(
+    job: &mut Job,
+    speed: Input,
+    mut options: CampbellOptions,
+    q: &mut Vec<f64>,
+    first_order: bool,
+) -> Result<Option<Linearized>, u8> {
+    let context = &mut job.context;
+    options.rotor = context.cyclic_symmetry(speed, q).map_err(fail)?;
+    let diagram = campbell(context, speed, q, &options, &mut |_| terminal::flow());
+    let diagram = diagram.map_err(fail)?;
+    if diagram.multi_blade && first_order {
+        return Err(refuse(PERIODIC));
+    }
+    if diagram.multi_blade {
+        tell(
+            "coordinates of rotating parts are multi-blade coordinates, inputs are those at angle zero",
+        );
+    }
+    Ok(diagram.last)
 }
 
 /// An input that prescribes a motion, if there is one.

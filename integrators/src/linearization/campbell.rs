@@ -10,8 +10,12 @@
 //! which follows them through crossings; speeds in between are added where shapes change fast, as in veerings. The
 //! criterion is applied to shapes with their velocities, (s φ, λ φ) with a frequency s of the modes, and to both modes
 //! of a conjugate pair: a whirl whose frequency passes through zero goes on as the conjugate mode.
+//!
+//! Coordinates of parts that rotate are relative to them. Where their equations are periodic, as those of blades on a tower,
+//! multi-blade coordinates are tried, in which those of an isotropic rotor are constant.
 
 mod lines;
+mod multi_blade;
 
 use super::modes::{Mode, ModeOptions, ModesError, modes_while};
 use super::{
@@ -22,7 +26,7 @@ use crate::significant;
 use crate::statics::{StaticOptions, StaticsError, equilibrium_from};
 use lines::{conjugate, continued, groups};
 use num_complex::Complex64;
-use pullback_manifold::system::{Point, System};
+use pullback_manifold::system::{CyclicSymmetry, Point, System};
 use std::ops::ControlFlow;
 use thiserror::Error;
 
@@ -37,16 +41,24 @@ pub struct CampbellOptions {
     pub count: usize,
     /// Smallest step in Ω between equilibria, and Newton's method.
     pub statics: StaticOptions,
+    /// A turn that maps all that rotates on itself, if there is one. Where the equations in coordinates that rotate are
+    /// periodic, multi-blade coordinates are tried.
+    pub rotor: Option<CyclicSymmetry>,
 }
 
 /// Modes over the speed.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct CampbellDiagram {
     /// Speeds.
     pub speeds: Vec<f64>,
     /// The modes of the first speed, by growing |λ|, each with its continuation: `None` where it is not among the
     /// lowest modes, or with another eigenvalue at that speed, any more.
     pub lines: Vec<Vec<Option<Mode>>>,
+    /// The linear equations at the last speed, those of the modes; `None` without speeds.
+    pub last: Option<Linearized>,
+    /// Whether coordinates of rotating parts are multi-blade ones: frequencies are then those seen from parts that do not
+    /// rotate.
+    pub multi_blade: bool,
 }
 
 /// Error of [`campbell`].
@@ -65,8 +77,8 @@ pub enum CampbellError {
     #[error(
         "at a speed of {} the equations of {name} change as the frame turns: coordinates of rotating parts that are not \
          relative to them, bent beams of total rotation vectors (take geodesic interpolation), loads that are fixed in \
-         space or depend on time, or a rotor that is not axisymmetric on parts that do not rotate. The coefficients of the \
-         latter two are periodic, and stability needs Floquet theory",
+         space or depend on time, or a rotor that is not isotropic, as one of less than three equal blades, on parts that do not \
+         rotate. The coefficients of the latter two are periodic, and stability needs Floquet theory",
         significant(*.speed)
     )]
     Periodic {
@@ -118,46 +130,25 @@ pub fn campbell(
     options: &CampbellOptions,
     observer: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<CampbellDiagram, CampbellError> {
-    let Some(&first) = options.speeds.first() else {
-        return Ok(CampbellDiagram {
-            speeds: Vec::new(),
-            lines: Vec::new(),
-        });
-    };
-    check_count(options.count).map_err(|source| CampbellError::Modes {
-        speed: first,
-        source,
-    })?;
+    let start = q.clone();
     let mut sweep = Sweep {
         system,
         input: input.into(),
         q,
         options,
         observer,
+        rotor: None,
         speed: 0.0,
         lines: Vec::new(),
+        last: None,
     };
-    let (found, _) = sweep.modes_at(first)?;
-    // A group of repeated eigenvalues is not cut.
-    let last = found.len().min(options.count).saturating_sub(1);
-    let repeated = groups(&found.iter().collect::<Vec<_>>());
-    let count = repeated.get(last).and_then(|group| group.last());
-    let count = count.map_or(0, |k| k + 1);
-    sweep.lines = found.into_iter().take(count).map(Some).collect();
-    let mut rows = vec![sweep.lines.clone()];
-    for &speed in &options.speeds[1..] {
-        sweep.advance(speed, HALVINGS)?;
-        let upper = |mode: &Mode| match mode.eigenvalue.im < 0.0 {
-            true => conjugate(mode),
-            false => mode.clone(),
-        };
-        rows.push((sweep.lines.iter().map(|line| line.as_ref().map(upper))).collect());
+    match (sweep.run(), &options.rotor) {
+        (Err(CampbellError::Periodic { .. }), Some(rotor)) => {
+            (*sweep.q, sweep.speed, sweep.rotor) = (start, 0.0, Some(rotor));
+            sweep.run()
+        }
+        (diagram, _) => diagram,
     }
-    let line = |k: usize| rows.iter().map(|row| row[k].clone()).collect();
-    Ok(CampbellDiagram {
-        speeds: options.speeds.clone(),
-        lines: (0..rows[0].len()).map(line).collect(),
-    })
 }
 
 /// A sweep over speeds.
@@ -167,20 +158,62 @@ struct Sweep<'a> {
     q: &'a mut Vec<f64>,
     options: &'a CampbellOptions,
     observer: &'a mut dyn FnMut(f64) -> ControlFlow<()>,
+    /// The rotor, if it is seen from parts that do not rotate.
+    rotor: Option<&'a CyclicSymmetry>,
     /// The present speed.
     speed: f64,
     /// The modes there, each the one of its conjugate pair that continues its line.
     lines: Vec<Option<Mode>>,
+    /// The equations there.
+    last: Option<Linearized>,
 }
 
 impl Sweep<'_> {
+    /// The lines over all speeds.
+    fn run(&mut self) -> Result<CampbellDiagram, CampbellError> {
+        let options = self.options;
+        let mut rows = Vec::new();
+        for &speed in &options.speeds {
+            match rows.is_empty() {
+                true => self.begin(speed)?,
+                false => self.advance(speed, HALVINGS)?,
+            }
+            let upper = |mode: &Mode| match mode.eigenvalue.im < 0.0 {
+                true => conjugate(mode),
+                false => mode.clone(),
+            };
+            rows.push((self.lines.iter().map(|line| line.as_ref().map(upper))).collect());
+        }
+        let line = |k: usize| rows.iter().map(|row: &Vec<_>| row[k].clone()).collect();
+        Ok(CampbellDiagram {
+            speeds: options.speeds.clone(),
+            lines: (0..self.lines.len()).map(line).collect(),
+            last: self.last.take(),
+            multi_blade: self.rotor.is_some(),
+        })
+    }
+
+    /// Begins the lines at the first speed.
+    fn begin(&mut self, speed: f64) -> Result<(), CampbellError> {
+        check_count(self.options.count).map_err(|source| CampbellError::Modes { speed, source })?;
+        let (found, lin) = self.modes_at(speed)?;
+        // A group of repeated eigenvalues is not cut.
+        let last = found.len().min(self.options.count).saturating_sub(1);
+        let repeated = groups(&found.iter().collect::<Vec<_>>());
+        let count = repeated.get(last).and_then(|group| group.last());
+        let count = count.map_or(0, |k| k + 1);
+        self.lines = found.into_iter().take(count).map(Some).collect();
+        self.last = Some(lin);
+        Ok(())
+    }
+
     /// Continues all lines to a speed, over speeds in between where shapes change fast.
     fn advance(&mut self, to: f64, halvings: usize) -> Result<(), CampbellError> {
         let (from, q) = (self.speed, self.q.clone());
         let (found, lin) = self.modes_at(to)?;
         let (lines, least) = continued(&self.lines, found, &lin);
         if least >= SIMILAR || halvings == 0 {
-            self.lines = lines;
+            (self.lines, self.last) = (lines, Some(lin));
             return Ok(());
         }
         (self.speed, *self.q) = (from, q);
@@ -219,6 +252,7 @@ impl Sweep<'_> {
         };
         let lin = linearize(&mut *self.system, at)
             .map_err(|source| CampbellError::Linearization { speed, source })?;
+        let lin = self.seen(lin, 0.0);
         let wanted = self.options.count + SPARE;
         let mut massless = 0;
         loop {
@@ -233,6 +267,14 @@ impl Sweep<'_> {
                 return Ok((found.modes, lin));
             }
             massless = all - found.modes.len();
+        }
+    }
+
+    /// The equations at an angle, in multi-blade coordinates if the rotor is seen from parts that do not rotate.
+    fn seen(&self, lin: Linearized, angle: f64) -> Linearized {
+        match self.rotor {
+            Some(rotor) => lin.in_multi_blade_coordinates(rotor, angle, self.speed),
+            None => lin,
         }
     }
 
@@ -254,7 +296,7 @@ impl Sweep<'_> {
             a: &zeros,
         };
         let changed = match linearize(&mut *self.system, at) {
-            Ok(turned) => lin.change(&turned, modes, speed),
+            Ok(turned) => lin.change(&self.seen(turned, 1.0), modes, speed),
             Err(LinearizationError::Unbalanced { name, .. }) => Some(name),
             Err(source) => return Err(CampbellError::Linearization { speed, source }),
         };

@@ -50,6 +50,7 @@ impl Recorder<'_> {
         let lines = diagram.lines.iter();
         let all = json!({
             "speeds": diagram.speeds,
+            "multi_blade": diagram.multi_blade,
             "coordinates": found.last.names,
             "lines": lines.map(|line| line.iter().map(entry).collect::<Vec<_>>()).collect::<Vec<_>>(),
         });

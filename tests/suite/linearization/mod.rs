@@ -6,6 +6,7 @@ mod campbell;
 mod flutter;
 mod inputs;
 mod linkages;
+mod rotors;
 mod small;
 mod state_space;
 

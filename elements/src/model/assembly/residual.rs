@@ -12,6 +12,9 @@ use std::f64::consts::TAU;
 /// Largest number of nodes of an element.
 pub(in crate::model) const MAX_NODES: usize = 16;
 
+/// A force that counts as a rounding error, relative to those of which it is the sum.
+const ROUNDING: f64 = 1e-12;
+
 impl Context {
     /// Writes coordinates (and velocities, accelerations if given) of all nodes at a point to the
     /// workspace: own nodes first, then mapped ones. Nothing is evaluated if they are known.
@@ -129,7 +132,7 @@ impl Context {
         let (local, spans) = (&mut w.local, &model.spans);
         w.exerted.force = [0.0; 3];
         let moved = (&model.unknowns[..], &w.scatter_map.couplings);
-        let alone = model.prescribed.is_empty() && w.scales.force == [0.0; 3];
+        let unloaded = w.scales.force == [0.0; 3];
         for (k, (e, state)) in (model.elements.iter().zip(&self.state.elements)).enumerate() {
             if state.overturned {
                 return Err(named(overturned(TAU), &e.name));
@@ -154,7 +157,7 @@ impl Context {
             }
             if e.load {
                 local.measure(e, &model.nodes, moved, &mut w.scales);
-            } else if alone {
+            } else if unloaded {
                 local.measure(e, &model.nodes, moved, &mut w.exerted);
             }
             if rates && !e.dead {
@@ -204,12 +207,11 @@ impl Context {
             let passed_on = w.r[p.coordinate] - w.direct[p.coordinate];
             force[quantity] = force[quantity].max(passed_on.abs());
         }
-        // Parts without loads and supports are measured by the forces that they exert on each
-        // other.
-        for (force, exerted) in force.iter_mut().zip(w.exerted.force) {
-            if *force == 0.0 {
-                *force = exerted;
-            }
+        // Where neither loads nor supports act, as on a rotor in balance, elements are measured by the forces that they
+        // exert on each other.
+        let mut pairs = force.iter().zip(w.exerted.measures());
+        if pairs.all(|(force, exerted)| *force <= ROUNDING * exerted) {
+            *force = w.exerted.force;
         }
     }
 

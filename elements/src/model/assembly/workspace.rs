@@ -140,6 +140,7 @@ impl Workspace {
             local: ElementWorkspace::new(n, parents),
             reparametrizations: Reparametrization::all(nodes),
             scales,
+            exerted: scales,
             dead_loads: DeadLoads {
                 r: zeros(total),
                 ..DeadLoads::default()

@@ -1,5 +1,6 @@
 //! Questions about a model and its configuration.
 
+pub(super) mod cyclic_symmetry;
 pub(super) mod energies;
 pub(super) mod mobility;
 pub(super) mod query;

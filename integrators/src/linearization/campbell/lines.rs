@@ -1,11 +1,14 @@
 //! Lines of a Campbell diagram: modes of successive speeds whose shapes agree best.
 
 use super::{Linearized, Mode, inner_product};
+use num_complex::Complex64;
 
 /// Least agreement of shapes that are one line.
 const SAME: f64 = 0.2;
 /// Distance of eigenvalues that count as repeated, relative to their size.
 const REPEATED: f64 = 1e-6;
+/// Relative mass of what others leave of a shape that counts as none.
+const DEPENDENT: f64 = 1e-8;
 /// Ratio of the stiffness of a shape of unit mass to the largest |λ|², above which its mass is a rounding error.
 const MASSLESS: f64 = 1e6;
 
@@ -38,9 +41,13 @@ pub(super) fn continued(
         .map(|&j| conjugate(&found[j]))
         .collect();
     let found = [found, conjugates].concat();
-    let mac = assurance(&before, &found, lin);
     // Shapes of repeated eigenvalues are any ones in their space.
     let (groups_before, groups) = (groups(&before), groups(&found.iter().collect::<Vec<_>>()));
+    let mac = assurance(
+        &basis(&before, &groups_before, lin),
+        &basis(&found.iter().collect::<Vec<_>>(), &groups, lin),
+        lin,
+    );
     let agreement = |i: usize, j: usize| -> f64 {
         let (rows, columns) = (&groups_before[i], &groups[j]);
         let sum: f64 = rows
@@ -90,14 +97,36 @@ pub(super) fn conjugate(mode: &Mode) -> Mode {
     }
 }
 
-/// The modal assurance criterion of each mode with each of others, shapes with their velocities.
-fn assurance(before: &[&Mode], found: &[Mode], lin: &Linearized) -> Vec<Vec<f64>> {
-    let product = |mode: &Mode| lin.product(&lin.M, &mode.shape);
-    let sizes: Vec<f64> = found
-        .iter()
-        .map(|mode| inner_product(&mode.shape, &product(mode)).re)
-        .collect();
-    let omega = before.iter().map(|mode| mode.omega()).fold(0.0, f64::max);
+/// The modes with shapes that are, for repeated eigenvalues, orthogonal to each other by M; zero where one depends on others.
+fn basis(modes: &[&Mode], groups: &[Vec<usize>], lin: &Linearized) -> Vec<Mode> {
+    let mut basis: Vec<Mode> = Vec::new();
+    for (mode, group) in modes.iter().zip(groups) {
+        let mut mode = (*mode).clone();
+        let shape = &mut mode.shape;
+        let before = mass(shape, lin);
+        for other in group.iter().filter_map(|&k| basis.get(k)) {
+            let part = inner_product(&lin.product(&lin.M, &other.shape), shape);
+            (shape.iter_mut().zip(&other.shape)).for_each(|(x, y)| *x -= part * y);
+        }
+        let after = mass(shape, lin);
+        let unit = match after > DEPENDENT * before {
+            true => after.sqrt().recip(),
+            false => 0.0,
+        };
+        shape.iter_mut().for_each(|x| *x *= unit);
+        basis.push(mode);
+    }
+    basis
+}
+
+/// φᴴ M φ.
+fn mass(shape: &[Complex64], lin: &Linearized) -> f64 {
+    inner_product(shape, &lin.product(&lin.M, shape)).re
+}
+
+/// The modal assurance criterion of each mode with each of others, shapes of unit mass with their velocities.
+fn assurance(before: &[Mode], found: &[Mode], lin: &Linearized) -> Vec<Vec<f64>> {
+    let omega = before.iter().map(Mode::omega).fold(0.0, f64::max);
     // (s² + λ̄ μ)² over the squares of the lengths; of rigid modes alone, one.
     let velocities = |a: &Mode, b: &Mode| {
         let square = |mode: &Mode| omega * omega + mode.eigenvalue.norm_sqr();
@@ -107,21 +136,15 @@ fn assurance(before: &[&Mode], found: &[Mode], lin: &Linearized) -> Vec<Vec<f64>
             squares => product.norm_sqr() / squares,
         }
     };
-    before
-        .iter()
-        .map(|mode| {
-            let image = product(mode);
-            let size = inner_product(&mode.shape, &image).re;
-            let pairs = found.iter().zip(&sizes);
-            pairs
-                .map(|(other, other_size)| {
-                    let shapes =
-                        inner_product(&other.shape, &image).norm_sqr() / (size * other_size);
-                    shapes * velocities(other, mode)
-                })
-                .collect()
-        })
-        .collect()
+    let agreements = |mode: &Mode| -> Vec<f64> {
+        let image = lin.product(&lin.M, &mode.shape);
+        let shapes = |other: &Mode| inner_product(&other.shape, &image).norm_sqr();
+        let found = found.iter();
+        found
+            .map(|other| shapes(other) * velocities(other, mode))
+            .collect()
+    };
+    before.iter().map(agreements).collect()
 }
 
 /// For each mode all modes with the same eigenvalue.

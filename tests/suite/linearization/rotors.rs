@@ -1,0 +1,201 @@
+//! Isotropic rotors on parts that do not rotate: modes in multi-blade coordinates.
+
+use crate::support::*;
+use nalgebra::{DMatrix, Matrix4, matrix};
+use num_complex::Complex64;
+use std::f64::consts::TAU;
+
+/// Lines of a Campbell diagram in multi-blade coordinates: circular frequency and damping ratio, over the speed.
+fn lines(name: &str, text: &str) -> Vec<(f64, Vec<[f64; 2]>)> {
+    let out = ran(&directory(name), text);
+    let all: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(out.join("campbell.json")).unwrap()).unwrap();
+    assert_eq!(all["multi_blade"], true);
+    let row = |cells: Vec<f64>| {
+        let lines = cells[1..].chunks(2).map(|pair| [TAU * pair[0], pair[1]]);
+        (cells[0], lines.collect())
+    };
+    csv(out.join("campbell.csv")).into_iter().map(row).collect()
+}
+
+/// Eigenvalues of M ẍ + C ẋ + K x = 0 with Im λ ≥ 0.
+fn eigenvalues([M, C, K]: [Matrix4<f64>; 3]) -> Vec<Complex64> {
+    let inverse = M.try_inverse().unwrap();
+    let mut A = DMatrix::zeros(8, 8);
+    A.view_mut((0, 4), (4, 4)).fill_with_identity();
+    A.view_mut((4, 0), (4, 4)).copy_from(&(-inverse * K));
+    A.view_mut((4, 4), (4, 4)).copy_from(&(-inverse * C));
+    A.complex_eigenvalues()
+        .iter()
+        .copied()
+        .filter(|x| x.im >= 0.0)
+        .collect()
+}
+
+/// Lines are these eigenvalues, in any order.
+#[track_caller]
+fn assert_eigenvalues(found: &[[f64; 2]], mut exact: Vec<Complex64>, speed: f64) {
+    assert_eq!(found.len(), exact.len());
+    for [omega, ratio] in found {
+        let off =
+            |exact: &Complex64| (exact.im - omega).abs() + (exact.re / exact.norm() + ratio).abs();
+        let nearest = (0..exact.len()).min_by(|&i, &j| off(&exact[i]).total_cmp(&off(&exact[j])));
+        let exact = exact.swap_remove(nearest.unwrap());
+        assert!(
+            off(&exact) < 1e-9,
+            "{omega}, {ratio} for {exact} at {speed}"
+        );
+    }
+}
+
+/// Blades of mass m on hinges at a distance e from the axis, their centres r further out, with springs and dampers in lag.
+const M_B: f64 = 2.0;
+const I_B: f64 = 0.3;
+const E: f64 = 0.2;
+const R: f64 = 1.5;
+const K_B: f64 = 40.0;
+const C_B: f64 = 0.5;
+/// Mass of the support, stiffnesses and damping in two directions.
+const M_S: f64 = 20.0;
+const K_X: f64 = 3000.0;
+const K_Y: f64 = 5000.0;
+const C_X: f64 = 20.0;
+const C_Y: f64 = 30.0;
+
+fn support() -> String {
+    let slide = |name, parent, axis, k, c| {
+        let more = format!("axis = {axis}\nspring = {{ k = {k:?}, c = {c:?} }}");
+        joint(name, "prismatic", parent, &more)
+    };
+    [
+        GROUND,
+        &slide("surge", "ground", "[1, 0, 0]", K_X, C_X),
+        &slide("sway", "surge", "[0, 1, 0]", K_Y, C_Y),
+        &body_of("sway", M_S, ""),
+        &hinge("rotor", "sway", ""),
+    ]
+    .concat()
+}
+
+fn helicopter(blades: usize) -> String {
+    let spring = format!("spring = {{ k = {K_B:?}, c = {C_B:?} }}");
+    let blade = |b: usize| {
+        let (sin, cos) = (TAU * b as f64 / blades as f64).sin_cos();
+        let (arm_name, name) = (format!("arm {b}"), format!("lag {b}"));
+        let center = format!(
+            "center = [{:?}, {:?}, 0]\ninertia = [0.1, 0.2, {I_B:?}]",
+            R * cos,
+            R * sin
+        );
+        [
+            arm(&arm_name, "rotor", [E * cos, E * sin, 0.0]),
+            hinge(&name, &arm_name, &spring),
+            body_of(&name, M_B, &center),
+        ]
+        .concat()
+    };
+    let analysis = format!(
+        "[analysis.campbell]\njoint = \"rotor\"\nto = 20\nsteps = 4\ncount = {}\n",
+        blades + 2
+    );
+    [support(), (0..blades).map(blade).collect(), analysis].concat()
+}
+
+/// Ground resonance (Coleman & Feingold 1958, NACA report 1351). With J = I + m r², S = m r and the cosine and sine
+/// components of the lag angles, (M + N m) ẍ + … − ½ N S ζ̈ₛ = 0, (M + N m) ÿ + … + ½ N S ζ̈꜀ = 0,
+/// J (ζ̈ + …)꜀ + S ÿ = 0, J (ζ̈ + …)ₛ − S ẍ = 0, where ζ̈ in multi-blade coordinates is ζ̈꜀ + 2Ω ζ̇ₛ − Ω² ζ꜀, ζ̈ₛ − 2Ω ζ̇꜀ − Ω² ζₛ.
+/// Other patterns of the blades do not move the support: λ of one blade, shifted by ±2iΩ in those of two waves around the rotor.
+#[test]
+fn ground_resonance() {
+    for blades in [3, 4, 5] {
+        let mut growing = Vec::new();
+        for (w, found) in lines(&format!("rotor_{blades}"), &helicopter(blades)) {
+            let (half, m) = (0.5 * blades as f64, M_S + blades as f64 * M_B);
+            let (J, S) = (I_B + M_B * R * R, M_B * R);
+            let k = K_B + M_B * E * R * w * w;
+            let mut exact = eigenvalues([
+                matrix![m, 0.0, 0.0, -half * S; 0.0, m, half * S, 0.0; 0.0, S, J, 0.0; -S, 0.0, 0.0, J],
+                matrix![C_X, 0.0, 0.0, 0.0; 0.0, C_Y, 0.0, 0.0;
+                        0.0, 0.0, C_B, 2.0 * w * J; 0.0, 0.0, -2.0 * w * J, C_B],
+                matrix![K_X, 0.0, 0.0, 0.0; 0.0, K_Y, 0.0, 0.0;
+                        0.0, 0.0, k - w * w * J, w * C_B; 0.0, 0.0, -w * C_B, k - w * w * J],
+            ]);
+            let blade = Complex64::new(-0.5 * C_B / J, (k / J - (0.5 * C_B / J).powi(2)).sqrt());
+            let shifts: &[f64] = match blades {
+                3 => &[0.0],
+                4 => &[0.0, 0.0],
+                _ => &[0.0, 2.0 * w, -2.0 * w],
+            };
+            for shift in shifts {
+                let (re, im) = (blade.re, (blade.im + shift).abs());
+                exact.push(Complex64::new(re, im));
+            }
+            assert_eigenvalues(&found, exact, w);
+            growing.extend(found.iter().any(|line| line[1] < 0.0).then_some(w));
+        }
+        assert_eq!(growing, [15.0, 20.0], "{blades} blades");
+    }
+}
+
+/// A mass on a shaft with the same stiffness k and internal damping c in all directions, on a support that differs in two. The
+/// shaft's force turns with it: k u + c (u̇ − Ω e₃ × u) for the displacement u of the mass from the support.
+#[test]
+fn a_shaft_on_unequal_bearings() {
+    let (m, k, c) = (3.0, 1500.0, 4.0);
+    let slide = |name, parent, axis| {
+        let more = format!("axis = {axis}\nspring = {{ k = {k:?}, c = {c:?} }}");
+        joint(name, "prismatic", parent, &more)
+    };
+    let text = [
+        support(),
+        slide("first", "rotor", "[1, 0, 0]"),
+        slide("second", "first", "[0, 1, 0]"),
+        body_of("second", m, ""),
+        "[analysis.campbell]\njoint = \"rotor\"\nfrom = 5\nto = 30\nsteps = 5\ncount = 4\n"
+            .to_owned(),
+    ];
+    for (w, found) in lines("rotor_shaft", &text.concat()) {
+        let (d, e) = (c * w, m);
+        let exact = eigenvalues([
+            matrix![M_S, 0.0, 0.0, 0.0; 0.0, M_S, 0.0, 0.0; 0.0, 0.0, e, 0.0; 0.0, 0.0, 0.0, e],
+            matrix![C_X + c, 0.0, -c, 0.0; 0.0, C_Y + c, 0.0, -c; -c, 0.0, c, 0.0; 0.0, -c, 0.0, c],
+            matrix![K_X + k, d, -k, -d; -d, K_Y + k, d, -k; -k, -d, k, d; d, -k, -d, k],
+        ]);
+        assert_eigenvalues(&found, exact, w);
+    }
+}
+
+/// `pullback linearize` writes C in multi-blade coordinates: 2Ω M T' + C.
+#[test]
+fn matrices_in_multi_blade_coordinates() {
+    let out = directory("rotor_matrices");
+    write(&out, &helicopter(3));
+    let said = succeeded(&program_in(&out, "linearize model.toml --at 15"));
+    assert_says(&said, &["multi-blade"]);
+    let C = matrix(&out.join("model.linear/C.mtx"));
+    let names = read(out.join("model.linear/coordinates.txt"));
+    let at = |blade: usize| {
+        names
+            .lines()
+            .position(|name| name == format!("lag {blade} angle"))
+    };
+    // A pattern at rest in space comes to each blade from the next one: (T' z)_b = (z_{b+1} − z_{b−1}) / √3.
+    let known = 2.0 * 15.0 * (I_B + M_B * R * R) / 3.0_f64.sqrt();
+    for b in 0..3 {
+        for (other, sign) in [((b + 1) % 3, 1.0), ((b + 2) % 3, -1.0)] {
+            let found = C[(at(b).unwrap(), at(other).unwrap())];
+            assert_close(found, sign * known, 1e-9, names.as_str());
+        }
+    }
+    let refused = program_in(&out, "linearize model.toml --first-order");
+    assert_says(&ended(&refused, 2), &["Leave out --first-order"]);
+}
+
+/// Two blades have periodic coefficients on any support.
+#[test]
+fn two_blades_are_refused() {
+    assert_says(
+        &failure("rotor_2", &helicopter(2)),
+        &["less than three equal blades", "Floquet"],
+    );
+}
