@@ -1,15 +1,11 @@
-//! Dynamics: the beam with inertia and the revolute joint in units of a static 12×12 by 12×12
-//! product, and whole runs (runs/mod.rs).
+//! Dynamics: the beam with inertia and the revolute joint in units of a static 12×12 by 12×12 product.
 //!
 //! Residual and combined tangent of the two-node beam must not take longer than 10 products, and a joint
-//! derived from its map not longer than 4 times its closed form; the aim for the falling cantilever is
-//! 2 µs per element and iteration.
+//! derived from its map not longer than 11 times its closed form.
 
 #![allow(missing_docs)]
 
-mod models;
 mod race;
-mod runs;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector6};
@@ -23,27 +19,11 @@ use pullback::manifold::system::Weights;
 use pullback::prelude::*;
 use race::race;
 use std::hint::black_box;
-use std::time::Instant;
 
 /// What residual and combined tangent of a two-node beam with inertia may cost, in products.
 const BEAM_LIMIT: f64 = 10.0;
 /// What a joint derived from its map of rotation vectors may cost, in units of its closed form of poses.
 const DERIVED_LIMIT: f64 = 11.0;
-
-/// Seconds of one call, averaged over `count` of them.
-fn average(count: usize, f: &mut impl FnMut()) -> f64 {
-    let start = Instant::now();
-    for _ in 0..count {
-        f();
-    }
-    start.elapsed().as_secs_f64() / count as f64
-}
-
-/// Best of several averages, in seconds.
-fn seconds(count: usize, mut f: impl FnMut()) -> f64 {
-    let averages = (0..15).map(|_| average(count, &mut f));
-    averages.fold(f64::INFINITY, f64::min)
-}
 
 /// The unit: one static product.
 fn product() -> impl FnMut() {
@@ -261,6 +241,6 @@ fn revolute_joint(c: &mut Criterion) {
 criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(10).measurement_time(std::time::Duration::from_secs(2));
-    targets = beam_with_inertia, revolute_joint, runs::whole_runs, runs::newton
+    targets = beam_with_inertia, revolute_joint
 }
 criterion_main!(benches);
