@@ -72,6 +72,16 @@ pub(crate) fn largest(pattern: &BlockPattern, r: &[f64], others: [f64; 3]) -> [f
     largest
 }
 
+/// Largest residual of an equilibrium that counts as rounding, relative to loads and reactions.
+const EXACT: f64 = 1e-12;
+
+/// Whether residuals evaluated last are rounding errors of loads and reactions.
+pub(crate) fn is_exact(system: &dyn System, r: &[f64]) -> bool {
+    let worst = largest(system.pattern(), r, [0.0; 3]);
+    let measures = system.scales().measures();
+    (worst.iter().zip(measures)).all(|(worst, measure)| *worst <= EXACT * measure)
+}
+
 /// Rounding errors of a sum in units of those of its largest term; element forces add some ten.
 const TERMS: f64 = 16.0;
 

@@ -206,7 +206,7 @@ impl InputProblem {
             Self::InitialNothing => "add displacement, rotation, velocity or angular_velocity",
             Self::InitialHeld { .. } => "remove it, or free the node",
             Self::InitialAttached { .. } => {
-                "give it to the joint's parent, or give the joint a `rate`"
+                "give it to the joint's parent, or give the joint a `value` or `rate`; a ball joint takes rotations"
             }
             Self::Geared { .. } => "give it to the joint at the other end of the gear",
             Self::Column { .. } => "give the probe another name",

@@ -24,13 +24,15 @@ pub enum EigenvaluePlan {
 impl EigenvaluePlan {
     /// Names of the two values of each mode, and the number of modes, where it is known.
     pub(crate) fn columns(&self) -> ([&'static str; 2], usize) {
+        let of_modes = ["frequency", "damping_ratio"];
         match self {
             Self::Modes(options) => match options.selection {
-                Selection::Nearest { count, .. } => (["frequency", "damping_ratio"], count),
+                Selection::Nearest { count, .. } => (of_modes, count),
                 Selection::Range(_) => ([""; 2], 0),
             },
             Self::Buckling(count) => (["load", "error"], *count),
-            Self::Campbell(..) => ([""; 2], 0),
+            // Those at the last speed.
+            Self::Campbell(_, options) => (of_modes, options.count),
         }
     }
 }

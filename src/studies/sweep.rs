@@ -360,16 +360,17 @@ impl Sweep {
         for column in history.probes() {
             values.extend(self.reductions.iter().map(|r| r.of(history, column)));
         }
-        match &recorded.eigenvalues {
-            Some(Eigenvalues::Modes(found)) => {
-                let of = |m: &Mode| [m.frequency(), m.damping_ratio()];
-                values.extend(found.modes.iter().flat_map(|mode| of(&mode.mode)));
-            }
+        let found = match &recorded.eigenvalues {
+            Some(Eigenvalues::Modes(found)) => found,
+            Some(Eigenvalues::Campbell(found)) => &found.last,
             Some(Eigenvalues::Critical(found)) => {
                 values.extend(found.modes.iter().flat_map(|mode| [mode.load, mode.error]));
+                return values;
             }
-            Some(Eigenvalues::Campbell(_)) | None => {}
-        }
+            None => return values,
+        };
+        let of = |m: &Mode| [m.frequency(), m.damping_ratio()];
+        values.extend(found.modes.iter().flat_map(|mode| of(&mode.mode)));
         values
     }
 }

@@ -38,7 +38,7 @@ pub use state_space::{OutputDerivatives, StateSpace, StateSpaceError, output_der
 pub use steady::SteadyMotion;
 
 use crate::abilities::events;
-use crate::rounding::{is_rounding, largest};
+use crate::rounding::{is_exact, is_rounding, largest};
 use nalgebra::ComplexField;
 use num_complex::Complex64;
 use pullback_manifold::sparse::BlockPattern;
@@ -224,18 +224,12 @@ impl Linearized {
     }
 }
 
-/// Largest residual of an equilibrium that counts as rounding, relative to loads and reactions.
-const EXACT: f64 = 1e-12;
 /// Whether a point is an equilibrium but for rounding errors. It is not solved for then: at a critical speed its stiffness
 /// is singular.
 fn is_balanced(system: &mut dyn System, at: Point<'_>) -> bool {
     let mut r = vec![0.0; at.q.len()];
-    if system.evaluate(at, Evaluation::residual(&mut r)).is_err() {
-        return false;
-    }
-    let worst = largest(system.pattern(), &r, [0.0; 3]);
-    let measures = system.scales().measures();
-    (worst.iter().zip(measures)).all(|(worst, measure)| *worst <= EXACT * measure)
+    let evaluated = system.evaluate(at, Evaluation::residual(&mut r));
+    evaluated.is_ok() && is_exact(system, &r)
 }
 
 /// xᴴ y.

@@ -1,7 +1,7 @@
 //! The initial equilibrium of an analysis.
 //!
 //! Loads that act at the first load parameter (dead weight, a constant pressure) are balanced
-//! before they grow, and the equilibrium is reported as step 0. Without such loads nothing is
+//! before they grow, and the equilibrium is reported as step 0. Where they are in balance, nothing is
 //! solved or reported.
 
 use super::fixed_load::TangentStatus;
@@ -9,6 +9,7 @@ use super::newton::Newton;
 use super::{StaticsError, Step};
 use crate::abilities::{change_charts, start};
 use crate::failure::Cause;
+use crate::rounding::is_exact;
 use pullback_manifold::system::System;
 
 /// Balances the loads at the first load parameter, from `q`: the state of the tangent, and the equilibrium if
@@ -26,7 +27,7 @@ pub(super) fn begin(
     newton.summary.chart_changes += change_charts(system, t, q, &mut [], &mut []).charts;
     newton.history.clear();
     let evaluated = newton.evaluate(system, None, q, t).map_err(Cause::System);
-    if evaluated.is_ok() && newton.r.iter().all(|r| *r == 0.0) {
+    if evaluated.is_ok() && is_exact(system, &newton.r) {
         return Ok((TangentStatus::Evaluated, None));
     }
     let settled = evaluated.and_then(|()| newton.settle(system, q, t, None));

@@ -27,6 +27,7 @@ pub const MODELS: &[(&str, &str)] = models![
     "four_bar_flexible",
     "four_bar_misaligned",
     "free_body",
+    "ground_resonance",
     "heavy_top",
     "helix",
     "hooke",

@@ -117,6 +117,24 @@ fn divergence_is_a_stability_limit() {
     }
 }
 
+/// A pendulum on a ball joint hangs along skew gravity, in balance but for rounding errors. It may spin.
+#[test]
+fn a_pendulum_in_skew_gravity() {
+    let parts = [
+        joint("ball", "spherical", "ground", ""),
+        arm("bob", "ball", [0.3, -0.5, -0.8]),
+        body_of("bob", 1.0, "inertia = [0.1, 0.1, 0.1]"),
+        "[[loads]]\ngravity = [3, -5, -8]\n".to_owned(),
+    ];
+    let found = eigenvalues("skew pendulum", &parts, 3);
+    let (square, gravity) = (0.98_f64, 98.0_f64.sqrt());
+    let exact = (gravity * square.sqrt() / (0.1 + square)).sqrt();
+    assert_eq!(found[0], Complex64::ZERO);
+    for lambda in &found[1..] {
+        assert_near(lambda.im, exact, 1e-12);
+    }
+}
+
 #[test]
 fn nothing_vibrates_where_all_is_prescribed() {
     let text = [

@@ -1,6 +1,6 @@
 //! Parameters by path, and sweeps over them.
 
-use crate::support::program::*;
+use crate::support::*;
 use pullback::input::{assemble_text, with_parameters};
 use std::path::Path;
 
@@ -185,6 +185,36 @@ fn frequencies_of_a_sweep() {
         let exact = 3.516015268500151 * stiffness.sqrt() / 4.0 / std::f64::consts::TAU;
         let frequency: f64 = row[last].parse().unwrap();
         assert_close(frequency / exact, 1.0, 1e-4, stiffness);
+    }
+    assert_eq!(rows.len(), 3);
+}
+
+/// Flap of a rotating blade of mass 2 over its spring, at the last speed: ω² = k/(m r²) + Ω² (1 + e/r).
+#[test]
+fn frequencies_at_the_last_speed_of_a_sweep() {
+    let directory = directory("sweep_campbell");
+    let text = [
+        GROUND,
+        &hinge("hub", "ground", ""),
+        &arm("arm", "hub", [0.5, 0.0, 0.0]),
+        &joint(
+            "flap",
+            "revolute",
+            "arm",
+            "axis = [0, 1, 0]\nspring = { k = 10 }",
+        ),
+        &body_of("flap", 2.0, "center = [0.8, 0, 0]"),
+        "[analysis.campbell]\njoint = \"hub\"\nto = 10\nsteps = 2\ncount = 1\n",
+    ];
+    std::fs::write(directory.join("blade.toml"), text.concat()).unwrap();
+    let line = "sweep blade.toml --over joints.flap.spring.k=[10,20]";
+    succeeded(&program_in(&directory, line));
+    let rows = table(&directory.join("blade.sweep/sweep.csv"));
+    let last = rows[0].len() - 2;
+    for (row, k) in rows[1..].iter().zip([10.0, 20.0]) {
+        let square: f64 = k / (2.0 * 0.64) + 100.0 * (1.0 + 0.5 / 0.8);
+        let found: f64 = row[last].parse().unwrap();
+        assert_close(found, square.sqrt() / std::f64::consts::TAU, 1e-9, k);
     }
     assert_eq!(rows.len(), 3);
 }
