@@ -81,7 +81,11 @@ impl<'a> Finish<'a> {
                 largest = (size, *x);
             }
         }
-        let has_mass = mass > ROUNDING * self.norms[2] * self.square(&shape);
+        // Multipliers move nothing, however large they are.
+        let coordinates = shape.iter().zip(lin.pattern.coordinates());
+        let moves = coordinates.map(|(x, info)| if info.is_multiplier { 0.0.into() } else { *x });
+        let square = self.square(&moves.collect::<Vec<_>>());
+        let has_mass = mass > ROUNDING * self.norms[2] * square;
         let size = if has_mass {
             mass.sqrt()
         } else {

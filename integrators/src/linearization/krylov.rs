@@ -27,6 +27,10 @@ const PASSES: usize = 3;
 /// evaluated where the residual outside of the matrix, relative to the eigenvalue, is small.
 const TRUSTED: f64 = 64.0 * f64::EPSILON;
 const NEAR: f64 = 1e-6;
+/// Relative difference of eigenvalues that are one, and square of the part of a vector of length one that others leave, of which
+/// it is no combination.
+const REPEATED: f64 = 1e-12;
+const DEPENDENT: f64 = 1e-4;
 /// Number of vectors that memory is reserved for.
 const RESERVED: usize = 32;
 
@@ -273,20 +277,43 @@ pub(super) fn ritz_pairs(columns: &[Vec<f64>], symmetric: bool) -> Option<Vec<Ri
         }
         error.iter().map(|e| e.norm_sqr()).sum::<f64>().sqrt()
     };
-    let pairs = (0..).zip(pairs).map(|(k, (theta, mut vector))| {
+    let mut found: Vec<RitzPair> = Vec::with_capacity(n);
+    for (k, (theta, mut vector)) in (0..).zip(pairs) {
         let mut below = residual(&vector);
         let is_far = symmetric || below > NEAR * theta.norm();
         // Not if it is not a number.
-        let is_right = is_far || error(theta, &vector) <= TRUSTED * n as f64 * size;
+        let is_right = is_far
+            || error(theta, &vector) <= TRUSTED * n as f64 * size
+                && is_independent(theta, &vector, &found);
         if !is_right {
             vector = inverse_iteration(&Mat::from_fn(n, n, entry), theta, k);
             below = residual(&vector);
         }
-        RitzPair {
+        found.push(RitzPair {
             theta,
             residual: below,
             vector,
+        });
+    }
+    Some(found)
+}
+
+/// Whether a vector is no combination of those found before with the same eigenvalue.
+fn is_independent(theta: Complex64, vector: &[Complex64], found: &[RitzPair]) -> bool {
+    let same = |pair: &&RitzPair| (pair.theta - theta).norm() <= REPEATED * theta.norm();
+    let mut basis: Vec<Vec<Complex64>> = Vec::new();
+    let others = found.iter().filter(same).map(|pair| &pair.vector[..]);
+    let mut left = 1.0;
+    for own in others.chain([vector]) {
+        let mut own = own.to_vec();
+        for unit in &basis {
+            let part: Complex64 = unit.iter().zip(&own).map(|(u, x)| u.conj() * x).sum();
+            own.iter_mut().zip(unit).for_each(|(x, u)| *x -= part * u);
         }
-    });
-    Some(pairs.collect())
+        left = own.iter().map(|x| x.norm_sqr()).sum();
+        let length = f64::sqrt(left).max(f64::MIN_POSITIVE);
+        own.iter_mut().for_each(|x| *x /= length);
+        basis.push(own);
+    }
+    left > DEPENDENT
 }

@@ -5,6 +5,9 @@ use crate::linear_solver::LinearError;
 use crate::linear_solver::scaling;
 use crate::vectors::dot;
 
+/// Square of the length that equations with multipliers leave of a unit vector, relative to its own, that is one of rounding.
+const HELD: f64 = 1e-16;
+
 impl<'a> Search<'a> {
     /// A first shift, factorised.
     pub(super) fn first_shift(&mut self) -> Result<f64, ModesError> {
@@ -134,7 +137,13 @@ impl<'a> Search<'a> {
             let mut unit = vec![0.0; size];
             unit[i] = 1.0;
             self.operator.constrain(&mut unit)?;
-            krylov.add(unit, &gram);
+            let mut image = vec![0.0; size];
+            gram(&unit, &mut image);
+            // Of what equations hold, and of multipliers, rounding errors are left.
+            let whole = self.scales[i % self.lin.dim()].powi(-2);
+            if dot(&unit, &image) > HELD * whole {
+                krylov.add(unit, &gram);
+            }
         }
         Ok(krylov)
     }
