@@ -239,7 +239,7 @@ pub fn campbell_diagram(
 ) -> Result<ModelCampbell, ModelModesError> {
     check_mobility(context)?;
     let options = &CampbellOptions {
-        rotor: context.cyclic_symmetry(speed, &q)?,
+        symmetries: context.cyclic_symmetries(speed, &q)?,
         ..options.clone()
     };
     let mut diagram = campbell(context, speed, &mut q, options, &mut |_| observer())?;

@@ -125,7 +125,7 @@ fn equations_at_speed(
     first_order: bool,
 ) -> Result<Option<Linearized>, u8> {
     let context = &mut job.context;
-    options.rotor = context.cyclic_symmetry(speed, q).map_err(fail)?;
+    options.symmetries = context.cyclic_symmetries(speed, q).map_err(fail)?;
     let diagram = campbell(context, speed, q, &options, &mut |_| terminal::flow());
     let diagram = diagram.map_err(fail)?;
     if diagram.multi_blade && first_order {

@@ -19,8 +19,8 @@ mod multi_blade;
 
 use super::modes::{Mode, ModeOptions, ModesError, modes_while};
 use super::{
-    LinearizationError, Linearized, SteadyMotion, check_count, inner_product, is_balanced,
-    linearize,
+    LinearizationError, Linearized, SteadyMotion, check_count, equations, inner_product,
+    is_balanced, linearize,
 };
 use crate::significant;
 use crate::statics::{StaticOptions, StaticsError, equilibrium_from};
@@ -41,9 +41,9 @@ pub struct CampbellOptions {
     pub count: usize,
     /// Smallest step in Ω between equilibria, and Newton's method.
     pub statics: StaticOptions,
-    /// A turn that maps all that rotates on itself, if there is one. Where the equations in coordinates that rotate are
-    /// periodic, multi-blade coordinates are tried.
-    pub rotor: Option<CyclicSymmetry>,
+    /// Turns that may map all that rotates on itself. Where the equations in coordinates that rotate are periodic, they are
+    /// tried in multi-blade coordinates of each.
+    pub symmetries: Vec<CyclicSymmetry>,
 }
 
 /// Modes over the speed.
@@ -111,7 +111,8 @@ const SPARE: usize = 6;
 const SIMILAR: f64 = 0.8;
 /// Largest number of times that a step in speed is halved where shapes change fast.
 const HALVINGS: usize = 5;
-/// Largest change of the generalised stiffness of modes during a turn that counts as none, relative to that of the modes.
+/// Largest change of the generalised stiffness of modes during a turn that counts as none, relative to that of the modes, and
+/// largest displacement by forces that turn, relative to the sizes of coordinates.
 const STEADY: f64 = 1e-5;
 
 /// Modes over the speeds of an input Ω, from coordinates `q` of an equilibrium at rest; `q` ends as that of the last speed.
@@ -142,13 +143,15 @@ pub fn campbell(
         lines: Vec::new(),
         last: None,
     };
-    match (sweep.run(), &options.rotor) {
-        (Err(CampbellError::Periodic { .. }), Some(rotor)) => {
-            (*sweep.q, sweep.speed, sweep.rotor) = (start, 0.0, Some(rotor));
-            sweep.run()
+    let mut diagram = sweep.run();
+    for rotor in &options.symmetries {
+        if !matches!(diagram, Err(CampbellError::Periodic { .. })) {
+            break;
         }
-        (diagram, _) => diagram,
+        (*sweep.q, sweep.speed, sweep.rotor) = (start.clone(), 0.0, Some(rotor));
+        diagram = sweep.run();
     }
+    diagram
 }
 
 /// A sweep over speeds.
@@ -295,16 +298,31 @@ impl Sweep<'_> {
             v: &zeros,
             a: &zeros,
         };
-        let changed = match linearize(&mut *self.system, at) {
-            Ok(turned) => lin.change(&self.seen(turned, 1.0), modes, speed),
-            Err(LinearizationError::Unbalanced { name, .. }) => Some(name),
-            Err(source) => return Err(CampbellError::Linearization { speed, source }),
-        };
+        let failed = |source| CampbellError::Linearization { speed, source };
+        let (mut turned, r) = equations(&mut *self.system, at).map_err(failed)?;
+        turned.r_u = vec![r];
+        let turned = self.seen(turned, 1.0);
+        let pushed = lin.displaced(&turned.r_u[0], modes, speed);
+        let changed = pushed.or_else(|| lin.change(&turned, modes, speed));
         changed.map_or(Ok(()), |name| Err(CampbellError::Periodic { speed, name }))
     }
 }
 
 impl Linearized {
+    /// The name of the coordinate with the largest residual, if residuals would displace these modes.
+    fn displaced(&self, r: &[f64], modes: &[Mode], omega: f64) -> Option<String> {
+        let coordinates = self.pattern.coordinates();
+        let moves = |mode: &Mode| {
+            let work: Complex64 = mode.shape.iter().zip(r).map(|(x, r)| x.conj() * r).sum();
+            let shape = mode.shape.iter().zip(coordinates);
+            let sizes = shape.filter(|(_, info)| !info.is_multiplier);
+            let largest = sizes.fold(0.0, |most: f64, (x, info)| most.max(x.norm() / info.size));
+            work.norm() * largest > STEADY * mode.eigenvalue.norm_sqr().max(omega * omega)
+        };
+        let worst = (0..r.len()).max_by(|&i, &j| r[i].abs().total_cmp(&r[j].abs()))?;
+        modes.iter().any(moves).then(|| self.names[worst].clone())
+    }
+
     /// The name of a coordinate whose equation in the motion of these modes is another one, if there is any.
     fn change(&self, other: &Self, modes: &[Mode], omega: f64) -> Option<String> {
         let matrices = [&self.K, &self.C, &self.M].into_iter();

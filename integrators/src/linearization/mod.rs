@@ -107,6 +107,20 @@ const BALANCED: f64 = 1e-4;
 /// # Errors
 /// [`LinearizationError`] if the system cannot be evaluated, or the state is not in balance.
 pub fn linearize(system: &mut dyn System, at: Point<'_>) -> Result<Linearized, LinearizationError> {
+    let (lin, r) = equations(system, at)?;
+    let n = lin.dim();
+    let (mut sizes, mut floor) = (vec![0.0; n], vec![0.0; n]);
+    if !is_rounding(system, &lin.K, at.q, &r, [&mut sizes, &mut floor]) {
+        lin.check_balance(&r, at, system.scales().measures())?;
+    }
+    Ok(lin)
+}
+
+/// The linear equations about a state, and its residual.
+fn equations(
+    system: &mut dyn System,
+    at: Point<'_>,
+) -> Result<(Linearized, Vec<f64>), LinearizationError> {
     let (n, len) = (system.pattern().dim(), system.pattern().len());
     let zeros = vec![0.0; n];
     let moving = match at.is_static() {
@@ -134,11 +148,7 @@ pub fn linearize(system: &mut dyn System, at: Point<'_>) -> Result<Linearized, L
         M,
         names: (0..n).map(|i| system.name(i)).collect(),
     };
-    let (mut sizes, mut floor) = (vec![0.0; n], vec![0.0; n]);
-    if !is_rounding(system, &lin.K, at.q, &r, [&mut sizes, &mut floor]) {
-        lin.check_balance(&r, moving, system.scales().measures())?;
-    }
-    Ok(lin)
+    Ok((lin, r))
 }
 
 impl Linearized {
@@ -156,7 +166,9 @@ impl Linearized {
         loads: [f64; 3],
     ) -> Result<(), LinearizationError> {
         let mut inertia = vec![0.0; self.dim()];
-        for (matrix, rates) in [(&self.M, at.a), (&self.C, at.v)] {
+        // Statics has no rates.
+        let rates = [(&self.M, at.a), (&self.C, at.v)].into_iter();
+        for (matrix, rates) in rates.filter(|(_, rates)| !rates.is_empty()) {
             let entries = self.pattern.triplets(matrix);
             entries.for_each(|(r, c, x)| inertia[r] += (x * rates[c]).abs());
         }

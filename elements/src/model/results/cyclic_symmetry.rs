@@ -7,39 +7,31 @@ use crate::time::Input;
 use nalgebra::{DMatrix, Matrix6xX, Rotation3, UnitVector3, Vector3, Vector6};
 use pullback_manifold::system::{CyclicSymmetry, Point, SystemError};
 use std::f64::consts::TAU;
-use std::ops::Range;
 
-/// Difference of positions, and of velocities at unit rates, that counts as rounding; lengths relative to that of the model.
-const SAME: f64 = 1e-8;
+/// Difference of positions, and of velocities at unit rates, that counts as rounding of a model's digits; lengths relative to
+/// that of the model.
+const SAME: f64 = 1e-5;
 
-/// Parts that rotate about one axis.
-struct Rotor {
-    axis: UnitVector3<f64>,
-    coordinates: Vec<Moved>,
-}
-
-/// The coordinates of a node: its unknowns, the position of the first frame that they move, from the axis, and the twists of that
-/// frame at unit rates of each. Lengths are relative to that of the model.
+/// Coordinates of parts that rotate: unknowns, the position of the first frame that they move, from the axis, and the twists of
+/// that frame at unit rates of each. Lengths are relative to that of the model.
+#[derive(Clone)]
 struct Moved {
-    unknowns: Range<usize>,
+    unknowns: Vec<usize>,
     position: Vector3<f64>,
     twists: Matrix6xX<f64>,
 }
 
 impl Moved {
     fn turned(&self, Q: &Rotation3<f64>) -> Self {
-        let mut twists = self.twists.clone();
-        for mut twist in twists.column_iter_mut() {
+        let mut turned = self.clone();
+        turned.position = Q * self.position;
+        for mut twist in turned.twists.column_iter_mut() {
             for k in [0, 3] {
-                let turned = Q * twist.fixed_rows::<3>(k);
-                twist.fixed_rows_mut::<3>(k).copy_from(&turned);
+                let part = Q * twist.fixed_rows::<3>(k);
+                twist.fixed_rows_mut::<3>(k).copy_from(&part);
             }
         }
-        Self {
-            unknowns: self.unknowns.clone(),
-            position: Q * self.position,
-            twists,
-        }
+        turned
     }
 
     /// The rates at which this frame moves as another one at unit rates; `None` if it is elsewhere, or cannot.
@@ -49,49 +41,93 @@ impl Moved {
             return None;
         }
         let rates = (own.tr_mul(own).cholesky()?).solve(&own.tr_mul(&other.twists));
-        ((own * &rates - &other.twists).amax() <= SAME).then_some(rates)
+        let off = own * &rates - &other.twists;
+        let mut columns = off.column_iter().zip(other.twists.column_iter());
+        columns
+            .all(|(off, twist)| off.norm() <= SAME * twist.norm())
+            .then_some(rates)
+    }
+
+    /// Both together, if they are at one position and move it in different directions.
+    fn with(&self, other: &Self) -> Option<Self> {
+        let columns = self.twists.column_iter().chain(other.twists.column_iter());
+        let twists = Matrix6xX::from_columns(&columns.collect::<Vec<_>>());
+        let near = (self.position - other.position).norm() <= SAME && twists.ncols() <= 6;
+        let mut directions = twists.clone();
+        (directions.column_iter_mut()).for_each(|mut twist| _ = twist.normalize_mut());
+        let differ = near && directions.singular_values().min() > SAME;
+        differ.then(|| Self {
+            unknowns: [&self.unknowns[..], &other.unknowns].concat(),
+            position: self.position,
+            twists,
+        })
     }
 }
 
-impl Rotor {
-    /// The turn by a part of a full one, if it maps the rotor on itself.
-    fn turn(&self, order: usize) -> Option<CyclicSymmetry> {
-        let Q = Rotation3::from_axis_angle(&self.axis, TAU / order as f64);
-        let mut turn = Vec::new();
-        for from in &self.coordinates {
-            let turned = from.turned(&Q);
-            let mut images = self.coordinates.iter();
-            let (to, rates) = images.find_map(|to| Some((to, to.rates_of(&turned)?)))?;
-            for (column, c) in rates.column_iter().zip(from.unknowns.clone()) {
-                turn.extend(to.unknowns.clone().zip(column).map(|(r, x)| (r, c, *x)));
-            }
-        }
-        Some(CyclicSymmetry { order, turn })
-    }
+/// Those of `parts` that move as one does, the most alike first, with their rates.
+fn images<'a>(parts: &'a [Moved], one: &Moved) -> Vec<(&'a Moved, DMatrix<f64>)> {
+    let fitting = parts
+        .iter()
+        .filter_map(|part| Some((part, part.rates_of(one)?)));
+    let mut fitting: Vec<_> = fitting.collect();
+    let off = |(_, rates): &(&Moved, DMatrix<f64>)| {
+        (rates - DMatrix::identity(rates.nrows(), rates.ncols())).amax()
+    };
+    let least = fitting.iter().map(off).fold(f64::INFINITY, f64::min);
+    fitting.retain(|image| off(image) <= least + SAME);
+    fitting
+}
 
-    /// The smallest turn that maps the rotor on itself, up to a third of a full one.
-    fn symmetry(&self) -> Option<CyclicSymmetry> {
-        let ring = |moved: &Moved| {
-            let height = moved.position.dot(&self.axis);
-            (moved.position.cross(&self.axis).norm(), height)
-        };
-        // A frame is turned to one at its radius and height.
-        let mut rings = self
-            .coordinates
-            .iter()
-            .map(ring)
-            .filter(|(radius, _)| *radius > SAME);
-        let most = rings.next().map_or(4, |(radius, height)| {
-            let same = |other: &(f64, f64)| (other.0 - radius).hypot(other.1 - height) <= SAME;
-            1 + rings.filter(same).count()
-        });
-        (3..=most).rev().find_map(|order| self.turn(order))
+/// The turn of parts by a part of a full one, if it maps them on themselves. Of several at one position the order is kept.
+fn turn(parts: &[Moved], axis: &UnitVector3<f64>, order: usize) -> Option<CyclicSymmetry> {
+    let Q = Rotation3::from_axis_angle(axis, TAU / order as f64);
+    let mut turn = Vec::new();
+    for from in parts {
+        let mut own = images(parts, from).into_iter();
+        let rank = own.position(|(part, _)| part.unknowns == from.unknowns)?;
+        let (to, rates) = images(parts, &from.turned(&Q)).into_iter().nth(rank)?;
+        for (column, c) in rates.column_iter().zip(&from.unknowns) {
+            turn.extend(to.unknowns.iter().zip(column).map(|(r, x)| (*r, *c, *x)));
+        }
     }
+    Some(CyclicSymmetry { order, turn })
+}
+
+/// The turns that map parts on themselves, up to a third of a full one, the smallest first: coordinate by coordinate, and with
+/// those at one position together, as the two of a universal joint.
+fn symmetries(parts: Vec<Moved>, axis: &UnitVector3<f64>) -> Vec<CyclicSymmetry> {
+    let ring = |moved: &Moved| {
+        let height = moved.position.dot(axis);
+        (moved.position.cross(axis).norm(), height)
+    };
+    // A frame is turned to one at its radius and height.
+    let mut rings = (parts.iter().map(ring)).filter(|(radius, _)| *radius > SAME);
+    let most = rings.next().map_or(4, |(radius, height)| {
+        let same = |other: &(f64, f64)| (other.0 - radius).hypot(other.1 - height) <= SAME;
+        1 + rings.filter(same).count()
+    });
+    let mut together: Vec<Moved> = Vec::new();
+    for part in &parts {
+        let wider = together
+            .iter_mut()
+            .find_map(|group| Some((group.with(part)?, group)));
+        match wider {
+            Some((wider, group)) => *group = wider,
+            None => together.push(part.clone()),
+        }
+    }
+    let orders = (3..=most).rev();
+    let both = [parts, together];
+    orders
+        .flat_map(|order| both.each_ref().map(|parts| turn(parts, axis, order)))
+        .flatten()
+        .filter(|symmetry| !symmetry.turn.is_empty())
+        .collect()
 }
 
 impl Model {
     /// The unknowns of each node, with the first frame that they move.
-    fn first_frames(&self) -> Vec<(Range<usize>, NodeId)> {
+    fn first_frames(&self) -> Vec<(Vec<usize>, NodeId)> {
         let all = (0..).zip(self.nodes.iter());
         let mut first: Vec<_> = all.map(|(n, node)| node.is_frame().then_some(n)).collect();
         for (n, node, _) in self.nodes.mapped().rev() {
@@ -101,40 +137,42 @@ impl Model {
                 }
             }
         }
-        let blocks = (0..self.pattern.blocks()).map(|block| self.pattern.unknowns(block));
-        let blocks = blocks.filter(|unknowns| !unknowns.is_empty());
-        blocks
-            .filter_map(|unknowns| {
-                let node = self.node_of(self.coordinates[unknowns.start]);
-                Some((unknowns, NodeId(first[node]?)))
-            })
-            .collect()
+        let moved = self.nodes.iter().zip(first).filter_map(|(node, first)| {
+            let unknowns = node.range().filter_map(|c| self.unknown_of(c));
+            Some((unknowns.collect::<Vec<_>>(), NodeId(first?)))
+        });
+        moved.filter(|(unknowns, _)| !unknowns.is_empty()).collect()
     }
 }
 
 impl Context {
-    /// The smallest turn, up to a third of a full one, that maps all that rotates with the speed of an input on itself: the
-    /// positions of nodes at coordinates `q`, and the directions of their coordinates. `None` if there is no such turn, or
+    /// The turns by a part of a full one, up to a third, that map all that rotates with the speed of an input on itself: the
+    /// positions of nodes at coordinates `q`, and the directions of their coordinates. The smallest is first. None if
     /// nothing rotates with that speed about one axis.
     ///
     /// Masses and stiffnesses are not compared.
     ///
     /// # Errors
     /// [`SystemError`] if `q` is outside a chart.
-    pub fn cyclic_symmetry(
+    pub fn cyclic_symmetries(
         &mut self,
         speed: Input,
         q: &[f64],
-    ) -> Result<Option<CyclicSymmetry>, SystemError> {
+    ) -> Result<Vec<CyclicSymmetry>, SystemError> {
         let before = self.state.inputs[speed.0];
         let rotor = rotor(self, speed, q);
         self.set_input(speed, before);
-        Ok(rotor?.and_then(|rotor| rotor.symmetry()))
+        let (parts, axis) = rotor?;
+        Ok(symmetries(parts, &axis))
     }
 }
 
-/// What rotates with the speed of an input.
-fn rotor(context: &mut Context, speed: Input, q: &[f64]) -> Result<Option<Rotor>, SystemError> {
+/// What rotates with the speed of an input, and its axis; nothing if there is no such axis.
+fn rotor(
+    context: &mut Context,
+    speed: Input,
+    q: &[f64],
+) -> Result<(Vec<Moved>, UnitVector3<f64>), SystemError> {
     let moved = context.model.first_frames();
     let frames: Vec<NodeId> = moved.iter().map(|(_, frame)| *frame).collect();
     let mut v = vec![0.0; q.len()];
@@ -150,7 +188,7 @@ fn rotor(context: &mut Context, speed: Input, q: &[f64]) -> Result<Option<Rotor>
     };
     let turns = |&k: &usize| (spin(k).1.norm() - 1.0).abs() <= SAME;
     let Some(first) = (0..frames.len()).find(turns) else {
-        return Ok(None);
+        return Ok((Vec::new(), Vector3::x_axis()));
     };
     let (velocity, axis) = spin(first);
     // v = ω × (x − center).
@@ -162,10 +200,10 @@ fn rotor(context: &mut Context, speed: Input, q: &[f64]) -> Result<Option<Rotor>
             continue;
         }
         if (omega - axis).norm() > SAME || (velocity - axis.cross(&position)).norm() > SAME {
-            return Ok(None);
+            return Ok((Vec::new(), Vector3::x_axis()));
         }
         let mut columns = Matrix6xX::zeros(unknowns.len());
-        for (u, mut column) in unknowns.clone().zip(columns.column_iter_mut()) {
+        for (&u, mut column) in unknowns.iter().zip(columns.column_iter_mut()) {
             v[u] = 1.0;
             column.copy_from(&(twists(context, q, &v, &[frame])?[0] - slow[k]));
             v[u] = 0.0;
@@ -177,7 +215,7 @@ fn rotor(context: &mut Context, speed: Input, q: &[f64]) -> Result<Option<Rotor>
         });
     }
     let axis = UnitVector3::new_normalize(axis);
-    Ok(Some(Rotor { axis, coordinates }))
+    Ok((coordinates, axis))
 }
 
 /// Velocities of frames relative to the length of the model, and their angular velocities.
