@@ -1,7 +1,7 @@
 //! Isotropic rotors on parts that do not rotate: modes in multi-blade coordinates.
 
 use crate::support::*;
-use nalgebra::{DMatrix, Matrix4, matrix};
+use nalgebra::{DMatrix, DVector, Matrix4, matrix};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -189,6 +189,65 @@ fn matrices_in_multi_blade_coordinates() {
     }
     let refused = program_in(&out, "linearize model.toml --first-order");
     assert_says(&ended(&refused, 2), &["Leave out --first-order"]);
+}
+
+/// Six blades at rest have three patterns that do not move the support, of one frequency: three shapes, none a combination of
+/// the others.
+#[test]
+fn shapes_of_one_frequency_are_independent() {
+    let text = helicopter(6);
+    let text = text[..text.find("[analysis").unwrap()].to_owned() + "[analysis.modes]\ncount = 8\n";
+    let out = ran(&directory("rotor_shapes"), &text);
+    let all: serde_json::Value = serde_json::from_str(&read(out.join("modes.json"))).unwrap();
+    let numbers = |value: &serde_json::Value| -> Vec<f64> {
+        let numbers = value.as_array().unwrap().iter();
+        numbers.map(|x| x.as_f64().unwrap()).collect()
+    };
+    let J = I_B + M_B * R * R;
+    let blade = (K_B / J - (0.5 * C_B / J).powi(2)).sqrt();
+    let same = |mode: &&serde_json::Value| (numbers(&mode["eigenvalue"])[1] - blade).abs() < 1e-9;
+    let shapes = all["modes"].as_array().unwrap().iter().filter(same);
+    let shapes: Vec<DVector<Complex64>> = shapes
+        .map(|mode| {
+            let [re, im] = [0, 1].map(|k| numbers(&mode["shape"][k]));
+            let shape = re
+                .into_iter()
+                .zip(im)
+                .map(|(re, im)| Complex64::new(re, im));
+            DVector::from_vec(shape.collect()).normalize()
+        })
+        .collect();
+    assert_eq!(shapes.len(), 3);
+    let least = DMatrix::from_columns(&shapes).singular_values().min();
+    assert!(least > 1e-3, "{least:e}");
+}
+
+/// Three blades on a hub that tilts on a universal joint, which no third of a turn maps but with both its angles together, written
+/// with six digits: a turn of the rotor changes no equation.
+#[test]
+fn a_gimbal_with_six_digits() {
+    let hub = "axis = [1, 0, 0]\nsecond_axis = [0, 1, 0]\ncoordinates = { \"angle 1\" = { spring = { k = 900 } }, \
+               \"angle 2\" = { spring = { k = 900 } } }";
+    let gimbal = joint("gimbal", "universal", "rotor", hub);
+    let blades = [[1.0, 0.0], [-0.5, 0.866025], [-0.5, -0.866025]];
+    let blade = |(b, [x, y]): (usize, [f64; 2])| {
+        let (arm_name, name) = (format!("arm {b}"), format!("flap {b}"));
+        let axis = format!("axis = [{y}, {}, 0]\nspring = {{ k = 70 }}", -x);
+        let center = format!("center = [{}, {}, 0]", R * x, R * y);
+        [
+            arm(&arm_name, "gimbal", [E * x, E * y, 0.5]),
+            joint(&name, "revolute", &arm_name, &axis),
+            body_of(&name, M_B, &center),
+        ]
+        .concat()
+    };
+    let blades: String = blades.into_iter().enumerate().map(blade).collect();
+    let analysis = "[analysis.campbell]\njoint = \"rotor\"\nto = 10\nsteps = 2\ncount = 7\n";
+    let rows = lines(
+        "rotor_gimbal",
+        &[&support(), &gimbal, &blades, analysis].concat(),
+    );
+    assert!(rows.iter().all(|(_, found)| found.len() == 7));
 }
 
 /// Two blades have periodic coefficients on any support.

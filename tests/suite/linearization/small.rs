@@ -135,6 +135,42 @@ fn a_pendulum_in_skew_gravity() {
     }
 }
 
+/// A four-bar linkage with a damper has one mode, however many are requested. Angles of its joints are massless unknowns beside
+/// the multipliers, which equations hold.
+#[test]
+fn a_damped_four_bar() {
+    let bar = |name: &str, center: [f64; 2]| {
+        let [x, y] = center;
+        body_of(
+            name,
+            2.0,
+            &format!("center = [{x}, {y}, 0]\ninertia = [0.1, 0.1, 0.1]"),
+        )
+    };
+    let found = ["map", "multipliers"].map(|closure| {
+        let end = format!("child = \"far\"\naxis = [0, 0, 1]\nclosure = \"{closure}\"");
+        let parts = [
+            arm("far", "ground", [2.0, 0.0, 0.0]),
+            hinge("A", "ground", "spring = { k = 40, c = 0.5 }"),
+            bar("A", [0.0, 0.5]),
+            arm("B pin", "A", [0.0, 1.0, 0.0]),
+            hinge("B", "B pin", ""),
+            bar("B", [1.0, 0.0]),
+            arm("C pin", "B", [1.5, 0.7, 0.0]),
+            hinge("C", "C pin", ""),
+            bar("C", [0.0, -0.5]),
+            arm("D pin", "C", [2.0, 0.0, 0.0]),
+            joint("D", "revolute", "D pin", &end),
+        ];
+        eigenvalues(&format!("four-bar by {closure}"), &parts, 20)
+    });
+    for found in &found {
+        assert_eq!(found.len(), 1, "{found:?}");
+    }
+    assert_near(found[1][0].re, found[0][0].re, 1e-11);
+    assert_near(found[1][0].im, found[0][0].im, 1e-11);
+}
+
 #[test]
 fn nothing_vibrates_where_all_is_prescribed() {
     let text = [
