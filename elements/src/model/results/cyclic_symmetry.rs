@@ -54,7 +54,9 @@ impl Moved {
         let twists = Matrix6xX::from_columns(&columns.collect::<Vec<_>>());
         let near = (self.position - other.position).norm() <= SAME && twists.ncols() <= 6;
         let mut directions = twists.clone();
-        (directions.column_iter_mut()).for_each(|mut twist| _ = twist.normalize_mut());
+        for mut twist in directions.column_iter_mut() {
+            twist.try_normalize_mut(0.0);
+        }
         let differ = near && directions.singular_values().min() > SAME;
         differ.then(|| Self {
             unknowns: [&self.unknowns[..], &other.unknowns].concat(),
@@ -64,7 +66,7 @@ impl Moved {
     }
 }
 
-/// Those of `parts` that move as one does, the most alike first, with their rates.
+/// Those of `parts` that move as one does, with their rates; of several the most alike.
 fn images<'a>(parts: &'a [Moved], one: &Moved) -> Vec<(&'a Moved, DMatrix<f64>)> {
     let fitting = parts
         .iter()
@@ -147,8 +149,8 @@ impl Model {
 
 impl Context {
     /// The turns by a part of a full one, up to a third, that map all that rotates with the speed of an input on itself: the
-    /// positions of nodes at coordinates `q`, and the directions of their coordinates. The smallest is first. None if
-    /// nothing rotates with that speed about one axis.
+    /// positions of nodes at time 0 and coordinates `q`, and the directions of their coordinates. The smallest is first. None
+    /// if nothing rotates with that speed about one axis.
     ///
     /// Masses and stiffnesses are not compared.
     ///
