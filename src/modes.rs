@@ -226,6 +226,34 @@ pub struct ModelCampbell {
     pub q: Vec<f64>,
 }
 
+/// Modes over the speed, from coordinates `q` at rest, which end as those at the last one: in coordinates that rotate, and where
+/// their equations are periodic, in multi-blade coordinates.
+///
+/// # Errors
+/// [`ModelModesError`].
+pub(crate) fn steady_rotation(
+    context: &mut Context,
+    q: &mut Vec<f64>,
+    speed: Input,
+    options: &CampbellOptions,
+    observer: &mut dyn FnMut() -> ControlFlow<()>,
+) -> Result<CampbellDiagram, ModelModesError> {
+    let (start, mut options) = (q.clone(), options.clone());
+    let mut diagram = campbell(context, speed, q, &options, &mut |_| observer());
+    if !matches!(diagram, Err(CampbellError::Periodic { .. })) {
+        return Ok(diagram?);
+    }
+    for rotor in context.cyclic_symmetries(speed, &start)? {
+        q.clone_from(&start);
+        options.rotor = Some(rotor);
+        diagram = campbell(context, speed, q, &options, &mut |_| observer());
+        if !matches!(diagram, Err(CampbellError::Periodic { .. })) {
+            break;
+        }
+    }
+    Ok(diagram?)
+}
+
 /// The Campbell diagram of a model from its coordinates at rest.
 ///
 /// # Errors
@@ -238,11 +266,7 @@ pub fn campbell_diagram(
     observer: &mut dyn FnMut() -> ControlFlow<()>,
 ) -> Result<ModelCampbell, ModelModesError> {
     check_mobility(context)?;
-    let options = &CampbellOptions {
-        symmetries: context.cyclic_symmetries(speed, &q)?,
-        ..options.clone()
-    };
-    let mut diagram = campbell(context, speed, &mut q, options, &mut |_| observer())?;
+    let mut diagram = steady_rotation(context, &mut q, speed, options, observer)?;
     let zeros = vec![0.0; q.len()];
     let at = Point {
         t: options.t,

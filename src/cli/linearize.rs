@@ -3,7 +3,7 @@
 use super::parameters::ModelArguments;
 use super::{Exit, INTERRUPTED, complain, fail, print, refuse};
 use crate::input::{Analysis, EigenvaluePlan, Job, ModelFile, Registry, Time};
-use crate::modes::warning_of_motion;
+use crate::modes::{steady_rotation, warning_of_motion};
 use crate::output::{Directory, OutputError};
 use crate::probe::{Answers, Probe};
 use crate::run::{ReachError, reach};
@@ -11,7 +11,7 @@ use crate::terminal::{self, plural, tell};
 use pullback_elements::model::Context;
 use pullback_elements::time::Input;
 use pullback_integrators::linearization::{
-    CampbellOptions, Linearized, StateSpace, campbell, linearize as linearized, output_derivatives,
+    CampbellOptions, Linearized, StateSpace, linearize as linearized, output_derivatives,
 };
 use pullback_manifold::system::Point;
 use std::fmt::Write;
@@ -80,7 +80,7 @@ pub(super) fn linearize(registry: &Registry, args: &LinearizeArguments) -> Exit 
     if let Some((speed, mut options)) = rotation {
         // A rotation is steady: at rest in its coordinates.
         options.speeds = args.at.map_or(options.speeds, |speed| vec![speed]);
-        steady = equations_at_speed(&mut job, speed, options.clone(), &mut q, args.first_order)?;
+        steady = equations_at_speed(&mut job, speed, &options, &mut q, args.first_order)?;
         at = Point {
             t: options.t,
             q: &q,
@@ -120,14 +120,12 @@ pub(super) fn linearize(registry: &Registry, args: &LinearizeArguments) -> Exit 
 fn equations_at_speed(
     job: &mut Job,
     speed: Input,
-    mut options: CampbellOptions,
+    options: &CampbellOptions,
     q: &mut Vec<f64>,
     first_order: bool,
 ) -> Result<Option<Linearized>, u8> {
-    let context = &mut job.context;
-    options.symmetries = context.cyclic_symmetries(speed, q).map_err(fail)?;
-    let diagram = campbell(context, speed, q, &options, &mut |_| terminal::flow());
-    let diagram = diagram.map_err(fail)?;
+    let observer = &mut || terminal::flow();
+    let diagram = steady_rotation(&mut job.context, q, speed, options, observer).map_err(fail)?;
     if diagram.multi_blade && first_order {
         return Err(refuse(PERIODIC));
     }

@@ -87,7 +87,7 @@ fn speeds(at: &Location<'_>, c: &CampbellAnalysis) -> Result<CampbellOptions, In
             .collect(),
         count: c.count,
         statics: StaticOptions::default(),
-        symmetries: Vec::new(),
+        rotor: None,
     })
 }
 

@@ -11,8 +11,8 @@
 //! criterion is applied to shapes with their velocities, (s φ, λ φ) with a frequency s of the modes, and to both modes
 //! of a conjugate pair: a whirl whose frequency passes through zero goes on as the conjugate mode.
 //!
-//! Coordinates of parts that rotate are relative to them. Where their equations are periodic, as those of blades on a tower,
-//! multi-blade coordinates are tried, in which those of an isotropic rotor are constant.
+//! Coordinates of parts that rotate are relative to them. Their equations may be periodic, as those of blades on a tower; those of
+//! an isotropic rotor are constant in multi-blade coordinates.
 
 mod lines;
 mod multi_blade;
@@ -41,9 +41,8 @@ pub struct CampbellOptions {
     pub count: usize,
     /// Smallest step in Ω between equilibria, and Newton's method.
     pub statics: StaticOptions,
-    /// Turns that may map all that rotates on itself. Where the equations in coordinates that rotate are periodic, they are
-    /// tried in multi-blade coordinates of each.
-    pub symmetries: Vec<CyclicSymmetry>,
+    /// A turn that maps all that rotates on itself, for multi-blade coordinates of it.
+    pub rotor: Option<CyclicSymmetry>,
 }
 
 /// Modes over the speed.
@@ -131,27 +130,17 @@ pub fn campbell(
     options: &CampbellOptions,
     observer: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<CampbellDiagram, CampbellError> {
-    let start = q.clone();
     let mut sweep = Sweep {
         system,
         input: input.into(),
         q,
         options,
         observer,
-        rotor: None,
         speed: 0.0,
         lines: Vec::new(),
         last: None,
     };
-    let mut diagram = sweep.run();
-    for rotor in &options.symmetries {
-        if !matches!(diagram, Err(CampbellError::Periodic { .. })) {
-            break;
-        }
-        (*sweep.q, sweep.speed, sweep.rotor) = (start.clone(), 0.0, Some(rotor));
-        diagram = sweep.run();
-    }
-    diagram
+    sweep.run()
 }
 
 /// A sweep over speeds.
@@ -161,8 +150,6 @@ struct Sweep<'a> {
     q: &'a mut Vec<f64>,
     options: &'a CampbellOptions,
     observer: &'a mut dyn FnMut(f64) -> ControlFlow<()>,
-    /// The rotor, if it is seen from parts that do not rotate.
-    rotor: Option<&'a CyclicSymmetry>,
     /// The present speed.
     speed: f64,
     /// The modes there, each the one of its conjugate pair that continues its line.
@@ -192,7 +179,7 @@ impl Sweep<'_> {
             speeds: options.speeds.clone(),
             lines: (0..self.lines.len()).map(line).collect(),
             last: self.last.take(),
-            multi_blade: self.rotor.is_some(),
+            multi_blade: options.rotor.is_some(),
         })
     }
 
@@ -275,7 +262,7 @@ impl Sweep<'_> {
 
     /// The equations at an angle, in multi-blade coordinates if the rotor is seen from parts that do not rotate.
     fn seen(&self, lin: Linearized, angle: f64) -> Linearized {
-        match self.rotor {
+        match &self.options.rotor {
             Some(rotor) => lin.in_multi_blade_coordinates(rotor, angle, self.speed),
             None => lin,
         }

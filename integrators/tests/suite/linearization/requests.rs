@@ -50,7 +50,7 @@ fn diagram(input: usize, count: usize) -> Result<CampbellDiagram, CampbellError>
         speeds: vec![1.0, 2.0],
         count,
         statics: StaticOptions::default(),
-        symmetries: Vec::new(),
+        rotor: None,
     };
     let mut observer = |_| ControlFlow::Continue(());
     campbell(
