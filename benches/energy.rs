@@ -130,7 +130,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let along = (positions[1] - positions[0]).normalize();
     let frame = pullback::elements::model::frame_along(&along, None);
     let section = Section::diagonal(1e4, [4e3, 4e3], 2.0, [3.0, 4.0])?
-        .with_mass(2.0, Matrix3::from_diagonal(&[3.0, 1.0, 2.0].into()));
+        .with_mass(2.0, Matrix3::from_diagonal(&[3.0, 1.0, 2.0].into()))?;
     let hand = Beam::<2>::new(&positions, &|_| frame, &section)?;
     let energy = strain_beam(Reissner, &positions, &frame, &section)?;
     compare("Reissner beam", &energy, &hand, &ALL, 45.0);

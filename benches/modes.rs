@@ -21,7 +21,7 @@ use std::time::Instant;
 fn section() -> Result<Section, Box<dyn Error>> {
     let section = Section::diagonal(1e6, [4e5; 2], 80.0, [100.0, 150.0])?;
     let inertia = Matrix3::from_diagonal(&[2.5e-4, 1e-4, 1.5e-4].into());
-    Ok(section.with_mass(1.0, inertia))
+    Ok(section.with_mass(1.0, inertia)?)
 }
 
 /// A frame of `bays` by `stories` cells, `elements` in each column and girder, clamped at the ground.

@@ -19,7 +19,7 @@ fn model() -> Result<(Model, Input), pullback::Failure> {
 
     // Slender: almost no stretching, shear and rotary inertia.
     let section = Section::diagonal(1e8, [2e7; 2], 1e4, [1.0, 1.0])?
-        .with_mass(1.0, Matrix3::from_diagonal(&[2e-9, 1e-9, 1e-9].into()));
+        .with_mass(1.0, Matrix3::from_diagonal(&[2e-9, 1e-9, 1e-9].into()))?;
     let line = BeamLine {
         elements: 8,
         order: 3,

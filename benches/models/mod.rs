@@ -50,7 +50,9 @@ fn load(b: &mut ModelBuilder, name: &str, which: LoadKind, value: [f64; 3], node
 /// lower end throw it.
 pub fn flying(elements: usize) -> Context {
     let section = Section::diagonal(1e4, [1e4, 1e4], 100.0, [100.0, 100.0]).expect("positive");
-    let section = section.with_mass(1.0, Matrix3::from_diagonal(&Vector3::new(20.0, 10.0, 10.0)));
+    let section = section
+        .with_mass(1.0, Matrix3::from_diagonal(&Vector3::new(20.0, 10.0, 10.0)))
+        .expect("positive");
     let ends = [[6.0, 0.0, 0.0], [0.0, 0.0, 8.0]];
     let (mut b, line) = beam(elements, ends, section);
     let lower = line.nodes[0];
@@ -89,7 +91,9 @@ pub fn falling(elements: usize) -> Context {
 /// The robot arm of \[M04\] 4.2, case 6: driven base, two arms, a spherical joint between them.
 pub fn robot_arm(elements: usize) -> Context {
     let section = Section::diagonal(1e6, [1e6, 1e6], 1e5, [1e5, 1e5]).expect("positive");
-    let section = section.with_mass(1.0, Matrix3::from_diagonal(&Vector3::new(2.0, 1.0, 1.0)));
+    let section = section
+        .with_mass(1.0, Matrix3::from_diagonal(&Vector3::new(2.0, 1.0, 1.0)))
+        .expect("positive");
     let ends = [[0.0; 3], [5.0, 0.0, 0.0]];
     let (mut b, first) = beam(elements / 2, ends, section);
     let (base, elbow) = (first.nodes[0], first.nodes[elements / 2]);

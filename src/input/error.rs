@@ -80,12 +80,6 @@ pub enum InputProblem {
         section: String,
         source: SectionError,
     },
-    #[error("section \"{section}\": mass {key} must not be negative, got {value}")]
-    NegativeMass {
-        section: String,
-        key: &'static str,
-        value: f64,
-    },
     #[error("line \"{line}\" has zero length: nodes \"{from}\" and \"{to}\" stand at {at:?}")]
     ZeroLength {
         line: String,

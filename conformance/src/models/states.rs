@@ -111,6 +111,17 @@ pub(super) fn beside(
     }
 }
 
+/// The position of a frame, or of the first frame that reads the coordinates of a joint.
+fn position(context: &Context, node: usize) -> Vector3<f64> {
+    let frames = context.mapped_nodes().iter().map(|&n| n as usize);
+    let mut readers = frames.filter(|&n| context.nodes()[n].parents(0).contains(&(node as u32)));
+    let own = &context.nodes()[node];
+    match is_frame(own) {
+        true => own.position(),
+        false => (readers.next()).map_or(own.position(), |n| context.nodes()[n].position()),
+    }
+}
+
 fn moved(context: &Context, q: &[f64], size: Size, units: &[f64], random: &mut Random) -> Vec<f64> {
     let length = context.length();
     let displacement = Field::new(random, size.displacement * length, length);
@@ -119,24 +130,25 @@ fn moved(context: &Context, q: &[f64], size: Size, units: &[f64], random: &mut R
     let unknowns = unknowns(context);
     for (u, &(node, k, kind)) in unknowns.iter().enumerate() {
         let own = random.range(-1.0, 1.0);
-        let position = context.nodes()[node].position();
-        let frame = is_frame(&context.nodes()[node]);
-        x[u] += match (kind, frame) {
-            (Quantity::Length, true) => {
-                displacement.at(&position)[k % 3] + own * size.noise * units[node]
-            }
+        let of = &context.nodes()[node];
+        let frame = is_frame(of);
+        // A free joint has the coordinates of a frame.
+        let pose = frame || of.quantities().len() == 6;
+        let field = |field: &Field| field.at(&position(context, node))[k % 3];
+        x[u] += match (kind, pose) {
+            (Quantity::Length, true) => field(&displacement) + own * size.noise * units[node],
             // Displacements of joints.
             (Quantity::Length, false) => own * (size.noise + size.displacement) * units[node],
-            (Quantity::Angle, true) => own * size.noise,
-            (Quantity::Angle, false) | (Quantity::Other, _) => own * size.rotation,
+            (Quantity::Angle, true) if frame => own * size.noise,
+            (Quantity::Angle, true) => field(&rotation) + own * size.noise,
+            (Quantity::Angle | Quantity::Other, _) => own * size.rotation,
         };
     }
     for rotation_of in context.free_rotations() {
         let Some(&u) = rotation_of.iter().flatten().next() else {
             continue;
         };
-        let position = context.nodes()[unknowns[u].0].position();
-        let turn = rotation.at(&position);
+        let turn = rotation.at(&position(context, unknowns[u].0));
         let now = Vector3::from_fn(|i, _| rotation_of[i].map_or(0.0, |u| x[u]));
         // A rotation that is held in part is free about some axes only.
         let turned = match rotation_of.iter().all(Option::is_some) {

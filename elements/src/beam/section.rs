@@ -134,20 +134,17 @@ impl Section {
     }
 
     /// The same section with mass per length Aρ and inertia per length J (section axes).
-    #[must_use]
-    pub fn with_mass(mut self, A_rho: f64, J: Matrix3<f64>) -> Self {
-        self.inertia = Inertia {
-            mass: A_rho,
-            S: Vector3::zeros(),
-            J,
-        };
-        self
+    ///
+    /// # Errors
+    /// As of [`Section::with_inertia`].
+    pub fn with_mass(self, A_rho: f64, J: Matrix3<f64>) -> Result<Self, SectionError> {
+        self.with_inertia(Inertia::about_centre(A_rho, Vector3::zeros(), J))
     }
 
     /// The same section with any inertia per length; the mass centre may be off the axis.
     ///
     /// # Errors
-    /// [`SectionError::Inertia`] for an impossible one.
+    /// [`SectionError::Inertia`] for one that is negative, not symmetric or not finite.
     pub fn with_inertia(mut self, inertia: Inertia) -> Result<Self, SectionError> {
         self.inertia = inertia
             .checked()
@@ -237,9 +234,9 @@ impl Section {
         let Material { E, rho, .. } = material;
         let G = material.G();
         let shear = k * G * area;
-        let section = Self::diagonal(E * area, [shear, shear], G * torsion, [E * I[0], E * I[1]])?;
         let J = Vector3::new(I[0] + I[1], I[0], I[1]) * rho;
-        Ok(section.with_mass(rho * area, Matrix3::from_diagonal(&J)))
+        Self::diagonal(E * area, [shear, shear], G * torsion, [E * I[0], E * I[1]])?
+            .with_mass(rho * area, Matrix3::from_diagonal(&J))
     }
 }
 

@@ -10,6 +10,10 @@ use pullback_manifold::domain::DomainError;
 use pullback_manifold::map::pose::orientation;
 use pullback_manifold::so3::skew;
 
+/// Tolerance of the largest principal moment beyond the sum of the others, relative to itself: the inertia of a flat
+/// body written with six digits.
+const FLAT: f64 = 1e-5;
+
 /// A rigid body moving with a frame node; dim 6. \[M04\] (119), (147), (152) without the integral.
 ///
 /// The node need not be the centre of mass. With the first moment s and the inertia J about the node, both in
@@ -45,7 +49,11 @@ impl RigidBody {
         center: Vector3<f64>,
     ) -> Result<Self, InertiaError> {
         let position = ("the centre of mass", &center);
-        check(mass, position, &inertia, &Matrix3::zeros())?;
+        let principal = check(mass, position, &inertia, &Matrix3::zeros())?;
+        let [a, b, c] = principal;
+        if c - (a + b) > FLAT * c {
+            return Err(InertiaError::Triangle { principal });
+        }
         let symmetric = (inertia + inertia.transpose()) * 0.5;
         let inertia = Inertia::about_centre(mass, center, symmetric);
         // The inertia about a distant node does not replace a missing mass.

@@ -5,7 +5,7 @@ use crate::input::file;
 use crate::input::{InputError, InputProblem, Location};
 use nalgebra::{Matrix3, Matrix6, Vector3};
 use pullback_elements::beam::{self, Section, SectionError};
-use pullback_elements::inertia::Inertia;
+use pullback_elements::inertia::{Inertia, InertiaError};
 
 /// Dotted path, below the section, of the number that an error is about; the shape if it is about no single number.
 fn number(shape: &str, error: &SectionError) -> String {
@@ -28,6 +28,11 @@ fn number(shape: &str, error: &SectionError) -> String {
                 None => shape.to_owned(),
             }
         }
+        SectionError::Inertia { source } => match source {
+            InertiaError::Mass { .. } => "mass.A_rho".to_owned(),
+            InertiaError::Negative { .. } => "mass.J".to_owned(),
+            _ => "mass".to_owned(),
+        },
         _ => shape.to_owned(),
     }
 }
@@ -67,29 +72,11 @@ fn section(
     let Some(mass) = described.mass else {
         return Ok(made);
     };
-    let [J1, J2, J3] = mass.J;
-    let numbers = [
-        ("A_rho", mass.A_rho),
-        ("J[1]", J1),
-        ("J[2]", J2),
-        ("J[3]", J3),
-    ];
-    for (key, value) in numbers {
-        if !(value >= 0.0 && value.is_finite()) {
-            return Err(at.at("mass").refuse(InputProblem::NegativeMass {
-                section: name.to_owned(),
-                key,
-                value,
-            }));
-        }
-    }
+    let [c2, c3] = mass.center.unwrap_or_default();
     let J = Matrix3::from_diagonal(&mass.J.into());
-    let Some([c2, c3]) = mass.center else {
-        return Ok(made.with_mass(mass.A_rho, J));
-    };
     let inertia = Inertia::about_centre(mass.A_rho, Vector3::new(0.0, c2, c3), J);
     made.with_inertia(inertia)
-        .map_err(|error| refuse("mass", error))
+        .map_err(|error| refuse(&number(shape, &error), error))
 }
 
 /// The only shape that is given, and the section with this shape.

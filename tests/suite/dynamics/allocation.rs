@@ -8,7 +8,7 @@ use allocation_counter::measure;
 fn section() -> Section {
     let section = Section::diagonal(1e5, [1e5, 1e5], 1e3, [1e3, 1e3]).unwrap();
     let J = Matrix3::from_diagonal(&Vector3::new(0.2, 0.1, 0.1));
-    section.with_mass(1.0, J)
+    section.with_mass(1.0, J).unwrap()
 }
 
 fn line(b: &mut ModelBuilder, name: &str, ends: [NodeId; 2], section: Section) -> Vec<NodeId> {

@@ -51,7 +51,13 @@ fn bar(elements: usize, blow: Blow) -> (Context, Vec<NodeId>) {
     // Nothing is as stiff for its mass as stretching.
     let section = Section::diagonal(EA, [10.0, 10.0], 10.0, [10.0, 10.0]).unwrap();
     let J = Matrix3::from_diagonal(&Vector3::new(2.0, 1.0, 1.0));
-    let nodes = beam(&mut b, "bar", ends, elements, section.with_mass(A_RHO, J));
+    let nodes = beam(
+        &mut b,
+        "bar",
+        ends,
+        elements,
+        section.with_mass(A_RHO, J).unwrap(),
+    );
     let strike = NodalLoad::new(LoadKind::DeadForce, [1.0, 0.0, 0.0], blow);
     b.element("blow", strike, &nodes[..1]).unwrap();
     (Context::new(b.build().unwrap()), nodes)

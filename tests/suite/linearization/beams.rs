@@ -31,7 +31,9 @@ impl Beam {
     fn section(&self) -> Section {
         let section = Section::diagonal(EA, [GA; 2], GJ, self.EI).unwrap();
         let [I2, I3] = self.I_rho;
-        let section = section.with_mass(1.0, Matrix3::from_diagonal(&[I2 + I3, I2, I3].into()));
+        let section = section
+            .with_mass(1.0, Matrix3::from_diagonal(&[I2 + I3, I2, I3].into()))
+            .unwrap();
         let [mass, stiffness] = self.damping;
         section.with_damping(Damping { mass, stiffness }).unwrap()
     }

@@ -277,3 +277,13 @@ fn a_fast_drive_of_a_loop_is_right() {
     let model = [GROUND, STATIC, &four_bar(words, "")].concat();
     assert_right("four bars", &model, [0]);
 }
+
+/// The nodes of a blade have coordinates relative to its hub: those of neighbours are close to each other.
+#[test]
+fn a_blade_on_a_turned_hub_is_right() {
+    let (_, blade) = (MODELS.iter().find(|(name, _)| *name == "rotating_blade")).unwrap();
+    let (parts, _) = blade.split_once("[analysis").unwrap();
+    let turned = parts.replacen("axis", "value = 3\naxis", 1);
+    let model = turned.replace("elements = 8", "elements = 3") + RUN;
+    assert_right("a blade", &model, 0..4);
+}

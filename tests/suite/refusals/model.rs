@@ -24,7 +24,8 @@ stiffness = { EA = 1e6, GA = [1e6, 1e6], GJ = 2.0, EI = [2.0, 2.0] } => | main |
  => circle = { radius = 1 }\nmaterial = { E = -4, nu = 0.3 } | -4 | Young's modulus E must be positive | number above zero
  => matrix = [[1,0,0,0,0,0],[0,1,0,0,0,0],[0,0,1,0,0,0],[0,0,0,1,0,0],[0,0,0,0,1,0],[0.5,0,0,0,0,1]] | [[1,0 | must be symmetric, but entries (1, 6) and (6, 1) | make the two entries equal
  => matrix = [[1,0,0,0,0,0],[0,1,0,0,0,0],[0,0,1,0,0,0],[0,0,0,1,0,0],[0,0,0,0,1,0],[0,0,0,0,0,-7]] | -7 | must be positive definite | positive numbers on the diagonal
- => &\nmass = { A_rho = -1 } | { A_rho | A_rho must not be negative
+ => &\nmass = { A_rho = -1 } | -1 | the mass must be zero or positive
+ => &\nmass = { A_rho = 1, J = [1, -1, 2] } | [1, -1, 2] | positive semidefinite
 "#,
     );
 }

@@ -30,7 +30,9 @@ fn chain(interpolation: Interpolation, formulation: Formulation) -> Chain {
         .map(|(k, position)| b.node(format!("n{k}"), (*position).into()).unwrap())
         .collect();
     let section = Section::diagonal(2e3, [1e3; 2], 20.0, [20.0; 2]).unwrap();
-    let section = section.with_mass(1.0, Matrix3::from_diagonal(&Vector3::new(0.02, 0.01, 0.01)));
+    let section = section
+        .with_mass(1.0, Matrix3::from_diagonal(&Vector3::new(0.02, 0.01, 0.01)))
+        .unwrap();
     for (k, pair) in nodes.windows(2).enumerate() {
         let name = format!("l{k}");
         beam_with(&mut b, &name, [pair[0], pair[1]], 1, section, interpolation);

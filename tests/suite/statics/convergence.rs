@@ -85,7 +85,7 @@ fn rod(E: f64, length: f64, elements: usize) -> (ModelBuilder, Vec<NodeId>) {
     let (EA, EI, rho) = (E * area, E * I, 7850.0);
     let J = Matrix3::from_diagonal(&Vector3::new(2.0, 1.0, 1.0)) * (rho * I);
     let section = Section::diagonal(EA, [0.35 * EA; 2], 0.8 * EI, [EI; 2]).unwrap();
-    let section = section.with_mass(rho * area, J);
+    let section = section.with_mass(rho * area, J).unwrap();
     let nodes = beam(&mut b, "rod", ends, elements, section);
     for pair in nodes.windows(2) {
         let positions = [b.position(pair[0]), b.position(pair[1])];

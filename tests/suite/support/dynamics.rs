@@ -217,7 +217,7 @@ pub fn soft(stiff: f64) -> Section {
     let [EA, GA, GJ, EI2, EI3] = [60.0, 30.0, 4.0, 4.0, 6.0].map(|k| k * stiff);
     let J = Matrix3::from_diagonal(&Vector3::new(0.2, 0.1, 0.1));
     let section = Section::diagonal(EA, [GA; 2], GJ, [EI2, EI3]);
-    section.unwrap().with_mass(1.0, J)
+    section.unwrap().with_mass(1.0, J).unwrap()
 }
 
 /// A builder, and a node at the origin that is held.

@@ -138,7 +138,7 @@ fn stiffness_ratios_of_ten_orders_and_millimetres_raise_no_alarm() {
         let EI = EI * length * length;
         let J = Matrix3::from_diagonal(&Vector3::new(2.0, 1.0, 1.0)) * (1e-6 * length * length);
         let section = Section::diagonal(EA, [0.4 * EA; 2], EI, [EI, 2.0 * EI]).unwrap();
-        let section = section.with_mass(1e-6, J);
+        let section = section.with_mass(1e-6, J).unwrap();
         lay_twisted(&mut b, "rod", [root, tip], [4, 1], section, 0.2);
         b.support(root, &Dof::ALL);
         let J = Matrix3::from_diagonal(&Vector3::new(1.0, 1.5, 2.0)) * (1e-7 * length * length);

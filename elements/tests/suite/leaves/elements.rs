@@ -29,7 +29,9 @@ fn beams() {
         section(),
         coupled(),
         massive,
-        section().with_mass(2.0, Matrix3::from_diagonal(&[3.0, 1.0, 2.0].into())),
+        section()
+            .with_mass(2.0, Matrix3::from_diagonal(&[3.0, 1.0, 2.0].into()))
+            .unwrap(),
         massive.with_damping(DAMPING).unwrap(),
         section().with_damping(DAMPING).unwrap(),
     ];

@@ -17,7 +17,9 @@ fn frame() -> Matrix3<f64> {
 
 fn sections() -> [Section; 4] {
     let massive = massive();
-    let centred = section().with_mass(2.0, Matrix3::from_diagonal(&[3.0, 1.0, 2.0].into()));
+    let centred = section()
+        .with_mass(2.0, Matrix3::from_diagonal(&[3.0, 1.0, 2.0].into()))
+        .unwrap();
     [
         section(),
         centred,

@@ -7,7 +7,7 @@ use crate::support::*;
 fn tangents(positions: &[f64]) -> [DMatrix<f64>; 2] {
     let along = positions.iter().map(|&x| Vector3::new(x, 0.0, 0.0));
     let section = Section::diagonal(1.0, [1.0, 1.0], 1.0, [1.0, 1.0]).unwrap();
-    let section = section.with_mass(1.0, Matrix3::identity());
+    let section = section.with_mass(1.0, Matrix3::identity()).unwrap();
     let positions: Vec<_> = along.collect();
     let beam = Interpolation::Total
         .beam(&positions, &|_| Matrix3::identity(), &section)

@@ -23,6 +23,9 @@ fn impossible_bodies_are_refused_with_their_reason() {
             "no body has the principal moments of inertia [1.0, 3.0, 5.0] about its centre of mass: the \
              largest exceeds the sum of the others",
         body(0.0, Matrix3::zeros(), [1.0, 2.0, 3.0]) => "a body needs mass or inertia, both are zero",
+        section().with_mass(-2.0, J) => "the mass must be zero or positive, got -2",
+        section().with_mass(1.0, skewed) =>
+            "the inertia must be symmetric, but entries (1, 3) and (3, 1) are 0.5 and 0",
         PointMass::new(0.0) => "the mass must be positive, got 0",
         PointMass::new(-1.0) => "the mass must be positive, got -1",
         PointMass::new(f64::NAN) => "the mass must be finite, got NaN",
@@ -38,6 +41,8 @@ fn impossible_bodies_are_refused_with_their_reason() {
         let J = R * J * R.transpose();
         assert!(RigidBody::new(1.0, J, Vector3::zeros()).is_ok(), "{J}");
     }
+    // Of a section the rotary inertia of bending may be neglected.
+    assert!(section().with_mass(1.0, diagonal(1.0, 0.0, 0.0)).is_ok());
 }
 
 #[test]

@@ -12,7 +12,7 @@ fn nothing_is_allocated_after_the_first_evaluation() {
     let end = b.node("end", [3.0, 0.0, 0.0]).unwrap();
     let nodes = lay(&mut b, "line", [root, end], 3, 2, coupled());
     // The other interpolation, between the same nodes.
-    let section = coupled().with_mass(2.0, Matrix3::identity());
+    let section = coupled().with_mass(2.0, Matrix3::identity()).unwrap();
     let positions = [nodes[0], nodes[1], nodes[2]].map(|n| b.position(n));
     let frame = frame_along(&(positions[1] - positions[0]), None);
     for section in [section, section.with_damping(DAMPING).unwrap()] {
