@@ -90,13 +90,13 @@ pub enum DynamicsError {
     #[error("the linear solver cannot take this model: {source}")]
     Analysis { source: LinearError },
     /// The system cannot be evaluated at a converged state.
-    #[error("at time {t:.6}: {source}")]
+    #[error("at time {}: {source}", significant(*t))]
     System { t: f64, source: SystemError },
     /// No accelerations satisfy the equations of motion.
     #[error(
-        "no consistent accelerations at time {t:.6}: {source}{}; give these coordinates mass \
+        "no consistent accelerations at time {}: {source}{}; give these coordinates mass \
          (rotations: inertia) or stiffness, or hold them",
-        names(mechanism)
+        significant(*t), names(mechanism)
     )]
     Accelerations {
         t: f64,
@@ -106,9 +106,9 @@ pub enum DynamicsError {
     },
     /// The energy grows without bounds: the step does not resolve what the scheme cannot damp.
     #[error(
-        "the motion is unstable: at time {t:.6} {}; take smaller steps, or a scheme that damps high frequencies \
+        "the motion is unstable: at time {} {}; take smaller steps, or a scheme that damps high frequencies \
          (more). Where that makes no difference the model itself is unstable: see whether a stiffness or a \
-         damping is negative", grown(*energy, *known)
+         damping is negative", significant(*t), grown(*energy, *known)
     )]
     Unstable {
         t: f64,

@@ -4,7 +4,7 @@ use super::options::check;
 use super::run::MotionRun;
 use super::segment_changes::SHORT;
 use super::{DynamicsError, Progress, State};
-use crate::failure::Cause;
+use crate::failure::{Cause, significant};
 use pullback_manifold::system::{Evaluation, Point, System, SystemError};
 use std::ops::ControlFlow;
 
@@ -70,8 +70,8 @@ impl MotionRun {
         if state.t != t {
             let source = SystemError::Request {
                 what: "time after an event",
-                expected: format!("{t:.6}, as before"),
-                found: format!("{:.6}", state.t),
+                expected: format!("{t:?}, as before"),
+                found: format!("{:?}", state.t),
             };
             return Err(DynamicsError::System { t, source });
         }
@@ -142,7 +142,7 @@ fn evaluate<Y: System>(
             return Err(SystemError::Request {
                 what: "value of an event",
                 expected: "a finite number".to_owned(),
-                found: format!("{value} of event {k} at time {:.6}", state.t),
+                found: format!("{value} of event {k} at time {}", significant(state.t)),
             });
         }
         values.push(value);

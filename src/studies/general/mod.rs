@@ -19,6 +19,7 @@ mod solver;
 pub use solver::{Observer, integrate};
 
 use pullback_integrators::dynamics::DynamicsError;
+use pullback_integrators::significant;
 use std::fmt;
 use std::str::FromStr;
 
@@ -35,7 +36,7 @@ pub enum GeneralError {
     /// The motion cannot start, or continue.
     #[error(transparent)]
     Dynamics(#[from] DynamicsError),
-    #[error("the solver {solver} at time {t:.6}: {reason}")]
+    #[error("the solver {solver} at time {}: {reason}", significant(*t))]
     Solver {
         solver: String,
         t: f64,

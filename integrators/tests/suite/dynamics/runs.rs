@@ -256,7 +256,7 @@ fn a_coordinate_without_mass_is_found_by_its_stiffness_or_named() {
     assert!((progress.state.q[0] - 0.25).abs() < 1e-12);
     let mut nothing = Oscillator::new(0.0, 0.0);
     refused! {
-        attempt(&mut nothing, [&[]; 2], &options) => ["no consistent accelerations at time 0.000000"],
+        attempt(&mut nothing, [&[]; 2], &options) => ["no consistent accelerations at time 0:"],
     }
 }
 
