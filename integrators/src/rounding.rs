@@ -73,7 +73,7 @@ pub(crate) fn largest(pattern: &BlockPattern, r: &[f64], others: [f64; 3]) -> [f
 }
 
 /// Largest residual of an equilibrium that counts as rounding, relative to loads and reactions.
-const EXACT: f64 = 1e-12;
+pub(crate) const EXACT: f64 = 1e-12;
 
 /// Whether residuals evaluated last are rounding errors of loads and reactions.
 pub(crate) fn is_exact(system: &dyn System, r: &[f64]) -> bool {

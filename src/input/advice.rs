@@ -225,7 +225,9 @@ impl InputProblem {
                 "draw both where they start, or give the nodes of the line [[initial]] entries with \
                  displacement and rotation"
             }
-            Self::InitialStatics => "add [analysis.dynamic], or remove [[initial]]",
+            Self::InitialStatics => {
+                "add [analysis.dynamic] (for modes [analysis.modes.after.dynamic]), or remove [[initial]], and `value` and `rate` of joints"
+            }
             _ => return None,
         })
     }

@@ -223,17 +223,25 @@ pub(crate) struct RitzPair {
 /// eigenvalues.
 fn inverse_iteration(H: &Mat<f64>, theta: Complex64, seed: u64) -> Vec<Complex64> {
     let n = H.nrows();
-    let shift = theta + f64::EPSILON * H.norm_l2();
-    let shifted = Mat::from_fn(n, n, |i, j| match i == j {
-        true => H[(i, j)] - shift,
-        false => H[(i, j)].into(),
-    });
-    let lu = shifted.partial_piv_lu();
     let mut random = Random(seed);
-    let mut x = Col::from_fn(n, |_| Complex64::from(random.next()));
-    for _ in 0..2 {
-        x = lu.solve(&x);
-        x = &x * Scale(x.norm_l2().recip().into());
+    let start = Col::from_fn(n, |_| Complex64::from(random.next()));
+    let mut x = start.clone();
+    // Of a defective eigenvalue, as of critical damping, the matrix is singular to the last digit at the lesser distance.
+    for distance in [f64::EPSILON, f64::EPSILON.sqrt()] {
+        let shift = theta + distance * H.norm_l2();
+        let shifted = Mat::from_fn(n, n, |i, j| match i == j {
+            true => H[(i, j)] - shift,
+            false => H[(i, j)].into(),
+        });
+        let lu = shifted.partial_piv_lu();
+        x.clone_from(&start);
+        for _ in 0..2 {
+            x = lu.solve(&x);
+            x = &x * Scale(x.norm_l2().recip().into());
+        }
+        if x.iter().all(|x| x.is_finite()) {
+            break;
+        }
     }
     clear_upper_halves();
     x.iter().copied().collect()

@@ -37,8 +37,8 @@ pub use stability::{StabilityError, StabilityLimit, stability_limit};
 pub use state_space::{OutputDerivatives, StateSpace, StateSpaceError, output_derivatives};
 pub use steady::SteadyMotion;
 
-use crate::abilities::events;
-use crate::rounding::{is_exact, is_rounding, largest};
+use crate::abilities::{energies, events};
+use crate::rounding::{EXACT, is_exact, is_rounding, largest};
 use nalgebra::ComplexField;
 use num_complex::Complex64;
 use pullback_manifold::sparse::BlockPattern;
@@ -111,7 +111,14 @@ pub fn linearize(system: &mut dyn System, at: Point<'_>) -> Result<Linearized, L
     let n = lin.dim();
     let (mut sizes, mut floor) = (vec![0.0; n], vec![0.0; n]);
     if !is_rounding(system, &lin.K, at.q, &r, [&mut sizes, &mut floor]) {
-        lin.check_balance(&r, at, system.scales().measures())?;
+        let scales = system.scales();
+        let kinetic = energies(system, at)?.map_or(0.0, |energies| energies.kinetic);
+        // Forces of inertia may cancel each other, as those of a top do.
+        let rounding = Quantity::ALL.map(|quantity| match quantity {
+            Quantity::Other => 0.0,
+            _ => EXACT * kinetic / quantity.size(scales.length),
+        });
+        lin.check_balance(&r, at, scales.measures(), rounding)?;
     }
     Ok(lin)
 }
@@ -157,13 +164,14 @@ impl Linearized {
         self.pattern.dim()
     }
 
-    /// Refuses residuals that are not small beside loads, reactions and forces of inertia; without any of these there is
-    /// no measure.
+    /// Refuses residuals that are neither small beside loads, reactions and forces of inertia nor rounding errors; without any
+    /// of these there is no measure.
     fn check_balance(
         &self,
         r: &[f64],
         at: Point<'_>,
         loads: [f64; 3],
+        rounding: [f64; 3],
     ) -> Result<(), LinearizationError> {
         let mut inertia = vec![0.0; self.dim()];
         // Statics has no rates.
@@ -177,8 +185,9 @@ impl Linearized {
         let measures = largest(&self.pattern, &inertia, loads);
         for quantity in Quantity::ALL {
             let (residual, measure) = (worst[quantity.index()], measures[quantity.index()]);
+            let most = (BALANCED * measure).max(rounding[quantity.index()]);
             // The evaluation was finite.
-            if measure > 0.0 && residual > BALANCED * measure {
+            if measure > 0.0 && residual > most {
                 let at =
                     |i: &usize| coordinates[*i].quantity == quantity && r[*i].abs() >= residual;
                 let name = (0..r.len()).find(at).map(|i| self.names[i].clone());

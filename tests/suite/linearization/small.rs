@@ -135,6 +135,39 @@ fn a_pendulum_in_skew_gravity() {
     }
 }
 
+/// An upright top on a universal joint that spins fast enough to be stable: I λ² − i J Ω λ − m g l = 0. Its forces of inertia
+/// cancel but for rounding errors.
+#[test]
+fn a_sleeping_top() {
+    let (I, J, weight, spin) = (0.34, 0.03, 2.0 * 9.81 * 0.4, 130.0);
+    let parts = [
+        joint(
+            "tilt",
+            "universal",
+            "ground",
+            "axis = [1, 0, 0]\nsecond_axis = [0, 1, 0]",
+        ),
+        joint(
+            "spin",
+            "revolute",
+            "tilt",
+            &format!("axis = [0, 0, 1]\nrate = {spin}"),
+        ),
+        body_of(
+            "spin",
+            2.0,
+            "center = [0, 0, 0.4]\ninertia = [0.02, 0.02, 0.03]",
+        ),
+        GRAVITY.to_owned(),
+        "[analysis.modes.after.dynamic]\nto = 0.01\nstep = 0.001\n".to_owned(),
+    ];
+    let found = eigenvalues("top", &parts, 3);
+    let root = f64::sqrt(J * spin * J * spin - 4.0 * I * weight);
+    assert_eq!(found[0], Complex64::ZERO);
+    assert_near(found[1].im, (J * spin - root) / (2.0 * I), 1e-9);
+    assert_near(found[2].im, (J * spin + root) / (2.0 * I), 1e-9);
+}
+
 /// A four-bar linkage with a damper has one mode, however many are requested. Angles of its joints are massless unknowns beside
 /// the multipliers, which equations hold.
 #[test]

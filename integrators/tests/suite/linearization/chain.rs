@@ -75,6 +75,22 @@ fn damped_modes_are_found_as_often_as_they_occur() {
     }
 }
 
+/// λ = −2 twice for each mass, with one shape: no other eigenvectors exist.
+#[test]
+fn critical_damping_of_several_masses() {
+    for n in [1, 2, 3, 8] {
+        let mut lin = chain(n, 4.0, 0.0);
+        lin.K = lin.M.iter().map(|m| 4.0 * m).collect();
+        let found = modes(&lin, &ModeOptions::lowest(2 * n)).unwrap();
+        assert_eq!(found.modes.len(), 2 * n);
+        for mode in &found.modes {
+            let error = (mode.eigenvalue + 2.0).norm();
+            assert!(error < 1e-6, "{n}: {error:e}");
+            assert!(mode.residual < 1e-7, "{n}: {:e}", mode.residual);
+        }
+    }
+}
+
 #[test]
 fn a_range_contains_the_frequencies_at_its_ends() {
     for (n, beta) in [(5, 0.0), (5, 0.1), (2000, 0.0), (300, 0.1)] {
