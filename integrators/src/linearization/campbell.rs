@@ -174,7 +174,11 @@ impl Sweep<'_> {
             };
             rows.push((self.lines.iter().map(|line| line.as_ref().map(upper))).collect());
         }
-        let line = |k: usize| rows.iter().map(|row: &Vec<_>| row[k].clone()).collect();
+        let line = |k: usize| {
+            rows.iter()
+                .map(|row: &Vec<_>| row.get(k).cloned().flatten())
+                .collect()
+        };
         Ok(CampbellDiagram {
             speeds: options.speeds.clone(),
             lines: (0..self.lines.len()).map(line).collect(),

@@ -94,7 +94,8 @@ pub struct ArcLengthOptions {
     /// Events to locate and report, each with whether it ends the path.
     pub events: Vec<(Event, bool)>,
     /// Whether the path goes on along the one that crosses it at the first [`Event::Bifurcation`] among the events:
-    /// towards growing loads, or where its largest displacement is positive.
+    /// towards growing loads, or where the largest component of its shape is positive, in sizes of the coordinates; of
+    /// equal ones the first.
     pub switch_branch: bool,
     /// Direction of the load at the start: true for growing.
     pub forward: bool,

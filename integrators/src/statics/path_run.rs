@@ -262,7 +262,6 @@ impl PathRun {
         hopeless: bool,
     ) -> Result<(), StaticsError> {
         self.newton.summary.rejected += 1;
-        self.fresh = false;
         let to = self.at.t + self.ds * self.at.tangent.dt;
         let mut failed = self.newton.fail(system, failure, to);
         self.ds *= 0.5;
@@ -328,11 +327,15 @@ impl PathRun {
 
     /// Goes on from a bifurcation along the path that crosses the present one.
     fn switch(&mut self, position: Position, mut branch: PathDirection) {
-        let largest = (branch.dq.iter()).max_by(|x, y| x.abs().total_cmp(&y.abs()));
-        let shape = largest.map_or(0.0, |x| x.abs() / self.norm.load.sqrt());
-        let sense = match branch.dt.abs() > SYMMETRIC * shape {
+        // In their sizes: units make no difference.
+        let parts = branch.dq.iter().zip(&self.norm.weights);
+        let parts: Vec<f64> = parts.map(|(x, weight)| x * weight.sqrt()).collect();
+        let largest = parts.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        // Of a symmetric shape several are the largest, but for rounding errors.
+        let first = parts.iter().find(|x| x.abs() >= EQUAL * largest);
+        let sense = match branch.dt.abs() * self.norm.load.sqrt() > SYMMETRIC * largest {
             true => branch.dt.signum(),
-            false => largest.map_or(1.0, |x| x.signum()),
+            false => first.map_or(1.0, |x| x.signum()),
         };
         branch.dq.iter_mut().for_each(|x| *x *= sense);
         branch.dt *= sense;
@@ -387,6 +390,9 @@ impl PathRun {
 
 /// Largest slope of the load along a branch that counts as rounding.
 const SYMMETRIC: f64 = 1e-6;
+
+/// Ratio above which two components of a shape are equal.
+const EQUAL: f64 = 0.999;
 
 /// A correction that diverges along a path has left it.
 fn off_path(failure: Cause) -> Cause {

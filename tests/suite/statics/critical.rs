@@ -6,6 +6,7 @@ use crate::support::laboratory::model;
 use crate::support::prelude::*;
 use crate::support::program::{assert_close, assert_says, changed, number, run_of};
 use pullback::input::job;
+use std::collections::HashMap;
 
 /// From the last step before it, in five iterations. Values by independent shooting: S11 and S12.
 #[test]
@@ -90,15 +91,41 @@ fn a_column_follows_the_elastica() {
     assert!((load - 1.0).abs() < 1e-6, "{load}");
     assert!(rows.len() > found + 10, "{}", rows.len());
     for row in &rows[found + 1..] {
-        let angle = number(row, "largest_rotation");
-        let [K, E] = elliptic((0.5 * angle).sin());
-        let P = 4.0 * K * K;
-        assert_close(20.0 * number(row, "t") / P, 1.0, 1e-5, angle);
-        let shortening = 2.0 * (1.0 - E / K) + P / 1e4;
-        assert_close(number(row, "end.x"), -shortening, 1e-5, angle);
-        assert_eq!(row["unstable"], "0", "{angle}");
+        let P = elastic_load(row);
+        assert_close(20.0 * number(row, "t") / P, 1.0, 1e-5, P);
     }
     assert_eq!(run.result["warnings"], serde_json::json!([]));
+}
+
+/// The load of the elastica with the rotation of a row, whose shortening is that of the row.
+#[track_caller]
+fn elastic_load(row: &HashMap<String, String>) -> f64 {
+    let angle = number(row, "largest_rotation");
+    let [K, E] = elliptic((0.5 * angle).sin());
+    let P = 4.0 * K * K;
+    let shortening = 2.0 * (1.0 - E / K) + P / 1e4;
+    assert_close(number(row, "end.x"), -shortening, 1e-5, angle);
+    assert_eq!(row["unstable"], "0", "{angle}");
+    P
+}
+
+/// An end that is moved: the first step along the branch is too long, and is halved.
+#[test]
+fn a_shortened_column_follows_the_elastica() {
+    let load = "[[loads]]\nnode = \"B\"\nforce = [-20, 0, 0]";
+    let moved = "prescribed = { x = { proportional = -7.6e-4 } }";
+    let text = column()
+        .replace(load, moved)
+        .replace("load = 0.9", "load = 2.2")
+        .replace("max_step = 0.05", "");
+    let rows = run_of("critical_shortened", &text).rows;
+    let mut events = rows.iter().map(|row| &row["event"]);
+    let found = events.position(|event| event == "bifurcation").unwrap();
+    assert!(rows.len() > found + 10, "{}", rows.len());
+    for row in &rows[found + 1..] {
+        assert!(elastic_load(row) > 9.87);
+    }
+    assert!(number(&rows[rows.len() - 1], "largest_rotation") > 0.05);
 }
 
 /// A round cantilever buckles in all planes at Euler's load π²/4.

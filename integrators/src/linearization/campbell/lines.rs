@@ -26,7 +26,8 @@ impl Linearized {
     }
 }
 
-/// Continues lines by modes at the next speed; with the least agreement of shapes.
+/// Continues lines by modes at the next speed; with the least agreement of shapes. For each line that ends here, the lowest mode
+/// that has none begins one.
 pub(super) fn continued(
     lines: &[Option<Mode>],
     found: Vec<Mode>,
@@ -82,9 +83,12 @@ pub(super) fn continued(
             out[own[i]] = Some(found[j].clone());
         }
     }
-    if open.contains(&true) {
+    let ended = open.iter().filter(|open| **open).count();
+    if ended > 0 {
         least = 0.0;
     }
+    let others = (0..found.len()).filter(|&j| of[j] == j && !taken[j]);
+    out.extend(others.take(ended).map(|j| Some(found[j].clone())));
     (out, least)
 }
 
