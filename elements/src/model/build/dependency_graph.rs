@@ -54,17 +54,16 @@ impl Alternatives {
 fn union(a: &[u32], b: &[u32]) -> Vec<u32> {
     let mut out = Vec::with_capacity(a.len() + b.len());
     let (mut i, mut j) = (0, 0);
-    while i < a.len() || j < b.len() {
+    loop {
         let next = match (a.get(i), b.get(j)) {
             (Some(&x), Some(&y)) => x.min(y),
             (Some(&x), None) | (None, Some(&x)) => x,
-            (None, None) => break,
+            (None, None) => return out,
         };
         i += usize::from(a.get(i) == Some(&next));
         j += usize::from(b.get(j) == Some(&next));
         out.push(next);
     }
-    out
 }
 
 /// Mapped nodes, parents first.
