@@ -286,12 +286,12 @@ impl ModelBuilder {
             }
         }
         let nodes = &nodes[..];
-        let rotated = properties.sees_rotations && !properties.dead;
         self.elements.push(ElementEntry {
             name,
             frames: (0..)
                 .zip(nodes)
-                .filter(|(_, n)| rotated && self.nodes[n.0 as usize].form == NodeForm::Frame)
+                .filter(|_| properties.sees_rotations)
+                .filter(|(_, n)| self.nodes[n.0 as usize].form == NodeForm::Frame)
                 .map(|(k, _)| 1 << k)
                 .sum(),
             dead: properties.dead,
