@@ -46,12 +46,10 @@ impl Between {
         let before = self.complements;
         self.complements = psi.map_or([false; 2], |psi| {
             let angle = psi.map(|p| p.norm());
+            // A complement has the angle 2π − ψ.
             match quaternion(&psi[0]).dot(&quaternion(&psi[1])) >= 0.0 {
-                true if angle[0].max(angle[1]) > TAU - angle[0].min(angle[1]) => [true; 2],
-                true => [false; 2],
-                false if angle[0].max(TAU - angle[1]) <= angle[1].max(TAU - angle[0]) => {
-                    [false, true]
-                }
+                true => [angle[0] + angle[1] > TAU; 2],
+                false if angle[0] <= angle[1] => [false, true],
                 false => [true, false],
             }
         });
