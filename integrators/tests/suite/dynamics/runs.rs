@@ -235,6 +235,7 @@ fn options_are_refused_with_their_range() {
     refused! {
         pendulum(1.0, 0.0) => ["option step = 0.0 is not usable"],
         pendulum(1.0, f64::NAN) => ["option step = NaN"],
+        pendulum(1.0, f64::INFINITY) => ["option step = inf"],
         pendulum(-1.0, 0.1) => ["option to = -1.0"],
         pendulum(f64::INFINITY, 0.1) => ["option to = inf"],
     }
