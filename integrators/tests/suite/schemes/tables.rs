@@ -93,6 +93,7 @@ fn tables_that_are_none_are_refused() {
         new(&[Stage { c: 0.5, ..good }]) => ["the last one at c = 1"],
         new(&[Stage { c: f64::NAN, ..good }]) => ["not finite"],
         new(&[Stage { q, ..good }]) => ["a stage that it does not have"],
+        new(&[Stage { v: q, ..good }]) => ["a stage that it does not have"],
         new(&[Stage { q, ..good }; 2]) => ["singular"],
         Scheme::new("bathe", &[good], properties) => ["has this name"],
     }
