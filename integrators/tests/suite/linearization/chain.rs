@@ -288,6 +288,18 @@ fn a_range_holds_growing_modes_with_and_without_damping() {
     }
 }
 
+/// K = diag(1, 4, 9) and a triangular M: ω² are the quotients of their diagonals.
+#[test]
+fn a_mass_matrix_need_not_be_symmetric() {
+    let mut lin = three([1.0, 4.0, 9.0], [[0.0; 3]; 3], [1.0; 3]);
+    lin.M[3] = 5.0;
+    let found = modes(&lin, &ModeOptions::lowest(3)).unwrap().modes;
+    for (mode, omega) in found.iter().zip([1.0, 2.0, 3.0]) {
+        near(mode.omega(), omega, 1e-12);
+    }
+    assert_eq!(found.len(), 3);
+}
+
 /// Two free carts with dampers to each other, to a third one and to the ground: K x = 0 for both, so that λ = 0 twice.
 #[test]
 fn two_rigid_modes_with_dampers_are_both_found() {
