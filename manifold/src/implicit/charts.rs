@@ -14,9 +14,6 @@ use std::f64::consts::PI;
 /// 17): 30 for a hundred unknowns with a tenth of them free. Pivoting misses it by this factor only
 /// for matrices like Kahan's, whose columns are less and less independent; linkages have none.
 const POOR: f64 = 1e3;
-/// Largest condition number of preferred coordinates, relative to the best ones, at which they are
-/// taken at the start.
-const PREFERRED: f64 = 10.0;
 /// A preference of 1 makes an unknown appear less dependent by this factor.
 const WEIGHT: f64 = 1e-3;
 /// Gain in the condition number that triggers a change of coordinates (hysteresis).
@@ -179,7 +176,7 @@ impl ImplicitMap {
         if chosen.independent.is_none() {
             return best;
         }
-        let most = (PREFERRED * best).min(self.good().max(GAIN * best));
+        let most = self.good().max(GAIN * best);
         for least in [0.0, 0.5] {
             let condition = self.best_by(Choice::Split, |u| {
                 let preference = if u.preference > least {
