@@ -192,6 +192,16 @@ fn preferred_coordinates_are_taken_up_to_a_condition_of_ten_for_each_unknown() {
 }
 
 #[test]
+fn a_singular_split_is_refused_and_leaves_the_map_as_it_is() {
+    // At (1, 0) the circle has no slope for its first coordinate.
+    let mut map = circle(0.0, 0.0);
+    assert!(!map.switch(0.0, Some(&[0]), &mut [0.0], &mut [0.0], &mut []));
+    assert_eq!(map.independent(), Some(vec![1]));
+    let [x, _] = tangent(&map, 0.0, &[0.6]);
+    assert!((x[0] - 0.8).hypot(x[1] - 0.6) < 1e-12, "{x:?}");
+}
+
+#[test]
 fn a_split_is_kept_until_its_condition_is_ten_for_each_unknown() {
     let mut map = circle(0.5, 1.0);
     let mut q = [0.0];
