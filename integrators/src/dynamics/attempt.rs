@@ -131,7 +131,7 @@ impl MotionRun {
     ) -> Result<Option<f64>, DynamicsError> {
         progress.easy = 0;
         progress.next_step = 0.5 * (span[1] - span[0]);
-        if progress.next_step >= self.options.min_step && progress.next_step > 0.0 {
+        if progress.next_step >= self.options.min_step {
             return Ok(None);
         }
         Err((self.stepper).fail(system, failure, span, &progress.summary))

@@ -48,7 +48,7 @@ impl StaticAnalysis for LoadRun {
         // Without a range there is only the equilibrium at the start.
         newton.summary.finished = options.from == options.to;
         let q = newton.start(q)?;
-        let first_step = options.first_step.abs().min(options.max_step.abs());
+        let first_step = options.first_step.min(options.max_step);
         Ok(Self {
             newton,
             options: *options,
@@ -138,7 +138,7 @@ impl LoadRun {
         let (known, unstable) = newton.prepare(system);
         self.known = Some(known);
         if iterations <= EASY {
-            let longest = self.options.max_step.abs();
+            let longest = self.options.max_step;
             self.dt = self.dt.signum() * (2.0 * self.dt.abs()).min(longest);
         }
         self.reached = Step {
@@ -171,7 +171,7 @@ impl LoadRun {
         start(system, self.newton.summary.t, &self.q);
         change_charts(system, self.newton.summary.t, &mut self.q, &mut [], &mut []);
         self.dt = 0.5 * (t - self.newton.summary.t);
-        let too_small = self.dt.abs() < self.options.min_step.abs() || self.dt == 0.0;
+        let too_small = self.dt.abs() < self.options.min_step;
         if hopeless || too_small {
             // Leaves the system at the last equilibrium.
             (self
