@@ -5,6 +5,7 @@ use crate::support::*;
 use num_complex::Complex64;
 use pullback::integrators::linearization::stability_limit;
 use pullback::integrators::statics::StaticOptions;
+use std::f64::consts::TAU;
 
 /// Eigenvalues λ of a model on the ground, about its state as drawn.
 fn eigenvalues(name: &str, parts: &[String], count: usize) -> Vec<Complex64> {
@@ -136,36 +137,41 @@ fn a_pendulum_in_skew_gravity() {
 }
 
 /// An upright top on a universal joint that spins fast enough to be stable: I λ² − i J Ω λ − m g l = 0. Its forces of inertia
-/// cancel but for rounding errors.
+/// cancel but for rounding errors. Over the speed, two real eigenvalues at rest become one pair, and others begin a line.
 #[test]
 fn a_sleeping_top() {
     let (I, J, weight, spin) = (0.34, 0.03, 2.0 * 9.81 * 0.4, 130.0);
-    let parts = [
-        joint(
-            "tilt",
-            "universal",
-            "ground",
-            "axis = [1, 0, 0]\nsecond_axis = [0, 1, 0]",
-        ),
-        joint(
-            "spin",
-            "revolute",
-            "tilt",
-            &format!("axis = [0, 0, 1]\nrate = {spin}"),
-        ),
-        body_of(
-            "spin",
-            2.0,
-            "center = [0, 0, 0.4]\ninertia = [0.02, 0.02, 0.03]",
-        ),
-        GRAVITY.to_owned(),
-        "[analysis.modes.after.dynamic]\nto = 0.01\nstep = 0.001\n".to_owned(),
-    ];
-    let found = eigenvalues("top", &parts, 3);
+    let top = |rate: &str| {
+        let cross = "axis = [1, 0, 0]\nsecond_axis = [0, 1, 0]";
+        let body = "center = [0, 0, 0.4]\ninertia = [0.02, 0.02, 0.03]";
+        let spin = format!("axis = [0, 0, 1]\n{rate}");
+        [
+            joint("tilt", "universal", "ground", cross),
+            joint("spin", "revolute", "tilt", &spin),
+            body_of("spin", 2.0, body),
+            GRAVITY.to_owned(),
+        ]
+        .concat()
+    };
     let root = f64::sqrt(J * spin * J * spin - 4.0 * I * weight);
+    let exact = [J * spin - root, J * spin + root].map(|x| x / (2.0 * I));
+    let after = "[analysis.modes.after.dynamic]\nto = 0.01\nstep = 0.001\n";
+    let found = eigenvalues("top", &[top("rate = 130"), after.to_owned()], 3);
     assert_eq!(found[0], Complex64::ZERO);
-    assert_near(found[1].im, (J * spin - root) / (2.0 * I), 1e-9);
-    assert_near(found[2].im, (J * spin + root) / (2.0 * I), 1e-9);
+    assert_near(found[1].im, exact[0], 1e-9);
+    assert_near(found[2].im, exact[1], 1e-9);
+
+    let analysis = "[analysis.campbell]\njoint = \"spin\"\nto = 130\nsteps = 10\ncount = 2\n";
+    let text = [GROUND, &top(""), analysis].concat();
+    let csv = ran(&directory("campbell_top"), &text).join("campbell.csv");
+    let csv = std::fs::read_to_string(csv).unwrap();
+    let last = csv.lines().next_back().unwrap().split(',');
+    let cells = last.skip(1).step_by(2).filter_map(|cell| cell.parse().ok());
+    let mut found: Vec<f64> = cells.map(|x: f64| TAU * x).collect();
+    found.sort_by(f64::total_cmp);
+    assert_eq!(found.len(), 2);
+    assert_near(found[0], exact[0], 1e-9);
+    assert_near(found[1], exact[1], 1e-9);
 }
 
 /// A four-bar linkage with a damper has one mode, however many are requested. Angles of its joints are massless unknowns beside
