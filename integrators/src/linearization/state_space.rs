@@ -41,7 +41,7 @@ pub enum StateSpaceError {
     /// M is singular.
     #[error(
         "{0} moves without inertia, so that there is no first-order form: give every body and node that moves mass and, \
-         where it rotates, inertia"
+         where it rotates, inertia. A joint that is closed by a penalty has none: close the loop by a map or multipliers"
     )]
     Massless(String),
     /// Inputs move equations of multipliers.

@@ -327,16 +327,7 @@ impl PathRun {
 
     /// Goes on from a bifurcation along the path that crosses the present one.
     fn switch(&mut self, position: Position, mut branch: PathDirection) {
-        // In their sizes: units make no difference.
-        let parts = branch.dq.iter().zip(&self.norm.weights);
-        let parts: Vec<f64> = parts.map(|(x, weight)| x * weight.sqrt()).collect();
-        let largest = parts.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-        // Of a symmetric shape several are the largest, but for rounding errors.
-        let first = parts.iter().find(|x| x.abs() >= EQUAL * largest);
-        let sense = match branch.dt.abs() * self.norm.load.sqrt() > SYMMETRIC * largest {
-            true => branch.dt.signum(),
-            false => first.map_or(1.0, |x| x.signum()),
-        };
+        let sense = self.norm.sense(&branch);
         branch.dq.iter_mut().for_each(|x| *x *= sense);
         branch.dt *= sense;
         self.at = Position {
@@ -387,12 +378,6 @@ impl PathRun {
         self.ds = (self.ds * ease.clamp(0.5, straightness)).min(self.options.max_step);
     }
 }
-
-/// Largest slope of the load along a branch that counts as rounding.
-const SYMMETRIC: f64 = 1e-6;
-
-/// Ratio above which two components of a shape are equal.
-const EQUAL: f64 = 0.999;
 
 /// A correction that diverges along a path has left it.
 fn off_path(failure: Cause) -> Cause {

@@ -128,6 +128,25 @@ fn a_shortened_column_follows_the_elastica() {
     assert!(number(&rows[rows.len() - 1], "largest_rotation") > 0.05);
 }
 
+/// Both ends rotate by the same angle: the side does not depend on rounding errors.
+#[test]
+fn a_column_buckles_to_the_same_side_in_any_unit() {
+    let middle = "load_scale = 0.5\n[[probes]]\nname = \"middle\"\nquantity = \"displacement\"\nnode = \"line/15\"";
+    let [m, mm] = [1.0, 1e3].map(|length: f64| {
+        let [GJ, soft, stiff] = [1e3, 1.0, 1e3].map(|k| k * length * length);
+        let stiffness = format!("EA = 1e7, GA = [1e7, 1e7], GJ = {GJ}, EI = [{stiff}, {soft}]");
+        let column = column()
+            .replace(COLUMN, &stiffness)
+            .replace("elements = 8", "elements = 10");
+        let column = column.replace("B = [1,", &format!("B = [{length},"));
+        let column = column.replace("[\"y\", \"z\", \"rx\", \"ry\"]", "[\"y\", \"z\"]");
+        let rows = run_of("critical_units", &(column + middle)).rows;
+        number(&rows[rows.len() - 1], "middle.y") / length
+    });
+    assert!(m.abs() > 0.3);
+    assert_close(mm, m, 1e-9, "length");
+}
+
 /// A round cantilever buckles in all planes at Euler's load π²/4.
 #[test]
 fn a_round_column_has_no_single_branch() {

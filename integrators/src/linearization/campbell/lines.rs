@@ -84,12 +84,9 @@ pub(super) fn continued(
         }
     }
     let ended = open.iter().filter(|open| **open).count();
-    if ended > 0 {
-        least = 0.0;
-    }
     let others = (0..found.len()).filter(|&j| of[j] == j && !taken[j]);
     out.extend(others.take(ended).map(|j| Some(found[j].clone())));
-    (out, least)
+    (out, if ended > 0 { 0.0 } else { least })
 }
 
 /// The other mode of a pair of conjugates.
