@@ -181,7 +181,11 @@ impl Sweep<'_> {
         };
         Ok(CampbellDiagram {
             speeds: options.speeds.clone(),
-            lines: (0..self.lines.len()).map(line).collect(),
+            // Not those that began and ended between two speeds.
+            lines: (0..self.lines.len())
+                .map(line)
+                .filter(|line: &Vec<Option<Mode>>| line.iter().any(Option::is_some))
+                .collect(),
             last: self.last.take(),
             multi_blade: options.rotor.is_some(),
         })
