@@ -4,7 +4,7 @@ mod memory;
 
 pub use memory::{ReachError, Recorded, reach, record_job};
 
-use crate::input::{self, EigenvaluePlan, InputError, Job, Plan};
+use crate::input::{self, Analysis, EigenvaluePlan, InputError, Job, Plan};
 use crate::modes::{self, Eigenvalues, ModelModesError};
 use crate::output::{
     Checkpoint, Directory, Ending, OutputError, RecordError, Recorder, ResumeError, Setting,
@@ -289,6 +289,8 @@ fn first_warnings(job: &mut Job, progress: &Progress, notes: &mut Vec<String>) -
         warnings.extend(warnings::immobile(context));
         warnings.extend(warnings::massless(context, progress));
         warnings.extend(warnings::too_stiff(context, file, progress));
+    } else if !matches!(&job.file.analysis, Analysis::Modes(modes) if modes.after.is_none()) {
+        warnings.extend(warnings::unsupported(&job.context));
     }
     warnings
 }

@@ -179,6 +179,16 @@ pub(crate) fn immobile(context: &Context) -> impl Iterator<Item = String> {
     })
 }
 
+/// A warning about supports that do not hold a structure.
+pub(crate) fn unsupported(context: &Context) -> Option<String> {
+    let (node, motion) = context.free_motion()?;
+    Some(format!(
+        "supports do not hold the part of the structure that contains node {}: it can still move as a rigid body \
+         ({motion}) unless loads hold it, as gravity holds a hanging cable; add supports that prevent this",
+        context.node(node).name()
+    ))
+}
+
 /// Largest acceptable ratio of rounding errors of a gap to the forces on a model.
 const ROUGH: f64 = 1e-3;
 

@@ -216,6 +216,18 @@ pub(crate) fn find_mechanism(system: &dyn System, values: &[f64]) -> Vec<(String
         .collect()
 }
 
+/// The components of a mechanism, each on a line.
+pub(crate) fn names(mechanism: &[(String, f64)]) -> String {
+    match mechanism {
+        // Its component of a vector of length one says nothing.
+        [(name, _)] => format!("\n    {name}"),
+        all => all
+            .iter()
+            .map(|(name, entry)| format!("\n    {name} ({entry:+.3})"))
+            .collect(),
+    }
+}
+
 impl FailedStep {
     /// Writes the cause, with a remedy.
     fn explain(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -291,10 +303,6 @@ impl FailedStep {
         if mechanism.is_empty() {
             return write!(f, "the tangent cannot be solved with: {error}");
         }
-        write!(f, "what moves without resistance:")?;
-        for (name, entry) in mechanism {
-            write!(f, "\n    {name} ({entry:+.3})")?;
-        }
         let remedy = match self.parameter {
             StepParameter::Load => {
                 "hold it by a support, a spring or a prescribed motion, or follow the path with arc-length control if \
@@ -304,7 +312,8 @@ impl FailedStep {
         };
         write!(
             f,
-            "\n  {remedy}\n  (the tangent cannot be solved with: {error})"
+            "what moves without resistance:{}\n  {remedy}\n  (the tangent cannot be solved with: {error})",
+            names(mechanism)
         )
     }
 }

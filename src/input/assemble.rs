@@ -94,11 +94,6 @@ pub(super) fn assemble(
     let model = std::mem::take(&mut assembly.builder).build();
     let model = model.map_err(|error| assembly.locate(error))?;
     let dynamic = file.analysis.is_dynamic();
-    let floats = dynamic || matches!(&file.analysis, Analysis::Modes(m) if m.after.is_none());
-    if !floats {
-        // A structure without supports is allowed in dynamics, and has modes.
-        (model.check_supports()).map_err(|error| assembly.locate(error))?;
-    }
     if formulation != Formulation::Total && model.increments() == 0 {
         let message = "no rotation in this model is free as a whole, so that all formulations of \
                        rotations are the same: take the scheme without the prefix"

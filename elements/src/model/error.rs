@@ -211,11 +211,6 @@ pub enum ModelError {
     #[error("node {node} carries no element (loads do not count); connect it or remove it")]
     Unconnected { node: Subject },
     #[error(
-        "the part of the structure that contains node {node} is not supported: it can still move \
-         as a rigid body ({motion}); add supports that prevent this"
-    )]
-    Unsupported { node: Subject, motion: String },
-    #[error(
         "the loop closed by joint {joints} has no freedom left, and nothing else in the model has \
          one: nothing can move. Release something along the loop, or see whether axes and positions \
          are given with all their digits"
@@ -245,7 +240,6 @@ impl ModelError {
                 coordinate: about, ..
             }
             | Self::Unconnected { node: about }
-            | Self::Unsupported { node: about, .. }
             | Self::LockedLoop { joints: about } => Some(about.node),
             _ => None,
         }

@@ -1,6 +1,6 @@
 //! Errors of an integration in time.
 
-use crate::failure::FailedStep;
+use crate::failure::{FailedStep, names};
 use crate::linear_solver::LinearError;
 use crate::significant;
 use pullback_manifold::system::SystemError;
@@ -134,16 +134,5 @@ fn grown(energy: f64, known: f64) -> String {
         format!("it has the energy {energy:.3e} where {known:.3e} has ever been there or supplied")
     } else {
         "its energy is beyond all numbers".to_owned()
-    }
-}
-
-fn names(mechanism: &[(String, f64)]) -> String {
-    match mechanism {
-        // Its component of a vector of length one says nothing.
-        [(name, _)] => format!("\n    {name}"),
-        all => all
-            .iter()
-            .map(|(name, entry)| format!("\n    {name} ({entry:+.3})"))
-            .collect(),
     }
 }

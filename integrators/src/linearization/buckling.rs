@@ -4,6 +4,7 @@ use super::inputs::central;
 use super::modes::ModesError;
 use super::search::Search;
 use super::{Linearized, check_count, linearize};
+use crate::failure::{find_mechanism, names};
 use crate::linear_solver::{AutoSolver, LinearError, LinearSolver, MatrixSymmetry, max_abs};
 use crate::vectors::dot;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
@@ -46,9 +47,18 @@ pub enum BucklingError {
         "no load or prescribed motion that changes with the load parameter changes the tangent: nothing buckles"
     )]
     NoLoad,
-    /// The linear solver failed.
-    #[error(transparent)]
-    Linear(#[from] LinearError),
+    /// The tangent is singular.
+    #[error(
+        "what moves without resistance:{}\n  hold it by a support or a spring, or begin at a smaller load\n  \
+         (the tangent cannot be solved with: {source})",
+        names(mechanism)
+    )]
+    Singular {
+        /// The error of the solver.
+        source: LinearError,
+        /// Components of what moves without resistance by name, largest first.
+        mechanism: Vec<(String, f64)>,
+    },
     /// The search failed.
     #[error(transparent)]
     Search(#[from] ModesError),
@@ -82,7 +92,10 @@ pub fn buckling(
         return Err(BucklingError::Asymmetric);
     }
     let loads = load_rate(system, at)?;
-    let rate = path_rate(&lin, &loads)?;
+    let rate = path_rate(&lin, &loads).map_err(|source| BucklingError::Singular {
+        source,
+        mechanism: find_mechanism(system, &lin.K),
+    })?;
     let mut tangent = |s: f64| {
         let q: Vec<f64> = at.q.iter().zip(&rate).map(|(q, x)| q + s * x).collect();
         let (mut r, mut K) = (vec![0.0; q.len()], vec![0.0; lin.pattern.len()]);

@@ -106,9 +106,59 @@ fn why_there_are_no_modes_or_critical_loads_is_told() {
             column("[analysis.buckling]\nafter = { static = { to = 12.0 } }\n"),
             "is not stable",
         ),
+        (
+            "buckling mechanism",
+            column("[analysis.buckling]\n").replace(", \"rx\"", ""),
+            "node A, rotation about e1 (+1.000)",
+        ),
     ] {
         assert_says(&failed(name, &text), &[told]);
     }
+}
+
+/// A hanging chain has the frequencies j √(g/L)/4π, where j are the zeros of the Bessel function J₀ (Daniel Bernoulli
+/// 1733). Supports alone do not hold it.
+#[test]
+fn gravity_holds_a_hanging_cable() {
+    let text = r#"
+[sections.cable]
+stiffness = { EA = 1e7, GA = [1e6, 1e6], GJ = 1e-5, EI = [1e-5, 1e-5] }
+mass = { A_rho = 2, J = [1e-12, 1e-12, 1e-12] }
+[nodes]
+top = [0, 0, 0]
+end = [0, 0, -3]
+[[lines]]
+name = "cable"
+from = "top"
+to = "end"
+elements = 20
+order = 3
+section = "cable"
+[[supports]]
+node = "top"
+fix = ["x", "y", "z", "rz"]
+[[loads]]
+gravity = [0, 0, -9.81]
+time = { constant = 1 }
+[analysis.modes]
+count = 4
+after.static.steps = 1
+"#;
+    let run = run_of("hanging cable", text);
+    assert_says(
+        &run.result["warnings"].to_string(),
+        &[
+            "can still move as a rigid body (rotation",
+            "unless loads hold it",
+        ],
+    );
+    let found = csv(run.out.join("modes.csv"));
+    let zeros = [2.404825557695773, 5.520078110286311];
+    for (row, zero) in found.iter().zip([zeros[0], zeros[0], zeros[1], zeros[1]]) {
+        let exact = zero * f64::sqrt(9.81 / 3.0) / (2.0 * TAU);
+        assert_close(row[1] / exact, 1.0, 1e-3, "frequency");
+    }
+    assert_eq!(found.len(), 4);
 }
 
 #[test]

@@ -69,16 +69,10 @@ fn supports_must_hold_the_structure_once() {
 [nodes] => &\nC = [5, 5, 5] | C | node C carries no element (loads do not count); connect it or remove it
  => [[joints]]\nname = "arm"\ntype = "offset"\nparent = "B"\nposition = [2, 0, 0]\n[[joints]]\nname = "arm 2"\ntype = "revolute"\nparent = "B"\naxis = [0, 0, 1]\n[nodes] | "arm 2" | node arm 2 angle carries no element
  => [[joints]]\nname = "pin"\ntype = "cylindrical"\nparent = "B"\naxis = [0, 0, 1]\nvalue = 1\n[nodes] | value | no use for value | `coordinates.displacement.value`
-fix = "all" => fix = "position" | A | rotation about
- => fix = "position" | A | add supports that prevent this
- => fix = ["y", "z", "rx", "ry", "rz"] | A | translation along (1
- => fix = ["y", "z", "rx", "ry", "rz"] | A | add supports that prevent this
- => fix = ["x", "x"] | ["x", "x"] | coordinate x of node "A" is prescribed twice | remove
+fix = "all" => fix = ["x", "x"] | ["x", "x"] | coordinate x of node "A" is prescribed twice | remove
  => &\nprescribed = { rz = { constant = 1 } } | { constant | coordinate rz of node "A" is prescribed twice | remove
  => | "A" | has neither `fix` nor `prescribed` | fix = "all"
  => fix = [] | "A" | has neither `fix`
-[[supports]]\nnode = "A"\nfix = "all"\n => | A | contains node A is not supported
- => | A | add supports that prevent this
 "#,
     );
 }

@@ -37,6 +37,29 @@ fn a_mechanism_is_told_at_once_and_first() {
 }
 
 #[test]
+fn what_supports_do_not_hold_is_told() {
+    for (fix, motion) in [
+        ("\"position\"", "(rotation about the direction"),
+        (
+            "[\"y\", \"z\", \"rx\", \"ry\", \"rz\"]",
+            "(translation along (1.000, 0.000, 0.000))",
+        ),
+    ] {
+        let text =
+            with("\"all\"", fix).replace("moment = [0, 0, 3.141592653589793]", "force = [1, 0, 0]");
+        let said = failed("messages_unsupported", &text);
+        assert_says(
+            &said,
+            &[
+                "that contains node A",
+                motion,
+                "what moves without resistance",
+            ],
+        );
+    }
+}
+
+#[test]
 fn a_load_that_jumps_is_told_of_and_small_numbers_are_readable() {
     // A strut that is pushed through by a load that comes at once, in nanoseconds of t.
     let pulse = "force = [0, 3e5, 0]\ntime = { pulse = { start = 2.5e-9, end = 1 } }";

@@ -27,8 +27,7 @@ impl ModelBuilder {
     /// Checks the model, numbers its unknowns and finds the pattern.
     ///
     /// # Errors
-    /// [`ModelError`] with the cause. Statics also checks that the supports suffice
-    /// ([`Model::check_supports`]); a free structure is valid in dynamics.
+    /// [`ModelError`] with the cause.
     pub fn build(mut self) -> Result<Model, ModelError> {
         let extent = extent(&self.nodes);
         let length = if extent > 0.0 { extent } else { 1.0 };

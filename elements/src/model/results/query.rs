@@ -2,7 +2,7 @@
 
 use crate::element::{Motion, SectionState};
 use crate::model::build::builder::{Dof, ElementId, NodeId};
-use crate::model::{Context, Model, ModelError, NONE, Node, NodeForm, Subject};
+use crate::model::{Context, Model, NONE, Node, NodeForm};
 use nalgebra::Vector3;
 use pullback_manifold::so3;
 use pullback_manifold::system::{Point, SystemError};
@@ -80,25 +80,19 @@ impl Model {
         n.coordinate_name(c - n.first)
     }
 
-    /// Checks that every connected part of the structure is held against rigid motion, as statics
-    /// requires.
-    ///
-    /// # Errors
-    /// [`ModelError::Unsupported`] with a node of the part and its free motion.
-    pub fn check_supports(&self) -> Result<(), ModelError> {
-        let mut parts: BTreeMap<usize, Vec<&crate::model::Node>> = BTreeMap::new();
+    /// A rigid motion, in words, of a connected part of the structure that no support prevents, and a node of the part.
+    /// In statics only loads can hold it, as gravity holds a cable that hangs between two hinges.
+    pub fn free_motion(&self) -> Option<(NodeId, String)> {
+        let mut parts: BTreeMap<usize, Vec<&Node>> = BTreeMap::new();
         for (node, part) in self.nodes.iter().zip(self.connected_parts()) {
             if node.is_frame() {
                 parts.entry(part).or_default().push(node);
             }
         }
-        for frames in parts.values() {
-            if let Some(motion) = self.free_motion(frames) {
-                let node = Subject::node(&self.nodes, self.node_of(frames[0].first) as u32);
-                return Err(ModelError::Unsupported { node, motion });
-            }
-        }
-        Ok(())
+        parts.values().find_map(|frames| {
+            let motion = self.unsupported(frames)?;
+            Some((NodeId(self.node_of(frames[0].first) as u32), motion))
+        })
     }
 
     /// Index of the connected part of each node.
@@ -128,7 +122,7 @@ impl Model {
     }
 
     /// A rigid motion of these frames that no support prevents, in words.
-    fn free_motion(&self, frames: &[&crate::model::Node]) -> Option<String> {
+    fn unsupported(&self, frames: &[&Node]) -> Option<String> {
         let center: Vector3<f64> =
             frames.iter().map(|n| n.position).sum::<Vector3<f64>>() / frames.len() as f64;
         // Gram matrix of the prescribed coordinates over rigid motions (translation, rotation about
@@ -299,7 +293,7 @@ fn describe_motion(motion: &nalgebra::Vector6<f64>, center: &Vector3<f64>, lengt
     let translation: Vector3<f64> = motion.fixed_rows::<3>(0).into_owned();
     let rotation: Vector3<f64> = motion.fixed_rows::<3>(3) / length;
     let show = |v: &Vector3<f64>| {
-        let v = v / v.amax();
+        let v = v / v[v.iamax()];
         format!("({:.3}, {:.3}, {:.3})", v.x, v.y, v.z)
     };
     if rotation.norm() * length < 1e-6 {
