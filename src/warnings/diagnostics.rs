@@ -8,6 +8,17 @@ use pullback_integrators::significant;
 use pullback_manifold::system::{Scales, System};
 use std::fmt::Write;
 
+/// What a path has passed between two rows with a known stability.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+enum Passed {
+    #[default]
+    Unknown,
+    /// The load reverses.
+    LimitPoint,
+    /// Located, with the branch that is followed from there or without.
+    Bifurcation,
+}
+
 /// A change of the number of unstable directions along a path.
 #[derive(Clone, Copy, Debug)]
 struct Change {
@@ -15,8 +26,7 @@ struct Change {
     between: [f64; 2],
     /// Unstable directions before and after it.
     directions: [usize; 2],
-    /// Whether the load reverses there.
-    turns: bool,
+    passed: Passed,
 }
 
 /// Records the rows of a static analysis.
@@ -27,8 +37,8 @@ pub(crate) struct Diagnostics {
     /// Load parameter of the last row, and its last change.
     last: f64,
     sense: f64,
-    /// Whether the load has reversed since the last row with a known stability.
-    turns: bool,
+    /// Since the last row with a known stability.
+    passed: Passed,
     changes: Vec<Change>,
     /// Converged rows.
     rows: usize,
@@ -101,18 +111,23 @@ impl Diagnostics {
                 self.strained = about(state.Gamma.amax());
             }
         }
-        let sense = t - self.last;
-        let located = row.event.as_deref() == Some("turning_point");
-        self.turns |= located || sense * self.sense < 0.0;
+        let mut sense = t - self.last;
+        let event = row.event.as_deref();
+        if event == Some("bifurcation") {
+            // The load of another branch may fall from there on.
+            (self.passed, sense) = (Passed::Bifurcation, 0.0);
+        } else if event == Some("turning_point") || sense * self.sense < 0.0 {
+            self.passed = Passed::LimitPoint;
+        }
         (self.last, self.sense) = (t, sense);
         let Some(now) = row.unstable else { return };
         let (before, directions) = self.stability;
-        let turns = std::mem::take(&mut self.turns);
+        let passed = std::mem::take(&mut self.passed);
         if now != directions {
             self.changes.push(Change {
                 between: [before, t],
                 directions: [directions, now],
-                turns,
+                passed,
             });
         }
         self.stability = (t, now);
@@ -181,18 +196,22 @@ impl Diagnostics {
             1 => "unstable in 1 direction".to_owned(),
             n => format!("unstable in {n} directions"),
         };
-        let [what, then] = if first.turns {
-            [
+        let [what, then] = match first.passed {
+            Passed::LimitPoint => [
                 "limit point",
                 "would snap through under a load that does not turn there",
-            ]
-        } else {
-            [
+            ],
+            Passed::Bifurcation => [
+                "bifurcation",
+                "would leave this path, for the other branch (`branch = \"switch\"`) or, where this is that \
+                 branch, for a distant equilibrium",
+            ],
+            Passed::Unknown => [
                 "limit point or bifurcation",
                 "would leave this path. To follow the branch that it takes, use arc-length steps with \
                  `branch = \"switch\"`, or add a small imperfection (a lateral load, nodes off the line) \
                  and take a smaller `max_step`",
-            ]
+            ],
         };
         let mut out = format!(
             "{what} {}: the equilibrium found is {} after it (negative pivots of the tangent, column \

@@ -36,7 +36,8 @@ const FLOOR: f64 = 1.5e-8;
 /// A saddle point matrix [A Gᵀ; G 0] is in equilibrium with entries of G that are far larger than A,
 /// too; but then A, which alone resists along the null space of G, is below rounding. From here both
 /// are of order one, as A and the Schur complement G A⁻¹ Gᵀ are when scaled by their diagonals,
-/// whatever the units: another unit of an unknown divides its scale, here and in all sweeps.
+/// whatever the units: another unit of an unknown divides its scale, here and in all sweeps. What has
+/// no stiffness takes the scale of the stiffest: a smaller one would make its part of G the only one above rounding.
 fn begin(pattern: &BlockPattern, values: &[f64], scales: &mut [f64], largest: &mut [f64]) {
     let coordinates = pattern.coordinates();
     let mut most = 0.0;
@@ -49,13 +50,15 @@ fn begin(pattern: &BlockPattern, values: &[f64], scales: &mut [f64], largest: &m
             }
         }
     });
-    let floor = if most > 0.0 { FLOOR * most } else { 1.0 };
+    let most = if most > 0.0 { most } else { 1.0 };
     for (s, c) in scales.iter_mut().zip(coordinates) {
-        let least = match c.is_multiplier {
-            true => 0.0,
-            false => floor / (c.size * c.size),
+        let stiffest = most / (c.size * c.size);
+        let scale = match c.is_multiplier {
+            true => *s,
+            false if *s <= f64::EPSILON * stiffest => stiffest,
+            false => s.max(FLOOR * stiffest),
         };
-        *s = inverse_root(s.max(least)).min(f64::MAX);
+        *s = inverse_root(scale).min(f64::MAX);
     }
     largest.fill(0.0);
     pattern.triplets(values).for_each(|(r, c, value)| {

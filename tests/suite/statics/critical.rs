@@ -1,7 +1,7 @@
 //! Limit points of beams found directly, and the path of a column beyond its bifurcation.
 
 use crate::support::beams::{COLUMN, PINNED, line};
-use crate::support::closures::{failure, fixed};
+use crate::support::closures::{CLOSURES, angle, arm, body_of, failure, fixed, hinge, joint};
 use crate::support::laboratory::model;
 use crate::support::prelude::*;
 use crate::support::program::{assert_close, assert_says, changed, number, run_of};
@@ -145,6 +145,36 @@ fn a_column_buckles_to_the_same_side_in_any_unit() {
     });
     assert!(m.abs() > 0.3);
     assert_close(mm, m, 1e-9, "length");
+}
+
+/// Links of length 1 in line between a hinge and a slider, with a spring of 1 at the knee: the angle a there has the
+/// potential a²/2 + 2 P cos(a/2): P = a/sin(a/2), from 2 on. The slider has no stiffness.
+#[test]
+fn links_that_multipliers_close_follow_their_branch() {
+    let links = [
+        "[nodes]\nA = [0, 0, 0]\nB = [2, 0, 0]\n".to_owned(),
+        fixed("A") + &fixed("B"),
+        hinge("first", "A", "") + &arm("middle", "first", [1.0, 0.0, 0.0]),
+        hinge("knee", "middle", "spring = { k = 1 }") + &arm("end", "knee", [2.0, 0.0, 0.0]),
+        joint("slider", "prismatic", "B", "axis = [1, 0, 0]") + &body_of("middle", 1.0, ""),
+        angle("knee") + "[[loads]]\nnode = \"slider\"\nforce = [-1, 0, 0]\n",
+        "[analysis.arc_length]\nbranch = \"switch\"\nstop = [{ load = 2.2 }]\n".to_owned(),
+        "max_step = 0.05\nload_scale = 1\n".to_owned(),
+    ]
+    .concat();
+    for closure in &CLOSURES[..2] {
+        let close = hinge("close", "slider", &format!("child = \"end\"\n{closure}"));
+        let rows = run_of("critical_links", &(links.clone() + &close)).rows;
+        let mut events = rows.iter().map(|row| &row["event"]);
+        let found = events.position(|event| event == "bifurcation").unwrap();
+        assert_close(number(&rows[found], "t"), 2.0, 1e-9, "load");
+        assert!(rows.len() > found + 10, "{}", rows.len());
+        for row in &rows[found + 1..] {
+            let a = number(row, "knee");
+            assert_close(number(row, "t"), a / (0.5 * a).sin(), 1e-6, a);
+            assert_eq!(row["unstable"], "0", "{closure}: {a}");
+        }
+    }
 }
 
 /// A round cantilever buckles in all planes at Euler's load π²/4.

@@ -261,6 +261,37 @@ fn figures_tell_exaggeration_and_incompleteness() {
     }
 }
 
+/// A steep truss gives way sideways, and its load falls.
+#[test]
+fn an_unstable_branch_is_told_from_a_limit_point() {
+    let aside =
+        |x: f64| format!("{{ coordinate = {{ node = \"T\", dof = \"x\", value = {x:?} }} }}");
+    let stop = [0.5, -0.5].map(aside).join(", ");
+    let analysis =
+        "[analysis.arc_length]\nbranch = \"switch\"\nload_scale = 100\nmax_step = 0.1\nstop = [";
+    let (rows, result, _) = run(
+        "statics_steep",
+        &(truss(1.0, 4.0, 0.01) + analysis + &stop + "]\n"),
+    );
+    // The stiffness across is 2 k (1 + (1 − l₀/l) y²)/l².
+    let across = |y: f64| 1.0 + (1.0 - (17.0 / (1.0 + y * y)).sqrt()) * y * y;
+    let [mut low, mut high] = [1.0, 4.0];
+    for _ in 0..60 {
+        let y = 0.5 * (low + high);
+        if across(y) < 0.0 { low = y } else { high = y }
+    }
+    let exact = 2.0 * low * ((17.0 / (1.0 + low * low)).sqrt() - 1.0);
+    let found = rows.iter().find(|r| r["event"] == "bifurcation").unwrap();
+    assert_close(0.01 * number(found, "t") / exact, 1.0, 1e-9, "load");
+    assert_eq!(rows[rows.len() - 1]["unstable"], "1");
+    let warnings = result["warnings"].to_string();
+    assert_says(
+        &warnings,
+        &["bifurcation between", "unstable in 1 direction after it"],
+    );
+    assert!(!warnings.contains("limit point"), "{warnings}");
+}
+
 #[test]
 fn a_truss_of_springs_snaps_through_and_is_drawn() {
     let analysis = "[analysis.arc_length]\nrecord = [\"turning_point\"]\n";
