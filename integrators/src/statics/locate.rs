@@ -136,7 +136,14 @@ pub(super) fn locate(
         }
     }
     found.sort_by(|x, y| x.s.total_cmp(&y.s));
-    Ok(found)
+    let bifurcates = |one: &Located| events[one.index].0 == Event::Bifurcation;
+    let before = found.iter().position(bifurcates).unwrap_or(0);
+    let changed = |one: &Located| one.unstable.is_some() && one.unstable != step.unstable[0];
+    match found[..before].iter().any(changed) {
+        // Another bifurcation comes first.
+        true => Err(unlocated(system, Event::Bifurcation)),
+        false => Ok(found),
+    }
 }
 
 fn unlocated(system: &dyn System, event: Event) -> Cause {

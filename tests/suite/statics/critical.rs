@@ -128,6 +128,21 @@ fn a_shortened_column_follows_the_elastica() {
     assert!(number(&rows[rows.len() - 1], "largest_rotation") > 0.05);
 }
 
+/// The first step passes several bifurcations, and the end of the path before all but one.
+#[test]
+fn the_first_of_several_bifurcations_is_found() {
+    let text = column().replace("max_step = 0.05", "first_step = 5\nmax_step = 5");
+    let rows = run_of("critical_first", &text).rows;
+    let mut events = rows.iter().map(|row| &row["event"]);
+    let found = events.position(|event| event == "bifurcation").unwrap();
+    let load = 20.0 * number(&rows[found], "t") / std::f64::consts::PI.powi(2);
+    assert_close(load, 1.0, 1e-6, "load");
+    assert!(rows.len() > found + 1);
+    for row in &rows[found + 1..] {
+        elastic_load(row);
+    }
+}
+
 /// Both ends rotate by the same angle: the side does not depend on rounding errors.
 #[test]
 fn a_column_buckles_to_the_same_side_in_any_unit() {
