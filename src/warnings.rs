@@ -184,7 +184,7 @@ pub(crate) fn unsupported(context: &Context) -> Option<String> {
     let (node, motion) = context.free_motion()?;
     Some(format!(
         "supports do not hold the part of the structure that contains node {}: it can still move as a rigid body \
-         ({motion}) unless loads hold it, as gravity holds a hanging cable; add supports that prevent this",
+         ({motion}) unless loads hold it, as gravity holds a cable; add supports that prevent this",
         context.node(node).name()
     ))
 }

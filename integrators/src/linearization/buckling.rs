@@ -92,10 +92,7 @@ pub fn buckling(
         return Err(BucklingError::Asymmetric);
     }
     let loads = load_rate(system, at)?;
-    let rate = path_rate(&lin, &loads).map_err(|source| BucklingError::Singular {
-        source,
-        mechanism: find_mechanism(system, &lin.K),
-    })?;
+    let rate = path_rate(system, &lin, &loads)?;
     let mut tangent = |s: f64| {
         let q: Vec<f64> = at.q.iter().zip(&rate).map(|(q, x)| q + s * x).collect();
         let (mut r, mut K) = (vec![0.0; q.len()], vec![0.0; lin.pattern.len()]);
@@ -168,11 +165,20 @@ fn load_rate(system: &mut dyn System, at: Point<'_>) -> Result<Vec<f64>, SystemE
 }
 
 /// dq/dt along the equilibrium path: K dq/dt = ∂r/∂t.
-fn path_rate(lin: &Linearized, loads: &[f64]) -> Result<Vec<f64>, LinearError> {
+fn path_rate(
+    system: &dyn System,
+    lin: &Linearized,
+    loads: &[f64],
+) -> Result<Vec<f64>, BucklingError> {
     let mut rate = loads.to_vec();
     let mut solver = AutoSolver::new();
-    solver.analyse(&lin.pattern, MatrixSymmetry::Symmetric)?;
-    solver.factorise(&lin.K)?;
-    solver.solve(Some(&lin.K), &mut rate)?;
+    let solved = solver
+        .analyse(&lin.pattern, MatrixSymmetry::Symmetric)
+        .and_then(|()| solver.factorise(&lin.K))
+        .and_then(|()| solver.solve(Some(&lin.K), &mut rate));
+    solved.map_err(|source| BucklingError::Singular {
+        source,
+        mechanism: find_mechanism(system, &lin.K),
+    })?;
     Ok(rate)
 }

@@ -81,7 +81,7 @@ impl Model {
     }
 
     /// A rigid motion, in words, of a connected part of the structure that no support prevents, and a node of the part.
-    /// In statics only loads can hold it, as gravity holds a cable that hangs between two hinges.
+    /// In statics only loads can hold it, as gravity holds a cable between two hinges.
     pub fn free_motion(&self) -> Option<(NodeId, String)> {
         let mut parts: BTreeMap<usize, Vec<&Node>> = BTreeMap::new();
         for (node, part) in self.nodes.iter().zip(self.connected_parts()) {
