@@ -292,17 +292,19 @@ impl Context {
 fn describe_motion(motion: &nalgebra::Vector6<f64>, center: &Vector3<f64>, length: f64) -> String {
     let translation: Vector3<f64> = motion.fixed_rows::<3>(0).into_owned();
     let rotation: Vector3<f64> = motion.fixed_rows::<3>(3) / length;
+    // No zero has a sign.
+    let rounded = |v: Vector3<f64>| v.map(|x| (1e3 * x).round() / 1e3 + 0.0);
     let show = |v: &Vector3<f64>| {
-        let v = v / v[v.iamax()];
+        let v = rounded(v / v[v.iamax()]);
         format!("({:.3}, {:.3}, {:.3})", v.x, v.y, v.z)
     };
     if rotation.norm() * length < 1e-6 {
         return format!("translation along {}", show(&translation));
     }
     // The axis passes through center + ω × v / ω².
-    let through = center + rotation.cross(&translation) / rotation.norm_squared();
+    let through = rounded(center + rotation.cross(&translation) / rotation.norm_squared());
     format!(
-        "rotation about the direction {} through ({:.4}, {:.4}, {:.4})",
+        "rotation about the direction {} through ({:.3}, {:.3}, {:.3})",
         show(&rotation),
         through.x,
         through.y,

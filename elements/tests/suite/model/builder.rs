@@ -12,11 +12,10 @@ fn built(support: impl Fn(&mut ModelBuilder, [NodeId; 2])) -> Context {
 
 #[test]
 fn structures_that_can_move_as_rigid_bodies() {
-    // A direction has two signs.
     let motion = |context: Context| {
         let (node, motion) = context.free_motion().expect("a motion");
         assert_eq!(context.node(node).name(), "a");
-        motion.replace('-', "")
+        motion
     };
     let clamped = built(|b, n| b.support(n[0], &Dof::ALL));
     assert_eq!(clamped.free_motion(), None);
@@ -26,7 +25,7 @@ fn structures_that_can_move_as_rigid_bodies() {
     let spins = built(|b, n| n.iter().for_each(|&n| b.support(n, &Dof::TRANSLATIONS)));
     assert_eq!(
         motion(spins),
-        "rotation about the direction (1.000, 0.000, 0.000) through (0.5000, 0.0000, 0.0000)"
+        "rotation about the direction (1.000, 0.000, 0.000) through (0.500, 0.000, 0.000)"
     );
     // A hinge at b about e3: the axis passes through b, not through the centre.
     let swings = built(|b, n| {
@@ -34,7 +33,7 @@ fn structures_that_can_move_as_rigid_bodies() {
     });
     assert_eq!(
         motion(swings),
-        "rotation about the direction (0.000, 0.000, 1.000) through (1.0000, 0.0000, 0.0000)"
+        "rotation about the direction (0.000, 0.000, 1.000) through (1.000, 0.000, 0.000)"
     );
     assert!(motion(built(|_, _| ())).starts_with("translation"));
     // Every part by itself; a joint connects, a load does not.
