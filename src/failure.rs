@@ -11,8 +11,8 @@ use std::fmt;
 /// use pullback::prelude::*;
 ///
 /// let loose = || -> Result<(), Failure> { Err("the spring is not hooked in")? };
-/// let said = format!("{:?}", loose().unwrap_err());
-/// assert_eq!(said, "the spring is not hooked in");
+/// let said = loose().unwrap_err();
+/// assert_eq!(format!("{said} {said:?}"), "the spring is not hooked in the spring is not hooked in");
 /// ```
 pub struct Failure(Box<dyn Error>);
 
@@ -23,6 +23,12 @@ impl<E: Into<Box<dyn Error>>> From<E> for Failure {
 }
 
 impl fmt::Debug for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}
+
+impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut said = self.0.to_string();
         let mut cause = self.0.source();
