@@ -3,7 +3,7 @@
 use super::Linearized;
 use super::inputs::{by_input, central, step, values};
 use nalgebra::DMatrix;
-use pullback_manifold::system::{Point, System, SystemError};
+use pullback_manifold::system::{Evaluation, Point, System, SystemError};
 use thiserror::Error;
 
 /// Derivatives of outputs y(q, v, a, u) about a state; one row for each output.
@@ -60,13 +60,14 @@ pub enum StateSpaceError {
 /// `outputs` evaluates y at a point of the system, whose inputs are set.
 ///
 /// # Errors
-/// Those of `outputs`.
+/// Those of `outputs`, and of a point at which the system cannot be evaluated.
 pub fn output_derivatives<Y: System>(
     system: &mut Y,
     at: Point<'_>,
     mut outputs: impl FnMut(&mut Y, Point<'_>) -> Result<Vec<f64>, SystemError>,
 ) -> Result<OutputDerivatives, SystemError> {
     let n = system.pattern().dim();
+    system.evaluate(at, Evaluation::residual(&mut vec![0.0; n]))?;
     let coordinates = system.pattern().coordinates().to_vec();
     let full = |x: &[f64]| {
         if x.is_empty() {
