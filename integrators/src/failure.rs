@@ -228,12 +228,34 @@ pub(crate) fn names(mechanism: &[(String, f64)]) -> String {
     }
 }
 
+/// Why a tangent cannot be solved with, with the mechanism, if there is one, and its remedy.
+pub(crate) fn unresisted(error: &LinearError, mechanism: &[(String, f64)], remedy: &str) -> String {
+    let solved = format!("the tangent cannot be solved with: {error}");
+    match mechanism {
+        [] => solved,
+        _ => {
+            let names = names(mechanism);
+            format!("what moves without resistance:{names}\n  {remedy}\n  ({solved})")
+        }
+    }
+}
+
 impl FailedStep {
     /// Writes the cause, with a remedy.
     fn explain(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.cause {
             Cause::System(error) => self.explain_system(error, f),
-            Cause::Linear { error, mechanism } => self.explain_linear(error, mechanism, f),
+            Cause::Linear { error, mechanism } => f.write_str(&unresisted(
+                error,
+                mechanism,
+                match self.parameter {
+                    StepParameter::Load => {
+                        "hold it by a support, a spring or a prescribed motion, or follow the path with arc-length \
+                         control if this is a limit point"
+                    }
+                    StepParameter::Time => "give it mass or stiffness, or hold it",
+                },
+            )),
             Cause::Diverged => f.write_str(match self.parameter {
                 StepParameter::Load if self.step == 0 => {
                     "Newton's corrections grow however they are damped; let these loads grow with \
@@ -292,29 +314,6 @@ impl FailedStep {
                  structure is a mechanism"
             ),
         }
-    }
-
-    fn explain_linear(
-        &self,
-        error: &LinearError,
-        mechanism: &[(String, f64)],
-        f: &mut fmt::Formatter<'_>,
-    ) -> fmt::Result {
-        if mechanism.is_empty() {
-            return write!(f, "the tangent cannot be solved with: {error}");
-        }
-        let remedy = match self.parameter {
-            StepParameter::Load => {
-                "hold it by a support, a spring or a prescribed motion, or follow the path with arc-length control if \
-                 this is a limit point"
-            }
-            StepParameter::Time => "give it mass or stiffness, or hold it",
-        };
-        write!(
-            f,
-            "what moves without resistance:{}\n  {remedy}\n  (the tangent cannot be solved with: {error})",
-            names(mechanism)
-        )
     }
 }
 

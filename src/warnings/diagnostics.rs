@@ -115,7 +115,7 @@ impl Diagnostics {
         let event = row.event.as_deref();
         if event == Some("bifurcation") {
             // The load of another branch may fall from there on.
-            (self.passed, sense) = (Passed::Bifurcation, 0.0);
+            (self.passed, self.stability.0, sense) = (Passed::Bifurcation, t, 0.0);
         } else if event == Some("turning_point") || sense * self.sense < 0.0 {
             self.passed = Passed::LimitPoint;
         }

@@ -37,7 +37,7 @@ const FLOOR: f64 = 1.5e-8;
 /// too; but then A, which alone resists along the null space of G, is below rounding. From here both
 /// are of order one, as A and the Schur complement G A⁻¹ Gᵀ are when scaled by their diagonals,
 /// whatever the units: another unit of an unknown divides its scale, here and in all sweeps. What has
-/// no stiffness takes the scale of the stiffest: a smaller one would make its part of G the only one above rounding.
+/// no stiffness is scaled as the stiffest: by the floor, its part of G would be the only one above rounding.
 fn begin(pattern: &BlockPattern, values: &[f64], scales: &mut [f64], largest: &mut [f64]) {
     let coordinates = pattern.coordinates();
     let mut most = 0.0;

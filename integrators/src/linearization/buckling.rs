@@ -4,7 +4,7 @@ use super::inputs::central;
 use super::modes::ModesError;
 use super::search::Search;
 use super::{Linearized, check_count, linearize};
-use crate::failure::{find_mechanism, names};
+use crate::failure::{find_mechanism, unresisted};
 use crate::linear_solver::{AutoSolver, LinearError, LinearSolver, MatrixSymmetry, max_abs};
 use crate::vectors::dot;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
@@ -47,11 +47,14 @@ pub enum BucklingError {
         "no load or prescribed motion that changes with the load parameter changes the tangent: nothing buckles"
     )]
     NoLoad,
-    /// The tangent is singular.
+    /// The tangent cannot be solved with.
     #[error(
-        "what moves without resistance:{}\n  hold it by a support or a spring, or begin at a smaller load\n  \
-         (the tangent cannot be solved with: {source})",
-        names(mechanism)
+        "{}",
+        unresisted(
+            source,
+            mechanism,
+            "hold it by a support or a spring, or begin at a smaller load"
+        )
     )]
     Singular {
         /// The error of the solver.

@@ -6,6 +6,7 @@ use crate::support::closures::{CLOSURES, GROUND, PLAIN, Rows, arm, fixed, hinge,
 use crate::support::drawings::tagged;
 use crate::support::prelude::*;
 use crate::support::program::*;
+use pullback::integrators::significant;
 use roxmltree::Document;
 use serde_json::Value;
 use std::path::PathBuf;
@@ -285,10 +286,9 @@ fn an_unstable_branch_is_told_from_a_limit_point() {
     assert_close(0.01 * number(found, "t") / exact, 1.0, 1e-9, "load");
     assert_eq!(rows[rows.len() - 1]["unstable"], "1");
     let warnings = result["warnings"].to_string();
-    assert_says(
-        &warnings,
-        &["bifurcation between", "unstable in 1 direction after it"],
-    );
+    let at = significant(exact / 0.01);
+    let between = format!("bifurcation between load parameter {at} and");
+    assert_says(&warnings, &[&between, "unstable in 1 direction after it"]);
     assert!(!warnings.contains("limit point"), "{warnings}");
 }
 
