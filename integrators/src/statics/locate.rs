@@ -19,6 +19,8 @@ pub(super) struct PathStep<'a> {
     pub next: &'a Position,
     /// Its length.
     pub ds: f64,
+    /// Length within which several bifurcations are one.
+    pub finest: f64,
     pub norm: &'a Norm,
     /// Unstable directions at its ends.
     pub unstable: [Option<usize>; 2],
@@ -55,6 +57,13 @@ impl PathStep<'_> {
             // the step before.
             _ => crosses(before, after),
         }
+    }
+
+    /// Whether several directions become stable or unstable in the step, where bifurcations are events.
+    fn is_multiple(&self, events: &[(Event, bool)]) -> bool {
+        let [before, after] = self.unstable;
+        let several = before.zip(after).is_some_and(|(a, b)| a.abs_diff(b) > 1);
+        several && events.iter().any(|(event, _)| *event == Event::Bifurcation)
     }
 
     /// Unit tangents of paths forward along the step, that of its own path first.
@@ -101,6 +110,8 @@ const RESOLUTION: f64 = 1e-12;
 /// Largest value of an event function at which the event counts as found, relative to its size.
 const LARGEST_MISS: f64 = 1e-9;
 
+/// Part at which a step is divided, not where a symmetric structure may have a bifurcation.
+const MIDDLE: f64 = 0.47;
 /// A bifurcation at the start of a step, relative to its length, where the step before could not count.
 const START: f64 = 1e-6;
 
@@ -111,6 +122,9 @@ pub(super) fn locate(
     step: PathStep<'_>,
     events: &[(Event, bool)],
 ) -> Result<Vec<Located>, Cause> {
+    if step.ds > step.finest && step.is_multiple(events) {
+        return locate_in_parts(newton, system, step, events);
+    }
     let mut found = Vec::new();
     for (index, &(event, _)) in events.iter().enumerate() {
         if step.passes(event) {
@@ -136,14 +150,45 @@ pub(super) fn locate(
         }
     }
     found.sort_by(|x, y| x.s.total_cmp(&y.s));
-    let bifurcates = |one: &Located| events[one.index].0 == Event::Bifurcation;
-    let before = found.iter().position(bifurcates).unwrap_or(0);
-    let changed = |one: &Located| one.unstable.is_some() && one.unstable != step.unstable[0];
-    match found[..before].iter().any(changed) {
-        // Another bifurcation comes first.
-        true => Err(unlocated(system, Event::Bifurcation)),
-        false => Ok(found),
+    Ok(found)
+}
+
+/// The events of a step with several bifurcations, from those of its two parts.
+fn locate_in_parts(
+    newton: &mut Newton,
+    system: &mut dyn System,
+    step: PathStep<'_>,
+    events: &[(Event, bool)],
+) -> Result<Vec<Located>, Cause> {
+    let PathStep { at, next, norm, .. } = step;
+    let (ds, mut middle) = (MIDDLE * step.ds, at.clone());
+    newton.advance(system, at, ds, norm, &mut middle)?;
+    let iterations = newton.iterations();
+    newton.tangent(system, &mut middle, norm)?;
+    let unstable = newton.unstable(system);
+    if unstable.is_none() {
+        return Err(unlocated(system, Event::Bifurcation));
     }
+    let first = PathStep {
+        next: &middle,
+        ds,
+        unstable: [step.unstable[0], unstable],
+        ..step
+    };
+    let second = PathStep {
+        at: &middle,
+        ds: norm.distance(&middle, &next.q, next.t),
+        unstable: [unstable, step.unstable[1]],
+        ..step
+    };
+    let mut found = locate(newton, system, first, events)?;
+    let mut others = locate(newton, system, second, events)?;
+    others.iter_mut().for_each(|one| one.s += ds);
+    found.append(&mut others);
+    if let Some(one) = found.first_mut() {
+        one.iterations += iterations;
+    }
+    Ok(found)
 }
 
 fn unlocated(system: &dyn System, event: Event) -> Cause {

@@ -14,6 +14,8 @@ use pullback_manifold::system::{ChartChanges, System};
 
 /// Cosine below which the next step is shorter.
 const GENTLE_BEND: f64 = 0.9;
+/// Part of a step within which several bifurcations are one.
+const ONE_POINT: f64 = 1e-3;
 
 /// The engine of a path: all that a step needs beside the system.
 pub struct PathRun {
@@ -239,6 +241,7 @@ impl PathRun {
             at,
             next,
             ds,
+            finest: ONE_POINT * ds,
             norm,
             unstable: [self.unstable, unstable],
         };

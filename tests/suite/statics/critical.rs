@@ -143,6 +143,23 @@ fn the_first_of_several_bifurcations_is_found() {
     }
 }
 
+/// Euler's loads, n² π², in one step.
+#[test]
+fn all_bifurcations_of_a_step_are_found() {
+    let text = column()
+        .replace("branch = \"switch\"", "record = [\"bifurcation\"]")
+        .replace("{ load = 0.9 }", "{ load = 5 }")
+        .replace("max_step = 0.05", "first_step = 5\nmax_step = 5");
+    let rows = run_of("critical_all", &text).rows;
+    let found = rows.iter().filter(|row| row["event"] == "bifurcation");
+    let loads: Vec<f64> = found.map(|row| 20.0 * number(row, "t")).collect();
+    assert_eq!(loads.len(), 3, "{loads:?}");
+    for (load, n) in loads.iter().zip(1..) {
+        let exact = (f64::from(n) * std::f64::consts::PI).powi(2);
+        assert_close(*load / exact, 1.0, 1e-4, n);
+    }
+}
+
 /// Both ends rotate by the same angle: the side does not depend on rounding errors.
 #[test]
 fn a_column_buckles_to_the_same_side_in_any_unit() {
