@@ -159,7 +159,6 @@ fn first_order(job: &mut Job, lin: &Linearized, at: Point<'_>) -> Result<FirstOr
     let probes = &mut job.probes;
     let names = probes.iter().flat_map(Probe::columns).collect();
     let derivatives = output_derivatives(&mut job.context, at, |context: &mut Context, at| {
-        context.configure(at)?;
         let balance = context.energies_and_momentum(at)?;
         let mut answers = Answers::of(context, at.t);
         answers.motion = Some((balance, 0.0));

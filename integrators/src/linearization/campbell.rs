@@ -122,7 +122,7 @@ const STEADY: f64 = 1e-5;
 /// [`CampbellError`], with the speed.
 ///
 /// # Panics
-/// If the system has no such input.
+/// If the system has no such input, or `options.rotor` is of another system.
 pub fn campbell(
     system: &mut dyn System,
     input: impl Into<usize>,
@@ -251,7 +251,7 @@ impl Sweep<'_> {
         let lin = linearize(&mut *self.system, at)
             .map_err(|source| CampbellError::Linearization { speed, source })?;
         let lin = self.seen(lin, 0.0);
-        let wanted = self.options.count + SPARE;
+        let wanted = self.options.count.min(2 * lin.dim()) + SPARE;
         let mut massless = 0;
         loop {
             let options = ModeOptions::lowest(wanted + massless);

@@ -170,6 +170,11 @@ pub fn modes_while(
 ) -> Result<Modes, ModesError> {
     check(lin, options)?;
     let (mut sought, mut factorisations) = (*options, 0);
+    // More than there are.
+    let most = options.selection.most().min(2 * lin.dim() + 1);
+    if let Selection::Nearest { count, .. } = &mut sought.selection {
+        *count = most;
+    }
     loop {
         let search = Search::new(lin, &sought)?;
         let (order, symmetric) = search.kind();
@@ -188,10 +193,10 @@ pub fn modes_while(
         modes.sort_by(|a, b| a.omega().total_cmp(&b.omega()));
         // Modes at rest that were found twice leave too few others.
         if let Selection::Nearest { count, .. } = &mut sought.selection
-            && modes.len() < options.selection.most()
+            && modes.len() < most
             && vectors == *count
         {
-            *count += options.selection.most() - modes.len();
+            *count += most - modes.len();
             continue;
         }
         modes.truncate(options.selection.most());

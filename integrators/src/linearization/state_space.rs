@@ -1,7 +1,7 @@
 //! First-order form with outputs: A, B, C, D.
 
 use super::Linearized;
-use super::inputs::{by_input, central, step, values};
+use super::inputs::{by_input, derivative_of, step, values};
 use nalgebra::DMatrix;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError};
 use thiserror::Error;
@@ -50,24 +50,49 @@ pub enum StateSpaceError {
          the loop by a map"
     )]
     Driven(String),
+    /// Derivatives of outputs of another system.
+    #[error(
+        "derivatives of outputs by {found:?} coordinates and inputs; the system has {expected:?}"
+    )]
+    Outputs {
+        /// Numbers of coordinates and inputs of the outputs.
+        found: [usize; 2],
+        /// Those of the system.
+        expected: [usize; 2],
+    },
     /// Outputs read multipliers.
     #[error("output {0} depends on a multiplier; close the loop by a map")]
     Reaction(usize),
 }
 
-/// Derivatives of outputs by coordinates, velocities, accelerations and inputs, by central differences of order four.
+/// Derivatives of outputs by coordinates, velocities, accelerations and inputs, by central differences of order four with steps
+/// that become smaller until two agree.
 ///
-/// `outputs` evaluates y at a point of the system, whose inputs are set.
+/// `outputs` evaluates y at a point of the system, which has been evaluated there.
 ///
 /// # Errors
-/// Those of `outputs`, and of a point at which the system cannot be evaluated.
+/// Those of `outputs`, of a point at which the system cannot be evaluated, and of a number of outputs that changes.
 pub fn output_derivatives<Y: System>(
     system: &mut Y,
     at: Point<'_>,
     mut outputs: impl FnMut(&mut Y, Point<'_>) -> Result<Vec<f64>, SystemError>,
 ) -> Result<OutputDerivatives, SystemError> {
     let n = system.pattern().dim();
-    system.evaluate(at, Evaluation::residual(&mut vec![0.0; n]))?;
+    let mut r = vec![0.0; n];
+    let mut count = None;
+    let mut outputs = |system: &mut Y, at: Point<'_>| {
+        system.evaluate(at, Evaluation::residual(&mut r))?;
+        let y = outputs(system, at)?;
+        match *count.get_or_insert(y.len()) {
+            count if count == y.len() => Ok(y),
+            count => Err(SystemError::Request {
+                what: "outputs",
+                expected: format!("{count}, as before"),
+                found: y.len().to_string(),
+            }),
+        }
+    };
+    let count = outputs(system, at)?.len();
     let coordinates = system.pattern().coordinates().to_vec();
     let full = |x: &[f64]| {
         if x.is_empty() {
@@ -82,8 +107,7 @@ pub fn output_derivatives<Y: System>(
         let mut columns = Vec::new();
         for (i, info) in coordinates.iter().enumerate() {
             let value = state[k][i];
-            let h = step(value, info.size);
-            let column = central(h, |dx| {
+            let column = derivative_of(step(value, info.size), |dx| {
                 state[k][i] = value + dx;
                 let [q, v, a] = state.each_ref().map(Vec::as_slice);
                 outputs(system, Point { t: at.t, q, v, a })
@@ -101,7 +125,7 @@ pub fn output_derivatives<Y: System>(
         by_inputs.extend(by_input(system, input, &mut |system| outputs(system, at))?);
     }
     // Leaves the system at the state.
-    let count = outputs(system, at)?.len();
+    outputs(system, at)?;
     let mut matrices = by_state.into_iter();
     let mut next = || DMatrix::from_vec(count, n, matrices.next().unwrap_or_default());
     Ok(OutputDerivatives {
@@ -127,6 +151,10 @@ impl Linearized {
     pub fn state_space(&self, outputs: &OutputDerivatives) -> Result<StateSpace, StateSpaceError> {
         let n = self.dim();
         let inputs = self.r_u.len();
+        let (found, expected) = ([outputs.q.ncols(), outputs.u.ncols()], [n, inputs]);
+        if found != expected {
+            return Err(StateSpaceError::Outputs { found, expected });
+        }
         let r_u = DMatrix::from_iterator(n, inputs, self.r_u.iter().flatten().copied());
         let [K, C, M] = [&self.K, &self.C, &self.M].map(|values| self.pattern.matrix(values));
         let N = self.null_space(&K);

@@ -106,15 +106,13 @@ fn transfer(
     let at = Point::statics(0.0, &q);
     let lin = linearize(&mut job.context, at).unwrap();
     let node = job.context.find(node).unwrap();
-    let outputs = output_derivatives(&mut job.context, at, |context: &mut Context, at| {
-        context.configure(at)?;
+    let outputs = output_derivatives(&mut job.context, at, |context: &mut Context, _| {
         let state = context.node_state(node);
         let parts = [state.position, state.velocity, state.acceleration];
         Ok(parts.iter().flat_map(|x| [x.x, x.y]).collect())
     });
     // Derivatives of a position by multipliers and velocities are rounding errors alone.
-    let position = output_derivatives(&mut job.context, at, |context: &mut Context, at| {
-        context.configure(at)?;
+    let position = output_derivatives(&mut job.context, at, |context: &mut Context, _| {
         Ok(vec![context.node_state(node).position.x])
     });
     lin.state_space(&position.unwrap()).unwrap();

@@ -86,3 +86,62 @@ fn outputs_without_coordinates_depend_on_inputs() {
     assert_eq!(found.q.shape(), (1, 0));
     assert!((found.u[(0, 0)] - 6.0).abs() < 1e-12, "{}", found.u);
 }
+
+/// The unit of an input need not be the one that matters.
+#[test]
+fn derivatives_by_inputs_do_not_depend_on_units() {
+    for size in [1e-6_f64, 1e-3, 1.0, 1e3] {
+        let mut system = Loaded::new(1);
+        system.u = [0.3 * size];
+        let at = Point::statics(0.0, &[0.0]);
+        let wave = |system: &mut Loaded, _: Point<'_>| {
+            let x = system.u[0] / size;
+            match x.abs() < 0.4 {
+                true => Ok(vec![x.sin(), (x - 0.29).abs(), 1.0]),
+                false => Err(SystemError::NotFinite {
+                    what: "the rail".to_owned(),
+                }),
+            }
+        };
+        let found = output_derivatives(&mut system, at, wave).unwrap().u * size;
+        for (found, exact) in found.iter().zip([0.3_f64.cos(), 1.0, 0.0]) {
+            assert!((found - exact).abs() < 1e-9, "{size}: {found} {exact}");
+        }
+    }
+}
+
+/// Angles after many turns.
+#[test]
+fn derivatives_of_outputs_after_many_turns() {
+    let mut system = Loaded::new(1);
+    for turns in [0.0, 10.0, 1e3] {
+        let q = [0.3 + turns * std::f64::consts::TAU];
+        let at = Point::statics(0.0, &q);
+        let sine = |_: &mut Loaded, at: Point<'_>| Ok(vec![at.q[0].sin()]);
+        let found = output_derivatives(&mut system, at, sine).unwrap().q[(0, 0)];
+        assert!((found - q[0].cos()).abs() < 1e-8, "{turns}: {found}");
+    }
+}
+
+/// Outputs read the configuration at which the system was evaluated.
+#[test]
+fn outputs_read_the_system_at_their_point() {
+    let mut system = Loaded::new(2);
+    let at = Point::statics(0.0, &[0.0; 2]);
+    let mut number = 0;
+    let changing = |_: &mut Loaded, _: Point<'_>| {
+        number += 1;
+        Ok(vec![0.0; number])
+    };
+    let told = output_derivatives(&mut system, at, changing).unwrap_err();
+    assert!(told.to_string().contains("outputs: expected 1"), "{told}");
+    let of_other = output_derivatives(&mut Loaded::new(1), Point::statics(0.0, &[0.0]), |_, at| {
+        Ok(at.q.to_vec())
+    });
+    let lin = linearize(&mut system, Point::statics(0.0, &[3.0; 2])).unwrap();
+    let told = lin.state_space(&of_other.unwrap()).unwrap_err();
+    assert!(told.to_string().contains("[1, 1]"), "{told}");
+    let all = modes(&lin, &ModeOptions::lowest(usize::MAX)).unwrap();
+    assert_eq!(all.modes.len(), 2);
+    assert_eq!(diagram(0, usize::MAX).unwrap().lines.len(), 2);
+}
