@@ -39,7 +39,7 @@ impl ModelBuilder {
     where
         J: Joint<D> + Clone + 'static,
     {
-        let coordinates = self.add_coordinates(name, &joint)?;
+        let coordinates = self.add_coordinates(name, parent, &joint)?;
         let frame = self.add_joint_frame(name, parent, joint, &coordinates)?;
         Ok(JointNodes { frame, coordinates })
     }
@@ -58,7 +58,7 @@ impl ModelBuilder {
     where
         J: Joint<D> + Clone + 'static,
     {
-        let mut coordinates = self.add_coordinates(name, &joint)?;
+        let mut coordinates = self.add_coordinates(name, parent, &joint)?;
         coordinates.push(self.rotation(format!("{name} rotation"))?);
         let (parents, at) = self.parents(name, parent, &coordinates)?;
         let position = self.child_position(parent, &joint);
@@ -210,11 +210,18 @@ impl ModelBuilder {
         Ok(([&[pose], coordinates].concat(), at))
     }
 
+    /// Adds the coordinates of a joint, unless its child is refused.
     fn add_coordinates<J: Joint<D>, const D: usize>(
         &mut self,
         name: &str,
+        parent: NodeId,
         joint: &J,
     ) -> Result<Vec<NodeId>, ModelError> {
+        self.parents(name, parent, &[])?;
+        if self.find(name).is_ok() {
+            let node = name.to_owned();
+            return Err(ModelError::DuplicateNode { node });
+        }
         let coordinates = joint.coordinates().into_iter();
         let nodes = coordinates.map(|(c, kind)| self.coordinates(format!("{name} {c}"), &[kind]));
         nodes.collect()

@@ -88,6 +88,12 @@ pub enum ModelError {
     },
     #[error("{what} refers to a node of another model builder")]
     ForeignNode { what: String },
+    #[error("{what} reads node {node} as a frame, and it is none: it has {dim} coordinates")]
+    NoFrame {
+        what: String,
+        node: String,
+        dim: usize,
+    },
     #[error("node {node} has {dim} coordinates, so there is no number {coordinate} to prescribe")]
     NoCoordinate {
         node: String,

@@ -130,8 +130,9 @@ impl MotionRun {
         span: [f64; 2],
     ) -> Result<Option<f64>, DynamicsError> {
         progress.easy = 0;
-        progress.next_step = 0.5 * (span[1] - span[0]);
-        if progress.next_step >= self.options.min_step {
+        let half = 0.5 * (span[1] - span[0]);
+        if half >= self.options.min_step {
+            progress.next_step = half;
             return Ok(None);
         }
         Err((self.stepper).fail(system, failure, span, &progress.summary))

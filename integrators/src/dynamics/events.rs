@@ -57,28 +57,31 @@ impl MotionRun {
             let occurring = ratios(&progress.events, &now.values).filter(|(_, x)| *x >= least);
             now.events.extend(occurring.map(|(k, _)| k));
         }
-        progress.events.clone_from(&now.values);
         if now.events.is_empty() {
+            progress.events.clone_from(&now.values);
             return Ok(());
         }
-        let mut state = progress.state.clone();
+        let (mut after, mut stopped) = (progress.clone(), false);
+        after.events.clone_from(&now.values);
         for &k in &now.events {
-            progress.events[k] = 0.0;
-            now.stopped |= (events[k].apply)(system, &mut state).is_break();
+            after.events[k] = 0.0;
+            stopped |= (events[k].apply)(system, &mut after.state).is_break();
         }
         let t = progress.state.t;
-        if state.t != t {
+        if after.state.t != t {
             let source = SystemError::Request {
                 what: "time after an event",
                 expected: format!("{t:?}, as before"),
-                found: format!("{:?}", state.t),
+                found: format!("{:?}", after.state.t),
             };
             return Err(DynamicsError::System { t, source });
         }
-        check(&self.options, &state, system)?;
-        progress.state = state;
-        self.refresh(system, progress)?;
-        self.watch(system, events, progress)
+        check(&self.options, &after.state, system)?;
+        self.refresh(system, &mut after)?;
+        self.watch(system, events, &mut after)?;
+        self.occurrences.stopped |= stopped;
+        *progress = after;
+        Ok(())
     }
 
     /// Finds the values of events that are new, have occurred, or read inputs, just behind the present state: an

@@ -149,7 +149,7 @@ pub(super) fn check(
         let wanted = "it must be finite and not before the time of the state";
         return refuse("to", options.to, wanted);
     }
-    check_lengths(state, system.pattern().dim())
+    check_state(state, system)
 }
 
 fn refuse(name: &'static str, value: f64, wanted: &'static str) -> Result<(), DynamicsError> {
@@ -202,8 +202,9 @@ fn check_numbers(options: &DynamicOptions) -> Result<(), DynamicsError> {
     }
 }
 
-/// Rejects vectors of the wrong length; accelerations may be missing.
-fn check_lengths(state: &State, n: usize) -> Result<(), DynamicsError> {
+/// Rejects vectors of the wrong length and numbers that are not finite; accelerations may be missing.
+fn check_state(state: &State, system: &dyn System) -> Result<(), DynamicsError> {
+    let n = system.pattern().dim();
     let fresh = state.a.is_empty();
     for (what, x) in [
         ("coordinates", &state.q),
@@ -216,6 +217,12 @@ fn check_lengths(state: &State, n: usize) -> Result<(), DynamicsError> {
             return Err(DynamicsError::Initial {
                 what,
                 problem: format!("{} given where the system has {n} coordinates", x.len()),
+            });
+        }
+        if let Some(i) = x.iter().position(|x| !x.is_finite()) {
+            return Err(DynamicsError::Initial {
+                what,
+                problem: format!("that of {} is {}", system.name(i), x[i]),
             });
         }
     }

@@ -4,7 +4,6 @@ use crate::element::Element;
 use crate::model::assembly::residual::MAX_NODES;
 use crate::model::kinematics::formulation::RotationMaps;
 use crate::model::kinematics::mapped_node::MappedNode;
-use crate::model::kinematics::pose::add_pose;
 use crate::model::loops::Closing;
 use crate::model::{ElementEntry, ModelError, NONE, Node, NodeForm, NodeList};
 use crate::time::{Constant, Input, TimeFunction};
@@ -24,8 +23,8 @@ pub(in crate::model) const FRAME_QUANTITIES: [Quantity; FRAME] = {
     [Length, Length, Length, Angle, Angle, Angle]
 };
 
-/// A node of a model builder, and of the models that it builds. Those of others are refused when a model is built;
-/// questions about them panic where there is no such number.
+/// A node of a model builder, and of the models that it builds. It is a number: one of another builder is refused where there is no
+/// such number, and is another node otherwise; questions about it panic where there is no such number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct NodeId(pub(crate) u32);
 
@@ -282,7 +281,7 @@ impl ModelBuilder {
             // Positions are the same in both.
             let either = !properties.sees_rotations && !node.is_own() && node.partner != NONE;
             if properties.reads_poses || either {
-                *n = NodeId(add_pose(&mut self.nodes, n.0));
+                *n = self.pose_of(*n, || format!("element {name}"))?;
             }
         }
         let nodes = &nodes[..];

@@ -30,7 +30,7 @@ pub(in crate::model) fn new_pose(nodes: &mut [Node], frame: u32, map: Box<Mapped
     }
 }
 
-/// The node with the pose of a frame, which is added if there is none; any other node itself.
+/// The node with the pose of a frame, which is added if there is none.
 pub(in crate::model) fn add_pose(nodes: &mut Vec<Node>, frame: u32) -> u32 {
     let node = &nodes[frame as usize];
     if node.form != NodeForm::Frame {

@@ -63,6 +63,20 @@ fn elements_that_do_not_fit() {
             "joint at node o refers to a node of another model builder",
         b.gear([foreign, ends[0]], 2.0) => "a gear refers to a node of another model builder",
     }
+    // Six coordinates are no frame.
+    let six = [Quantity::Length; 6];
+    let six = b.coordinates("six", &six).unwrap();
+    let body = RigidBody::new(1.0, Matrix3::identity(), Vector3::zeros()).unwrap();
+    let hinge = Revolute::new([0.0, 0.0, 1.0]).unwrap();
+    let none = "reads node six as a frame, and it is none: it has 6 coordinates";
+    refused! {
+        b.offset("o", six, [0.0; 3]) => &format!("joint at node o {none}")[..],
+        b.attach("o", six, hinge) => &format!("joint at node o {none}")[..],
+        b.attach("a", ends[0], hinge) => "node a is defined twice; give each node its own name",
+        b.element("body", body, &[six]) => &format!("element body {none}")[..],
+    }
+    // Nothing is left of joints that were refused.
+    assert!(b.find("o angle").is_err() && b.find("a angle").is_err());
     b.start(foreign, 0, 1.0);
     refused! { b.build() => "an initial value refers to a node of another model builder" }
     // Also where nothing else is free.

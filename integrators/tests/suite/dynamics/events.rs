@@ -262,10 +262,11 @@ fn a_value_that_is_no_number_is_refused() {
     run.add_event(|_, state| (0.5 - state.q[0]).sqrt() - 2.0, onward);
     let value = "value of an event: expected a finite number, got NaN of event 0";
     refused! { run.finish() => ["step 3", value] }
-    // Nor does an effect change the number of coordinates, or the time.
+    // Nor does an effect change the number of coordinates or the time, or leave no numbers; nor is the event passed over.
     type Change = (fn(&mut State), &'static str);
-    let effects: [Change; 2] = [
+    let effects: [Change; 3] = [
         (|state| state.v.clear(), "velocities: 0 given"),
+        (|state| state.v[0] = f64::NAN, "velocities: that of"),
         (|state| state.t = 0.0, "time after an event: expected 0.5"),
     ];
     for (change, said) in effects {
@@ -276,7 +277,10 @@ fn a_value_that_is_no_number_is_refused() {
             Continue(())
         };
         run.add_event(|_, state| state.q[0] - 0.5, effect);
-        refused! { run.finish() => [said] }
-        assert_eq!(run.state().v, [1.0]);
+        for _ in 0..2 {
+            refused! { run.finish() => [said] }
+            assert_eq!(run.state().v, [1.0]);
+            assert!((run.state().t - 0.5).abs() < 1e-6, "{}", run.state().t);
+        }
     }
 }
