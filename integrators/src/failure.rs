@@ -112,8 +112,16 @@ impl FailedStep {
     /// Reports a failure.
     pub(crate) fn new(system: &mut dyn System, context: FailureContext<'_>) -> Box<Self> {
         let mut cause = context.cause;
-        if let Cause::Linear { mechanism, .. } = &mut cause {
-            *mechanism = find_mechanism(system, context.S);
+        match &mut cause {
+            Cause::Linear {
+                error: LinearError::NonFinite { unknown, .. },
+                ..
+            } => {
+                let what = system.name(*unknown);
+                cause = Cause::System(SystemError::NotFinite { what });
+            }
+            Cause::Linear { mechanism, .. } => *mechanism = find_mechanism(system, context.S),
+            _ => {}
         }
         let [from, to] = context.span;
         Box::new(Self {

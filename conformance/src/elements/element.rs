@@ -1,5 +1,6 @@
 //! The laws of one element.
 
+use super::in_charts::FRAME;
 use super::{InCharts, inertia};
 use crate::{Forces, Layout, Random, Report, TestState, forces_at, states};
 use nalgebra::{DMatrix, DVector};
@@ -15,6 +16,12 @@ use pullback_manifold::system::Weights;
 pub fn element(element: &dyn Element) -> Report {
     let n = element.dim();
     let name = format!("element of {n} coordinates");
+    if element.properties().reads_poses && !n.is_multiple_of(FRAME) {
+        let mut report = Report::new(name);
+        let why = "an element that reads poses has six coordinates for each frame";
+        report.impossible("domain", "everywhere", why);
+        return report;
+    }
     let element = InCharts(element);
     element_at(&name, &Layout::plain(n), &states(n), element.element())
 }

@@ -25,7 +25,7 @@ impl InCharts<'_> {
 }
 
 /// Number of coordinates of a frame.
-const FRAME: usize = 6;
+pub(super) const FRAME: usize = 6;
 
 /// The poses of all frames and their rates, and the operators of each frame.
 struct Poses {

@@ -93,6 +93,7 @@ impl<J: Joint<D>, const D: usize> Link<J, D> {
 
     /// The domain of the joint, where the rotation of its pose is one.
     pub(super) fn domain(&self, t: f64, q: &[f64]) -> Result<f64, DomainError> {
+        let finite = q.iter().all(|q| q.is_finite());
         let q = own(q);
         let margin = self.joint.domain(t, &q)?;
         let rotation = self.joint.pose(t, &q).rotation;
@@ -102,8 +103,9 @@ impl<J: Joint<D>, const D: usize> Link<J, D> {
         let norm = rotation.dot(&rotation).sqrt();
         Err(match norm.is_finite() {
             true => DomainError::Undefined(format!(
-                "the quaternion of its pose has length {norm:.6}: make it a unit quaternion"
+                "the quaternion of its pose has length {norm:.12}: make it a unit quaternion"
             )),
+            false if finite => DomainError::Undefined("its pose is not finite".to_owned()),
             false => DomainError::Beyond {
                 limit: CHART_EDGE,
                 margin: f64::NAN,

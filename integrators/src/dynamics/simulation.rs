@@ -174,7 +174,8 @@ where
         }
     }
 
-    /// Goes back to a snapshot. The steps from there are the same to the last bit.
+    /// Goes back to a snapshot of the same system. The steps from there are the same to the last bit if their size is
+    /// ([`Simulation::set_step`]); a run that an event has ended goes on.
     ///
     /// # Errors
     /// As [`Simulation::new`].

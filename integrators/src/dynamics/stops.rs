@@ -44,11 +44,7 @@ impl Stops {
         let mut kinks = events(system).kinks();
         kinks.sort_by(f64::total_cmp);
         let mut listed: Vec<StopTime> = Vec::new();
-        for t in kinks
-            .iter()
-            .copied()
-            .take_while(|&t| t <= to + slack(to, step))
-        {
+        for t in kinks.iter().copied().filter(|&t| t <= to + slack(to, step)) {
             match listed.last_mut() {
                 Some(last) if t - last.right <= slack(t, step) => last.right = t,
                 _ => listed.push(StopTime {

@@ -84,6 +84,7 @@ impl StaticAnalysis for PathRun {
             ("min_step", options.min_step),
             ("max_step", options.max_step),
             ("load_scale", options.load_scale),
+            ("target_iterations", options.target_iterations as f64),
         ];
         check(&numbers, &options.newton)?;
         let counts = |(event, _): &(Event, bool)| *event == Event::Bifurcation;

@@ -38,6 +38,9 @@ impl Context {
     /// # Errors
     /// [`ModelError::Unclosed`] if no configuration nearby satisfies the equations;
     /// [`ModelError::Start`] if one is outside the domain of a joint.
+    ///
+    /// # Panics
+    /// If `held` has a number that is none of an unknown.
     pub fn project_state(
         &mut self,
         t: f64,

@@ -55,6 +55,9 @@ impl Model {
     }
 
     /// Sets coordinate `k` of a node in a vector of unknowns; false if it is not free.
+    ///
+    /// # Panics
+    /// If the vector has too few entries.
     pub fn set(&self, unknowns: &mut [f64], node: NodeId, k: usize, value: f64) -> bool {
         let u = self.unknown_at(node, k);
         if let Some(u) = u {
@@ -284,6 +287,9 @@ impl Context {
     /// Writes the velocities of a rigid motion of the nodes in `nodes` (all if `None`) at
     /// coordinates `q` to `v`: displacements move with v + ω × (x − about), rotation vectors with Ψ̇
     /// = T⁻ᵀ ω. Joint coordinates stay at rest: see [`Context::fit_rates`].
+    ///
+    /// # Panics
+    /// If `q` or `v` has too few entries.
     pub fn set_velocity(
         &mut self,
         q: &[f64],

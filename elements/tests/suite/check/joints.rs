@@ -179,10 +179,30 @@ fn a_model_with_one_is_refused_at_its_evaluation() {
         let length = 2.5_f64.sqrt();
         let error = at(FRAC_PI_2).unwrap_err().to_string();
         let expected = format!(
-            "joint at node child: the quaternion of its pose has length {length:.6}: make it a unit quaternion"
+            "joint at node child: the quaternion of its pose has length {length:.12}: make it a unit quaternion"
         );
         assert_eq!(error, expected);
     }
+}
+
+#[test]
+fn a_pose_that_is_no_number_is_named() {
+    let mut builder = ModelBuilder::new();
+    let ground = builder.node("ground", [0.0; 3]).unwrap();
+    builder.support(ground, &Dof::ALL);
+    let unknown = One(Planted::Unknown);
+    let child = builder.attach("child", ground, unknown).unwrap().frame;
+    let body = PointMass::new(1.0).unwrap();
+    builder.element("body", body, &[child]).unwrap();
+    let mut context = Context::new(builder.build().unwrap());
+    let refused = context.configure(Point::statics(0.0, &[0.1])).unwrap_err();
+    let said = "joint at node child: its pose is not finite";
+    assert_eq!(refused.to_string(), said);
+    // A step that has lost its way is too large.
+    let refused = context
+        .configure(Point::statics(0.0, &[f64::NAN]))
+        .unwrap_err();
+    assert!(refused.to_string().contains("take smaller steps"));
 }
 
 #[test]

@@ -160,8 +160,9 @@ impl Energetics for Maxwell {
 }
 
 impl Events for Maxwell {
+    /// What is no number is passed over.
     fn kinks(&self) -> Vec<f64> {
-        vec![0.5]
+        vec![0.5, f64::NAN.copysign(-1.0)]
     }
 }
 

@@ -267,6 +267,14 @@ fn a_mechanism_is_found_and_named() {
 }
 
 #[test]
+fn a_tangent_that_is_no_number_is_named() {
+    let mut spring = Scalar::new(1.0, |w| [w, f64::NAN]);
+    let error = equilibrium(&mut spring, &StaticOptions::default()).unwrap_err();
+    let said = format!("{} gives a value that is not finite", spring.name(0));
+    assert!(error.to_string().contains(&said), "{error}");
+}
+
+#[test]
 fn senseless_options_are_refused_by_name() {
     type Change = fn(&mut StaticOptions);
     let wrong: [(Change, &str); 3] = [
@@ -283,11 +291,13 @@ fn senseless_options_are_refused_by_name() {
             "{error}"
         );
     }
-    let options = ArcLengthOptions {
+    let mut options = ArcLengthOptions {
         first_step: -1.0,
         ..ArcLengthOptions::default()
     };
-    let error = PathSteps::new(&mut truss(), vec![], &options).err();
-    let name = "first_step";
-    assert!(matches!(error, Some(StaticsError::Option { name: n, .. }) if n == name));
+    for name in ["first_step", "target_iterations"] {
+        let error = PathSteps::new(&mut truss(), vec![], &options).err();
+        assert!(matches!(error, Some(StaticsError::Option { name: n, .. }) if n == name));
+        (options.first_step, options.target_iterations) = (1.0, 0);
+    }
 }
