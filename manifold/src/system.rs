@@ -247,7 +247,7 @@ pub enum SystemError {
         /// The limit, or why there is no value.
         why: DomainError,
     },
-    /// A residual or tangent is infinite or not a number.
+    /// A residual or tangent is infinite or not a number; solvers find it in tangents.
     #[error(
         "{what} gives a value that is not finite: a function of a joint, an element or a load has no \
          value or derivative there (`check` names it)"

@@ -93,7 +93,6 @@ impl<J: Joint<D>, const D: usize> Link<J, D> {
 
     /// The domain of the joint, where the rotation of its pose is one.
     pub(super) fn domain(&self, t: f64, q: &[f64]) -> Result<f64, DomainError> {
-        let finite = q.iter().all(|q| q.is_finite());
         let q = own(q);
         let margin = self.joint.domain(t, &q)?;
         let rotation = self.joint.pose(t, &q).rotation;
@@ -105,7 +104,9 @@ impl<J: Joint<D>, const D: usize> Link<J, D> {
             true => DomainError::Undefined(format!(
                 "the quaternion of its pose has length {norm:.12}: make it a unit quaternion"
             )),
-            false if finite => DomainError::Undefined("its pose is not finite".to_owned()),
+            false if q.iter().all(|q| q.is_finite()) => {
+                DomainError::Undefined("its pose is not finite".to_owned())
+            }
             false => DomainError::Beyond {
                 limit: CHART_EDGE,
                 margin: f64::NAN,

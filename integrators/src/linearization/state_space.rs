@@ -78,7 +78,7 @@ pub fn output_derivatives<Y: System>(
     mut outputs: impl FnMut(&mut Y, Point<'_>) -> Result<Vec<f64>, SystemError>,
 ) -> Result<OutputDerivatives, SystemError> {
     let n = system.pattern().dim();
-    let mut r = vec![0.0; n];
+    let (mut r, zeros) = (vec![0.0; n], vec![0.0; n]);
     let mut count = None;
     let mut outputs = |system: &mut Y, at: Point<'_>| {
         system.evaluate(at, Evaluation::residual(&mut r))?;
@@ -94,13 +94,7 @@ pub fn output_derivatives<Y: System>(
     };
     let count = outputs(system, at)?.len();
     let coordinates = system.pattern().coordinates().to_vec();
-    let full = |x: &[f64]| {
-        if x.is_empty() {
-            vec![0.0; n]
-        } else {
-            x.to_vec()
-        }
-    };
+    let full = |x: &[f64]| [x, &zeros[x.len()..]].concat();
     let mut state = [at.q.to_vec(), full(at.v), full(at.a)];
     let mut by_state = Vec::new();
     for k in 0..state.len() {
