@@ -218,10 +218,7 @@ impl ModelBuilder {
         joint: &J,
     ) -> Result<Vec<NodeId>, ModelError> {
         self.parents(name, parent, &[])?;
-        if self.find(name).is_ok() {
-            let node = name.to_owned();
-            return Err(ModelError::DuplicateNode { node });
-        }
+        self.check_name(name)?;
         let coordinates = joint.coordinates().into_iter();
         let nodes = coordinates.map(|(c, kind)| self.coordinates(format!("{name} {c}"), &[kind]));
         nodes.collect()

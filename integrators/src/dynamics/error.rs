@@ -83,8 +83,8 @@ pub enum DynamicsError {
         /// The first multiplier.
         multiplier: String,
     },
-    /// Initial values of the wrong length, or not finite.
-    #[error("initial {what}: {problem}")]
+    /// Values to begin with, at the start or after an event, of the wrong length, or not finite.
+    #[error("{what} to begin with: {problem}")]
     Initial { what: &'static str, problem: String },
     /// The linear solver cannot analyse the pattern.
     #[error("the linear solver cannot take this model: {source}")]

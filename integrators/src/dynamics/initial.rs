@@ -1,5 +1,6 @@
 //! Consistent initial accelerations, M q̈ = r(t, q, q̇, 0), and multipliers.
 
+use super::options::check_state;
 use super::{DynamicsError, State, Stepper};
 use crate::abilities::{energetics, energies, events};
 use crate::failure::find_mechanism;
@@ -17,32 +18,19 @@ use pullback_manifold::system::{Evaluation, Point, System, Weights};
 /// [`DynamicsError::Initial`] if a vector has the wrong length or is not finite. An empty vector
 /// means zeros.
 pub fn start(system: &dyn System, t: f64, q: &[f64], v: &[f64]) -> Result<State, DynamicsError> {
-    let n = system.pattern().dim();
-    let take = |what: &'static str, x: &[f64]| {
-        let problem = if x.is_empty() {
-            return Ok(vec![0.0; n]);
-        } else if x.len() != n {
-            format!("{} given where the system has {n} coordinates", x.len())
-        } else if let Some(i) = x.iter().position(|x| !x.is_finite()) {
-            format!("{} is {}", system.name(i), x[i])
-        } else {
-            return Ok(x.to_vec());
-        };
-        Err(DynamicsError::Initial { what, problem })
+    let given = |x: &[f64]| match x {
+        [] => vec![0.0; system.pattern().dim()],
+        x => x.to_vec(),
     };
-    if !t.is_finite() {
-        return Err(DynamicsError::Initial {
-            what: "time",
-            problem: format!("is {t}"),
-        });
-    }
-    Ok(State {
+    let state = State {
         t,
-        q: take("coordinates", q)?,
-        v: take("velocities", v)?,
+        q: given(q),
+        v: given(v),
         a: Vec::new(),
         algorithmic: Vec::new(),
-    })
+    };
+    check_state(&state, system)?;
+    Ok(state)
 }
 
 /// Whether dampers dissipate power at a state, more than by rounding errors of velocities.

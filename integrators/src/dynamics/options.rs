@@ -203,8 +203,12 @@ fn check_numbers(options: &DynamicOptions) -> Result<(), DynamicsError> {
 }
 
 /// Rejects vectors of the wrong length and numbers that are not finite; accelerations may be missing.
-fn check_state(state: &State, system: &dyn System) -> Result<(), DynamicsError> {
+pub(super) fn check_state(state: &State, system: &dyn System) -> Result<(), DynamicsError> {
     let n = system.pattern().dim();
+    let refuse = |what, problem| Err(DynamicsError::Initial { what, problem });
+    if !state.t.is_finite() {
+        return refuse("time", format!("it is {}", state.t));
+    }
     let fresh = state.a.is_empty();
     for (what, x) in [
         ("coordinates", &state.q),
@@ -214,16 +218,11 @@ fn check_state(state: &State, system: &dyn System) -> Result<(), DynamicsError> 
     ] {
         let empty = fresh && what.ends_with("accelerations");
         if x.len() != n && !empty {
-            return Err(DynamicsError::Initial {
-                what,
-                problem: format!("{} given where the system has {n} coordinates", x.len()),
-            });
+            let problem = format!("{} given where the system has {n} coordinates", x.len());
+            return refuse(what, problem);
         }
         if let Some(i) = x.iter().position(|x| !x.is_finite()) {
-            return Err(DynamicsError::Initial {
-                what,
-                problem: format!("that of {} is {}", system.name(i), x[i]),
-            });
+            return refuse(what, format!("{} is {}", system.name(i), x[i]));
         }
     }
     Ok(())

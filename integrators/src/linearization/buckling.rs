@@ -1,6 +1,6 @@
 //! Linear buckling: critical loads by linear extrapolation of the tangent.
 
-use super::inputs::central;
+use super::differences::central;
 use super::modes::ModesError;
 use super::search::Search;
 use super::{Linearized, check_count, linearize};

@@ -19,8 +19,8 @@
 
 mod buckling;
 mod campbell;
+mod differences;
 mod finish;
-mod inputs;
 mod krylov;
 mod modes;
 mod search;
@@ -148,7 +148,7 @@ fn equations(
     let C = tangent(moving, Weights::DAMPING)?;
     let K = tangent(at, Weights::STATIC)?;
     let lin = Linearized {
-        r_u: inputs::input_columns(system, at)?,
+        r_u: differences::input_columns(system, at)?,
         pattern: system.pattern().clone(),
         K,
         C,

@@ -1,7 +1,7 @@
 //! First-order form with outputs: A, B, C, D.
 
 use super::Linearized;
-use super::inputs::{by_input, derivative_of, step, values};
+use super::differences::{by_input, derivative_of, step, values};
 use nalgebra::DMatrix;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError};
 use thiserror::Error;

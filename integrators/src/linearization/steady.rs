@@ -1,7 +1,7 @@
 //! Steady motion: equilibrium relative to frames in prescribed motion.
 
+use super::differences::derivative;
 use super::events;
-use super::inputs::derivative;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{Evaluation, Point, Scales, System, SystemError};
 

@@ -10,7 +10,6 @@ use crate::time::{Constant, Input, TimeFunction};
 use nalgebra::Vector3;
 use pullback_manifold::map::Parametrization;
 use pullback_manifold::system::Quantity;
-use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
@@ -160,16 +159,22 @@ impl ModelBuilder {
                 position,
             });
         }
+        self.check_name(&name)?;
         let id = NodeId(self.nodes.len() as u32);
-        match self.names.entry(name.clone()) {
-            Entry::Occupied(_) => return Err(ModelError::DuplicateNode { node: name }),
-            Entry::Vacant(entry) => entry.insert(id),
-        };
+        self.names.insert(name.clone(), id);
         self.nodes.push(Node {
             position: position.into(),
             ..Node::new(name, form, quantities, map)
         });
         Ok(id)
+    }
+
+    /// Refuses the name of another node.
+    pub(crate) fn check_name(&self, name: &str) -> Result<(), ModelError> {
+        match self.names.contains_key(name) {
+            true => Err(ModelError::DuplicateNode { node: name.into() }),
+            false => Ok(()),
+        }
     }
 
     /// Node with a name.

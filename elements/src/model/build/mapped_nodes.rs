@@ -4,7 +4,7 @@ use crate::model::assembly::residual::MAX_NODES;
 use crate::model::build::builder::{FRAME, FRAME_QUANTITIES, ModelBuilder, NodeId};
 use crate::model::kinematics::mapped_node::MappedNode;
 use crate::model::kinematics::pose::{add_pose, new_pose};
-use crate::model::{ModelError, Node, NodeForm};
+use crate::model::{ModelError, NodeForm};
 use pullback_manifold::map::{Parametrization, ToChart};
 use pullback_manifold::system::Quantity;
 
@@ -78,15 +78,15 @@ impl ModelBuilder {
         what: impl Fn() -> String,
     ) -> Result<NodeId, ModelError> {
         self.check_own(&[node], &what)?;
-        let Node { name, dim, .. } = &self.nodes[node.0 as usize];
-        match self.nodes[node.0 as usize].is_frame() {
-            true => Ok(NodeId(add_pose(&mut self.nodes, node.0))),
-            false => Err(ModelError::NoFrame {
+        let read = &self.nodes[node.0 as usize];
+        if !read.is_frame() {
+            return Err(ModelError::NoFrame {
                 what: what(),
-                node: name.clone(),
-                dim: *dim,
-            }),
+                node: read.name.clone(),
+                dim: read.dim,
+            });
         }
+        Ok(NodeId(add_pose(&mut self.nodes, node.0)))
     }
 
     /// Adds scalar coordinates that are a map of those of `parents`: those of a loop that is closed

@@ -265,8 +265,11 @@ fn a_value_that_is_no_number_is_refused() {
     // Nor does an effect change the number of coordinates or the time, or leave no numbers; nor is the event passed over.
     type Change = (fn(&mut State), &'static str);
     let effects: [Change; 3] = [
-        (|state| state.v.clear(), "velocities: 0 given"),
-        (|state| state.v[0] = f64::NAN, "velocities: that of"),
+        (|state| state.v.clear(), "velocities to begin with: 0 given"),
+        (
+            |state| state.v[0] = f64::NAN,
+            "velocities to begin with: the mass is NaN",
+        ),
         (|state| state.t = 0.0, "time after an event: expected 0.5"),
     ];
     for (change, said) in effects {

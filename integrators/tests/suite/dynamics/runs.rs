@@ -244,9 +244,9 @@ fn options_are_refused_with_their_range() {
     }
     refused! {
         start(&Pendulum::new(), 0.0, &[1.0, 2.0], &[]) =>
-            ["initial coordinates: 2 given where the system has 1 coordinates"],
+            ["coordinates to begin with: 2 given where the system has 1 coordinates"],
         start(&Oscillator::new(1.0, 1.0), 0.0, &[], &[f64::NAN]) =>
-            ["initial velocities: the mass is NaN"],
+            ["velocities to begin with: the mass is NaN"],
     }
 }
 

@@ -1,4 +1,4 @@
-//! Derivatives by the inputs of a system.
+//! Central differences, and derivatives by the inputs of a system.
 
 use pullback_manifold::system::{Evaluation, Point, System, SystemError};
 
