@@ -112,10 +112,10 @@ pub fn buckling(
     if !symmetric {
         return Err(BucklingError::Asymmetric);
     }
-    if change.iter().all(|[K, _]| *K == 0.0) {
+    if change.iter().all(|K| K.value == 0.0) {
         return Err(BucklingError::NoLoad);
     }
-    lin.M = change.into_iter().map(|[K, _]| -K).collect();
+    lin.M = change.iter().map(|K| -K.value).collect();
     let mut search = Search::indefinite(&lin, count)?;
     if !search.is_definite()? {
         return Err(BucklingError::Unstable);

@@ -25,6 +25,7 @@ use super::{
 use crate::significant;
 use crate::statics::{StaticOptions, StaticsError, equilibrium_from};
 use lines::{conjugate, continued, groups};
+use multi_blade::{TURN, motion, pulled_back};
 use num_complex::Complex64;
 use pullback_manifold::system::{CyclicSymmetry, Point, System};
 use std::ops::ControlFlow;
@@ -250,7 +251,10 @@ impl Sweep<'_> {
         };
         let lin = linearize(&mut *self.system, at)
             .map_err(|source| CampbellError::Linearization { speed, source })?;
-        let lin = self.seen(lin, 0.0);
+        let lin = match &self.options.rotor {
+            Some(rotor) => lin.in_multi_blade_coordinates(rotor, speed),
+            None => lin,
+        };
         let wanted = self.options.count.min(2 * lin.dim()) + SPARE;
         let mut massless = 0;
         loop {
@@ -268,15 +272,7 @@ impl Sweep<'_> {
         }
     }
 
-    /// The equations at an angle, in multi-blade coordinates if the rotor is seen from parts that do not rotate.
-    fn seen(&self, lin: Linearized, angle: f64) -> Linearized {
-        match &self.options.rotor {
-            Some(rotor) => lin.in_multi_blade_coordinates(rotor, angle, self.speed),
-            None => lin,
-        }
-    }
-
-    /// Refuses equations that are other ones after a turn by one radian.
+    /// Refuses equations that are other ones after a turn by [`TURN`].
     fn check_steady(
         &mut self,
         lin: &Linearized,
@@ -288,24 +284,24 @@ impl Sweep<'_> {
         }
         let zeros = vec![0.0; self.q.len()];
         let at = Point {
-            t: self.options.t + speed.recip(),
+            t: self.options.t + TURN / speed,
             q: self.q,
             v: &zeros,
             a: &zeros,
         };
         let failed = |source| CampbellError::Linearization { speed, source };
-        let (mut turned, r) = equations(&mut *self.system, at).map_err(failed)?;
-        turned.r_u = vec![r];
-        let turned = self.seen(turned, 1.0);
-        let pushed = lin.displaced(&turned.r_u[0], modes, speed);
-        let changed = pushed.or_else(|| lin.change(&turned, modes, speed));
+        let rotor = self.options.rotor.as_ref();
+        let (other, r) = equations(&mut *self.system, at).map_err(failed)?;
+        let r: Vec<Complex64> = r.into_iter().map(Complex64::from).collect();
+        let pushed = lin.displaced(&pulled_back(rotor, &r), modes, speed);
+        let changed = pushed.or_else(|| lin.change(&other, rotor, modes, speed));
         changed.map_or(Ok(()), |name| Err(CampbellError::Periodic { speed, name }))
     }
 }
 
 impl Linearized {
     /// The name of the coordinate with the largest residual, if residuals would displace these modes.
-    fn displaced(&self, r: &[f64], modes: &[Mode], omega: f64) -> Option<String> {
+    fn displaced(&self, r: &[Complex64], modes: &[Mode], omega: f64) -> Option<String> {
         let coordinates = self.pattern.coordinates();
         let moves = |mode: &Mode| {
             let work: Complex64 = mode.shape.iter().zip(r).map(|(x, r)| x.conj() * r).sum();
@@ -314,31 +310,33 @@ impl Linearized {
             let largest = sizes.fold(0.0, |most: f64, (x, info)| most.max(x.norm() / info.size));
             work.norm() * largest > STEADY * mode.eigenvalue.norm_sqr().max(omega * omega)
         };
-        let worst = (0..r.len()).max_by(|&i, &j| r[i].abs().total_cmp(&r[j].abs()))?;
+        let worst = (0..r.len()).max_by(|&i, &j| r[i].norm().total_cmp(&r[j].norm()))?;
         modes.iter().any(moves).then(|| self.names[worst].clone())
     }
 
-    /// The name of a coordinate whose equation in the motion of these modes is another one, if there is any.
-    fn change(&self, other: &Self, modes: &[Mode], omega: f64) -> Option<String> {
-        let matrices = [&self.K, &self.C, &self.M].into_iter();
-        let others = [&other.K, &other.C, &other.M];
-        let changes: Vec<Vec<f64>> = (matrices.zip(others))
-            .map(|(own, other)| own.iter().zip(other).map(|(a, b)| b - a).collect())
-            .collect();
+    /// K q + C q̇ + M q̈.
+    fn forces(&self, motion: &[Vec<Complex64>; 3]) -> Vec<Complex64> {
+        let mut forces = vec![Complex64::ZERO; self.dim()];
+        for (values, x) in [&self.K, &self.C, &self.M].into_iter().zip(motion) {
+            self.pattern.multiply_add(1.0, values, x, &mut forces);
+        }
+        forces
+    }
+
+    /// The name of a coordinate whose equation in the motion of these modes is another one after a turn, if there is any.
+    fn change(
+        &self,
+        other: &Self,
+        rotor: Option<&CyclicSymmetry>,
+        modes: &[Mode],
+        omega: f64,
+    ) -> Option<String> {
         for mode in modes {
-            let lambda = mode.eigenvalue;
-            let mut forces = vec![Complex64::ZERO; self.dim()];
-            for (change, factor) in changes
-                .iter()
-                .zip([Complex64::ONE, lambda, lambda * lambda])
-            {
-                let more = self.product(change, &mode.shape);
-                forces
-                    .iter_mut()
-                    .zip(more)
-                    .for_each(|(f, more)| *f += factor * more);
-            }
-            let least = STEADY * lambda.norm_sqr().max(omega * omega);
+            let mut forces = other.forces(&motion(rotor, mode, omega));
+            forces = pulled_back(rotor, &forces);
+            let own = self.forces(&motion(None, mode, omega));
+            forces.iter_mut().zip(own).for_each(|(f, own)| *f -= own);
+            let least = STEADY * mode.eigenvalue.norm_sqr().max(omega * omega);
             // Of circular whirl, only the conjugate one may be changed.
             for other in modes {
                 let work = forces.iter().zip(&other.shape).map(|(f, x)| f * x);

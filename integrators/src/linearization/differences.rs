@@ -7,17 +7,41 @@ pub(super) fn step(value: f64, unit: f64) -> f64 {
     1e-3 * value.abs().max(unit)
 }
 
-/// Factor between steps, far from fractions of small numbers: periods of a function would agree.
+/// Ratio of the two steps of a difference, far from fractions of small numbers: periods of a function would agree.
+const RATIO: f64 = 1.618_034;
+/// Factor between the steps of successive differences.
 const FINER: f64 = 0.118_034;
-/// Number of steps that are tried.
-const STEPS: usize = 8;
+/// Number of differences that are tried.
+const TRIALS: usize = 8;
 /// Largest relative difference of derivatives with two steps that agree.
 const AGREE: f64 = 1e-7;
-/// The same for rounding errors, in units of those of the finer step.
+/// The same for rounding errors, in units of those of the component, and of terms that cancel, relative to the largest derivative.
 const ROUNDING: f64 = 4.0;
+const NOTHING: f64 = 1e-12;
 
-/// The derivative of a function at zero, by central differences with the step `h` and smaller ones, until those of two agree in
-/// each component: the size of the argument that matters need not be known (cf. Ridders 1982).
+/// One component of a derivative by central differences with two steps.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Difference {
+    /// The derivative, of order four.
+    pub value: f64,
+    /// Difference of the derivatives of order two with the two steps.
+    change: f64,
+    /// Rounding errors.
+    rounding: f64,
+}
+
+/// The components whose derivatives with both steps do not agree.
+fn open(all: &[Difference]) -> Vec<usize> {
+    let largest = all.iter().fold(0.0, |most, x| x.value.abs().max(most));
+    let agrees = |x: &Difference| {
+        let rounding = (ROUNDING * x.rounding).max(NOTHING * largest);
+        x.change.abs() <= rounding.max(AGREE * x.value.abs())
+    };
+    (0..all.len()).filter(|&i| !agrees(&all[i])).collect()
+}
+
+/// The derivative of a function at zero, by central differences with the step `h` and smaller ones, until those of two steps
+/// agree in each component: the size of the argument that matters need not be known (cf. Ridders 1982).
 ///
 /// # Errors
 /// Those of the function at all steps.
@@ -25,63 +49,48 @@ pub(super) fn derivative_of(
     mut h: f64,
     mut f: impl FnMut(f64) -> Result<Vec<f64>, SystemError>,
 ) -> Result<Vec<f64>, SystemError> {
-    let mut before = central(h, &mut f);
-    if let Ok(change) = &before
-        && change.iter().all(|x| x[0] == 0.0)
-    {
-        return before.map(values_of);
-    }
-    // The best derivatives, with their errors.
-    let mut best: Vec<[f64; 2]> = Vec::new();
-    for _ in 1..STEPS {
-        h *= FINER;
-        let now = central(h, &mut f);
-        if let (Ok(coarse), Ok(fine)) = (&before, &now) {
-            best.resize(fine.len(), [f64::NAN, f64::INFINITY]);
-            let mut agree = true;
-            for ((best, coarse), fine) in best.iter_mut().zip(coarse).zip(fine) {
-                let error = (fine[0] - coarse[0]).abs();
-                let rounding = ROUNDING * fine[1];
-                if error < best[1] {
-                    let exact = if error <= rounding { coarse } else { fine };
-                    *best = [exact[0], error];
-                }
-                agree &= best[1] <= rounding.max(AGREE * fine[0].abs());
-            }
-            if agree {
-                break;
-            }
+    let mut best = central(h, &mut f);
+    for _ in 1..TRIALS {
+        let open = best.as_deref().map_or_else(|_| Vec::new(), open);
+        if best.is_ok() && open.is_empty() {
+            break;
         }
-        before = now;
+        h *= FINER;
+        match (&mut best, central(h, &mut f)) {
+            (Ok(best), Ok(finer)) => {
+                for i in open {
+                    if finer[i].change.abs() < best[i].change.abs() {
+                        best[i] = finer[i];
+                    }
+                }
+            }
+            (Err(_), finer) => best = finer,
+            (Ok(_), Err(_)) => {}
+        }
     }
-    match best.is_empty() {
-        true => before.map(values_of),
-        false => Ok(values_of(best)),
-    }
+    best.map(|all| all.iter().map(|x| x.value).collect())
 }
 
-fn values_of(derivatives: Vec<[f64; 2]>) -> Vec<f64> {
-    derivatives.into_iter().map(|[x, _]| x).collect()
-}
-
-/// The derivative of a function by central differences of order four with steps `h`, each with its rounding error; exact but for
-/// that where the function is a polynomial of this degree, as of loads and speeds.
+/// The derivative of a function at zero by central differences of order four, with steps `h` and [`RATIO`] `h`: exact but for
+/// rounding errors where it is a polynomial of this degree, as of loads and speeds.
 pub(super) fn central(
     h: f64,
     mut f: impl FnMut(f64) -> Result<Vec<f64>, SystemError>,
-) -> Result<Vec<[f64; 2]>, SystemError> {
-    let mut sum: Vec<[f64; 2]> = Vec::new();
-    // Of a constant the sum is zero exactly.
-    for (s, weight) in [(-2.0, 1.0), (2.0, -1.0), (-1.0, -8.0), (1.0, 8.0)] {
-        let value = f(s * h)?;
-        sum.resize(value.len(), [0.0; 2]);
-        for (sum, x) in sum.iter_mut().zip(value) {
-            let part = weight / (12.0 * h) * x;
-            sum[0] += part;
-            sum[1] += f64::EPSILON * part.abs();
+) -> Result<Vec<Difference>, SystemError> {
+    let mut sums: Vec<Difference> = Vec::new();
+    // The error of a slope is in proportion to the square of its step. Of a constant all is zero exactly.
+    let others = (RATIO * RATIO - 1.0).recip();
+    for (h, weight) in [(h, 1.0 + others), (RATIO * h, -others)] {
+        let (before, after) = (f(-h)?, f(h)?);
+        sums.resize(after.len(), Difference::default());
+        for (sum, (a, b)) in sums.iter_mut().zip(before.iter().zip(&after)) {
+            let slope = (b - a) / (2.0 * h);
+            sum.value += weight * slope;
+            sum.change += weight.signum() * slope;
+            sum.rounding += f64::EPSILON * (a.abs() + b.abs()) / (2.0 * h);
         }
     }
-    Ok(sum)
+    Ok(sums)
 }
 
 /// The values of the inputs of a system.
@@ -109,25 +118,19 @@ pub(super) fn by_input<Y: System + ?Sized>(
     found
 }
 
-/// ∂r/∂u of an input at the value `u`.
-pub(super) fn derivative(
-    system: &mut dyn System,
-    at: Point<'_>,
-    input: (usize, f64),
-) -> Result<Vec<f64>, SystemError> {
-    let n = system.pattern().dim();
-    by_input(system, input, &mut |system| {
-        let mut r = vec![0.0; n];
-        system.evaluate(at, Evaluation::residual(&mut r))?;
-        Ok(r)
-    })
-}
-
 /// ∂r/∂u of each input.
 pub(super) fn input_columns(
     system: &mut dyn System,
     at: Point<'_>,
 ) -> Result<Vec<Vec<f64>>, SystemError> {
+    let n = system.pattern().dim();
     let inputs = values(system).into_iter().enumerate();
-    inputs.map(|input| derivative(system, at, input)).collect()
+    let column = |input| {
+        by_input(system, input, &mut |system| {
+            let mut r = vec![0.0; n];
+            system.evaluate(at, Evaluation::residual(&mut r))?;
+            Ok(r)
+        })
+    };
+    inputs.map(column).collect()
 }

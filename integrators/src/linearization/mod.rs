@@ -107,7 +107,8 @@ const BALANCED: f64 = 1e-4;
 /// # Errors
 /// [`LinearizationError`] if the system cannot be evaluated, or the state is not in balance.
 pub fn linearize(system: &mut dyn System, at: Point<'_>) -> Result<Linearized, LinearizationError> {
-    let (lin, r) = equations(system, at)?;
+    let (mut lin, r) = equations(system, at)?;
+    lin.r_u = differences::input_columns(system, at)?;
     let n = lin.dim();
     let (mut sizes, mut floor) = (vec![0.0; n], vec![0.0; n]);
     if !is_rounding(system, &lin.K, at.q, &r, [&mut sizes, &mut floor]) {
@@ -123,7 +124,7 @@ pub fn linearize(system: &mut dyn System, at: Point<'_>) -> Result<Linearized, L
     Ok(lin)
 }
 
-/// The linear equations about a state, and its residual.
+/// The linear equations about a state without inputs, and its residual.
 fn equations(
     system: &mut dyn System,
     at: Point<'_>,
@@ -148,7 +149,7 @@ fn equations(
     let C = tangent(moving, Weights::DAMPING)?;
     let K = tangent(at, Weights::STATIC)?;
     let lin = Linearized {
-        r_u: differences::input_columns(system, at)?,
+        r_u: Vec::new(),
         pattern: system.pattern().clone(),
         K,
         C,

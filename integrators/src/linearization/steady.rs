@@ -1,6 +1,6 @@
 //! Steady motion: equilibrium relative to frames in prescribed motion.
 
-use super::differences::derivative;
+use super::differences::{central, step};
 use super::events;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{Evaluation, Point, Scales, System, SystemError};
@@ -45,12 +45,18 @@ impl System for SteadyMotion<'_> {
             v: &self.zeros,
             a: &self.zeros,
         };
-        let r_t = out.r_t.take();
         if let Some(previous) = &mut out.previous {
             previous.t = self.t;
         }
-        if let Some(r_t) = r_t {
-            r_t.copy_from_slice(&derivative(&mut *self.system, still, (self.input, at.t))?);
+        if let Some(r_t) = out.r_t.take() {
+            // Exact for speeds and loads.
+            let rate = central(step(at.t, 1.0), |du| {
+                events(&mut *self.system).inputs()[self.input] = at.t + du;
+                let mut r = vec![0.0; r_t.len()];
+                self.system.evaluate(still, Evaluation::residual(&mut r))?;
+                Ok(r)
+            })?;
+            r_t.iter_mut().zip(rate).for_each(|(r_t, x)| *r_t = x.value);
         }
         events(&mut *self.system).inputs()[self.input] = at.t;
         self.system.evaluate(still, out)

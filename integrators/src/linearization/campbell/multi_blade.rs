@@ -9,14 +9,17 @@
 //!
 //! patterns that stand still in space have constant z. Those that change sign from blade to blade do not move the other parts,
 //! and do not turn: an even N has them in the further terms (−1)^j P^j / N. For N ≥ 3 the coefficients of z are constant
-//! (Coleman & Feingold 1958, NACA report 1351): with ψ̇ = Ω they are
+//! (Coleman & Feingold 1958, NACA report 1351). As T(ψ) is a power, T' = T G with G = T'(0), so that with ψ̇ = Ω
 //!
 //! ```text
-//! TᵀMT,     Tᵀ(CT + 2ΩMT'),     Tᵀ(KT + ΩCT' + Ω²MT'')
+//! q̇ = T (d/dt + ΩG) z,     q̈ = T (d/dt + ΩG)² z
 //! ```
+//!
+//! and the coefficients are those at angle zero, where T = 1: M, C + 2ΩMG and K + ΩCG + Ω²MG².
 
-use super::Linearized;
-use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut, DVectorView, DVectorViewMut};
+use super::{Linearized, Mode};
+use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut};
+use num_complex::Complex64;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::CyclicSymmetry;
 use std::collections::BTreeMap;
@@ -25,10 +28,7 @@ use std::f64::consts::TAU;
 /// Blocks of one row, by column.
 type Row<T> = BTreeMap<usize, T>;
 
-/// Factors that count as rounding errors.
-const NOTHING: f64 = 1e-14;
-
-/// Factor of P^j in T, T' and T''.
+/// Factors of P^j in T, T' and T''.
 fn factors(order: usize, j: usize, angle: f64) -> [f64; 3] {
     let n = order as f64;
     let alternating = match (order % 2, j % 2) {
@@ -46,7 +46,74 @@ fn factors(order: usize, j: usize, angle: f64) -> [f64; 3] {
     sums.map(|sum| sum / n)
 }
 
-/// P, row by row.
+/// P x, or Pᵀ x, where what does not rotate stays as it is.
+fn turned(rotor: &CyclicSymmetry, x: &[Complex64], transposed: bool) -> Vec<Complex64> {
+    let mut y = x.to_vec();
+    for &(r, ..) in &rotor.turn {
+        y[r] = Complex64::ZERO;
+    }
+    for &(r, c, p) in &rotor.turn {
+        let (r, c) = if transposed { (c, r) } else { (r, c) };
+        y[r] += p * x[c];
+    }
+    y
+}
+
+/// Angle at which equations are compared with those at angle zero.
+pub(super) const TURN: f64 = 1.0;
+
+/// T x, T' x and T'' x at the angle [`TURN`], or those of the transposed matrices; T = 1 without a rotor.
+fn transformed(
+    rotor: Option<&CyclicSymmetry>,
+    x: &[Complex64],
+    transposed: bool,
+) -> [Vec<Complex64>; 3] {
+    let mut sums = [(); 3].map(|()| vec![Complex64::ZERO; x.len()]);
+    let mut power = x.to_vec();
+    let Some(rotor) = rotor else {
+        sums[0] = power;
+        return sums;
+    };
+    for j in 0..rotor.order {
+        for (sum, factor) in sums.iter_mut().zip(factors(rotor.order, j, TURN)) {
+            let terms = sum.iter_mut().zip(&power);
+            terms.for_each(|(sum, x)| *sum += factor * x);
+        }
+        power = turned(rotor, &power, transposed);
+    }
+    sums
+}
+
+/// The rotor's own q, q̇ and q̈ after the turn where multi-blade coordinates move in a mode: (λ + Ω d/dψ)^k T φ.
+pub(super) fn motion(
+    rotor: Option<&CyclicSymmetry>,
+    mode: &Mode,
+    speed: f64,
+) -> [Vec<Complex64>; 3] {
+    let [T, T1, T2] = transformed(rotor, &mode.shape, false);
+    let lambda = mode.eigenvalue;
+    let order = |[f, f1, f2]: [Complex64; 3]| {
+        let terms = T.iter().zip(&T1).zip(&T2);
+        terms
+            .map(|((x, x1), x2)| f * x + f1 * x1 + f2 * x2)
+            .collect()
+    };
+    let (zero, one, omega) = (Complex64::ZERO, Complex64::ONE, Complex64::from(speed));
+    [
+        [one, zero, zero],
+        [lambda, omega, zero],
+        [lambda * lambda, 2.0 * lambda * omega, omega * omega],
+    ]
+    .map(order)
+}
+
+/// Forces at the rotor's own coordinates after the turn, at multi-blade ones: Tᵀ f.
+pub(super) fn pulled_back(rotor: Option<&CyclicSymmetry>, f: &[Complex64]) -> Vec<Complex64> {
+    let [f, ..] = transformed(rotor, f, true);
+    f
+}
+
+/// P of what rotates, row by row.
 fn turn(rotor: &CyclicSymmetry, pattern: &BlockPattern) -> Vec<Row<DMatrix<f64>>> {
     let blocks = 0..pattern.blocks();
     let of_unknown = blocks.flat_map(|i| pattern.unknowns(i).map(move |u| (i, u)));
@@ -62,110 +129,80 @@ fn turn(rotor: &CyclicSymmetry, pattern: &BlockPattern) -> Vec<Row<DMatrix<f64>>
     turn
 }
 
-/// T, T' and T'' at an angle, row by row.
-fn transformation(
-    rotor: &CyclicSymmetry,
-    pattern: &BlockPattern,
-    angle: f64,
-) -> Vec<Row<[DMatrix<f64>; 3]>> {
+/// G and G² = T''(0), row by row.
+fn generator(rotor: &CyclicSymmetry, pattern: &BlockPattern) -> Vec<Row<[DMatrix<f64>; 2]>> {
     let turn = turn(rotor, pattern);
-    let factors: Vec<[f64; 3]> = (0..rotor.order)
-        .map(|j| factors(rotor.order, j, angle))
-        .collect();
     let row = |i: usize| {
-        let n = pattern.size(i);
-        let (one, zero) = (DMatrix::identity(n, n), DMatrix::zeros(n, n));
-        if turn[i].is_empty() {
-            return Row::from([(i, [one, zero.clone(), zero])]);
-        }
-        let mut row: Row<[DMatrix<f64>; 3]> = Row::new();
+        let mut row: Row<[DMatrix<f64>; 2]> = Row::new();
+        let one = DMatrix::identity(pattern.size(i), pattern.size(i));
         let mut power = Row::from([(i, one)]);
-        for factors in &factors {
+        for [_, first, second] in (0..rotor.order).map(|j| factors(rotor.order, j, 0.0)) {
             let mut next = Row::new();
             for (j, X) in power {
                 for (k, P) in &turn[j] {
                     let product = &X * P;
-                    let sum = next.entry(*k).or_insert_with(|| product.map(|_| 0.0));
-                    *sum += product;
+                    match next.get_mut(k) {
+                        Some(sum) => *sum += product,
+                        None => drop(next.insert(*k, product)),
+                    }
                 }
-                let row = row
-                    .entry(j)
-                    .or_insert_with(|| [0, 1, 2].map(|_| X.map(|_| 0.0)));
-                for (sum, factor) in row.iter_mut().zip(factors) {
-                    *sum += &X * *factor;
-                }
+                let zeros = || [0, 1].map(|_| X.map(|_| 0.0));
+                let [G, GG] = row.entry(j).or_insert_with(zeros);
+                *G += first * &X;
+                *GG += second * &X;
             }
             power = next;
         }
         row
     };
-    (0..pattern.blocks()).map(row).collect()
+    let rotates = |i: &usize| !turn[*i].is_empty();
+    (0..pattern.blocks())
+        .map(|i| if rotates(&i) { row(i) } else { Row::new() })
+        .collect()
 }
 
-/// Ratios of the terms of (T z)˙ and (T z)¨.
-const BINOMIAL: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 2.0, 1.0]];
-
 impl Linearized {
-    /// The equations in multi-blade coordinates of a rotor at an angle and a speed. At angle zero these coordinates are the
-    /// rotor's own.
-    pub(super) fn in_multi_blade_coordinates(
-        &self,
-        rotor: &CyclicSymmetry,
-        angle: f64,
-        speed: f64,
-    ) -> Self {
+    /// The equations at angle zero in multi-blade coordinates, which are the rotor's own there.
+    pub(super) fn in_multi_blade_coordinates(self, rotor: &CyclicSymmetry, speed: f64) -> Self {
         let old = &self.pattern;
-        let T = transformation(rotor, old, angle);
+        let G = generator(rotor, old);
         let pairs = || (0..old.blocks()).flat_map(|j| old.column(j).map(move |(i, at)| (i, j, at)));
         let groups = pairs().filter(|(i, j, _)| i >= j).map(|(i, j, _)| {
-            let blocks = T[i].keys().chain(T[j].keys());
-            blocks.map(|&block| block as u32).collect::<Vec<_>>()
+            let turned = G[i].keys().chain(G[j].keys()).copied();
+            let blocks = turned.chain([i, j]);
+            blocks.map(|block| block as u32).collect::<Vec<_>>()
         });
         let sizes: Vec<usize> = (0..old.blocks()).map(|block| old.size(block)).collect();
         let pattern = BlockPattern::new(&sizes, groups);
         let pattern = pattern.with_coordinates(|u| old.coordinates()[u]);
         let mut matrices = [(); 3].map(|()| vec![0.0; pattern.len()]);
         for (i, j, at) in pairs() {
-            let sources = [&self.K, &self.C, &self.M].map(|values| &values[at.clone()]);
-            let sources = sources.map(|values| DMatrixView::from_slice(values, sizes[i], sizes[j]));
-            let of_rows = T[i].iter().filter(|(_, [T, ..])| T.amax() > NOTHING);
-            for (a, [left, ..]) in of_rows {
-                let sources = sources.map(|X| left.tr_mul(&X));
-                for (b, right) in &T[j] {
-                    let Some(first) = pattern.find(*a, *b) else {
-                        continue;
-                    };
-                    let block = first..first + sizes[*a] * sizes[*b];
-                    for (order, X) in sources.iter().enumerate() {
-                        for k in (0..=order).filter(|&k| right[k].amax() > NOTHING) {
-                            let factor = BINOMIAL[order][k] * speed.powi(k as i32);
-                            let values = &mut matrices[order - k][block.clone()];
-                            DMatrixViewMut::from_slice(values, sizes[*a], sizes[*b])
-                                .gemm(factor, X, &right[k], 1.0);
-                        }
-                    }
+            let own = [&self.K, &self.C, &self.M].map(|values| &values[at.clone()]);
+            let mut add = |to: usize, b: usize, factor: f64, X: &[f64], Y: &DMatrix<f64>| {
+                if let Some(first) = pattern.find(i, b) {
+                    let values = &mut matrices[to][first..first + sizes[i] * sizes[b]];
+                    let X = DMatrixView::from_slice(X, sizes[i], sizes[j]);
+                    DMatrixViewMut::from_slice(values, sizes[i], sizes[b]).gemm(factor, &X, Y, 1.0);
                 }
+            };
+            let [_, C, M] = own;
+            let one = DMatrix::identity(sizes[j], sizes[j]);
+            own.iter()
+                .enumerate()
+                .for_each(|(to, X)| add(to, j, 1.0, X, &one));
+            for (&b, [G, GG]) in &G[j] {
+                add(1, b, 2.0 * speed, M, G);
+                add(0, b, speed, C, G);
+                add(0, b, speed * speed, M, GG);
             }
         }
-        let input = |r_u: &Vec<f64>| {
-            let mut out = vec![0.0; r_u.len()];
-            for (i, row) in T.iter().enumerate() {
-                let own = DVectorView::from_slice(&r_u[old.unknowns(i)], sizes[i]);
-                for (a, [left, ..]) in row {
-                    DVectorViewMut::from_slice(&mut out[old.unknowns(*a)], sizes[*a])
-                        .gemv_tr(1.0, left, &own, 1.0);
-                }
-            }
-            out
-        };
         let [K, C, M] = matrices;
         Self {
             pattern,
             K,
             C,
             M,
-            r_u: self.r_u.iter().map(input).collect(),
-            names: self.names.clone(),
+            ..self
         }
     }
 }
