@@ -137,7 +137,10 @@ class Model:
         return result
 
     def write(self, directory: str | os.PathLike[str]) -> None:
-        """Runs the analysis with all files of `pullback run`: history, results, figures, ParaView files."""
+        """Runs the analysis with all files of `pullback run`: history, results, figures, ParaView files.
+
+        Raises OSError where they cannot be written.
+        """
         complete, message = _pullback.write(self._text, self._name, os.fspath(directory))
         if not complete:
             raise AnalysisError(message or "the analysis did not reach its end")

@@ -7,7 +7,7 @@ import functools
 import itertools
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -54,7 +54,7 @@ class SweepTable:
 
 def sweep(
     model: Model,
-    over: Mapping[str, Sequence[Any]],
+    over: Mapping[str, Iterable[Any]],
     *,
     keep: Sequence[str] = ("last",),
     workers: int | None = None,
@@ -66,16 +66,18 @@ def sweep(
 
     `over` has the values by the path of each parameter. `keep` says what is kept of each probe: "last", "max", "min",
     "at(T)". Runs are made by `workers` threads, by default one for each processor, or by the workers of a
-    Dask `client`. A run that fails or is refused is a row with its message.
+    Dask `client`. A run that fails or is refused is a row with its message, but for the first, which says which
+    columns there are.
 
     With a directory `out`, rows are saved as `pullback sweep` does, in sweep.csv, and a sweep that was stopped goes
     on there. After Ctrl-C, KeyboardInterrupt is raised, with the rows so far in its `result`; so are other errors.
 
-    Raises ModelError for a path that is no parameter, before the first run, and ValueError for a directory that
+    Raises ModelError for a path that is no parameter, and where the first run is refused, and ValueError for a directory that
     holds another sweep.
     """
     from . import _value
 
+    over = {path: list(values) for path, values in over.items()}
     axes = [(path, [_value(value) for value in values]) for path, values in over.items()]
     arguments = ((model._text, model._name), axes, list(keep))
     runs = _pullback.Sweep(*arguments)

@@ -16,10 +16,10 @@ use pullback::integrators::linearization::{ModeOptions, Selection, linearize};
 use pullback::manifold::system::Point;
 use pullback::modes;
 use pullback::output::Ending;
-use pullback::run::{ReachError, Recorded, reach, record_job, run_job};
+use pullback::run::{ReachError, Recorded, RunError, reach, record_job, run_job};
 use pullback::solve::Advance;
 use pyo3::create_exception;
-use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::f64::consts::TAU;
@@ -204,7 +204,10 @@ fn write(py: Python<'_>, text: &str, name: &str, out: &str) -> PyResult<(bool, S
     let outcome = py.detach(|| {
         let job = assemble(text, name)?;
         let mut observer = |step: &Advance<'_>| watch.step(step.t);
-        run_job(job, name, Path::new(out), false, &mut observer).map_err(failed)
+        run_job(job, name, Path::new(out), false, &mut observer).map_err(|error| match error {
+            RunError::Record(_) => PyOSError::new_err(error.to_string()),
+            error => failed(error),
+        })
     })?;
     if let Some(error) = watch.raised {
         return Err(error);

@@ -157,6 +157,9 @@ def test_check_and_schema():
 def test_files(tmp_path):
     pb.Model.from_toml(CANTILEVER).write(tmp_path / "out")
     assert (tmp_path / "out" / "history.csv").read_text().startswith("row,step,event,t")
+    (tmp_path / "file").write_text("")
+    with pytest.raises(OSError, match="it is a file"):
+        pb.Model.from_toml(CANTILEVER).write(tmp_path / "file")
 
 
 def test_tables_and_figures():

@@ -33,7 +33,7 @@ def test_all_combinations():
 
 def test_failures_are_rows():
     model = pb.Model.from_toml(CANTILEVER)
-    table = pb.sweep(model, {"lines.beam.elements": [1, 0, 2]})
+    table = pb.sweep(model, {"lines.beam.elements": iter([1, 0, 2])})
     assert list(table["outcome"] == "complete") == [True, False, True]
     assert "out of range" in table["outcome"][1] and np.isnan(table["tip.z.last"][1])
     with pytest.raises(pb.ModelError, match="did you mean `elements`"):

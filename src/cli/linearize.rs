@@ -70,7 +70,7 @@ pub(super) fn linearize(registry: &Registry, args: &LinearizeArguments) -> Exit 
             tell("interrupted: nothing is written");
             INTERRUPTED
         }
-        ReachError::Path => refuse(format!("--at: {error}")),
+        ReachError::At(_) => refuse(format!("--at: {error}")),
         ReachError::Start(_) => refuse(error),
         ReachError::Failed(_) => fail(error),
     })?;

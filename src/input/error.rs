@@ -31,6 +31,8 @@ pub enum InputProblem {
     Shapes { path: PathBuf, message: String },
     #[error("\"{path}\" is no path of a parameter")]
     Path { path: String },
+    #[error("{} and {} give one parameter two values", paths[0], paths[1])]
+    Repeated { paths: [String; 2] },
     #[error("{}", missing(path, within, found))]
     Parameter {
         path: String,

@@ -11,7 +11,8 @@ const NAMED: [&str; 3] = ["sections", "nodes", "inputs"];
 /// is missing is added; whether it exists, and whether its value fits, is seen when the text is assembled.
 ///
 /// # Errors
-/// [`InputProblem::Path`], [`InputProblem::Parameter`].
+/// [`InputProblem::Path`], [`InputProblem::Parameter`], and [`InputProblem::Repeated`] for a second value of a parameter or of
+/// a part of it.
 pub fn with_parameters<P: AsRef<str>, V: AsRef<str>>(
     text: &str,
     parameters: impl IntoIterator<Item = (P, V)>,
@@ -20,6 +21,7 @@ pub fn with_parameters<P: AsRef<str>, V: AsRef<str>>(
         // It is refused at its position when it is assembled.
         return Ok(text.to_owned());
     };
+    let mut earlier: Vec<(String, Vec<String>)> = Vec::new();
     for (path, value) in parameters {
         let (path, value) = (path.as_ref(), value.as_ref().trim());
         let keys = Key::parse(path).map_err(|_| {
@@ -29,7 +31,15 @@ pub fn with_parameters<P: AsRef<str>, V: AsRef<str>>(
         let keys: Vec<&str> = keys.iter().map(Key::get).collect();
         let value = value.parse().unwrap_or_else(|_| Value::from(value));
         let path = Path { text: path, keys };
-        path.set(&mut document, value)?;
+        let place = path.set(&mut document, value)?;
+        let same = |(_, other): &&(String, Vec<String>)| {
+            other.starts_with(&place) || place.starts_with(other)
+        };
+        if let Some((other, _)) = earlier.iter().find(same) {
+            let paths = [other.clone(), path.text.to_owned()];
+            return Err(InputError::whole(InputProblem::Repeated { paths }));
+        }
+        earlier.push((path.text.to_owned(), place));
     }
     Ok(document.to_string())
 }
@@ -41,9 +51,10 @@ struct Path<'a> {
 }
 
 impl Path<'_> {
-    /// Sets the value in a document.
-    fn set(&self, document: &mut DocumentMut, value: Value) -> Result<(), InputError> {
+    /// Sets the value in a document; returns the keys with numbers in place of names.
+    fn set(&self, document: &mut DocumentMut, value: Value) -> Result<Vec<String>, InputError> {
         let mut item = document.as_item_mut();
+        let mut found = Vec::new();
         let mut listed = false;
         for (depth, &key) in self.keys.iter().enumerate() {
             let table = item.as_table_like();
@@ -56,9 +67,16 @@ impl Path<'_> {
             let names = names(item);
             listed = names.is_some();
             let inner = match names {
-                Some(names) => item.get_mut(self.number(depth, names)?),
+                Some(names) => {
+                    let number = self.number(depth, names)?;
+                    found.push(number.to_string());
+                    item.get_mut(number)
+                }
                 // What is missing is added.
-                None => item.get_mut(key),
+                None => {
+                    found.push(key.to_owned());
+                    item.get_mut(key)
+                }
             };
             item = inner.ok_or_else(|| self.unknown(depth, Vec::new()))?;
         }
@@ -67,7 +85,7 @@ impl Path<'_> {
             Item::Value(old) => replace(old, value),
             whole => *whole = Item::Value(value),
         }
-        Ok(())
+        Ok(found)
     }
 
     /// The number of an entry of a list, by its number or its name.

@@ -72,6 +72,9 @@ pub fn record_job(
     })
 }
 
+/// Why a path is not followed to a load.
+const PATH: &str = "a path may pass a load several times; end it there by `stop` instead";
+
 /// Why a job has not reached a state.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -79,9 +82,9 @@ pub enum ReachError {
     /// The motion cannot begin.
     #[error(transparent)]
     Start(#[from] DynamicsError),
-    /// A path passes loads several times.
-    #[error("a path may pass a load several times; end it there by `stop` instead")]
-    Path,
+    /// The analysis does not pass there.
+    #[error("{0}")]
+    At(&'static str),
     /// The observer stopped the analysis.
     #[error("interrupted")]
     Interrupted,
@@ -102,11 +105,15 @@ pub fn reach(
 ) -> Result<Progress, ReachError> {
     match (&mut job.plan, at) {
         (_, None) => {}
+        (_, Some(at)) if !at.is_finite() => return Err(ReachError::At("it must be finite")),
         (Plan::Static(options), Some(at)) => options.to = at,
         (Plan::Dynamic(plan), Some(at)) => plan.options.to = at,
-        (Plan::Path(..), Some(_)) => return Err(ReachError::Path),
+        (Plan::Path(..), Some(_)) => return Err(ReachError::At(PATH)),
     }
     let mut progress = initial_progress(job, None)?;
+    if matches!(job.plan, Plan::Dynamic(_)) && at.is_some_and(|at| at < progress.state.t) {
+        return Err(ReachError::At("the motion begins later"));
+    }
     let ended = solve(
         &mut job.context,
         &job.plan,

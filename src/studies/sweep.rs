@@ -100,10 +100,9 @@ impl FromStr for Axis {
         let split = text.split_once('=');
         let (path, values) = split.ok_or_else(|| refuse("a parameter is PATH=VALUES"))?;
         let spaced = |geometric| {
-            let expected = "a range is linspace(FROM,TO,COUNT) or geomspace(FROM,TO,COUNT)";
             let inner = values.trim().trim_end_matches(')');
             let inner = inner.split_once('(').map_or("", |(_, inner)| inner);
-            range(inner, geometric).ok_or_else(|| refuse(expected))
+            range(inner, geometric).map_err(refuse)
         };
         let values = match values.trim() {
             v if v.starts_with("linspace(") => spaced(false)?,
@@ -125,26 +124,27 @@ impl FromStr for Axis {
     }
 }
 
-/// Equidistant numbers, or numbers with equal ratios, from "FROM,TO,COUNT".
-fn range(inner: &str, geometric: bool) -> Option<Vec<String>> {
+/// Equidistant numbers, or numbers with equal ratios, from "FROM,TO,COUNT"; or what is expected instead.
+fn range(inner: &str, geometric: bool) -> Result<Vec<String>, &'static str> {
     let parts: Vec<&str> = inner.split(',').map(str::trim).collect();
     let [from, to, count] = parts[..] else {
-        return None;
+        return Err("a range is linspace(FROM,TO,COUNT) or geomspace(FROM,TO,COUNT)");
     };
-    let (from, to) = (from.parse::<f64>().ok()?, to.parse::<f64>().ok()?);
-    let count = count
-        .parse::<usize>()
-        .ok()
-        .filter(|n| (1..=MOST_RUNS).contains(n))?;
-    if !(from.is_finite() && to.is_finite()) || geometric && from * to <= 0.0 {
-        return None;
+    let number = |text: &str| text.parse().ok().filter(|x: &f64| x.is_finite());
+    let (Some(from), Some(to)) = (number(from), number(to)) else {
+        return Err("a range begins and ends with a finite number");
+    };
+    let count = count.parse().ok().filter(|n| (1..=MOST_RUNS).contains(n));
+    let count = count.ok_or("the count of a range is a whole number from 1 to 10000000")?;
+    if geometric && from * to <= 0.0 {
+        return Err("both ends of geomspace have one sign, and neither is zero");
     }
     let value = |k: usize| match k as f64 / (count.max(2) - 1) as f64 {
         1.0 => to,
         s if geometric => from * (to / from).powf(s),
         s => from + s * (to - from),
     };
-    Some((0..count).map(|k| format!("{:?}", value(k))).collect())
+    Ok((0..count).map(|k| format!("{:?}", value(k))).collect())
 }
 
 impl FromStr for Reduction {
@@ -203,7 +203,7 @@ impl Reduction {
 }
 
 impl Sweep {
-    /// A sweep over axes that have values, each parameter once.
+    /// A sweep over axes that have values.
     ///
     /// # Errors
     /// [`SweepError`], also for more than ten million runs.
@@ -213,16 +213,8 @@ impl Sweep {
         axes: Vec<Axis>,
         reductions: Vec<Reduction>,
     ) -> Result<Self, SweepError> {
-        let paths = || axes.iter().map(|axis| &axis.path);
-        let twice = |(k, path)| paths().take(k).any(|other| other == path);
-        let refused = axes.iter().enumerate().find_map(|(k, axis)| {
-            let expected = match axis.values[..] {
-                [] => "a parameter has one value or more",
-                _ if twice((k, &axis.path)) => "a parameter has all its values in one list",
-                _ => return None,
-            };
-            Some((axis.path.clone(), expected))
-        });
+        let empty = axes.iter().find(|axis| axis.values.is_empty());
+        let refused = empty.map(|axis| (axis.path.clone(), "a parameter has one value or more"));
         let sweep = Self {
             model,
             text,

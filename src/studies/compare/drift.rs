@@ -105,7 +105,7 @@ impl Drift {
         let worse = |a: f64, b: f64| if b > a || b.is_nan() { b } else { a };
         Self {
             violation: violations.reduce(worse),
-            energy: conserved.energy.then(|| drift(samples, &|s| s.energy)),
+            energy: drift(samples, &|s| s.energy).filter(|_| conserved.energy),
             momentum: drift_of(samples, conserved.momentum, &|s| s.momenta[0]),
             angular_momentum: drift_of(samples, conserved.angular_momentum, &|s| s.momenta[1]),
             balance: balance.map(|e| e.largest_defect),
@@ -120,13 +120,11 @@ impl Drift {
     }
 }
 
-/// The largest difference from the start.
-pub(super) fn drift(samples: &[Sample], value: &dyn Fn(&Sample) -> f64) -> f64 {
-    let Some(first) = samples.first().map(value) else {
-        return f64::NAN;
-    };
+/// The largest difference from the start; `None` without samples.
+pub(super) fn drift(samples: &[Sample], value: &dyn Fn(&Sample) -> f64) -> Option<f64> {
+    let first = value(samples.first()?);
     let differences = samples.iter().map(|s| (value(s) - first).abs());
-    differences.fold(0.0, f64::max)
+    Some(differences.fold(0.0, f64::max))
 }
 
 /// The largest change since the start of the conserved components of a vector; `None` if there are none.
@@ -137,6 +135,6 @@ fn drift_of(
 ) -> Option<f64> {
     let drifts = (0..3)
         .filter(|&i| conserved[i])
-        .map(|i| drift(samples, &|s| vector(s)[i]));
+        .filter_map(|i| drift(samples, &|s| vector(s)[i]));
     drifts.reduce(f64::max)
 }

@@ -132,7 +132,7 @@ fn conserved(best: &[Sample], finest: &[Sample], two: [&[Sample]; 2]) -> Conserv
         let error = two[0].iter().zip(two[1]);
         let error = error.map(|(a, b)| (value(a) - value(b)).abs());
         let error = error.fold(ROUND_OFF * size, f64::max);
-        drift(best, value) <= (10.0 * error).min(STEADY * size)
+        drift(best, value).is_some_and(|drift| drift <= (10.0 * error).min(STEADY * size))
     };
     each(finest, &conserves)
 }
@@ -141,7 +141,7 @@ fn conserved(best: &[Sample], finest: &[Sample], two: [&[Sample]; 2]) -> Conserv
 pub(super) fn exactly_conserved(samples: &[Sample]) -> Conserved {
     let conserves = |value: &dyn Fn(&Sample) -> f64, size: f64| {
         let known = samples.iter().all(|s| value(s).is_finite());
-        known && drift(samples, value) <= 10.0 * ROUND_OFF * size
+        known && drift(samples, value).is_some_and(|drift| drift <= 10.0 * ROUND_OFF * size)
     };
     each(samples, &conserves)
 }

@@ -58,6 +58,22 @@ fn a_pendulum_with_a_motor() {
 }
 
 #[test]
+fn times_that_a_motion_does_not_pass_are_refused() {
+    let out = directory("state_at");
+    write(&out, &pendulum("actuator = { input = \"torque\" }"));
+    for (at, why) in [
+        ("nan", "it must be finite"),
+        ("-1", "the motion begins later"),
+    ] {
+        let said = ended(
+            &program_in(&out, &format!("linearize model.toml --at {at}")),
+            2,
+        );
+        assert_says(&said, &["--at", why]);
+    }
+}
+
+#[test]
 fn inputs_that_prescribe_a_motion_are_warned_of() {
     for (acts, warned) in [
         ("actuator = { input = \"torque\" }", false),

@@ -154,12 +154,15 @@ fn sweeps_are_refused_before_the_first_run() {
 --over lines.1.elements=[1] | lines has no 1
 --over lines.0.elements | a parameter is PATH=VALUES
 --over lines.0.elements=linspace(1,2) | a range is linspace(FROM,TO,COUNT)
---over lines.0.elements=geomspace(-1,2,3) | a range is linspace
+--over lines.0.elements=geomspace(-1,2,3) | both ends of geomspace have one sign
+--over lines.0.elements=linspace(1,2,0) | a whole number from 1
+--over lines.0.elements=linspace(1,1e400,3) | a finite number
 --over lines.0.elements=7 | values are linspace(FROM,TO,COUNT)
 --over lines.0.elements=[1] --keep mean | last, max, min or at(T)
 --over lines.0.elements=[1] --workers 0 | --workers
 --over lines.0.elements=[] | a parameter has one value or more
---over lines.0.elements=[1] --over lines.0.elements=[2] | all its values in one list
+--over lines.0.elements=[1] --over lines.beam.elements=[2] | lines.0.elements and lines.beam.elements give one parameter two values
+--over loads.0.force=[[0,0,1]] --over loads.0.force.2=[2] | give one parameter two values
 --over nodes.tip.0=linspace(1,2,10000) --over nodes.tip.1=linspace(1,2,10000) | at most 10000000 runs
 ",
     );
