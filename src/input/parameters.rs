@@ -31,15 +31,15 @@ pub fn with_parameters<P: AsRef<str>, V: AsRef<str>>(
         let keys: Vec<&str> = keys.iter().map(Key::get).collect();
         let value = value.parse().unwrap_or_else(|_| Value::from(value));
         let path = Path { text: path, keys };
-        let place = path.set(&mut document, value)?;
+        let keys = path.set(&mut document, value)?;
         let same = |(_, other): &&(String, Vec<String>)| {
-            other.starts_with(&place) || place.starts_with(other)
+            other.starts_with(&keys) || keys.starts_with(other)
         };
         if let Some((other, _)) = earlier.iter().find(same) {
             let paths = [other.clone(), path.text.to_owned()];
             return Err(InputError::whole(InputProblem::Repeated { paths }));
         }
-        earlier.push((path.text.to_owned(), place));
+        earlier.push((path.text.to_owned(), keys));
     }
     Ok(document.to_string())
 }
@@ -51,7 +51,7 @@ struct Path<'a> {
 }
 
 impl Path<'_> {
-    /// Sets the value in a document; returns the keys with numbers in place of names.
+    /// Sets the value in a document; returns the keys, numbers for names.
     fn set(&self, document: &mut DocumentMut, value: Value) -> Result<Vec<String>, InputError> {
         let mut item = document.as_item_mut();
         let mut found = Vec::new();
