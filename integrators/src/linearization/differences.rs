@@ -24,7 +24,7 @@ const NOTHING: f64 = 1e-12;
 pub(super) struct Difference {
     /// The derivative, of order four.
     pub value: f64,
-    /// Difference of the derivatives of order two with the two steps.
+    /// Difference of the derivatives of order two with the two steps, or from that with larger ones, if it is smaller.
     change: f64,
     /// Rounding errors.
     rounding: f64,
@@ -40,35 +40,46 @@ fn open(all: &[Difference]) -> Vec<usize> {
     (0..all.len()).filter(|&i| !agrees(&all[i])).collect()
 }
 
-/// The derivative of a function at zero, by central differences with the step `h` and smaller ones, until those of two steps
-/// agree in each component: the size of the argument that matters need not be known (cf. Ridders 1982).
+/// The derivative of a function at zero, by central differences with the steps `h` and smaller ones, until those of two steps,
+/// or of successive pairs, agree in each component: the size of the argument that matters need not be known (cf. Ridders 1982).
 ///
 /// # Errors
-/// Those of the function at all steps.
+/// That of the function at the first step, if it has no value at smaller ones either.
 pub(super) fn derivative_of(
     mut h: f64,
     mut f: impl FnMut(f64) -> Result<Vec<f64>, SystemError>,
 ) -> Result<Vec<f64>, SystemError> {
-    let mut best = central(h, &mut f);
-    for _ in 1..TRIALS {
-        let open = best.as_deref().map_or_else(|_| Vec::new(), open);
-        if best.is_ok() && open.is_empty() {
+    let mut best: Vec<Difference> = Vec::new();
+    let mut before = Vec::new();
+    let mut failed = None;
+    for _ in 0..TRIALS {
+        match central(h, &mut f) {
+            Err(error) => failed = failed.or(Some(error)),
+            Ok(now) if before.is_empty() => {
+                best.clone_from(&now);
+                before = now;
+            }
+            Ok(now) => {
+                for i in open(&best) {
+                    let change = (now[i].value - before[i].value).abs();
+                    let change = now[i].change.abs().min(change);
+                    // Less than one that is not a number, too.
+                    if change.total_cmp(&best[i].change.abs()).is_lt() {
+                        best[i] = Difference { change, ..now[i] };
+                    }
+                }
+                before = now;
+            }
+        }
+        if !before.is_empty() && open(&best).is_empty() {
             break;
         }
         h *= FINER;
-        match (&mut best, central(h, &mut f)) {
-            (Ok(best), Ok(finer)) => {
-                for i in open {
-                    if finer[i].change.abs() < best[i].change.abs() {
-                        best[i] = finer[i];
-                    }
-                }
-            }
-            (Err(_), finer) => best = finer,
-            (Ok(_), Err(_)) => {}
-        }
     }
-    best.map(|all| all.iter().map(|x| x.value).collect())
+    match failed {
+        Some(error) if before.is_empty() => Err(error),
+        _ => Ok(best.iter().map(|x| x.value).collect()),
+    }
 }
 
 /// The derivative of a function at zero by central differences of order four, with steps `h` and [`RATIO`] `h`: exact but for
