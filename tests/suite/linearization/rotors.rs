@@ -250,11 +250,22 @@ fn a_gimbal_with_six_digits() {
     assert!(rows.iter().all(|(_, found)| found.len() == 7));
 }
 
-/// Two blades have periodic coefficients on any support.
+/// Two blades have periodic coefficients on any support, as have unequal ones, also in multi-blade coordinates; gravity moves
+/// blades periodically.
 #[test]
-fn two_blades_are_refused() {
-    assert_says(
-        &failure("rotor_2", &helicopter(2)),
-        &["less than three equal blades", "Floquet"],
-    );
+fn periodic_rotors_are_refused() {
+    let three = helicopter(3);
+    let heavier = three.replacen(&format!("mass = {M_B:?}"), "mass = 2.01", 1);
+    assert_ne!(heavier, three);
+    let gravity = "[[loads]]\ngravity = [0, -1, 0]\ntime = { constant = 1 }\n";
+    for (name, text) in [
+        ("rotor_2", helicopter(2)),
+        ("rotor_unequal", heavier),
+        ("rotor_gravity", format!("{gravity}{three}")),
+    ] {
+        assert_says(
+            &failure(name, &text),
+            &["less than three equal blades", "Floquet"],
+        );
+    }
 }
