@@ -90,21 +90,16 @@ pub(super) fn motion(
     mode: &Mode,
     speed: f64,
 ) -> [Vec<Complex64>; 3] {
-    let [T, T1, T2] = transformed(rotor, &mode.shape, false);
-    let lambda = mode.eigenvalue;
-    let order = |[f, f1, f2]: [Complex64; 3]| {
-        let terms = T.iter().zip(&T1).zip(&T2);
+    let [q, q1, q2] = transformed(rotor, &mode.shape, false);
+    let rate = |x: &[Complex64], x1: &[Complex64]| -> Vec<Complex64> {
+        let terms = x.iter().zip(x1);
         terms
-            .map(|((x, x1), x2)| f * x + f1 * x1 + f2 * x2)
+            .map(|(x, x1)| mode.eigenvalue * x + speed * x1)
             .collect()
     };
-    let (zero, one, omega) = (Complex64::ZERO, Complex64::ONE, Complex64::from(speed));
-    [
-        [one, zero, zero],
-        [lambda, omega, zero],
-        [lambda * lambda, 2.0 * lambda * omega, omega * omega],
-    ]
-    .map(order)
+    let v = rate(&q, &q1);
+    let a = rate(&v, &rate(&q1, &q2));
+    [q, v, a]
 }
 
 /// Forces at the rotor's own coordinates after the turn, at multi-blade ones: Tᵀ f.
@@ -134,6 +129,9 @@ fn generator(rotor: &CyclicSymmetry, pattern: &BlockPattern) -> Vec<Row<[DMatrix
     let turn = turn(rotor, pattern);
     let row = |i: usize| {
         let mut row: Row<[DMatrix<f64>; 2]> = Row::new();
+        if turn[i].is_empty() {
+            return row;
+        }
         let one = DMatrix::identity(pattern.size(i), pattern.size(i));
         let mut power = Row::from([(i, one)]);
         for [_, first, second] in (0..rotor.order).map(|j| factors(rotor.order, j, 0.0)) {
@@ -141,10 +139,7 @@ fn generator(rotor: &CyclicSymmetry, pattern: &BlockPattern) -> Vec<Row<[DMatrix
             for (j, X) in power {
                 for (k, P) in &turn[j] {
                     let product = &X * P;
-                    match next.get_mut(k) {
-                        Some(sum) => *sum += product,
-                        None => drop(next.insert(*k, product)),
-                    }
+                    *next.entry(*k).or_insert_with(|| product.map(|_| 0.0)) += product;
                 }
                 let zeros = || [0, 1].map(|_| X.map(|_| 0.0));
                 let [G, GG] = row.entry(j).or_insert_with(zeros);
@@ -155,10 +150,7 @@ fn generator(rotor: &CyclicSymmetry, pattern: &BlockPattern) -> Vec<Row<[DMatrix
         }
         row
     };
-    let rotates = |i: &usize| !turn[*i].is_empty();
-    (0..pattern.blocks())
-        .map(|i| if rotates(&i) { row(i) } else { Row::new() })
-        .collect()
+    (0..pattern.blocks()).map(row).collect()
 }
 
 impl Linearized {
