@@ -105,7 +105,9 @@ pub fn reach(
 ) -> Result<Progress, ReachError> {
     match (&mut job.plan, at) {
         (_, None) => {}
-        (_, Some(at)) if !at.is_finite() => return Err(ReachError::At("it must be finite")),
+        (_, Some(at)) if !at.is_finite() => {
+            return Err(ReachError::At("the load or time must be finite"));
+        }
         (Plan::Static(options), Some(at)) => options.to = at,
         (Plan::Dynamic(plan), Some(at)) => plan.options.to = at,
         (Plan::Path(..), Some(_)) => return Err(ReachError::At(PATH)),

@@ -62,7 +62,7 @@ fn times_that_a_motion_does_not_pass_are_refused() {
     let out = directory("state_at");
     write(&out, &pendulum("actuator = { input = \"torque\" }"));
     for (at, why) in [
-        ("nan", "it must be finite"),
+        ("nan", "the load or time must be finite"),
         ("-1", "the motion begins later"),
     ] {
         let said = ended(
