@@ -232,8 +232,11 @@ fn modes(found: &ModelModes) -> String {
     out
 }
 
-/// Statistics of an analysis, in lines.
+/// Statistics of an analysis, in lines; none where no step was tried, as for modes of a model as drawn.
 pub fn counts(counts: &Counts) -> String {
+    if counts.steps + counts.rejected + counts.inaccurate == 0 {
+        return String::new();
+    }
     let mut out = format!(
         "{} ({} rejected), {}, {}, {}, {} of chart\n",
         plural(counts.steps, "step"),

@@ -57,11 +57,8 @@ impl MotionRun {
         if segments_changed {
             self.jump(system, progress, false)?;
         }
-        match kink {
-            // The end of a run does not pass a kink.
-            Some(_) if left >= self.options.to => progress.at_kink = true,
-            Some(stop) => self.pass(system, progress, stop)?,
-            None => {}
+        if let Some(stop) = kink {
+            self.pass(system, progress, stop)?;
         }
         self.double_step(progress);
         Ok(changes.charts)

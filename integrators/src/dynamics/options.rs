@@ -1,6 +1,7 @@
 //! Options of a run, and their validation.
 
 use super::scheme::Stage;
+use super::stops::slack;
 use super::{DynamicsError, Scheme, State};
 use crate::statics::refused;
 use pullback_manifold::system::System;
@@ -145,7 +146,9 @@ pub(super) fn check(
             multiplier: system.name(i),
         });
     }
-    if !(options.to >= state.t && options.to.is_finite()) {
+    // A run that ended at a kink is there, but for rounding errors.
+    let last = options.to + slack(options.to, options.step);
+    if !(last >= state.t && options.to.is_finite()) {
         let wanted = "it must be finite and not before the time of the state";
         return refuse("to", options.to, wanted);
     }

@@ -109,8 +109,8 @@ pub struct Summary {
     pub chart_changes: usize,
     /// Energy balance, if requested and provided by the system.
     pub energy: Option<EnergyBalance>,
-    /// The largest stable step of a conditionally stable scheme, at the state where the run began
-    /// or was continued.
+    /// The largest stable step of a conditionally stable scheme, at the state where the run began, or was
+    /// continued with a step beyond this.
     pub stable_step: Option<f64>,
     /// Whether the end was reached (an observer may stop earlier).
     pub finished: bool,
@@ -127,9 +127,6 @@ pub struct Progress {
     pub last_step: f64,
     /// Next step size to try; 0 for that of the options.
     pub next_step: f64,
-    /// Whether a kink or jump at this time is still ahead, as at the start and where a run ended at
-    /// one.
-    pub at_kink: bool,
     /// Inputs at which the accelerations were computed ([`Events::inputs`]).
     ///
     /// [`Events::inputs`]: pullback_manifold::system::Events::inputs
@@ -151,7 +148,6 @@ impl Progress {
     pub fn new(state: State) -> Self {
         Self {
             state,
-            at_kink: true,
             ..Self::default()
         }
     }

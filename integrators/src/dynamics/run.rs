@@ -143,13 +143,13 @@ impl MotionRun {
             progress.inputs = abilities::events(system).inputs().to_vec();
             progress.state.a = vec![0.0; progress.state.q.len()];
         }
-        if std::mem::take(&mut progress.at_kink) && self.stops.is_kink(t) {
-            self.pass(system, progress, StopTime::end(t))?;
-        } else if fresh {
-            progress.state.a.clear();
-            self.accelerate(system, progress)?;
-        }
         if fresh {
+            if self.stops.is_kink(t) {
+                self.pass(system, progress, StopTime::end(t))?;
+            } else {
+                progress.state.a.clear();
+                self.accelerate(system, progress)?;
+            }
             self.open_balance(system, progress)?;
         }
         let State { t, q, v, .. } = &progress.state;
@@ -165,7 +165,8 @@ impl MotionRun {
         self.find_stable_step(system, progress)
     }
 
-    /// Finds the stability limit of the step at the present state, and rejects a step beyond it.
+    /// Finds the stability limit of the step at the present state, and rejects a step beyond it. A step that was
+    /// stable where the run began is not checked again.
     fn find_stable_step(
         &mut self,
         system: &mut dyn System,
@@ -178,8 +179,10 @@ impl MotionRun {
             Some(adaptivity) => adaptivity.max_step,
             None => self.options.step,
         };
-        progress.summary.stable_step =
-            check_step(system, &mut self.stepper, &progress.state, scheme, step)?;
+        let stable = &mut progress.summary.stable_step;
+        if stable.is_none_or(|stable| step > stable) {
+            *stable = check_step(system, &mut self.stepper, &progress.state, scheme, step)?;
+        }
         Ok(())
     }
 

@@ -111,7 +111,7 @@ impl Stops {
 }
 
 /// Times closer than this to a time are meant to be equal to it.
-fn slack(t: f64, step: f64) -> f64 {
+pub(super) fn slack(t: f64, step: f64) -> f64 {
     1e-13 * t.abs().max(step)
 }
 

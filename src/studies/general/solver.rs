@@ -66,7 +66,7 @@ pub fn integrate(
         if let Some(kink) = kink.filter(|kink| progress.state.t >= kink.next_down()) {
             // The jump of velocities and accelerations is that of the schemes.
             progress.state.t = kink;
-            progress.at_kink = true;
+            progress.state.a.clear();
             settle(system, progress, end - begun)?;
         }
     }
