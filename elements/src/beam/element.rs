@@ -137,11 +137,26 @@ impl<const NN: usize, I: Rotations<NN>> Beam<NN, I> {
         line
     }
 
+    /// The strains and stresses at an integration point in the interpolated coordinates, with those of damping if it
+    /// moves.
+    #[inline]
+    fn strained(
+        &self,
+        p: &GaussPoint<NN>,
+        line: &Gradients,
+        v: &[f64],
+    ) -> (Strained, Option<Viscous>) {
+        let mut strained = Strained::new(line, &p.X_prime, &p.law);
+        let beta = self.damping.stiffness;
+        let viscous = (beta > 0.0 && !v.is_empty())
+            .then(|| Viscous::new(&mut strained, line, &Self::rates(p, v), &p.law, beta));
+        (strained, viscous)
+    }
+
     /// Adds the forces of the strains in the interpolated coordinates.
     #[inline]
     fn strain(
         &self,
-        damped: bool,
         at: &Motion<'_>,
         r: &mut [f64],
         tangents: &mut CombinedTangents<'_>,
@@ -154,11 +169,8 @@ impl<const NN: usize, I: Rotations<NN>> Beam<NN, I> {
             if psi > EDGE {
                 return Err(DomainError::chart(psi));
             }
-            let mut strained = Strained::new(&line, &p.X_prime, &p.law);
-            if damped {
-                let (rates, beta) = (Self::rates(p, at.v), self.damping.stiffness);
-                *viscous = Some(Viscous::new(&mut strained, &line, &rates, &p.law, beta));
-            }
+            let strained;
+            (strained, *viscous) = self.strained(p, &line, at.v);
             let f = strained.forces();
             for (i, r) in r.chunks_exact_mut(6).enumerate() {
                 let (a, b) = (p.weight * p.dN[i], p.weight * p.N[i]);
@@ -172,7 +184,7 @@ impl<const NN: usize, I: Rotations<NN>> Beam<NN, I> {
                     continue;
                 }
                 // Viscous stresses are not extrapolated.
-                let (N, M) = match at.previous.filter(|_| !damped) {
+                let (N, M) = match at.previous.filter(|_| viscous.is_none()) {
                     None => (strained.N, strained.M),
                     Some(x) => extrapolated(&Self::line(p, x), &line, &p.X_prime, &p.law),
                 };
@@ -239,17 +251,15 @@ impl<const NN: usize, I: Rotations<NN>> ElementEnergies for Beam<NN, I> {
         if self.damping == Damping::default() || at.v.is_empty() {
             return 0.0;
         }
-        let Damping { mass, stiffness } = self.damping;
         let seen = self.rotations.seen(at.x, at.v);
         let viscous = |p: &GaussPoint<NN>| {
             let line = Self::line(p, seen.x.as_flattened());
-            let mut s = Strained::new(&line, &p.X_prime, &p.law);
-            let rates = Self::rates(p, seen.v.as_flattened());
-            p.weight * Viscous::new(&mut s, &line, &rates, &p.law, stiffness).power()
+            let (_, viscous) = self.strained(p, &line, seen.v.as_flattened());
+            viscous.map_or(0.0, |viscous| p.weight * viscous.power())
         };
         // The power of the drag α M ẋ is 2 α times the kinetic energy.
-        let drag = match mass > 0.0 {
-            true => 2.0 * mass * self.rotations.kinetic_energy(at),
+        let drag = match self.damping.mass > 0.0 {
+            true => 2.0 * self.damping.mass * self.rotations.kinetic_energy(at),
             false => 0.0,
         };
         self.points().map(viscous).sum::<f64>() + drag
@@ -258,10 +268,14 @@ impl<const NN: usize, I: Rotations<NN>> ElementEnergies for Beam<NN, I> {
 
 impl<const NN: usize, I: Rotations<NN>> CrossSections for Beam<NN, I> {
     fn section_states(&self, at: &Motion<'_>, out: &mut Vec<SectionState>) {
-        let seen = self.rotations.seen(at.x, &[]);
+        let seen = self.rotations.seen(at.x, at.v);
+        let v = match at.v.is_empty() {
+            true => &[],
+            false => seen.v.as_flattened(),
+        };
         for p in self.points() {
             let line = Self::line(p, seen.x.as_flattened());
-            let s = Strained::new(&line, &p.X_prime, &p.law);
+            let (s, _) = self.strained(p, &line, v);
             let nodes = at.x.chunks_exact(6).zip(&p.N);
             let d: Vector3<f64> = nodes.map(|(x, n)| three(x, 0) * *n).sum();
             let section = |v: &Vector3<f64>| p.R0.tr_mul(v);
@@ -288,7 +302,7 @@ impl<const NN: usize, I: Rotations<NN>> Combined for Beam<NN, I> {
     ) -> Result<(), DomainError> {
         let viscous = self.damping.stiffness > 0.0 && !at.v.is_empty();
         let kernel = |at: &Motion<'_>, r: &mut [f64], tangents: &mut CombinedTangents<'_>| {
-            self.strain(viscous, at, r, tangents)
+            self.strain(at, r, tangents)
         };
         self.rotations.pull_back(viscous, at, r, tangents, kernel)?;
         if !at.v.is_empty() {

@@ -118,9 +118,9 @@ pub struct SectionState {
     pub Gamma: Vector3<f64>,
     /// Curvatures K (twist and two bendings) per unit length, components in the section axes.
     pub K: Vector3<f64>,
-    /// Normal force and two shear forces, components in the section axes.
+    /// Normal force and two shear forces, those of damping included, components in the section axes.
     pub N: Vector3<f64>,
-    /// Torque and two bending moments, components in the section axes.
+    /// Torque and two bending moments, likewise.
     pub M: Vector3<f64>,
 }
 

@@ -55,6 +55,8 @@ const ROUNDING: f64 = 1e-12;
 const CORRECTIONS: usize = 30;
 /// Corrections below this part of the velocities are rounding errors.
 const FINE: f64 = 1e-14;
+/// Part of a step in which hardly any damper relaxes.
+const MOMENT: f64 = 1e-9;
 
 impl Stepper {
     /// Computes the accelerations of a state, true and algorithmic, its multipliers, and the velocities
@@ -80,7 +82,7 @@ impl Stepper {
         }
         let mut passes = 1;
         if !self.solve_mass(system, state, (h, 0.0), None)? {
-            self.solve_rates(system, state)?;
+            self.solve_rates(system, state, h)?;
             self.solve_mass(system, state, (h, 0.0), None)?;
         } else if is_damped(system, state, h)? {
             passes = PASSES;
@@ -144,28 +146,40 @@ impl Stepper {
         Ok(most)
     }
 
-    /// Solves for velocities without mass: if rows of M are zero and their damping is regular, the
+    /// Solves for velocities with damping but no mass: if rows of M are zero, but not those of C, the
     /// residual is a first-order equation r(t, q, q̇) = 0, such as C ż = f of a dashpot or a
     /// controller. A step from other rates would lose an order.
     ///
-    /// Without a solution the velocities stay: coordinates with neither mass nor damping are left
-    /// to the first step.
+    /// Coordinates with neither mass nor damping are left to the first step: a little of K holds them here. Without a
+    /// solution the velocities stay.
     fn solve_rates(
         &mut self,
         system: &mut dyn System,
         state: &mut State,
+        h: f64,
     ) -> Result<(), DynamicsError> {
         let mut rates = state.v.clone();
         self.evaluate_at(system, state, &rates, Weights::MASS, 0.0)?;
-        let (M, massless) = (self.S.clone(), massless(system.pattern(), &self.S));
+        let (M, massless) = (self.S.clone(), zero_rows(system.pattern(), &self.S));
+        self.evaluate_at(system, state, &rates, Weights::DAMPING, 0.0)?;
+        let undamped = zero_rows(system.pattern(), &self.S);
+        let damped: Vec<bool> = massless
+            .iter()
+            .zip(undamped)
+            .map(|(m, u)| *m && !u)
+            .collect();
+        let weights = Weights {
+            K: MOMENT * h,
+            ..Weights::DAMPING
+        };
         for _ in 0..CORRECTIONS {
-            self.evaluate_at(system, state, &rates, Weights::DAMPING, 0.0)?;
+            self.evaluate_at(system, state, &rates, weights, 0.0)?;
             let both = stand_in(system.pattern(), &M, &self.S, &massless);
-            keep(&mut self.r, &massless, true);
+            keep(&mut self.r, &damped, true);
             if (self.solver.factorise_and_solve(&both, &mut self.r)).is_err() {
                 return Ok(());
             }
-            keep(&mut self.r, &massless, true);
+            keep(&mut self.r, &damped, true);
             add(&mut rates, 1.0, &self.r);
             if max_abs(&self.r) <= FINE * max_abs(&rates) {
                 state.v = rates;
@@ -241,7 +255,7 @@ impl Stepper {
     /// unchanged.
     fn solve_massive(&mut self, system: &dyn System, M: &[f64]) -> Result<(), LinearError> {
         let (pattern, S) = (system.pattern(), &self.S);
-        let massless = massless(pattern, M);
+        let massless = zero_rows(pattern, M);
         let both = stand_in(pattern, M, S, &massless);
         self.solver.factorise(&both)?;
         let mut x = self.r.to_vec();
@@ -259,13 +273,13 @@ impl Stepper {
     }
 }
 
-/// Which rows of M are zero.
-fn massless(pattern: &BlockPattern, M: &[f64]) -> Vec<bool> {
-    let mut massless = vec![true; pattern.dim()];
-    for (r, _, m) in pattern.triplets(M) {
-        massless[r] &= m == 0.0;
+/// Which rows of a matrix are zero.
+fn zero_rows(pattern: &BlockPattern, values: &[f64]) -> Vec<bool> {
+    let mut zero = vec![true; pattern.dim()];
+    for (r, _, value) in pattern.triplets(values) {
+        zero[r] &= value == 0.0;
     }
-    massless
+    zero
 }
 
 /// M with the entries of S between coordinates without mass.

@@ -193,6 +193,7 @@ fn by_scheme(
         invariants: None,
         ..progress.clone()
     };
+    anew.summary.stable_step = None;
     row.searching = assemblies(model, options, &mut anew)?;
     let again = assemblies(model, options, &mut progress)?;
     let before = model.assemblies();
@@ -225,8 +226,8 @@ fn by_scheme(
     Ok(progress.summary.finished)
 }
 
-/// The number of assemblies before the first step. They include a search for invariants or the largest frequency, which
-/// a run that goes on makes again.
+/// The number of assemblies before the first step. They include a search for invariants, which a run that goes on makes
+/// again, or the largest frequency.
 fn assemblies(
     model: &mut Context,
     options: &DynamicOptions,

@@ -51,7 +51,8 @@ const AFTER: [(&str, Cell); 20] = [
 
 /// A number, empty if it is unknown.
 pub(super) fn number(x: Option<f64>) -> String {
-    x.map_or_else(String::new, |x| format!("{x:e}"))
+    let known = x.filter(|x| !x.is_nan());
+    known.map_or_else(String::new, |x| format!("{x:e}"))
 }
 
 /// The content of `compare.csv`: a row per run, first those compared, then those with late changes of chart

@@ -94,6 +94,9 @@ fn an_exact_solution_comes_from_a_file() {
             assert!(row["error"]["velocity"].is_null(), "{row}");
         }
     }
+    // What the file does not say is empty in the table.
+    let table = read(model.with_extension("compare").join("compare.csv"));
+    assert!(!table.contains("NaN"), "{table}");
     let page = read(model.with_extension("compare").join("compare.md"));
     let given = "Errors are those against a solution that is given";
     assert_says(&page, &[given]);

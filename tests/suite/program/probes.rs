@@ -135,3 +135,32 @@ fn a_bar_under_an_end_force_and_a_cantilever_under_an_end_moment() {
         near(K, axis * 1.5 / stiffness, "K");
     }
 }
+
+/// A rod is stretched and twisted at the rate 0.1, without inertia: N = EA (0.03 + β 0.1), M = GJ (0.03 + β 0.1), with β = 0.5.
+#[test]
+fn the_forces_of_a_rod_are_those_of_its_dampers_too() {
+    let rate = "{ spin_up = { rate = 0.1, duration = 0.2 } }";
+    let probes = ["N", "M"]
+        .map(|q| format!("[[probes]]\nname = \"{q}\"\nquantity = \"{q}\"\nelement = \"line:2\"\n"));
+    for interpolation in ["total", "geodesic"] {
+        let rest = [
+            &format!("interpolation = \"{interpolation}\"\n"),
+            &fixed("A"),
+            "[[supports]]\nnode = \"B\"\nfix = [\"y\", \"z\", \"ry\", \"rz\"]\n",
+            &format!("prescribed = {{ x = {rate}, rx = {rate} }}\n"),
+            "[sections.main.damping]\nstiffness = 0.5\n",
+            "[sections.main.mass]\nA_rho = 1e-6\nJ = [1e-8, 1e-8, 1e-8]\n",
+            &motion(0.4, 0.01),
+            "scheme = \"radau\"\n",
+            &probes.concat(),
+        ];
+        let stiffness = "EA = 1000, GA = [1000, 1000], GJ = 10, EI = [10, 10]";
+        let text = line(stiffness, 2, 1, &rest.concat());
+        let rows = recorded(&format!("program_probes_damped_{interpolation}"), &text);
+        let last = rows.last().unwrap();
+        for (probe, exact) in [("N", 80.0), ("M", 0.8)] {
+            let found = vector(last, probe, ["1", "2", "3"]);
+            near(found, Vector3::x() * exact, probe);
+        }
+    }
+}

@@ -240,9 +240,13 @@ impl Context {
         let mut out = Vec::new();
         let mut states = Vec::new();
         for (k, e) in self.model.elements.iter().enumerate() {
-            let [x, ..] = self.element_motion(k);
-            let abilities = e.element.abilities();
-            abilities.section_states(&self.at_rest(t, &x), &mut states);
+            let [x, v, _] = self.element_motion(k);
+            let v = if self.is_at_rest() { &[][..] } else { &v };
+            let at = Motion {
+                v,
+                ..self.at_rest(t, &x)
+            };
+            e.element.abilities().section_states(&at, &mut states);
             out.extend(states.drain(..).map(|s| (ElementId(k as u32), s)));
         }
         out

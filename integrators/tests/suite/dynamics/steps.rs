@@ -2,7 +2,7 @@
 
 use crate::support::dynamics::*;
 use crate::support::*;
-use nalgebra::{Matrix3, Matrix4, Vector2, Vector3, Vector4};
+use nalgebra::{Matrix4, Vector2, Vector3, Vector4};
 
 #[test]
 fn steps_that_change_their_size_keep_the_order() {
@@ -81,7 +81,7 @@ fn kinks_of_a_load_are_ends_of_steps() {
 
 /// A mass x on a spring k and, beside it, a Maxwell element: a spring e and a dashpot c, which a force
 /// pushes from t = 0.5 on, with z its length; and the state w of a controller that is driven to sin t,
-/// with ẇ + ẇ³. Neither z nor w has mass.
+/// with ẇ + ẇ³. Neither z nor w has mass. A spring alone holds a fourth coordinate.
 struct Maxwell(BlockPattern);
 
 impl Maxwell {
@@ -126,12 +126,14 @@ impl System for Maxwell {
         out.r[1] = stretch + Self::push(at.t) - Self::C * z_dot;
         let (s, c) = at.t.sin_cos();
         out.r[2] = s - w + c + c.powi(3) - w_dot - w_dot.powi(3);
+        out.r[3] = -Self::K * at.q[3];
         if let Some((weights, S)) = out.S {
             let (k, e) = (Self::K, Self::E);
-            let K = Matrix3::from([[k + e, -e, 0.0], [-e, e, 0.0], [0.0, 0.0, 1.0]]);
-            let C = Vector3::new(0.0, Self::C, 1.0 + 3.0 * w_dot * w_dot);
-            let M = Vector3::new(Self::M, 0.0, 0.0);
-            let [C, M] = [C, M].map(|x| Matrix3::from_diagonal(&x));
+            let mut K = Matrix4::from_diagonal(&Vector4::new(k + e, e, 1.0, k));
+            (K[(0, 1)], K[(1, 0)]) = (-e, -e);
+            let C = Vector4::new(0.0, Self::C, 1.0 + 3.0 * w_dot * w_dot, 0.0);
+            let M = Vector4::new(Self::M, 0.0, 0.0, 0.0);
+            let [C, M] = [C, M].map(|x| Matrix4::from_diagonal(&x));
             S.copy_from_slice((K * weights.K + C * weights.C + M * weights.M).as_slice());
         }
         Ok(())
@@ -198,8 +200,8 @@ fn first_order_equations_among_those_of_motion_keep_the_order() {
                 },
                 ..DynamicOptions::new(to, to / n)
             };
-            let mut system = Maxwell(BlockPattern::dense(3));
-            let progress = attempt(&mut system, [&[1.0, 0.0, 0.0], &[]], &options);
+            let mut system = Maxwell(BlockPattern::dense(4));
+            let progress = attempt(&mut system, [&[1.0, 0.0, 0.0, 0.0], &[]], &options);
             let State { q, v, .. } = progress.unwrap().state;
             [
                 q[0] - exact[0],
