@@ -110,19 +110,20 @@ impl Newton {
         Ok(())
     }
 
-    /// Predicts along the tangent and corrects on the hyperplane normal to it.
+    /// Predicts along the tangent and corrects on the hyperplane normal to it, or at this load.
     pub(super) fn advance(
         &mut self,
         system: &mut dyn System,
         at: &Position,
         ds: f64,
+        load: Option<f64>,
         norm: &Norm,
         next: &mut Position,
     ) -> Result<(), Cause> {
         for (q, (q0, dq)) in next.q.iter_mut().zip(at.q.iter().zip(&at.tangent.dq)) {
             *q = q0 + ds * dq;
         }
-        next.t = at.t + ds * at.tangent.dt;
+        next.t = load.unwrap_or(at.t + ds * at.tangent.dt);
         let loads = largest(system.pattern(), &self.r_t, [0.0; 3]);
         self.history.clear();
         self.history.push(Iteration {
@@ -132,7 +133,8 @@ impl Newton {
             damping: 1.0,
         });
         let condition = Condition { at, norm, ds };
+        let condition = load.is_none().then_some(&condition);
         let (q, t) = (&mut next.q, &mut next.t);
-        self.correct(system, q, t, Some(&condition), Some((at.t, &at.q)))
+        self.correct(system, q, t, condition, Some((at.t, &at.q)))
     }
 }

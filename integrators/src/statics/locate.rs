@@ -66,6 +66,20 @@ impl PathStep<'_> {
         several && events.iter().any(|(event, _)| *event == Event::Bifurcation)
     }
 
+    /// An event at its end.
+    fn end(&self) -> Located {
+        Located {
+            index: 0,
+            s: self.ds,
+            position: self.next.clone(),
+            branch: None,
+            directions: 0,
+            iterations: 0,
+            history: Vec::new(),
+            unstable: None,
+        }
+    }
+
     /// Unit tangents of paths forward along the step, that of its own path first.
     fn oriented(&self, paths: &[PathDirection]) -> (Option<PathDirection>, Option<PathDirection>) {
         let oriented = |path: &PathDirection| {
@@ -132,6 +146,11 @@ pub(super) fn locate(
                 Event::TurningPoint | Event::Bifurcation => {
                     find_critical(newton, system, step, event)?
                 }
+                _ if event_value(event, step.next) == 0.0 => Located {
+                    history: newton.history.clone(),
+                    unstable: step.unstable[1],
+                    ..step.end()
+                },
                 Event::Load(_) | Event::Coordinate { .. } => {
                     let mut one = find(newton, system, step, event)?;
                     // If the tangent is singular, its direction is unknown.
@@ -162,7 +181,7 @@ fn locate_in_parts(
 ) -> Result<Vec<Located>, Cause> {
     let PathStep { at, next, norm, .. } = step;
     let (ds, mut middle) = (MIDDLE * step.ds, at.clone());
-    newton.advance(system, at, ds, norm, &mut middle)?;
+    newton.advance(system, at, ds, None, norm, &mut middle)?;
     let iterations = newton.iterations();
     newton.tangent(system, &mut middle, norm)?;
     let unstable = newton.unstable(system);
@@ -263,24 +282,10 @@ fn find(
     let size = fa.abs().max(fb.abs());
     let mut trial = at.clone();
     let mut least = f64::INFINITY;
-    let mut best = Located {
-        index: 0,
-        s: ds,
-        position: step.next.clone(),
-        branch: None,
-        directions: 0,
-        iterations: 0,
-        history: Vec::new(),
-        unstable: None,
-    };
-    // The first trial is the end itself if the event is there.
+    let mut best = step.end();
     for _ in 0..60 {
-        let s = if fb == 0.0 {
-            ds
-        } else {
-            (a * fb - b * fa) / (fb - fa)
-        };
-        if let Err(failure) = newton.advance(system, at, s, norm, &mut trial) {
+        let s = (a * fb - b * fa) / (fb - fa);
+        if let Err(failure) = newton.advance(system, at, s, None, norm, &mut trial) {
             if least.is_finite() {
                 break;
             }

@@ -12,6 +12,7 @@ mod load_run;
 mod locate;
 mod newton;
 mod options;
+mod path_attempt;
 mod path_run;
 mod stability;
 mod start;

@@ -1,35 +1,35 @@
 //! The engine of path following: steps along the path, their events, and their size.
 
-use super::arc_length::{Norm, Position, SHARPEST_BEND};
+use super::arc_length::{Norm, Position};
 use super::critical::PathDirection;
-use super::locate::{Located, PathStep, locate};
+use super::locate::Located;
 use super::newton::Newton;
 use super::options::check;
+use super::path_attempt::{Converging, off_path};
 use super::start::begin;
 use super::steps::StaticAnalysis;
 use super::{ArcLengthOptions, Event, Iteration, StaticSummary, StaticsError, Step};
-use crate::abilities::change_charts;
+use crate::abilities::{self, change_charts};
 use crate::failure::Cause;
 use pullback_manifold::system::{ChartChanges, System};
 
 /// Cosine below which the next step is shorter.
 const GENTLE_BEND: f64 = 0.9;
-/// Part of a step within which several bifurcations are one.
-const ONE_POINT: f64 = 1e-3;
-
 /// The engine of a path: all that a step needs beside the system.
 pub struct PathRun {
-    newton: Newton,
-    norm: Norm,
-    options: ArcLengthOptions,
-    at: Position,
-    next: Position,
-    ds: f64,
+    pub(super) newton: Newton,
+    pub(super) norm: Norm,
+    pub(super) options: ArcLengthOptions,
+    /// Kinks of functions of the load parameter.
+    pub(super) kinks: Vec<f64>,
+    pub(super) at: Position,
+    pub(super) next: Position,
+    pub(super) ds: f64,
     phase: Phase,
     /// Whether the tangent at the present position is known.
     fresh: bool,
     /// Unstable directions at the present position.
-    unstable: Option<usize>,
+    pub(super) unstable: Option<usize>,
     /// Changes of chart not reported yet.
     changes: usize,
     /// The equilibrium reported last.
@@ -44,22 +44,9 @@ enum Phase {
     Advance,
     /// The events and the end of a converged step.
     Report(Converging),
-    /// The preparation of the next step, from the iterations of the last one and the cosine of its bend.
-    Prepare(usize, f64),
+    /// The preparation of the next step, from the iterations of the last one and the cosine of its bend; `None` at a kink.
+    Prepare(usize, Option<f64>),
     End,
-}
-
-/// A converged step whose events and end are not reported yet.
-struct Converging {
-    located: std::vec::IntoIter<Located>,
-    /// Whether locating events has moved the system.
-    moved: bool,
-    iterations: usize,
-    /// Iterations of the step and its events that no row has reported yet.
-    unreported: usize,
-    history: Vec<Iteration>,
-    bend: f64,
-    unstable: Option<usize>,
 }
 
 /// A reported equilibrium.
@@ -116,6 +103,7 @@ impl StaticAnalysis for PathRun {
             norm,
             next: at.clone(),
             at,
+            kinks: abilities::events(system).kinks(),
             ds: options.first_step.min(options.max_step),
             phase: Phase::Begin,
             fresh: false,
@@ -199,7 +187,8 @@ impl PathRun {
         };
         // A smaller step would begin with the same tangent.
         let hopeless = ready.is_err();
-        let outcome = ready.and_then(|()| self.attempt(system));
+        let (ds, kink) = self.goal();
+        let outcome = ready.and_then(|()| self.attempt(system, ds, kink));
         match outcome {
             Ok(step) => {
                 let summary = &mut self.newton.summary;
@@ -208,7 +197,7 @@ impl PathRun {
                 self.phase = Phase::Report(step);
                 Ok(())
             }
-            Err(failure) => self.halve(system, failure, hopeless),
+            Err(failure) => self.halve(system, failure, ds, hopeless),
         }
     }
 
@@ -222,53 +211,20 @@ impl PathRun {
         Ok(())
     }
 
-    /// A step from the present position, with its tangent and the events within it.
-    fn attempt(&mut self, system: &mut dyn System) -> Result<Converging, Cause> {
-        let (at, next, norm, ds) = (&self.at, &mut self.next, &self.norm, self.ds);
-        let newton = &mut self.newton;
-        newton
-            .advance(system, at, ds, norm, next)
-            .map_err(off_path)?;
-        let (iterations, history) = (newton.iterations(), newton.history.clone());
-        next.tangent.clone_from(&at.tangent);
-        newton.tangent(system, next, norm).map_err(off_path)?;
-        let bend = norm.dot(&at.tangent, &next.tangent);
-        // The step back from its end must arrive as well.
-        if bend < SHARPEST_BEND || norm.strays(at, next, ds) || norm.strays(next, at, -ds) {
-            return Err(Cause::OffPath);
-        }
-        let unstable = newton.unstable(system);
-        let step = PathStep {
-            at,
-            next,
-            ds,
-            finest: ONE_POINT * ds,
-            norm,
-            unstable: [self.unstable, unstable],
-        };
-        let located = locate(newton, system, step, &self.options.events)?;
-        Ok(Converging {
-            moved: !located.is_empty(),
-            unreported: iterations + located.iter().map(|l| l.iterations).sum::<usize>(),
-            located: located.into_iter(),
-            iterations,
-            history,
-            bend,
-            unstable,
-        })
-    }
-
     /// Halves the step after a failure, or ends the path.
     fn halve(
         &mut self,
         system: &mut dyn System,
         failure: Cause,
+        ds: f64,
         hopeless: bool,
     ) -> Result<(), StaticsError> {
         self.newton.summary.rejected += 1;
-        let to = self.at.t + self.ds * self.at.tangent.dt;
+        let to = self.at.t + ds * self.at.tangent.dt;
         let mut failed = self.newton.fail(system, failure, to);
-        self.ds *= 0.5;
+        let here = self.kinks.iter().find(|kink| **kink == self.at.t);
+        failed.kink = failed.kink.or(here.copied());
+        self.ds = 0.5 * ds;
         if self.ds < self.options.min_step || hopeless {
             // Leaves the system at the last equilibrium.
             (self.newton.evaluate(system, None, &self.at.q, self.at.t)).ok();
@@ -360,7 +316,7 @@ impl PathRun {
         let end = Step {
             number,
             t: at.t,
-            step_size: self.ds,
+            step_size: step.ds,
             iterations: step.iterations,
             chart_changes: self.changes,
             unstable: step.unstable,
@@ -371,22 +327,24 @@ impl PathRun {
     }
 
     /// Changes charts after a step, and chooses the size of the next one.
-    fn prepare(&mut self, system: &mut dyn System, iterations: usize, bend: f64) {
+    fn prepare(&mut self, system: &mut dyn System, iterations: usize, bend: Option<f64>) {
         let at = &mut self.at;
+        if bend.is_none() {
+            // Behind a kink the load goes on as before, on another tangent.
+            at.tangent.dq.fill(0.0);
+            at.t = if at.tangent.dt > 0.0 {
+                at.t
+            } else {
+                at.t.next_down()
+            };
+        }
         // The next step uses this tangent, unless charts change.
         let changed = change_charts(system, at.t, &mut at.q, &mut at.tangent.dq, &mut []);
         self.changes = changed.charts;
-        self.fresh = changed == ChartChanges::default();
+        self.fresh = changed == ChartChanges::default() && bend.is_some();
         let ease = (self.options.target_iterations as f64 / iterations.max(1) as f64).sqrt();
-        let straightness = if bend < GENTLE_BEND { 0.7 } else { 1.5 };
+        let sharp = bend.is_some_and(|bend| bend < GENTLE_BEND);
+        let straightness = if sharp { 0.7 } else { 1.5 };
         self.ds = (self.ds * ease.clamp(0.5, straightness)).min(self.options.max_step);
-    }
-}
-
-/// A correction that diverges along a path has left it.
-fn off_path(failure: Cause) -> Cause {
-    match failure {
-        Cause::Diverged => Cause::OffPath,
-        other => other,
     }
 }

@@ -11,7 +11,7 @@ use pullback_elements::model::{Context, NodeId, RigidMotion};
 use pullback_integrators::dynamics::{self as integrator, DynamicsError, Progress};
 use pullback_manifold::so3;
 use pullback_manifold::system::{Point, System};
-use requests::{Rate, VelocityRequest};
+use requests::{Rate, VelocityRequest, names};
 use std::f64::consts::TAU;
 use values::{geared, given};
 
@@ -73,8 +73,6 @@ pub(super) fn start(assembly: &Assembly<'_>, context: &mut Context) -> Result<St
             q,
         },
         rates: Vec::new(),
-        names: Vec::new(),
-        first: None,
         requests: Vec::new(),
     };
     // Rates of joints take precedence over the motion of the whole model.
@@ -86,12 +84,9 @@ pub(super) fn start(assembly: &Assembly<'_>, context: &mut Context) -> Result<St
             return Err(entry.at.refuse(InputProblem::LoopMotion { joint }));
         }
     }
-    let held = velocities.set_rates(assembly, context)?;
-    velocities.fit_loops(context)?;
-    let Velocities {
-        start, requests, ..
-    } = velocities;
-    requests::project(assembly, context, start, &held, &placed, requests)
+    velocities.set_rates(assembly, context)?;
+    let held = velocities.fit_loops(context)?;
+    requests::project(assembly, context, velocities, held, &placed)
 }
 
 /// An entry of `[[initial]]`: of a node, of chosen nodes, or of all.
@@ -105,10 +100,8 @@ struct Entry<'a> {
 /// Initial velocities under construction.
 struct Velocities<'a> {
     start: Start,
-    /// Rates prescribed in loops, the names of their coordinates, and the location of the first.
-    rates: Vec<(NodeId, usize, f64)>,
-    names: Vec<String>,
-    first: Option<Location<'a>>,
+    /// Rates of joints.
+    rates: Vec<Rate<'a>>,
     /// Velocities prescribed in loops that multipliers and penalties close.
     requests: Vec<VelocityRequest<'a>>,
 }
@@ -134,9 +127,7 @@ impl<'a> Velocities<'a> {
         let motion = motion(context, initial, node, &self.start.q);
         let free = node.map(|n| context.free_rotation_of(n));
         if let Some(free) = free.filter(|&n| context.in_loop(n)) {
-            self.spin(context, free, &motion);
-            self.names.push(initial.node.clone().unwrap_or_default());
-            self.first.get_or_insert_with(|| at.clone());
+            self.spin(context, free, &motion, entry);
             return Ok(None);
         }
         let of = [
@@ -170,7 +161,13 @@ impl<'a> Velocities<'a> {
     }
 
     /// The angular velocity of a spherical joint in a loop.
-    fn spin(&mut self, context: &mut Context, free: NodeId, motion: &RigidMotion) {
+    fn spin(
+        &mut self,
+        context: &mut Context,
+        free: NodeId,
+        motion: &RigidMotion,
+        entry: &Entry<'a>,
+    ) {
         let Start { q, v } = &self.start;
         let a = &vec![0.0; v.len()];
         let psi = match context.configure(Point { t: 0.0, q, v, a }) {
@@ -179,61 +176,64 @@ impl<'a> Velocities<'a> {
             Err(_) => Vector3::zeros(),
         };
         let rate = so3::tangent_inverse(&psi).tr_mul(&motion.omega);
-        self.rates.extend((0..3).map(|k| (free, k, rate[k])));
+        self.rates.extend((0..3).map(|k| Rate {
+            node: free,
+            k,
+            u: None,
+            of: entry.initial.node.clone().unwrap_or_default(),
+            at: entry.at.clone(),
+            given: rate[k],
+        }));
     }
 
-    /// Sets the rates of joint coordinates; returns those that are unknowns.
-    fn set_rates(
-        &mut self,
-        assembly: &Assembly<'a>,
-        context: &Context,
-    ) -> Result<Vec<Rate<'a>>, InputError> {
-        let mut held = Vec::new();
-        for (joint, name, rate) in given(assembly.file, |acts| acts.rate) {
+    /// Sets the rates of joint coordinates that are unknowns, and notes those in loops.
+    fn set_rates(&mut self, assembly: &Assembly<'a>, context: &Context) -> Result<(), InputError> {
+        for (joint, of, given) in given(assembly.file, |acts| acts.rate) {
             let at = assembly.at("joints").at(joint).at("rate");
-            let node = assembly.joint_coordinates.find(&at, &name)?;
-            if let Some(u) = context.unknown_at(node, 0) {
-                self.start.v[u] = rate;
-                held.push(Rate {
-                    u,
-                    of: name.clone(),
-                    at: at.clone(),
-                    given: rate,
-                });
-            } else if !context.in_loop(node) {
-                geared(&at, assembly.file, &name, "rate")?;
+            let node = assembly.joint_coordinates.find(&at, &of)?;
+            let u = context.unknown_at(node, 0);
+            match u {
+                Some(u) => self.start.v[u] = given,
+                None if !context.in_loop(node) => geared(&at, assembly.file, &of, "rate")?,
+                None => {}
             }
-            if !context.is_own(node) {
-                self.rates.push((node, 0, rate));
-                self.names.push(name);
-                self.first.get_or_insert(at);
+            if u.is_some() || !context.is_own(node) {
+                self.rates.push(Rate {
+                    node,
+                    k: 0,
+                    u,
+                    of,
+                    at,
+                    given,
+                });
             }
         }
-        Ok(held)
+        Ok(())
     }
 
-    /// Fits the velocities of loops to the rates that are prescribed in them.
-    fn fit_loops(&mut self, context: &mut Context) -> Result<(), InputError> {
-        let Some(first) = &self.first else {
-            return Ok(());
+    /// Fits the velocities of loops that maps close to the rates in them; returns the unknowns that these determine.
+    fn fit_loops(&mut self, context: &mut Context) -> Result<Vec<usize>, InputError> {
+        let rates: Vec<&Rate<'_>> = self.rates.iter().filter(|r| r.u.is_none()).collect();
+        let Some(first) = rates.first() else {
+            return Ok(Vec::new());
         };
-        let most = self.rates.iter().fold(0.0_f64, |m, r| m.max(r.2.abs()));
+        let most = rates.iter().fold(0.0_f64, |m, r| m.max(r.given.abs()));
         let Start { q, v } = &mut self.start;
+        let wanted: Vec<_> = rates.iter().map(|r| (r.node, r.k, r.given)).collect();
         // Where a map cannot be evaluated at the start, the analysis says so.
-        let fitted = context.fit_coordinate_rates(q, v, &self.rates);
-        let left = fitted.unwrap_or(0.0);
+        let fitted = context.fit_coordinate_rates(q, v, &wanted);
+        let (left, unknowns) = fitted.unwrap_or_default();
         if left <= VELOCITY_TOLERANCE * most {
-            return Ok(());
+            return Ok(unknowns);
         }
-        // A single component of a spherical joint may be free.
-        let problem = match (self.names.as_slice(), self.rates.len()) {
-            ([one], 1) => InputProblem::LoopLocked { of: one.clone() },
-            (all, _) => InputProblem::LoopRates {
-                of: all.join(", "),
+        Err(first.at.refuse(match rates[..] {
+            // A single component of a spherical joint may be free.
+            [one] => InputProblem::LoopLocked { of: one.of.clone() },
+            _ => InputProblem::LoopRates {
+                of: names(rates.iter().copied()),
                 left,
             },
-        };
-        Err(first.refuse(problem))
+        }))
     }
 }
 

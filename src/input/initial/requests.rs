@@ -1,7 +1,7 @@
 //! Velocities prescribed by initial conditions in models whose loops are closed by multipliers or
 //! penalties: kept where the loops allow them, refused otherwise.
 
-use super::{Start, VELOCITY_TOLERANCE};
+use super::{Start, VELOCITY_TOLERANCE, Velocities};
 use crate::input::parts::Assembly;
 use crate::input::{InputError, InputProblem, Location};
 use pullback_elements::model::{BEFORE_START, Context, ModelError, NodeId};
@@ -35,46 +35,59 @@ pub(super) fn rotation(context: &Context, node: NodeId) -> (NodeId, usize) {
     (free, if free == node { 3 } else { 0 })
 }
 
-/// The rate of a joint.
+/// The rate of a coordinate of a joint.
 pub(super) struct Rate<'a> {
-    /// Its unknown.
-    pub u: usize,
-    /// Name of the coordinate.
+    pub node: NodeId,
+    /// The number of the coordinate.
+    pub k: usize,
+    /// Its unknown; `None` in a loop that a map closes.
+    pub u: Option<usize>,
+    /// Name of the coordinate, or of the node.
     pub of: String,
     pub at: Location<'a>,
     /// Prescribed rate.
     pub given: f64,
 }
 
+/// The names of coordinates, each once.
+pub(super) fn names<'a>(rates: impl IntoIterator<Item = &'a Rate<'a>>) -> String {
+    let mut names: Vec<&str> = rates.into_iter().map(|r| &*r.of).collect();
+    names.dedup();
+    names.join(", ")
+}
+
 /// Projects initial coordinates and velocities onto the equations of multipliers and penalties by the smallest changes. Coordinates of
-/// unknowns that are `placed` are kept if possible; rates of joints are kept, then velocities of nodes in the
-/// order of the file.
+/// unknowns that are `placed` are kept if possible; rates of joints are kept, those in loops of maps with the unknowns
+/// that are `held`, then velocities of nodes in the order of the file.
 pub(super) fn project(
     assembly: &Assembly<'_>,
     context: &mut Context,
-    mut start: Start,
-    rates: &[Rate<'_>],
+    velocities: Velocities<'_>,
+    mut held: Vec<usize>,
     placed: &[usize],
-    mut requests: Vec<VelocityRequest<'_>>,
 ) -> Result<Start, InputError> {
+    let Velocities {
+        mut start,
+        rates,
+        mut requests,
+    } = velocities;
     if !context.is_enforced() {
         return Ok(start);
     }
     let failed = |error| assembly.locate(error);
-    let mut held: Vec<usize> = rates.iter().map(|r| r.u).collect();
+    held.extend(rates.iter().filter_map(|r| r.u));
     (context.project_positions(0.0, &mut start.q, &held, placed)).map_err(failed)?;
     let (left, _) = remaining_error(context, &start, &held).map_err(failed)?;
     let most = rates.iter().fold(0.0_f64, |m, r| m.max(r.given.abs()));
     if let (Some(first), true) = (rates.first(), most > 0.0 && left > VELOCITY_TOLERANCE) {
-        for rate in rates {
-            if context.is_locked(0.0, &start.q, rate.u).map_err(failed)? {
+        for (rate, u) in rates.iter().filter_map(|r| Some((r, r.u?))) {
+            if context.is_locked(0.0, &start.q, u).map_err(failed)? {
                 let of = rate.of.clone();
                 return Err(rate.at.refuse(InputProblem::LoopLocked { of }));
             }
         }
-        let names: Vec<&str> = rates.iter().map(|r| r.of.as_str()).collect();
         return Err(first.at.refuse(InputProblem::LoopRates {
-            of: names.join(", "),
+            of: names(&rates),
             left: left * most,
         }));
     }

@@ -31,7 +31,7 @@ pub(crate) fn started_with(context: &mut Context, rates: &[(NodeId, usize, f64)]
             rates.for_each(|(&u, &(.., rate))| v[u] = rate);
             context.project_state(0.0, &mut q, &mut v, &kept).unwrap()
         }
-        None => context.fit_coordinate_rates(&q, &mut v, rates).unwrap(),
+        None => context.fit_coordinate_rates(&q, &mut v, rates).unwrap().0,
     };
     assert!(left < 1e-12, "{left:e}");
     [q, v]

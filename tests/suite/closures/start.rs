@@ -277,3 +277,52 @@ fn a_linkage_at_rest_starts_closed_to_rounding_and_stays() {
         assert!((first - last).abs() < 1e-12, "{first} {last}");
     }
 }
+
+/// Three parallel cranks of 1 on a coupler: two loops of one freedom, which share the first crank.
+fn three_cranks(first: &str, closures: [&str; 2]) -> String {
+    let closing = |k: usize, name: &str| {
+        let child = format!("child = \"end {k}\"\n{}", closures[k - 1]);
+        hinge(name, &format!("at {k}"), &child)
+    };
+    let crank = |k: usize| {
+        let (pin, name) = (format!("pin {k}"), format!("crank {k}"));
+        let at = k as f64;
+        [
+            arm(&pin, "ground", [at, 0.0, 0.0]),
+            hinge(&name, &pin, ""),
+            arm(&format!("end {k}"), &name, [at, 1.0, 0.0]),
+            body(&name),
+            arm(&format!("at {k}"), "coupler", [at, 1.0, 0.0]),
+        ]
+        .concat()
+    };
+    [
+        GROUND,
+        &hinge("crank 0", "ground", first),
+        &body("crank 0"),
+        &arm("end 0", "crank 0", [0.0, 1.0, 0.0]),
+        &hinge("coupler", "end 0", ""),
+        &body("coupler"),
+        &crank(1),
+        &crank(2),
+        &closing(1, "first"),
+        &closing(2, "second"),
+        RUN,
+    ]
+    .concat()
+}
+
+/// A value and a rate in a loop that a map closes are kept where others are closed by forces, and move these.
+#[test]
+fn loops_that_are_closed_in_two_ways_start_as_the_joints_that_they_share() {
+    for a in CLOSURES {
+        for b in CLOSURES {
+            let (found, _) = start(&three_cranks("value = 0.3\nrate = 2", [a, b]));
+            for crank in ["crank 0", "crank 1", "crank 2"] {
+                let [x, rate] = found[&format!("{crank} angle")];
+                assert_close(x, 0.3, 1e-9, format!("{a}, {b}: {crank}"));
+                assert_close(rate, 2.0, 1e-8, format!("{a}, {b}: {crank}"));
+            }
+        }
+    }
+}

@@ -1,10 +1,12 @@
 //! Limit points of beams found directly, and the path of a column beyond its bifurcation.
 
 use crate::support::beams::{COLUMN, PINNED, line};
-use crate::support::closures::{CLOSURES, angle, arm, body_of, failure, fixed, hinge, joint};
+use crate::support::closures::{
+    CLOSURES, angle, arm, body_of, failure, fixed, hinge, joint, probe,
+};
 use crate::support::laboratory::model;
 use crate::support::prelude::*;
-use crate::support::program::{assert_close, assert_says, changed, number, run_of};
+use crate::support::program::{assert_close, assert_says, changed, failed, number, run_of};
 use pullback::input::job;
 use std::collections::HashMap;
 
@@ -228,4 +230,52 @@ fn followers_have_no_count_of_unstable_directions() {
     let text = column().replace("[-20, 0, 0]", "[-20, 0, 0]\nfollower = true");
     let said = failure("critical_follower", &text);
     assert_says(&said, &["follower loads have no potential"]);
+}
+
+/// A cantilever that two forces bend, of which the second one has a function of the load parameter with kinks.
+fn bent_twice(function: &str, analysis: &str) -> String {
+    let force = |force: &str, time: &str| {
+        format!("[[loads]]\nnode = \"B\"\nforce = {force}\ntime = {time}\n")
+    };
+    let rest = [
+        &fixed("A"),
+        &force("[0, 0.1, 0]", "{ ramp = { end = 0.5 } }"),
+        &force("[0, 0, 0.05]", function),
+        analysis,
+        &probe("d", "displacement", "B"),
+    ];
+    line(
+        "EA = 1e6, GA = [1e6, 1e6], GJ = 100, EI = [1, 10]",
+        8,
+        2,
+        &rest.concat(),
+    )
+}
+
+/// Forces are applied in sequence, taken away again and turned round. The equilibria at the end of a path, and where it
+/// is known those of a linear beam, are those of load steps.
+#[test]
+fn a_path_goes_through_the_kinks_of_its_loads() {
+    let path = "[analysis.arc_length]\n";
+    for (function, linear) in [
+        ("{ ramp = { start = 0.5, end = 1 } }", 0.05 / 3.0),
+        ("{ ramp = { start = 0.3, end = 0.6 } }", 0.05 / 3.0),
+        ("{ triangle = { peak = 0.5, end = 0.8, value = -5 } }", 0.0),
+        ("{ table = [[0, 0], [0.4, 1], [0.6, -1]] }", -0.05 / 3.0),
+    ] {
+        let [steps, path] = ["[analysis.static]\nsteps = 10\n", path].map(|analysis| {
+            let rows = run_of("critical_kinks", &bent_twice(function, analysis)).rows;
+            let last = rows.last().unwrap();
+            assert_eq!(number(last, "t"), 1.0);
+            ["d.x", "d.y", "d.z"].map(|column| number(last, column))
+        });
+        for (a, b) in steps.iter().zip(path) {
+            assert_close(b, *a, 1e-9, function);
+        }
+        assert_close(path[2], linear, 1e-5, function);
+    }
+    // The structure jumps with a load, and no path leads there.
+    let pulse = "{ pulse = { start = 0.5, end = 2 } }";
+    let told = failed("critical_jump", &bent_twice(pulse, path));
+    assert_says(&told, &["a jump or kink at 0.5, within this step"]);
 }

@@ -4,7 +4,7 @@ use crate::model::assembly::scatter_map::ScatterMap;
 use crate::model::assembly::workspace::Workspace;
 use crate::model::build::builder::{ModelBuilder, NodeId};
 use crate::model::build::connections::check_connections;
-use crate::model::build::dependency_graph::{self, Alternatives};
+use crate::model::build::dependency_graph::{self, Alternatives, ancestors};
 use crate::model::build::elimination_order::outward;
 use crate::model::build::prescribed::{
     check_reparametrized, prescribed_rotations, resolve_prescribed,
@@ -146,9 +146,24 @@ impl ModelBuilder {
             preferred: &preferred,
             length,
         };
+        let given = self.nodes.len() as u32;
         let nodes = &mut self.nodes;
         let reports = loops::close(nodes, &self.closings, &setting)?;
+        let mut starts = self.starts.clone();
+        // A loop that a map closes has its values where its own coordinates are zero.
+        for &(NodeId(n), _) in self.starts.keys() {
+            for m in ancestors(nodes, &[n], None, |d| &d.segments) {
+                let dim = nodes[m as usize].dim;
+                let new = (0..dim).filter(|_| m >= given && nodes[m as usize].is_own());
+                starts.extend(new.map(|k| ((NodeId(m), k), 0.0)));
+            }
+        }
+        let setting = loops::Setting {
+            starts: &starts,
+            ..setting
+        };
         let positions = loops::positions(nodes, enforced, &setting);
+        self.starts = starts;
         Ok((reports, positions))
     }
 }

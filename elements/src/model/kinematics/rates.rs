@@ -198,7 +198,7 @@ impl Context {
 
     /// Finds velocities `v` with given rates of coordinates at `q` and [`BEFORE_START`]: those of
     /// loops follow from others, and the change of all together is smallest. Returns the largest
-    /// error: zero to rounding if the loops allow the rates.
+    /// error, zero to rounding if the loops allow the rates, and the unknowns on which these depend.
     ///
     /// # Errors
     /// [`SystemError`] if the point is outside a chart.
@@ -207,7 +207,7 @@ impl Context {
         q: &[f64],
         v: &mut [f64],
         rates: &[(NodeId, usize, f64)],
-    ) -> Result<f64, SystemError> {
+    ) -> Result<(f64, Vec<usize>), SystemError> {
         let of: Vec<NodeId> = rates.iter().map(|r| r.0).collect();
         let unknowns = self.unknowns_behind(&of);
         let model = Arc::clone(&self.model);
@@ -219,7 +219,10 @@ impl Context {
         let wanted = DVector::from_iterator(rates.len(), rates.iter().map(|r| r.2));
         let (now, columns) = self.rates_by_unknowns(q, v, &unknowns, of_nodes)?;
         let missing = wanted - now;
-        Ok(add_fitted(v, &unknowns, columns, missing).amax())
+        let matter = |k: &usize| columns.column(*k).amax() > MISSING * columns.amax();
+        let these = (0..unknowns.len()).filter(matter).map(|k| unknowns[k]);
+        let these = these.collect();
+        Ok((add_fitted(v, &unknowns, columns, missing).amax(), these))
     }
 
     /// Rates at `q` and [`BEFORE_START`] with velocities `v`, and their derivatives by those of some unknowns.
