@@ -11,7 +11,8 @@ use crate::terminal::{self, plural, tell};
 use pullback_elements::model::Context;
 use pullback_elements::time::Input;
 use pullback_integrators::linearization::{
-    CampbellOptions, Linearized, StateSpace, linearize as linearized, output_derivatives,
+    CampbellOptions, Linearized, StateSpace, StateSpaceError, linearize as linearized,
+    output_derivatives,
 };
 use pullback_manifold::system::Point;
 use std::fmt::Write;
@@ -157,7 +158,7 @@ type FirstOrder = (Vec<String>, StateSpace);
 /// The first-order form with the probes as outputs, or the exit code.
 fn first_order(job: &mut Job, lin: &Linearized, at: Point<'_>) -> Result<FirstOrder, u8> {
     let probes = &mut job.probes;
-    let names = probes.iter().flat_map(Probe::columns).collect();
+    let names: Vec<String> = probes.iter().flat_map(Probe::columns).collect();
     let derivatives = output_derivatives(&mut job.context, at, |context: &mut Context, at| {
         let balance = context.energies_and_momentum(at)?;
         let mut answers = Answers::of(context, at.t);
@@ -169,7 +170,11 @@ fn first_order(job: &mut Job, lin: &Linearized, at: Point<'_>) -> Result<FirstOr
         Ok(values)
     });
     let space = lin.state_space(&derivatives.map_err(fail)?);
-    Ok((names, space.map_err(fail)?))
+    let space = space.map_err(|error| match error {
+        StateSpaceError::Reaction(k) => fail(format!("{}: {error}", names[k - 1])),
+        error => fail(error),
+    });
+    Ok((names, space?))
 }
 
 fn write(

@@ -107,10 +107,11 @@ impl ImplicitMap {
             .iter()
             .map(|u| u.start.is_some())
             .collect();
+        let closed = self.close_as_prescribed(t, &free);
         if !held.contains(&true) {
-            return self.newton(t, &free);
+            return closed;
         }
-        let drawn = self.newton(t, &free).is_ok() && self.x().iter().all(|x| x.abs() < 1e-6);
+        let drawn = closed.is_ok() && self.x().iter().all(|x| x.abs() < 1e-6);
         let drawn = drawn.then(|| self.x().to_vec());
         if self.approach(t, drawn.as_deref(), &held) {
             return Ok(());
@@ -126,6 +127,27 @@ impl ImplicitMap {
         }
         self.work.y[p..].fill(0.0);
         self.newton(t, &free)
+    }
+
+    /// Closes the loop from the drawn configuration; if that fails, its prescribed coordinates are approached in steps.
+    fn close_as_prescribed(&mut self, t: f64, free: &[bool]) -> Result<(), ImplicitError> {
+        let (p, y) = (self.p, self.work.y.clone());
+        let direct = self.newton(t, free);
+        if direct.is_ok() || y[..p].iter().all(|p| *p == 0.0) {
+            return direct;
+        }
+        let failed = self.work.y.clone();
+        self.work.y.copy_from_slice(&y);
+        let stage = |core: &mut Self, part: f64| {
+            let parameters = core.work.y[..p].iter_mut().zip(&y);
+            parameters.for_each(|(now, p)| *now = part * p);
+            core.newton(t, free)
+        };
+        if (0..=STAGES).all(|k| stage(self, k as f64 / STAGES as f64).is_ok()) {
+            return Ok(());
+        }
+        self.work.y = failed;
+        direct
     }
 
     /// Closes the loop with the desired values of the unknowns in `held`. If it is closed as drawn,

@@ -326,3 +326,20 @@ fn loops_that_are_closed_in_two_ways_start_as_the_joints_that_they_share() {
         }
     }
 }
+
+/// The cranks begin far from where they are drawn.
+#[test]
+fn a_drive_that_begins_far_away_takes_its_loops_along() {
+    for angle in [0.5, 1.2] {
+        let drive =
+            format!("prescribed = {{ sine = {{ amplitude = 0.1, omega = 3, offset = {angle} }} }}");
+        for a in CLOSURES {
+            let (found, _) = start(&three_cranks(&drive, [a, a]));
+            for crank in ["crank 0", "crank 1", "crank 2"] {
+                let [x, rate] = found[&format!("{crank} angle")];
+                assert_close(x, angle, 1e-9, format!("{a}: {crank}"));
+                assert_close(rate, 0.3, 1e-8, format!("{a}: {crank}"));
+            }
+        }
+    }
+}
