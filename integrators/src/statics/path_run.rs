@@ -90,9 +90,14 @@ impl StaticAnalysis for PathRun {
             weights: weights.collect(),
             load: 1.0 / (options.load_scale * options.load_scale),
         };
+        let kinks = abilities::events(system).kinks();
+        let backward_from_kink = !options.forward && kinks.contains(&options.from);
         let at = Position {
             q,
-            t: options.from,
+            t: match backward_from_kink {
+                true => options.from.next_down(),
+                false => options.from,
+            },
             tangent: PathDirection {
                 dq: vec![0.0; n],
                 dt: if options.forward { 1.0 } else { -1.0 },
@@ -103,7 +108,7 @@ impl StaticAnalysis for PathRun {
             norm,
             next: at.clone(),
             at,
-            kinks: abilities::events(system).kinks(),
+            kinks,
             ds: options.first_step.min(options.max_step),
             phase: Phase::Begin,
             fresh: false,
@@ -332,11 +337,9 @@ impl PathRun {
         if bend.is_none() {
             // Behind a kink the load goes on as before, on another tangent.
             at.tangent.dq.fill(0.0);
-            at.t = if at.tangent.dt > 0.0 {
-                at.t
-            } else {
-                at.t.next_down()
-            };
+            if at.tangent.dt < 0.0 {
+                at.t = at.t.next_down();
+            }
         }
         // The next step uses this tangent, unless charts change.
         let changed = change_charts(system, at.t, &mut at.q, &mut at.tangent.dq, &mut []);

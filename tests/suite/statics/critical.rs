@@ -274,6 +274,19 @@ fn a_path_goes_through_the_kinks_of_its_loads() {
         }
         assert_close(path[2], linear, 1e-5, function);
     }
+    // Backward from the end of a ramp, over the beginning of another one: the first force alone, by 0.4, bends B by
+    // P/3EI.
+    let back =
+        "[analysis.arc_length]\nfrom = 1\ndirection = \"backward\"\nstop = [{ load = 0.2 }]\n";
+    let rows = run_of(
+        "critical_kinks",
+        &bent_twice("{ ramp = { start = 0.5, end = 1 } }", back),
+    )
+    .rows;
+    let last = rows.last().unwrap();
+    for (column, linear) in [("d.y", 0.04 / 30.0), ("d.z", 0.0)] {
+        assert_close(number(last, column), linear, 1e-7, column);
+    }
     // The structure jumps with a load, and no path leads there.
     let pulse = "{ pulse = { start = 0.5, end = 2 } }";
     let told = failed("critical_jump", &bent_twice(pulse, path));
