@@ -90,14 +90,9 @@ impl StaticAnalysis for PathRun {
             weights: weights.collect(),
             load: 1.0 / (options.load_scale * options.load_scale),
         };
-        let kinks = abilities::events(system).kinks();
-        let backward_from_kink = !options.forward && kinks.contains(&options.from);
         let at = Position {
             q,
-            t: match backward_from_kink {
-                true => options.from.next_down(),
-                false => options.from,
-            },
+            t: options.from,
             tangent: PathDirection {
                 dq: vec![0.0; n],
                 dt: if options.forward { 1.0 } else { -1.0 },
@@ -108,7 +103,7 @@ impl StaticAnalysis for PathRun {
             norm,
             next: at.clone(),
             at,
-            kinks,
+            kinks: abilities::events(system).kinks(),
             ds: options.first_step.min(options.max_step),
             phase: Phase::Begin,
             fresh: false,
@@ -209,6 +204,10 @@ impl PathRun {
     /// Changes charts, and finds the tangent at the present position.
     fn find_tangent(&mut self, system: &mut dyn System) -> Result<(), Cause> {
         let at = &mut self.at;
+        // Functions of t are those from the right, and a path may leave a kink to the left.
+        if at.tangent.dt < 0.0 && self.kinks.contains(&at.t) {
+            at.t = at.t.next_down();
+        }
         let changed = change_charts(system, at.t, &mut at.q, &mut at.tangent.dq, &mut []);
         self.changes += changed.charts;
         (self.newton.tangent(system, at, &self.norm)).map_err(off_path)?;
@@ -337,9 +336,6 @@ impl PathRun {
         if bend.is_none() {
             // Behind a kink the load goes on as before, on another tangent.
             at.tangent.dq.fill(0.0);
-            if at.tangent.dt < 0.0 {
-                at.t = at.t.next_down();
-            }
         }
         // The next step uses this tangent, unless charts change.
         let changed = change_charts(system, at.t, &mut at.q, &mut at.tangent.dq, &mut []);
