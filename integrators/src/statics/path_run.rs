@@ -226,7 +226,8 @@ impl PathRun {
         self.newton.summary.rejected += 1;
         let to = self.at.t + ds * self.at.tangent.dt;
         let mut failed = self.newton.fail(system, failure, to);
-        let here = self.kinks.iter().find(|kink| **kink == self.at.t);
+        let here = [self.at.t, self.at.t.next_up()];
+        let here = self.kinks.iter().find(|kink| here.contains(kink));
         failed.kink = failed.kink.or(here.copied());
         self.ds = 0.5 * ds;
         if self.ds < self.options.min_step || hopeless {
