@@ -144,8 +144,6 @@ impl<'a> Velocities<'a> {
         if let Some(node) = node {
             movable(at, context, node, initial, q, &motion)?;
         }
-        // Where a map cannot be evaluated at the start, the analysis says so.
-        let fitted = context.fit_rates(q, v, chosen, &motion);
         self.requests.push(VelocityRequest {
             at: at.clone(),
             unknowns: match (node, chosen) {
@@ -157,6 +155,12 @@ impl<'a> Velocities<'a> {
             },
             of_node: node.is_some(),
         });
+        if node.is_some() {
+            // It has velocities of its own, and joints are as they were.
+            return Ok(None);
+        }
+        // Where a map cannot be evaluated at the start, the analysis says so.
+        let fitted = context.fit_rates(q, v, chosen, &motion);
         Ok(fitted.unwrap_or_default().into_iter().next())
     }
 

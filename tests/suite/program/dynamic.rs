@@ -154,3 +154,33 @@ fn rates_of_joints_follow_an_initial_rotation() {
         assert_close(number(&row, "rate"), 2.0, 1e-3, &row["t"]);
     }
 }
+
+/// An arm that turns at a rate of 1 carries a ball joint; the angular velocity of this one leaves the arm alone.
+#[test]
+fn an_angular_velocity_of_a_ball_joint_is_its_own() {
+    for (entries, rate) in [
+        ("[[initial]]\nangular_velocity = [0, 0, 1]\n", 1.0),
+        ("", 0.0),
+    ] {
+        let text = [
+            "[nodes]\nground = [0, 0, 0]\n",
+            &fixed("ground"),
+            &joint("arm", "revolute", "ground", "axis = [0, 0, 1]"),
+            &joint("end", "offset", "arm", "position = [0.5, 0, 0]"),
+            &joint("ball", "spherical", "end", ""),
+            &body_of("arm", 1.0, "inertia = [1, 1, 1]"),
+            &body_of("ball", 1.0, "inertia = [1, 1, 1]"),
+            entries,
+            "[[initial]]\nnode = \"ball\"\nangular_velocity = [0, 2, 3]\n\
+             [analysis.dynamic]\nto = 0.1\nstep = 0.1\n",
+            &probe("v", "velocity", "ball"),
+            &probe("w", "angular_velocity", "ball"),
+        ]
+        .concat();
+        let rows = run_of("program_ball", &text).rows;
+        let start = ["v.x", "v.y", "w.y", "w.z"].map(|column| number(&rows[0], column));
+        for (found, exact) in start.iter().zip([0.0, 0.5 * rate, 2.0, 3.0]) {
+            assert_close(*found, exact, 1e-14, entries);
+        }
+    }
+}
