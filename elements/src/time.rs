@@ -60,7 +60,7 @@ impl TimeFunction for Constant {
 ///
 /// Created by [`ModelBuilder::input`](crate::model::ModelBuilder::input). The values are part of the state:
 /// [`Context::set_input`](crate::model::Context::set_input). If one changes between two steps, a run finds new
-/// accelerations, as at a kink.
+/// accelerations, and where prescribed velocities jump new velocities, as at a kink.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Input(pub(crate) usize);
 
@@ -76,7 +76,7 @@ impl TimeFunction for Input {
     }
 }
 
-/// f(t) = Ω t, where Ω is an input: a rotation with a constant speed.
+/// f(t) = Ω t, where Ω is an input: a rotation with a constant speed. Another Ω in a motion is another angle at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SteadyRotation(pub Input);
 

@@ -24,16 +24,10 @@ impl MotionRun {
         let known = energetics(system).momentum(before, &mut self.momentum);
         let known = known.map_err(|source| DynamicsError::System { t: *t, source })?;
         *t = stop.right;
-        if known {
-            self.jump(system, progress, true)?;
-        } else {
-            self.renew(system, progress, true)?;
-        }
-        self.set_target(system, progress)
+        self.proceed(system, progress, known)
     }
 
-    /// Continues after a change of inputs, and says whether there was one. Inputs have no rate, so velocities do not
-    /// change.
+    /// Continues after a change of inputs, and says whether there was one.
     pub(super) fn take_inputs(
         &mut self,
         system: &mut dyn System,
@@ -46,14 +40,38 @@ impl MotionRun {
         Ok(changed)
     }
 
-    /// Continues after a change of forces or velocities that needs no impulse.
+    /// Continues after a change of the state, or of inputs: where prescribed velocities follow these, they jump as at a
+    /// kink.
     pub(super) fn refresh(
         &mut self,
         system: &mut dyn System,
         progress: &mut Progress,
     ) -> Result<(), DynamicsError> {
-        progress.inputs = events(system).inputs().to_vec();
-        self.renew(system, progress, true)?;
+        let now = events(system).inputs().to_vec();
+        let mut known = false;
+        if now != progress.inputs {
+            let inputs = events(system).inputs().iter_mut();
+            inputs.zip(&progress.inputs).for_each(|(u, old)| *u = *old);
+            let momentum = energetics(system).momentum(progress.state.point(), &mut self.momentum);
+            events(system).inputs().copy_from_slice(&now);
+            // Inputs at which nothing can be evaluated had no step.
+            known = momentum.unwrap_or(false) && self.momentum.iter().all(|p| p.is_finite());
+            progress.inputs = now;
+        }
+        self.proceed(system, progress, known)
+    }
+
+    /// Continues behind a jump, with an impulse if the momentum before it is known.
+    fn proceed(
+        &mut self,
+        system: &mut dyn System,
+        progress: &mut Progress,
+        known: bool,
+    ) -> Result<(), DynamicsError> {
+        match known {
+            true => self.jump(system, progress, true)?,
+            false => self.renew(system, progress, true)?,
+        }
         self.set_target(system, progress)
     }
 

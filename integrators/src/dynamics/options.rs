@@ -64,7 +64,8 @@ pub struct Adaptivity {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NewtonOptions {
     /// Residual relative to applied and reaction forces (moments) at convergence; without any
-    /// forces, only rounding errors are allowed.
+    /// forces, only rounding errors are allowed, and of [`Quantity::Other`](pullback_manifold::system::Quantity::Other)
+    /// this part of the first residual.
     pub relative: f64,
     /// Absolute tolerance of the same test, in units of force (moment); 0 allows only rounding errors.
     pub absolute: f64,

@@ -142,8 +142,8 @@ impl MotionRun {
             progress.summary.chart_changes += changed;
             progress.inputs = abilities::events(system).inputs().to_vec();
             progress.state.a = vec![0.0; progress.state.q.len()];
-        }
-        if fresh {
+            // What is kept of a run whose state was changed belongs to the one before.
+            (progress.events, progress.invariants) = (Vec::new(), None);
             if self.stops.is_kink(t) {
                 self.pass(system, progress, StopTime::end(t))?;
             } else {

@@ -49,7 +49,8 @@ where
         Self::resume(system, Progress::new(state), options)
     }
 
-    /// Continues from the progress of an earlier run of the same system.
+    /// Continues from the progress of an earlier run of the same system. Its events are to be added again, in their
+    /// order; for other ones clear [`Progress::events`] before.
     ///
     /// # Errors
     /// As [`Simulation::new`].

@@ -56,6 +56,60 @@ fn an_input_that_changes_is_a_kink() {
     }
 }
 
+/// A speed that an input holds since the time of another one, and the angle there.
+#[derive(Debug)]
+struct Held([Input; 3]);
+
+impl TimeFunction for Held {
+    fn at(&self, t: f64, inputs: &[f64]) -> [f64; 3] {
+        let [angle, speed, since] = self.0.map(|u| inputs[usize::from(u)]);
+        [angle + speed * (t - since), speed, 0.0]
+    }
+}
+
+/// A disc turns freely on a shaft, whose speed of 1 becomes 3: the disc keeps its own, however the input is set.
+#[test]
+fn a_prescribed_speed_by_an_input_jumps_as_at_a_kink() {
+    for word in ["newmark", "ga:0.5", "radau", "projected-newmark"] {
+        for by_event in [false, true] {
+            let mut b = ModelBuilder::new();
+            let shaft = b.node("shaft", [0.0; 3]).unwrap();
+            b.support(shaft, &Dof::ALL[..5]);
+            let inputs = [0.0, 1.0, 0.0].map(|value| b.input(value));
+            b.prescribe(shaft, Dof::RZ, Held(inputs));
+            let disc = Revolute::new([0.0, 0.0, 1.0]).unwrap();
+            let disc = b.attach("disc", shaft, disc).unwrap().frame;
+            let body = RigidBody::new(1.0, Matrix3::identity(), Vector3::zeros()).unwrap();
+            b.element("body", body, &[disc]).unwrap();
+            let mut context = Context::new(b.build().unwrap());
+            let options = DynamicOptions {
+                scheme: word.parse().unwrap(),
+                ..DynamicOptions::new(1.0, 0.1)
+            };
+            let first = start(&context, 0.0, &[0.0], &[0.0]).unwrap();
+            let mut run = Simulation::new(&mut context, first, &options).unwrap();
+            let now = inputs.into_iter().zip([0.5, 3.0, 0.5]);
+            if by_event {
+                run.add_event(
+                    |_, state| state.t - 0.5,
+                    move |context: &mut Context, _| {
+                        now.clone()
+                            .for_each(|(u, value)| context.set_input(u, value));
+                        ControlFlow::Continue(())
+                    },
+                );
+            } else {
+                (0..5).for_each(|_| assert!(run.step().unwrap().is_some()));
+                now.for_each(|(u, value)| run.set_input(u, value));
+            }
+            run.finish().unwrap();
+            let omega = [shaft, disc].map(|node| run.system().node_state(node).omega.z);
+            let off = (omega[0] - 3.0).abs().max((omega[1] - 1.0).abs());
+            assert!(off < 1e-12, "{word}: {omega:?}");
+        }
+    }
+}
+
 /// A force that breaks the rules: it is no function of time alone, and does not say so.
 #[derive(Debug)]
 struct Outside(Arc<AtomicBool>);

@@ -287,3 +287,29 @@ fn a_value_that_is_no_number_is_refused() {
         }
     }
 }
+
+/// A mass at the speed 1 for a second that goes on at 2 from the same position, or from another one: what was kept of the
+/// events and of the invariants belongs to the motion before.
+#[test]
+fn a_state_that_is_changed_starts_anew() {
+    for word in ["newmark", "projected-newmark", "radau"] {
+        for (position, exact) in [(1.0, vec![(0, 1.25)]), (1.75, vec![])] {
+            let mut system = Oscillator::mass(0.0);
+            let mut options = steps_of(Scheme::named(word, &[]).unwrap(), 1.0, 0.1);
+            let mut run = begun(&mut system, [0.0, 1.0], &options);
+            run.add_event(|_, state| state.q[0] - 1.5, onward);
+            run.finish().unwrap();
+            let mut progress = run.progress().clone();
+            let state = &mut progress.state;
+            (state.q[0], state.v[0]) = (position, 2.0);
+            state.a.clear();
+            state.algorithmic.clear();
+            options.to = 2.0;
+            let mut run = Simulation::resume(&mut system, progress, &options).unwrap();
+            run.add_event(|_, state| state.q[0] - 1.5, onward);
+            close(&times(&mut run), &exact, 1e-12);
+            let end = position + 2.0 - run.state().q[0];
+            assert!(end.abs() < 1e-12, "{word}: {:?}", run.state());
+        }
+    }
+}
