@@ -8,7 +8,7 @@ use crate::solve::{Advance, Counts};
 use crate::warnings::{Diagnostics, JointRates, RateChange, unbalanced};
 use pullback_elements::model::Context;
 use pullback_integrators::dynamics::Progress;
-use pullback_manifold::system::{Evaluation, Point, System, SystemError};
+use pullback_manifold::system::SystemError;
 use serde::{Deserialize, Serialize};
 
 /// Takes the converged steps of a run.
@@ -72,8 +72,7 @@ impl<'a> Recording<'a> {
         Answers::of_motion(context, progress)
     }
 
-    /// Records the initial state of a motion. In statics records the reference configuration if nothing acts on it at the
-    /// first load; otherwise the equilibrium there is a step of its own, number 0.
+    /// Records the initial state of a motion. In statics that is a step of its own, number 0.
     pub fn start(
         &mut self,
         context: &mut Context,
@@ -81,26 +80,8 @@ impl<'a> Recording<'a> {
     ) -> Result<Option<Answers>, SystemError> {
         match self.plan {
             Plan::Dynamic(_) => self.start_motion(context, progress).map(Some),
-            _ => Ok(self.start_statics(context)),
+            _ => Ok(None),
         }
-    }
-
-    fn start_statics(&mut self, context: &mut Context) -> Option<Answers> {
-        let n = context.pattern().dim();
-        let (q, t) = (vec![0.0; n], self.plan.start());
-        let mut r = vec![0.0; n];
-        let at = Point::statics(t, &q);
-        let evaluated = context.evaluate(at, Evaluation::residual(&mut r));
-        if evaluated.is_err() || r.iter().any(|r| *r != 0.0) {
-            return None;
-        }
-        let row = HistoryRow {
-            t,
-            ..HistoryRow::default()
-        };
-        let answers = Answers::of(context, t);
-        self.add(context, row, &answers);
-        Some(answers)
     }
 
     fn start_motion(

@@ -40,7 +40,7 @@ pub(crate) struct Diagnostics {
     /// Since the last row with a known stability.
     passed: Passed,
     changes: Vec<Change>,
-    /// Converged rows.
+    /// Converged rows after the start.
     rows: usize,
     /// Whether anything has moved, and whether any reaction is nonzero.
     moved: bool,
@@ -84,7 +84,7 @@ impl Diagnostics {
         force: [f64; 3],
     ) {
         let t = row.t;
-        self.rows += 1;
+        self.rows += usize::from(row.step > 0);
         let measures = Scales {
             force,
             ..context.scales()
@@ -115,7 +115,10 @@ impl Diagnostics {
         let event = row.event.as_deref();
         if event == Some("bifurcation") {
             // The load of another branch may fall from there on.
-            (self.passed, self.stability.0, sense) = (Passed::Bifurcation, t, 0.0);
+            sense = 0.0;
+            if self.passed == Passed::Unknown {
+                (self.passed, self.stability.0) = (Passed::Bifurcation, t);
+            }
         } else if event == Some("turning_point") || sense * self.sense < 0.0 {
             self.passed = Passed::LimitPoint;
         }

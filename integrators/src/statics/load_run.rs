@@ -65,10 +65,8 @@ impl StaticAnalysis for LoadRun {
         if self.known.is_none() {
             let (known, start) = begin(&mut self.newton, system, &mut self.q)?;
             self.known = Some(known);
-            if let Some(start) = start {
-                self.reached = start;
-                return Ok(true);
-            }
+            self.reached = start;
+            return Ok(true);
         }
         while !self.newton.summary.finished {
             let rest = self.options.to - self.newton.summary.t;

@@ -59,11 +59,15 @@ impl PathStep<'_> {
         }
     }
 
+    /// Number of directions that become stable or unstable in the step, as far as known.
+    fn directions(&self) -> usize {
+        let [before, after] = self.unstable;
+        before.zip(after).map_or(0, |(a, b)| a.abs_diff(b))
+    }
+
     /// Whether several directions become stable or unstable in the step, where bifurcations are events.
     fn is_multiple(&self, events: &[(Event, bool)]) -> bool {
-        let [before, after] = self.unstable;
-        let several = before.zip(after).is_some_and(|(a, b)| a.abs_diff(b) > 1);
-        several && events.iter().any(|(event, _)| *event == Event::Bifurcation)
+        self.directions() > 1 && events.iter().any(|(event, _)| *event == Event::Bifurcation)
     }
 
     /// An event at its end.
@@ -126,6 +130,8 @@ const LARGEST_MISS: f64 = 1e-9;
 
 /// Part at which a step is divided, not where a symmetric structure may have a bifurcation.
 const MIDDLE: f64 = 0.47;
+/// Length of a step in which several bifurcations have one load, relative to that in which they are one.
+const ONE_LOAD: f64 = 1e-6;
 /// A bifurcation at the start of a step, relative to its length, where the step before could not count.
 const START: f64 = 1e-6;
 
@@ -144,7 +150,22 @@ pub(super) fn locate(
         if step.passes(event) {
             let mut one = match event {
                 Event::TurningPoint | Event::Bifurcation => {
-                    find_critical(newton, system, step, event)?
+                    match find_critical(newton, system, step, event) {
+                        // Several directions of one load have no simple critical point.
+                        Err(_) if event == Event::Bifurcation && step.is_multiple(events) => {
+                            if step.ds > ONE_LOAD * step.finest
+                                && let Ok(found) = locate_in_parts(newton, system, step, events)
+                            {
+                                return Ok(found);
+                            }
+                            let directions = step.directions();
+                            Located {
+                                directions,
+                                ..step.end()
+                            }
+                        }
+                        found => found?,
+                    }
                 }
                 _ if event_value(event, step.next) == 0.0 => Located {
                     history: newton.history.clone(),
@@ -258,10 +279,7 @@ fn find_critical(
         s,
         position,
         branch,
-        directions: match step.unstable {
-            [Some(a), Some(b)] => a.abs_diff(b),
-            _ => 0,
-        },
+        directions: step.directions(),
         iterations: newton.iterations(),
         history: newton.history.clone(),
         unstable: None,

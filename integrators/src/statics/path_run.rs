@@ -120,11 +120,9 @@ impl StaticAnalysis for PathRun {
             match std::mem::replace(&mut self.phase, Phase::Advance) {
                 Phase::Begin => {
                     let (_, start) = begin(&mut self.newton, system, &mut self.at.q)?;
-                    if let Some(step) = start {
-                        let history = self.newton.history.clone();
-                        self.reach(step, history);
-                        return Ok(true);
-                    }
+                    let history = self.newton.history.clone();
+                    self.reach(start, history);
+                    return Ok(true);
                 }
                 Phase::Advance if self.newton.summary.steps >= self.options.max_steps => {
                     self.phase = Phase::End;
@@ -278,7 +276,7 @@ impl PathRun {
         };
         self.phase = match (last, found.branch, found.directions) {
             (true, ..) => Phase::End,
-            (false, Some(_), directions @ 2..) if self.options.switch_branch => {
+            (false, _, directions @ 2..) if self.options.switch_branch => {
                 return Err(StaticsError::Multiple { t, directions });
             }
             (false, Some(branch), _) if self.options.switch_branch => {

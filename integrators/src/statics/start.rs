@@ -2,7 +2,7 @@
 //!
 //! Loads that act at the first load parameter (dead weight, a constant pressure) are balanced
 //! before they grow, and the equilibrium is reported as step 0. Where they are in balance, nothing is
-//! solved or reported.
+//! solved.
 
 use super::fixed_load::TangentStatus;
 use super::newton::Newton;
@@ -12,8 +12,7 @@ use crate::failure::Cause;
 use crate::rounding::is_exact;
 use pullback_manifold::system::System;
 
-/// Balances the loads at the first load parameter, from `q`: the state of the tangent, and the equilibrium if
-/// there are any loads.
+/// Balances the loads at the first load parameter, from `q`: the state of the tangent, and the equilibrium.
 ///
 /// # Errors
 /// [`StaticsError::Step`] with the number 0.
@@ -21,16 +20,16 @@ pub(super) fn begin(
     newton: &mut Newton,
     system: &mut dyn System,
     q: &mut [f64],
-) -> Result<(TangentStatus, Option<Step<'static>>), StaticsError> {
+) -> Result<(TangentStatus, Step<'static>), StaticsError> {
     let t = newton.summary.t;
     start(system, t, q);
     newton.summary.chart_changes += change_charts(system, t, q, &mut [], &mut []).charts;
     newton.history.clear();
     let evaluated = newton.evaluate(system, None, q, t).map_err(Cause::System);
-    if evaluated.is_ok() && is_exact(system, &newton.r) {
-        return Ok((TangentStatus::Evaluated, None));
-    }
-    let settled = evaluated.and_then(|()| newton.settle(system, q, t, None));
+    let settled = evaluated.and_then(|()| match is_exact(system, &newton.r) {
+        true => Ok(0),
+        false => newton.settle(system, q, t, None),
+    });
     let chart_changes = settled.map_err(|failure| {
         let mut failed = newton.fail(system, failure, t);
         failed.step = 0;
@@ -47,5 +46,5 @@ pub(super) fn begin(
         unstable,
         ..Step::default()
     };
-    Ok((known, Some(start)))
+    Ok((known, start))
 }

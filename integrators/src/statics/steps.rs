@@ -38,7 +38,7 @@ pub trait StaticAnalysis: Sized {
 /// while let Some(step) = run.step()? { … }
 /// ```
 ///
-/// Loads at the start are balanced first, as step 0.
+/// The first one is the equilibrium at the start, as step 0.
 pub struct Steps<S, A> {
     system: S,
     analysis: A,

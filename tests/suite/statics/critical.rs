@@ -294,3 +294,73 @@ fn a_path_goes_through_the_kinks_of_its_loads() {
         assert_says(&told, &["a jump or kink at 0.5, within this step"]);
     }
 }
+
+/// A rigid bar of length 1 upright on a hinge with springs of 10 and `second`, and a force of t: critical loads are the
+/// stiffnesses.
+fn upright(second: f64, analysis: &str) -> String {
+    let springs = format!(
+        "axis = [0, 1, 0]\nsecond_axis = [1, 0, 0]\n\
+         coordinates = {{ \"angle 1\" = {{ spring = {{ k = 10 }} }}, \"angle 2\" = {{ spring = {{ k = {second} }} }} }}"
+    );
+    [
+        "[nodes]\nground = [0, 0, 0]\n",
+        &fixed("ground"),
+        &joint("foot", "universal", "ground", &springs),
+        &joint("tip", "offset", "foot", "position = [0, 0, 1]"),
+        "[[loads]]\nnode = \"tip\"\nforce = [0, 0, -1]\n",
+        "[analysis.arc_length]\nload_scale = 10\nrecord = [\"bifurcation\"]\n",
+        analysis,
+    ]
+    .concat()
+}
+
+/// The load parameters of the bifurcations found, and the first warning.
+fn bifurcations(text: &str) -> (Vec<f64>, String) {
+    let run = run_of("critical_upright", text);
+    let events = run.rows.iter().filter(|row| row["event"] == "bifurcation");
+    let loads = events.map(|row| number(row, "t")).collect();
+    (
+        loads,
+        run.result["warnings"][0].as_str().unwrap().to_owned(),
+    )
+}
+
+#[test]
+fn bifurcations_of_one_load_and_of_one_step_are_located() {
+    let (loads, told) = bifurcations(&upright(10.0, "first_step = 3\nstop = [{ load = 14 }]\n"));
+    assert_eq!(loads.len(), 1);
+    assert_close(loads[0], 10.0, 1e-9, "two directions at once");
+    assert_says(&told, &["unstable in 2 directions"]);
+    let switched = upright(10.0, "branch = \"switch\"\nstop = [{ load = 14 }]\n");
+    let said = failure("critical_upright_switch", &switched);
+    assert_says(
+        &said,
+        &["2 directions become unstable", "load parameter 10"],
+    );
+    let steps = "first_step = 5\nmax_step = 5\nstop = [{ load = 30 }]\n";
+    let (loads, told) = bifurcations(&upright(12.0, steps));
+    assert_eq!(loads.len(), 2);
+    assert_close(loads[0], 10.0, 1e-9, "the first one");
+    assert_close(loads[1], 12.0, 1e-9, "the second one");
+    assert_says(&told, &["bifurcation between load parameter 10 and 30"]);
+}
+
+/// Back from a load beyond the first bifurcation, the bar is unstable from the start.
+#[test]
+fn a_start_without_stability_is_told_of() {
+    let text = upright(
+        20.0,
+        "from = 12\ndirection = \"backward\"\nstop = [{ load = 3 }]\n",
+    );
+    let run = run_of("critical_unstable", &text);
+    assert_eq!(run.rows[0]["unstable"], "1");
+    let told = run.result["warnings"][0].as_str().unwrap();
+    assert_says(
+        told,
+        &[
+            "at or before load parameter 12",
+            "between load parameter 10 and",
+            "stable again",
+        ],
+    );
+}
