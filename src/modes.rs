@@ -65,7 +65,7 @@ pub enum ModelModesError {
     #[error("nothing in the model is free to move: it has no modes")]
     Immobile,
     /// A range without modes.
-    #[error("no mode has a frequency between {} and {}", significant(.0[0]), significant(.0[1]))]
+    #[error("no mode has a natural frequency |λ|/2π between {} and {}", significant(.0[0]), significant(.0[1]))]
     None([f64; 2]),
 }
 
@@ -119,7 +119,7 @@ fn find_in(
         Selection::Range(range) if found.modes.is_empty() => {
             return Err(ModelModesError::None(range.map(|omega| omega / TAU)));
         }
-        Selection::Nearest { count, .. } if found.complete => warnings.push(format!(
+        Selection::Nearest { count, .. } if found.complete && !found.modes.is_empty() => warnings.push(format!(
             "the model has {}, fewer than count = {count}",
             plural(found.modes.len(), "mode")
         )),
@@ -140,7 +140,8 @@ fn find_in(
             mode.residual
         ));
     }
-    if (found.modes.iter()).all(|mode| mode.eigenvalue == Complex64::ZERO) {
+    let still = |mode: &Mode| mode.eigenvalue == Complex64::ZERO;
+    if !found.modes.is_empty() && found.modes.iter().all(still) {
         warnings.push("nothing in the model is elastic: all frequencies are zero".to_owned());
     }
     warnings.extend(warning_of_motion(at));

@@ -12,6 +12,10 @@ pub(super) const PARALLEL: f64 = 1e-6;
 pub enum AxisError {
     #[error("its axis {0:?} has no direction; give a finite vector that is not zero")]
     Direction([f64; 3]),
+    #[error(
+        "it starts at the centre or on the axis of its surface, where there is no radius; move one of the two"
+    )]
+    Radius,
     #[error("its two axes are parallel; give two directions")]
     Parallel,
     #[error(

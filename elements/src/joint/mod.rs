@@ -143,7 +143,8 @@ pub type JointCoordinate = (&'static str, Quantity);
 /// In the reference configuration, where the coordinates and the time are zero, the axes of both frames
 /// are those of the fixed frame.
 pub trait Joint<const D: usize>: Send + Sync {
-    /// The pose, written once over any [`Scalar`].
+    /// The pose, written once over any [`Scalar`]; smooth in t. A motion with kinks belongs in a coordinate that is
+    /// prescribed, whose function names them ([`TimeFunction::kinks`](crate::time::TimeFunction::kinks)).
     fn pose<S: Scalar>(&self, t: S, q: &SVector<S, D>) -> Pose<S>;
 
     /// Its coordinates in order, with different names.

@@ -50,7 +50,7 @@ impl<F: Surface> Joint<2> for OnSurface<F> {
         let margin = self.surface.margin(q[0], q[1]);
         DomainError::within(
             margin,
-            "its surface over an edge: make it larger, or stop before",
+            "its surface over an edge, or at a pole of its coordinates: make it larger, start elsewhere or stop before",
         )
     }
 }

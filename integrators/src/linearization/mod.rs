@@ -119,7 +119,8 @@ pub fn linearize(system: &mut dyn System, at: Point<'_>) -> Result<Linearized, L
             Quantity::Other => 0.0,
             _ => EXACT * kinetic / quantity.size(scales.length),
         });
-        lin.check_balance(&r, at, scales.measures(), rounding)?;
+        let springs = largest(&lin.pattern, &floor, [0.0; 3]).map(|x| x / f64::EPSILON);
+        lin.check_balance(&r, at, [scales.measures(), springs, rounding])?;
     }
     Ok(lin)
 }
@@ -148,6 +149,11 @@ fn equations(
     let M = tangent(moving, Weights::MASS)?;
     let C = tangent(moving, Weights::DAMPING)?;
     let K = tangent(at, Weights::STATIC)?;
+    let finite = |values: &Vec<f64>| values.iter().all(|x| x.is_finite());
+    if ![&r, &K, &C, &M].into_iter().all(finite) {
+        let what = "linear equations".to_owned();
+        return Err(SystemError::NotFinite { what }.into());
+    }
     let lin = Linearized {
         r_u: Vec::new(),
         pattern: system.pattern().clone(),
@@ -165,14 +171,13 @@ impl Linearized {
         self.pattern.dim()
     }
 
-    /// Refuses residuals that are neither small beside loads, reactions and forces of inertia nor rounding errors; without any
-    /// of these there is no measure.
+    /// Refuses residuals that are neither small beside loads, reactions and forces of inertia, without any of these beside
+    /// forces of springs, nor rounding errors.
     fn check_balance(
         &self,
         r: &[f64],
         at: Point<'_>,
-        loads: [f64; 3],
-        rounding: [f64; 3],
+        [loads, springs, rounding]: [[f64; 3]; 3],
     ) -> Result<(), LinearizationError> {
         let mut inertia = vec![0.0; self.dim()];
         // Statics has no rates.
@@ -185,10 +190,13 @@ impl Linearized {
         let worst = largest(&self.pattern, r, [0.0; 3]);
         let measures = largest(&self.pattern, &inertia, loads);
         for quantity in Quantity::ALL {
-            let (residual, measure) = (worst[quantity.index()], measures[quantity.index()]);
-            let most = (BALANCED * measure).max(rounding[quantity.index()]);
-            // The evaluation was finite.
-            if measure > 0.0 && residual > most {
+            let k = quantity.index();
+            let residual = worst[k];
+            let measure = match measures[k] > 0.0 {
+                true => measures[k],
+                false => springs[k],
+            };
+            if residual > (BALANCED * measure).max(rounding[k]) {
                 let at =
                     |i: &usize| coordinates[*i].quantity == quantity && r[*i].abs() >= residual;
                 let name = (0..r.len()).find(at).map(|i| self.names[i].clone());

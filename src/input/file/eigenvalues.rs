@@ -13,7 +13,7 @@ pub struct ModalAnalysis {
     pub count: usize,
     /// The modes nearest to this frequency, in cycles per unit of time; by default the lowest ones.
     pub near: f64,
-    /// Instead of `count` and `near`: all modes with a frequency in this range, in cycles per unit of time.
+    /// Instead of `count` and `near`: all modes with a natural frequency |λ|/2π in this range, in cycles per unit of time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub range: Option<[f64; 2]>,
     /// Leaves out C: damping and gyroscopic terms.

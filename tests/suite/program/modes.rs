@@ -98,7 +98,7 @@ fn why_there_are_no_modes_or_critical_loads_is_told() {
         (
             "no modes",
             masses("[analysis.modes]\nrange = [10, 20]\n"),
-            "no mode has a frequency between 10 and 20",
+            "no mode has a natural frequency |λ|/2π between 10 and 20",
         ),
         ("no mass", changed(MODEL, after), "no coordinate has mass"),
         (

@@ -58,13 +58,13 @@ impl Quadric {
     /// The cylinder about the axis through `centre`.
     ///
     /// # Errors
-    /// [`AxisError::Direction`], also if the start lies on the axis.
+    /// [`AxisError::Direction`]; [`AxisError::Radius`] if the start lies on the axis.
     pub fn cylinder(start: [f64; 3], centre: [f64; 3], axis: [f64; 3]) -> Result<Self, AxisError> {
         let axis = direction(axis)?;
         let from = Vector3::from(start) - Vector3::from(centre);
         let radius = from - axis * axis.dot(&from);
         if radius.norm() <= PARALLEL * from.norm() {
-            return Err(AxisError::Direction(radius.into()));
+            return Err(AxisError::Radius);
         }
         Ok(Self::Cylinder {
             centre: Vector3::from(start) - radius,
@@ -75,10 +75,10 @@ impl Quadric {
     /// The sphere around `centre`.
     ///
     /// # Errors
-    /// [`AxisError::Direction`] if the start is the centre.
+    /// [`AxisError::Radius`] if the start is the centre.
     pub fn sphere(start: [f64; 3], centre: [f64; 3]) -> Result<Self, AxisError> {
         let radius = Vector3::from(start) - Vector3::from(centre);
-        let e = direction(radius.into())?;
+        let e = direction(radius.into()).map_err(|_| AxisError::Radius)?;
         let second = across(&e) * radius.norm();
         Ok(Self::Sphere {
             centre: centre.into(),

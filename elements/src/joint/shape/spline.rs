@@ -11,7 +11,10 @@ use pullback_manifold::scalar::Scalar;
 pub enum SplineError {
     #[error("its curve needs {needs} points at least, got {got}")]
     Few { needs: usize, got: usize },
-    #[error("point {number} of its curve must be finite and apart from the one before")]
+    #[error(
+        "point {number} of its curve must be finite and apart from the one before; a closed curve goes on from its last \
+         point to the first, which is not repeated"
+    )]
     Point {
         /// Number of the point, from 1; of a closed curve one more for the last piece, back to the first.
         number: usize,

@@ -101,7 +101,7 @@ impl Context {
         let all = self.equations(t, q, v).map_err(start)?;
         let fastest = (v.iter().enumerate()).map(|(u, v)| v.abs() / self.unit(u));
         let steepest = all.sizes.iter().copied().fold(0.0, f64::max);
-        let size = steepest * fastest.fold(0.0, f64::max);
+        let size = (steepest * fastest.fold(0.0, f64::max)).max(all.h_dot.amax());
         let J = without(&all.J, held);
         let more = least(&J, &(-&all.h_dot));
         for (u, more) in more.iter().enumerate() {

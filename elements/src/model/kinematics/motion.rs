@@ -286,7 +286,8 @@ impl Context {
 
     /// Writes the velocities of a rigid motion of the nodes in `nodes` (all if `None`) at
     /// coordinates `q` to `v`: displacements move with v + ω × (x − about), rotation vectors with Ψ̇
-    /// = T⁻ᵀ ω. Joint coordinates stay at rest: see [`Context::fit_rates`].
+    /// = T⁻ᵀ ω. Joint coordinates stay at rest: see [`Context::fit_rates`]. Prescribed coordinates count with their values
+    /// at t = 0 and the first inputs.
     ///
     /// # Panics
     /// If `q` or `v` has too few entries.

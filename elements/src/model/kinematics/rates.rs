@@ -55,7 +55,7 @@ impl Context {
     /// Fits the rates of joint coordinates in `v`, so that the frames that elements read (those among
     /// `nodes`, all if `None`) follow a rigid motion as closely as possible: frame by frame from
     /// the root, all frames of a loop at once, by least squares. Returns the nodes, and of loops the closing joints,
-    /// that do not allow the motion, where they move and nothing is prescribed.
+    /// that do not allow the motion, where they move and nothing is prescribed. Time is that just before t = 0.
     ///
     /// # Errors
     /// [`SystemError`] if the point is outside a chart.

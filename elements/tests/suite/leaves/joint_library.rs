@@ -189,6 +189,8 @@ fn axes_without_a_direction_or_along_each_other_are_refused() {
     let z = [0.0, 0.0, 1.0];
     let none = Err(AxisError::Direction([0.0; 3]));
     assert_eq!(Prismatic::new([0.0; 3]), none);
+    assert_eq!(Quadric::sphere(z, z), Err(AxisError::Radius));
+    assert_eq!(Quadric::cylinder(z, [0.0; 3], z), Err(AxisError::Radius));
     let error = Helical::new([f64::NAN, 0.0, 1.0], 1.0).unwrap_err();
     assert!(matches!(error, AxisError::Direction(_)), "{error}");
     let error = Universal::new([z, [0.0, 0.0, -3.0]]).unwrap_err();

@@ -145,3 +145,21 @@ fn outputs_read_the_system_at_their_point() {
     assert_eq!(all.modes.len(), 2);
     assert_eq!(diagram(0, usize::MAX).unwrap().lines.len(), 2);
 }
+
+#[test]
+fn a_state_out_of_balance_or_without_numbers_is_refused() {
+    let equations = |q: [f64; 2]| linearize(&mut Loaded::new(2), Point::statics(0.0, &q));
+    // q = u.
+    assert!(equations([3.0; 2]).is_ok());
+    let refused = equations([3.0, 1.0]).unwrap_err();
+    let unbalanced = matches!(
+        refused,
+        LinearizationError::Unbalanced { residual: 2.0, .. }
+    );
+    assert!(unbalanced, "{refused}");
+    let refused = equations([3.0, f64::NAN]).unwrap_err();
+    assert!(
+        matches!(refused, LinearizationError::System(_)),
+        "{refused}"
+    );
+}
