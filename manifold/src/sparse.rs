@@ -29,6 +29,9 @@ impl BlockPattern {
     /// Pattern of blocks of the given sizes, from groups of blocks that are coupled to each other.
     ///
     /// Each group (an element's nodes, say) makes a clique. Groups may repeat blocks.
+    ///
+    /// # Panics
+    /// If a group has a block that is none of them.
     pub fn new<G>(sizes: &[usize], groups: G) -> Self
     where
         G: IntoIterator,

@@ -59,7 +59,9 @@ impl Default for ModelOptions {
 ///
 /// Joints at the boundary of their domain, such as a slide at the end of its chain, are checked a little inside.
 ///
-/// The report on a model that cannot be evaluated at `options.q` is one failure with the reason.
+/// The report on a model that cannot be evaluated at `options.q` is one failure with the reason. In a formulation by spins
+/// ([`Formulation`](pullback_elements::model::Formulation)) a context is checked before a run: rates are spins after it, of which M is no
+/// second derivative of T.
 ///
 /// [`MapState::freeze_piece`]: pullback_manifold::map::MapState::freeze_piece
 /// [`Reparametrization`]: pullback_manifold::map::Reparametrization

@@ -141,9 +141,6 @@ impl<'a> Velocities<'a> {
         let kept: Vec<(usize, f64)> = others.map(|u| (u, v[u])).collect();
         context.set_velocity(q, v, chosen, &motion);
         kept.into_iter().for_each(|(u, rate)| v[u] = rate);
-        if let Some(node) = node {
-            movable(at, context, node, initial, q, &motion)?;
-        }
         self.requests.push(VelocityRequest {
             at: at.clone(),
             unknowns: match (node, chosen) {
@@ -155,13 +152,13 @@ impl<'a> Velocities<'a> {
             },
             of_node: node.is_some(),
         });
-        if node.is_some() {
-            // It has velocities of its own, and joints are as they were.
-            return Ok(None);
-        }
-        // Where a map cannot be evaluated at the start, the analysis says so.
-        let fitted = context.fit_rates(q, v, chosen, &motion);
-        Ok(fitted.unwrap_or_default().into_iter().next())
+        let Some(node) = node else {
+            // Where a map cannot be evaluated at the start, the analysis says so.
+            let fitted = context.fit_rates(q, v, chosen, &motion);
+            return Ok(fitted.unwrap_or_default().into_iter().next());
+        };
+        // Its velocities are its own, and joints stay as they were.
+        movable(at, context, node, initial, q, &motion).map(|()| None)
     }
 
     /// The angular velocity of a spherical joint in a loop.

@@ -121,7 +121,7 @@ type = "weld" => type = "on_curve"\nthrough = [[0, 0, 0]] | [[joints]] | 2 point
  => type = "on_curve"\nthrough = [[0, 0, 0], [1, 0, 0]]\nstart = 1.5 | [[joints]] | between 0 and 1
  => type = "on_curve"\nthrough = [[0, 0, 0], [1, 0, 0], [1, 0, 0]] | [[joints]] | point 3 of its curve
  => type = "on_surface"\nposition = [0, 0, 1]\nsurface = { sphere = { center = [0, 0, 1] } } | [[joints]] | there is no radius
- => type = "on_surface"\nposition = [0, 0, 1]\nsurface = { cylinder = { center = [0, 0, 5], axis = [0, 0, 1] } } | [[joints]] | has no direction
+ => type = "on_surface"\nposition = [0, 0, 1]\nsurface = { cylinder = { center = [0, 0, 5], axis = [0, 0, 1] } } | [[joints]] | there is no radius
 "#,
     );
 }

@@ -75,7 +75,7 @@ pub(in crate::model) fn resolve_prescribed(
         if dof >= node.dim {
             return Err(ModelError::NoCoordinate {
                 node: node.name.clone(),
-                coordinate: dof + 1,
+                coordinate: dof.saturating_add(1),
                 dim: node.dim,
             });
         }

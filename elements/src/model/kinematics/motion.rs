@@ -51,7 +51,7 @@ impl Model {
     /// before a run, from the reference orientation.
     pub fn unknown_at(&self, node: NodeId, k: usize) -> Option<usize> {
         let n = self.carrier(&self.nodes[node.0 as usize]);
-        self.unknown_of((k < n.dim).then_some(n.first + k)?)
+        self.unknown_of((k < n.dim).then(|| n.first + k)?)
     }
 
     /// Sets coordinate `k` of a node in a vector of unknowns; false if it is not free.
