@@ -123,7 +123,7 @@ impl<'a> Recorder<'a> {
         Ok(())
     }
 
-    /// Records the state at the first load, or the initial state of a motion.
+    /// Records the initial state of a motion; see [`Recording::start`].
     pub fn start(&mut self, context: &mut Context, progress: &Progress) -> Result<(), RecordError> {
         match self.recording.start(context, progress)? {
             Some(answers) => Ok(self.add(context, &answers)?),

@@ -72,23 +72,15 @@ impl<'a> Recording<'a> {
         Answers::of_motion(context, progress)
     }
 
-    /// Records the initial state of a motion. In statics that is a step of its own, number 0.
+    /// Records the initial state of a motion; nothing in statics, where the start is a step of its own, number 0.
     pub fn start(
         &mut self,
         context: &mut Context,
         progress: &Progress,
     ) -> Result<Option<Answers>, SystemError> {
-        match self.plan {
-            Plan::Dynamic(_) => self.start_motion(context, progress).map(Some),
-            _ => Ok(None),
-        }
-    }
-
-    fn start_motion(
-        &mut self,
-        context: &mut Context,
-        progress: &Progress,
-    ) -> Result<Answers, SystemError> {
+        let Plan::Dynamic(_) = self.plan else {
+            return Ok(None);
+        };
         let answers = self.resume(context, progress)?;
         self.seen.largest_rotation = context.largest_rotation();
         let row = HistoryRow {
@@ -97,7 +89,7 @@ impl<'a> Recording<'a> {
             ..HistoryRow::default()
         };
         self.add(context, row, &answers);
-        Ok(answers)
+        Ok(Some(answers))
     }
 
     /// Records a converged step, with the model in its configuration; returns its answers if it has a row: in a

@@ -149,8 +149,8 @@ pub(super) fn check(
     }
     // A run that ended at a kink is there, but for rounding errors.
     let last = options.to + slack(options.to, options.step);
-    if !(last >= state.t && options.to.is_finite()) {
-        let wanted = "it must be finite and not before the time of the state";
+    if !(last >= state.t && (options.to / options.step).is_finite()) {
+        let wanted = "it must be a finite number of steps, and not before the time of the state";
         return refuse("to", options.to, wanted);
     }
     check_state(state, system)

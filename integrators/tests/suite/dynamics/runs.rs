@@ -241,6 +241,7 @@ fn options_are_refused_with_their_range() {
         pendulum(1.0, f64::INFINITY) => ["option step = inf"],
         pendulum(-1.0, 0.1) => ["option to = -1.0"],
         pendulum(f64::INFINITY, 0.1) => ["option to = inf"],
+        pendulum(f64::MAX, 0.1) => ["option to = ", "a finite number of steps"],
     }
     refused! {
         start(&Pendulum::new(), 0.0, &[1.0, 2.0], &[]) =>
