@@ -63,7 +63,8 @@ const UNRESOLVED: f64 = 1e-5;
 const LARGE_STRAIN: f64 = 0.2;
 
 impl Diagnostics {
-    /// The structure is stable at the first load parameter `t`; `relative` is the tolerance of the residual.
+    /// Until a row tells, the structure counts as stable at the first load parameter `t`; `relative` is the tolerance of the
+    /// residual.
     pub(crate) fn new(t: f64, relative: f64) -> Self {
         Self {
             stability: (t, 0),

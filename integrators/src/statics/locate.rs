@@ -152,7 +152,7 @@ pub(super) fn locate(
                 Event::TurningPoint | Event::Bifurcation => {
                     match find_critical(newton, system, step, event) {
                         // Several directions of one load have no simple critical point.
-                        Err(_) if event == Event::Bifurcation && step.is_multiple(events) => {
+                        Err(_) if event == Event::Bifurcation && step.directions() > 1 => {
                             if step.ds > ONE_LOAD * step.finest
                                 && let Ok(found) = locate_in_parts(newton, system, step, events)
                             {
