@@ -81,8 +81,8 @@ pub(crate) const EDGE: f64 = std::f64::consts::TAU - 1e-3;
 /// Properties of an element that hold at all motions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Properties {
-    /// It is an applied load, which sets the scale of convergence tests. All its power counts as supplied: it declares
-    /// no dissipation.
+    /// It is an applied load, which sets the scale of convergence tests. All its power counts as supplied, also what
+    /// it dissipates; it has no mass.
     pub load: bool,
     /// The residual depends on time alone, so that all tangents are zero; it has no moments at
     /// frames, whose covectors depend on the rotation.

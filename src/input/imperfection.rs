@@ -31,11 +31,13 @@ pub(super) fn offsets(
     for (k, imperfection) in file.imperfections.iter().enumerate() {
         let at = root.at("imperfections").at(k);
         let nodes = shape(&at, imperfection)?;
-        let lengths = nodes.values().map(|offset| offset[0].norm());
-        let factor = imperfection.amplitude / lengths.fold(0.0, f64::max);
-        if !factor.is_finite() {
-            let expected = "the number of a shape that displaces nodes";
-            return Err(at.range("mode", imperfection.mode as f64, expected));
+        let largest = |k: usize| nodes.values().map(|o| o[k].norm()).fold(0.0, f64::max);
+        let factor = imperfection.amplitude / largest(0);
+        // Also of torsion alone, whose displacements are rounding errors.
+        if !factor.is_finite() || factor.abs() * largest(1) > 1.0 {
+            let expected = "that of a shape that displaces nodes, and turns none by more than a \
+                            radian";
+            return Err(at.range("amplitude", imperfection.amplitude, expected));
         }
         for (name, offset) in nodes {
             let total = sum.entry(name).or_default();

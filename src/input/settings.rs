@@ -161,7 +161,7 @@ fn scheme(at: &Location<'_>, d: &Dynamic) -> Result<Scheme, InputError> {
     if d.adaptive.is_some() && !scheme.estimates_error() {
         let name = scheme.name;
         return Err(refuse(format!(
-            "{name} has no estimate of the local error, which schemes of order 2 and tsitouras have; take \
+            "{name} has no estimate of the local error, which schemes of order 1 or 2 and tsitouras have; take \
              equal steps, or another scheme"
         )));
     }

@@ -216,6 +216,9 @@ impl One<'_> {
             sum += part * weight;
             size += weight * self.norm(part);
         }
+        if element.properties().load {
+            report.defect("a load has no mass", at, self.norm(&all.M), 0.0);
+        }
         if element.properties().dead {
             report.defect("a dead element has no tangent", at, sum.norm(), 0.0);
         }

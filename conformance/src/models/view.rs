@@ -143,7 +143,7 @@ fn component<T>(
                 first,
                 position: node.position(),
             }),
-            NodeForm::Rotation => rotations.push(first),
+            NodeForm::Rotation if is_alone(node) => rotations.push(first),
             _ => {}
         }
         first += node.range().len();
@@ -305,6 +305,11 @@ pub(super) fn silent_power(context: &mut Context, t: f64) -> f64 {
     power
 }
 
+/// Whether a rotation is that of a child itself, not relative to its parent.
+fn is_alone(node: &Node) -> bool {
+    node.quantities().len() == 3
+}
+
 /// The groups of a node's coordinates: their numbers, name and quantity.
 fn groups_of(node: &Node) -> Vec<(Range<usize>, String, Quantity)> {
     let name = node.name();
@@ -317,7 +322,7 @@ fn groups_of(node: &Node) -> Vec<(Range<usize>, String, Quantity)> {
                 (3..6, rotation, Quantity::Angle),
             ]
         }
-        NodeForm::Rotation => vec![(0..3, name.to_owned(), Quantity::Angle)],
+        NodeForm::Rotation if is_alone(node) => vec![(0..3, name.to_owned(), Quantity::Angle)],
         _ => (node.quantities().iter().enumerate())
             .map(|(k, &kind)| (k..k + 1, node.coordinate_name(k), kind))
             .collect(),

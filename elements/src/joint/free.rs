@@ -12,7 +12,8 @@ use std::f64::consts::TAU;
 #[doc = include_str!("../../images/free.svg")]
 ///
 /// What rotates with the parent is at rest in these coordinates, so that its
-/// mass, damping and stiffness are constant.
+/// mass, damping and stiffness are constant. As a node ([`ModelBuilder::relative_node`](crate::model::ModelBuilder::relative_node))
+/// its rotation vector changes its chart at ψ > π.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Free {
     /// Vector from the parent to the child in the reference configuration, global components.

@@ -3,7 +3,7 @@
 use super::shape::Chain;
 use super::{Free, Joint, JointMap, Offset, Slide};
 use crate::beam::Interpolation;
-use crate::model::{ModelBuilder, ModelError, NodeId};
+use crate::model::{ModelBuilder, ModelError, NodeForm, NodeId};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::system::Quantity;
 
@@ -120,7 +120,9 @@ impl ModelBuilder {
             c: Vector3::from(position) - self.position(parent),
         };
         let quantities = joint.coordinates().map(|(_, quantity)| quantity);
-        let own = self.coordinates(format!("{name} coordinates"), &quantities)?;
+        let own = format!("{name} coordinates");
+        // The rotation vector of a rotation relative to the parent changes its chart, too.
+        let own = self.add_coordinates_of(own, NodeForm::Rotation, &quantities)?;
         let frame = self.add_joint_frame(name, parent, joint, &[own])?;
         let coordinates = vec![own];
         Ok(JointNodes { frame, coordinates })

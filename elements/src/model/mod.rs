@@ -94,7 +94,7 @@ pub enum NodeForm {
     Pose,
     /// (d, θ) behind a frame, or θ behind a rotation, θ since the last converged step.
     Increment,
-    /// A rotation vector alone.
+    /// A rotation vector, alone or behind the displacement of a frame relative to another one.
     Rotation,
     /// Multipliers of equations: unknowns, but not coordinates.
     Multipliers,
@@ -167,11 +167,15 @@ impl Node {
         matches!(self.form, NodeForm::Frame | NodeForm::Pose)
     }
 
+    /// Whether it has coordinates that a joint releases.
+    fn is_released(&self) -> bool {
+        matches!(self.form, NodeForm::Coordinates | NodeForm::Rotation)
+    }
+
     /// First coordinate of the rotation vector, if there is one.
     fn rotation(&self) -> Option<usize> {
         match self.form {
-            NodeForm::Frame => Some(self.first + 3),
-            NodeForm::Rotation => Some(self.first),
+            NodeForm::Frame | NodeForm::Rotation => Some(self.first + self.dim - 3),
             NodeForm::Pose
             | NodeForm::Increment
             | NodeForm::Coordinates

@@ -67,7 +67,7 @@ fn largest(
 ) -> Result<f64, LinearError> {
     let pattern = system.pattern();
     let gram = |x: &[f64], y: &mut [f64]| pattern.multiply_add(1.0, M, x, y);
-    let mut krylov = Krylov::new(pattern.dim());
+    let mut krylov = Krylov::new(pattern.dim(), pattern.dim());
     // A start vector with a component of every mode.
     let start = (0..pattern.dim()).map(|i| 1.0 + (1.7 * (i * i) as f64).sin());
     krylov.add(start.collect(), &gram);

@@ -39,10 +39,10 @@ fn is_damped(system: &mut dyn System, state: &State, h: f64) -> Result<bool, Dyn
     Ok(energies.is_some_and(|now| h * now.dissipated > ROUNDING * now.kinetic))
 }
 
-/// Number of solutions with M + h C instead of M in a system with dampers.
+/// Number of solutions with M + h C instead of M behind a jump in a system with dampers.
 ///
 /// A jump excites motions that relax within the step, λh ≫ 1 with λ = C/M, and that no step shows:
-/// 4/(λh) of them remains. Motions that the steps resolve are exact but for (λh)⁴.
+/// 4/(λh) of them remains.
 const PASSES: usize = 4;
 
 /// Largest number of impulses; each leaves ½ (1 − cos θ) of the missing momentum at a corner of θ.
@@ -65,30 +65,39 @@ impl Stepper {
     /// The residual is linear in q̈ and λ, so one linear solution suffices:
     /// [M h_xᵀ; h_x 0] (q̈, λ) = (r, −ḧ at q̈ = 0).
     ///
-    /// Accelerations that the state already has are corrected, with r and ḧ at these: coordinates
-    /// without mass keep theirs, as only a step can determine them.
+    /// Accelerations that the state already has are corrected, with r and ḧ at these: of a change that dampers would absorb
+    /// within a step hardly anything is taken ([`PASSES`]). Coordinates without mass keep theirs, as only a step can
+    /// determine them, unless a prescribed motion `jumps`.
     pub(super) fn accelerate(
         &mut self,
         system: &mut dyn System,
         state: &mut State,
+        jumps: bool,
         h: f64,
     ) -> Result<(), DynamicsError> {
         let n = state.q.len();
+        // Those before, until the new algorithmic ones are known.
+        state.algorithmic.clone_from(&state.a);
+        if jumps {
+            state.a.clear();
+        }
         state.a.resize(n, 0.0);
         let multipliers = |i: &usize| system.pattern().coordinates()[*i].is_multiplier;
         let multipliers: Vec<usize> = (0..n).filter(multipliers).collect();
         for &i in &multipliers {
             (state.q[i], state.v[i], state.a[i]) = (0.0, 0.0, 0.0);
         }
-        let mut passes = 1;
+        let mut passes = 0;
         if !self.solve_mass(system, state, (h, 0.0), None)? {
             self.solve_rates(system, state, h)?;
             self.solve_mass(system, state, (h, 0.0), None)?;
-        } else if is_damped(system, state, h)? {
+        } else if is_damped(system, state, h)? && !self.lasts(system, state, h) {
             passes = PASSES;
+            state.a.clone_from(&state.algorithmic);
+            state.a.resize(n, 0.0);
         }
-        for _ in 0..passes {
-            if passes > 1 {
+        for _ in 0..passes.max(1) {
+            if passes > 0 {
                 self.solve_mass(system, state, (h, h), None)?;
             }
             add(&mut state.a, 1.0, &self.r);
@@ -98,6 +107,33 @@ impl Stepper {
         }
         state.algorithmic.clone_from(&state.a);
         Ok(())
+    }
+
+    /// Whether the accelerations of a state with the corrections in `r` hold for a step h: along it, forces change by less
+    /// than themselves.
+    fn lasts(&mut self, system: &mut dyn System, state: &State, h: f64) -> bool {
+        let Some(stage) = self.stages.last_mut() else {
+            return true;
+        };
+        let (there, x) = (&mut stage.state, &mut self.dq[..self.r.len()]);
+        x.copy_from_slice(&self.r);
+        // The forces at the state, and what is left of them with these accelerations after the step.
+        let sizes = [(0.0, 0.0), (h, 1.0)].map(|(h, inertia)| {
+            there.t = state.t + h;
+            for (i, info) in system.pattern().coordinates().iter().enumerate() {
+                let (q, v, a) = (state.q[i], state.v[i], state.a[i] + x[i]);
+                [there.q[i], there.v[i], there.a[i]] = match info.is_multiplier {
+                    true => [x[i], 0.0, 0.0],
+                    false => [q + h * (v + 0.5 * h * a), v + h * a, inertia * a],
+                };
+            }
+            let evaluated = system.evaluate(there.point(), Evaluation::residual(&mut self.r));
+            let forces = self.r.iter().zip(system.pattern().coordinates());
+            let forces = forces.filter(|(_, info)| !info.is_multiplier);
+            evaluated.map(|()| forces.fold(0.0, |most, (r, _)| f64::max(most, r.abs())))
+        });
+        self.r.copy_from_slice(x);
+        matches!(sizes, [Ok(forces), Ok(left)] if left <= forces)
     }
 
     /// Applies the impulse at a jump of a prescribed velocity: the momentum of the free coordinates is
@@ -135,21 +171,38 @@ impl Stepper {
                     *dv = 0.0;
                 }
             }
-            add(&mut state.v, 1.0, &self.r);
-            if prescribed && damping == 0.0 && is_damped(system, state, h)? {
-                add(&mut state.v, -1.0, &self.r);
+            if prescribed && damping == 0.0 && self.is_absorbed(system, state, missing, h)? {
                 (damping, most) = (h, PASSES);
             } else {
+                add(&mut state.v, 1.0, &self.r);
                 count += 1;
             }
         }
         Ok(most)
     }
 
-    /// Solves for velocities with damping but no mass: if rows of M are zero, but not those of C, the
-    /// residual is a first-order equation r(t, q, q̇) = 0, such as C ż = f of a dashpot or a
-    /// controller. A step from other rates would lose an order.
+    /// Whether dampers take more than an impulse within a step h of the velocities in `r` that it causes.
+    fn is_absorbed(
+        &mut self,
+        system: &mut dyn System,
+        state: &State,
+        impulse: &[f64],
+        h: f64,
+    ) -> Result<bool, DynamicsError> {
+        let (mut v, dv) = (state.v.clone(), self.r.clone());
+        add(&mut v, 1.0, &dv);
+        self.evaluate_at(system, state, &v, Weights::DAMPING, 0.0)?;
+        let mut taken = vec![0.0; dv.len()];
+        system.pattern().multiply_add(h, &self.S, &dv, &mut taken);
+        self.r = dv;
+        Ok(max_abs(&taken) > max_abs(impulse))
+    }
+
+    /// Solves for velocities with damping but no mass: along directions in which M is zero, but not C, the residual is a
+    /// first-order equation r(t, q, q̇) = 0, such as C ż = f of a dashpot or a controller, or that of two dampers in series. A
+    /// step from other rates would lose an order.
     ///
+    /// An implicit step of a moment τ, (M + τ C) x = r, changes them by τ x; what it changes of others is (M + τ C)⁻¹ M x.
     /// Coordinates with neither mass nor damping are left to the first step: a little of K holds them here. Without a
     /// solution the velocities stay.
     fn solve_rates(
@@ -159,29 +212,34 @@ impl Stepper {
         h: f64,
     ) -> Result<(), DynamicsError> {
         let mut rates = state.v.clone();
-        self.evaluate_at(system, state, &rates, Weights::MASS, 0.0)?;
-        let (M, massless) = (self.S.clone(), zero_rows(system.pattern(), &self.S));
         self.evaluate_at(system, state, &rates, Weights::DAMPING, 0.0)?;
         let undamped = zero_rows(system.pattern(), &self.S);
-        let damped: Vec<bool> = massless
-            .iter()
+        self.evaluate_at(system, state, &rates, Weights::MASS, 0.0)?;
+        let (M, mut left) = (self.S.clone(), zero_rows(system.pattern(), &self.S));
+        left.iter_mut()
             .zip(undamped)
-            .map(|(m, u)| *m && !u)
-            .collect();
+            .for_each(|(left, u)| *left &= u);
+        let moment = MOMENT * h;
         let weights = Weights {
-            K: MOMENT * h,
-            ..Weights::DAMPING
+            K: moment * moment,
+            C: moment,
+            M: 1.0,
         };
         for _ in 0..CORRECTIONS {
             self.evaluate_at(system, state, &rates, weights, 0.0)?;
-            let both = stand_in(system.pattern(), &M, &self.S, &massless);
-            keep(&mut self.r, &damped, true);
-            if (self.solver.factorise_and_solve(&both, &mut self.r)).is_err() {
+            keep(&mut self.r, &left, false);
+            if (self.solver.factorise_and_solve(&self.S, &mut self.r)).is_err() {
                 return Ok(());
             }
-            keep(&mut self.r, &damped, true);
-            add(&mut rates, 1.0, &self.r);
-            if max_abs(&self.r) <= FINE * max_abs(&rates) {
+            let mut others = vec![0.0; rates.len()];
+            (system.pattern()).multiply_add(1.0, &M, &self.r, &mut others);
+            if self.solver.solve(Some(&self.S), &mut others).is_err() {
+                return Ok(());
+            }
+            add(&mut self.r, -1.0, &others);
+            keep(&mut self.r, &left, false);
+            add(&mut rates, moment, &self.r);
+            if moment * max_abs(&self.r) <= FINE * max_abs(&rates) {
                 state.v = rates;
                 return Ok(());
             }

@@ -105,10 +105,7 @@ impl MotionRun {
         supplied: bool,
     ) -> Result<(), DynamicsError> {
         // Accelerations jump with a prescribed motion, but not along a chain of beams.
-        if supplied {
-            progress.state.a.clear();
-        }
-        self.accelerate(system, progress)?;
+        self.accelerate(system, progress, supplied)?;
         let now = self.energies(system, &progress.state, progress.state.t)?;
         if let (Some(now), Some(balance)) = (now, &mut progress.summary.energy) {
             if supplied {

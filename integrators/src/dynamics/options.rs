@@ -21,7 +21,7 @@ pub struct DynamicOptions {
     pub scheme: Scheme,
     /// Newton's method inside a step.
     pub newton: NewtonOptions,
-    /// Adaptive steps by an estimate of the local error; for schemes of order 2, or with an embedded
+    /// Adaptive steps by an estimate of the local error; for schemes of order 1 or 2, or with an embedded
     /// method.
     pub adaptivity: Option<Adaptivity>,
     /// Whether energies are evaluated after each step, if the system provides them.
@@ -133,7 +133,7 @@ pub(super) fn check(
 ) -> Result<(), DynamicsError> {
     check_numbers(options)?;
     if options.adaptivity.is_some() && !options.scheme.estimates_error() {
-        let wanted = "the estimate of the local error is for schemes of order 2 and those with an \
+        let wanted = "the estimate of the local error is for schemes of order 1 or 2 and those with an \
                       embedded method (tsitouras); take equal steps";
         return refuse("adaptivity", options.scheme.order() as f64, wanted);
     }

@@ -147,8 +147,7 @@ impl MotionRun {
             if self.stops.is_kink(t) {
                 self.pass(system, progress, StopTime::end(t))?;
             } else {
-                progress.state.a.clear();
-                self.accelerate(system, progress)?;
+                self.accelerate(system, progress, false)?;
             }
             self.open_balance(system, progress)?;
         }
@@ -228,11 +227,12 @@ impl MotionRun {
         &mut self,
         system: &mut dyn System,
         progress: &mut Progress,
+        jumps: bool,
     ) -> Result<(), DynamicsError> {
         progress.summary.evaluations += 1;
         progress.summary.factorisations += 1;
         let h = self.options.step.min(progress.next_step);
-        (self.stepper).accelerate(system, &mut progress.state, h)
+        (self.stepper).accelerate(system, &mut progress.state, jumps, h)
     }
 
     pub(super) fn energies(

@@ -122,7 +122,7 @@ impl MotionRun {
         if progress.summary.steps == 0 {
             // Initial velocities are valid after the change.
             progress.state.a.clear();
-            self.accelerate(system, progress)?;
+            self.accelerate(system, progress, false)?;
             self.open_balance(system, progress)?;
             return self.set_target(system, progress);
         }

@@ -45,6 +45,8 @@ pub(crate) struct Krylov {
     images: Vec<f64>,
     /// Length of a vector.
     dim: usize,
+    /// Largest number of independent vectors.
+    most: usize,
     /// Column j: coefficients of A vⱼ in the basis.
     columns: Vec<Vec<f64>>,
     /// Whether a product added no direction: what it had without length is in no column.
@@ -52,12 +54,14 @@ pub(crate) struct Krylov {
 }
 
 impl Krylov {
-    /// An empty basis of vectors of a length.
-    pub fn new(dim: usize) -> Self {
+    /// An empty basis of vectors of a length, of which at most so many are independent: what is left of others is
+    /// rounding errors.
+    pub fn new(dim: usize, most: usize) -> Self {
         Self {
             basis: Vec::with_capacity(RESERVED * dim),
             images: Vec::with_capacity(RESERVED * dim),
             dim,
+            most,
             columns: Vec::new(),
             dropped: false,
         }
@@ -142,7 +146,8 @@ impl Krylov {
                 break;
             }
         }
-        if left > least * (left + dot(&coefficients, &coefficients)) {
+        let is_new = left > least * (left + dot(&coefficients, &coefficients));
+        if is_new && coefficients.len() < self.most {
             let length = left.sqrt();
             Gw.iter_mut().for_each(|x| *x /= length);
             self.basis.extend(w.iter().map(|x| x / length));

@@ -70,10 +70,20 @@ impl<'a> ShiftInvert<'a> {
     /// equation with a multiplier.
     pub fn below(&mut self) -> Option<usize> {
         let negative = self.solver.negative_pivots(&self.values)?;
+        negative.checked_sub(self.equations())
+    }
+
+    /// Number of equations with multipliers.
+    fn equations(&self) -> usize {
         let is_multiplier = |i: usize| self.lin.pattern.coordinates()[i].is_multiplier;
-        let equations =
-            crate::statics::enforced_equations(&self.lin.pattern, &self.values, is_multiplier);
-        negative.checked_sub(equations)
+        crate::statics::enforced_equations(&self.lin.pattern, &self.values, is_multiplier)
+    }
+
+    /// Number of coordinates that equations with multipliers leave free.
+    pub fn free_coordinates(&self) -> usize {
+        let coordinates = self.lin.pattern.coordinates().iter();
+        let coordinates = coordinates.filter(|info| !info.is_multiplier).count();
+        coordinates.saturating_sub(self.equations())
     }
 
     /// The shift.

@@ -45,13 +45,23 @@ impl Entry<'_> {
 
     /// A key (the last one of a path) that does not apply.
     fn useless(&self, path: &[impl AsRef<str>]) -> InputError {
+        let of_coordinates = Acts::KEYS.iter().chain(&["coordinates"]);
+        self.refuse(path, of_coordinates.map(|key| (*key).to_owned()))
+    }
+
+    /// A key that does not apply, beside those of any joint of the type and others.
+    fn refuse(
+        &self,
+        path: &[impl AsRef<str>],
+        others: impl IntoIterator<Item = String>,
+    ) -> InputError {
         let key = path.iter().map(AsRef::as_ref).collect::<Vec<_>>().join(".");
         let base = if self.made.along { "lines" } else { "parent" };
         let mut known = self.made.keys();
         let all = ["name", "type", base, "child", "closure", "penalty"];
         known.extend(all.map(str::to_owned));
-        known.extend(["penalty_damping", "coordinates"].map(str::to_owned));
-        known.extend(Acts::KEYS.map(str::to_owned));
+        known.push("penalty_damping".to_owned());
+        known.extend(others);
         // A joint with several coordinates has these keys in `coordinates`.
         known.retain(|known| *known != key);
         self.inner(path).refuse_key(InputProblem::JointKey {
@@ -205,6 +215,11 @@ fn acts(
 ) -> Result<(), InputError> {
     let Entry { at, joint, .. } = entry;
     let own = joint.acts();
+    if released.is_empty() {
+        let coordinates = (!joint.coordinates.is_empty()).then_some("coordinates");
+        let given = own.given().next().or(coordinates);
+        return given.map_or(Ok(()), |key| Err(entry.refuse(&[key], [])));
+    }
     if released.len() < 2 && !joint.coordinates.is_empty() {
         return Err(entry.useless(&["coordinates"]));
     }
@@ -215,9 +230,6 @@ fn acts(
     let names = names.map(|n| n.strip_prefix(&joint.name).unwrap_or(n).trim_start());
     let names: Vec<String> = names.map(str::to_owned).collect();
     if let Some(key) = own.given().next() {
-        if names.is_empty() {
-            return Err(entry.useless(&[key]));
-        }
         return Err(at.at(key).refuse_key(InputProblem::JointKey {
             joint: joint.name.clone(),
             kind: joint.kind.clone(),

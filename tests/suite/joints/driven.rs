@@ -1,8 +1,9 @@
 //! Models of which everything is driven: the forces of given motions.
 
-use crate::support::closures::{GROUND, Rows, STATIC, angle, body_of, hinge, probe};
+use crate::support::closures::{GROUND, PLAIN, Rows, STATIC, angle, body_of, hinge, motion, probe};
+use crate::support::dynamics::integrate_ode;
 use crate::support::prelude::*;
-use crate::support::program::{directory, history, number, program, succeeded, write};
+use crate::support::program::{directory, history, number, program, recorded, succeeded, write};
 
 /// What an arm of mass 2 and centre 0.5 does whose angle a motor prescribes.
 fn driven_arm(name: &str, analysis: &str, angle_of: &str) -> Rows {
@@ -61,5 +62,40 @@ fn a_model_of_which_everything_is_driven_gives_the_moments_of_its_drives() {
         let t = number(row, "t");
         let (found, exact) = (number(row, "moment.z"), t * 9.81 * (0.8 * t).cos());
         assert!((found - exact).abs() < 1e-12 * 9.81, "{t}: {found} {exact}");
+    }
+}
+
+/// Two hinges with springs and dampers in series carry one inertia: of their rates only the sum is given, and the rest follows
+/// from the balance of the dampers. The schemes have their order.
+#[test]
+fn dampers_in_series_begin_with_consistent_rates() {
+    let spring = |k: f64, c: f64| format!("spring = {{ k = {k:?}, c = {c:?} }}");
+    let ([k1, c1], [k2, c2], J) = ([2.0, 0.05], [1.0, 0.02], 0.1);
+    // (q₁, θ, θ̇) with θ = q₁ + q₂.
+    let rate = |y: &Vector3<f64>| (c2 * y.z + k2 * (y.y - y.x) - k1 * y.x) / (c1 + c2);
+    let ode = |_: f64, y: &Vector3<f64>| Vector3::new(rate(y), y.z, -(k1 * y.x + c1 * rate(y)) / J);
+    let exact = integrate_ode(&ode, Vector3::new(0.3, 0.3, 0.0), 0.5, 50_000);
+    for scheme in ["ga:0.9", "newmark", "bathe"] {
+        let error = |h: f64| {
+            let text = [
+                GROUND,
+                &hinge("A", "ground", &format!("{}\nvalue = 0.3", spring(k1, c1))),
+                &hinge("B", "A", &spring(k2, c2)),
+                &body_of("B", 1.0, "inertia = [0.1, 0.1, 0.1]"),
+                &motion(0.5, h),
+                &format!("scheme = \"{scheme}\"\n{PLAIN}"),
+                &angle("A"),
+                &angle("B"),
+            ];
+            let rows = recorded("series", &text.concat());
+            let last = rows.last().unwrap();
+            let [q1, q2] = ["A", "B"].map(|joint| number(last, joint));
+            (q1 - exact.x).abs().max((q1 + q2 - exact.y).abs())
+        };
+        let [coarse, fine] = [0.005, 0.0025].map(error);
+        assert!(
+            coarse > 3.4 * fine && coarse < 1e-3,
+            "{scheme}: {coarse:e} {fine:e}"
+        );
     }
 }

@@ -1,6 +1,8 @@
 //! The joints of the library in motion, from model files, against closed forms.
 
-use crate::support::closures::{angle, arm, beam_line, joint, on_joint, probe};
+use crate::support::closures::{
+    GROUND, PLAIN, angle, arm, beam_line, body_of, joint, motion, on_joint, probe,
+};
 use crate::support::prelude::*;
 use crate::support::program::{assert_close, check_table, number, recorded, refusal};
 use std::collections::HashMap;
@@ -148,11 +150,59 @@ fn a_coupling_of_constant_velocity_turns_its_shafts_equally() {
     assert!((number(rows.last().unwrap(), "B") - 5.0).abs() < 1e-8);
 }
 
+/// Nothing acts on a body whose coordinates are relative to the ground, or to a hub that swings: it turns by several whole
+/// turns, beside the pole of its rotation vector, and keeps its momentum.
+#[test]
+fn a_free_body_keeps_its_momentum_on_any_parent() {
+    let swung = "axis = [0.3, -0.2, 1]\nprescribed = { sine = { amplitude = 2, omega = 3 } }";
+    let columns = ["momentum", "angular_momentum"]
+        .map(|quantity| format!("[[probes]]\nname = \"{quantity}\"\nquantity = \"{quantity}\"\n"));
+    for parent in ["ground", "hub"] {
+        let end = |h: f64| {
+            let text = [
+                GROUND,
+                &joint("hub", "revolute", "ground", swung),
+                &joint("body", "free", parent, "position = [0.4, 0.1, 0]"),
+                &body_of(
+                    "body",
+                    2.0,
+                    "inertia = [1, 2, 3]\ncenter = [0.1, -0.2, 0.1]",
+                ),
+                "[[initial]]\nangular_velocity = [0.3, 0.2, 5.0]\n",
+                &motion(4.0, h),
+                PLAIN,
+                &columns.concat(),
+            ];
+            let rows = recorded(&format!("joint_free_{parent}"), &text.concat());
+            let of = |row: &HashMap<String, String>| {
+                let column = |end| {
+                    ["momentum", "angular_momentum"].map(|p| number(row, &format!("{p}.{end}")))
+                };
+                ["x", "y", "z"].map(column)
+            };
+            let last = of(rows.last().unwrap());
+            // J ω and m v of the rigid motion about the origin.
+            let omega = Vector3::new(0.3, 0.2, 5.0);
+            let center = Vector3::new(0.5, -0.1, 0.1);
+            let p = omega.cross(&center) * 2.0;
+            let spin = Vector3::new(1.0, 2.0, 3.0).component_mul(&omega);
+            let L = center.cross(&p) + spin;
+            let gap = |k: usize| (last[k][0] - p[k]).abs().max((last[k][1] - L[k]).abs());
+            (0..3).map(gap).fold(0.0, f64::max)
+        };
+        let errors = [0.004, 0.002].map(end);
+        assert!(
+            errors[0] < 0.1 && errors[1] < 0.3 * errors[0],
+            "{parent}: {errors:?}"
+        );
+    }
+}
+
 #[test]
 fn coordinates_of_joints_are_refused_by_name() {
-    let joint = "type = \"universal\"\naxis = [1, 0, 0]\nsecond_axis = [0, 1, 0]";
+    let crossed = "type = \"universal\"\naxis = [1, 0, 0]\nsecond_axis = [0, 1, 0]";
     check_table(
-        &on_joint(joint, "inertia = [1, 1, 1]", ""),
+        &on_joint(crossed, "inertia = [1, 1, 1]", ""),
         refusal,
         r#"
 second_axis = [0, 1, 0] => &\nrate = 1 | rate | universal
@@ -160,6 +210,15 @@ second_axis = [0, 1, 0] => &\nrate = 1 | rate | universal
  => second_axis = [-2, 0, 0] | [1, 0, 0] | parallel
  => | [[joints]] | needs second_axis
 type = "universal"\naxis = [1, 0, 0]\nsecond_axis = [0, 1, 0] => type = "weld"\naxis = [1, 0, 0] | axis | weld
+ => type = "spherical"\nspring = { k = 1 } | spring | no use for spring | penalty_damping
+ => type = "spherical"\ncoordinates = { rx = { rate = 1 } } | coordinates | no use for coordinates | penalty_damping
 "#,
+    );
+    // What is offered is accepted.
+    let ball = joint("ball", "spherical", "ground", "rate = 1");
+    let advice = refusal(&[GROUND, &ball, &motion(1.0, 0.1)].concat()).to_string();
+    assert!(
+        !advice.contains("actuator") && !advice.contains("coordinates"),
+        "{advice}"
     );
 }

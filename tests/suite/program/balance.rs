@@ -164,3 +164,57 @@ fn a_damped_blade_that_turns_from_the_start_keeps_its_balance() {
                    [nodes] => damping = { stiffness = 1e-3 }\\n\\n&\nto = 20 => to = 2";
     assert_balanced("blade", &changed(&example("spin_up"), changes), 0.02);
 }
+
+/// Two masses on a stiff spring and damper turn steadily about their center, beside an oscillator with a damper of its own and
+/// a small load with kinks: λh = 10, and nothing relaxes.
+#[test]
+fn accelerations_are_those_of_the_equations_where_nothing_jumps() {
+    let spring = |name: &str, nodes: [&str; 2], rest: &str| {
+        format!("[[springs]]\nname = \"{name}\"\nnodes = {nodes:?}\n{rest}\n")
+    };
+    let text = [
+        "[nodes]\na = [1, 0, 0]\nb = [-1, 0, 0]\nheld = [0, 5, 0]\nswinging = [0, 6, 0]\n",
+        &fixed("held"),
+        &["a", "b", "swinging"].map(|node| body_of(node, 1.0, "")).concat(),
+        &spring("stiff", ["a", "b"], "stiffness = 1e4\ndamping = 1e3\nrest_length = 1.9996"),
+        &spring("other", ["held", "swinging"], "stiffness = 1\ndamping = 0.1"),
+        "[[initial]]\nangular_velocity = [0, 0, 2]\n",
+        "[[initial]]\nnode = \"swinging\"\nvelocity = [0, 1, 0]\n",
+        "[[loads]]\nnode = \"a\"\nforce = [0, 0, 1e-9]\ntime = { table = [[0, 0], [0.5, 1], [5, 0]] }\n",
+        PLAIN,
+        &probe("a", "acceleration", "a"),
+        "component = \"norm\"\n",
+        &motion(1.0, 0.01),
+    ]
+    .concat();
+    for scheme in ["radau", "ga:0.9", "newmark"] {
+        let run = run_of(
+            "program_balance_pair",
+            &format!("{text}scheme = \"{scheme}\"\n"),
+        );
+        // ω² r.
+        for row in &run.rows {
+            let what = format!("{scheme} at {}", row["t"]);
+            assert_close(number(row, "a"), 4.0, 1e-2, what);
+        }
+        assert_close(number(&run.rows[0], "a"), 4.0, 1e-9, scheme);
+    }
+    // A damper that is worked: a = −c v/m, and the state is consistent for a linearisation.
+    let slider = [
+        GROUND,
+        &joint(
+            "slide",
+            "prismatic",
+            "ground",
+            "axis = [1, 0, 0]\nrate = 1\nspring = { c = 5 }",
+        ),
+        &body_of("slide", 1.0, ""),
+        &motion(1.0, 0.1),
+    ]
+    .concat();
+    let run = run_of(
+        "program_balance_slider",
+        &[&slider, PLAIN, &probe("a", "acceleration", "slide")].concat(),
+    );
+    assert_close(number(&run.rows[0], "a.x"), -5.0, 1e-12, "slider");
+}

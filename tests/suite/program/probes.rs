@@ -164,3 +164,36 @@ fn the_forces_of_a_rod_are_those_of_its_dampers_too() {
         }
     }
 }
+
+/// A body that is held at its center, and about x as far as its rotation vector has no such component: the moment of the
+/// support is the rate of its angular momentum, also where the vector is complemented.
+#[test]
+fn the_moment_of_a_support_is_the_rate_of_momentum() {
+    let h = 0.001;
+    let text = [
+        "[nodes]\nbody = [0, 0, 0]\n",
+        "[[supports]]\nnode = \"body\"\nfix = [\"x\", \"y\", \"z\", \"rx\"]\n",
+        &body_of("body", 1.0, "inertia = [1, 2, 3]"),
+        "[[initial]]\nnode = \"body\"\nangular_velocity = [0, 1, 4]\n",
+        &motion(1.2, h),
+        PLAIN,
+        &probe("M", "reaction_moment", "body"),
+        &probe("chart", "chart_rotation", "body"),
+        "[[probes]]\nname = \"L\"\nquantity = \"angular_momentum\"\n",
+    ];
+    let rows = recorded("program_probes_held", &text.concat());
+    let of = |row: &Row, probe: &str| vector(row, probe, ["x", "y", "z"]);
+    let mut changes = 0;
+    for three in rows.windows(3) {
+        let [before, now, after] = [0, 1, 2].map(|k| &three[k]);
+        let rate = (of(after, "L") - of(before, "L")) / (2.0 * h);
+        let gap = (of(now, "M") - rate).norm();
+        assert!(
+            gap < 1e-3 * (1.0 + rate.norm()),
+            "at {}: {gap:e} {rate}",
+            now["t"]
+        );
+        changes += usize::from((of(now, "chart") - of(before, "chart")).norm() > 1.0);
+    }
+    assert_eq!(changes, 1);
+}

@@ -83,4 +83,15 @@ fn other_shapes_are_refused() {
     let bad = directory.join("bad.json");
     std::fs::write(&bad, "{ \"modes\": [{}] }").unwrap();
     refused(&text, &format!("shapes = {bad:?}"), "missing field `nodes`");
+    // Torsion moves nodes by rounding errors.
+    std::fs::write(
+        &bad,
+        "{ \"modes\": [{ \"nodes\": { \"line/1\": [[1e-17, 0, 0], [7, 0, 0]] } }] }",
+    )
+    .unwrap();
+    refused(
+        &text,
+        &format!("shapes = {bad:?}"),
+        "amplitude = 0.001 is out of range",
+    );
 }

@@ -127,7 +127,7 @@ impl ModelBuilder {
     }
 
     /// Adds coordinates of the model that belong to no frame.
-    pub(in crate::model) fn add_coordinates_of(
+    pub(crate) fn add_coordinates_of(
         &mut self,
         name: impl Into<String>,
         form: NodeForm,

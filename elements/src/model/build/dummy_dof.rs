@@ -60,9 +60,8 @@ impl ModelBuilder {
         }
         // A prescribed joint coordinate is intended, even at zero; a support only fixes.
         let mut prescribed = self.prescribed.iter();
-        let still = prescribed.all(|(n, _, f)| {
-            f.constant() == Some(0.0) && self.nodes[n.0 as usize].form != NodeForm::Coordinates
-        });
+        let still = prescribed
+            .all(|(n, _, f)| f.constant() == Some(0.0) && !self.nodes[n.0 as usize].is_released());
         if let (true, Some(&(frame, _))) = (still, loops.iter().find_map(|r| r.closures.first())) {
             let joints = Subject::node(&self.nodes, frame);
             return Err(ModelError::LockedLoop { joints });

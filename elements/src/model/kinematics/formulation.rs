@@ -16,7 +16,7 @@ use std::sync::Arc;
 /// Rotational unknowns of frames in a motion.
 ///
 /// Applies to rotations that are free as a whole: those of frames with their own coordinates, and
-/// of spherical joints. Rotations that are partly prescribed, or unknowns of a loop, stay total,
+/// of spherical and free joints. Rotations that are partly prescribed, or unknowns of a loop, stay total,
 /// and angles are angles. Positions, velocities, forces and energies of a state are the same in all
 /// formulations: only the sums of a time integration scheme differ.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -123,9 +123,9 @@ pub(in crate::model) fn apply(
     for n in (0..nodes.len()).filter(|&n| turning[n]) {
         let node = &nodes[n];
         let own = nodes.len() as u32;
-        let map = match node.is_frame() {
-            true => of_frames.clone(),
-            false => alone.clone(),
+        let map = match node.dim {
+            FRAME => of_frames.clone(),
+            _ => alone.clone(),
         };
         let (name, quantities) = (node.name.clone(), node.quantities.clone());
         nodes.push(Node::new(name, NodeForm::Increment, &quantities, None));

@@ -79,8 +79,7 @@ impl Model {
 
     /// Nodes of joint coordinates and rotations, with their names.
     pub fn joint_coordinates(&self) -> impl Iterator<Item = (NodeId, &str, usize)> + '_ {
-        let released = |n: &Node| matches!(n.form, NodeForm::Coordinates | NodeForm::Rotation);
-        let nodes = self.nodes_that(released);
+        let nodes = self.nodes_that(Node::is_released);
         nodes.map(|(id, n)| (id, n.name.as_str(), n.dim))
     }
 
@@ -298,13 +297,12 @@ impl Context {
         nodes: Option<&[NodeId]>,
         motion: &RigidMotion,
     ) {
-        let chosen: Vec<NodeId> = match nodes {
-            None => (0..self.model.nodes.len() as u32).map(NodeId).collect(),
-            Some(nodes) => {
-                let both = |&n: &NodeId| [n, self.free_rotation_of(n)];
-                nodes.iter().flat_map(both).collect()
-            }
+        let frames: Vec<NodeId> = match nodes {
+            None => self.model.frames().map(|(id, _)| id).collect(),
+            Some(nodes) => nodes.to_vec(),
         };
+        let both = |&n: &NodeId| [n, self.free_rotation_of(n)];
+        let chosen: Vec<NodeId> = frames.iter().flat_map(both).collect();
         for id in chosen {
             let n = &self.model.nodes[id.0 as usize];
             let own = self.model.carrier(n);
@@ -340,7 +338,8 @@ impl Context {
     /// The node whose coordinates are the rotation of a frame: the frame itself, or the rotation of
     /// a joint such as a spherical one.
     pub fn free_rotation_of(&self, node: NodeId) -> NodeId {
-        let Some(d) = self.model.nodes[node.0 as usize].mapped() else {
+        let frame = &self.model.nodes[node.0 as usize];
+        let Some(d) = frame.mapped().filter(|_| frame.form == NodeForm::Frame) else {
             return node;
         };
         let released = |&&n: &&u32| self.model.nodes[n as usize].form == NodeForm::Rotation;

@@ -68,7 +68,7 @@ impl Context {
     ) -> Result<Vec<String>, SystemError> {
         let (mut fitted, mut against) = (Vec::new(), Vec::new());
         let model = Arc::clone(&self.model);
-        let released = |&m: &u32| model.nodes[m as usize].form == NodeForm::Coordinates;
+        let released = |&m: &u32| model.nodes[m as usize].is_released();
         let mut open = vec![true; v.len()];
         let mut read = vec![false; model.nodes.len()];
         let nodes_read = model.elements.iter().flat_map(|e| e.nodes.iter());
@@ -82,19 +82,14 @@ impl Context {
                 if read[n as usize] {
                     let own = behind(&model.nodes, &self.state.maps, &[n]);
                     let mut unknowns = model.unknowns_of(own.iter().copied().filter(released));
+                    let moves = !unknowns.is_empty();
                     unknowns.retain(|&u| std::mem::take(&mut open[u]));
                     let left = self.fit(q, v, &[n], &unknowns, motion)?;
                     let given = |&m: &u32| {
                         let all = among(&model.prescribed, model.nodes[m as usize].range());
                         all.iter().any(|p| p.function.constant().is_none())
                     };
-                    let joint = |m: &u32| {
-                        released(m) || model.nodes[*m as usize].form == NodeForm::Rotation
-                    };
                     // What is fixed to supports stays, as supported nodes do.
-                    let moves = !model
-                        .unknowns_of(own.iter().copied().filter(joint))
-                        .is_empty();
                     if left > MISSING && moves && !own.iter().any(given) {
                         against.push(model.nodes[n as usize].name.clone());
                     }
@@ -132,7 +127,7 @@ impl Context {
         };
         // A locked loop has no coordinates of its own.
         let parents = d.parents(&self.state.maps);
-        let released = |m: &u32| model.nodes[*m as usize].form == NodeForm::Coordinates;
+        let released = |&m: &u32| model.nodes[m as usize].is_released();
         let unknowns = model.unknowns_of(parents.iter().take(1).copied().filter(released));
         let alone = parents.len() == 1 && !unknowns.is_empty();
         unknowns.iter().for_each(|&u| open[u] = false);

@@ -217,7 +217,7 @@ fn described(
     for &(n, first) in &inputs.unknowns {
         let node = &nodes[n as usize];
         if node.form == NodeForm::Rotation {
-            about.rotations.push(first);
+            about.rotations.push(first + node.dim - 3);
         }
         for (k, quantity) in node.quantities.iter().enumerate() {
             about.unknowns.push(Unknown {

@@ -60,7 +60,7 @@ impl Energetics for Context {
         let (w, model) = (&mut self.work, &*self.model);
         let mut dissipated = 0.0;
         for (e, state) in model.elements.iter().zip(&self.state.elements) {
-            let Some(energies) = e.element.abilities().energies else {
+            let Some(energies) = e.element.abilities().energies.filter(|_| !e.load) else {
                 continue;
             };
             let local = &mut w.local;
@@ -132,7 +132,8 @@ impl Context {
                 energies.stored += energy;
             }
             if !statics {
-                energies.dissipated += abilities.dissipation(&motion);
+                let lost = (!e.load).then(|| abilities.dissipation(&motion));
+                energies.dissipated += lost.unwrap_or(0.0);
                 // Its force is only needed at prescribed and mapped nodes.
                 let known =
                     (!momenta && !e.load && !e.held).then(|| abilities.kinetic_energy(&motion));

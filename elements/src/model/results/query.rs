@@ -17,8 +17,7 @@ pub struct Reaction {
     pub prescribed: [bool; 6],
     /// Reaction force, zero along free directions.
     pub force: Vector3<f64>,
-    /// Reaction moment as a covector for Ψ; the physical moment, T⁻¹ of it, if all three rotations
-    /// are prescribed.
+    /// Reaction moment, T⁻¹ of the covector for Ψ, which is zero along free rotations.
     pub moment: Vector3<f64>,
 }
 
@@ -221,15 +220,11 @@ impl Context {
                 let closing = if k < 3 { force[k] } else { turn[k - 3] };
                 f[k] = closing - self.work.r[n.first + k];
             }
-            let mut moment = Vector3::new(f[3], f[4], f[5]);
-            if prescribed[3..].iter().all(|&p| p) {
-                moment = so3::tangent_inverse(&psi) * moment;
-            }
             out.push(Reaction {
                 node: n.name.clone(),
                 prescribed,
                 force: Vector3::new(f[0], f[1], f[2]),
-                moment,
+                moment: so3::tangent_inverse(&psi) * Vector3::new(f[3], f[4], f[5]),
             });
         }
         out

@@ -135,6 +135,52 @@ fn a_load_that_is_not_steady_or_has_no_potential() {
     assert_eq!(claim(0.0, 0.0, 0.0), ["r = -dE/dx"]);
 }
 
+/// A load with the energies that only internal elements have.
+struct Odd<const MASS: bool>;
+
+impl<const MASS: bool> EnergyElement<1> for Odd<MASS> {
+    const KINETIC: bool = MASS;
+
+    fn kinetic<S: Scalar>(&self, _x: &SVector<S, 1>, v: &SVector<S, 1>) -> S {
+        v[0] * v[0] * if MASS { 0.5 } else { 0.0 }
+    }
+
+    fn dissipation<S: Scalar>(&self, _x: &SVector<S, 1>, v: &SVector<S, 1>) -> S {
+        v[0] * v[0]
+    }
+
+    fn properties(&self) -> Properties {
+        Properties::LOAD
+    }
+}
+
+/// What a load dissipates is part of the power that it supplies.
+#[test]
+fn a_load_has_no_mass_and_dissipates_what_it_supplies() {
+    assert_eq!(failing(&Odd::<true>.into_element()), ["a load has no mass"]);
+    check::element(&Odd::<false>.into_element()).assert();
+    let mut b = ModelBuilder::new();
+    let x = b.coordinates("x", &[Quantity::Length]).unwrap();
+    let law = CoordinateLaw {
+        k: 1.0,
+        ..CoordinateLaw::default()
+    };
+    b.element("spring", CoordinateSpring::new(law).unwrap(), &[x])
+        .unwrap();
+    b.element("brake", Odd::<false>.into_element(), &[x])
+        .unwrap();
+    let mut context = Context::new(b.build().unwrap());
+    let at = Point {
+        t: 0.0,
+        q: &[0.0],
+        v: &[3.0],
+        a: &[0.0],
+    };
+    let energies = context.energies(at).unwrap();
+    assert_eq!([energies.supplied, energies.dissipated], [-18.0, 0.0]);
+    assert_eq!(context.dissipation(at).unwrap(), 0.0);
+}
+
 /// A wall that moves and turns: h = x cos t + y − sin 3t.
 #[derive(Clone, Copy)]
 struct Wall;

@@ -122,8 +122,10 @@ impl<'a> Search<'a> {
 
     /// A subspace of start vectors: all unit vectors if there are few, else one.
     pub(super) fn krylov(&mut self) -> Result<Krylov, ModesError> {
-        let mut krylov = Krylov::new(self.weights.len());
         let size = self.weights.len();
+        // Of what equations hold there are no finite eigenvalues.
+        let free = self.operator.free_coordinates() * (size / self.lin.dim());
+        let mut krylov = Krylov::new(size, free);
         let few = match self.selection {
             Selection::Nearest { count, .. } => size <= DENSE.max(4 * count),
             Selection::Range(_) => size <= DENSE,
