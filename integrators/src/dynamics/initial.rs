@@ -202,7 +202,8 @@ impl Stepper {
     /// first-order equation r(t, q, q̇) = 0, such as C ż = f of a dashpot or a controller, or that of two dampers in series. A
     /// step from other rates would lose an order.
     ///
-    /// An implicit step of a moment τ, (M + τ C) x = r, changes them by τ x; what it changes of others is (M + τ C)⁻¹ M x.
+    /// An implicit step of a moment τ, (M + τ C) x = r, changes them by τ x. What it changes of all others,
+    /// τ (M + τ C)⁻¹ M x, is taken back.
     /// Coordinates with neither mass nor damping are left to the first step: a little of K holds them here. Without a
     /// solution the velocities stay.
     fn solve_rates(
