@@ -157,7 +157,14 @@ fn a_free_body_keeps_its_momentum_on_any_parent() {
     let swung = "axis = [0.3, -0.2, 1]\nprescribed = { sine = { amplitude = 2, omega = 3 } }";
     let columns = ["momentum", "angular_momentum"]
         .map(|quantity| format!("[[probes]]\nname = \"{quantity}\"\nquantity = \"{quantity}\"\n"));
-    for parent in ["ground", "hub"] {
+    let cases = [
+        ("hub", "ga:0.8"),
+        ("ground", "ga:0.8"),
+        ("ground", "lie-ga:0.8"),
+        ("ground", "ul-newmark"),
+        ("ground", "spin-newmark"),
+    ];
+    for (parent, scheme) in cases {
         let end = |h: f64| {
             let text = [
                 GROUND,
@@ -170,6 +177,7 @@ fn a_free_body_keeps_its_momentum_on_any_parent() {
                 ),
                 "[[initial]]\nangular_velocity = [0.3, 0.2, 5.0]\n",
                 &motion(4.0, h),
+                &format!("scheme = \"{scheme}\"\n"),
                 PLAIN,
                 &columns.concat(),
             ];
@@ -193,7 +201,7 @@ fn a_free_body_keeps_its_momentum_on_any_parent() {
         let errors = [0.004, 0.002].map(end);
         assert!(
             errors[0] < 0.1 && errors[1] < 0.3 * errors[0],
-            "{parent}: {errors:?}"
+            "{parent}, {scheme}: {errors:?}"
         );
     }
 }

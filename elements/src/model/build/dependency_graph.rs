@@ -112,13 +112,11 @@ pub(in crate::model) fn ancestors<'a>(
     met.into_iter().collect()
 }
 
-/// The own nodes that a group of nodes depends on with its present parents, ascending.
+/// The nodes of a group and all those that they depend on with their present parents, ascending.
 pub(in crate::model) fn behind(nodes: &[Node], maps: &Maps, group: &[u32]) -> Vec<u32> {
-    let mut own = ancestors(nodes, group, None, |d| {
+    ancestors(nodes, group, None, |d| {
         std::slice::from_ref(&d.segments[maps[d.index].segment()])
-    });
-    own.retain(|&n| nodes[n as usize].is_own());
-    own
+    })
 }
 
 /// Numbers the mapped nodes, and arranges their operators; returns the number of values of these.

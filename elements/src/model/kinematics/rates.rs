@@ -40,7 +40,7 @@ impl Model {
 
     /// The unknowns among the coordinates of nodes.
     fn unknowns_of(&self, nodes: impl Iterator<Item = u32>) -> Vec<usize> {
-        let all = nodes.flat_map(|m| self.nodes[m as usize].range());
+        let all = nodes.flat_map(|m| self.carrier(&self.nodes[m as usize]).range());
         all.filter_map(|c| self.unknown_of(c)).collect()
     }
 
