@@ -121,7 +121,7 @@ impl ModelBuilder {
         };
         let quantities = joint.coordinates().map(|(_, quantity)| quantity);
         let own = format!("{name} coordinates");
-        // The rotation vector of a rotation relative to the parent changes its chart, too.
+        // The rotation vector changes its chart, as that of a frame does.
         let own = self.add_coordinates_of(own, NodeForm::Rotation, &quantities)?;
         let frame = self.add_joint_frame(name, parent, joint, &[own])?;
         let coordinates = vec![own];
