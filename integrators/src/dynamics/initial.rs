@@ -109,8 +109,8 @@ impl Stepper {
         Ok(())
     }
 
-    /// Whether the accelerations of a state with the corrections in `r` hold for a step h: along it, forces change by less
-    /// than themselves.
+    /// Whether the accelerations of a state with the corrections in `r` last for a step h: an explicit step with them leaves
+    /// forces no larger than those at its beginning.
     fn lasts(&mut self, system: &mut dyn System, state: &State, h: f64) -> bool {
         let Some(stage) = self.stages.last_mut() else {
             return true;

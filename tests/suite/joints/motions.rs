@@ -198,9 +198,9 @@ fn a_free_body_keeps_its_momentum_on_any_parent() {
             let gap = |k: usize| (last[k][0] - p[k]).abs().max((last[k][1] - L[k]).abs());
             (0..3).map(gap).fold(0.0, f64::max)
         };
-        let errors = [0.004, 0.002].map(end);
+        let errors = [0.002, 0.001].map(end);
         assert!(
-            errors[0] < 0.1 && errors[1] < 0.3 * errors[0],
+            errors[0] < 0.02 && errors[1] < 0.3 * errors[0],
             "{parent}, {scheme}: {errors:?}"
         );
     }
