@@ -249,7 +249,7 @@ pub enum SystemError {
     },
     /// A residual or tangent is infinite or not a number; solvers find it in tangents.
     #[error(
-        "{what} gives a value that is not finite: a function of a joint, an element or a load has no \
+        "{what} gives a value that is not finite: an input, or a function of a joint, an element or a load, has no \
          value or derivative there (`check` names it)"
     )]
     NotFinite {

@@ -204,7 +204,7 @@ impl InputProblem {
             }
             Self::InitialNode { .. } => "name the node",
             Self::InitialNothing => "add displacement, rotation, velocity or angular_velocity",
-            Self::InitialHeld { .. } => "remove it, or free the node",
+            Self::InitialHeld { .. } => "remove it, or free the node or its joint",
             Self::InitialAttached { .. } => {
                 "give it to the joint's parent, or give the joint a `value` or `rate`; a ball joint takes rotations"
             }

@@ -169,7 +169,9 @@ pub enum InputProblem {
     Geared { joint: String, key: &'static str },
     #[error("the node \"{node}\" is attached to a joint and has no {key} of its own")]
     InitialAttached { node: String, key: &'static str },
-    #[error("node \"{node}\" is held there or is attached to a joint: its {key} cannot be chosen")]
+    #[error(
+        "node \"{node}\" is held there, or is attached to a joint that does not allow it: its {key} cannot be chosen"
+    )]
     InitialHeld { node: String, key: &'static str },
     #[error(
         "the initial rates of {of} contradict each other: their loops leave a difference of {left:.3e}"

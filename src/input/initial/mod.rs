@@ -6,7 +6,7 @@ mod values;
 use super::file::Initial;
 use super::parts::Assembly;
 use super::{InputError, InputProblem, Location};
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use pullback_elements::model::{Context, NodeId, RigidMotion};
 use pullback_integrators::dynamics::{self as integrator, DynamicsError, Progress};
 use pullback_manifold::so3;
@@ -78,6 +78,11 @@ pub(super) fn start(assembly: &Assembly<'_>, context: &mut Context) -> Result<St
     // Rates of joints take precedence over the motion of the whole model.
     let mut acts = file.joints.iter().flat_map(|j| j.all_acts());
     let chosen_rates = acts.any(|(_, a)| a.rate.is_some());
+    let Start { q, v } = &velocities.start;
+    if context.configure(Point { t: 0.0, q, v, a: v }).is_err() {
+        // The analysis says why.
+        return Ok(velocities.start);
+    }
     for entry in &entries {
         let against = velocities.set_motion(context, entry)?;
         if let (Some(joint), false) = (against, chosen_rates) {
@@ -107,7 +112,7 @@ struct Velocities<'a> {
 }
 
 impl<'a> Velocities<'a> {
-    /// Sets the motion of an entry. Returns a joint of a loop that does not allow it.
+    /// Sets the motion of an entry, which overwrites those of earlier ones. Returns a joint of a loop that does not allow it.
     fn set_motion(
         &mut self,
         context: &mut Context,
@@ -124,16 +129,19 @@ impl<'a> Velocities<'a> {
         if initial.velocity.is_none() && turns.is_none() {
             return Ok(None);
         }
-        let motion = motion(context, initial, node, &self.start.q);
-        let free = node.map(|n| context.free_rotation_of(n));
-        if let Some(free) = free.filter(|&n| context.in_loop(n)) {
-            self.spin(context, free, &motion, entry);
-            return Ok(None);
-        }
+        let motion = motion(context, initial, node);
         let of = [
             initial.velocity.is_some() || initial.about.is_some(),
             turns.is_some(),
         ];
+        self.rates.retain(|rate| {
+            let other = chosen.is_some_and(|nodes| !nodes.contains(&rate.node));
+            other || (node.is_some() && !of[rate.k / 3])
+        });
+        if let Some(node) = node.filter(|&node| !context.is_own(node)) {
+            self.set_attached(context, node, (&motion, of), entry);
+            return Ok(None);
+        }
         let Start { q, v } = &mut self.start;
         // Components that the entry does not prescribe stay.
         let others = node.map(|node| requests::unknowns(context, node, of.map(|of| !of)));
@@ -158,33 +166,31 @@ impl<'a> Velocities<'a> {
             return Ok(fitted.unwrap_or_default().into_iter().next());
         };
         // Its velocities are its own, and joints stay as they were.
-        movable(at, context, node, initial, q, &motion).map(|()| None)
+        movable(at, context, node, initial, &motion).map(|()| None)
     }
 
-    /// The angular velocity of a spherical joint in a loop.
-    fn spin(
+    /// The velocity and angular velocity, as far as they are given, of a node that is attached to a joint.
+    fn set_attached(
         &mut self,
-        context: &mut Context,
-        free: NodeId,
-        motion: &RigidMotion,
+        context: &Context,
+        node: NodeId,
+        (motion, of): (&RigidMotion, [bool; 2]),
         entry: &Entry<'a>,
     ) {
-        let Start { q, v } = &self.start;
-        let a = &vec![0.0; v.len()];
-        let psi = match context.configure(Point { t: 0.0, q, v, a }) {
-            Ok(()) => Vector3::from_fn(|k, _| context.coordinate(free, k).map_or(0.0, |x| x[0])),
-            // The analysis reports the error.
-            Err(_) => Vector3::zeros(),
-        };
-        let rate = so3::tangent_inverse(&psi).tr_mul(&motion.omega);
-        self.rates.extend((0..3).map(|k| Rate {
-            node: free,
-            k,
-            u: None,
-            of: entry.initial.node.clone().unwrap_or_default(),
-            at: entry.at.clone(),
-            given: rate[k],
-        }));
+        let arm = context.node_state(node).position - motion.about;
+        let velocity = motion.velocity + motion.omega.cross(&arm);
+        let both = [("velocity", velocity), (spin(entry.initial), motion.omega)];
+        for (n, (key, wanted)) in both.into_iter().enumerate().filter(|(n, _)| of[*n]) {
+            self.rates.extend((0..3).map(|k| Rate {
+                node,
+                k: 3 * n + k,
+                u: None,
+                of: entry.initial.node.clone().unwrap_or_default(),
+                key,
+                at: entry.at.at(key),
+                given: wanted[k],
+            }));
+        }
     }
 
     /// Sets the rates of joint coordinates that are unknowns, and notes those in loops.
@@ -204,6 +210,7 @@ impl<'a> Velocities<'a> {
                     k: 0,
                     u,
                     of,
+                    key: "rate",
                     at,
                     given,
                 });
@@ -218,42 +225,47 @@ impl<'a> Velocities<'a> {
         let Some(first) = rates.first() else {
             return Ok(Vec::new());
         };
-        let most = rates.iter().fold(0.0_f64, |m, r| m.max(r.given.abs()));
+        let given: Vec<usize> = self.rates.iter().filter_map(|r| r.u).collect();
         let Start { q, v } = &mut self.start;
         let wanted: Vec<_> = rates.iter().map(|r| (r.node, r.k, r.given)).collect();
         // Where a map cannot be evaluated at the start, the analysis says so.
-        let fitted = context.fit_coordinate_rates(q, v, &wanted);
-        let (left, unknowns) = fitted.unwrap_or_default();
-        if left <= VELOCITY_TOLERANCE * most {
+        let fitted = context.fit_coordinate_rates(q, v, &wanted, &given);
+        let (missing, unknowns) = fitted.unwrap_or_default();
+        let left = missing.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        if left <= VELOCITY_TOLERANCE {
             return Ok(unknowns);
         }
-        Err(first.at.refuse(match rates[..] {
+        let of_node = rates.iter().find(|rate| rate.key != "rate");
+        Err(match (of_node, &rates[..]) {
+            (Some(rate), _) => rate.at.refuse(InputProblem::InitialHeld {
+                node: rate.of.clone(),
+                key: rate.key,
+            }),
             // A single component of a spherical joint may be free.
-            [one] => InputProblem::LoopLocked { of: one.of.clone() },
-            _ => InputProblem::LoopRates {
+            (None, [one]) => (first.at).refuse(InputProblem::LoopLocked { of: one.of.clone() }),
+            _ => first.at.refuse(InputProblem::LoopRates {
                 of: names(rates.iter().copied()),
-                left,
-            },
-        }))
+                left: left * rates.iter().fold(0.0_f64, |m, r| m.max(r.given.abs())),
+            }),
+        })
     }
 }
 
-/// The rigid motion of an entry.
-fn motion(context: &Context, initial: &Initial, node: Option<NodeId>, q: &[f64]) -> RigidMotion {
-    let here = node.map(|node| pose(context, node, q));
+/// The rigid motion of an entry, of a node in the configuration set.
+fn motion(context: &Context, initial: &Initial, node: Option<NodeId>) -> RigidMotion {
+    let here = node.map(|node| context.node_state(node));
     RigidMotion {
         velocity: initial.velocity.unwrap_or_default().into(),
         omega: match (initial.angular_velocity, initial.body_angular_velocity) {
             (Some(omega), _) => Vector3::from(omega),
             (None, Some(body)) => {
-                let psi = here.map_or_else(Vector3::zeros, |[_, psi]| psi);
-                so3::rotation(&psi) * Vector3::from(body)
+                here.map_or_else(Matrix3::identity, |here| here.R) * Vector3::from(body)
             }
             (None, None) => Vector3::zeros(),
         },
         about: match (initial.about, here) {
             (Some(about), _) => about.into(),
-            (None, Some([position, _])) => position,
+            (None, Some(here)) => here.position,
             (None, None) => Vector3::zeros(),
         },
     }
@@ -297,19 +309,10 @@ fn check_attached(
     node: NodeId,
     initial: &Initial,
 ) -> Result<(), InputError> {
-    let rotation = context.free_rotation_of(node);
-    let turns = context.is_own(rotation);
-    let spins = turns || context.in_loop(rotation);
+    let turns = context.is_own(context.free_rotation_of(node));
     for (key, given, own) in [
         ("displacement", initial.displacement, context.is_own(node)),
-        ("velocity", initial.velocity, context.is_own(node)),
         ("rotation", initial.rotation, turns),
-        ("angular_velocity", initial.angular_velocity, spins),
-        (
-            "body_angular_velocity",
-            initial.body_angular_velocity,
-            spins,
-        ),
     ] {
         if given.is_some() && !own {
             let node = initial.node.clone().unwrap_or_default();
@@ -319,16 +322,12 @@ fn check_attached(
     Ok(())
 }
 
-/// Position and rotation vector of a node at coordinates.
-fn pose(context: &Context, node: NodeId, q: &[f64]) -> [Vector3<f64>; 2] {
-    let (free, first) = requests::rotation(context, node);
-    let three = |node: NodeId, first: usize| {
-        Vector3::from_fn(|k, _| context.unknown_at(node, first + k).map_or(0.0, |u| q[u]))
-    };
-    [
-        context.node(node).position() + three(node, 0),
-        three(free, first),
-    ]
+/// The key of the angular velocity of an entry.
+fn spin(initial: &Initial) -> &'static str {
+    match initial.body_angular_velocity {
+        Some(_) => "body_angular_velocity",
+        None => "angular_velocity",
+    }
 }
 
 /// Refuses a velocity of a node along a coordinate that is held or prescribed.
@@ -337,25 +336,16 @@ fn movable(
     context: &Context,
     node: NodeId,
     initial: &Initial,
-    q: &[f64],
     motion: &RigidMotion,
 ) -> Result<(), InputError> {
-    let (free, first) = requests::rotation(context, node);
-    let [_, psi] = pose(context, node, q);
+    let psi = context.node_state(node).psi;
     let rate = so3::tangent_inverse(&psi).tr_mul(&motion.omega);
-    let spin = if initial.angular_velocity.is_some() {
-        "angular_velocity"
-    } else {
-        "body_angular_velocity"
-    };
-    for (key, node, first, wanted) in [
-        ("velocity", node, 0, motion.velocity),
-        (spin, free, first, rate),
-    ] {
+    let both = [("velocity", 0, motion.velocity), (spin(initial), 3, rate)];
+    for (key, first, wanted) in both {
         let tiny = 1e-12 * wanted.amax();
         let held =
             (0..3).any(|k| wanted[k].abs() > tiny && context.unknown_at(node, first + k).is_none());
-        if held && context.is_own(node) {
+        if held {
             let node = initial.node.clone().unwrap_or_default();
             return Err((at.at(key)).refuse(InputProblem::InitialHeld { node, key }));
         }

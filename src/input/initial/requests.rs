@@ -35,15 +35,17 @@ pub(super) fn rotation(context: &Context, node: NodeId) -> (NodeId, usize) {
     (free, if free == node { 3 } else { 0 })
 }
 
-/// The rate of a coordinate of a joint.
+/// The rate of a coordinate of a joint, or a component of the velocity of a frame that is attached to one.
 pub(super) struct Rate<'a> {
     pub node: NodeId,
-    /// The number of the coordinate.
+    /// The number of the coordinate, or of the component.
     pub k: usize,
-    /// Its unknown; `None` in a loop that a map closes.
+    /// Its unknown; `None` of a frame, and in a loop that a map closes.
     pub u: Option<usize>,
     /// Name of the coordinate, or of the node.
     pub of: String,
+    /// The key that gives it.
+    pub key: &'static str,
     pub at: Location<'a>,
     /// Prescribed rate.
     pub given: f64,

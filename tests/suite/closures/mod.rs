@@ -31,7 +31,12 @@ pub(crate) fn started_with(context: &mut Context, rates: &[(NodeId, usize, f64)]
             rates.for_each(|(&u, &(.., rate))| v[u] = rate);
             context.project_state(0.0, &mut q, &mut v, &kept).unwrap()
         }
-        None => context.fit_coordinate_rates(&q, &mut v, rates).unwrap().0,
+        None => {
+            let (missing, _) = context
+                .fit_coordinate_rates(&q, &mut v, rates, &[])
+                .unwrap();
+            missing.iter().fold(0.0_f64, |m, x| m.max(x.abs()))
+        }
     };
     assert!(left < 1e-12, "{left:e}");
     [q, v]

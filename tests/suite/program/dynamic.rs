@@ -184,3 +184,48 @@ fn an_angular_velocity_of_a_ball_joint_is_its_own() {
         }
     }
 }
+
+/// An arm carries a body on a `free` joint. Both take velocities by entries, whatever their order, and in space.
+#[test]
+fn nodes_on_joints_take_the_velocities_that_their_joints_allow() {
+    let body =
+        "[[initial]]\nnode = \"body\"\nvelocity = [1, 2, 3]\nangular_velocity = [0.3, 0.2, 0.1]\n";
+    let arm = "[[initial]]\nnode = \"arm\"\nangular_velocity = [0, 0, 2]\n";
+    let corrected = "[[initial]]\nnode = \"body\"\nvelocity = [1, 0, 3]\n";
+    for (entries, expected) in [
+        ([body, arm, ""], [2.0, 1.0, 2.0, 3.0, 0.3, 0.2, 0.1]),
+        ([arm, body, ""], [2.0, 1.0, 2.0, 3.0, 0.3, 0.2, 0.1]),
+        // Later entries overwrite earlier ones, and only what they give.
+        ([body, arm, corrected], [2.0, 1.0, 0.0, 3.0, 0.3, 0.2, 0.1]),
+        ([arm, "", ""], [2.0, -0.4, 1.0, 0.0, 0.0, 0.0, 2.0]),
+        (
+            [body, arm, "[[initial]]\nangular_velocity = [0, 0, 1]\n"],
+            [1.0, -0.2, 0.5, 0.0, 0.0, 0.0, 1.0],
+        ),
+    ] {
+        let text = [
+            "[nodes]\nground = [0, 0, 0]\n",
+            &fixed("ground"),
+            &joint("arm", "revolute", "ground", "axis = [0, 0, 1]"),
+            &joint("body", "free", "arm", "position = [0.5, 0.2, 0]"),
+            &body_of("arm", 1.0, "inertia = [1, 1, 1]"),
+            &body_of("body", 1.0, "inertia = [1, 1, 1]"),
+            &entries.concat(),
+            "[analysis.dynamic]\nto = 0.1\nstep = 0.1\n",
+            "[[probes]]\nname = \"arm\"\nquantity = \"joint_rate\"\njoint = \"arm\"\n",
+            &probe("v", "velocity", "body"),
+            &probe("w", "angular_velocity", "body"),
+        ]
+        .concat();
+        let rows = run_of("program_on_joints", &text).rows;
+        let columns = ["arm", "v.x", "v.y", "v.z", "w.x", "w.y", "w.z"];
+        for (column, exact) in columns.iter().zip(expected) {
+            assert_close(
+                number(&rows[0], column),
+                exact,
+                1e-13,
+                &format!("{column} {text}"),
+            );
+        }
+    }
+}

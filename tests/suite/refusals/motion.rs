@@ -89,8 +89,8 @@ fn initial_conditions() {
 node = "ball"\nangular_velocity = [0, 0, 1] => node = "ball" | [[initial]]
  => node = "ball"\nline = "rod"\nvelocity = [0, 0, 1] | line | line
  => rotation = [0, 0, 1] | rotation | rotation | node
- => node = "hand"\nvelocity = [0, 0, 1] | velocity | is attached to a joint | rate
- => node = "hinge"\nangular_velocity = [0, 1, 0] | angular_velocity | is attached to a joint | rate
+ => node = "hand"\nvelocity = [0, 0, 1] | [0, 0, 1] | a joint that does not allow it | joint
+ => node = "hinge"\nangular_velocity = [1, 0, 0] | [1, 0, 0] | a joint that does not allow it | joint
  => node = "A"\ndisplacement = [0, 0, 1] | [0, 0, 1] | held
  => line = "bar"\nvelocity = [0, 0, 1] | "bar" | no line named "bar" | `rod`
  => node = "C"\nangular_velocity = [0, 0, 1]\nbody_angular_velocity = [0, 0, 1] | body_angular_velocity

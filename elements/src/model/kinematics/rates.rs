@@ -1,13 +1,11 @@
 //! Initial rates of joint coordinates.
 
-use crate::model::assembly::workspace::Workspace;
 use crate::model::build::builder::NodeId;
 use crate::model::build::dependency_graph::behind;
 use crate::model::kinematics::mapped_node::MappedNode;
 use crate::model::kinematics::motion::RigidMotion;
 use crate::model::{Context, Model, NodeForm, among};
-use nalgebra::{DMatrix, DVector, Vector6};
-use pullback_manifold::so3;
+use nalgebra::{DMatrix, DVector};
 use pullback_manifold::system::{Point, SystemError};
 use std::sync::Arc;
 
@@ -84,7 +82,7 @@ impl Context {
                     let mut unknowns = model.unknowns_of(own.iter().copied().filter(released));
                     let moves = !unknowns.is_empty();
                     unknowns.retain(|&u| std::mem::take(&mut open[u]));
-                    let left = self.fit(q, v, &[n], &unknowns, motion)?;
+                    let left = self.fit_motion(q, v, &[n], &unknowns, motion)?;
                     let given = |&m: &u32| {
                         let all = among(&model.prescribed, model.nodes[m as usize].range());
                         all.iter().any(|p| p.function.constant().is_none())
@@ -131,7 +129,7 @@ impl Context {
         let unknowns = model.unknowns_of(parents.iter().take(1).copied().filter(released));
         let alone = parents.len() == 1 && !unknowns.is_empty();
         unknowns.iter().for_each(|&u| open[u] = false);
-        let left = self.fit(q, v, &all, &unknowns, motion)?;
+        let left = self.fit_motion(q, v, &all, &unknowns, motion)?;
         let report = model.reports.iter().find(|r| r.map == Some(x));
         let joint = report.and_then(|r| r.closures.first());
         let name = joint.map(|&(n, _)| model.nodes[n as usize].name.clone());
@@ -139,7 +137,7 @@ impl Context {
     }
 
     /// Fits the rates of unknowns to a motion of frames; returns the missing part relative to the whole.
-    fn fit(
+    fn fit_motion(
         &mut self,
         q: &[f64],
         v: &mut [f64],
@@ -147,38 +145,18 @@ impl Context {
         unknowns: &[usize],
         motion: &RigidMotion,
     ) -> Result<f64, SystemError> {
-        let model = Arc::clone(&self.model);
-        let unit = self.model.length.recip();
-        let unit = Vector6::new(unit, unit, unit, 1.0, 1.0, 1.0);
-        let rates = |work: &Workspace| {
-            let mut all = Vec::with_capacity(6 * frames.len());
-            for &n in frames {
-                let own = &work.v[model.nodes[n as usize].range()];
-                all.extend(Vector6::from_column_slice(own).component_mul(&unit).iter());
-            }
-            DVector::from_vec(all)
-        };
-        let (now, columns) = self.rates_by_unknowns(q, v, unknowns, rates)?;
-        let mut wanted = DVector::zeros(now.len());
-        for (k, &n) in frames.iter().enumerate() {
-            let state = self.node_state(NodeId(n));
-            let position = motion.velocity + motion.omega.cross(&(state.position - motion.about));
-            let turn = match self.model.nodes[n as usize].form {
-                NodeForm::Pose => motion.omega,
-                _ => so3::tangent_inverse(&state.psi).tr_mul(&motion.omega),
-            };
-            let both = Vector6::new(position.x, position.y, position.z, turn.x, turn.y, turn.z);
-            wanted
-                .fixed_rows_mut::<6>(6 * k)
-                .copy_from(&both.component_mul(&unit));
+        let a = vec![0.0; v.len()];
+        let t = BEFORE_START;
+        self.expand(Point { t, q, v, a: &a })?;
+        let mut wanted = Vec::with_capacity(6 * frames.len());
+        for node in frames.iter().map(|&n| NodeId(n)) {
+            let arm = self.node_state(node).position - motion.about;
+            let velocity = motion.velocity + motion.omega.cross(&arm);
+            let both = velocity.iter().chain(motion.omega.iter()).enumerate();
+            wanted.extend(both.map(|(k, rate)| (node, k, *rate)));
         }
-        let missing = add_fitted(v, unknowns, columns, &wanted - &now);
-        let size = wanted.amax().max(now.amax());
-        Ok(if size > 0.0 {
-            missing.amax() / size
-        } else {
-            0.0
-        })
+        let (missing, _) = self.fit(q, v, unknowns, &wanted)?;
+        Ok(missing.amax())
     }
 
     /// Unknowns of nodes: their own free coordinates, and those that they depend on.
@@ -191,9 +169,11 @@ impl Context {
         free
     }
 
-    /// Finds velocities `v` with given rates of coordinates at `q` and [`BEFORE_START`]: those of
-    /// loops follow from others, and the change of all together is smallest. Returns the largest
-    /// error, zero to rounding if the loops allow the rates, and the unknowns on which these depend.
+    /// Finds velocities `v` with given rates at `q` and [`BEFORE_START`]: of coordinates of joints, as (node, number of the
+    /// coordinate, rate), and of frames, whose six rates are velocity and angular velocity (global components). The coordinates
+    /// of their joints change, of loops the independent ones, by the smallest change of all together, but for those of the
+    /// unknowns `held`. Returns what is missing of each rate, relative to the largest (zero to rounding if joints and loops
+    /// allow them), and the unknowns on which the rates depend.
     ///
     /// # Errors
     /// [`SystemError`] if the point is outside a chart.
@@ -202,45 +182,78 @@ impl Context {
         q: &[f64],
         v: &mut [f64],
         rates: &[(NodeId, usize, f64)],
-    ) -> Result<(f64, Vec<usize>), SystemError> {
-        let of: Vec<NodeId> = rates.iter().map(|r| r.0).collect();
-        let unknowns = self.unknowns_behind(&of);
-        let model = Arc::clone(&self.model);
-        let of_nodes = |work: &Workspace| {
-            let rate =
-                |&(n, k, _): &(NodeId, usize, f64)| work.v[model.nodes[n.0 as usize].first + k];
-            DVector::from_iterator(rates.len(), rates.iter().map(rate))
-        };
-        let wanted = DVector::from_iterator(rates.len(), rates.iter().map(|r| r.2));
-        let (now, columns) = self.rates_by_unknowns(q, v, &unknowns, of_nodes)?;
-        let missing = wanted - now;
+        held: &[usize],
+    ) -> Result<(Vec<f64>, Vec<usize>), SystemError> {
+        let of = rates.iter().flat_map(|r| self.released_at(r.0));
+        let mut unknowns = self.unknowns_behind(&of.collect::<Vec<_>>());
+        unknowns.retain(|u| !held.contains(u));
+        let (missing, columns) = self.fit(q, v, &unknowns, rates)?;
         let matter = |k: &usize| columns.column(*k).amax() > MISSING * columns.amax();
         let these = (0..unknowns.len()).filter(matter).map(|k| unknowns[k]);
-        let these = these.collect();
-        Ok((add_fitted(v, &unknowns, columns, missing).amax(), these))
+        Ok((missing.iter().copied().collect(), these.collect()))
     }
 
-    /// Rates at `q` and [`BEFORE_START`] with velocities `v`, and their derivatives by those of some unknowns.
-    fn rates_by_unknowns(
+    /// The coordinates of the joint that a frame is attached to; any other node itself.
+    fn released_at(&self, node: NodeId) -> Vec<NodeId> {
+        let nodes = &self.model.nodes;
+        let n = &nodes[node.0 as usize];
+        let n = match n.is_view() {
+            true => &nodes[n.partner as usize],
+            false => n,
+        };
+        let Some(d) = n.mapped().filter(|_| n.is_frame()) else {
+            return vec![node];
+        };
+        let parents = d.parents(&self.state.maps).iter();
+        let released = parents.filter(|&&m| !nodes[m as usize].is_frame());
+        released.map(|&m| NodeId(m)).collect()
+    }
+
+    /// Adds the smallest change of the velocities of unknowns that gives wanted rates by least squares. Returns what is still
+    /// missing of them, relative to the largest rate, and their derivatives.
+    fn fit(
         &mut self,
         q: &[f64],
         v: &mut [f64],
         unknowns: &[usize],
-        rates: impl Fn(&Workspace) -> DVector<f64>,
+        wanted: &[(NodeId, usize, f64)],
     ) -> Result<(DVector<f64>, DMatrix<f64>), SystemError> {
         let (t, a) = (BEFORE_START, vec![0.0; v.len()]);
-        let mut at = |v: &[f64]| {
-            self.expand(Point { t, q, v, a: &a })
-                .map(|()| rates(&self.work))
+        let mut rates = |v: &[f64]| {
+            self.expand(Point { t, q, v, a: &a })?;
+            let all = wanted.iter().map(|&(node, k, _)| self.rate(node, k));
+            Ok(DVector::from_iterator(wanted.len(), all))
         };
-        let now = at(v)?;
+        let now = rates(v)?;
         let mut columns = DMatrix::zeros(now.len(), unknowns.len());
         for (k, &u) in unknowns.iter().enumerate() {
             v[u] += 1.0;
-            columns.set_column(k, &(at(v)? - &now));
+            columns.set_column(k, &(rates(v)? - &now));
             v[u] -= 1.0;
         }
-        Ok((now, columns))
+        let all = wanted.iter().map(|&(node, k, w)| w * self.scale(node, k));
+        let wanted = DVector::from_iterator(wanted.len(), all);
+        let missing = add_fitted(v, unknowns, &columns, &wanted - &now);
+        let size = wanted.amax().max(now.amax());
+        Ok((missing / if size > 0.0 { size } else { 1.0 }, columns))
+    }
+
+    /// The rate of a coordinate; of a frame a component of its velocity over the size of the model, or of its angular velocity.
+    fn rate(&self, node: NodeId, k: usize) -> f64 {
+        let n = &self.model.nodes[node.0 as usize];
+        if !n.is_frame() {
+            return self.work.v[n.first + k];
+        }
+        let state = self.node_state(node);
+        let all = [state.velocity, state.omega];
+        all[k / 3][k % 3] * self.scale(node, k)
+    }
+
+    fn scale(&self, node: NodeId, k: usize) -> f64 {
+        match self.model.nodes[node.0 as usize].is_frame() && k < 3 {
+            true => self.model.length.recip(),
+            false => 1.0,
+        }
     }
 }
 
@@ -249,7 +262,7 @@ impl Context {
 fn add_fitted(
     v: &mut [f64],
     unknowns: &[usize],
-    columns: DMatrix<f64>,
+    columns: &DMatrix<f64>,
     missing: DVector<f64>,
 ) -> DVector<f64> {
     // Prescribed or locked coordinates keep their rates.

@@ -305,8 +305,8 @@ fn points_outside_a_domain_are_refused_by_name() {
     b.element("broken", Broken, &ends[1..]).unwrap();
     assert_eq!(
         evaluate(&mut Context::new(b.build().unwrap()), &[0.0; 12]),
-        "node b, rotation about e2 gives a value that is not finite: a function of a joint, an \
-         element or a load has no value or derivative there (`check` names it)"
+        "node b, rotation about e2 gives a value that is not finite: an input, or a function of a \
+         joint, an element or a load, has no value or derivative there (`check` names it)"
     );
     let (mut b, ends) = simple();
     let dependent = b
