@@ -5,7 +5,7 @@ use super::{DynamicsError, State, Stepper};
 use crate::abilities::{energetics, energies, events};
 use crate::failure::find_mechanism;
 use crate::linear_solver::{LinearError, LinearSolver, max_abs};
-use crate::vectors::add;
+use crate::vectors::{add, dot};
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{Evaluation, Point, System, Weights};
 
@@ -130,7 +130,7 @@ impl Stepper {
             let evaluated = system.evaluate(there.point(), Evaluation::residual(&mut self.r));
             let forces = self.r.iter().zip(system.pattern().coordinates());
             let forces = forces.filter(|(_, info)| !info.is_multiplier);
-            evaluated.map(|()| forces.fold(0.0, |most, (r, _)| f64::max(most, r.abs())))
+            evaluated.map(|()| forces.fold(0.0, |most, (r, c)| f64::max(most, r.abs() * c.size)))
         });
         self.r.copy_from_slice(x);
         matches!(sizes, [Ok(forces), Ok(left)] if left <= forces)
@@ -181,7 +181,7 @@ impl Stepper {
         Ok(most)
     }
 
-    /// Whether dampers take more than an impulse within a step h of the velocities in `r` that it causes.
+    /// Whether dampers take more energy within a step h of the velocities in `r` than the impulse that causes them.
     fn is_absorbed(
         &mut self,
         system: &mut dyn System,
@@ -195,7 +195,7 @@ impl Stepper {
         let mut taken = vec![0.0; dv.len()];
         system.pattern().multiply_add(h, &self.S, &dv, &mut taken);
         self.r = dv;
-        Ok(max_abs(&taken) > max_abs(impulse))
+        Ok(dot(&taken, &self.r) > dot(impulse, &self.r))
     }
 
     /// Solves for velocities with damping but no mass: along directions in which M is zero, but not C, the residual is a

@@ -1,6 +1,6 @@
 //! Jumps of driven velocities: what is free takes the impulse. Inputs that change between steps.
 
-use crate::support::closures::{body_of, joint};
+use crate::support::closures::{GROUND, body_of, hinge, joint};
 use crate::support::dynamics::motion_of;
 use crate::support::prelude::*;
 use pullback::solve::begin;
@@ -175,6 +175,53 @@ fn what_has_no_mass_leaves_alone_what_it_has_nothing_to_do_with() {
         for (a, b) in a.iter().zip(b) {
             let off = (a - b).abs() / (1.0 + a.abs());
             assert!(off < 1e-9, "{alone:?}\n{beside:?}");
+        }
+    }
+}
+
+/// Velocity and acceleration at the start of a disc that a damper couples to a shaft, beside a cart on a rail, where both begin
+/// with a jerk; lengths are measured in another unit, and masses in its reciprocal.
+fn jerked_with_damper(unit: f64) -> [f64; 2] {
+    let begins = |rate: f64| format!("prescribed = {{ ramp = {{ end = 1, value = {rate:?} }} }}\n");
+    let damper = format!("spring = {{ c = {:?} }}", 0.03 * unit);
+    let inertia = 1e-3 * unit;
+    let text = [
+        GROUND,
+        &hinge("shaft", "ground", &begins(1.0)),
+        &hinge("disc", "shaft", &damper),
+        &body_of(
+            "disc",
+            1.0 / unit,
+            &format!("inertia = [{inertia:?}, {inertia:?}, {inertia:?}]"),
+        ),
+        &joint(
+            "rail",
+            "prismatic",
+            "ground",
+            &format!("axis = [1, 0, 0]\n{}", begins(unit)),
+        ),
+        &joint("cart", "prismatic", "rail", "axis = [1, 0, 0]"),
+        &body_of("cart", 1.0 / unit, ""),
+        "[analysis.dynamic]\nto = 1\nstep = 0.1\n",
+    ];
+    let (mut model, first, options) = motion_of(&text.concat());
+    let mut progress = Progress::new(first);
+    begin(&mut model, &options, &mut progress).unwrap();
+    let disc = model.find("disc").unwrap();
+    let state = model.node_state(disc);
+    [state.omega.z, state.omega_dot.z]
+}
+
+#[test]
+fn what_dampers_absorb_does_not_depend_on_units() {
+    let in_metres = jerked_with_damper(1.0);
+    for unit in [1024.0, 1.0 / 1024.0] {
+        let other = jerked_with_damper(unit);
+        for (a, b) in in_metres.iter().zip(other) {
+            assert!(
+                (a - b).abs() < 1e-9 * (1.0 + a.abs()),
+                "{unit}: {in_metres:?}, {other:?}"
+            );
         }
     }
 }
