@@ -19,7 +19,7 @@ use super::critical::PathDirection;
 use super::{Iteration, StaticNewtonOptions, StaticSummary, StaticsError, solutions};
 use crate::convergence::ConvergencePredictor;
 use crate::failure::{Cause, Cost, FailedStep, FailureContext, StepParameter};
-use crate::linear_solver::{AutoSolver, LinearSolver, MatrixSymmetry};
+use crate::linear_solver::{AutoSolver, LinearSolver, MatrixSymmetry, max_abs};
 use crate::rounding::{ResidualTest, inverse_scales, is_rounding, largest, rounding_of_gaps};
 use crate::vectors::add;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
@@ -59,7 +59,12 @@ pub(super) struct Newton {
     /// Number of predictions in the history, made before any residual was known.
     predicted: usize,
     pub options: StaticNewtonOptions,
+    /// Coordinates that are held, and their values.
+    pub held: Vec<(usize, f64)>,
 }
+
+/// Stiffness that holds a coordinate, relative to the largest entry of the tangent.
+const HARD: f64 = 1e6;
 
 impl Newton {
     /// A solver and buffers for an analysis that begins at load parameter `from`.
@@ -99,6 +104,7 @@ impl Newton {
             test: ResidualTest::new(options.relative, options.absolute),
             predicted: 0,
             options: *options,
+            held: Vec::new(),
         })
     }
 
@@ -146,7 +152,16 @@ impl Newton {
             previous: previous.map(|(t, from)| Point::statics(t, from)),
             accelerations: None,
         };
-        system.evaluate(Point::statics(t, q), out)
+        system.evaluate(Point::statics(t, q), out)?;
+        for &(i, value) in &self.held {
+            let hard = HARD * max_abs(&self.S);
+            self.r[i] = hard * (value - q[i]);
+            self.r_t[i] = 0.0;
+            if let Some(d) = system.pattern().diagonal().nth(i) {
+                self.S[d] += hard;
+            }
+        }
+        Ok(())
     }
 
     /// Report of a failed step to `to`.

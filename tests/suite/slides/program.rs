@@ -1,7 +1,7 @@
 //! A slide along two lines of a model file.
 
-use crate::support::closures::{beam_line, body, probe};
-use crate::support::program::{number, recorded};
+use crate::support::closures::{beam_line, body, fixed, probe};
+use crate::support::program::{assert_close, number, recorded, run_of};
 
 /// A rod that turns at 2 and has no mass, and a body that is driven along it over four nodes: in the
 /// rows where it lands on a node, too, its acceleration and the force on it are those of s(t) in a
@@ -46,5 +46,35 @@ fn a_body_on_a_rod_without_mass_is_accelerated_where_it_lands_too() {
         }
         // ω² s would be missing from 1.6 to 5.6.
         assert!(worst.iter().all(|w| *w < 0.1), "{scheme}: {worst:?}");
+    }
+}
+
+/// A bead on a clamped wire with a soft spring, beside the least energy over prescribed positions: within an element, and at the
+/// node between two, where it is in equilibrium on neither of them.
+#[test]
+fn a_bead_on_a_wire_rests_within_an_element_or_at_a_node() {
+    for (elements, steps, u, z) in [
+        (15, 5, 1.0 / 30.0, -0.0091650),
+        (15, 80, 1.0 / 30.0, -0.0091650),
+        (64, 20, 0.02898, -0.009104),
+        (64, 320, 0.02898, -0.009104),
+    ] {
+        let model = [
+            "[nodes]\na = [0, 0, 0]\nb = [1, 0, 0]\n\
+             [sections.s]\nstiffness = { EA = 4000, GA = [2000, 2000], GJ = 0.02, EI = [0.02, 0.02] }\n",
+            &beam_line("w", ["a", "b"], elements, "s"),
+            "[[joints]]\nname = \"bead\"\ntype = \"slide\"\nlines = [\"w\"]\nstart = 0.3\nspring = { k = 0.05 }\n",
+            &fixed("a"),
+            &fixed("b"),
+            "[[loads]]\nnode = \"bead\"\nforce = [0, 0, -0.1]\n",
+            &format!("[analysis.static]\nsteps = {steps}\n"),
+            "[[probes]]\nname = \"u\"\nquantity = \"joint_coordinate\"\njoint = \"bead\"\n",
+            &probe("x", "position", "bead"),
+        ]
+        .concat();
+        let rows = run_of("slide_bead", &model).rows;
+        let row = rows.last().unwrap();
+        assert_close(number(row, "u"), u, 5e-5, elements);
+        assert_close(number(row, "x.z"), z, 2e-6, elements);
     }
 }
