@@ -1,9 +1,10 @@
 //! Linear buckling: critical loads by linear extrapolation of the tangent.
 
-use super::differences::central;
+use super::differences::{central, derivative_of};
 use super::modes::ModesError;
 use super::search::Search;
 use super::{Linearized, check_count, linearize};
+use crate::abilities::events;
 use crate::failure::{find_mechanism, unresisted};
 use crate::linear_solver::{AutoSolver, LinearError, LinearSolver, MatrixSymmetry, max_abs};
 use crate::vectors::dot;
@@ -78,8 +79,8 @@ const CHANGE: f64 = 1e-3;
 
 /// The critical loads nearest to that of a stable equilibrium, by growing distance from it; below it as well.
 ///
-/// K(t) ≈ K + (t − t₀) K_t is singular there, where K_t is the derivative of the tangent along the equilibrium path,
-/// from differences of the fourth order. The loads are exact where the tangent is linear in the load, as with a
+/// K(t) ≈ K + (t − t₀) K_t is singular there, where K_t is the derivative of the tangent along the equilibrium path, behind a
+/// kink at t₀, from differences of the fourth order. The loads are exact where the tangent is linear in the load, as with a
 /// straight column, and an estimate elsewhere.
 ///
 /// # Errors
@@ -96,26 +97,32 @@ pub fn buckling(
     }
     let loads = load_rate(system, at)?;
     let rate = path_rate(system, &lin, &loads)?;
-    let mut tangent = |s: f64| {
+    let (beside, reach) = smooth(&events(system).kinks(), at.t);
+    let mut tangent = |t: f64, s: f64| {
         let q: Vec<f64> = at.q.iter().zip(&rate).map(|(q, x)| q + s * x).collect();
         let (mut r, mut K) = (vec![0.0; q.len()], vec![0.0; lin.pattern.len()]);
         let out = Evaluation::with_tangent(&mut r, Weights::STATIC, &mut K);
-        system.evaluate(Point::statics(at.t + s, &q), out)?;
+        system.evaluate(Point::statics(t, &q), out)?;
         Ok(K)
     };
     let mut symmetric = true;
-    let change = central(step(&lin, &rate), |s| {
-        let K = tangent(s)?;
+    let mut checked = |t: f64, s: f64| {
+        let K = tangent(t, s)?;
         symmetric &= lin.is_symmetric(&K);
         Ok(K)
-    })?;
+    };
+    // By the coordinates, and by what is prescribed.
+    let along = central(step(&lin, &rate), |s| checked(at.t, s))?;
+    let change = derivative_of(reach, |s| checked(beside + s, 0.0))?;
     if !symmetric {
         return Err(BucklingError::Asymmetric);
     }
-    if change.iter().all(|K| K.value == 0.0) {
+    lin.M = (along.iter().zip(change))
+        .map(|(a, b)| -a.value - b)
+        .collect();
+    if lin.M.iter().all(|K| *K == 0.0) {
         return Err(BucklingError::NoLoad);
     }
-    lin.M = change.iter().map(|K| -K.value).collect();
     let mut search = Search::indefinite(&lin, count)?;
     if !search.is_definite()? {
         return Err(BucklingError::Unstable);
@@ -127,23 +134,42 @@ pub fn buckling(
         let form = |values: &[f64]| dot(&shape, &lin.product(values, &shape));
         let (stiffness, change) = (form(&lin.K), form(&lin.M));
         let distance = stiffness / change;
-        let there = tangent(distance).map_or(f64::INFINITY, |K| (form(&K) / stiffness).abs());
+        let there = tangent(at.t + distance, distance)
+            .map_or(f64::INFINITY, |K| (form(&K) / stiffness).abs());
         modes.push(BucklingMode {
             load: at.t + distance,
             shape: shape.iter().map(|x| x / stiffness.sqrt()).collect(),
             error: if there.is_nan() { f64::INFINITY } else { there },
         });
     }
-    // Loads that grow at another rate there, such as those that have stopped growing.
     for mode in &mut modes {
-        let t = mode.load;
-        let error = load_rate(system, Point::statics(t, at.q)).map_or(f64::INFINITY, |there| {
-            let change = there.iter().zip(&loads).map(|(a, b)| (a - b).abs());
-            change.fold(0.0, f64::max) / max_abs(&loads)
-        });
-        mode.error = mode.error.max(error);
+        let there = Point::statics(mode.load, at.q);
+        mode.error = change_of_growth(system, there, &loads).max(mode.error);
     }
     Ok(modes)
+}
+
+/// Relative change of the rate at which loads grow, such as that of loads that have stopped growing.
+fn change_of_growth(system: &mut dyn System, there: Point<'_>, loads: &[f64]) -> f64 {
+    load_rate(system, there).map_or(f64::INFINITY, |there| {
+        let change = there.iter().zip(loads).map(|(a, b)| (a - b).abs());
+        change.fold(0.0, f64::max) / max_abs(loads)
+    })
+}
+
+/// Part of the distance to the next kink in which a derivative behind a kink is taken.
+const BEHIND: f64 = 1e-4;
+
+/// A load parameter at t or just behind it, and a step of differences there that reach over no kink.
+fn smooth(kinks: &[f64], t: f64) -> (f64, f64) {
+    let ahead = (kinks.iter().map(|k| k - t)).filter(|x| *x > 0.0);
+    let ahead = ahead.fold(1.0, f64::min);
+    let since = (kinks.iter().map(|k| t - k)).filter(|x| *x >= 0.0);
+    let since = since.fold(1.0, f64::min);
+    match since < BEHIND * ahead {
+        true => (t + BEHIND * ahead, 0.5 * BEHIND * ahead),
+        false => (t, 0.5 * since.min(ahead)),
+    }
 }
 
 /// Step of the load parameter for differences of tangents along the path.

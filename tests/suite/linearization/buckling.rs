@@ -162,3 +162,66 @@ fn the_error_sees_loads_that_stop_growing() {
     let found = critical(&text, 0.0, 1).unwrap();
     assert!(found[0].load > 1.0 && found[0].error >= 1.0, "{found:?}");
 }
+
+/// Two rods of one on hinges with springs of one, under a force P at the end of the second, and its function of the load parameter:
+/// 1 − 3P + P² = 0.
+fn two_rods(time: &str) -> String {
+    let rod = |name: &str, parent: &str| hinge(name, parent, "spring = { k = 1 }");
+    [
+        GROUND,
+        &rod("a", "ground"),
+        &joint("middle", "offset", "a", "position = [1, 0, 0]"),
+        &rod("b", "middle"),
+        &joint("end", "offset", "b", "position = [2, 0, 0]"),
+        &body_of("end", 1.0, ""),
+        &format!("[[loads]]\nnode = \"end\"\nforce = [-1, 0, 0]\ntime = {{ {time} }}\n"),
+    ]
+    .concat()
+}
+
+#[test]
+fn loads_with_kinks_are_extrapolated_as_they_grow() {
+    let root = f64::sqrt(5.0);
+    let exact = [3.0 - root, 3.0 + root].map(|x| x / 8.0);
+    for time in [
+        "proportional = 4",
+        "ramp = { end = 0.5, value = 2 }",
+        "triangle = { peak = 0.5, end = 1, value = 2 }",
+        "table = [[0, 0], [0.05, 0.2], [0.5, 2]]",
+    ] {
+        // At a kink, between two, and just behind one.
+        for from in [0.0, 0.02, 0.05, 0.050001] {
+            let modes = critical(&two_rods(time), from, 2).unwrap();
+            for (mode, exact) in modes.iter().zip(exact) {
+                assert_near(mode.load, exact, 1e-9);
+            }
+        }
+    }
+    let later = two_rods("ramp = { start = 0.5, end = 1, value = 2 }");
+    assert_eq!(critical(&later, 0.02, 2), Err(BucklingError::NoLoad));
+}
+
+/// A pinned column that is shortened by u: π² EI/(EA L) = u/L.
+#[test]
+fn a_prescribed_shortening_with_kinks() {
+    let column = |time: &str| {
+        let stiffness = "EA = 1e4, GA = [1e4, 1e4], GJ = 10, EI = [1, 50]";
+        let pinned = "[[supports]]\nnode = \"A\"\nfix = [\"x\", \"y\", \"z\", \"rx\", \"rz\"]\n\
+                      [[supports]]\nnode = \"B\"\nfix = [\"y\", \"z\", \"rx\", \"rz\"]\n";
+        line(
+            stiffness,
+            6,
+            3,
+            &format!("{pinned}prescribed = {{ x = {{ {time} }} }}\n"),
+        )
+    };
+    for (time, from) in [
+        ("proportional = -1e-3", 0.0),
+        ("ramp = { end = 1, value = -1e-3 }", 0.0),
+        ("ramp = { end = 1, value = -1e-3 }", 0.4),
+        ("ramp = { end = 1, value = -1e-3 }", 0.9),
+    ] {
+        let modes = critical(&column(time), from, 1).unwrap();
+        assert_near(modes[0].load, 0.1 * PI * PI, 1e-6);
+    }
+}
