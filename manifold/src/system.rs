@@ -137,7 +137,8 @@ impl<'a> Evaluation<'a> {
         }
     }
 
-    /// The residual and a combined tangent.
+    /// The residual and a combined tangent. At a [static point](Point::statics) C and M are those of rest, where t is a mere
+    /// parameter: what is prescribed has no rates.
     pub fn with_tangent(r: &'a mut [f64], weights: Weights, S: &'a mut [f64]) -> Self {
         Self {
             S: Some((weights, S)),

@@ -131,23 +131,14 @@ fn equations(
     at: Point<'_>,
 ) -> Result<(Linearized, Vec<f64>), LinearizationError> {
     let (n, len) = (system.pattern().dim(), system.pattern().len());
-    let zeros = vec![0.0; n];
-    let moving = match at.is_static() {
-        true => Point {
-            v: &zeros,
-            a: &zeros,
-            ..at
-        },
-        false => at,
-    };
     let mut r = vec![0.0; n];
     let mut tangent = |at: Point<'_>, weights: Weights| -> Result<Vec<f64>, SystemError> {
         let mut S = vec![0.0; len];
         system.evaluate(at, Evaluation::with_tangent(&mut r, weights, &mut S))?;
         Ok(S)
     };
-    let M = tangent(moving, Weights::MASS)?;
-    let C = tangent(moving, Weights::DAMPING)?;
+    let M = tangent(at, Weights::MASS)?;
+    let C = tangent(at, Weights::DAMPING)?;
     let K = tangent(at, Weights::STATIC)?;
     let finite = |values: &Vec<f64>| values.iter().all(|x| x.is_finite());
     if ![&r, &K, &C, &M].into_iter().all(finite) {

@@ -303,3 +303,34 @@ fn nothing_vibrates_where_all_is_prescribed() {
     let said = failure("all prescribed", &text);
     assert_says(&said, &["nothing in the model is free to move"]);
 }
+
+/// An arm that is turned by the load parameter carries a pendulum with a slider, at rest: √(40/0.75) and √(4000/1), without a
+/// damper or a gyroscopic force.
+#[test]
+fn what_the_load_parameter_moves_does_not_rotate() {
+    for turned in [
+        "constant = 10",
+        "proportional = 10",
+        "ramp = { end = 2, value = 20 }",
+        "sine = { amplitude = 1, omega = 10 }",
+    ] {
+        let keys = "axis = [0, 0, 1]\nspring = { k = 40 }";
+        let parts = [
+            hinge("base", "ground", &format!("prescribed = {{ {turned} }}")),
+            joint("arm", "offset", "base", "position = [1, 0, 0]"),
+            joint("lag", "revolute", "arm", keys),
+            slider("ext", "lag", X, 4000.0, 0.0),
+            body_of("lag", 2.0, "center = [0.5, 0, 0]"),
+            body_of("ext", 1.0, "center = [0.5, 0, 0]"),
+        ];
+        let found = eigenvalues("turned by the load", &parts, 2);
+        assert_eq!(found.len(), 2, "{turned}: {found:?}");
+        for (lambda, stiffness) in found.iter().zip([40.0 / 0.75, 4000.0]) {
+            let exact = Complex64::new(0.0, f64::sqrt(stiffness));
+            assert!(
+                (lambda - exact).norm() < 1e-10 * exact.norm(),
+                "{turned}: {found:?}"
+            );
+        }
+    }
+}

@@ -39,6 +39,15 @@ impl Context {
         Ok(())
     }
 
+    /// Takes the rates by the load parameter from prescribed coordinates of a static point, and from all that follows them.
+    fn rest(&mut self, t: f64) -> Result<(), SystemError> {
+        for c in self.model.prescribed.iter().map(|p| p.coordinate) {
+            (self.work.v[c], self.work.a[c]) = (0.0, 0.0);
+        }
+        self.work.known.forget();
+        self.expand_dependent(t)
+    }
+
     /// Takes the present inputs, on which all may depend.
     fn take_inputs(&mut self) {
         let (w, inputs) = (&mut self.work, &self.state.inputs);
@@ -221,23 +230,22 @@ impl Context {
         at: Point<'_>,
         out: Evaluation<'_>,
     ) -> Result<(), SystemError> {
-        let statics = at.is_static();
         let rates = out.r_t.is_some();
         self.work.assemblies += 1;
         let Evaluation { r, mut S, r_t, .. } = out;
+        let mut statics = at.is_static();
+        let mut rests = false;
         if let Some((weights, values)) = &S {
             check_length("tangent S", self.model.pattern.len(), values.len())?;
-            if statics && !weights.is_static() {
-                return Err(SystemError::Request {
-                    what: "tangent with C or M",
-                    expected: "velocities and accelerations, zeros at rest".to_owned(),
-                    found: "none".to_owned(),
-                });
-            }
+            rests = statics && !weights.is_static();
+            statics &= !rests;
         }
         self.check_left_out()?;
         self.enter_element_charts();
         self.expand(at)?;
+        if rests {
+            self.rest(at.t)?;
+        }
         if rates {
             self.work.r.fill(0.0);
             self.work.r_t.fill(0.0);

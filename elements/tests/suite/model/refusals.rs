@@ -347,8 +347,6 @@ fn evaluations_that_a_point_does_not_hold_are_refused() {
         }
     }
     refused! {
-        evaluate([n, 0, 0, n, values], Weights::MASS) =>
-            "tangent with C or M: expected velocities and accelerations, zeros at rest, got none",
         evaluate([n, n, n, n, values - 1], STATIC) => wrong("tangent S", values, values - 1),
         evaluate([n, n, 0, n, values], STATIC) => wrong("accelerations a", n, 0),
     }
