@@ -1,5 +1,6 @@
 //! Functions of time (or of the load parameter) for loads and prescribed motion.
 
+use pullback_manifold::quotients::Quotients;
 use std::f64::consts::TAU;
 use std::fmt::Debug;
 
@@ -265,12 +266,13 @@ impl TimeFunction for SpinUp {
         if t >= T {
             return [rate * (t - 0.5 * T), rate, 0.0];
         }
-        let k = TAU / T;
-        let (s, c) = (k * t).sin_cos();
+        // ½ t² + (cos x − 1)/k², t − sin x/k and 1 − cos x with x = k t, without differences of nearly equal numbers.
+        let x = TAU / T * t;
+        let (half, all) = (Quotients::new(0.5 * x), Quotients::new(x));
         [
-            rate / T * (0.5 * t * t + (c - 1.0) / (k * k)),
-            rate / T * (t - s / k),
-            rate / T * (1.0 - c),
+            rate / T * 0.5 * (0.5 * x * t).powi(2) * half.c5 * (1.0 + half.sinc),
+            rate / T * x * x * t * all.c5,
+            rate / T * x * x * all.one_minus_cos,
         ]
     }
 

@@ -97,3 +97,19 @@ fn bad_tables_are_refused() {
         })
     );
 }
+
+/// With x = 2πt/T: rate x² t² (1/24 − x²/720 + …)/T, where ½ t² + (cos x − 1) t²/x² has lost all digits.
+#[test]
+fn a_spin_up_begins_with_all_digits() {
+    let (rate, T, t) = (6.0, 15.0, 1e-3);
+    let x = std::f64::consts::TAU * t / T;
+    let f = SpinUp::new(rate, T).unwrap().at(t, &[]);
+    let series = [
+        (x * t).powi(2) * (1.0 / 24.0 - x * x / 720.0),
+        x * x * t * (1.0 / 6.0 - x * x / 120.0),
+        x * x * (0.5 - x * x / 24.0),
+    ];
+    for (found, exact) in f.iter().zip(series.map(|x| rate / T * x)) {
+        assert!((found / exact - 1.0).abs() < 1e-14, "{found:e} {exact:e}");
+    }
+}
