@@ -6,7 +6,7 @@ mod joint_rates;
 pub(crate) use diagnostics::Diagnostics;
 pub(crate) use joint_rates::{JointRates, RateChange};
 
-use crate::input::{Job, ModelFile, Time};
+use crate::input::{Job, Joint, ModelFile, Time};
 use crate::solve::Counts;
 use pullback_elements::element::SectionState;
 use pullback_elements::joint::JointNodes;
@@ -62,16 +62,20 @@ fn has(own: bool, context: &Context, joint: &JointNodes) -> bool {
 
 /// Supports and joints, with their numbers, whose prescribed motion has a value (0) or a rate (1) at the start.
 fn prescribed(file: &ModelFile, order: usize) -> impl Iterator<Item = (String, Option<usize>)> {
+    let start = [0.0, BEFORE_START][order];
     let off = move |time: &Time| {
         time.function(&file.inputs)
-            .is_ok_and(|f| f.at(BEFORE_START, &[])[order].abs() > 0.0)
+            .is_ok_and(|f| f.at(start, &[])[order].abs() > 0.0)
     };
     let supports = file.supports.iter().filter(move |s| {
         let prescribed = s.prescribed.as_ref();
         prescribed.is_some_and(|d| d.given().any(|(_, time)| off(time)))
     });
-    let joints = (file.joints.iter().enumerate())
-        .filter(move |(_, j)| j.prescribed.as_ref().is_some_and(off));
+    let moved = move |j: &Joint| {
+        let mut acts = j.all_acts();
+        acts.any(|(_, a)| a.prescribed.as_ref().is_some_and(off))
+    };
+    let joints = (file.joints.iter().enumerate()).filter(move |(_, j)| moved(j));
     (supports.map(|s| (format!("support of {}", s.node), None)))
         .chain(joints.map(|(k, j)| (format!("joint {}", j.name), Some(k))))
 }
@@ -108,7 +112,9 @@ pub(crate) fn prescribed_start(job: &Job) -> Option<String> {
         rates.all(|[_, rate]| rate == 0.0)
     };
     let carried = (file.joints.iter().zip(&job.joints)).filter(|(j, nodes)| {
-        let free = j.rate.is_none() && j.prescribed.is_none() && has(true, context, nodes);
+        let mut acts = j.all_acts();
+        let given = acts.any(|(_, a)| a.rate.is_some() || a.prescribed.is_some());
+        let free = !given && has(true, context, nodes);
         free && nodes.coordinates.iter().all(rests) && moves(nodes.frame)
     });
     let carried: Vec<String> = carried.map(|(j, _)| j.name.clone()).collect();
@@ -124,7 +130,11 @@ pub(crate) fn prescribed_start(job: &Job) -> Option<String> {
 
 /// A warning about lines at rest next to a joint that starts with a rate.
 pub(crate) fn lines_at_rest(file: &ModelFile) -> impl Iterator<Item = String> {
-    let rated = (file.joints.iter()).filter(|j| j.rate.is_some_and(|rate| rate != 0.0));
+    let rates = |j: &Joint| {
+        j.all_acts()
+            .any(|(_, a)| a.rate.is_some_and(|rate| rate != 0.0))
+    };
+    let rated = file.joints.iter().filter(move |j| rates(j));
     rated.filter(|_| file.initial.is_empty()).flat_map(|j| {
         let child = j.child.as_ref();
         let ends = move |end: &String| *end == j.name || Some(end) == child;
@@ -146,8 +156,8 @@ pub(crate) fn lines_at_rest(file: &ModelFile) -> impl Iterator<Item = String> {
 pub(crate) fn strained(job: &Job, progress: &Progress) -> Vec<String> {
     let Job { context, file, .. } = job;
     let stored = progress.summary.energy.map_or(0.0, |e| e.now.stored);
-    let valued =
-        (file.joints.iter().enumerate()).filter(|(_, j)| j.value.is_some_and(|x| x != 0.0));
+    let values = |j: &Joint| j.all_acts().any(|(_, a)| a.value.is_some_and(|x| x != 0.0));
+    let valued = (file.joints.iter().enumerate()).filter(|(_, j)| values(j));
     let valued = valued.map(|(k, j)| (format!("joint {}", j.name), Some(k)));
     let names: Vec<String> = prescribed(file, 0)
         .chain(valued)

@@ -180,6 +180,7 @@ impl InputProblem {
             Self::UselessSupport { .. } => "add fix = \"all\" or prescribed = { rz = ... }",
             Self::PrescribedTwice { .. } => "remove it from one of the supports",
             Self::PrescribedEvent { .. } => "choose a free coordinate, or stop at a load",
+            Self::FarEvent { .. } => "choose a displacement, or a load",
             Self::LoadKind { .. } => {
                 "give exactly one of force, moment (on a node), force_per_length (on a line), \
                  gravity (on all lines, or one)"

@@ -143,6 +143,10 @@ pub enum InputProblem {
     },
     #[error("joint \"{joint}\": {source}")]
     Joint { joint: String, source: BoxedError },
+    #[error(
+        "{dof} = {value} is never reached: rotation vectors change their chart at half a turn, where they are π long"
+    )]
+    FarEvent { dof: &'static str, value: f64 },
     #[error("joint \"{joint}\" is prescribed, so {key} has no effect")]
     PrescribedJoint { joint: String, key: &'static str },
     #[error(

@@ -10,6 +10,7 @@ use super::{InputError, InputProblem, Location};
 use pullback_elements::model::{Model, NodeId};
 use pullback_integrators::dynamics::{self as integrator, Adaptivity, DynamicOptions, Scheme};
 use pullback_integrators::statics::{ArcLengthOptions, Event, StaticNewtonOptions, StaticOptions};
+use std::f64::consts::PI;
 
 /// Largest number of steps accepted.
 const MOST_STEPS: f64 = 1e9;
@@ -338,6 +339,9 @@ fn event(
                 let node = c.node.clone();
                 at.refuse(InputProblem::PrescribedEvent { node, dof })
             })?;
+            if c.dof.dof().index() >= 3 && value.abs() >= PI {
+                return Err(at.refuse(InputProblem::FarEvent { dof, value }));
+            }
             let name = format!("{dof} of {} = {value}", c.node);
             (Event::Coordinate { unknown, value }, name)
         }

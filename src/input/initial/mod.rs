@@ -2,18 +2,16 @@
 
 mod requests;
 mod values;
+mod velocities;
 
 use super::file::Initial;
 use super::parts::Assembly;
 use super::{InputError, InputProblem, Location};
-use nalgebra::{Matrix3, Vector3};
-use pullback_elements::model::{Context, NodeId, RigidMotion};
+use nalgebra::Vector3;
+use pullback_elements::model::{Context, NodeId};
 use pullback_integrators::dynamics::{self as integrator, DynamicsError, Progress};
-use pullback_manifold::so3;
-use pullback_manifold::system::{Point, System};
-use requests::{Rate, VelocityRequest, names};
 use std::f64::consts::TAU;
-use values::{geared, given};
+use velocities::Velocities;
 
 /// Tolerance of velocities, relative to the largest.
 const VELOCITY_TOLERANCE: f64 = 1e-9;
@@ -49,8 +47,13 @@ pub(super) fn start(assembly: &Assembly<'_>, context: &mut Context) -> Result<St
         if let Some(node) = node {
             check_attached(&at, context, node, initial)?;
             position(&at, context, node, initial, &mut q)?;
-            let of = [initial.displacement.is_some(), initial.rotation.is_some()];
-            placed.extend(requests::unknowns(context, node, of));
+            for (given, of) in [
+                (initial.displacement, [true, false]),
+                (initial.rotation, [false, true]),
+            ] {
+                let unknowns = requests::unknowns(context, node, of);
+                placed.extend(given.map(|_| unknowns.collect::<Vec<_>>()));
+            }
         }
         let chosen = match &initial.line {
             Some(name) => {
@@ -66,32 +69,14 @@ pub(super) fn start(assembly: &Assembly<'_>, context: &mut Context) -> Result<St
             chosen,
         });
     }
-    values::start(assembly, context, &mut q, &placed)?;
-    let mut velocities = Velocities {
-        start: Start {
+    values::start(assembly, context, &mut q, &placed.concat())?;
+    let Some(velocities) = Velocities::at(&q, assembly, context, &entries)? else {
+        return Ok(Start {
             v: vec![0.0; q.len()],
             q,
-        },
-        rates: Vec::new(),
-        requests: Vec::new(),
+        });
     };
-    // Rates of joints take precedence over the motion of the whole model.
-    let mut acts = file.joints.iter().flat_map(|j| j.all_acts());
-    let chosen_rates = acts.any(|(_, a)| a.rate.is_some());
-    let Start { q, v } = &velocities.start;
-    if context.configure(Point { t: 0.0, q, v, a: v }).is_err() {
-        // The analysis says why.
-        return Ok(velocities.start);
-    }
-    for entry in &entries {
-        let against = velocities.set_motion(context, entry)?;
-        if let (Some(joint), false) = (against, chosen_rates) {
-            return Err(entry.at.refuse(InputProblem::LoopMotion { joint }));
-        }
-    }
-    velocities.set_rates(assembly, context)?;
-    let held = velocities.fit_loops(context)?;
-    requests::project(assembly, context, velocities, held, &placed)
+    requests::project(assembly, context, velocities, &placed)
 }
 
 /// An entry of `[[initial]]`: of a node, of chosen nodes, or of all.
@@ -100,175 +85,6 @@ struct Entry<'a> {
     initial: &'a Initial,
     node: Option<NodeId>,
     chosen: Option<Vec<NodeId>>,
-}
-
-/// Initial velocities under construction.
-struct Velocities<'a> {
-    start: Start,
-    /// Rates of joints.
-    rates: Vec<Rate<'a>>,
-    /// Velocities prescribed in loops that multipliers and penalties close.
-    requests: Vec<VelocityRequest<'a>>,
-}
-
-impl<'a> Velocities<'a> {
-    /// Sets the motion of an entry, which overwrites those of earlier ones. Returns a joint of a loop that does not allow it.
-    fn set_motion(
-        &mut self,
-        context: &mut Context,
-        entry: &Entry<'a>,
-    ) -> Result<Option<String>, InputError> {
-        let &Entry {
-            ref at,
-            initial,
-            node,
-            ..
-        } = entry;
-        let chosen = entry.chosen.as_deref();
-        let turns = initial.angular_velocity.or(initial.body_angular_velocity);
-        if initial.velocity.is_none() && turns.is_none() {
-            return Ok(None);
-        }
-        let motion = motion(context, initial, node);
-        let of = [
-            initial.velocity.is_some() || initial.about.is_some(),
-            turns.is_some(),
-        ];
-        self.rates.retain(|rate| {
-            let other = chosen.is_some_and(|nodes| !nodes.contains(&rate.node));
-            other || (node.is_some() && !of[rate.k / 3])
-        });
-        if let Some(node) = node.filter(|&node| !context.is_own(node)) {
-            self.set_attached(context, node, (&motion, of), entry);
-            return Ok(None);
-        }
-        let Start { q, v } = &mut self.start;
-        // Components that the entry does not prescribe stay.
-        let others = node.map(|node| requests::unknowns(context, node, of.map(|of| !of)));
-        let others = others.into_iter().flatten();
-        let kept: Vec<(usize, f64)> = others.map(|u| (u, v[u])).collect();
-        context.set_velocity(q, v, chosen, &motion);
-        kept.into_iter().for_each(|(u, rate)| v[u] = rate);
-        self.requests.push(VelocityRequest {
-            at: at.clone(),
-            unknowns: match (node, chosen) {
-                (Some(node), _) => requests::unknowns(context, node, of).collect(),
-                (None, Some(nodes)) => context.unknowns_behind(nodes),
-                (None, None) => (0..context.initial().len())
-                    .filter(|&u| !context.pattern().coordinates()[u].is_multiplier)
-                    .collect(),
-            },
-            of_node: node.is_some(),
-        });
-        let Some(node) = node else {
-            // Where a map cannot be evaluated at the start, the analysis says so.
-            let fitted = context.fit_rates(q, v, chosen, &motion);
-            return Ok(fitted.unwrap_or_default().into_iter().next());
-        };
-        // Its velocities are its own, and joints stay as they were.
-        movable(at, context, node, initial, &motion).map(|()| None)
-    }
-
-    /// The velocity and angular velocity, as far as they are given, of a node that is attached to a joint.
-    fn set_attached(
-        &mut self,
-        context: &Context,
-        node: NodeId,
-        (motion, of): (&RigidMotion, [bool; 2]),
-        entry: &Entry<'a>,
-    ) {
-        let arm = context.node_state(node).position - motion.about;
-        let velocity = motion.velocity + motion.omega.cross(&arm);
-        let both = [("velocity", velocity), (spin(entry.initial), motion.omega)];
-        for (n, (key, wanted)) in both.into_iter().enumerate().filter(|(n, _)| of[*n]) {
-            self.rates.extend((0..3).map(|k| Rate {
-                node,
-                k: 3 * n + k,
-                u: None,
-                of: entry.initial.node.clone().unwrap_or_default(),
-                key,
-                at: entry.at.at(key),
-                given: wanted[k],
-            }));
-        }
-    }
-
-    /// Sets the rates of joint coordinates that are unknowns, and notes those in loops.
-    fn set_rates(&mut self, assembly: &Assembly<'a>, context: &Context) -> Result<(), InputError> {
-        for (joint, of, given) in given(assembly.file, |acts| acts.rate) {
-            let at = assembly.at("joints").at(joint).at("rate");
-            let node = assembly.joint_coordinates.find(&at, &of)?;
-            let u = context.unknown_at(node, 0);
-            match u {
-                Some(u) => self.start.v[u] = given,
-                None if !context.in_loop(node) => geared(&at, assembly.file, &of, "rate")?,
-                None => {}
-            }
-            if u.is_some() || !context.is_own(node) {
-                self.rates.push(Rate {
-                    node,
-                    k: 0,
-                    u,
-                    of,
-                    key: "rate",
-                    at,
-                    given,
-                });
-            }
-        }
-        Ok(())
-    }
-
-    /// Fits the velocities of loops that maps close to the rates in them; returns the unknowns that these determine.
-    fn fit_loops(&mut self, context: &mut Context) -> Result<Vec<usize>, InputError> {
-        let rates: Vec<&Rate<'_>> = self.rates.iter().filter(|r| r.u.is_none()).collect();
-        let Some(first) = rates.first() else {
-            return Ok(Vec::new());
-        };
-        let given: Vec<usize> = self.rates.iter().filter_map(|r| r.u).collect();
-        let Start { q, v } = &mut self.start;
-        let wanted: Vec<_> = rates.iter().map(|r| (r.node, r.k, r.given)).collect();
-        // Where a map cannot be evaluated at the start, the analysis says so.
-        let fitted = context.fit_coordinate_rates(q, v, &wanted, &given);
-        let (missing, unknowns) = fitted.unwrap_or_default();
-        let left = missing.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        if left <= VELOCITY_TOLERANCE {
-            return Ok(unknowns);
-        }
-        let of_node = rates.iter().find(|rate| rate.key != "rate");
-        Err(match (of_node, &rates[..]) {
-            (Some(rate), _) => rate.at.refuse(InputProblem::InitialHeld {
-                node: rate.of.clone(),
-                key: rate.key,
-            }),
-            // A single component of a spherical joint may be free.
-            (None, [one]) => (first.at).refuse(InputProblem::LoopLocked { of: one.of.clone() }),
-            _ => first.at.refuse(InputProblem::LoopRates {
-                of: names(rates.iter().copied()),
-                left: left * rates.iter().fold(0.0_f64, |m, r| m.max(r.given.abs())),
-            }),
-        })
-    }
-}
-
-/// The rigid motion of an entry, of a node in the configuration set.
-fn motion(context: &Context, initial: &Initial, node: Option<NodeId>) -> RigidMotion {
-    let here = node.map(|node| context.node_state(node));
-    RigidMotion {
-        velocity: initial.velocity.unwrap_or_default().into(),
-        omega: match (initial.angular_velocity, initial.body_angular_velocity) {
-            (Some(omega), _) => Vector3::from(omega),
-            (None, Some(body)) => {
-                here.map_or_else(Matrix3::identity, |here| here.R) * Vector3::from(body)
-            }
-            (None, None) => Vector3::zeros(),
-        },
-        about: match (initial.about, here) {
-            (Some(about), _) => about.into(),
-            (None, Some(here)) => here.position,
-            (None, None) => Vector3::zeros(),
-        },
-    }
 }
 
 fn check(at: &Location<'_>, initial: &Initial) -> Result<(), InputError> {
@@ -322,37 +138,6 @@ fn check_attached(
     Ok(())
 }
 
-/// The key of the angular velocity of an entry.
-fn spin(initial: &Initial) -> &'static str {
-    match initial.body_angular_velocity {
-        Some(_) => "body_angular_velocity",
-        None => "angular_velocity",
-    }
-}
-
-/// Refuses a velocity of a node along a coordinate that is held or prescribed.
-fn movable(
-    at: &Location<'_>,
-    context: &Context,
-    node: NodeId,
-    initial: &Initial,
-    motion: &RigidMotion,
-) -> Result<(), InputError> {
-    let psi = context.node_state(node).psi;
-    let rate = so3::tangent_inverse(&psi).tr_mul(&motion.omega);
-    let both = [("velocity", 0, motion.velocity), (spin(initial), 3, rate)];
-    for (key, first, wanted) in both {
-        let tiny = 1e-12 * wanted.amax();
-        let held =
-            (0..3).any(|k| wanted[k].abs() > tiny && context.unknown_at(node, first + k).is_none());
-        if held {
-            let node = initial.node.clone().unwrap_or_default();
-            return Err((at.at(key)).refuse(InputProblem::InitialHeld { node, key }));
-        }
-    }
-    Ok(())
-}
-
 /// The rotation vector of the same rotation with an angle of at most π.
 fn folded(psi: [f64; 3]) -> [f64; 3] {
     let psi = Vector3::from(psi);
@@ -378,7 +163,7 @@ fn position(
         ("displacement", node, 0, initial.displacement),
         ("rotation", free, first, initial.rotation.map(folded)),
     ] {
-        for (i, value) in values.unwrap_or_default().into_iter().enumerate() {
+        for (i, value) in values.into_iter().flatten().enumerate() {
             if !context.set(q, node, first + i, value) && value != 0.0 {
                 let node = initial.node.clone().unwrap_or_default();
                 return Err((at.at(key)).refuse(InputProblem::InitialHeld { node, key }));

@@ -1,7 +1,8 @@
 //! Velocities prescribed by initial conditions in models whose loops are closed by multipliers or
 //! penalties: kept where the loops allow them, refused otherwise.
 
-use super::{Start, VELOCITY_TOLERANCE, Velocities};
+use super::velocities::Velocities;
+use super::{Start, VELOCITY_TOLERANCE};
 use crate::input::parts::Assembly;
 use crate::input::{InputError, InputProblem, Location};
 use pullback_elements::model::{BEFORE_START, Context, ModelError, NodeId};
@@ -58,26 +59,25 @@ pub(super) fn names<'a>(rates: impl IntoIterator<Item = &'a Rate<'a>>) -> String
     names.join(", ")
 }
 
-/// Projects initial coordinates and velocities onto the equations of multipliers and penalties by the smallest changes. Coordinates of
-/// unknowns that are `placed` are kept if possible; rates of joints are kept, those in loops of maps with the unknowns
+/// Projects initial coordinates and velocities onto the equations of multipliers and penalties by the smallest changes. Positions
+/// and rotations, the unknowns that are `placed`, are kept if possible, in the order of the file; rates of joints are kept, those in loops of maps with the unknowns
 /// that are `held`, then velocities of nodes in the order of the file.
 pub(super) fn project(
     assembly: &Assembly<'_>,
     context: &mut Context,
     velocities: Velocities<'_>,
-    mut held: Vec<usize>,
-    placed: &[usize],
+    placed: &[Vec<usize>],
 ) -> Result<Start, InputError> {
     let Velocities {
         mut start,
         rates,
+        mut held,
         mut requests,
     } = velocities;
     if !context.is_enforced() {
         return Ok(start);
     }
     let failed = |error| assembly.locate(error);
-    held.extend(rates.iter().filter_map(|r| r.u));
     (context.project_positions(0.0, &mut start.q, &held, placed)).map_err(failed)?;
     let (left, _) = remaining_error(context, &start, &held).map_err(failed)?;
     let most = rates.iter().fold(0.0_f64, |m, r| m.max(r.given.abs()));

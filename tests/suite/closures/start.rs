@@ -343,3 +343,35 @@ fn a_drive_that_begins_far_away_takes_its_loops_along() {
         }
     }
 }
+
+/// Two bodies with arms of 1 and 0.2 that meet in a ball joint. The position of the first and the displacement of the second close
+/// the loop, the rotation of the second no longer does.
+#[test]
+fn positions_are_kept_in_the_order_of_the_file() {
+    for closure in &CLOSURES[1..] {
+        let text = [
+            "[nodes]\na = [0, 0, 0]\nb = [2, 0, 0]\n",
+            &body("a"),
+            &body("b"),
+            &arm("end a", "a", [1.0, 0.2, 0.0]),
+            &arm("end b", "b", [1.0, 0.2, 0.0]),
+            &joint(
+                "ball",
+                "spherical",
+                "end a",
+                &format!("child = \"end b\"\n{closure}"),
+            ),
+            "[[initial]]\nnode = \"a\"\ndisplacement = [0.1, 0, 0.3]\n\
+             [[initial]]\nnode = \"b\"\ndisplacement = [0, 0, 0.1]\nrotation = [0, 0, 0]\n",
+            RUN,
+        ];
+        let job = started(&text.concat());
+        for (node, exact) in [("a", [0.1, 0.0, 0.3]), ("b", [0.0, 0.0, 0.1])] {
+            let d = job.context.node_state(job.context.find(node).unwrap()).d;
+            assert!(
+                (d - Vector3::from(exact)).norm() < 1e-9,
+                "{node} {closure}: {d}"
+            );
+        }
+    }
+}

@@ -224,8 +224,87 @@ fn nodes_on_joints_take_the_velocities_that_their_joints_allow() {
                 number(&rows[0], column),
                 exact,
                 1e-13,
-                &format!("{column} {text}"),
+                format!("{column} {text}"),
             );
         }
     }
+}
+
+/// Bodies that a `free` joint or a line hangs on an arm with a `rate` move as the whole model does, and the arm as its rate says.
+#[test]
+fn what_is_free_behind_a_rate_follows_the_motion_of_the_model() {
+    let text = [
+        "[nodes]\nground = [0, 0, 0]\n",
+        &fixed("ground"),
+        &joint("arm", "revolute", "ground", "axis = [0, 0, 1]\nrate = 2"),
+        &joint("body", "free", "arm", "position = [2, 0.5, 0]"),
+        &body_of("arm", 1.0, "inertia = [1, 1, 1]"),
+        &body_of("body", 1.0, "inertia = [1, 1, 1]"),
+        "[[initial]]\nvelocity = [1, 2, 3]\nangular_velocity = [0.3, 0, 0.1]\n",
+        "[analysis.dynamic]\nto = 0.1\nstep = 0.1\n",
+        "[[probes]]\nname = \"arm\"\nquantity = \"joint_rate\"\njoint = \"arm\"\n",
+        &probe("v", "velocity", "body"),
+        &probe("w", "angular_velocity", "body"),
+    ]
+    .concat();
+    let rows = run_of("program_behind_a_rate", &text).rows;
+    let columns = ["arm", "v.x", "v.y", "v.z", "w.x", "w.y", "w.z"];
+    // v + ω × x.
+    for (column, exact) in columns.iter().zip([2.0, 0.95, 2.2, 3.15, 0.3, 0.0, 0.1]) {
+        assert_close(number(&rows[0], column), exact, 1e-13, column);
+    }
+}
+
+/// Entries for one node leave alone what only the others give, and read its place and its axes with what is prescribed.
+#[test]
+fn entries_for_one_node_leave_each_other_alone() {
+    let start = |support: &str, entries: &str| {
+        let text = [
+            "[nodes]\nO = [1, 2, 3]\n",
+            &body_of("O", 1.0, "inertia = [1, 1, 1]"),
+            support,
+            entries,
+            "[analysis.dynamic]\nto = 0.1\nstep = 0.1\n",
+            &probe("d", "displacement", "O"),
+            &probe("r", "rotation", "O"),
+            &probe("v", "velocity", "O"),
+            &probe("w", "angular_velocity", "O"),
+        ]
+        .concat();
+        run_of("program_entries", &text).rows.swap_remove(0)
+    };
+    let entry = |keys: &str| format!("[[initial]]\nnode = \"O\"\n{keys}\n");
+    let held = |keys: &str| format!("[[supports]]\nnode = \"O\"\n{keys}\n");
+    let assert = |row: &HashMap<String, String>, name: &str, exact: [f64; 3]| {
+        for (axis, exact) in ["x", "y", "z"].iter().zip(exact) {
+            assert_close(number(row, &format!("{name}.{axis}")), exact, 1e-13, name);
+        }
+    };
+    let [place, turn] = [
+        entry("displacement = [0.1, 0.2, 0.3]"),
+        entry("rotation = [0, 0.1, 0.2]"),
+    ];
+    let moves = entry("velocity = [0, 1, 0]");
+    for entries in [
+        [&place, &turn, &moves],
+        [&moves, &turn, &place],
+        [&turn, &moves, &place],
+    ] {
+        let row = start("", &entries.map(String::as_str).concat());
+        assert(&row, "d", [0.1, 0.2, 0.3]);
+        assert(&row, "r", [0.0, 0.1, 0.2]);
+        assert(&row, "v", [0.0, 1.0, 0.0]);
+    }
+    // About the node itself, wherever it is prescribed to be.
+    let spun = entry("velocity = [0, 1, 0]\nangular_velocity = [0, 0, 1]");
+    let row = start(
+        &held("prescribed = { x = { constant = 0.5 } }\nfix = [\"z\"]"),
+        &spun,
+    );
+    assert(&row, "v", [0.0, 1.0, 0.0]);
+    // R(0.5 e1) 2 e3.
+    let (sin, cos) = 0.5_f64.sin_cos();
+    let turned = held("prescribed = { rx = { constant = 0.5 } }");
+    let row = start(&turned, &entry("body_angular_velocity = [0, 0, 2]"));
+    assert(&row, "w", [0.0, -2.0 * sin, 2.0 * cos]);
 }

@@ -140,10 +140,21 @@ fn a_joint_is_let_go_with_its_spring_tight_without_a_warning() {
     // A line that is strained at the start is another matter.
     let about = "joint J is not where the model is drawn";
     let driven = hinge("J", "ground", "prescribed = { constant = 0.1 }");
-    for joint in [let_go, driven] {
+    let keys = "axis = [0, 0, 1]\nsecond_axis = [0, 1, 0]\ncoordinates = { \"angle 1\" = { value = 0.1 } }";
+    let one_of_two = joint("J", "universal", "ground", keys);
+    for joint in [let_go, driven, one_of_two] {
         let [_, warnings] = said("strained", &[&held(), &joint, &line("J"), &fixed("tip")]);
         assert_told(&warnings, about, true);
     }
+    // A motion that begins there, and a spring that is tight as drawn.
+    let swings = hinge("J", "ground", "prescribed = { sine = { omega = 2 } }");
+    let tight =
+        "[[springs]]\nname = \"s\"\nnodes = [\"J\", \"tip\"]\nstiffness = 10\nrest_length = 0.5\n";
+    let [_, warnings] = said(
+        "tight",
+        &[&held(), &swings, tight, &body("J"), &body("tip")],
+    );
+    assert_told(&warnings, about, false);
 }
 
 #[test]

@@ -112,6 +112,7 @@ steps = 4 => to = 0 | 0 | to = 0 | differs from
 [analysis.static]\nsteps = 4 => [analysis.arc_length]\nstop = [] | [] | stop = 0 | at least one
  => [analysis.arc_length]\nmax_steps = 0 | 0 | max_steps = 0 | positive
  => [analysis.arc_length]\nstop = [{ coordinate = { node = "A", dof = "x", value = 1 } }] | { coordinate | coordinate x of node "A" is prescribed | free
+ => [analysis.arc_length]\nstop = [{ coordinate = { node = "B", dof = "rz", value = 4 } }] | { coordinate | never reached | displacement
  => [analysis.arc_length]\nstop = [{ coordinate = { node = "Z", dof = "x", value = 1 } }] | "Z" | no node named "Z" | `A`
 "#,
     );

@@ -59,8 +59,8 @@ impl Context {
         Ok(left)
     }
 
-    /// As [`Context::project_state`] for coordinates, keeping those in `wanted` as well if possible; if
-    /// not, [`Context::descriptions`] gives their initial values.
+    /// As [`Context::project_state`] for coordinates, keeping those in `wanted` as well: all if possible, or one group after the
+    /// other as long as the equations have a solution. [`Context::descriptions`] gives the initial values of the others.
     ///
     /// # Errors
     /// As [`Context::project_state`].
@@ -69,16 +69,25 @@ impl Context {
         t: f64,
         q: &mut [f64],
         held: &[usize],
-        wanted: &[usize],
+        wanted: &[Vec<usize>],
     ) -> Result<(), ModelError> {
-        let mut trial = q.to_vec();
-        let all = [held, wanted].concat();
-        if !wanted.is_empty() && self.project_state(t, &mut trial, &mut [], &all).is_ok() {
-            q.copy_from_slice(&trial);
-            return Ok(());
+        let all = wanted.concat();
+        let values: Vec<(usize, f64)> = all.iter().map(|&u| (u, q[u])).collect();
+        let mut closes = |kept: &[usize]| {
+            let mut trial = q.to_vec();
+            (self.project_state(t, &mut trial, &mut [], kept)).is_ok()
+        };
+        let mut kept = [held, &all].concat();
+        if !all.is_empty() && !closes(&kept) {
+            kept.truncate(held.len());
+            for group in wanted {
+                kept.extend(group);
+                if !closes(&kept) {
+                    kept.truncate(kept.len() - group.len());
+                }
+            }
         }
-        let values: Vec<(usize, f64)> = wanted.iter().map(|&u| (u, q[u])).collect();
-        self.project_state(t, q, &mut [], held)?;
+        self.project_state(t, q, &mut [], &kept)?;
         self.report_moved(q, &values);
         Ok(())
     }

@@ -52,7 +52,7 @@ impl Model {
 impl Context {
     /// Fits the rates of joint coordinates in `v`, so that the frames that elements read (those among
     /// `nodes`, all if `None`) follow a rigid motion as closely as possible: frame by frame from
-    /// the root, all frames of a loop at once, by least squares. Returns the nodes, and of loops the closing joints,
+    /// the root, all frames of a loop at once, by least squares. Unknowns that are `held` keep theirs. Returns the nodes, and of loops the closing joints,
     /// that do not allow the motion, where they move and nothing is prescribed. Time is that just before t = 0.
     ///
     /// # Errors
@@ -63,11 +63,13 @@ impl Context {
         v: &mut [f64],
         nodes: Option<&[NodeId]>,
         motion: &RigidMotion,
+        held: &[usize],
     ) -> Result<Vec<String>, SystemError> {
         let (mut fitted, mut against) = (Vec::new(), Vec::new());
         let model = Arc::clone(&self.model);
         let released = |&m: &u32| model.nodes[m as usize].is_released();
         let mut open = vec![true; v.len()];
+        held.iter().for_each(|&u| open[u] = false);
         let mut read = vec![false; model.nodes.len()];
         let nodes_read = model.elements.iter().flat_map(|e| e.nodes.iter());
         nodes_read.for_each(|&n| read[n as usize] = true);
@@ -126,9 +128,9 @@ impl Context {
         // A locked loop has no coordinates of its own.
         let parents = d.parents(&self.state.maps);
         let released = |&m: &u32| model.nodes[m as usize].is_released();
-        let unknowns = model.unknowns_of(parents.iter().take(1).copied().filter(released));
+        let mut unknowns = model.unknowns_of(parents.iter().take(1).copied().filter(released));
         let alone = parents.len() == 1 && !unknowns.is_empty();
-        unknowns.iter().for_each(|&u| open[u] = false);
+        unknowns.retain(|&u| std::mem::take(&mut open[u]));
         let left = self.fit_motion(q, v, &all, &unknowns, motion)?;
         let report = model.reports.iter().find(|r| r.map == Some(x));
         let joint = report.and_then(|r| r.closures.first());
@@ -219,41 +221,44 @@ impl Context {
         wanted: &[(NodeId, usize, f64)],
     ) -> Result<(DVector<f64>, DMatrix<f64>), SystemError> {
         let (t, a) = (BEFORE_START, vec![0.0; v.len()]);
+        let model = Arc::clone(&self.model);
+        // Velocities of frames are compared with angular ones over the size of the model.
+        let scaled = |&(node, k, rate): &(NodeId, usize, f64)| match k < 3
+            && model.nodes[node.0 as usize].is_frame()
+        {
+            true => rate / model.length,
+            false => rate,
+        };
         let mut rates = |v: &[f64]| {
             self.expand(Point { t, q, v, a: &a })?;
-            let all = wanted.iter().map(|&(node, k, _)| self.rate(node, k));
-            Ok(DVector::from_iterator(wanted.len(), all))
+            let all = wanted
+                .iter()
+                .map(|&(node, k, _)| (node, k, self.rate(node, k)));
+            let all: Vec<f64> = all.map(|rate| scaled(&rate)).collect();
+            Ok(DVector::from_vec(all))
         };
         let now = rates(v)?;
         let mut columns = DMatrix::zeros(now.len(), unknowns.len());
         for (k, &u) in unknowns.iter().enumerate() {
+            let own = v[u];
             v[u] += 1.0;
             columns.set_column(k, &(rates(v)? - &now));
-            v[u] -= 1.0;
+            v[u] = own;
         }
-        let all = wanted.iter().map(|&(node, k, w)| w * self.scale(node, k));
-        let wanted = DVector::from_iterator(wanted.len(), all);
+        let wanted = DVector::from_iterator(wanted.len(), wanted.iter().map(scaled));
         let missing = add_fitted(v, unknowns, &columns, &wanted - &now);
         let size = wanted.amax().max(now.amax());
         Ok((missing / if size > 0.0 { size } else { 1.0 }, columns))
     }
 
-    /// The rate of a coordinate; of a frame a component of its velocity over the size of the model, or of its angular velocity.
+    /// The rate of a coordinate; of a frame a component of its velocity or angular velocity.
     fn rate(&self, node: NodeId, k: usize) -> f64 {
         let n = &self.model.nodes[node.0 as usize];
         if !n.is_frame() {
             return self.work.v[n.first + k];
         }
         let state = self.node_state(node);
-        let all = [state.velocity, state.omega];
-        all[k / 3][k % 3] * self.scale(node, k)
-    }
-
-    fn scale(&self, node: NodeId, k: usize) -> f64 {
-        match self.model.nodes[node.0 as usize].is_frame() && k < 3 {
-            true => self.model.length.recip(),
-            false => 1.0,
-        }
+        [state.velocity, state.omega][k / 3][k % 3]
     }
 }
 

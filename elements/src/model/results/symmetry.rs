@@ -137,7 +137,7 @@ impl Measured<'_> {
             let mut rates = vec![0.0; q.len()];
             self.0.set_velocity(q, &mut rates, None, &motion);
             let frames = rates.clone();
-            self.0.fit_rates(q, &mut rates, None, &motion)?;
+            self.0.fit_rates(q, &mut rates, None, &motion, &[])?;
             for (rate, frame) in rates.iter_mut().zip(frames) {
                 // Rounded, so that a continued run gets the same.
                 *rate = ((*rate - frame) * 1e12).round() * 1e-12;
