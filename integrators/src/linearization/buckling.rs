@@ -97,7 +97,7 @@ pub fn buckling(
     }
     let loads = load_rate(system, at)?;
     let rate = path_rate(system, &lin, &loads)?;
-    let (beside, reach) = smooth(&events(system).kinks(), at.t);
+    let kinks = events(system).kinks();
     let mut tangent = |t: f64, s: f64| {
         let q: Vec<f64> = at.q.iter().zip(&rate).map(|(q, x)| q + s * x).collect();
         let (mut r, mut K) = (vec![0.0; q.len()], vec![0.0; lin.pattern.len()]);
@@ -105,21 +105,8 @@ pub fn buckling(
         system.evaluate(Point::statics(t, &q), out)?;
         Ok(K)
     };
-    let mut symmetric = true;
-    let mut checked = |t: f64, s: f64| {
-        let K = tangent(t, s)?;
-        symmetric &= lin.is_symmetric(&K);
-        Ok(K)
-    };
-    // By the coordinates, and by what is prescribed.
-    let along = central(step(&lin, &rate), |s| checked(at.t, s))?;
-    let change = derivative_of(reach, |s| checked(beside + s, 0.0))?;
-    if !symmetric {
-        return Err(BucklingError::Asymmetric);
-    }
-    lin.M = (along.iter().zip(change))
-        .map(|(a, b)| -a.value - b)
-        .collect();
+    let change = tangent_rate(&lin, at.t, step(&lin, &rate), &kinks, &mut tangent)?;
+    lin.M = change.iter().map(|K| -K).collect();
     if lin.M.iter().all(|K| *K == 0.0) {
         return Err(BucklingError::NoLoad);
     }
@@ -147,6 +134,32 @@ pub fn buckling(
         mode.error = change_of_growth(system, there, &loads).max(mode.error);
     }
     Ok(modes)
+}
+
+/// The derivative of the tangent along the path, from tangents at (load parameter, distance along the path): by the coordinates
+/// with a step h, and by what is prescribed.
+fn tangent_rate(
+    lin: &Linearized,
+    t: f64,
+    h: f64,
+    kinks: &[f64],
+    tangent: &mut dyn FnMut(f64, f64) -> Result<Vec<f64>, SystemError>,
+) -> Result<Vec<f64>, BucklingError> {
+    let mut symmetric = true;
+    let mut checked = |t: f64, s: f64| {
+        let K = tangent(t, s)?;
+        symmetric &= lin.is_symmetric(&K);
+        Ok(K)
+    };
+    let along = central(h, |s| checked(t, s))?;
+    let (beside, reach) = smooth(kinks, t);
+    let by_itself = derivative_of(reach, |s| checked(beside + s, 0.0))?;
+    match symmetric {
+        true => Ok((along.iter().zip(by_itself))
+            .map(|(a, b)| a.value + b)
+            .collect()),
+        false => Err(BucklingError::Asymmetric),
+    }
 }
 
 /// Relative change of the rate at which loads grow, such as that of loads that have stopped growing.
