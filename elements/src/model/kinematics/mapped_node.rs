@@ -107,7 +107,10 @@ impl Context {
         }
         let [q, v, a] = [q, qv, qa].map(|x| &x[..k]);
         map.domain(t, q).map_err(|why| SystemError::Domain {
-            what: format!("joint at node {}", node.name),
+            what: match d.initial_parents() == [node.partner] {
+                true => format!("rotation of node {}", node.name),
+                false => format!("joint at node {}", node.name),
+            },
             why,
         })?;
         let own = node.range();
