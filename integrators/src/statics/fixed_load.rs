@@ -98,8 +98,8 @@ impl Newton {
         q: &mut [f64],
         t: f64,
     ) -> Result<usize, Cause> {
-        let (mut changes, mut left) = (0, None);
-        for round in 0..ROUNDS {
+        let (mut changes, mut left, mut stayed) = (0, None, false);
+        for _ in 0..ROUNDS {
             let changed = change_charts(system, t, q, &mut [], &mut []);
             changes += changed.charts;
             if changed == ChartChanges::default() {
@@ -108,11 +108,13 @@ impl Newton {
             let before = q.to_vec();
             self.correct(system, q, &mut { t }, None, None)?;
             let Some((i, border)) = departure(system, t, &before, q) else {
-                if round > 0 && left.is_none() {
+                if stayed {
                     return Ok(changes);
                 }
+                stayed = true;
                 continue;
             };
+            stayed = false;
             let moved = q[i] - before[i];
             if left.is_some_and(|(k, before)| k == i && moved * before < 0.0) {
                 changes += self.rest(system, q, t, (i, border), moved)?;

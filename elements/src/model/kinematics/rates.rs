@@ -2,7 +2,6 @@
 
 use crate::model::build::builder::NodeId;
 use crate::model::build::dependency_graph::behind;
-use crate::model::kinematics::mapped_node::MappedNode;
 use crate::model::kinematics::motion::RigidMotion;
 use crate::model::{Context, Model, NodeForm, among};
 use nalgebra::{DMatrix, DVector};
@@ -17,15 +16,14 @@ const MISSING: f64 = 1e-9;
 pub const BEFORE_START: f64 = 0.0_f64.next_down();
 
 impl Model {
-    /// The map of a frame among `nodes`.
-    fn chosen(&self, n: u32, nodes: Option<&[NodeId]>) -> Option<&MappedNode> {
+    /// Whether a mapped node is a frame among `nodes`.
+    fn chosen(&self, n: u32, nodes: Option<&[NodeId]>) -> bool {
         let node = &self.nodes[n as usize];
         let frame = match node.form {
             NodeForm::Pose => node.partner,
             _ => n,
         };
-        let chosen = nodes.is_none_or(|nodes| nodes.contains(&NodeId(frame)));
-        node.mapped().filter(|_| chosen && node.is_frame())
+        node.is_frame() && nodes.is_none_or(|nodes| nodes.contains(&NodeId(frame)))
     }
 
     /// The coordinates of the loop of a coordinate.
@@ -34,6 +32,13 @@ impl Model {
             return None;
         };
         self.reports.iter().any(|r| r.map == Some(x)).then_some(x)
+    }
+
+    /// The first of the joints that close the loop of coordinates x.
+    fn closing_joint(&self, x: u32) -> u32 {
+        let report = self.reports.iter().find(|r| r.map == Some(x));
+        let closing = report.and_then(|r| r.closures.first());
+        closing.map_or(x, |&(joint, _)| joint)
     }
 
     /// The unknowns among the coordinates of nodes.
@@ -52,8 +57,9 @@ impl Model {
 impl Context {
     /// Fits the rates of joint coordinates in `v`, so that the frames that elements read (those among
     /// `nodes`, all if `None`) follow a rigid motion as closely as possible: frame by frame from
-    /// the root, all frames of a loop at once, by least squares. Unknowns that are `held` keep theirs. Returns the nodes, and of loops the closing joints,
-    /// that do not allow the motion, where they move and nothing is prescribed. Time is that just before t = 0.
+    /// the root, all frames of a loop at once, by least squares. Unknowns that are `held` keep theirs. Returns
+    /// the nodes, and of loops the closing joints, that do not allow the motion, where they move and nothing is
+    /// prescribed. Time is that just before t = 0.
     ///
     /// # Errors
     /// [`SystemError`] if the point is outside a chart.
@@ -67,75 +73,50 @@ impl Context {
     ) -> Result<Vec<String>, SystemError> {
         let (mut fitted, mut against) = (Vec::new(), Vec::new());
         let model = Arc::clone(&self.model);
-        let released = |&m: &u32| model.nodes[m as usize].is_released();
         let mut open = vec![true; v.len()];
         held.iter().for_each(|&u| open[u] = false);
         let mut read = vec![false; model.nodes.len()];
         let nodes_read = model.elements.iter().flat_map(|e| e.nodes.iter());
         nodes_read.for_each(|&n| read[n as usize] = true);
         for &n in &model.nodes.mapped {
-            let Some(d) = model.chosen(n, nodes) else {
-                continue;
-            };
-            let mut parents = d.parents(&self.state.maps).iter().copied();
-            let Some(x) = parents.find_map(|m| self.loop_of(m)) else {
-                if read[n as usize] {
-                    let own = behind(&model.nodes, &self.state.maps, &[n]);
-                    let mut unknowns = model.unknowns_of(own.iter().copied().filter(released));
-                    let moves = !unknowns.is_empty();
-                    unknowns.retain(|&u| std::mem::take(&mut open[u]));
-                    let left = self.fit_motion(q, v, &[n], &unknowns, motion)?;
-                    let given = |&m: &u32| {
-                        let all = among(&model.prescribed, model.nodes[m as usize].range());
-                        all.iter().any(|p| p.function.constant().is_none())
-                    };
-                    // What is fixed to supports stays, as supported nodes do.
-                    if left > MISSING && moves && !own.iter().any(given) {
-                        against.push(model.nodes[n as usize].name.clone());
-                    }
-                }
-                continue;
-            };
-            if fitted.contains(&x) {
+            if !model.chosen(n, nodes) {
                 continue;
             }
-            fitted.push(x);
-            against.extend(self.fit_loop(q, v, (nodes, x), motion, &mut open)?);
+            let (frames, name) = match self.loop_behind(n) {
+                Some(x) if fitted.contains(&x) => continue,
+                Some(x) => {
+                    fitted.push(x);
+                    let all = model.nodes.mapped.iter().copied();
+                    let of_loop =
+                        |&k: &u32| model.chosen(k, nodes) && self.loop_behind(k) == Some(x);
+                    (all.filter(of_loop).collect(), model.closing_joint(x))
+                }
+                None if read[n as usize] => (vec![n], n),
+                None => continue,
+            };
+            let own = behind(&model.nodes, &self.state.maps, &frames);
+            let released = |&m: &u32| model.nodes[m as usize].is_released();
+            let mut unknowns = model.unknowns_of(own.iter().copied().filter(released));
+            let moves = !unknowns.is_empty();
+            unknowns.retain(|&u| std::mem::take(&mut open[u]));
+            let left = self.fit_motion(q, v, &frames, &unknowns, motion)?;
+            let given = |&m: &u32| {
+                let all = among(&model.prescribed, model.nodes[m as usize].range());
+                all.iter().any(|p| p.function.constant().is_none())
+            };
+            // What is fixed to supports stays, as supported nodes do.
+            if left > MISSING && moves && !own.iter().any(given) {
+                against.push(model.nodes[name as usize].name.clone());
+            }
         }
         Ok(against)
     }
 
-    /// Fits the rates of the loop of coordinates x; returns the closing joint of a loop that does not allow the motion.
-    fn fit_loop(
-        &mut self,
-        q: &[f64],
-        v: &mut [f64],
-        (nodes, x): (Option<&[NodeId]>, u32),
-        motion: &RigidMotion,
-        open: &mut [bool],
-    ) -> Result<Option<String>, SystemError> {
-        let model = Arc::clone(&self.model);
-        let all: Vec<u32> = (model.nodes.mapped.iter().copied())
-            .filter(|&k| {
-                let d = model.chosen(k, nodes);
-                let mut parents = d.map_or(&[][..], |d| d.parents(&self.state.maps)).iter();
-                parents.any(|&m| model.loop_of(m) == Some(x))
-            })
-            .collect();
-        let Some(d) = model.nodes[x as usize].mapped() else {
-            return Ok(None);
-        };
-        // A locked loop has no coordinates of its own.
-        let parents = d.parents(&self.state.maps);
-        let released = |&m: &u32| model.nodes[m as usize].is_released();
-        let mut unknowns = model.unknowns_of(parents.iter().take(1).copied().filter(released));
-        let alone = parents.len() == 1 && !unknowns.is_empty();
-        unknowns.retain(|&u| std::mem::take(&mut open[u]));
-        let left = self.fit_motion(q, v, &all, &unknowns, motion)?;
-        let report = model.reports.iter().find(|r| r.map == Some(x));
-        let joint = report.and_then(|r| r.closures.first());
-        let name = joint.map(|&(n, _)| model.nodes[n as usize].name.clone());
-        Ok(name.filter(|_| alone && left > MISSING))
+    /// The coordinates of the loop from which a frame follows.
+    fn loop_behind(&self, n: u32) -> Option<u32> {
+        let d = self.model.nodes[n as usize].mapped()?;
+        let mut parents = d.parents(&self.state.maps).iter();
+        parents.find_map(|&m| self.model.loop_of(m))
     }
 
     /// Fits the rates of unknowns to a motion of frames; returns the missing part relative to the whole.
