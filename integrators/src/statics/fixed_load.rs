@@ -6,13 +6,14 @@ use crate::abilities::{change_charts, events};
 use crate::failure::Cause;
 use crate::linear_solver::LinearSolver;
 use crate::rounding::largest;
-use pullback_manifold::system::{ChartChanges, Point, System};
+use pullback_manifold::domain::DomainError;
+use pullback_manifold::system::{ChartChanges, Point, System, SystemError};
 
-/// Largest number of corrections after changes of chart.
+/// Largest number of changes of chart, and of nodes that slides pass, in a step.
 const ROUNDS: usize = 20;
 
-/// Part of the excursion of a slide from its line, at which equilibrium on the next one is sought.
-const BEYOND: f64 = 0.1;
+/// Part of its typical size by which a coordinate enters the next line.
+const BEYOND: f64 = 1e-5;
 
 /// State of the tangent at the beginning of a step.
 #[derive(Clone, Copy, PartialEq)]
@@ -76,8 +77,8 @@ impl Newton {
     /// if the discretisation of an element depends on them, so that results do not depend on the
     /// path. The number of changes of chart.
     ///
-    /// Where equilibrium moves an element back over its border, both charts are as good. A slide that goes back and forth is
-    /// outside of its line on either side: it rests at the node between them, where the force along its chain jumps.
+    /// A slide passes the nodes of its chain
+    /// one by one, as the force along the chain jumps there, and rests at one between lines that push it towards each other.
     pub(super) fn settle(
         &mut self,
         system: &mut dyn System,
@@ -85,69 +86,94 @@ impl Newton {
         t: f64,
         previous: Option<(f64, &[f64])>,
     ) -> Result<usize, Cause> {
-        self.correct(system, q, &mut { t }, None, previous)?;
-        let changes = self.settle_charts(system, q, t);
-        self.held.clear();
-        changes
+        let held = self.held.clone();
+        let settled = self.settle_charts(system, q, t, previous);
+        if settled.is_err() {
+            self.held = held;
+        }
+        settled
     }
 
-    /// The same behind the first equilibrium.
     fn settle_charts(
         &mut self,
         system: &mut dyn System,
         q: &mut [f64],
         t: f64,
+        previous: Option<(f64, &[f64])>,
     ) -> Result<usize, Cause> {
-        let (mut changes, mut left, mut stayed) = (0, None, false);
+        let mut before = previous.map_or(&*q, |(_, q)| q).to_vec();
+        self.correct(system, q, &mut { t }, None, previous)?;
+        let (mut changes, mut rounds, mut passes) = (0, 0, None);
+        for at in self.held.clone() {
+            changes += self.rest(system, q, t, at, 1.0)?;
+        }
         for _ in 0..ROUNDS {
+            if let Some((i, end)) = departure(system, t, &before, q) {
+                passes = Some(i);
+                let direction = q[i] - before[i];
+                q[i] = end;
+                before.copy_from_slice(q);
+                self.held.push((i, end));
+                self.correct(system, q, &mut { t }, None, None)?;
+                changes += self.rest(system, q, t, (i, end), direction)?;
+                continue;
+            }
+            // If equilibrium moves an element back over its border, the second round is the last.
+            if rounds == 2 {
+                return Ok(changes);
+            }
             let changed = change_charts(system, t, q, &mut [], &mut []);
             changes += changed.charts;
             if changed == ChartChanges::default() {
                 return Ok(changes);
             }
-            let before = q.to_vec();
+            rounds += 1;
+            before.copy_from_slice(q);
             self.correct(system, q, &mut { t }, None, None)?;
-            let Some((i, border)) = departure(system, t, &before, q) else {
-                if stayed {
-                    return Ok(changes);
-                }
-                stayed = true;
-                continue;
-            };
-            stayed = false;
-            let moved = q[i] - before[i];
-            if left.is_some_and(|(k, before)| k == i && moved * before < 0.0) {
-                changes += self.rest(system, q, t, (i, border), moved)?;
-            }
-            left = Some((i, moved));
         }
-        Err(Cause::TooManyIterations)
+        Err(passes.map_or(Cause::TooManyIterations, |i| {
+            let why = "it passes from node to node and back, as the force along its chain jumps there; a dynamic analysis with \
+                       dampers finds where it comes to rest";
+            Cause::System(SystemError::Domain {
+                what: system.name(i),
+                why: DomainError::Undefined(why.to_owned()),
+            })
+        }))
     }
 
-    /// Holds a slide at the border of its line, unless equilibrium on the line beyond is found from there.
+    /// Releases a slide that is held at the end of a line unless the lines on both sides push it there: it goes on along the
+    /// line that does not. The number of changes of chart.
     fn rest(
         &mut self,
         system: &mut dyn System,
         q: &mut [f64],
         t: f64,
-        (i, border): (usize, f64),
-        moved: f64,
+        (i, end): (usize, f64),
+        direction: f64,
     ) -> Result<usize, Cause> {
-        q[i] = border;
-        self.held.push((i, border));
-        self.correct(system, q, &mut { t }, None, None)?;
-        let corner = q.to_vec();
-        self.held.pop();
-        q[i] += BEYOND * moved;
-        let beyond = q.to_vec();
-        let changed = change_charts(system, t, q, &mut [], &mut []);
-        let found = self.correct(system, q, &mut { t }, None, None);
-        if found.is_err() || departure(system, t, &beyond, q).is_some() {
-            q.copy_from_slice(&corner);
-            self.held.push((i, border));
-            self.correct(system, q, &mut { t }, None, None)?;
+        let mut changes = 0;
+        let held = std::mem::take(&mut self.held);
+        let beyond = (BEYOND * system.pattern().coordinates()[i].size).copysign(direction);
+        let mut push = |newton: &mut Self, q: &mut [f64], beyond: f64| {
+            q[i] = end + beyond;
+            changes += change_charts(system, t, q, &mut [], &mut []).charts;
+            q[i] = end;
+            let evaluated = newton.evaluate(system, None, q, t);
+            evaluated
+                .map(|()| newton.r[i] * beyond)
+                .map_err(Cause::System)
+        };
+        let back = push(self, q, -beyond)?;
+        let ahead = push(self, q, beyond)?;
+        if ahead <= 0.0 && back > 0.0 {
+            push(self, q, -beyond)?;
         }
-        Ok(changed.charts)
+        self.held = held;
+        if ahead > 0.0 || back > 0.0 {
+            self.held.retain(|(k, _)| *k != i);
+        }
+        self.correct(system, q, &mut { t }, None, None)?;
+        Ok(changes)
     }
 
     /// Factorises the tangent at an equilibrium for the next step, and counts its unstable

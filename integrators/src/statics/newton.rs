@@ -232,6 +232,10 @@ impl Newton {
     ) -> Result<(), Cause> {
         self.predicted = 0;
         self.test.first = [0.0; 3];
+        let begun = match previous.is_some() {
+            true => 0,
+            false => self.history.len(),
+        };
         if let (Some(prediction), true) = (self.history.last(), previous.is_some()) {
             self.predicted = self.history.len();
             self.test.first = prediction.residual;
@@ -252,7 +256,7 @@ impl Newton {
             let balanced = corrected && (ratio <= 1.0 || self.is_rounding(system, q, residual));
             let converged = on_condition && balanced;
             let (mut correction, mut damping) = (0.0, 0.0);
-            let ended = converged || self.history.len() >= self.options.max_iterations;
+            let ended = converged || self.history.len() - begun >= self.options.max_iterations;
             if !ended {
                 let dt = self.solve(q, *t, condition)?;
                 damping = self.damped_step(system, q, t, dt, ratio)?;

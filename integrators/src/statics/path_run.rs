@@ -120,6 +120,7 @@ impl StaticAnalysis for PathRun {
             match std::mem::replace(&mut self.phase, Phase::Advance) {
                 Phase::Begin => {
                     let (_, start) = begin(&mut self.newton, system, &mut self.at.q)?;
+                    self.newton.held.clear();
                     let history = self.newton.history.clone();
                     self.reach(start, history);
                     return Ok(true);
