@@ -14,7 +14,7 @@ use pullback_manifold::system::{Point, System};
 /// Initial velocities under construction.
 pub(super) struct Velocities<'a> {
     pub start: Start,
-    /// Rates of joints.
+    /// Rates of joints, and velocities of nodes on them.
     pub rates: Vec<Rate<'a>>,
     /// The unknowns that these determine.
     pub held: Vec<usize>,
@@ -191,22 +191,23 @@ impl<'a> Velocities<'a> {
         // Where a map cannot be evaluated at the start, the analysis says so.
         let fitted = context.fit_coordinate_rates(q, v, &wanted, &given);
         let (missing, unknowns) = fitted.unwrap_or_default();
-        let left = missing.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        let size = |k: &usize| missing.get(*k).map_or(0.0, |x: &f64| x.abs());
+        let worst = (0..rates.len()).max_by(|a, b| size(a).total_cmp(&size(b)));
+        let (worst, left) = worst.map_or((*first, 0.0), |k| (rates[k], size(&k)));
         if left <= VELOCITY_TOLERANCE {
             given.extend(unknowns);
             return Ok(given);
         }
-        let of_node = rates.iter().find(|rate| rate.key != "rate");
-        Err(match (of_node, &rates[..]) {
-            (Some(rate), _) => rate.at.refuse(InputProblem::InitialHeld {
-                node: rate.of.clone(),
-                key: rate.key,
-            }),
+        Err(match (worst.key, &rates[..]) {
             // A single component of a spherical joint may be free.
-            (None, [one]) => (first.at).refuse(InputProblem::LoopLocked { of: one.of.clone() }),
-            _ => first.at.refuse(InputProblem::LoopRates {
+            ("rate", [one]) => (first.at).refuse(InputProblem::LoopLocked { of: one.of.clone() }),
+            ("rate", _) => first.at.refuse(InputProblem::LoopRates {
                 of: names(rates.iter().copied()),
                 left: left * rates.iter().fold(0.0_f64, |m, r| m.max(r.given.abs())),
+            }),
+            (key, _) => worst.at.refuse(InputProblem::InitialHeld {
+                node: worst.of.clone(),
+                key,
             }),
         })
     }

@@ -185,74 +185,64 @@ fn an_angular_velocity_of_a_ball_joint_is_its_own() {
     }
 }
 
-/// An arm carries a body on a `free` joint. Both take velocities by entries, whatever their order, and in space.
-#[test]
-fn nodes_on_joints_take_the_velocities_that_their_joints_allow() {
-    let body =
-        "[[initial]]\nnode = \"body\"\nvelocity = [1, 2, 3]\nangular_velocity = [0.3, 0.2, 0.1]\n";
-    let arm = "[[initial]]\nnode = \"arm\"\nangular_velocity = [0, 0, 2]\n";
-    let corrected = "[[initial]]\nnode = \"body\"\nvelocity = [1, 0, 3]\n";
-    for (entries, expected) in [
-        ([body, arm, ""], [2.0, 1.0, 2.0, 3.0, 0.3, 0.2, 0.1]),
-        ([arm, body, ""], [2.0, 1.0, 2.0, 3.0, 0.3, 0.2, 0.1]),
-        // Later entries overwrite earlier ones, and only what they give.
-        ([body, arm, corrected], [2.0, 1.0, 0.0, 3.0, 0.3, 0.2, 0.1]),
-        ([arm, "", ""], [2.0, -0.4, 1.0, 0.0, 0.0, 0.0, 2.0]),
-        (
-            [body, arm, "[[initial]]\nangular_velocity = [0, 0, 1]\n"],
-            [1.0, -0.2, 0.5, 0.0, 0.0, 0.0, 1.0],
-        ),
-    ] {
-        let text = [
-            "[nodes]\nground = [0, 0, 0]\n",
-            &fixed("ground"),
-            &joint("arm", "revolute", "ground", "axis = [0, 0, 1]"),
-            &joint("body", "free", "arm", "position = [0.5, 0.2, 0]"),
-            &body_of("arm", 1.0, "inertia = [1, 1, 1]"),
-            &body_of("body", 1.0, "inertia = [1, 1, 1]"),
-            &entries.concat(),
-            "[analysis.dynamic]\nto = 0.1\nstep = 0.1\n",
-            "[[probes]]\nname = \"arm\"\nquantity = \"joint_rate\"\njoint = \"arm\"\n",
-            &probe("v", "velocity", "body"),
-            &probe("w", "angular_velocity", "body"),
-        ]
-        .concat();
-        let rows = run_of("program_on_joints", &text).rows;
-        let columns = ["arm", "v.x", "v.y", "v.z", "w.x", "w.y", "w.z"];
-        for (column, exact) in columns.iter().zip(expected) {
-            assert_close(
-                number(&rows[0], column),
-                exact,
-                1e-13,
-                format!("{column} {text}"),
-            );
-        }
-    }
-}
-
-/// Bodies that a `free` joint or a line hangs on an arm with a `rate` move as the whole model does, and the arm as its rate says.
-#[test]
-fn what_is_free_behind_a_rate_follows_the_motion_of_the_model() {
+/// The rate of an arm that carries a body on a `free` joint, and the body's velocity and angular velocity, in the first row.
+fn assert_started(rate: &str, entries: &str, expected: [f64; 7]) {
     let text = [
         "[nodes]\nground = [0, 0, 0]\n",
         &fixed("ground"),
-        &joint("arm", "revolute", "ground", "axis = [0, 0, 1]\nrate = 2"),
-        &joint("body", "free", "arm", "position = [2, 0.5, 0]"),
+        &joint(
+            "arm",
+            "revolute",
+            "ground",
+            &format!("axis = [0, 0, 1]\n{rate}"),
+        ),
+        &joint("body", "free", "arm", "position = [0.5, 0.2, 0]"),
         &body_of("arm", 1.0, "inertia = [1, 1, 1]"),
         &body_of("body", 1.0, "inertia = [1, 1, 1]"),
-        "[[initial]]\nvelocity = [1, 2, 3]\nangular_velocity = [0.3, 0, 0.1]\n",
+        entries,
         "[analysis.dynamic]\nto = 0.1\nstep = 0.1\n",
         "[[probes]]\nname = \"arm\"\nquantity = \"joint_rate\"\njoint = \"arm\"\n",
         &probe("v", "velocity", "body"),
         &probe("w", "angular_velocity", "body"),
     ]
     .concat();
-    let rows = run_of("program_behind_a_rate", &text).rows;
+    let rows = run_of("program_on_joints", &text).rows;
     let columns = ["arm", "v.x", "v.y", "v.z", "w.x", "w.y", "w.z"];
-    // v + ω × x.
-    for (column, exact) in columns.iter().zip([2.0, 0.95, 2.2, 3.15, 0.3, 0.0, 0.1]) {
-        assert_close(number(&rows[0], column), exact, 1e-13, column);
+    for (column, exact) in columns.iter().zip(expected) {
+        assert_close(
+            number(&rows[0], column),
+            exact,
+            1e-13,
+            format!("{column} {text}"),
+        );
     }
+}
+
+/// Both take velocities by entries, whatever their order, and in space.
+#[test]
+fn nodes_on_joints_take_the_velocities_that_their_joints_allow() {
+    let body =
+        "[[initial]]\nnode = \"body\"\nvelocity = [1, 2, 3]\nangular_velocity = [0.3, 0.2, 0.1]\n";
+    let arm = "[[initial]]\nnode = \"arm\"\nangular_velocity = [0, 0, 2]\n";
+    let corrected = "[[initial]]\nnode = \"body\"\nvelocity = [1, 0, 3]\n";
+    let all = "[[initial]]\nangular_velocity = [0, 0, 1]\n";
+    let both = [2.0, 1.0, 2.0, 3.0, 0.3, 0.2, 0.1];
+    assert_started("", &[body, arm].concat(), both);
+    assert_started("", &[arm, body].concat(), both);
+    assert_started("", arm, [2.0, -0.4, 1.0, 0.0, 0.0, 0.0, 2.0]);
+    // Later entries overwrite earlier ones, and only what they give.
+    let entries = [body, arm, corrected].concat();
+    assert_started("", &entries, [2.0, 1.0, 0.0, 3.0, 0.3, 0.2, 0.1]);
+    let entries = [body, arm, all].concat();
+    assert_started("", &entries, [1.0, -0.2, 0.5, 0.0, 0.0, 0.0, 1.0]);
+}
+
+/// The arm moves as its `rate` says, what is free behind it as the whole model does.
+#[test]
+fn what_is_free_behind_a_rate_follows_the_motion_of_the_model() {
+    let all = "[[initial]]\nvelocity = [1, 2, 3]\nangular_velocity = [0.3, 0, 0.1]\n";
+    // v + ω × x.
+    assert_started("rate = 2", all, [2.0, 0.98, 2.05, 3.06, 0.3, 0.0, 0.1]);
 }
 
 /// Entries for one node leave alone what only the others give, and read its place and its axes with what is prescribed.
