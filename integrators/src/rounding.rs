@@ -83,7 +83,7 @@ pub(crate) fn is_exact(system: &dyn System, r: &[f64]) -> bool {
 }
 
 /// Rounding errors of a sum in units of those of its largest term; element forces add some ten.
-const TERMS: f64 = 16.0;
+pub(crate) const TERMS: f64 = 16.0;
 
 /// 1 / typical size of each coordinate; zero for multipliers, which are tested by their residuals.
 pub(crate) fn inverse_scales(system: &dyn System) -> Vec<f64> {

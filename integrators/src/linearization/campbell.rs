@@ -115,7 +115,8 @@ const HALVINGS: usize = 5;
 /// largest displacement by forces that turn, relative to the sizes of coordinates.
 const STEADY: f64 = 1e-5;
 
-/// Modes over the speeds of an input Ω, from coordinates `q` of an equilibrium at rest; `q` ends as that of the last speed.
+/// Modes over the speeds of an input Ω, from coordinates `q` near the equilibrium of the first speed; `q` ends as that of the last
+/// speed.
 ///
 /// Frames turn by the angle Ω (t − `options.t`). The observer is called before each speed and may end the search.
 ///
@@ -137,7 +138,7 @@ pub fn campbell(
         q,
         options,
         observer,
-        speed: 0.0,
+        speed: options.speeds.first().copied().unwrap_or_default(),
         lines: Vec::new(),
         last: None,
     };

@@ -38,7 +38,7 @@ pub use state_space::{OutputDerivatives, StateSpace, StateSpaceError, output_der
 pub use steady::SteadyMotion;
 
 use crate::abilities::{energies, events};
-use crate::rounding::{EXACT, is_exact, is_rounding, largest};
+use crate::rounding::{EXACT, TERMS, is_exact, is_rounding, largest, rounding_of_gaps};
 use nalgebra::ComplexField;
 use num_complex::Complex64;
 use pullback_manifold::sparse::BlockPattern;
@@ -114,12 +114,13 @@ pub fn linearize(system: &mut dyn System, at: Point<'_>) -> Result<Linearized, L
     if !is_rounding(system, &lin.K, at.q, &r, [&mut sizes, &mut floor]) {
         let scales = system.scales();
         let kinetic = energies(system, at)?.map_or(0.0, |energies| energies.kinetic);
+        let springs = largest(&lin.pattern, &floor, [0.0; 3]).map(|x| x / f64::EPSILON);
+        let gaps = rounding_of_gaps(system, &lin.K, at.q, [&mut sizes, &mut floor]);
         // Forces of inertia may cancel each other, as those of a top do.
         let rounding = Quantity::ALL.map(|quantity| match quantity {
-            Quantity::Other => 0.0,
+            Quantity::Other => TERMS * gaps,
             _ => EXACT * kinetic / quantity.size(scales.length),
         });
-        let springs = largest(&lin.pattern, &floor, [0.0; 3]).map(|x| x / f64::EPSILON);
         lin.check_balance(&r, at, [scales.measures(), springs, rounding])?;
     }
     Ok(lin)

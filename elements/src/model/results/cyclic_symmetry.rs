@@ -1,19 +1,20 @@
 //! Turns that map a rotor on itself.
 
 use crate::blocks::three;
+use crate::model::Context;
 use crate::model::build::builder::NodeId;
-use crate::model::{Context, Model};
 use crate::time::Input;
 use nalgebra::{DMatrix, Matrix6xX, Rotation3, UnitVector3, Vector3, Vector6};
 use pullback_manifold::system::{CyclicSymmetry, Point, SystemError};
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// Difference of positions, and of velocities at unit rates, that counts as rounding of a model's digits; lengths relative to
 /// that of the model.
 const SAME: f64 = 1e-5;
 
-/// Coordinates of parts that rotate: unknowns, the position of the first frame that they move, from the axis, and the twists of
-/// that frame at unit rates of each. Lengths are relative to that of the model.
+/// Coordinates of parts that rotate: unknowns, the position of the first frame that each of them moves in a direction of its own,
+/// from the axis, and the twists of that frame at unit rates of each. Lengths are relative to that of the model.
 #[derive(Clone)]
 struct Moved {
     unknowns: Vec<usize>,
@@ -52,18 +53,21 @@ impl Moved {
     fn with(&self, other: &Self) -> Option<Self> {
         let columns = self.twists.column_iter().chain(other.twists.column_iter());
         let twists = Matrix6xX::from_columns(&columns.collect::<Vec<_>>());
-        let near = (self.position - other.position).norm() <= SAME && twists.ncols() <= 6;
-        let mut directions = twists.clone();
-        for mut twist in directions.column_iter_mut() {
-            twist.try_normalize_mut(0.0);
-        }
-        let differ = near && directions.singular_values().min() > SAME;
-        differ.then(|| Self {
+        let near = (self.position - other.position).norm() <= SAME;
+        (near && differ(&twists)).then(|| Self {
             unknowns: [&self.unknowns[..], &other.unknowns].concat(),
             position: self.position,
             twists,
         })
     }
+}
+
+/// Whether twists have different directions, none of them in the space of the others.
+fn differ(twists: &Matrix6xX<f64>) -> bool {
+    let mut directions = twists.clone();
+    let mut columns = directions.column_iter_mut();
+    let moves = columns.all(|mut twist| twist.try_normalize_mut(0.0).is_some());
+    moves && twists.ncols() <= 6 && directions.singular_values().min() > SAME
 }
 
 /// Those of `parts` that move as one does, with their rates; of several the most alike.
@@ -127,26 +131,6 @@ fn symmetries(parts: Vec<Moved>, axis: &UnitVector3<f64>) -> Vec<CyclicSymmetry>
         .collect()
 }
 
-impl Model {
-    /// The unknowns of each node, with the first frame that they move.
-    fn first_frames(&self) -> Vec<(Vec<usize>, NodeId)> {
-        let all = (0..).zip(self.nodes.iter());
-        let mut first: Vec<_> = all.map(|(n, node)| node.is_frame().then_some(n)).collect();
-        for (n, node, _) in self.nodes.mapped().rev() {
-            for parent in node.all_parents().map(|parent| parent as usize) {
-                if !self.nodes[parent].is_frame() {
-                    first[parent] = first[n as usize];
-                }
-            }
-        }
-        let moved = self.nodes.iter().zip(first).filter_map(|(node, first)| {
-            let unknowns = node.range().filter_map(|c| self.unknown_of(c));
-            Some((unknowns.collect::<Vec<_>>(), NodeId(first?)))
-        });
-        moved.filter(|(unknowns, _)| !unknowns.is_empty()).collect()
-    }
-}
-
 impl Context {
     /// The turns by a part of a full one, up to a third, that map all that rotates with the speed of an input on itself: the
     /// positions of nodes at time 0 and coordinates `q`, and the directions of their coordinates. The smallest is first. None
@@ -175,8 +159,8 @@ fn rotor(
     speed: Input,
     q: &[f64],
 ) -> Result<(Vec<Moved>, UnitVector3<f64>), SystemError> {
-    let moved = context.model.first_frames();
-    let frames: Vec<NodeId> = moved.iter().map(|(_, frame)| *frame).collect();
+    let model = Arc::clone(&context.model);
+    let frames: Vec<NodeId> = model.frames().map(|(frame, _)| frame).collect();
     let mut v = vec![0.0; q.len()];
     context.set_input(speed, 1.0);
     let fast = twists(context, q, &v, &frames)?;
@@ -196,7 +180,24 @@ fn rotor(
     // v = ω × (x − center).
     let center = positions[first] + axis.cross(&velocity);
     let mut coordinates = Vec::new();
-    for (k, (unknowns, frame)) in moved.into_iter().enumerate() {
+    for node in model.nodes.iter() {
+        let unknowns: Vec<usize> = node.range().filter_map(|c| model.unknown_of(c)).collect();
+        if unknowns.is_empty() {
+            continue;
+        }
+        let mut moving = Vec::new();
+        for &u in &unknowns {
+            v[u] = 1.0;
+            moving.push(twists(context, q, &v, &frames)?);
+            v[u] = 0.0;
+        }
+        let at = |k: usize| {
+            let columns: Vec<_> = moving.iter().map(|all| all[k] - slow[k]).collect();
+            Some((k, Matrix6xX::from_columns(&columns))).filter(|(_, twists)| differ(twists))
+        };
+        let Some((k, twists)) = (0..frames.len()).find_map(at) else {
+            continue;
+        };
         let ((velocity, omega), position) = (spin(k), positions[k] - center);
         if omega.norm().max(velocity.norm()) <= SAME {
             continue;
@@ -204,16 +205,10 @@ fn rotor(
         if (omega - axis).norm() > SAME || (velocity - axis.cross(&position)).norm() > SAME {
             return Ok((Vec::new(), Vector3::x_axis()));
         }
-        let mut columns = Matrix6xX::zeros(unknowns.len());
-        for (&u, mut column) in unknowns.iter().zip(columns.column_iter_mut()) {
-            v[u] = 1.0;
-            column.copy_from(&(twists(context, q, &v, &[frame])?[0] - slow[k]));
-            v[u] = 0.0;
-        }
         coordinates.push(Moved {
             unknowns,
             position,
-            twists: columns,
+            twists,
         });
     }
     let axis = UnitVector3::new_normalize(axis);
