@@ -63,6 +63,7 @@ fn options(job: &Job, seed: u64) -> ModelOptions {
     let from = job.plan.start();
     let range = match &job.plan {
         Plan::Static(options) => options.to - from,
+        Plan::Steady(..) => 0.0,
         Plan::Path(options, _) => options.load_scale,
         Plan::Dynamic(plan) => 0.1 * plan.options.to,
     };

@@ -5,8 +5,9 @@ use crate::output::Ending;
 use crate::terminal::plural;
 use pullback_elements::model::Context;
 use pullback_integrators::dynamics::{
-    self, DynamicOptions, DynamicsError, EnergyBalance, Progress, StepReport,
+    self, DynamicOptions, DynamicsError, EnergyBalance, Progress, State, StepReport,
 };
+use pullback_integrators::linearization::{CampbellError, SteadyMotion};
 use pullback_integrators::significant;
 use pullback_integrators::statics::{Iteration, StaticsError, Step, solve_statics, trace_path};
 use serde::ser::{SerializeMap, Serializer};
@@ -262,6 +263,32 @@ pub fn solve(
         Plan::Path(options, _) => {
             most = Some(options.max_steps);
             trace_path(context, &mut q, options, &mut seen)
+        }
+        Plan::Steady(speed, options) => {
+            let mut steady = SteadyMotion::new(context, 0.0, *speed);
+            let mut go_on = |_: &mut _, _: &Step<'_>| ControlFlow::Continue(());
+            let solved = solve_statics(&mut steady, &mut q, options, &mut go_on);
+            let solved = solved.map_err(|source| CampbellError::Equilibrium {
+                speed: options.to,
+                source,
+            });
+            let solved = solved.map(|summary| {
+                let step = Step {
+                    iterations: summary.iterations,
+                    chart_changes: summary.chart_changes,
+                    ..Step::default()
+                };
+                seen(context, &step).is_continue()
+            });
+            // At rest in the coordinates that rotate.
+            let zeros = vec![0.0; q.len()];
+            progress.state = State {
+                q,
+                v: zeros.clone(),
+                a: zeros,
+                ..State::default()
+            };
+            return Ended::new(counts, 0.0, None, solved);
         }
         Plan::Dynamic(plan) => {
             let solved =

@@ -11,7 +11,7 @@ use eigenvalues::{eigenvalues, modal};
 use numpy::PyArray1;
 use pullback::check;
 use pullback::elements::model::Context;
-use pullback::input::{self, InputError, Job, Plan, Registry};
+use pullback::input::{self, EigenvaluePlan, InputError, Job, Plan, Registry};
 use pullback::integrators::linearization::{ModeOptions, Selection, linearize};
 use pullback::manifold::system::Point;
 use pullback::modes;
@@ -229,6 +229,12 @@ fn at_state<T: Send>(
     let mut watch = Watch::new(None);
     let found = py.detach(|| {
         let mut job = assemble(text, name)?;
+        if let Some(EigenvaluePlan::Campbell(..)) = job.eigenvalues {
+            return Err(failed(
+                "the equations of a Campbell diagram depend on its speed: run it for their modes, or take \
+                 `pullback linearize --at` for their matrices",
+            ));
+        }
         let reached = reach(&mut job, at, &mut |step| watch.step(step.t));
         match reached {
             Ok(progress) => then(&mut job, progress.state.point()).map(Some),

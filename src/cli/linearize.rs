@@ -8,13 +8,14 @@ use crate::output::{Directory, OutputError};
 use crate::probe::{Answers, Probe};
 use crate::run::{ReachError, reach};
 use crate::terminal::{self, plural, tell};
+use nalgebra::DMatrix;
 use pullback_elements::model::Context;
 use pullback_elements::time::Input;
 use pullback_integrators::linearization::{
-    CampbellOptions, Linearized, StateSpace, StateSpaceError, linearize as linearized,
-    output_derivatives,
+    CampbellOptions, Linearized, OutputDerivatives, StateSpace, StateSpaceError,
+    linearize as linearized, output_derivatives,
 };
-use pullback_manifold::system::Point;
+use pullback_manifold::system::{Point, SystemError};
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -37,6 +38,11 @@ const FILES: [&str; 12] = [
 /// Why there is no first-order form in multi-blade coordinates.
 const PERIODIC: &str = "inputs and outputs of a rotor on parts that do not rotate are periodic: there is no first-order form \
                         with constant matrices. Leave out --first-order for K, C and M in multi-blade coordinates";
+
+/// Why there is none of a rotor whose inputs or outputs are fixed in space.
+const FIXED_IN_SPACE: &str = "coordinates rotate, and an input or output does not, as a force or displacement along a fixed axis: its \
+                              matrices are periodic, and there is no first-order form. Leave out --first-order, or take inputs and \
+                              outputs that rotate, as those of joints, follower loads, or components along the axis";
 
 /// Arguments of `pullback linearize`.
 #[derive(clap::Args)]
@@ -79,22 +85,30 @@ pub(super) fn linearize(registry: &Registry, args: &LinearizeArguments) -> Exit 
     let (mut q, zeros) = (progress.state.q.clone(), vec![0.0; progress.state.q.len()]);
     let (mut at, mut steady) = (progress.state.point(), None);
     if let Some((speed, mut options)) = rotation {
+        if let (Some(at), Some(&first)) = (args.at, options.speeds.first()) {
+            // The equilibrium of the diagram, which follows from those before.
+            (options.speeds)
+                .retain(|speed| *speed == first || (speed - first) * (at - speed) > 0.0);
+            options.speeds.push(at);
+        }
         // A rotation is steady: at rest in its coordinates.
-        options.speeds = args.at.map_or(options.speeds, |speed| vec![speed]);
-        steady = equations_at_speed(&mut job, speed, &options, &mut q, args.first_order)?;
+        let found = equations_at_speed(&mut job, speed, &options, &mut q, args.first_order)?;
         at = Point {
             t: options.t,
             q: &q,
             v: &zeros,
             a: &zeros,
         };
+        steady = found.zip(options.speeds.last().copied());
     }
-    let lin = match steady {
-        Some(lin) => lin,
-        None => linearized(&mut job.context, at).map_err(fail)?,
+    let (lin, speed) = match steady {
+        Some(steady) => steady,
+        None => (linearized(&mut job.context, at).map_err(fail)?, 0.0),
     };
-    let first_order = args.first_order.then(|| first_order(&mut job, &lin, at));
-    let first_order = first_order.transpose()?;
+    let first_order = match args.first_order {
+        true => Some(first_order(&mut job, (&lin, at), speed)?),
+        false => None,
+    };
     if let Some(warning) = warning_of_motion(at) {
         tell(format!("warning: {warning}"));
     }
@@ -155,11 +169,47 @@ fn prescribing(file: &ModelFile) -> Option<&String> {
 /// Names of outputs, and the matrices of the first-order form.
 type FirstOrder = (Vec<String>, StateSpace);
 
-/// The first-order form with the probes as outputs, or the exit code.
-fn first_order(job: &mut Job, lin: &Linearized, at: Point<'_>) -> Result<FirstOrder, u8> {
+/// The first-order form with the probes as outputs, in a steady rotation with a speed, or the exit code.
+fn first_order(
+    job: &mut Job,
+    (lin, at): (&Linearized, Point<'_>),
+    speed: f64,
+) -> Result<FirstOrder, u8> {
+    let names: Vec<String> = job.probes.iter().flat_map(Probe::columns).collect();
+    let outputs = outputs(job, at).map_err(fail)?;
+    if speed != 0.0 {
+        let t = at.t + 1.0 / speed;
+        let turned = Point { t, ..at };
+        let inputs = linearized(&mut job.context, turned).map_err(fail)?.r_u;
+        // The angle depends on the speed, the last input.
+        let of = |outputs: &OutputDerivatives| {
+            let u = outputs.u.columns(0, inputs.len() - 1).into_owned();
+            [outputs.q.clone(), outputs.v.clone(), outputs.a.clone(), u]
+        };
+        let others = of(&self::outputs(job, turned).map_err(fail)?);
+        let mut all = of(&outputs).into_iter().zip(others);
+        let rows = |r_u: &[Vec<f64>]| DMatrix::from_fn(r_u.len(), lin.dim(), |k, i| r_u[k][i]);
+        if !all.all(|(a, b)| alike(&a, &b)) || !alike(&rows(&lin.r_u), &rows(&inputs)) {
+            return Err(refuse(FIXED_IN_SPACE));
+        }
+    }
+    let space = lin.state_space(&outputs).map_err(|error| match error {
+        StateSpaceError::Reaction(k) => fail(format!("{}: {error}", names[k - 1])),
+        error => fail(error),
+    });
+    Ok((names, space?))
+}
+
+/// Whether the rows of two matrices are the same, but for errors of differences.
+fn alike(a: &DMatrix<f64>, b: &DMatrix<f64>) -> bool {
+    let least = 1e-9 * a.amax();
+    (a.row_iter().zip(b.row_iter())).all(|(a, b)| (a - b).amax() <= 1e-5 * a.amax() + least)
+}
+
+/// Derivatives of the probes.
+fn outputs(job: &mut Job, at: Point<'_>) -> Result<OutputDerivatives, SystemError> {
     let probes = &mut job.probes;
-    let names: Vec<String> = probes.iter().flat_map(Probe::columns).collect();
-    let derivatives = output_derivatives(&mut job.context, at, |context: &mut Context, at| {
+    output_derivatives(&mut job.context, at, |context: &mut Context, at| {
         let balance = context.energies_and_momentum(at)?;
         let mut answers = Answers::of(context, at.t);
         answers.motion = Some((balance, 0.0));
@@ -168,13 +218,7 @@ fn first_order(job: &mut Job, lin: &Linearized, at: Point<'_>) -> Result<FirstOr
             probe.record(context, &answers, &mut values);
         }
         Ok(values)
-    });
-    let space = lin.state_space(&derivatives.map_err(fail)?);
-    let space = space.map_err(|error| match error {
-        StateSpaceError::Reaction(k) => fail(format!("{}: {error}", names[k - 1])),
-        error => fail(error),
-    });
-    Ok((names, space?))
+    })
 }
 
 fn write(

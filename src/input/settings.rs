@@ -8,6 +8,7 @@ use super::names::Names;
 use super::parts::Assembly;
 use super::{InputError, InputProblem, Location};
 use pullback_elements::model::{Model, NodeId};
+use pullback_elements::time::Input;
 use pullback_integrators::dynamics::{self as integrator, Adaptivity, DynamicOptions, Scheme};
 use pullback_integrators::statics::{ArcLengthOptions, Event, StaticNewtonOptions, StaticOptions};
 use std::f64::consts::PI;
@@ -25,6 +26,8 @@ const MOST_STEPS: f64 = 1e9;
 pub enum Plan {
     /// Load stepping.
     Static(StaticOptions),
+    /// The equilibrium in a steady rotation with a speed, an input, at time 0.
+    Steady(Input, StaticOptions),
     /// Path following, with a name for each of its events.
     Path(ArcLengthOptions, Vec<String>),
     /// Motion in time.
@@ -48,14 +51,14 @@ impl Plan {
         match self {
             Self::Static(options) => options.from,
             Self::Path(options, _) => options.from,
-            Self::Dynamic(_) => 0.0,
+            Self::Steady(..) | Self::Dynamic(_) => 0.0,
         }
     }
 
     /// Residual relative to loads and reactions at which a step has converged.
     pub fn relative(&self) -> f64 {
         match self {
-            Self::Static(options) => options.newton.relative,
+            Self::Static(options) | Self::Steady(_, options) => options.newton.relative,
             Self::Path(options, _) => options.newton.relative,
             Self::Dynamic(plan) => plan.options.newton.relative,
         }
@@ -80,10 +83,19 @@ pub(super) fn plan(assembly: &Assembly<'_>, model: &Model) -> Result<Plan, Input
         Some(Analysis::Modes(_)) => Err(unknown(&at, "modes", &STEPWISE)),
         Some(Analysis::Buckling(_)) => Err(unknown(&at, "buckling", &STEPWISE)),
         Some(Analysis::Campbell(_)) => Err(unknown(&at, "campbell", &STEPWISE)),
-        None => Ok(Plan::Static(StaticOptions {
-            to: 0.0,
-            ..StaticOptions::default()
-        })),
+        None => Ok(match (analysis, assembly.speed) {
+            (Analysis::Campbell(c), Some(speed)) => Plan::Steady(speed, only(c.from)),
+            _ => Plan::Static(only(0.0)),
+        }),
+    }
+}
+
+/// One equilibrium, at this load parameter or speed.
+fn only(at: f64) -> StaticOptions {
+    StaticOptions {
+        from: at,
+        to: at,
+        ..StaticOptions::default()
     }
 }
 

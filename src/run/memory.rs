@@ -93,7 +93,7 @@ pub enum ReachError {
     Failed(String),
 }
 
-/// Solves a job up to a load parameter or time, by default to the end of its analysis, and leaves its model there;
+/// Solves a job up to a load parameter or time, or at a speed, by default to the end of its analysis, and leaves its model there;
 /// returns the progress, whose state is the one reached.
 ///
 /// # Errors
@@ -109,6 +109,7 @@ pub fn reach(
             return Err(ReachError::At("the load or time must be finite"));
         }
         (Plan::Static(options), Some(at)) => options.to = at,
+        (Plan::Steady(_, options), Some(at)) => (options.from, options.to) = (at, at),
         (Plan::Dynamic(plan), Some(at)) => plan.options.to = at,
         (Plan::Path(..), Some(_)) => return Err(ReachError::At(PATH)),
     }
