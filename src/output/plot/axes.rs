@@ -178,14 +178,10 @@ const SAMPLE: i32 = 26;
 const GAP: i32 = 18;
 const ROW: i32 = 22;
 
-/// Number of rows of a legend with these entries in a width (in units).
-pub(super) fn legend_rows(entries: &[(String, Mark)], room: i32) -> i32 {
-    position(entries, room).last().map_or(0, |(_, row)| row + 1)
-}
-
-/// Height of a number of legend rows, in units.
-pub(super) fn legend_height(rows: i32) -> i32 {
-    if rows == 0 { 0 } else { rows * ROW + 6 }
+/// Height of a legend with these entries in a width, in units.
+pub(super) fn legend_height(entries: &[(String, Mark)], room: i32) -> i32 {
+    let last = position(entries, room).last().copied();
+    last.map_or(0, |(_, row)| (row + 1) * ROW + 6)
 }
 
 /// Start (in fine pixels) and row of each entry.

@@ -1,6 +1,6 @@
 //! Curves in panels.
 
-use super::axes::{self, Area, Axes, Mark, legend_height, legend_rows};
+use super::axes::{self, Area, Axes, Mark, legend_height};
 use super::{AxisScale, FINE, Graph, PALETTE, PlotError, figure, part};
 use plotters::style::{Color, RGBColor};
 
@@ -61,8 +61,8 @@ pub(crate) fn panels(title: Option<&str>, panels: &[Graph]) -> Result<String, Pl
     let rows = (panels.len() as i32 + 1) / 2;
     let entries: Vec<_> = panels.iter().map(entries).collect();
     let room = w - axes::LEFT - 2 * axes::MARGIN;
-    let words = entries.iter().map(|e| legend_rows(e, room)).max();
-    let words = legend_height(words.unwrap_or(0));
+    let words = entries.iter().map(|e| legend_height(e, room)).max();
+    let words = words.unwrap_or(0);
     let head = if title.is_some() { 34 } else { 0 };
     let size = [columns * w, head + rows.max(1) * (h + words)];
     figure(title, size, |root| {

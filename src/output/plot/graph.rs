@@ -1,7 +1,7 @@
 //! Graphs side by side on linear or logarithmic axes, with a common legend, and triangles that show orders
 //! of convergence.
 
-use super::axes::{self, Area, Axes, LEFT, MARGIN, Mark, legend_height, legend_rows};
+use super::axes::{self, Area, Axes, LEFT, MARGIN, Mark, legend_height};
 use super::scale::AxisScale;
 use super::{FINE, INK, PALE, PALETTE, PlotCurve, PlotError, TEXT, figure, font, part};
 use plotters::element::PathElement;
@@ -38,7 +38,7 @@ pub fn graphs(title: Option<&str>, level: &str, graphs: &[Graph]) -> Result<Stri
     let rows = (graphs.len() as i32 + 1) / 2;
     let entries = entries(level, graphs);
     let room = columns * w - LEFT - 2 * MARGIN;
-    let words = legend_height(legend_rows(&entries, room));
+    let words = legend_height(&entries, room);
     let head = if title.is_some() { 34 } else { 6 };
     let size = [columns * w, head + words + rows.max(1) * h];
     figure(title, size, |root| {

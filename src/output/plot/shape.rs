@@ -1,6 +1,6 @@
 //! The shape of a structure: reference and deformed, with equal scales on all axes.
 
-use super::axes::{self, Area, Axes, Mark, legend_height, legend_rows, span};
+use super::axes::{self, Area, Axes, Mark, legend_height, span};
 use super::scale::tick;
 use super::{AxisScale, FINE, INK, PALE, PALETTE, PlotError, TEXT, figure, font, part};
 use crate::input::{Geometry, Units, lagrange};
@@ -210,7 +210,7 @@ pub(crate) fn deformed(
     });
     let entries = entries(reference, shapes, label);
     let head = if title.is_some() { 34 } else { 0 };
-    let top = head + legend_height(legend_rows(&entries, width - EDGE[0]));
+    let top = head + legend_height(&entries, width - EDGE[0]);
     // The plane views share one scale; the isometric one has its own.
     let scale = |&(view, _, [w, h]): &Plot| {
         let [x, y] = view.range(&points).map(extent);
