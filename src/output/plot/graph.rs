@@ -7,6 +7,7 @@ use super::{FINE, INK, PALE, PALETTE, PlotCurve, PlotError, TEXT, figure, font, 
 use plotters::element::PathElement;
 use plotters::style::Color;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
+use std::collections::BTreeMap;
 
 /// Curves over the same axes, marked at their points, or at some of them if there are more curves than colours.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,21 +54,23 @@ pub fn graphs(title: Option<&str>, level: &str, graphs: &[Graph]) -> Result<Stri
 }
 
 fn entries(level: &str, graphs: &[Graph]) -> Vec<(String, Mark)> {
-    let mut seen = Vec::new();
-    let mut out = Vec::new();
+    let mut by_color = BTreeMap::new();
     for graph in graphs {
         for (position, curve) in graph.curves.iter().enumerate() {
             let color = curve.color.unwrap_or(position);
-            if !seen.contains(&color) {
-                seen.push(color);
+            by_color.entry(color).or_insert_with(|| {
                 let alike = |c: &PlotCurve| c.scattered && c.color == Some(color);
                 let marked = graph.marked || graph.is_crowded() || graph.curves.iter().any(alike);
-                out.push((color, (curve.label.clone(), curve_mark(color, marked))));
-            }
+                let rgb = PALETTE[color % PALETTE.len()];
+                let mark = match marked {
+                    true => Mark::Marked(rgb, color),
+                    false => Mark::Line(rgb, 4),
+                };
+                (curve.label.clone(), mark)
+            });
         }
     }
-    out.sort_by_key(|(color, _)| *color);
-    let mut out: Vec<_> = out.into_iter().map(|(_, entry)| entry).collect();
+    let mut out: Vec<_> = by_color.into_values().collect();
     if graphs.iter().any(|g| g.level.is_some()) {
         out.push((level.to_owned(), Mark::Broken(PALE)));
     }
@@ -98,14 +101,6 @@ impl Graph {
 
 /// Number of marks on a curve with too many points to mark each.
 const MARKS: usize = 9;
-
-fn curve_mark(color: usize, marked: bool) -> Mark {
-    let rgb = PALETTE[color % PALETTE.len()];
-    match marked {
-        true => Mark::Marked(rgb, color),
-        false => Mark::Line(rgb, 4),
-    }
-}
 
 /// A triangle of a slope: the positions of its three corners, the right angle in the middle.
 type Triangle = (f64, [(f64, f64); 3]);
