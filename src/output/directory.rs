@@ -263,23 +263,6 @@ pub(super) fn is_grid(name: &str) -> bool {
     step.is_some_and(|digits| digits.len() >= 4 && digits.bytes().all(|b| b.is_ascii_digit()))
 }
 
-/// Whether a file name is that of a mode's figure or grids.
-fn is_mode(name: &str) -> bool {
-    let inner = name.strip_prefix("mode_").and_then(|n| n.rsplit_once('.'));
-    inner.is_some_and(|(digits, kind)| {
-        let number = digits.bytes().all(|b| b.is_ascii_digit() || b == b'_');
-        number && ["svg", "png", "pdf", "pvd", "vtu"].contains(&kind)
-    })
-}
-
-/// Whether a file name is that of a figure of a run.
-fn is_figure(name: &str) -> bool {
-    let figure = name.rsplit_once('.');
-    figure.is_some_and(|(name, kind)| {
-        ["campbell", "deformed", "history"].contains(&name) && ["svg", "png", "pdf"].contains(&kind)
-    })
-}
-
 /// Whether a file name is that of an unfinished file of a killed program.
 fn is_temporary(name: &str, ours: &dyn Fn(&str) -> bool) -> bool {
     let inner = name.strip_prefix('.').and_then(|n| n.rsplit_once('.'));
@@ -288,9 +271,13 @@ fn is_temporary(name: &str, ours: &dyn Fn(&str) -> bool) -> bool {
 
 /// Whether a file name belongs to a run's results.
 fn is_result(name: &str) -> bool {
+    let (stem, kind) = name.rsplit_once('.').unwrap_or((name, ""));
+    let figure = ["svg", "png", "pdf"].contains(&kind);
+    let numbers = |text: &str| text.bytes().all(|b| b.is_ascii_digit() || b == b'_');
+    let mode = stem.strip_prefix("mode_").is_some_and(numbers);
     is_grid(name)
-        || is_mode(name)
-        || is_figure(name)
+        || mode && (figure || ["pvd", "vtu"].contains(&kind))
+        || figure && ["campbell", "deformed", "history"].contains(&stem)
         || [
             super::results::NAME,
             super::checkpoint::NAME,
