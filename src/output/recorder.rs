@@ -147,14 +147,11 @@ impl<'a> Recorder<'a> {
 
     /// Adds what the files tell of the last row.
     fn add(&mut self, context: &Context, answers: &Answers) -> Result<(), OutputError> {
-        let (number, before, t, unstable) = match &self.recording.rows[..] {
-            [] => return Ok(()),
-            [row] => (0, None, row.t, row.unstable),
-            [.., before, row] => {
-                let number = self.recording.rows.len() - 1;
-                (number, Some(before.t), row.t, row.unstable)
-            }
+        let Some((row, earlier)) = self.recording.rows.split_last() else {
+            return Ok(());
         };
+        let (number, before) = (earlier.len(), earlier.last().map(|row| row.t));
+        let (t, unstable) = (row.t, row.unstable);
         let file = self.setting.file;
         self.last = Some(final_state(context, answers, t, unstable, file));
         let scale = self.setting.file.output.deformation_scale;

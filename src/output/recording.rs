@@ -56,11 +56,6 @@ impl<'a> Recording<'a> {
         }
     }
 
-    /// Names of the columns of the probes.
-    pub fn probe_columns(&self) -> Vec<String> {
-        self.probes.iter().flat_map(Probe::columns).collect()
-    }
-
     /// Continues a motion whose state has its row already.
     pub fn resume(
         &mut self,
@@ -187,7 +182,8 @@ impl<'a> Recording<'a> {
 
     /// The history so far.
     pub fn history(&self) -> History {
-        History::new(self.probe_columns(), &self.rows)
+        let probes = self.probes.iter().flat_map(Probe::columns);
+        History::new(probes.collect(), &self.rows)
     }
 
     /// The warnings so far, of a complete run or not.
