@@ -1,6 +1,7 @@
 //! Modes over the speed of a rotation: a table, JSON, and the Campbell diagram.
 
 use super::Recorder;
+use super::modes::parts;
 use crate::input::Units;
 use crate::modes::ModelCampbell;
 use crate::output::directory::{OutputError, drawing};
@@ -37,13 +38,10 @@ impl Recorder<'_> {
         self.directory.write("campbell.csv", &csv)?;
         let entry = |mode: &Option<Mode>| {
             mode.as_ref().map(|mode| {
-                let part = |pick: fn(&num_complex::Complex64) -> f64| -> Vec<f64> {
-                    mode.shape.iter().map(pick).collect()
-                };
                 json!({
                     "eigenvalue": [mode.eigenvalue.re, mode.eigenvalue.im],
                     "residual": mode.residual,
-                    "shape": [part(|x| x.re), part(|x| x.im)],
+                    "shape": parts(&mode.shape),
                 })
             })
         };

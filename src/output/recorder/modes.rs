@@ -2,7 +2,7 @@
 
 use super::Recorder;
 use crate::input::Geometry;
-use crate::modes::{CriticalLoads, Eigenvalues, ModelMode, ModelModes};
+use crate::modes::{CriticalLoads, Eigenvalues, ModelModes};
 use crate::output::directory::{OutputError, drawing};
 use crate::output::plot::{self, Shapes};
 use crate::output::vtu::{VtuFrame, collection, grid};
@@ -63,19 +63,17 @@ impl Recorder<'_> {
             let _ = writeln!(csv, "{},{:?},{:?}", k + 1, mode.load, mode.error);
         }
         self.directory.write("buckling.csv", &csv)?;
-        let mut entries = Vec::new();
-        for mode in &loads.modes {
-            let nodes = node_offsets(context, at, &mode.shape);
-            entries.push(json!({
+        let entries = loads.modes.iter().map(|mode| {
+            json!({
                 "load": mode.load,
                 "error": mode.error,
                 "shape": mode.shape,
-                "nodes": nodes,
-            }));
-        }
+                "nodes": node_offsets(context, at, &mode.shape),
+            })
+        });
         let all = json!({
             "coordinates": loads.names,
-            "modes": entries,
+            "modes": entries.collect::<Vec<_>>(),
         });
         self.directory.write_json("buckling.json", &all)?;
         for (k, mode) in loads.modes.iter().enumerate().take(DRAWN) {
@@ -109,20 +107,17 @@ impl Recorder<'_> {
             csv.push('\n');
         }
         self.directory.write("modes.csv", &csv)?;
-        let part = |pick: fn(&Complex64) -> f64, m: &ModelMode| -> Vec<f64> {
-            m.mode.shape.iter().map(pick).collect()
-        };
         let entries = modes.modes.iter().map(|m| {
-            let real = part(|x| x.re, m);
+            let shape = parts(&m.mode.shape);
             json!({
-                "nodes": node_offsets(context, at, &real),
+                "nodes": node_offsets(context, at, &shape[0]),
                 "frequency": m.mode.frequency(),
                 "damping_ratio": m.mode.damping_ratio(),
                 "eigenvalue": [m.mode.eigenvalue.re, m.mode.eigenvalue.im],
                 "residual": m.mode.residual,
                 "participation": m.participation.map(|x| [x.re, x.im]),
                 "effective_mass": m.effective_mass(),
-                "shape": [real, part(|x| x.im, m)],
+                "shape": shape,
             })
         });
         let all = json!({
@@ -189,6 +184,12 @@ impl Recorder<'_> {
     }
 }
 
+/// Real and imaginary parts of a shape.
+pub(super) fn parts(shape: &[Complex64]) -> [Vec<f64>; 2] {
+    let part = |pick: fn(&Complex64) -> f64| shape.iter().map(pick).collect();
+    [part(|x| x.re), part(|x| x.im)]
+}
+
 /// Displacement and rotation of each frame by a shape, in linear approximation; nothing where they are undefined.
 fn node_offsets(
     context: &mut Context,
@@ -249,12 +250,8 @@ fn displace<'a>(
     shape: &[Complex64],
     factor: Complex64,
 ) -> Option<&'a Context> {
-    let shape = shape.iter();
-    let q: Vec<f64> =
-        at.q.iter()
-            .zip(shape)
-            .map(|(q, x)| q + (x * factor).re)
-            .collect();
+    let moved = |(q, x): (&f64, &Complex64)| q + (x * factor).re;
+    let q: Vec<f64> = at.q.iter().zip(shape).map(moved).collect();
     context.configure(Point::statics(at.t, &q)).ok()?;
     Some(context)
 }
