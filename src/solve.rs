@@ -15,7 +15,7 @@ use std::error::Error;
 use std::ops::ControlFlow;
 
 /// A converged step of any analysis.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Advance<'a> {
     /// Number of the step, from 1; located events repeat the number of the step they lie in.
     pub number: usize,
@@ -68,13 +68,9 @@ impl<'a> Advance<'a> {
         Self {
             number: progress.summary.steps,
             t: progress.state.t,
-            step_size: 0.0,
             iterations: dimension,
-            residuals: &[],
-            chart_changes: 0,
-            event: None,
-            unstable: None,
             progress: Some(progress),
+            ..Self::default()
         }
     }
 }
@@ -108,9 +104,8 @@ impl<'a> From<&StepReport<'a>> for Advance<'a> {
             iterations: step.iterations,
             residuals: step.residuals,
             chart_changes: step.chart_changes,
-            event: None,
-            unstable: None,
             progress: Some(step.progress),
+            ..Self::default()
         }
     }
 }

@@ -113,7 +113,7 @@ impl ComparisonOptions {
 }
 
 /// One scheme at one step size.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct ComparisonRow {
     /// The scheme.
     pub scheme: String,

@@ -2,14 +2,14 @@
 
 use super::grid::Grid;
 use super::sample::Sample;
-use super::{Candidate, CompareError, ComparisonRow, Drift};
+use super::{Candidate, CompareError, ComparisonRow};
 use crate::input::{DynamicPlan, InputError, Job, Plan};
 use crate::method::Method;
 use crate::solve::{Counts, begin};
 use crate::studies::general::General;
 use pullback_elements::model::{Context, Formulation};
 use pullback_integrators::dynamics::{
-    DynamicOptions, DynamicsError, NewtonOptions, Progress, StepReport, Summary, integrate,
+    DynamicOptions, DynamicsError, NewtonOptions, Progress, StepReport, integrate,
 };
 use pullback_manifold::system::Point;
 use std::error::Error;
@@ -94,15 +94,8 @@ impl Task<'_> {
             scheme: self.name.clone(),
             requested_step: self.requested,
             step: self.step(),
-            failure: None,
-            counts: Counts::of_motion(&Summary::default()),
-            assemblies: 0,
-            searching: 0,
-            error: None,
-            drift: Drift::default(),
-            seconds: 0.0,
-            seconds_alone: None,
             samples: Vec::with_capacity(self.grid.times + 1),
+            ..ComparisonRow::default()
         }
     }
 }
