@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 use pullback_elements::model::{Context, NodeState};
 use pullback_manifold::so3;
 use pullback_manifold::system::{Point, SystemError};
-use serde::ser::{Serialize, SerializeMap, Serializer};
+use serde::ser::{Serialize, Serializer};
 
 /// A quantity whose error is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,15 +42,15 @@ impl ErrorQuantity {
 
     /// Its name.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Position => "position",
-            Self::Rotation => "rotation",
-            Self::Velocity => "velocity",
-            Self::AngularVelocity => "angular velocity",
-            Self::Acceleration => "acceleration",
-            Self::AngularAcceleration => "angular acceleration",
-            Self::Energy => "energy",
-        }
+        [
+            "position",
+            "rotation",
+            "velocity",
+            "angular velocity",
+            "acceleration",
+            "angular acceleration",
+            "energy",
+        ][self as usize]
     }
 
     /// Its key in CSV and JSON.
@@ -87,11 +87,7 @@ impl<T: Copy> Values<T> {
 
 impl<T: Copy + Serialize> Serialize for Values<T> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(Some(self.0.len()))?;
-        for quantity in ErrorQuantity::ALL {
-            map.serialize_entry(&quantity.key(), &self.of(quantity))?;
-        }
-        map.end()
+        serializer.collect_map(ErrorQuantity::ALL.map(|q| (q.key(), self.of(q))))
     }
 }
 
