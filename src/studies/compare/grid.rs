@@ -89,14 +89,14 @@ impl Grid {
     /// # Errors
     /// [`CompareError::TooLong`].
     pub fn longer(&self, factor: f64) -> Result<Self, CompareError> {
-        let count = self.counts.first().copied().unwrap_or(1);
+        let count = self.counts[0];
         if count as f64 * factor > MOST_STEPS {
             let (value, most) = (factor, MOST_STEPS);
             return Err(CompareError::TooLong { value, most });
         }
-        let steps = ((count as f64 * factor).ceil() as usize).max(1);
-        let exact = (ENOUGH_TIMES..=MOST_TIMES).rev();
-        let times = exact.into_iter().find(|m| steps.is_multiple_of(*m));
+        let steps = (count as f64 * factor).ceil() as usize;
+        let mut exact = (ENOUGH_TIMES..=MOST_TIMES).rev();
+        let times = exact.find(|m| steps.is_multiple_of(*m));
         let times = times.unwrap_or(steps.min(MOST_TIMES));
         let steps = steps.next_multiple_of(times);
         Ok(Self {
@@ -106,19 +106,10 @@ impl Grid {
         })
     }
 
-    /// Common time `k`, from 1.
-    pub fn time(&self, k: usize) -> f64 {
-        if k >= self.times {
-            self.to
-        } else {
-            self.to * (k as f64 / self.times as f64)
-        }
-    }
-
     /// All common times, the start first.
     pub fn all_times(&self) -> Vec<f64> {
-        let later = (1..=self.times).map(|k| self.time(k));
-        std::iter::once(0.0).chain(later).collect()
+        let part = |k: usize| k as f64 / self.times as f64;
+        (0..=self.times).map(|k| self.to * part(k)).collect()
     }
 
     /// The size of this number of equal steps.

@@ -10,9 +10,9 @@ use crate::method::Method;
 use serde::Serialize;
 
 /// Numbers of steps of the three runs of a reference, over that of the finest run compared.
-pub(super) const REFINED: [usize; 3] = [2, 4, 8];
+const REFINED: [usize; 3] = [2, 4, 8];
 /// Tolerance of the residual relative to forces in the runs of a reference.
-pub(super) const TIGHT: f64 = 1e-12;
+const TIGHT: f64 = 1e-12;
 /// Round-off of a quantity over its largest size.
 const ROUND_OFF: f64 = 1e-12;
 /// Relative change of an energy or momentum beyond which it is not conserved, whatever the error of the reference.
