@@ -196,15 +196,13 @@ type Value<'a> = dyn Fn(&ComparisonRow) -> Option<f64> + 'a;
 
 /// Errors in a quantity over the step size or the cost of a run.
 fn errors(comparison: &Comparison, quantity: ErrorQuantity, x: &str, of: &Value<'_>) -> Graph {
+    let description = [x.to_owned(), format!("error of {}", quantity.name())];
+    let point = |row: &ComparisonRow| Some((of(row)?, row.regular_error(quantity)?));
+    let curves = curves(comparison, &point);
     Graph {
-        description: [x.to_owned(), format!("error of {}", quantity.name())],
-        scale: [AxisScale::Logarithmic; 2],
-        curves: curves(comparison, &|row| {
-            Some((of(row)?, row.regular_error(quantity)?))
-        }),
         marked: true,
-        slopes: Vec::new(),
         level: level(comparison, quantity),
+        ..Graph::new(description, [AxisScale::Logarithmic; 2], curves)
     }
 }
 
