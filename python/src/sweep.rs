@@ -13,15 +13,8 @@ use std::sync::{Mutex, PoisonError};
 type Row = (usize, Vec<String>, String, f64, f64, Vec<f64>);
 
 fn to_python(row: SweepRow) -> Row {
-    let SweepRow {
-        run,
-        parameters,
-        outcome,
-        t,
-        seconds,
-        values,
-    } = row;
-    (run, parameters, outcome, t, seconds, values)
+    let (t, seconds) = (row.t, row.seconds);
+    (row.run, row.parameters, row.outcome, t, seconds, row.values)
 }
 
 fn of_python((run, parameters, outcome, t, seconds, values): Row) -> SweepRow {
