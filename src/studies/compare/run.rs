@@ -15,7 +15,8 @@ use pullback_manifold::system::Point;
 use std::error::Error;
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
-use std::sync::{Mutex, PoisonError};
+use std::panic::resume_unwind;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 /// Builds the model of a comparison in a formulation of rotations, anew for each run.
@@ -317,21 +318,16 @@ pub(in crate::studies) fn side_by_side<T: Send>(
     threads: usize,
     work: &(dyn Fn(usize) -> T + Sync),
 ) -> Vec<T> {
-    let queue = Mutex::new(order.iter());
-    let done = Mutex::new(Vec::with_capacity(order.len()));
-    let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
-    std::thread::scope(|scope| {
-        for _ in 0..threads.clamp(1, order.len().max(1)) {
-            scope.spawn(|| {
-                while let Some(&k) = next() {
-                    let out = work(k);
-                    let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
-                    done.push((k, out));
-                }
-            });
-        }
+    let begun = AtomicUsize::new(0);
+    let next = || order.get(begun.fetch_add(1, Ordering::Relaxed)).copied();
+    let worker = || std::iter::from_fn(|| next().map(|k| (k, work(k)))).collect::<Vec<_>>();
+    let mut done = std::thread::scope(|scope| {
+        let threads = threads.clamp(1, order.len().max(1));
+        let threads: Vec<_> = (0..threads).map(|_| scope.spawn(worker)).collect();
+        let done = threads.into_iter().map(|thread| thread.join());
+        done.flat_map(|done| done.unwrap_or_else(|panic| resume_unwind(panic)))
+            .collect::<Vec<_>>()
     });
-    let mut done = done.into_inner().unwrap_or_else(PoisonError::into_inner);
     done.sort_by_key(|(k, _)| *k);
     done.into_iter().map(|(_, out)| out).collect()
 }
