@@ -235,16 +235,15 @@ pub enum InputProblem {
     Model(#[from] ModelError),
 }
 
-/// Items joined by commas.
+/// Why a path is not that of a parameter.
 fn missing(path: &str, within: &str, found: &str) -> String {
-    match (within, found) {
-        (_, "") => {
-            format!("{path} is a whole part of the model, not a parameter: name a key of it")
-        }
+    match found {
+        "" => format!("{path} is a whole part of the model, not a parameter: name a key of it"),
         _ => format!("{path} is no parameter of the model: {within} has no {found}"),
     }
 }
 
+/// Items joined by commas.
 fn list(words: &[&'static str]) -> String {
     match words {
         [] => "none".to_owned(),

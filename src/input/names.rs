@@ -103,15 +103,8 @@ pub(super) fn check_names(of: &Assembly<'_>) -> Result<(), InputError> {
 /// The name closest to `given`, if it is close enough for a typing error.
 pub fn closest<'a>(given: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
     let allowed = 1 + given.chars().count() / 3;
-    known
-        .into_iter()
-        .map(|name| {
-            (
-                osa_distance(&given.to_lowercase(), &name.to_lowercase()),
-                name,
-            )
-        })
-        .filter(|(d, _)| *d <= allowed)
-        .min_by_key(|(d, _)| *d)
-        .map(|(_, name)| name.to_owned())
+    let distance = |name: &str| osa_distance(&given.to_lowercase(), &name.to_lowercase());
+    let near = known.into_iter().map(|name| (distance(name), name));
+    let near = near.filter(|(d, _)| *d <= allowed).min_by_key(|(d, _)| *d);
+    near.map(|(_, name)| name.to_owned())
 }

@@ -157,9 +157,7 @@ impl Assembly<'_> {
         }
         Ok(())
     }
-}
 
-impl Assembly<'_> {
     /// Makes the angle of a revolute joint one of steady rotation.
     fn rotate(&mut self, entry: &Entry<'_>, coordinates: &[NodeId]) -> Result<(), InputError> {
         let joint = entry.joint;

@@ -134,10 +134,9 @@ impl Registry {
         E: Into<BoxedError>,
     {
         let mut registry = self.joint(name, make);
-        registry
-            .types
-            .entry(name.to_owned())
-            .and_modify(|made| made.along = true);
+        if let Some(made) = registry.types.get_mut(name) {
+            made.along = true;
+        }
         registry
     }
 

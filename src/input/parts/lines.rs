@@ -79,9 +79,7 @@ impl Assembly<'_> {
         });
         Ok(())
     }
-}
 
-impl Assembly<'_> {
     /// The axis of a line between two nodes, with the imperfections of the file.
     fn axis(
         &self,
