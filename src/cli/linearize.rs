@@ -233,18 +233,14 @@ fn write(
         .iter()
         .zip([&lin.K, &lin.C, &lin.M])
     {
-        let entries = lin.pattern.triplets(values).filter(|(_, _, x)| *x != 0.0);
+        let entries = lin.pattern.triplets(values);
         directory.write(name, &matrix_market([n, n], entries))?;
     }
     let columns = lin.r_u.iter().enumerate();
     let entries = columns.flat_map(|(c, r_u)| r_u.iter().enumerate().map(move |(r, x)| (r, c, *x)));
-    let entries = entries.filter(|(_, _, x)| *x != 0.0);
     directory.write("inputs.mtx", &matrix_market([n, lin.r_u.len()], entries))?;
-    let lines = |names: &[String]| {
-        names
-            .iter()
-            .fold(String::new(), |text, name| text + name + "\n")
-    };
+    let lines =
+        |names: &[String]| -> String { names.iter().map(|name| format!("{name}\n")).collect() };
     directory.write("coordinates.txt", &lines(&lin.names))?;
     directory.write("inputs.txt", &lines(inputs))?;
     let Some((outputs, space)) = first_order else {
@@ -259,7 +255,7 @@ fn write(
         ("state_basis.mtx", &space.N),
     ] {
         let rows = matrix.nrows();
-        let entries = matrix.iter().enumerate().filter(|(_, x)| **x != 0.0);
+        let entries = matrix.iter().enumerate();
         let entries = entries.map(|(k, x)| (k % rows, k / rows, *x));
         directory.write(name, &matrix_market([rows, matrix.ncols()], entries))?;
     }
@@ -272,7 +268,7 @@ fn matrix_market(
     entries: impl Iterator<Item = (usize, usize, f64)>,
 ) -> String {
     let (mut body, mut count) = (String::new(), 0);
-    for (r, c, x) in entries {
+    for (r, c, x) in entries.filter(|(_, _, x)| *x != 0.0) {
         count += 1;
         // Writing to a string cannot fail.
         let _ = writeln!(body, "{} {} {x:?}", r + 1, c + 1);
