@@ -71,10 +71,7 @@ fn prescribed(file: &ModelFile, order: usize) -> impl Iterator<Item = (String, O
         let prescribed = s.prescribed.as_ref();
         prescribed.is_some_and(|d| d.given().any(|(_, time)| off(time)))
     });
-    let moved = move |j: &Joint| {
-        let mut acts = j.all_acts();
-        acts.any(|(_, a)| a.prescribed.as_ref().is_some_and(off))
-    };
+    let moved = move |j: &Joint| j.acts_any(|a| a.prescribed.as_ref().is_some_and(off));
     let joints = (file.joints.iter().enumerate()).filter(move |(_, j)| moved(j));
     (supports.map(|s| (format!("support of {}", s.node), None)))
         .chain(joints.map(|(k, j)| (format!("joint {}", j.name), Some(k))))
@@ -112,8 +109,7 @@ pub(crate) fn prescribed_start(job: &Job) -> Option<String> {
         rates.all(|[_, rate]| rate == 0.0)
     };
     let carried = (file.joints.iter().zip(&job.joints)).filter(|(j, nodes)| {
-        let mut acts = j.all_acts();
-        let given = acts.any(|(_, a)| a.rate.is_some() || a.prescribed.is_some());
+        let given = j.acts_any(|a| a.rate.is_some() || a.prescribed.is_some());
         let free = !given && has(true, context, nodes);
         free && nodes.coordinates.iter().all(rests) && moves(nodes.frame)
     });
@@ -130,10 +126,7 @@ pub(crate) fn prescribed_start(job: &Job) -> Option<String> {
 
 /// A warning about lines at rest next to a joint that starts with a rate.
 pub(crate) fn lines_at_rest(file: &ModelFile) -> impl Iterator<Item = String> {
-    let rates = |j: &Joint| {
-        j.all_acts()
-            .any(|(_, a)| a.rate.is_some_and(|rate| rate != 0.0))
-    };
+    let rates = |j: &Joint| j.acts_any(|a| a.rate.is_some_and(|rate| rate != 0.0));
     let rated = file.joints.iter().filter(move |j| rates(j));
     rated.filter(|_| file.initial.is_empty()).flat_map(|j| {
         let child = j.child.as_ref();
@@ -156,7 +149,7 @@ pub(crate) fn lines_at_rest(file: &ModelFile) -> impl Iterator<Item = String> {
 pub(crate) fn strained(job: &Job, progress: &Progress) -> Vec<String> {
     let Job { context, file, .. } = job;
     let stored = progress.summary.energy.map_or(0.0, |e| e.now.stored);
-    let values = |j: &Joint| j.all_acts().any(|(_, a)| a.value.is_some_and(|x| x != 0.0));
+    let values = |j: &Joint| j.acts_any(|a| a.value.is_some_and(|x| x != 0.0));
     let valued = (file.joints.iter().enumerate()).filter(|(_, j)| values(j));
     let valued = valued.map(|(k, j)| (format!("joint {}", j.name), Some(k)));
     let names: Vec<String> = prescribed(file, 0)

@@ -131,7 +131,7 @@ pub(super) fn assemble(
 
 /// Checks that a file has nodes and elements, and a title of one line if any.
 fn check_contents(at: &Location<'_>, file: &ModelFile) -> Result<(), InputError> {
-    let acting = |joint: &Joint| joint.all_acts().any(|(_, a)| a.spring.is_some());
+    let acting = |joint: &Joint| joint.acts_any(|a| a.spring.is_some());
     let elements = file.lines.is_empty() && file.bodies.is_empty() && file.springs.is_empty();
     let elements = elements && !file.joints.iter().any(acting);
     for (what, missing) in [
@@ -154,10 +154,7 @@ fn check_statics(at: &Location<'_>, file: &ModelFile) -> Result<(), InputError> 
     if !file.initial.is_empty() {
         return Err(at.at("initial").at(0).refuse(InputProblem::InitialStatics));
     }
-    let moving = |j: &Joint| {
-        let mut acts = j.all_acts();
-        acts.any(|(_, a)| a.rate.is_some() || a.value.is_some())
-    };
+    let moving = |j: &Joint| j.acts_any(|a| a.rate.is_some() || a.value.is_some());
     if let Some(k) = file.joints.iter().position(moving) {
         let name = at.at("joints").at(k).at("name");
         return Err(name.refuse(InputProblem::InitialStatics));

@@ -152,6 +152,11 @@ impl Joint {
             .map(|(n, a)| (n.as_str(), a.clone()));
         std::iter::once(("", self.acts())).chain(named)
     }
+
+    /// Whether something of a kind acts on any coordinate.
+    pub fn acts_any(&self, kind: impl Fn(&Acts) -> bool) -> bool {
+        self.all_acts().any(|(_, acts)| kind(&acts))
+    }
 }
 
 /// A spring and damper on one coordinate x: force −k (x − x0) − k3 (x − x0)³ − c ẋ.

@@ -96,7 +96,7 @@ pub(super) fn project(
     // As with maps of loops, prescribed motion has a velocity of its own, whatever that of the whole model.
     let file = assembly.file;
     let prescribed = file.supports.iter().any(|s| s.prescribed.is_some())
-        || (file.joints.iter()).any(|j| j.all_acts().any(|(_, a)| a.prescribed.is_some()));
+        || (file.joints.iter()).any(|j| j.acts_any(|a| a.prescribed.is_some()));
     if prescribed || requests.iter().any(|a| a.of_node) || !held.is_empty() {
         requests.retain(|a| a.of_node);
     }

@@ -47,8 +47,8 @@ impl<'a> Velocities<'a> {
             held: Vec::new(),
             requests: Vec::new(),
         };
-        let mut acts = assembly.file.joints.iter().flat_map(|j| j.all_acts());
-        let chosen_rates = acts.any(|(_, a)| a.rate.is_some());
+        let mut joints = assembly.file.joints.iter();
+        let chosen_rates = joints.any(|j| j.acts_any(|a| a.rate.is_some()));
         // Rates of joints take precedence over the motion of the whole model; what is free behind them follows that again.
         for again in [false, true] {
             all.rates.clear();
