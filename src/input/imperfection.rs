@@ -44,10 +44,7 @@ pub(super) fn offsets(
             *total = [0, 1].map(|i| total[i] + offset[i] * factor);
         }
     }
-    let mut names = Names::new("node of the shape");
-    for (name, offset) in sum {
-        names.add(name, offset);
-    }
+    let names = Names::of("node of the shape", sum);
     Ok(Some(names).filter(|_| !file.imperfections.is_empty()))
 }
 

@@ -1,6 +1,5 @@
 //! Names of parts in a file: valid, unique, known, and the closest of the known ones.
 
-use super::file::ModelFile;
 use super::parts::Assembly;
 use super::{InputError, InputProblem, Location};
 use std::collections::{HashMap, HashSet};
@@ -20,6 +19,13 @@ impl<T: Copy> Names<T> {
             order: Vec::new(),
             things: HashMap::new(),
         }
+    }
+
+    pub(super) fn of(what: &'static str, all: impl IntoIterator<Item = (String, T)>) -> Self {
+        let mut names = Self::new(what);
+        all.into_iter()
+            .for_each(|(name, thing)| names.add(name, thing));
+        names
     }
 
     pub(super) fn knows(&self, name: &str) -> bool {
@@ -48,17 +54,6 @@ impl<T: Copy> Names<T> {
                 known: self.order.clone(),
             })
         })
-    }
-}
-
-impl Names<usize> {
-    /// The lines of a file, in its order.
-    pub(super) fn lines(file: &ModelFile) -> Self {
-        let mut lines = Self::new("line");
-        for (k, line) in file.lines.iter().enumerate() {
-            lines.add(line.name.clone(), k);
-        }
-        lines
     }
 }
 

@@ -26,12 +26,11 @@ pub(super) fn resolve(
         }));
     }
     distinct(assembly, "probes", "probe", probes.iter().map(|p| &p.name))?;
-    let mut elements = Names::new("element");
-    for line in &assembly.geometry.lines {
-        for (e, &id) in line.elements.iter().enumerate() {
-            elements.add(format!("{}:{}", line.name, e + 1), id);
-        }
-    }
+    let elements = assembly.geometry.lines.iter().flat_map(|line| {
+        let named = |(id, e): (&ElementId, usize)| (format!("{}:{e}", line.name), *id);
+        line.elements.iter().zip(1..).map(named)
+    });
+    let elements = Names::of("element", elements);
     let columns = COLUMNS
         .iter()
         .chain(&DYNAMIC_COLUMNS)

@@ -58,7 +58,7 @@ impl<'a> Assembly<'a> {
             builder: ModelBuilder::new(),
             sections: Names::new("section"),
             nodes: Names::new("node"),
-            lines: Names::lines(file),
+            lines: Names::of("line", file.lines.iter().map(|l| l.name.clone()).zip(0..)),
             meshed: file.lines.iter().map(|_| None).collect(),
             joints: vec![None; file.joints.len()],
             joint_coordinates: Names::new(
