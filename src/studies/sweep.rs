@@ -213,21 +213,21 @@ impl Sweep {
         axes: Vec<Axis>,
         reductions: Vec<Reduction>,
     ) -> Result<Self, SweepError> {
-        let empty = axes.iter().find(|axis| axis.values.is_empty());
-        let refused = empty.map(|axis| (axis.path.clone(), "a parameter has one value or more"));
+        let refuse = |text, expected| Err(SweepError { text, expected });
+        if let Some(empty) = axes.iter().find(|axis| axis.values.is_empty()) {
+            return refuse(empty.path.clone(), "a parameter has one value or more");
+        }
         let sweep = Self {
             model,
             text,
             axes,
             reductions,
         };
-        let many = (
-            sweep.runs().to_string(),
-            "a sweep has at most 10000000 runs",
-        );
-        match refused.or((sweep.runs() > MOST_RUNS).then_some(many)) {
-            Some((text, expected)) => Err(SweepError { text, expected }),
-            None => Ok(sweep),
+        match sweep.runs() {
+            runs if runs > MOST_RUNS => {
+                refuse(runs.to_string(), "a sweep has at most 10000000 runs")
+            }
+            _ => Ok(sweep),
         }
     }
 
