@@ -6,7 +6,6 @@ use pullback_integrators::dynamics::Scheme;
 use pullback_integrators::spectrum as integrator;
 
 const TITLE: &str = "Lines: closed forms; marks: measured in steps";
-const EXPANDED: &str = "; broken: κ Ω² and σ Ω³ of theory";
 
 const LINEAR: AxisScale = AxisScale::Linear;
 const LOG: AxisScale = AxisScale::Logarithmic;
@@ -16,7 +15,7 @@ const LOG: AxisScale = AxisScale::Logarithmic;
 /// # Errors
 /// [`PlotError`] of the drawing library.
 pub fn figures(spectra: &[(Scheme, Spectrum)]) -> Result<[(&'static str, String); 2], PlotError> {
-    let title = format!("{TITLE}{EXPANDED}");
+    let title = format!("{TITLE}; broken: κ Ω² and σ Ω³ of theory");
     let accuracy = graphs(Some(&title), "", &accuracy(spectra))?;
     let overshoot = overshoot(spectra);
     let overshoot = graphs(Some(TITLE), "largest value of exact motion", &overshoot)?;

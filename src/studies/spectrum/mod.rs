@@ -104,16 +104,13 @@ pub struct SpectrumPoint {
 /// A number at one Ω, where it exists.
 type Number = fn(&integrator::Accuracy) -> Option<f64>;
 
-const EIGENVALUES: [(&str, Number); 3] = [
+/// Those of the eigenvalues, and of the first step from rest and from the origin.
+const NUMBERS: [(&str, Number); 7] = [
     ("radius", |p| Some(p.numbers.radius)),
     ("damping", |p| p.numbers.damping),
     ("elongation", |p| p.numbers.elongation),
-];
-const FROM_REST: [(&str, Number); 2] = [
     ("rest_position", |p| Some(p.first_step.from_rest[0])),
     ("rest_velocity", |p| Some(p.first_step.from_rest[1])),
-];
-const FROM_ORIGIN: [(&str, Number); 2] = [
     ("origin_position", |p| Some(p.first_step.from_origin[0])),
     ("origin_velocity", |p| Some(p.first_step.from_origin[1])),
 ];
@@ -133,11 +130,11 @@ impl SpectrumPoint {
         let [elongation, damping] = [0, 1].map(|k| self.expansion.map(|all| all[k]));
         [
             vec![("Omega".to_owned(), Some(self.steps.Omega))],
-            both(&EIGENVALUES),
+            both(&NUMBERS[..3]),
             vec![("expanded_damping".to_owned(), damping)],
             vec![("expanded_elongation".to_owned(), elongation)],
-            both(&FROM_REST),
-            both(&FROM_ORIGIN),
+            both(&NUMBERS[3..5]),
+            both(&NUMBERS[5..]),
         ]
         .concat()
     }
