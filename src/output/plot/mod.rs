@@ -74,33 +74,29 @@ fn width(text: &str, size: i32) -> i32 {
 /// A figure of a size with a title, as SVG text.
 fn figure(
     title: Option<&str>,
-    size: [i32; 2],
+    [w, h]: [i32; 2],
     draw: impl FnOnce(&Area<'_>) -> Result<(), PlotError>,
 ) -> Result<String, PlotError> {
     let mut svg = String::new();
     {
-        let fine = ((size[0] * FINE) as u32, (size[1] * FINE) as u32);
+        let fine = ((w * FINE) as u32, (h * FINE) as u32);
         let root = SVGBackend::with_string(&mut svg, fine).into_drawing_area();
         root.fill(&WHITE)?;
         if let Some(title) = title {
             let style = font(TITLE).pos(Pos::new(HPos::Center, VPos::Center));
-            root.draw_text(title, &style, (size[0] * FINE / 2, 20 * FINE))?;
+            root.draw_text(title, &style, (w * FINE / 2, 20 * FINE))?;
         }
         draw(&root)?;
         root.present()?;
     }
-    Ok(scaled(&svg, size))
+    // What is drawn in fine pixels gets its size in units.
+    let fine = format!("width=\"{}\" height=\"{}\"", w * FINE, h * FINE);
+    let svg = svg.replacen(&fine, &format!("width=\"{w}\" height=\"{h}\""), 1);
+    Ok(svg.replace("<polyline ", "<polyline stroke-linejoin=\"round\" "))
 }
 
 /// A part of a figure, in units.
 fn part<'a>(root: &Area<'a>, [x, y]: [i32; 2], [w, h]: [i32; 2]) -> Area<'a> {
     root.clone()
         .shrink((x * FINE, y * FINE), (w * FINE, h * FINE))
-}
-
-/// Gives a figure drawn in fine pixels its size in units.
-fn scaled(svg: &str, [w, h]: [i32; 2]) -> String {
-    let fine = format!("width=\"{}\" height=\"{}\"", w * FINE, h * FINE);
-    svg.replacen(&fine, &format!("width=\"{w}\" height=\"{h}\""), 1)
-        .replace("<polyline ", "<polyline stroke-linejoin=\"round\" ")
 }
