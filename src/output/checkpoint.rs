@@ -7,6 +7,7 @@ use super::history::HistoryRow;
 use super::log::{self, Extent};
 use super::plot::Shapes;
 use super::recording::Seen;
+use super::results::PROGRAM;
 use crate::input::Plan;
 use nalgebra::Vector3;
 use pullback_elements::model::{Context, SavedState};
@@ -15,9 +16,6 @@ use pullback_manifold::system::System;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
-
-/// Program and version.
-const PROGRAM: &str = concat!("pullback ", env!("CARGO_PKG_VERSION"));
 
 /// Message for a file that was damaged or edited.
 const CHECKSUM: &str = "its checksum is not that of its content";

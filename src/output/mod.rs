@@ -25,4 +25,4 @@ pub use recorder::RecordError;
 pub(crate) use recorder::{Recorder, Setting};
 pub(crate) use recording::Recording;
 pub use results::Ending;
-pub(crate) use results::is_complete;
+pub(crate) use results::{PROGRAM, is_complete};

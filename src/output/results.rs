@@ -9,6 +9,9 @@ use serde_json::Value;
 use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
 
+/// Program and version.
+pub(crate) const PROGRAM: &str = concat!("pullback ", env!("CARGO_PKG_VERSION"));
+
 /// Name of the file.
 pub(super) const NAME: &str = "result.json";
 

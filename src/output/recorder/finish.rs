@@ -5,7 +5,7 @@ use crate::input::FigureFormat;
 use crate::output::directory::{Directory, OutputError, drawing, encoding};
 use crate::output::panels::panels;
 use crate::output::plot::{self, Shapes};
-use crate::output::results::{Ending, NAME, Results};
+use crate::output::results::{Ending, NAME, PROGRAM, Results};
 use crate::solve::Counts;
 use serde::ser::Error;
 
@@ -20,7 +20,7 @@ impl Recorder<'_> {
         // TOML has no null: keys that are absent stay absent.
         let settings = toml::Table::try_from(self.setting.file).map_err(Error::custom);
         let results = Results {
-            program: concat!("pullback ", env!("CARGO_PKG_VERSION")),
+            program: PROGRAM,
             model: self.setting.source,
             title: self.setting.file.title.as_deref(),
             complete: *ending == Ending::Complete,

@@ -9,6 +9,7 @@ use super::{
 };
 use crate::input::Job;
 use crate::method::Method;
+use crate::output::PROGRAM;
 use crate::solve::begin;
 use pullback_elements::model::Formulation;
 use pullback_integrators::dynamics::{DynamicOptions, Scheme};
@@ -168,7 +169,7 @@ pub(super) fn run(
     }
     let names: Vec<String> = options.schemes.iter().map(Candidate::to_string).collect();
     let mut comparison = Comparison {
-        program: concat!("pullback ", env!("CARGO_PKG_VERSION")),
+        program: PROGRAM,
         model: model.to_owned(),
         title: prepared.job.file.title.clone(),
         command: None,
