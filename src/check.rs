@@ -19,7 +19,6 @@ use crate::terminal::longest;
 use pullback_manifold::system::Events;
 use serde_json::{Value, json};
 use std::collections::{HashMap, HashSet};
-use std::fmt::Write;
 
 pub use pullback_conformance::{
     Block, LawRow, Measure, ModelOptions, Report, element, implicit, joint, map, model,
@@ -209,11 +208,7 @@ fn text(report: &Report, all: bool) -> String {
             Measure::Impossible(_) => ("impossible".to_owned(), String::new()),
         };
         let verdict = if row.passed { "ok" } else { "FAIL" };
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            out,
-            "{shown:first$}  {law:second$}  {measured:>15}  {limit:>9}  {verdict}",
-        );
+        out += &format!("{shown:first$}  {law:second$}  {measured:>15}  {limit:>9}  {verdict}\n");
     }
     describe_failures(&mut out, report);
     out
@@ -223,19 +218,18 @@ fn text(report: &Report, all: bool) -> String {
 fn describe_failures(out: &mut String, report: &Report) {
     let failures = report.failures();
     for row in failures.iter().take(DESCRIBED) {
-        let _ = write!(out, "\nFAIL {}: {}\n", row.component, row.law);
-        let _ = writeln!(out, "  at {}: {}", row.at, row.measure);
+        *out += &format!("\nFAIL {}: {}\n", row.component, row.law);
+        *out += &format!("  at {}: {}\n", row.at, row.measure);
         for block in &row.blocks {
-            let _ = writeln!(out, "  {block}");
+            *out += &format!("  {block}\n");
         }
     }
     if failures.len() > DESCRIBED {
-        let _ = writeln!(out, "\n... and {} more", failures.len() - DESCRIBED);
+        *out += &format!("\n... and {} more\n", failures.len() - DESCRIBED);
     }
     let components: HashSet<&str> = report.rows().iter().map(|r| r.component.as_str()).collect();
-    let _ = writeln!(
-        out,
-        "\n{} properties of {} components, {} wrong",
+    *out += &format!(
+        "\n{} properties of {} components, {} wrong\n",
         report.rows().len(),
         components.len(),
         failures.len()

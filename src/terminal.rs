@@ -5,8 +5,8 @@ use crate::solve::{Advance, Counts};
 use crate::studies::gallery::CaseRow;
 use indicatif::{ProgressBar, ProgressStyle};
 use pullback_integrators::linearization::{BucklingMode, CampbellDiagram, Mode};
-use std::fmt::{Display, Write};
-use std::io::{self, Write as _};
+use std::fmt::Display;
+use std::io::{self, Write};
 use std::ops::ControlFlow;
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -126,10 +126,8 @@ pub fn table(rows: &[CaseRow]) -> String {
         "case", "quantity", "computed", "published", "difference", "tolerance"
     );
     for row in rows {
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            out,
-            "{:case$}  {:quantity$}  {:>14.6}  {:>14.6}  {:>10.2e}  {:>9.1e}  {}  {}",
+        out += &format!(
+            "{:case$}  {:quantity$}  {:>14.6}  {:>14.6}  {:>10.2e}  {:>9.1e}  {}  {}\n",
             row.case,
             row.quantity,
             row.computed,
@@ -148,10 +146,9 @@ pub fn table(rows: &[CaseRow]) -> String {
         .map(|row| format!("{} {:.2} s", row.case, row.seconds));
     let times = times.collect::<Vec<_>>().join(", ");
     let off = rows.iter().filter(|row| !row.passed()).count();
-    let _ = writeln!(out, "time: {times}");
-    let _ = writeln!(
-        out,
-        "{} comparisons in {} cases, {off} off, {total:.1} s",
+    out += &format!("time: {times}\n");
+    out += &format!(
+        "{} comparisons in {} cases, {off} off, {total:.1} s\n",
         rows.len(),
         cases.len()
     );
@@ -180,7 +177,7 @@ pub fn eigenvalues(found: &Eigenvalues) -> String {
         Eigenvalues::Critical(found) => {
             let mut out = "\nmode  critical load parameter     error\n".to_owned();
             for (k, BucklingMode { load, error, .. }) in found.modes.iter().enumerate() {
-                let _ = writeln!(out, "{:4}  {load:23.9e}  {error:8.1e}", k + 1);
+                out += &format!("{:4}  {load:23.9e}  {error:8.1e}\n", k + 1);
             }
             out
         }
@@ -196,9 +193,8 @@ fn campbell(diagram: &CampbellDiagram) -> String {
     let mut out = "\nline  first frequency  last frequency  last damping ratio\n".to_owned();
     for (k, line) in diagram.lines.iter().enumerate() {
         let [first, last] = [line.first(), line.last()].map(|mode| mode.and_then(Option::as_ref));
-        let _ = writeln!(
-            out,
-            "{:4}  {:>15}  {:>14}  {:>18}",
+        out += &format!(
+            "{:4}  {:>15}  {:>14}  {:>18}\n",
             k + 1,
             number(first, Mode::frequency),
             number(last, Mode::frequency),
@@ -216,16 +212,14 @@ fn modes(found: &ModelModes) -> String {
     for (k, mode) in found.modes.iter().enumerate() {
         let (number, mode) = (k + 1, &mode.mode);
         let (frequency, zeta) = (mode.frequency(), mode.damping_ratio());
-        let _ = writeln!(
-            out,
-            "{number:4}  {frequency:12.6e}  {zeta:13.3e}  {:8.1e}",
+        out += &format!(
+            "{number:4}  {frequency:12.6e}  {zeta:13.3e}  {:8.1e}\n",
             mode.residual
         );
     }
     if let Some(counted) = found.counted {
-        let _ = writeln!(
-            out,
-            "none is missing: {} by Sylvester's law of inertia",
+        out += &format!(
+            "none is missing: {} by Sylvester's law of inertia\n",
             plural(counted, "eigenvalue")
         );
     }
@@ -247,16 +241,14 @@ pub fn counts(counts: &Counts) -> String {
         plural(counts.chart_changes, "change")
     );
     if let Some(energy) = counts.energy {
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            out,
+        out += &format!(
             "energy: kinetic {:.6e}, stored {:.6e}; supplied less dissipated {:.6e}; balance off by \
-             {:.2e} at most",
+             {:.2e} at most\n",
             energy.now.kinetic, energy.now.stored, energy.work, energy.largest_defect
         );
     }
     if let Some(stable) = counts.stable_step {
-        let _ = writeln!(out, "stable for steps of at most {stable:.6e} at its start");
+        out += &format!("stable for steps of at most {stable:.6e} at its start\n");
     }
     out
 }

@@ -9,7 +9,6 @@ use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use nalgebra::{Matrix3, Vector3};
 use pullback_elements::model::{Context, NodeId, NodeState};
-use std::fmt::Write;
 
 /// A grid and its time.
 pub(super) struct VtuFrame {
@@ -31,9 +30,8 @@ pub(super) fn collection(frames: &[VtuFrame]) -> String {
                    <Collection>\n"
         .to_owned();
     for frame in frames {
-        let _ = writeln!(
-            out,
-            "<DataSet timestep=\"{:?}\" part=\"0\" file=\"{}\"/>",
+        out += &format!(
+            "<DataSet timestep=\"{:?}\" part=\"0\" file=\"{}\"/>\n",
             frame.t, frame.file
         );
     }
@@ -58,9 +56,8 @@ pub(super) fn grid(
         array(&mut out, about, [load.to_le_bytes()]);
         out += "</FieldData>\n";
     }
-    let _ = writeln!(
-        out,
-        "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">",
+    out += &format!(
+        "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n",
         points.len(),
         cells.len()
     );
@@ -214,7 +211,7 @@ fn array<const N: usize>(out: &mut String, about: &str, values: impl IntoIterato
     }
     let (number, data) = bytes.split_at_mut(size_of::<u64>());
     number.copy_from_slice(&(data.len() as u64).to_le_bytes());
-    let _ = write!(out, "<DataArray {about} format=\"binary\">");
+    *out += &format!("<DataArray {about} format=\"binary\">");
     BASE64_STANDARD.encode_string(&bytes, out);
     *out += "</DataArray>\n";
 }

@@ -6,7 +6,6 @@ use crate::probe::Answers;
 use pullback_elements::model::Context;
 use pullback_integrators::significant;
 use pullback_manifold::system::{Scales, System};
-use std::fmt::Write;
 
 /// What a path has passed between two rows with a known stability.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -224,16 +223,10 @@ impl Diagnostics {
             directions(first.directions[1])
         );
         for change in others.iter().take(LISTED) {
-            // Writing to a string cannot fail.
-            let _ = write!(
-                out,
-                "; {} {}",
-                span(change),
-                directions(change.directions[1])
-            );
+            out += &format!("; {} {}", span(change), directions(change.directions[1]));
         }
         if let more @ 1.. = others.len().saturating_sub(LISTED) {
-            let _ = write!(out, "; and {more} more");
+            out += &format!("; and {more} more");
         }
         Some(out)
     }

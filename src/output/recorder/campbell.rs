@@ -9,7 +9,6 @@ use crate::output::plot::{AxisScale, Graph, PlotCurve, graphs};
 use pullback_integrators::linearization::{CampbellDiagram, Mode};
 use serde_json::json;
 use std::f64::consts::TAU;
-use std::fmt::Write;
 
 /// Colours of the modes; the next one is that of the multiples of the speed.
 const COLORS: usize = 6;
@@ -22,15 +21,14 @@ impl Recorder<'_> {
         let diagram = &found.diagram;
         let mut csv = "speed".to_owned();
         for k in 1..=diagram.lines.len() {
-            // Writing to a string cannot fail.
-            let _ = write!(csv, ",frequency_{k},damping_ratio_{k}");
+            csv += &format!(",frequency_{k},damping_ratio_{k}");
         }
         for (row, speed) in diagram.speeds.iter().enumerate() {
-            let _ = write!(csv, "\n{speed:?}");
+            csv += &format!("\n{speed:?}");
             for line in &diagram.lines {
-                let _ = match &line[row] {
-                    Some(mode) => write!(csv, ",{:?},{:?}", mode.frequency(), mode.damping_ratio()),
-                    None => write!(csv, ",,"),
+                csv += &match &line[row] {
+                    Some(mode) => format!(",{:?},{:?}", mode.frequency(), mode.damping_ratio()),
+                    None => ",,".to_owned(),
                 };
             }
         }

@@ -15,7 +15,6 @@ use pullback_manifold::system::{Point, Quantity, System};
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
-use std::fmt::Write;
 
 /// Columns of `modes.csv`.
 const COLUMNS: &str = "mode,frequency,damping_ratio,re,im,residual,\
@@ -59,8 +58,7 @@ impl Recorder<'_> {
     ) -> Result<(), OutputError> {
         let mut csv = "mode,load,error\n".to_owned();
         for (k, mode) in loads.modes.iter().enumerate() {
-            // Writing to a string cannot fail.
-            let _ = writeln!(csv, "{},{:?},{:?}", k + 1, mode.load, mode.error);
+            csv += &format!("{},{:?},{:?}\n", k + 1, mode.load, mode.error);
         }
         self.directory.write("buckling.csv", &csv)?;
         let entries = loads.modes.iter().map(|mode| {
@@ -94,7 +92,7 @@ impl Recorder<'_> {
         let mut csv = COLUMNS.to_owned();
         for (k, mode) in modes.modes.iter().enumerate() {
             let m = &mode.mode;
-            let _ = write!(csv, "{},{:?},{:?}", k + 1, m.frequency(), m.damping_ratio());
+            csv += &format!("{},{:?},{:?}", k + 1, m.frequency(), m.damping_ratio());
             let numbers = [m.eigenvalue.re, m.eigenvalue.im, m.residual];
             let shares = mode.participation.map(|gamma| gamma.re);
             for x in numbers
@@ -102,7 +100,7 @@ impl Recorder<'_> {
                 .chain(shares)
                 .chain(mode.effective_mass())
             {
-                let _ = write!(csv, ",{x:?}");
+                csv += &format!(",{x:?}");
             }
             csv.push('\n');
         }

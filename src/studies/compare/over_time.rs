@@ -2,7 +2,6 @@
 
 use super::tables::number;
 use super::{Comparison, ComparisonRow};
-use std::fmt::Write;
 
 /// One line per run and common time reached; unknown values are empty. Runs with late changes of chart are left out.
 pub(super) fn csv(comparison: &Comparison) -> String {
@@ -23,7 +22,6 @@ fn rows(out: &mut String, run: &str, row: &ComparisonRow) {
         let numbers = numbers.chain(momenta.map(Some)).chain([sample.violation]);
         let cells: Vec<String> = numbers.map(number).collect();
         let (scheme, step, t, cells) = (&row.scheme, row.step, sample.t, cells.join(","));
-        // Writing to a string cannot fail.
-        let _ = writeln!(out, "{run},{scheme},{step},{t},{cells}");
+        *out += &format!("{run},{scheme},{step},{t},{cells}\n");
     }
 }

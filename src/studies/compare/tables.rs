@@ -4,7 +4,6 @@ use super::ABOVE_REFERENCE;
 use super::run::INTERRUPTED;
 use super::{Comparison, ComparisonRow, ErrorQuantity, NEAR, Order, SchemeOrders, Slope, Values};
 use crate::terminal::longest;
-use std::fmt::Write;
 
 /// The text of a cell of `compare.csv`.
 type Cell = fn(&Comparison, &ComparisonRow) -> String;
@@ -113,15 +112,10 @@ pub fn summary(comparison: &Comparison) -> String {
     let width = longest(comparison.orders.iter().map(|o| &*o.scheme)).max("scheme".len());
     let mut out = format!("{:width$}  theory", "scheme");
     for quantity in ErrorQuantity::ALL {
-        let _ = write!(out, "  {:>18}", quantity.name());
+        out += &format!("  {:>18}", quantity.name());
     }
     for scheme in &comparison.orders {
-        let _ = write!(
-            out,
-            "\n{:width$}  {:>6}",
-            scheme.scheme,
-            theory(scheme.theory)
-        );
+        out += &format!("\n{:width$}  {:>6}", scheme.scheme, theory(scheme.theory));
         for quantity in ErrorQuantity::ALL {
             let mark = match scheme.slope(quantity) {
                 Some(Slope::Doubtful) => "?",
@@ -130,18 +124,18 @@ pub fn summary(comparison: &Comparison) -> String {
             };
             let text = |o: Order| format!("{}{mark} ({})", order(&o), o.points);
             let text = scheme.of(quantity).map_or("-".to_owned(), text);
-            let _ = write!(out, "  {text:>18}");
+            out += &format!("  {text:>18}");
         }
     }
     notes(&mut out, comparison);
     for (failed, reason) in failures(comparison) {
         let scheme = &failed[0].scheme;
         let reason = reason.lines().next().unwrap_or_default();
-        let _ = match failed.len() > 1 && failed.len() == comparison.of(scheme).count() {
-            true => write!(out, "\n{scheme}: {reason}"),
+        out += &match failed.len() > 1 && failed.len() == comparison.of(scheme).count() {
+            true => format!("\n{scheme}: {reason}"),
             false => {
                 let steps: Vec<String> = failed.iter().map(|row| row.step.to_string()).collect();
-                write!(out, "\n{scheme} with h = {}: {reason}", steps.join(", "))
+                format!("\n{scheme} with h = {}: {reason}", steps.join(", "))
             }
         };
     }
@@ -155,14 +149,12 @@ fn notes(out: &mut String, comparison: &Comparison) {
         all.any(|o| ErrorQuantity::ALL.into_iter().any(|q| found(o, q)))
     };
     if any(&|o, q| o.slope(q) == Some(Slope::Doubtful)) {
-        let _ = write!(
-            out,
+        *out += &format!(
             "\n? no order: fewer than three steps on a line, or its slope more than {NEAR} below theory"
         );
     }
     if any(&|o, q| o.slope(q) == Some(Slope::Above)) {
-        let _ = write!(
-            out,
+        *out += &format!(
             "\n+ above theory by more than {NEAR}: at these steps the leading term of the error is \
              smaller than the next one"
         );
@@ -173,11 +165,10 @@ fn notes(out: &mut String, comparison: &Comparison) {
         knows && comparison.rows.iter().any(|row| measured(row, q))
     };
     if let Some(why) = unknown(comparison) {
-        let _ = write!(out, "\n- {why}");
+        *out += &format!("\n- {why}");
     }
     if any(&|o, q| o.theory.is_some() && o.of(q).is_none() && known(q)) {
-        let _ = write!(
-            out,
+        *out += &format!(
             "\n- no slope: fewer than two errors are more than {ABOVE_REFERENCE} times that of the \
              reference"
         );

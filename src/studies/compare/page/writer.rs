@@ -2,7 +2,6 @@
 
 use super::super::figures::Figure;
 use super::escaped;
-use std::fmt::Write;
 
 /// Format of a page. Text inside paragraphs and cells is that of HTML in both, which
 /// Markdown accepts.
@@ -157,8 +156,7 @@ fn cells(tag: &str, words: usize, cells: &[impl AsRef<str>]) -> String {
     let mut out = String::new();
     for (k, cell) in cells.iter().enumerate() {
         let class = of(if k < words { "l" } else { "" });
-        // Writing to a string cannot fail.
-        let _ = write!(out, "<{tag}{class}>{}</{tag}>", cell.as_ref());
+        out += &format!("<{tag}{class}>{}</{tag}>", cell.as_ref());
     }
     out
 }
