@@ -37,7 +37,18 @@ pub struct Advance<'a> {
     pub progress: Option<&'a Progress>,
 }
 
-impl Advance<'_> {
+impl<'a> Advance<'a> {
+    /// A step of the search for modes at the end of an analysis.
+    pub(crate) fn search(progress: &'a Progress, dimension: usize) -> Self {
+        Self {
+            number: progress.summary.steps,
+            t: progress.state.t,
+            iterations: dimension,
+            progress: Some(progress),
+            ..Self::default()
+        }
+    }
+
     /// Its number, time or load parameter, size and iterations in words.
     pub fn describe(&self) -> String {
         let parameter = match self.progress {
@@ -58,19 +69,6 @@ impl Advance<'_> {
         match to > 0.0 {
             true => (self.t / to).clamp(0.0, 1.0),
             false => 1.0,
-        }
-    }
-}
-
-impl<'a> Advance<'a> {
-    /// A step of the search for modes at the end of an analysis.
-    pub(crate) fn search(progress: &'a Progress, dimension: usize) -> Self {
-        Self {
-            number: progress.summary.steps,
-            t: progress.state.t,
-            iterations: dimension,
-            progress: Some(progress),
-            ..Self::default()
         }
     }
 }
