@@ -89,7 +89,7 @@ pub fn run_several(
         }
         prepare(&*subject.make, &subject.options).map_err(|error| error.of(&subject.model))?;
     }
-    let mut all: Vec<Comparison> = Vec::with_capacity(subjects.len());
+    let mut all = Vec::with_capacity(subjects.len());
     for subject in subjects {
         let own = directory.join(&subject.name);
         let (make, model, options) = (&*subject.make, &subject.model, &subject.options);
@@ -100,10 +100,8 @@ pub fn run_several(
             break;
         }
     }
-    let mut sections = Vec::with_capacity(all.len());
-    for comparison in &all {
-        sections.push((comparison, drawn(comparison)?));
-    }
+    let sections = all.iter().map(|c| Ok((c, drawn(c)?)));
+    let sections = sections.collect::<Result<Vec<_>, OutputError>>()?;
     let page = page(Format::Html, &sections);
     Directory::open_for(directory, &[PAGE])?.write(PAGE, &page)?;
     Ok(all)

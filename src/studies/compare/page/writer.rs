@@ -153,12 +153,11 @@ fn of(class: &str) -> String {
 }
 
 fn cells(tag: &str, words: usize, cells: &[impl AsRef<str>]) -> String {
-    let mut out = String::new();
-    for (k, cell) in cells.iter().enumerate() {
+    let cells = cells.iter().enumerate().map(|(k, cell)| {
         let class = of(if k < words { "l" } else { "" });
-        out += &format!("<{tag}{class}>{}</{tag}>", cell.as_ref());
-    }
-    out
+        format!("<{tag}{class}>{}</{tag}>", cell.as_ref())
+    });
+    cells.collect()
 }
 
 /// A figure to embed in a page: without its declaration.
