@@ -193,12 +193,10 @@ pub(super) fn quoted(arguments: &[OsString]) -> String {
 
 /// Runs the comparison and prints its outcome; returns the exit code.
 pub(super) fn compare(registry: &Registry, args: CompareArguments, command: &str) -> Exit {
-    let CompareArguments {
-        models, out, quiet, ..
-    } = &args;
-    let directory = out.clone();
-    let directory = directory.unwrap_or_else(|| compare::default_directory(&models[0]));
-    let progress = ProgressLine::new(*quiet);
+    let models = &args.models;
+    let directory = args.out.clone();
+    let directory = directory.unwrap_or_else(|| models[0].with_extension("compare"));
+    let progress = ProgressLine::new(args.quiet);
     let hooks = Hooks {
         // Interrupts are handled from the first step on, as in a run.
         flow: &terminal::flow,
@@ -245,7 +243,7 @@ results are in {kept}"
         ));
         return Err(FAILED);
     }
-    if *quiet {
+    if args.quiet {
         return Ok(0);
     }
     let mut text = String::new();

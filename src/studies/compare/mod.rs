@@ -68,7 +68,7 @@ pub(super) use run::side_by_side;
 pub use run::{Hooks, LATE_CHARTS, Maker};
 pub use sample::{ErrorQuantity, FrameSample, Sample, Values};
 pub use tables::{summary, unknown};
-pub use write::{FILES, Subject, default_directory, run, run_several};
+pub use write::{FILES, Subject, run, run_several};
 
 use crate::method::Method;
 use crate::solve::Counts;

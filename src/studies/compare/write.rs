@@ -5,7 +5,7 @@ use super::page::{Format, page};
 use super::perform::{self, prepare};
 use super::{CompareError, Comparison, ComparisonOptions, Hooks, Maker, over_time, tables};
 use crate::output::{Directory, OutputError, drawing};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Name of the file that tells whether a comparison is complete.
 const NAME: &str = "compare.json";
@@ -26,11 +26,6 @@ pub const FILES: [&str; 9] = [
     "drift.svg",
     "iterations.svg",
 ];
-
-/// Default directory of a comparison on a model file: `model.compare` beside it.
-pub fn default_directory(model: &Path) -> PathBuf {
-    model.with_extension("compare")
-}
 
 /// Compares schemes and writes `compare.json`, `compare.csv`, `drift.csv`, the figures, the self-contained
 /// `compare.html`, and the same in Markdown, `compare.md`. `command` is the command line, for the page.
