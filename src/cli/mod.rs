@@ -247,16 +247,13 @@ fn run_model(registry: &Registry, args: RunArguments) -> Exit {
 
 fn report(outcome: &Outcome, quiet: bool) -> u8 {
     let directory = outcome.directory.display();
-    let Outcome {
-        rows, t, parameter, ..
-    } = outcome;
-    let reached = format!(
-        "{} up to {parameter} {}",
-        terminal::plural(*rows, "row"),
-        significant(*t)
+    let (rows, t) = (
+        terminal::plural(outcome.rows, "row"),
+        significant(outcome.t),
     );
-    let again = match parameter {
-        &"time" => "; --resume continues from there",
+    let reached = format!("{rows} up to {} {t}", outcome.parameter);
+    let again = match outcome.parameter {
+        "time" => "; --resume continues from there",
         _ => "",
     };
     let mut code = 0;

@@ -74,13 +74,7 @@ impl<'a> Velocities<'a> {
         context: &mut Context,
         entry: &Entry<'a>,
     ) -> Result<Option<String>, InputError> {
-        let &Entry {
-            ref at,
-            initial,
-            node,
-            ..
-        } = entry;
-        let chosen = entry.chosen.as_deref();
+        let (initial, node, chosen) = (entry.initial, entry.node, entry.chosen.as_deref());
         let turns = initial.angular_velocity.or(initial.body_angular_velocity);
         if initial.velocity.is_none() && turns.is_none() {
             return Ok(None);
@@ -109,7 +103,7 @@ impl<'a> Velocities<'a> {
         context.set_velocity(q, v, chosen, &motion);
         kept.into_iter().for_each(|(u, rate)| v[u] = rate);
         self.requests.push(VelocityRequest {
-            at: at.clone(),
+            at: entry.at.clone(),
             unknowns: match (node, chosen) {
                 (Some(node), _) => requests::unknowns(context, node, of).collect(),
                 (None, Some(nodes)) => context.unknowns_behind(nodes),
@@ -125,7 +119,7 @@ impl<'a> Velocities<'a> {
             return Ok(fitted.unwrap_or_default().into_iter().next());
         };
         // Its velocities are its own, and joints stay as they were.
-        movable(at, context, node, initial, &motion).map(|()| None)
+        movable(&entry.at, context, node, initial, &motion).map(|()| None)
     }
 
     /// The velocity and angular velocity, as far as they are given, of a node that is attached to a joint.
