@@ -213,26 +213,15 @@ impl<F: Factors> Faer<F> {
         (self.ready.as_ref()).map_or(0.0, |(columns, _)| relative(&columns.x))
     }
 
-    /// Factorises `A` with a small shift of the scaled diagonal, without any check.
-    pub(super) fn factorise_shifted(&mut self, values: &[f64]) -> Result<(), LinearError> {
+    /// Factorises `A` with a small shift of the scaled diagonal, without any check; the scaled matrix, and its factors.
+    pub(super) fn shifted(&mut self, values: &[f64]) -> Result<(&Columns, &mut F), LinearError> {
         let (columns, factors) = ready(&mut self.ready, "factorise")?;
         columns.load(values)?;
         columns.shift_diagonal();
-        columns.finished = factors.factorise(columns)?;
-        Ok(())
-    }
-
-    /// Solution without a residual check, for inverse iteration.
-    pub(super) fn solve_unchecked(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
-        let (columns, factors) = ready(&mut self.ready, "solve")?;
-        if !columns.finished {
-            return Err(LinearError::NotReady { call: "solve" });
+        match factors.factorise(columns)? {
+            true => Ok((columns, factors)),
+            false => Err(LinearError::NotReady { call: "solve" }),
         }
-        let scale = |b: &mut [f64]| b.iter_mut().zip(&columns.scales).for_each(|(b, s)| *b *= s);
-        scale(b);
-        factors.solve(b);
-        scale(b);
-        Ok(())
     }
 
     /// Negative pivots of a factorisation for their signs alone, which replaces the present one. Unknowns without a

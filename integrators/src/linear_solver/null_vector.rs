@@ -2,6 +2,8 @@
 
 use pullback_manifold::sparse::BlockPattern;
 
+use super::columns::Columns;
+use super::faer::Factors;
 use super::{FaerLu, LinearError, LinearSolver, MatrixSymmetry, max_abs};
 
 /// A direction that the matrix (nearly) annihilates.
@@ -30,81 +32,59 @@ pub(crate) fn softest(pattern: &BlockPattern, values: &[f64]) -> Option<NullVect
     if values.len() != pattern.len() || pattern.dim() == 0 {
         return None;
     }
-    let (mut scales, mut work) = (vec![1.0; pattern.dim()], vec![0.0; pattern.dim()]);
-    if let Err(error) = super::scaling::scales(pattern, values, &mut scales, &mut work) {
-        // A zero row and column is a mechanism by itself.
-        let LinearError::ZeroRow { unknown } = error else {
-            return None;
-        };
-        let mut vector = vec![0.0; pattern.dim()];
-        vector[unknown] = 1.0;
-        return Some(NullVector {
-            vector,
-            residual: 0.0,
-        });
-    }
-    let norm = super::scaling::norm(pattern, values, &scales);
-    let check = Check {
-        pattern,
-        values,
-        scales: &scales,
-        norm,
-    };
     let mut lu = FaerLu::new();
     lu.analyse(pattern, MatrixSymmetry::General).ok()?;
-    lu.factorise_shifted(values).ok()?;
-    check.iterate(|x| lu.solve_unchecked(x))
-}
-
-struct Check<'a> {
-    pattern: &'a BlockPattern,
-    values: &'a [f64],
-    scales: &'a [f64],
-    norm: f64,
-}
-
-impl Check<'_> {
-    /// Best direction of a few inverse iterations.
-    fn iterate(
-        &self,
-        mut inverse: impl FnMut(&mut [f64]) -> Result<(), LinearError>,
-    ) -> Option<NullVector> {
-        // A start vector without symmetry is orthogonal to no mode. The iterate is the vector `y`
-        // of the scaled matrix: v = S y, A v = S⁻¹ (S A S) y.
-        let mut y: Vec<f64> = (0..self.scales.len())
-            .map(|i| 1.0 + 0.5 * ((i * 7919 % 1009) as f64 / 1009.0))
-            .collect();
-        let mut best: Option<NullVector> = None;
-        for _ in 0..ITERATIONS {
-            let mut v: Vec<f64> = y.iter().zip(self.scales).map(|(y, s)| y / s).collect();
-            inverse(&mut v).ok()?;
-            for ((y, v), s) in y.iter_mut().zip(&v).zip(self.scales) {
-                *y = v / s;
-            }
-            let size = max_abs(&y);
-            if !(size > 0.0 && size <= f64::MAX) {
-                break;
-            }
-            y.iter_mut().for_each(|y| *y /= size);
-            let mut image = vec![0.0; y.len()];
-            let mut v: Vec<f64> = y.iter().zip(self.scales).map(|(y, s)| y * s).collect();
-            self.pattern.multiply_add(1.0, self.values, &v, &mut image);
-            image.iter_mut().zip(self.scales).for_each(|(a, s)| *a *= s);
-            let residual = max_abs(&image) / self.norm;
-            if best.as_ref().is_some_and(|b| residual >= b.residual) {
-                break;
-            }
-            let largest = max_abs(&v);
-            let sign = v
-                .iter()
-                .find(|x| x.abs() == largest)
-                .map_or(1.0, |x| x.signum());
-            v.iter_mut().for_each(|v| *v /= sign * largest);
-            best = Some(NullVector {
-                vector: v,
-                residual,
-            });
+    match lu.shifted(values) {
+        Ok((columns, factors)) => iterate(columns, values, |y| factors.solve(y)),
+        // A zero row and column is a mechanism by itself.
+        Err(LinearError::ZeroRow { unknown }) => {
+            let mut vector = vec![0.0; pattern.dim()];
+            vector[unknown] = 1.0;
+            let residual = 0.0;
+            Some(NullVector { vector, residual })
         }
-        best
+        Err(_) => None,
     }
+}
+
+/// Best direction of a few inverse iterations in the scaled matrix.
+fn iterate(
+    columns: &Columns,
+    values: &[f64],
+    mut inverse: impl FnMut(&mut [f64]),
+) -> Option<NullVector> {
+    let scales = &columns.scales;
+    // A start vector without symmetry is orthogonal to no mode. The iterate is the vector `y`
+    // of the scaled matrix: v = S y, A v = S⁻¹ (S A S) y.
+    let mut y: Vec<f64> = (0..scales.len())
+        .map(|i| 1.0 + 0.5 * ((i * 7919 % 1009) as f64 / 1009.0))
+        .collect();
+    let mut best: Option<NullVector> = None;
+    for _ in 0..ITERATIONS {
+        inverse(&mut y);
+        let size = max_abs(&y);
+        if !(size > 0.0 && size <= f64::MAX) {
+            break;
+        }
+        y.iter_mut().for_each(|y| *y /= size);
+        let mut image = vec![0.0; y.len()];
+        let mut v: Vec<f64> = y.iter().zip(scales).map(|(y, s)| y * s).collect();
+        (columns.pattern).multiply_add(1.0, values, &v, &mut image);
+        image.iter_mut().zip(scales).for_each(|(a, s)| *a *= s);
+        let residual = max_abs(&image) / columns.norm;
+        if best.as_ref().is_some_and(|b| residual >= b.residual) {
+            break;
+        }
+        let largest = max_abs(&v);
+        let sign = v
+            .iter()
+            .find(|x| x.abs() == largest)
+            .map_or(1.0, |x| x.signum());
+        v.iter_mut().for_each(|v| *v /= sign * largest);
+        best = Some(NullVector {
+            vector: v,
+            residual,
+        });
+    }
+    best
 }
