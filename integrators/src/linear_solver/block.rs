@@ -18,7 +18,7 @@
 
 use pullback_manifold::sparse::BlockPattern;
 
-use super::factors::{FactorError, Factors};
+use super::factors::Factors;
 use super::symbolic::Symbolic;
 use super::{LinearError, LinearSolver, MatrixSymmetry, RESIDUAL_GOAL, check_length, ready};
 
@@ -69,21 +69,14 @@ impl BlockLu {
         if let Some(b) = b {
             check_length("right-hand side", ready.pattern.dim(), b.len())?;
         }
-        let result = match ready.factorise(values, false, b) {
-            Err(FactorError::Scale) => {
-                ready.equilibrate(values)?;
-                ready.factorise(values, true, b)
-            }
-            result => result,
+        self.factorised = ready.factorise(values, false, b)? || {
+            ready.equilibrate(values)?;
+            ready.factorise(values, true, b)?
         };
-        match result {
-            Ok(()) => {
-                self.factorised = true;
-                Ok(())
-            }
-            Err(FactorError::Error(error)) => Err(error),
+        match self.factorised {
+            true => Ok(()),
             // After equilibration no entry exceeds one by much, so a second failure is overflow.
-            Err(FactorError::Scale) => Err(LinearError::NonFinite {
+            false => Err(LinearError::NonFinite {
                 what: "scaled matrix",
                 unknown: 0,
             }),

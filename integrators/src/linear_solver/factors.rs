@@ -35,13 +35,6 @@ pub(super) struct Factors {
     pub unscaled: Vec<f64>,
 }
 
-/// Error of a factorisation.
-pub(super) enum FactorError {
-    /// The diagonal is not a scale of the entries.
-    Scale,
-    Error(LinearError),
-}
-
 impl Factors {
     /// Storage for factors of this structure.
     pub fn new(pattern: &BlockPattern, symbolic: Symbolic) -> Self {
@@ -78,13 +71,14 @@ impl Factors {
     }
 
     /// Factorises the matrix with these values. A right-hand side `b` is scaled into `y` and
-    /// substituted through the lower factor at the same time, while the factors are in cache.
+    /// substituted through the lower factor at the same time, while the factors are in cache. False if
+    /// entries are out of scale.
     pub fn factorise(
         &mut self,
         values: &[f64],
         scaled: bool,
         b: Option<&[f64]>,
-    ) -> Result<(), FactorError> {
+    ) -> Result<bool, LinearError> {
         let limit = rounding_level(self.symbolic.panels.len());
         self.squares.fill(0.0);
         self.products.fill(0.0);
@@ -94,7 +88,7 @@ impl Factors {
         }
         for k in 0..self.symbolic.panels.len() {
             if !self.load(k, values, scaled) {
-                return Err(FactorError::Scale);
+                return Ok(false);
             }
             self.factorise_diagonal(k, limit)?;
             self.finish_panel(k);
@@ -108,7 +102,7 @@ impl Factors {
             m.max(square * panel.blocks as f64)
         });
         self.norm = largest.sqrt();
-        Ok(())
+        Ok(true)
     }
 
     /// Copies the blocks of the matrix that panel `k` is the first to need, with their scales;
@@ -131,7 +125,7 @@ impl Factors {
 
     /// Factorises the diagonal block of panel `k`.
     #[inline(always)]
-    fn factorise_diagonal(&mut self, k: usize, limit: f64) -> Result<(), FactorError> {
+    fn factorise_diagonal(&mut self, k: usize, limit: f64) -> Result<(), LinearError> {
         let panel = &self.symbolic.panels[k];
         let n = panel.size;
         let d = &mut self.factors[panel.start..panel.start + n * n];
@@ -139,7 +133,7 @@ impl Factors {
         let pivots = kernels::lu(n, d, swaps);
         self.swapped[k] = pivots.swapped;
         if !(pivots.smallest > limit && pivots.largest < GROWTH_LIMIT) {
-            return Err(FactorError::Error(name_pivot(panel.unknown, n, d, limit)));
+            return Err(name_pivot(panel.unknown, n, d, limit));
         }
         Ok(())
     }
