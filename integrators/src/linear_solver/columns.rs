@@ -2,11 +2,11 @@
 //! of their factorisations and solutions.
 
 use crate::random::Random;
+use crate::vectors::add;
 use pullback_manifold::sparse::BlockPattern;
 
 use super::{
-    LinearError, REFINEMENTS, SUBNORMAL, check_length, first_non_finite, is_final, max_abs,
-    rounding_level, scaling,
+    LinearError, check_length, first_non_finite, max_abs, refine, relative, rounding_level, scaling,
 };
 
 /// Shift of the diagonal of a scaled matrix whose factors are not finite, to find the direction of
@@ -164,18 +164,10 @@ impl Columns {
         }
         self.x.copy_from_slice(&self.rhs);
         inverse(&mut self.x);
-        let mut best = f64::INFINITY;
-        for refinement in 0..=REFINEMENTS {
-            let relative = self.relative_residual()?;
-            if is_final(relative, best, refinement)? {
-                break;
-            }
-            best = relative;
-            inverse(&mut self.residual);
-            for (x, r) in self.x.iter_mut().zip(&self.residual) {
-                *x += r;
-            }
-        }
+        refine(self, Self::relative_residual, |this| {
+            inverse(&mut this.residual);
+            add(&mut this.x, 1.0, &this.residual);
+        })?;
         for ((b, x), s) in b.iter_mut().zip(&self.x).zip(&self.scales) {
             *b = x * s;
         }
@@ -192,12 +184,8 @@ impl Columns {
                 self.residual[r] -= a * x;
             }
         }
-        let r = max_abs(&self.residual);
-        let size = (self.norm * max_abs(&self.x) + max_abs(&self.rhs)).max(SUBNORMAL);
-        if r <= f64::MAX && size <= f64::MAX {
-            return Ok(if r == 0.0 { 0.0 } else { r / size });
-        }
-        Err(LinearError::NonFinite {
+        let parts = [&self.residual, &self.x, &self.rhs].map(|x| &x[..]);
+        relative(self.norm, parts).ok_or_else(|| LinearError::NonFinite {
             what: "solution",
             unknown: first_non_finite(&self.x).unwrap_or(0),
         })

@@ -186,27 +186,47 @@ fn ready<'a, T>(analysed: &'a mut Option<T>, call: &'static str) -> Result<&'a m
 }
 
 /// Refinement starts above this relative residual.
-pub(crate) const RESIDUAL_GOAL: f64 = 1e-12;
+const RESIDUAL_GOAL: f64 = 1e-12;
 /// A solution is rejected above this relative residual.
-pub(crate) const RESIDUAL_LIMIT: f64 = 1e-9;
+const RESIDUAL_LIMIT: f64 = 1e-9;
 /// Largest number of steps of iterative refinement.
-pub(crate) const REFINEMENTS: usize = 2;
+const REFINEMENTS: usize = 2;
 /// Sizes below this have rounding errors that are not relative to them.
-pub(crate) const SUBNORMAL: f64 = f64::MIN_POSITIVE / f64::EPSILON;
+const SUBNORMAL: f64 = f64::MIN_POSITIVE / f64::EPSILON;
 
-/// Whether a solution with this relative residual is final: good enough, or not improved by
-/// refinement from the residual `best`. An error if it is too large then.
-fn is_final(relative: f64, best: f64, refinement: usize) -> Result<bool, LinearError> {
-    if relative > RESIDUAL_GOAL && refinement < REFINEMENTS && relative <= 0.5 * best {
-        return Ok(false);
+/// Refines a solution until its relative residual is small enough or no longer halved; an error if it is too large then.
+/// `residual` computes both residuals, `correct` adds the solution for the last one.
+fn refine<W>(
+    work: &mut W,
+    residual: impl Fn(&mut W) -> Result<f64, LinearError>,
+    mut correct: impl FnMut(&mut W),
+) -> Result<(), LinearError> {
+    let mut relative = residual(work)?;
+    for _ in 0..REFINEMENTS {
+        if relative <= RESIDUAL_GOAL {
+            break;
+        }
+        correct(work);
+        let last = std::mem::replace(&mut relative, residual(work)?);
+        if relative > 0.5 * last {
+            break;
+        }
     }
-    if relative <= RESIDUAL_LIMIT {
-        return Ok(true);
+    match relative <= RESIDUAL_LIMIT {
+        true => Ok(()),
+        false => Err(LinearError::Residual {
+            residual: relative,
+            limit: RESIDUAL_LIMIT,
+        }),
     }
-    Err(LinearError::Residual {
-        residual: relative,
-        limit: RESIDUAL_LIMIT,
-    })
+}
+
+/// The relative size of a residual, given the norm of the matrix, the solution and the right-hand side; `None` unless all
+/// are finite.
+fn relative(norm: f64, [residual, x, rhs]: [&[f64]; 3]) -> Option<f64> {
+    let [residual, x, rhs] = [residual, x, rhs].map(max_abs);
+    let size = (norm * x + rhs).max(SUBNORMAL);
+    (residual <= f64::MAX && size <= f64::MAX).then(|| residual / size)
 }
 
 /// Rounding level in a matrix of `blocks` nodes whose scaled rows are of order one.

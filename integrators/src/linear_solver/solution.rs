@@ -2,10 +2,8 @@
 
 use super::factors::Factors;
 use super::symbolic::ColumnPanel;
-use super::{
-    LinearError, MatrixSymmetry, REFINEMENTS, SUBNORMAL, first_non_finite, is_final, kernels,
-    max_abs,
-};
+use super::{LinearError, MatrixSymmetry, first_non_finite, kernels, max_abs, refine, relative};
+use crate::vectors::add;
 
 impl Factors {
     /// Scaled right-hand side in elimination order, into `y`.
@@ -109,18 +107,11 @@ impl Factors {
         self.x.copy_from_slice(&self.y);
         self.gather(b);
         self.rhs.copy_from_slice(&self.y);
-        let mut best = f64::INFINITY;
-        for refinement in 0..=REFINEMENTS {
-            let relative = self.relative_residual(values, b)?;
-            if is_final(relative, best, refinement)? {
-                break;
-            }
-            best = relative;
-            self.substitute();
-            for (x, y) in self.x.iter_mut().zip(&self.y) {
-                *x += y;
-            }
-        }
+        let residual = |this: &mut Self| this.relative_residual(values, b);
+        refine(self, residual, |this| {
+            this.substitute();
+            add(&mut this.x, 1.0, &this.y);
+        })?;
         self.y.copy_from_slice(&self.x);
         Ok(())
     }
@@ -150,10 +141,8 @@ impl Factors {
         for (r, s) in r.iter_mut().zip(&self.scales) {
             *r *= s;
         }
-        let (r, x, rhs) = (max_abs(r), max_abs(&self.x), max_abs(&self.rhs));
-        let size = (self.norm * x + rhs).max(SUBNORMAL);
-        if r <= f64::MAX && size <= f64::MAX {
-            return Ok(if r == 0.0 { 0.0 } else { r / size });
+        if let Some(relative) = relative(self.norm, [&self.y, &self.x, &self.rhs]) {
+            return Ok(relative);
         }
         if let Some(unknown) = first_non_finite(b) {
             return Err(LinearError::NonFinite {
