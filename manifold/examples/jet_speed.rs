@@ -88,7 +88,7 @@ macro_rules! job {
         impl Dual<$d, $n> for $name {
             fn nested(q: &[f64; $d], v: &[f64; $d], a: &[f64; $d]) -> [Nested<$d>; $n] {
                 let q: [Nested<$d>; $d] = std::array::from_fn(|i| {
-                    let unit = SVector::from_fn(|k, _| f64::from(u8::from(k == i)));
+                    let unit = SVector::from_fn(|k, _| f64::from(k == i));
                     Dual2::new(
                         DualSVec64::new(q[i], Derivative::some(unit)),
                         DualSVec64::from_re(v[i]),

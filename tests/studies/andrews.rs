@@ -119,7 +119,7 @@ fn accelerations(q: &[f64; 7], v: &[f64; 7]) -> [f64; 7] {
     let mut b = SVector::<f64, 13>::zeros();
     for j in 0..7 {
         b[j] = forces[j];
-        let column = along(&|k| f64::from(u8::from(k == j)));
+        let column = along(&|k| f64::from(k == j));
         for i in 0..6 {
             K[(7 + i, j)] = column[i].x[1];
         }

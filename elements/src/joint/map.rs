@@ -165,7 +165,7 @@ impl MapState for Slide {
     }
 
     fn save(&self) -> Vec<f64> {
-        let complements = self.turn.complements.map(|c| f64::from(u8::from(c)));
+        let complements = self.turn.complements.map(f64::from);
         vec![self.chain.line() as f64, complements[0], complements[1]]
     }
 

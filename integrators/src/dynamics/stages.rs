@@ -148,7 +148,7 @@ impl Stepper {
             for (c, (((q, v), (y, a)), scale)) in all.enumerate() {
                 let before = *q;
                 for (i, j) in group.range().enumerate() {
-                    let own = f64::from(u8::from(j == k));
+                    let own = f64::from(j == k);
                     let by = Gains::new(scheme, group, [row.q[1 + j], row.v[1 + j], own], h);
                     by.add(self.dq[i * self.r.len() + c], [q, v, y, a]);
                 }

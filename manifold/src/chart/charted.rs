@@ -81,7 +81,7 @@ impl<C: RotationChart> Map<3, 3> for Change<C> {
 impl<C: RotationChart, const D: usize> MapState for Charted<C, D> {
     /// Whether the coordinates are those of the chart already.
     fn save(&self) -> Vec<f64> {
-        vec![f64::from(u8::from(self.entered))]
+        vec![f64::from(self.entered)]
     }
 
     fn restore(&mut self, saved: &[f64]) -> bool {

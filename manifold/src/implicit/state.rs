@@ -40,9 +40,9 @@ impl MapState for ImplicitMap {
         out.extend(&self.anchor.q);
         out.extend(&self.anchor.x);
         out.extend(&self.chart.L);
-        out.extend(self.chart.used.iter().map(|&u| f64::from(u8::from(u))));
+        out.extend(self.chart.used.iter().map(|&u| f64::from(u)));
         out.extend(&self.sizes);
-        out.push(f64::from(u8::from(self.chart.independent.is_some())));
+        out.push(f64::from(self.chart.independent.is_some()));
         out.extend(self.h.save());
         out
     }

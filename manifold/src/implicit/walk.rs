@@ -112,7 +112,7 @@ impl ImplicitMap {
             for i in (0..M).filter(used) {
                 let row = P.iter().enumerate();
                 let product: f64 = row.map(|(k, P)| w.J[i + (p + k) * M] * P).sum();
-                let change = product - f64::from(u8::from(i == j));
+                let change = product - f64::from(i == j);
                 squares += (change * self.sizes[j] / self.sizes[i]).powi(2);
             }
         }

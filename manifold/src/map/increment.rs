@@ -119,7 +119,7 @@ impl<const D: usize> MapState for Increment<D> {
     /// Rₙ as a quaternion (w, v), and whether the chart has been centred.
     fn save(&self) -> Vec<f64> {
         let Quaternion { w, v } = self.turn;
-        vec![w, v.x, v.y, v.z, f64::from(u8::from(self.centred))]
+        vec![w, v.x, v.y, v.z, f64::from(self.centred)]
     }
 
     fn restore(&mut self, saved: &[f64]) -> bool {

@@ -17,7 +17,7 @@ impl<const D: usize> Linear<D, 1> {
     /// Coordinate `k` of D, less `origin`: x = q_k − origin. Zero if there is no such coordinate.
     pub fn pick(k: usize, origin: f64) -> Self {
         Self {
-            A: SMatrix::from_fn(|_, j| f64::from(u8::from(j == k))),
+            A: SMatrix::from_fn(|_, j| f64::from(j == k)),
             b: SVector::repeat(-origin),
         }
     }

@@ -165,7 +165,7 @@ impl MapState for ToChart {
     }
 
     fn save(&self) -> Vec<f64> {
-        vec![f64::from(u8::from(self.opposite))]
+        vec![f64::from(self.opposite)]
     }
 
     fn restore(&mut self, saved: &[f64]) -> bool {

@@ -50,7 +50,7 @@ impl Case {
     /// Everybody's solver finds x, by the general LU, both ways and again.
     fn falls_back(&self) {
         let mut auto = analysed(AutoSolver::new(), &self.pattern, self.symmetry);
-        let harmless = filled(&self.pattern, |r, c| f64::from(u8::from(r == c)));
+        let harmless = filled(&self.pattern, |r, c| f64::from(r == c));
         auto.factorise(&harmless).unwrap();
         assert_eq!(auto.active(), Some(SolverKind::Block));
         for _ in 0..5 {
@@ -157,7 +157,7 @@ fn matrices_that_fill_in_go_to_the_general_ldlt_and_from_there_to_the_lu() {
             true if saddle && r < 2 => 0.0,
             true if r % 3 == 0 => -2.0,
             true => 2.0,
-            false if saddle && (r < 2 || c < 2) => f64::from(u8::from(r + c == 1)),
+            false if saddle && (r < 2 || c < 2) => f64::from(r + c == 1),
             false => 1e-3 * ((r + c) as f64).cos(),
         });
         let x = (1..=500).map(f64::from).collect();

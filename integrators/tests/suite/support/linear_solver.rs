@@ -89,7 +89,7 @@ pub fn scalars<const N: usize>(A: [[f64; N]; N]) -> (BlockPattern, Vec<f64>) {
     let pattern = BlockPattern::new(&sizes, [(0..N as u32).collect::<Vec<_>>()]);
     let values = filled(&pattern, |r, c| match r < N {
         true => A[r][c],
-        false => f64::from(u8::from(r == c)),
+        false => f64::from(r == c),
     });
     (pattern, values)
 }

@@ -242,7 +242,7 @@ impl Implicit<1, 1> for Zero {
 impl Map<1, 1> for Leap {
     fn phi<S: Scalar>(&self, _t: S, q: &SVector<S, 1>) -> SVector<S, 1> {
         let beyond = !self.kept && q[0].re() > 0.5;
-        q.add_scalar(S::constant(f64::from(u8::from(beyond))))
+        q.add_scalar(S::constant(f64::from(beyond)))
     }
 
     fn state(&mut self) -> Option<&mut dyn MapState> {

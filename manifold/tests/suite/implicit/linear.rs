@@ -35,9 +35,7 @@ fn dependent_gradients_leave_orthonormal_directions_across_them() {
     // q = Lᵀx.
     let mut L = SMatrix::<f64, 4, 2>::zeros();
     for k in 0..4 {
-        let row = map.rates(&std::array::from_fn::<f64, 4, _>(|i| {
-            f64::from(u8::from(i == k))
-        }));
+        let row = map.rates(&std::array::from_fn::<f64, 4, _>(|i| f64::from(i == k)));
         L.row_mut(k).copy_from_slice(&row);
     }
     let defect = L.tr_mul(&L) - SMatrix::<f64, 2, 2>::identity();

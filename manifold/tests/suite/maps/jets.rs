@@ -55,7 +55,7 @@ fn close(name: &str, found: f64, expected: f64) {
 fn variable(value: f64, i: usize) -> DualSVec64<D> {
     DualSVec64::new(
         value,
-        Derivative::some(SVector::from_fn(|k, _| f64::from(u8::from(k == i)))),
+        Derivative::some(SVector::from_fn(|k, _| f64::from(k == i))),
     )
 }
 
