@@ -263,18 +263,14 @@ impl MapState for MapGraph {
     }
 
     fn restore(&mut self, saved: &[f64]) -> bool {
-        let (mut links, mut rest) = (self.links.clone(), saved);
-        let restored = links.iter_mut().all(|link| {
+        self.at.clear();
+        let mut rest = saved;
+        let restored = self.links.iter_mut().all(|link| {
             let (own, others) = rest.split_at(link.map.save().len().min(rest.len()));
             rest = others;
             link.map.restore(own)
         });
-        let complete = restored && rest.is_empty();
-        if complete {
-            self.links = links;
-            self.at.clear();
-        }
-        complete
+        restored && rest.is_empty()
     }
 }
 
