@@ -156,6 +156,14 @@ pub struct ChartChanges {
     pub residual: bool,
 }
 
+impl ChartChanges {
+    /// Changes of this number of charts that keep the residual.
+    pub fn of(charts: usize) -> Self {
+        let residual = false;
+        Self { charts, residual }
+    }
+}
+
 /// Typical magnitudes per [`Quantity`] (by [`Quantity::index`]), for scale-aware norms and tests.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scales {

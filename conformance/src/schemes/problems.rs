@@ -193,10 +193,7 @@ impl Charts for KnownMotion {
             }
         }
         self.sinh_chart = !self.sinh_chart;
-        ChartChanges {
-            charts: 2,
-            residual: false,
-        }
+        ChartChanges::of(2)
     }
 }
 
@@ -314,9 +311,6 @@ impl Charts for OneCoordinate {
             q[0] -= TAU;
             self.leaps += 1;
         }
-        ChartChanges {
-            charts: usize::from(due),
-            residual: false,
-        }
+        ChartChanges::of(usize::from(due))
     }
 }

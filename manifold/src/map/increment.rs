@@ -110,10 +110,7 @@ impl<const D: usize> MapState for Increment<D> {
         if beyond {
             self.turn = self.turn.opposite();
         }
-        ChartChanges {
-            charts: usize::from(beyond),
-            residual: false,
-        }
+        ChartChanges::of(usize::from(beyond))
     }
 
     /// Rₙ as a quaternion (w, v), and whether the chart has been centred.

@@ -158,10 +158,7 @@ impl MapState for ToChart {
     fn change_charts(&mut self, _t: f64, q: &[f64]) -> ChartChanges {
         let changed = self.turn(q).w < 0.0;
         self.opposite ^= changed;
-        ChartChanges {
-            charts: usize::from(changed),
-            residual: false,
-        }
+        ChartChanges::of(usize::from(changed))
     }
 
     fn save(&self) -> Vec<f64> {

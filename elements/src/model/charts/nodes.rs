@@ -99,10 +99,7 @@ impl Context {
         }
         // If a map cannot be evaluated, the next evaluation reports it.
         let Ok(maps) = self.update_maps(moving(t, q, v, accelerations)) else {
-            return ChartChanges {
-                charts: changed,
-                residual: false,
-            };
+            return ChartChanges::of(changed);
         };
         changed += usize::from(self.choose_equations(t, q));
         self.watch_left_out(t);
