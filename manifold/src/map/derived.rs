@@ -6,14 +6,11 @@ use crate::scalar::Scalar;
 use nalgebra::{SMatrix, SVector};
 
 /// x and B by one run over gradients.
-pub fn tangent<M, const D: usize, const N: usize>(
-    map: &M,
+pub fn tangent<const D: usize, const N: usize>(
+    map: &(impl Map<D, N> + ?Sized),
     t: f64,
     q: &SVector<f64, D>,
-) -> Tangent<D, N>
-where
-    M: Map<D, N> + ?Sized,
-{
+) -> Tangent<D, N> {
     let q = SVector::<Grad<f64, D>, D>::from_fn(|i, _| Grad::variable(q[i], i));
     let x = map.phi(Grad::constant(t), &q);
     Tangent {
@@ -23,16 +20,13 @@ where
 }
 
 /// x, ẋ, ẍ, B, Ḃ, B̈ by one run over moving values with their gradients.
-pub fn kinematics<M, const D: usize, const N: usize>(
-    map: &M,
+pub fn kinematics<const D: usize, const N: usize>(
+    map: &(impl Map<D, N> + ?Sized),
     t: f64,
     q: &SVector<f64, D>,
     v: &SVector<f64, D>,
     a: &SVector<f64, D>,
-) -> Kinematics<D, N>
-where
-    M: Map<D, N> + ?Sized,
-{
+) -> Kinematics<D, N> {
     let q = SVector::<Moving<D>, D>::from_fn(|i, _| Moving::variable([q[i], v[i], a[i]], i));
     let x = map.phi(Moving::given([t, 1.0, 0.0]), &q);
     Kinematics {
@@ -50,15 +44,12 @@ where
 const WIDTH: usize = 4;
 
 /// K_σ(f), the Hessian of f·φ, in the variables in which φ is not affine.
-pub fn geometric_stiffness<M, const D: usize, const N: usize>(
-    map: &M,
+pub fn geometric_stiffness<const D: usize, const N: usize>(
+    map: &(impl Map<D, N> + ?Sized),
     t: f64,
     q: &SVector<f64, D>,
     f: &SVector<f64, N>,
-) -> SMatrix<f64, D, D>
-where
-    M: Map<D, N> + ?Sized,
-{
+) -> SMatrix<f64, D, D> {
     let (bent, n) = bent_variables(map, t, q);
     let bent = &bent[..n];
     let mut K = SMatrix::<f64, D, D>::zeros();
@@ -81,14 +72,11 @@ where
 }
 
 /// The variables in which φ is not affine, and their number.
-fn bent_variables<M, const D: usize, const N: usize>(
-    map: &M,
+fn bent_variables<const D: usize, const N: usize>(
+    map: &(impl Map<D, N> + ?Sized),
     t: f64,
     q: &SVector<f64, D>,
-) -> ([usize; D], usize)
-where
-    M: Map<D, N> + ?Sized,
-{
+) -> ([usize; D], usize) {
     let q = SVector::<Trace, D>::from_fn(|i, _| Trace::variable(q[i], i));
     let x = map.phi(Trace::constant(t), &q);
     let (mut bent, mut n) = ([0; D], 0);
@@ -102,16 +90,14 @@ where
 }
 
 /// The lower triangle of K_σ(f) in up to [`WIDTH`] variables, given in increasing order.
-fn write_block<M, const D: usize, const N: usize>(
-    map: &M,
+fn write_block<const D: usize, const N: usize>(
+    map: &(impl Map<D, N> + ?Sized),
     t: f64,
     q: &SVector<f64, D>,
     f: &SVector<f64, N>,
     at: &[usize],
     K: &mut SMatrix<f64, D, D>,
-) where
-    M: Map<D, N> + ?Sized,
-{
+) {
     let mut z = q.map(Hess::<WIDTH>::constant);
     for (k, &i) in at.iter().enumerate() {
         z[i] = Hess::coordinate(q[i], k);
