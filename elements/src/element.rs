@@ -6,7 +6,6 @@ pub use abilities::{Abilities, Combined, CrossSections, ElementEnergies, Section
 
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::system::Weights;
-use std::f64::consts::TAU;
 
 /// Time, coordinates, velocities and accelerations of an element, node by node. A frame node has
 /// six coordinates (d, Ψ): displacement from its reference position and rotation vector from its
@@ -53,14 +52,8 @@ pub struct Response<'a> {
 }
 
 /// Limit of the relative rotation of nodes, in messages.
-const TOO_FAR: &str = "the range of relative rotation of its nodes, less than one turn: \
+pub(crate) const ONE_TURN: &str = "the range of relative rotation of its nodes, less than one turn: \
                                   take more elements, or a revolute joint for what turns freely";
-
-/// Two nodes have rotated against each other by `psi`, nearly a whole turn.
-pub(crate) fn overturned(psi: f64) -> DomainError {
-    let (limit, margin) = (TOO_FAR, TAU - psi);
-    DomainError::Beyond { limit, margin }
-}
 
 /// Matrices of tangents, each with the weights of K, C and M in it.
 pub type CombinedTangents<'a> = [Option<(Weights, &'a mut [f64])>; 3];
@@ -74,9 +67,6 @@ impl Response<'_> {
         (&mut *self.r, [K, C, M])
     }
 }
-
-/// Largest rotation angle accepted: T is singular at 2π, T⁻¹ unbounded.
-pub(crate) const EDGE: f64 = std::f64::consts::TAU - 1e-3;
 
 /// Properties of an element that hold at all motions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,6 +5,9 @@ use std::f64::consts::TAU;
 /// Default limit of a domain in messages: the step was too large.
 pub const CHART_EDGE: &str = "the domain of its chart (it moved or turned too far at once)";
 
+/// Largest angle of a rotation vector that is used: its tangent map T is singular at 2π, and T⁻¹ unbounded.
+pub const LARGEST_ANGLE: f64 = TAU - 1e-3;
+
 /// Why a point is outside of a domain.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]

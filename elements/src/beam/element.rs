@@ -10,11 +10,11 @@ use super::strain::{Gradients, Law, Strained, extrapolated, strain_energy};
 use super::viscous::Viscous;
 use crate::blocks::three;
 use crate::element::{
-    Abilities, Combined, CombinedTangents, CrossSections, EDGE, Element, ElementEnergies, Motion,
+    Abilities, Combined, CombinedTangents, CrossSections, Element, ElementEnergies, Motion,
     Response, SectionState,
 };
 use nalgebra::{Matrix3, Vector3};
-use pullback_manifold::domain::DomainError;
+use pullback_manifold::domain::{DomainError, LARGEST_ANGLE};
 use pullback_manifold::so3;
 
 /// Error of a beam element.
@@ -166,7 +166,7 @@ impl<const NN: usize, I: Rotations<NN>> Beam<NN, I> {
         for (p, viscous) in self.points().zip(&mut viscous) {
             let line = Self::line(p, at.x);
             let psi = line.psi.norm();
-            if psi > EDGE {
+            if psi > LARGEST_ANGLE {
                 return Err(DomainError::chart(psi));
             }
             let strained;

@@ -20,9 +20,9 @@ use super::mass::MassPoint;
 use super::nodal::NodalInertia;
 use super::relative::{RelativeNode, RelativePose, Turn, block, turn_between};
 use crate::blocks::{add_block, three};
-use crate::element::{CombinedTangents, EDGE, Motion, overturned};
+use crate::element::{CombinedTangents, Motion, ONE_TURN};
 use nalgebra::{Matrix3, Vector3, Vector6};
-use pullback_manifold::domain::DomainError;
+use pullback_manifold::domain::{DomainError, LARGEST_ANGLE};
 use pullback_manifold::quotients::TangentQuotients;
 use pullback_manifold::so3;
 use pullback_manifold::system::Weights;
@@ -231,10 +231,7 @@ impl<const NN: usize> Geodesic<NN> {
         let mut nodes: [Option<RelativeNode>; NN] = std::array::from_fn(|_| None);
         for i in Self::others() {
             let seen = self.relative(at.x, i, &R_t);
-            let angle = seen.theta.norm();
-            if angle.is_nan() || angle > EDGE {
-                return Err(overturned(angle));
-            }
+            DomainError::within(LARGEST_ANGLE - seen.theta.norm(), ONE_TURN)?;
             x[i] = self.local(i, &seen);
             let node = RelativeNode::new(Turn::new(three(at.x, 6 * i + 3)), seen, reference, &R_t);
             if viscous {
@@ -245,7 +242,7 @@ impl<const NN: usize> Geodesic<NN> {
         // If both are at the edge, the relative rotation is the better message.
         for i in 0..NN {
             let psi = three(at.x, 6 * i + 3).norm();
-            if psi > EDGE {
+            if psi > LARGEST_ANGLE {
                 return Err(DomainError::chart(psi));
             }
         }

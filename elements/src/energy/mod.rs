@@ -26,9 +26,9 @@ mod local;
 
 pub use by_energy::{ByEnergy, EnergySample};
 
-use crate::element::{EDGE, Properties};
+use crate::element::Properties;
 use nalgebra::{SMatrix, SVector, Vector3};
-use pullback_manifold::domain::DomainError;
+use pullback_manifold::domain::{CHART_EDGE, DomainError, LARGEST_ANGLE};
 use pullback_manifold::jet::Grad;
 use pullback_manifold::scalar::Scalar;
 
@@ -128,10 +128,6 @@ pub fn rate<S: Scalar, const N: usize, const M: usize>(
 /// # Errors
 /// [`DomainError::Beyond`].
 pub fn inside_chart(Psi: &Vector3<f64>) -> Result<(), DomainError> {
-    let psi = Psi.norm();
-    if psi <= EDGE {
-        Ok(())
-    } else {
-        Err(DomainError::chart(psi))
-    }
+    DomainError::within(LARGEST_ANGLE - Psi.norm(), CHART_EDGE)?;
+    Ok(())
 }

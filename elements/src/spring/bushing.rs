@@ -4,9 +4,9 @@ use super::relative::RelativeMap;
 use super::{SpringError, finite};
 use crate::Asymmetry;
 use crate::blocks::add_block;
-use crate::element::{Abilities, EDGE, Element, ElementEnergies, Motion, Response, overturned};
+use crate::element::{Abilities, Element, ElementEnergies, Motion, ONE_TURN, Response};
 use nalgebra::{Matrix3, Matrix6, SVector, Vector3};
-use pullback_manifold::domain::DomainError;
+use pullback_manifold::domain::{DomainError, LARGEST_ANGLE};
 
 /// A spring and damper in all six relative displacements y = (u, θ) of two frame nodes; dim 12.
 ///
@@ -118,10 +118,7 @@ impl Element for Bushing {
 
     fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
         let here = self.relative.at(at.x);
-        let psi = here.y.fixed_rows::<3>(3).norm();
-        if psi.is_nan() || psi > EDGE {
-            return Err(overturned(psi));
-        }
+        DomainError::within(LARGEST_ANGLE - here.y.fixed_rows::<3>(3).norm(), ONE_TURN)?;
         let B = here.B();
         let mut f = self.K * here.y;
         // Velocities, ẏ = B ẋ, if they matter.

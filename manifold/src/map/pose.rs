@@ -16,7 +16,7 @@
 //! coordinates are.
 
 use super::{MapState, Order, Parametrization, write_block};
-use crate::domain::{CHART_EDGE, DomainError};
+use crate::domain::{CHART_EDGE, DomainError, LARGEST_ANGLE};
 use crate::quotients::{InverseQuotients, Quotients};
 use crate::so3::{self, Quaternion};
 use crate::system::ChartChanges;
@@ -25,9 +25,6 @@ use std::f64::consts::TAU;
 
 /// Number of coordinates of a frame.
 const FRAME: usize = 6;
-
-/// Largest rotation vector of a chart that a pose follows: T is singular at 2π.
-const EDGE: f64 = TAU - 1e-3;
 
 /// From the chart of a frame to its pose, (d, Ψ) ↦ (d, σ).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -73,7 +70,7 @@ impl Parametrization for ToPose {
     }
 
     fn domain(&mut self, _t: f64, q: &[f64]) -> Result<f64, DomainError> {
-        DomainError::within(EDGE - three(q, 3).norm(), CHART_EDGE)
+        DomainError::within(LARGEST_ANGLE - three(q, 3).norm(), CHART_EDGE)
     }
 
     fn evaluate(&mut self, _t: f64, [q, v, a]: [&[f64]; 3], out: &mut [Order<'_>]) {

@@ -1,13 +1,12 @@
 //! Assembly into a pattern that is found once.
 
-use crate::element::overturned;
+use crate::element::ONE_TURN;
 use crate::model::Context;
 use crate::model::assembly::scatter::ScatterTarget;
 use crate::model::kinematics::free_coordinates::check_length;
 use crate::model::kinematics::node_entries::distribute;
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
-use std::f64::consts::TAU;
 
 /// Largest number of nodes of an element.
 pub(in crate::model) const MAX_NODES: usize = 16;
@@ -144,7 +143,8 @@ impl Context {
         let unloaded = w.scales.force == [0.0; 3];
         for (k, (e, state)) in (model.elements.iter().zip(&self.state.elements)).enumerate() {
             if state.overturned {
-                return Err(named(overturned(TAU), &e.name));
+                let (limit, margin) = (ONE_TURN, 0.0);
+                return Err(named(DomainError::Beyond { limit, margin }, &e.name));
             }
             if !rates && e.dead {
                 continue;

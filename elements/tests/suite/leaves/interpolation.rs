@@ -251,5 +251,5 @@ fn nodes_may_turn_against_each_other_by_less_than_one_turn() {
     let DomainError::Beyond { margin, .. } = refused else {
         panic!("{refused}");
     };
-    assert!((margin - (TAU - 6.2828)).abs() < 1e-3, "{margin}");
+    assert!((margin - (LARGEST_ANGLE - 6.2828)).abs() < 1e-3, "{margin}");
 }
