@@ -1,6 +1,6 @@
 //! An elastic joint: a 6×6 spring and damper between two frames.
 
-use super::relative::RelativeMap;
+use super::relative::Relation;
 use super::{SpringError, finite};
 use crate::Asymmetry;
 use crate::blocks::add_block;
@@ -27,7 +27,7 @@ use pullback_manifold::domain::{DomainError, LARGEST_ANGLE};
 /// [`CoordinateSpring`]: super::CoordinateSpring
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bushing {
-    relative: RelativeMap,
+    u0: Vector3<f64>,
     /// K and D in global components of the reference configuration.
     K: Matrix6<f64>,
     D: Matrix6<f64>,
@@ -73,9 +73,7 @@ impl Bushing {
             (A + A.transpose()) * 0.5
         };
         Ok(Self {
-            relative: RelativeMap {
-                u0: positions[1] - positions[0],
-            },
+            u0: positions[1] - positions[0],
             K: rotated(K),
             D: rotated(D),
         })
@@ -117,7 +115,7 @@ impl Element for Bushing {
     }
 
     fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
-        let here = self.relative.at(at.x);
+        let here = Relation::new(&self.u0, at.x);
         DomainError::within(LARGEST_ANGLE - here.y.fixed_rows::<3>(3).norm(), ONE_TURN)?;
         let B = here.B();
         let mut f = self.K * here.y;
@@ -153,7 +151,7 @@ impl Element for Bushing {
 
 impl ElementEnergies for Bushing {
     fn energy(&self, at: &Motion<'_>) -> f64 {
-        let y = self.relative.at(at.x).y;
+        let y = Relation::new(&self.u0, at.x).y;
         0.5 * y.dot(&(self.K * y))
     }
 
@@ -161,7 +159,7 @@ impl ElementEnergies for Bushing {
         if at.v.is_empty() {
             return 0.0;
         }
-        let y_dot = self.relative.at(at.x).B() * SVector::<f64, 12>::from_column_slice(at.v);
+        let y_dot = Relation::new(&self.u0, at.x).B() * SVector::<f64, 12>::from_column_slice(at.v);
         y_dot.dot(&(self.D * y_dot))
     }
 }

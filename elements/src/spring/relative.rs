@@ -7,37 +7,13 @@ use pullback_manifold::so3;
 
 type Vector12 = SVector<f64, 12>;
 
-/// The map (x₁, x₂) → y = (u, θ), u = R₁ᵀ(x₂ − x₁) − u₀, θ = log(R₁ᵀR₂).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct RelativeMap {
-    /// R₁ᵀ(x₂ − x₁) in the reference configuration.
-    pub u0: Vector3<f64>,
-}
-
-/// One configuration of the two frames: the second one is a node relative to the first.
+/// The map (x₁, x₂) → y = (u, θ), u = R₁ᵀ(x₂ − x₁) − u₀, θ = log(R₁ᵀR₂), in one configuration of the two frames: the
+/// second one is a node relative to the first.
 pub(super) struct Relation {
     /// (u, θ).
     pub y: Vector6<f64>,
     first: Turn,
     second: RelativeNode,
-}
-
-impl RelativeMap {
-    /// At the coordinates of both frames (12).
-    pub(super) fn at(&self, x: &[f64]) -> Relation {
-        let first = Turn::new(three(x, 3));
-        let R = so3::R(&first.psi, &first.quotients.tangent());
-        let seen = RelativePose {
-            z: R.tr_mul(&(three(x, 6) - three(x, 0) + self.u0)),
-            theta: turn_between(&first.psi, &three(x, 9)),
-        };
-        let (u, theta) = (seen.z - self.u0, seen.theta);
-        Relation {
-            y: Vector6::new(u.x, u.y, u.z, theta.x, theta.y, theta.z),
-            second: RelativeNode::new(Turn::new(three(x, 9)), seen, &first, &R.transpose()),
-            first,
-        }
-    }
 }
 
 /// The 6×12 matrix of an operator, the columns of the first frame before those of the second.
@@ -49,6 +25,22 @@ fn columns(of: &Operator) -> SMatrix<f64, 6, 12> {
 }
 
 impl Relation {
+    /// At the coordinates of both frames (12); u₀ is R₁ᵀ(x₂ − x₁) in the reference configuration.
+    pub(super) fn new(u0: &Vector3<f64>, x: &[f64]) -> Self {
+        let first = Turn::new(three(x, 3));
+        let R = so3::R(&first.psi, &first.quotients.tangent());
+        let seen = RelativePose {
+            z: R.tr_mul(&(three(x, 6) - three(x, 0) + u0)),
+            theta: turn_between(&first.psi, &three(x, 9)),
+        };
+        let (u, theta) = (seen.z - u0, seen.theta);
+        Self {
+            y: Vector6::new(u.x, u.y, u.z, theta.x, theta.y, theta.z),
+            second: RelativeNode::new(Turn::new(three(x, 9)), seen, &first, &R.transpose()),
+            first,
+        }
+    }
+
     /// B = ∂y/∂x, 6×12.
     pub(super) fn B(&self) -> SMatrix<f64, 6, 12> {
         columns(&self.second.B)
