@@ -91,13 +91,7 @@ fn check(quantity: &'static str, A: &Matrix6<f64>) -> Result<(), SpringError> {
     // Independent of the units: scaled to a unit diagonal if it is not zero.
     let unit = diagonal.map(|a| if a > 0.0 { 1.0 / a.sqrt() } else { 1.0 });
     let scaled = Matrix6::from_fn(|i, j| unit[i] * A[(i, j)] * unit[j]);
-    if let Some(Asymmetry { row, column, .. }) = Asymmetry::of(&scaled, |_, _| 1e-12) {
-        let asymmetry = Asymmetry {
-            row,
-            column,
-            upper: A[(row - 1, column - 1)],
-            lower: A[(column - 1, row - 1)],
-        };
+    if let Some(asymmetry) = Asymmetry::of(A, |i, j| 1e-12 / (unit[i] * unit[j])) {
         return Err(SpringError::NotSymmetric {
             quantity,
             asymmetry,
