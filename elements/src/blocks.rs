@@ -1,6 +1,6 @@
 //! Blocks of vectors and of matrices that are stored column by column.
 
-use nalgebra::{SMatrix, Vector3};
+use nalgebra::{SMatrix, SVector, Vector3};
 
 /// Three entries of a slice.
 #[inline]
@@ -13,6 +13,14 @@ pub(crate) fn three(x: &[f64], at: usize) -> Vector3<f64> {
 pub(crate) fn three_or_zero(x: &[f64], at: usize) -> Vector3<f64> {
     x.get(at..at + 3)
         .map_or_else(Vector3::zeros, Vector3::from_column_slice)
+}
+
+/// Adds a vector to the entries from `first` on.
+#[inline]
+pub(crate) fn add<const N: usize>(out: &mut [f64], first: usize, x: &SVector<f64, N>) {
+    for (o, x) in out[first..first + N].iter_mut().zip(x.iter()) {
+        *o += x;
+    }
 }
 
 /// Adds a block to a matrix of n rows.

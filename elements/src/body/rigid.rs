@@ -1,6 +1,6 @@
 //! The rigid body.
 
-use crate::blocks::{add_block, three};
+use crate::blocks::{add, add_block, three};
 use crate::element::{Abilities, Element, ElementEnergies, Motion, Properties, Response};
 use crate::inertia::{Inertia, InertiaError, centrifugal, check};
 use crate::load::EccentricForce;
@@ -111,10 +111,8 @@ impl Element for RigidBody {
         let h = J * omega_dot + omega.cross(&J_omega);
         let f = x_ddot * mass + l;
         let m = s.cross(&x_ddot) + h;
-        for k in 0..3 {
-            out.r[k] -= f[k];
-            out.r[3 + k] -= m[k];
-        }
+        add(out.r, 0, &-f);
+        add(out.r, 3, &-m);
         let spin = skew(&omega);
         let first = skew(&s);
         if let Some(M) = out.M.as_deref_mut() {

@@ -1,7 +1,7 @@
 //! A constraint enforced by Lagrange multipliers.
 
 use super::{NamedEquations, vectors};
-use crate::blocks::add_block;
+use crate::blocks::{add, add_block};
 use crate::element::{Abilities, Element, Motion, Properties, Response};
 use nalgebra::SVector;
 use pullback_manifold::domain::DomainError;
@@ -51,13 +51,8 @@ impl<H: Map<N, M> + 'static, const N: usize, const M: usize> Element for Multipl
         let [x, ..] = vectors::<N>(at);
         let lambda = SVector::<f64, M>::from_column_slice(&at.x[N..]);
         let h = self.equations.h.tangent(at.t, &x);
-        let force = h.B.tr_mul(&lambda);
-        for (r, f) in out.r.iter_mut().zip(force.iter()) {
-            *r -= f;
-        }
-        for (r, h) in out.r[N..].iter_mut().zip(h.x.iter()) {
-            *r -= h;
-        }
+        add(out.r, 0, &-h.B.tr_mul(&lambda));
+        add(out.r, N, &-h.x);
         if let Some(K) = &mut out.K {
             let n = N + M;
             let K_sigma = self.equations.h.geometric_stiffness(at.t, &x, &lambda);
@@ -69,13 +64,8 @@ impl<H: Map<N, M> + 'static, const N: usize, const M: usize> Element for Multipl
             // Along t alone: h_t, and the rate of h_xᵀ λ at a fixed λ.
             let still = SVector::zeros();
             let k = self.equations.h.kinematics(at.t, &x, &still, &still);
-            let force = k.B_dot.tr_mul(&lambda);
-            for (r, f) in r_t.iter_mut().zip(force.iter()) {
-                *r -= f;
-            }
-            for (r, h_dot) in r_t[N..].iter_mut().zip(k.x_dot.iter()) {
-                *r -= h_dot;
-            }
+            add(r_t, 0, &-k.B_dot.tr_mul(&lambda));
+            add(r_t, N, &-k.x_dot);
         }
         Ok(())
     }

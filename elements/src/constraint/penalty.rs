@@ -1,7 +1,7 @@
 //! A constraint enforced by stiff springs.
 
 use super::{NamedEquations, vectors};
-use crate::blocks::add_block;
+use crate::blocks::{add, add_block};
 use crate::element::{Abilities, Element, ElementEnergies, Motion, Properties, Response};
 use nalgebra::SVector;
 use pullback_manifold::domain::DomainError;
@@ -96,10 +96,7 @@ impl<H: Map<N, M> + 'static, const N: usize, const M: usize> Element for Penalty
         if let Some(k) = &moving {
             mu += k.x_dot * (p * tau);
         }
-        let force = h.B.tr_mul(&mu);
-        for (r, f) in out.r.iter_mut().zip(force.iter()) {
-            *r -= f;
-        }
+        add(out.r, 0, &-h.B.tr_mul(&mu));
         if let Some(K) = &mut out.K {
             let mut rate = h.B * p;
             if let Some(k) = &moving {
@@ -119,10 +116,7 @@ impl<H: Map<N, M> + 'static, const N: usize, const M: usize> Element for Penalty
             if damped {
                 mu_t += (k.B_dot * v + k.x_ddot) * (p * tau);
             }
-            let force = h.B.tr_mul(&mu_t) + k.B_dot.tr_mul(&mu);
-            for (r, f) in r_t.iter_mut().zip(force.iter()) {
-                *r -= f;
-            }
+            add(r_t, 0, &-(h.B.tr_mul(&mu_t) + k.B_dot.tr_mul(&mu)));
         }
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use crate::beam::shape::{gauss, lagrange};
 use crate::beam::{BeamError, Geodesic, Interpolation, Rotations, Total};
-use crate::blocks::{add_block, three};
+use crate::blocks::{add, add_block, three};
 use crate::element::{Abilities, Element, ElementEnergies, Motion, Properties, Response};
 use crate::time::TimeFunction;
 use nalgebra::{Matrix3, Vector3};
@@ -110,11 +110,9 @@ impl Element for LineLoad {
         let [amplitude, rate, _] = self.amplitude.at(at.t, at.inputs);
         if !self.follower {
             for (i, share) in self.shares.iter().enumerate() {
-                for (k, f) in self.force.iter().enumerate() {
-                    out.r[6 * i + k] += amplitude * share * f;
-                    if let Some(r_t) = out.r_t.as_deref_mut() {
-                        r_t[6 * i + k] += rate * share * f;
-                    }
+                add(out.r, 6 * i, &(self.force * (amplitude * share)));
+                if let Some(r_t) = out.r_t.as_deref_mut() {
+                    add(r_t, 6 * i, &(self.force * (rate * share)));
                 }
             }
             return Ok(());
@@ -126,11 +124,9 @@ impl Element for LineLoad {
             let D = R * so3::skew(&self.force) * -1.0;
             for i in 0..self.nodes {
                 let w = weight * N[i];
-                for k in 0..3 {
-                    out.r[6 * i + k] += amplitude * w * f[k];
-                    if let Some(r_t) = out.r_t.as_deref_mut() {
-                        r_t[6 * i + k] += rate * w * f[k];
-                    }
+                add(out.r, 6 * i, &(f * (amplitude * w)));
+                if let Some(r_t) = out.r_t.as_deref_mut() {
+                    add(r_t, 6 * i, &(f * (rate * w)));
                 }
                 if let Some(K) = out.K.as_deref_mut() {
                     for (j, Theta_psi) in Theta_psi[..self.nodes].iter().enumerate() {

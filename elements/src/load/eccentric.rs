@@ -1,6 +1,6 @@
 //! A dead force at a point beside the node, such as the weight of an eccentric mass.
 
-use crate::blocks::add_block;
+use crate::blocks::{add, add_block};
 use crate::element::{Abilities, Element, ElementEnergies, Motion, Properties, Response};
 use crate::time::TimeFunction;
 use nalgebra::Vector3;
@@ -45,15 +45,11 @@ impl Element for EccentricForce {
         let [amplitude, rate, _] = self.amplitude.at(at.t, at.inputs);
         let e = orientation(at.x).rotate(&self.e);
         let moment = e.cross(&self.n);
-        for k in 0..3 {
-            out.r[k] += amplitude * self.n[k];
-            out.r[3 + k] += amplitude * moment[k];
-        }
+        add(out.r, 0, &(self.n * amplitude));
+        add(out.r, 3, &(moment * amplitude));
         if let Some(r_t) = out.r_t.as_deref_mut() {
-            for k in 0..3 {
-                r_t[k] += rate * self.n[k];
-                r_t[3 + k] += rate * moment[k];
-            }
+            add(r_t, 0, &(self.n * rate));
+            add(r_t, 3, &(moment * rate));
         }
         if let Some(K) = out.K.as_deref_mut() {
             // δ(e × n) = (δθ × e) × n

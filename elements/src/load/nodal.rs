@@ -1,6 +1,6 @@
 //! Forces and moments at a node (\[M04\] section 3.5; theory of conservative and follower loads).
 
-use crate::blocks::add_block;
+use crate::blocks::{add, add_block};
 use crate::element::{Abilities, Element, ElementEnergies, Motion, Properties, Response};
 use crate::time::TimeFunction;
 use nalgebra::Vector3;
@@ -65,17 +65,13 @@ impl Element for NodalLoad {
             true => orientation(at.x).rotate(&self.vector),
             false => self.vector,
         };
-        for k in 0..3 {
-            out.r[first + k] += amplitude * f[k];
-        }
+        add(out.r, first, &(f * amplitude));
         if let Some(K) = out.K.as_deref_mut().filter(|_| follows) {
             // δ(R f) = δθ × R f
             add_block(K, 6, first, 3, &(skew(&f) * amplitude));
         }
         if let Some(r_t) = out.r_t.as_deref_mut() {
-            for k in 0..3 {
-                r_t[first + k] += rate * f[k];
-            }
+            add(r_t, first, &(f * rate));
         }
         Ok(())
     }

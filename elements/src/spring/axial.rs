@@ -1,7 +1,7 @@
 //! A spring and damper along the line between two nodes.
 
 use super::{SpringError, finite, not_negative};
-use crate::blocks::{add_block, three};
+use crate::blocks::{add, add_block, three};
 use crate::element::{Abilities, Element, ElementEnergies, Motion, Properties, Response};
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::domain::DomainError;
@@ -133,7 +133,7 @@ fn difference(x: &[f64]) -> Vector3<f64> {
 }
 
 /// Adds a matrix in u to one in (d₁, d₂): [D −D; −D D].
-fn add(to: Option<&mut [f64]>, D: &Matrix3<f64>) {
+fn add_tangent(to: Option<&mut [f64]>, D: &Matrix3<f64>) {
     if let Some(to) = to {
         for (row, column, block) in [(0, 0, *D), (6, 0, -D), (0, 6, -D), (6, 6, *D)] {
             add_block(to, 12, row, column, &block);
@@ -149,10 +149,8 @@ impl Element for AxialSpring {
     fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
         let s = self.stretched(at)?;
         let N = self.force(&s);
-        for k in 0..3 {
-            out.r[k] += N * s.e[k];
-            out.r[6 + k] -= N * s.e[k];
-        }
+        add(out.r, 0, &(s.e * N));
+        add(out.r, 6, &(s.e * -N));
         let along = s.e * s.e.transpose();
         if out.K.is_some() {
             // D_u(N e) with D_u l = e and D_u e = (I − e⊗e)/l, so that D_u l̇ = (u̇ − l̇ e)/l.
@@ -160,9 +158,9 @@ impl Element for AxialSpring {
             let D = along * self.k
                 + s.e * l_dot_u.transpose() * self.c
                 + (Matrix3::identity() - along) * (N / s.l);
-            add(out.K.as_deref_mut(), &D);
+            add_tangent(out.K.as_deref_mut(), &D);
         }
-        add(out.C.as_deref_mut(), &(along * self.c));
+        add_tangent(out.C.as_deref_mut(), &(along * self.c));
         Ok(())
     }
 

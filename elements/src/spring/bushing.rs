@@ -3,7 +3,7 @@
 use super::relative::Relation;
 use super::{SpringError, finite};
 use crate::Asymmetry;
-use crate::blocks::add_block;
+use crate::blocks::{add, add_block};
 use crate::element::{Abilities, Element, ElementEnergies, Motion, ONE_TURN, Response};
 use nalgebra::{Matrix3, Matrix6, SVector, Vector3};
 use pullback_manifold::domain::{DomainError, LARGEST_ANGLE};
@@ -121,9 +121,7 @@ impl Element for Bushing {
         if let Some((_, y_dot)) = &moving {
             f += self.D * y_dot;
         }
-        for (r, f) in out.r.iter_mut().zip(B.tr_mul(&f).iter()) {
-            *r -= f;
-        }
+        add(out.r, 0, &-B.tr_mul(&f));
         if let Some(K) = out.K.as_deref_mut() {
             // [M04] (183) with −f for r: Bᵀ(K B + D Ḃ) + K_σ(f).
             let mut stress = self.K * B;
