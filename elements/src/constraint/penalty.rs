@@ -69,15 +69,6 @@ impl<H: Map<N, M>, const N: usize, const M: usize> Penalty<H, N, M> {
         self.equations.names = names;
         self
     }
-
-    /// ḣ at a motion; zero at rest.
-    fn rate(&self, at: &Motion<'_>) -> SVector<f64, M> {
-        if self.stiffness.tau == 0.0 || at.v.is_empty() {
-            return SVector::zeros();
-        }
-        let [x, v, a] = vectors::<N>(at);
-        self.equations.h.kinematics(at.t, &x, &v, &a).x_dot
-    }
 }
 
 impl<H: Map<N, M> + 'static, const N: usize, const M: usize> Element for Penalty<H, N, M> {
@@ -141,6 +132,12 @@ impl<H: Map<N, M> + 'static, const N: usize, const M: usize> ElementEnergies for
     }
 
     fn dissipation(&self, at: &Motion<'_>) -> f64 {
-        self.stiffness.p * self.stiffness.tau * self.rate(at).norm_squared()
+        let PenaltyStiffness { p, tau } = self.stiffness;
+        if tau == 0.0 || at.v.is_empty() {
+            return 0.0;
+        }
+        let [x, v, a] = vectors::<N>(at);
+        let h_dot = self.equations.h.kinematics(at.t, &x, &v, &a).x_dot;
+        p * tau * h_dot.norm_squared()
     }
 }
