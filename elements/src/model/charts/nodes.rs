@@ -102,7 +102,7 @@ impl Context {
             return ChartChanges::of(changed);
         };
         changed += usize::from(self.choose_equations(t, q));
-        self.watch_left_out(t);
+        self.watch_left_out();
         ChartChanges {
             charts: changed + maps.charts,
             residual: self.follow_element_charts(t) || maps.residual,

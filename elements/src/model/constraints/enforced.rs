@@ -92,22 +92,26 @@ impl Context {
                 worst = worse(worst, map.violation(self.work.t, &q));
             }
         }
-        let w = &mut self.work;
-        for &k in &self.model.enforced {
-            let (e, state) = (&self.model.elements[k], &self.state.elements[k]);
-            let Some(enforced) = e.element.abilities().enforced else {
-                continue;
-            };
+        let model = Arc::clone(&self.model);
+        let residuals = model.enforced.iter().flat_map(|&k| self.residuals(k));
+        residuals.fold(worst, |worst, h| worse(worst, h.abs()))
+    }
+
+    /// The equations that an element enforces, in the configuration last set; zero beyond them.
+    fn residuals(&mut self, k: usize) -> [f64; MAX_EQUATIONS] {
+        let (e, state, w) = (
+            &self.model.elements[k],
+            &self.state.elements[k],
+            &mut self.work,
+        );
+        let mut h = [0.0; MAX_EQUATIONS];
+        if let Some(enforced) = e.element.abilities().enforced {
             w.local
                 .read((e, state), &self.model.spans, [&w.x, &w.v, &w.a]);
-            let mut h = [0.0_f64; MAX_EQUATIONS];
             let (_, M) = enforced.dims();
             enforced.residual(&w.local.motion(e, w.t, true), &mut h[..M]);
-            for h in &h[..M] {
-                worst = worse(worst, h.abs());
-            }
         }
-        worst
+        h
     }
 
     /// All equations at a state; without velocities at rest.
@@ -172,27 +176,18 @@ impl Context {
     }
 
     /// Checks at a converged state whether the omitted equations still follow from the others.
-    pub(in crate::model) fn watch_left_out(&mut self, t: f64) {
+    pub(in crate::model) fn watch_left_out(&mut self) {
         if self.state.unwatched {
             return;
         }
-        let w = &mut self.work;
-        for &k in &self.model.enforced {
-            let (e, state) = (&self.model.elements[k], &mut self.state.elements[k]);
-            let left_out = state.left_out;
-            let Some(enforced) = e.element.abilities().enforced else {
-                continue;
-            };
-            if left_out == 0 {
-                continue;
+        let model = Arc::clone(&self.model);
+        for &k in &model.enforced {
+            let left_out = self.state.elements[k].left_out;
+            if left_out != 0 {
+                let h = self.residuals(k);
+                let off = |i: &usize| left_out & (1 << i) != 0 && h[*i].abs() > LOOSE;
+                self.state.elements[k].violated = (0..h.len()).find(off).map(|i| (i, h[i]));
             }
-            w.local
-                .read((e, state), &self.model.spans, [&w.x, &w.v, &w.a]);
-            let mut h = [0.0; MAX_EQUATIONS];
-            let (_, M) = enforced.dims();
-            enforced.residual(&w.local.motion(e, t, true), &mut h[..M]);
-            let off = |i: &usize| left_out & (1 << i) != 0 && h[*i].abs() > LOOSE;
-            state.violated = (0..M).find(off).map(|i| (i, h[i]));
         }
     }
 
