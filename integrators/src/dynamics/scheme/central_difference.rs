@@ -1,6 +1,6 @@
 //! The explicit central difference.
 
-use super::{Family, Scheme, SchemeProperties};
+use super::{Family, Scheme};
 
 /// The central difference.
 pub(super) const CENTRAL_DIFFERENCE: Family = Family {
@@ -20,14 +20,8 @@ impl Scheme {
     pub fn central_difference() -> Self {
         let numbers = [0.0, 0.0, 0.0, 0.5];
         let word = "central-difference";
-        let scheme = Self::newmark_form("central difference", word, [None; 2], numbers);
-        let properties = SchemeProperties {
-            limit: Some(2.0),
-            ..scheme.properties
-        };
-        Self {
-            properties,
-            ..scheme
-        }
+        let mut scheme = Self::newmark_form("central difference", word, [None; 2], numbers);
+        scheme.properties.limit = Some(2.0);
+        scheme
     }
 }

@@ -183,21 +183,17 @@ impl Scheme {
     /// The same scheme with stated orders of positions, velocities and accelerations with
     /// multipliers; zero if they do not converge. By default they equal those without multipliers.
     #[must_use]
-    pub fn under_multipliers(self, orders: [usize; 3]) -> Self {
-        Self {
-            multiplier_orders: Some(orders),
-            ..self
-        }
+    pub fn under_multipliers(mut self, orders: [usize; 3]) -> Self {
+        self.multiplier_orders = Some(orders);
+        self
     }
 
     /// The same scheme with an embedded method of one order less: a row that ends the step with other
     /// weights of the same accelerations. The difference estimates the local error for adaptive steps.
     #[must_use]
-    pub fn with_embedded(self, row: Stage) -> Self {
-        Self {
-            embedded: Some(row),
-            ..self
-        }
+    pub fn with_embedded(mut self, row: Stage) -> Self {
+        self.embedded = Some(row);
+        self
     }
 
     /// The row of the embedded method, if there is one ([`Scheme::with_embedded`]).

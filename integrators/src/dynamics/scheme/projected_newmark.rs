@@ -1,6 +1,6 @@
 //! Schemes that conserve energy and momenta by projection.
 
-use super::{Family, Scheme, SchemeProperties};
+use super::{Family, Scheme};
 
 /// Newmark's scheme, or generalised-α, with its steps projected onto energy and momenta.
 pub(super) const PROJECTED_NEWMARK: Family = Family {
@@ -30,16 +30,12 @@ impl Scheme {
     /// ([`Energetics::symmetries`](pullback_manifold::system::Energetics::symmetries)): those of a free model,
     /// or of one that is pinned at a point or attached to an axis. The projection is orthogonal in the
     /// kinetic energy, of the order of the local error, and needs no factorisation.
-    pub(super) fn keeping(self, argument: Option<f64>) -> Self {
-        let properties = SchemeProperties {
-            symmetric: false,
-            ..self.properties
-        };
+    pub(super) fn keeping(mut self, argument: Option<f64>) -> Self {
+        self.properties.symmetric = false;
         Self {
             name: "projected-newmark",
             word: "projected-newmark",
             arguments: [argument, None],
-            properties,
             projected: true,
             ..self
         }
