@@ -53,69 +53,72 @@ const MOST: usize = 3;
 /// Least error of a reported block over that of the worst one.
 const NOTABLE: f64 = 0.1;
 
-/// Columns of a matrix beside the correct ones.
-pub(crate) struct Compared<'a> {
-    /// Name of the matrix.
-    pub matrix: &'a str,
-    pub rows: &'a Layout,
-    pub columns: &'a Layout,
-    /// Whether rows are forces, whose energies are multiples of the unit, or coordinates, which are divided by it.
-    pub forces: bool,
-    /// Number of a column, the computed column, the correct one.
-    pub values: Vec<(usize, Vec<f64>, Vec<f64>)>,
+/// The layout of the rows of a matrix.
+#[derive(Clone, Copy)]
+pub(crate) enum Rows<'a> {
+    /// Forces, whose energies are multiples of the unit.
+    Forces(&'a Layout),
+    /// Coordinates, which are divided by it.
+    Coordinates(&'a Layout),
 }
 
-impl Compared<'_> {
-    /// The blocks of a vector of forces with the largest errors.
-    pub fn forces(matrix: &str, rows: &Layout, found: &[f64], right: &[f64]) -> Vec<Block> {
-        let compared = Compared {
-            matrix,
-            rows,
-            columns: &Layout::single(),
-            forces: true,
-            values: vec![(0, found.to_vec(), right.to_vec())],
-        };
-        compared.worst()
-    }
+/// Number of a column, the computed column, the correct one.
+pub(crate) type Column = (usize, Vec<f64>, Vec<f64>);
 
-    /// The blocks with the largest errors, compared in units.
-    pub fn worst(&self) -> Vec<Block> {
-        let mut blocks: Vec<(f64, Block)> = Vec::new();
-        for row in self.rows.groups() {
-            for column in self.columns.groups() {
-                let (mut off, mut right, mut both) = (0.0, 0.0, 0.0);
-                let chosen = |c: &&(usize, Vec<f64>, Vec<f64>)| column.range.contains(&c.0);
-                for (_, found, exact) in self.values.iter().filter(chosen) {
-                    for i in row.range.clone() {
-                        off += (found[i] - exact[i]).powi(2);
-                        right += exact[i].powi(2);
-                        both += found[i] * exact[i];
-                    }
-                }
-                if off > 0.0 {
-                    let unit = match self.forces {
-                        true => row.unit,
-                        false => 1.0 / row.unit,
-                    };
-                    // Differences leave round-off where the correct block is zero.
-                    let known = right > 1e-12 * off;
-                    let block = Block {
-                        matrix: self.matrix.to_owned(),
-                        rows: row.name.clone(),
-                        columns: column.name.clone(),
-                        defect: off.sqrt(),
-                        right: right.sqrt(),
-                        factor: if known { both / right } else { f64::NAN },
-                    };
-                    blocks.push((off.sqrt() * unit * column.unit, block));
+/// The blocks of a matrix with the largest errors, compared in units.
+pub(crate) fn wrong_blocks(
+    matrix: &str,
+    rows: Rows<'_>,
+    columns: &Layout,
+    values: &[Column],
+) -> Vec<Block> {
+    let (Rows::Forces(layout) | Rows::Coordinates(layout)) = rows;
+    let mut blocks: Vec<(f64, Block)> = Vec::new();
+    for row in layout.groups() {
+        for column in columns.groups() {
+            let (mut off, mut right, mut both) = (0.0, 0.0, 0.0);
+            let chosen = |c: &&Column| column.range.contains(&c.0);
+            for (_, found, exact) in values.iter().filter(chosen) {
+                for i in row.range.clone() {
+                    off += (found[i] - exact[i]).powi(2);
+                    right += exact[i].powi(2);
+                    both += found[i] * exact[i];
                 }
             }
+            if off > 0.0 {
+                let unit = match rows {
+                    Rows::Forces(_) => row.unit,
+                    Rows::Coordinates(_) => 1.0 / row.unit,
+                };
+                // Differences leave round-off where the correct block is zero.
+                let known = right > 1e-12 * off;
+                let block = Block {
+                    matrix: matrix.to_owned(),
+                    rows: row.name.clone(),
+                    columns: column.name.clone(),
+                    defect: off.sqrt(),
+                    right: right.sqrt(),
+                    factor: if known { both / right } else { f64::NAN },
+                };
+                blocks.push((off.sqrt() * unit * column.unit, block));
+            }
         }
-        blocks.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let least = blocks.first().map_or(0.0, |b| NOTABLE * b.0);
-        let notable = blocks.into_iter().take(MOST).filter(|b| b.0 >= least);
-        notable.map(|b| b.1).collect()
     }
+    blocks.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let least = blocks.first().map_or(0.0, |b| NOTABLE * b.0);
+    let notable = blocks.into_iter().take(MOST).filter(|b| b.0 >= least);
+    notable.map(|b| b.1).collect()
+}
+
+/// The same of a vector.
+pub(crate) fn wrong_entries(
+    vector: &str,
+    rows: Rows<'_>,
+    found: &[f64],
+    right: &[f64],
+) -> Vec<Block> {
+    let column = (0, found.to_vec(), right.to_vec());
+    wrong_blocks(vector, rows, &Layout::single(), &[column])
 }
 
 /// The derivative of a vector at 0 by central differences with steps `h` and `h`/2, extrapolated;

@@ -1,7 +1,7 @@
 //! Inertial forces follow from a kinetic energy, and the power of all forces is balanced.
 
 use super::element::{One, Request, evaluate, motion};
-use crate::block::{Compared, difference};
+use crate::block::{Rows, difference, wrong_entries};
 use crate::forces::{CONFIRMED, FIRST, STEP, sizes};
 use crate::vectors::minus;
 use crate::{Random, Report, TestState};
@@ -118,7 +118,8 @@ fn lagrange(
         let gap = one.layout.forces(&minus(force, &right));
         Some((gap.iter().sum(), CONFIRMED * size))
     });
-    let blocks = |right: Vec<f64>| Compared::forces("inertial force", one.layout, force, &right);
+    let rows = Rows::Forces(one.layout);
+    let blocks = |right: Vec<f64>| wrong_entries("inertial force", rows, force, &right);
     report.blame(|| right().map_or_else(Vec::new, blocks));
 }
 

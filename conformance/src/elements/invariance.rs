@@ -7,7 +7,7 @@
 
 use super::element::{Request, evaluate, motion};
 use super::rigid::{Carrier, FrameAt, Moved, angles, carry};
-use crate::block::Compared;
+use crate::block::{Rows, wrong_entries};
 use crate::forces::sizes;
 use crate::{Layout, Random, Report, TestState};
 use nalgebra::{DVector, Vector3};
@@ -146,7 +146,8 @@ impl Component<&dyn Element> {
     }
 
     fn blocks(&self, there: &DVector<f64>, here: &DVector<f64>) -> Vec<crate::Block> {
-        Compared::forces("force", &self.layout, there.as_slice(), here.as_slice())
+        let rows = Rows::Forces(&self.layout);
+        wrong_entries("force", rows, there.as_slice(), here.as_slice())
     }
 
     /// Defects near a rigid motion, as the relative motion of the nodes goes to zero: of second order at rest, where

@@ -3,7 +3,7 @@
 mod system;
 mod tangents;
 
-use crate::block::{Compared, difference};
+use crate::block::{Rows, difference, wrong_entries};
 use crate::layout::Layout;
 use crate::report::Report;
 use crate::sample::Random;
@@ -245,7 +245,7 @@ impl Laws<'_> {
         let (found, right) = (f.r.as_slice(), by_differences.collect::<Vec<_>>());
         let off = self.layout.forces(&minus(found, &right)).iter().sum();
         self.report.second_opinion(|| Some((off, CONFIRMED * size)));
-        let blocks = || Compared::forces("force", self.layout, found, &right);
+        let blocks = || wrong_entries("force", Rows::Forces(self.layout), found, &right);
         self.report.blame(blocks);
     }
 }

@@ -1,7 +1,7 @@
 //! K = −∂r/∂x, C = −∂r/∂ẋ and M = −∂r/∂ẍ, group by group of coordinates.
 
 use super::{Laws, TestState};
-use crate::block::{Compared, difference};
+use crate::block::{Column, Rows, difference, wrong_blocks};
 use crate::layout::{CoordinateGroup, Layout};
 use crate::report::Measure;
 use crate::vectors::minus;
@@ -158,7 +158,7 @@ impl Linearization<'_> {
         let law = format!("{} symmetric", part.name());
         laws.report.defect(&law, laws.at, worst.1, worst.2);
         laws.report.blame(|| {
-            let mut columns: Vec<(usize, Vec<f64>, Vec<f64>)> = Vec::new();
+            let mut columns: Vec<Column> = Vec::new();
             for (i, j, a, b) in entries {
                 let k = columns.iter().position(|c| c.0 == j).unwrap_or_else(|| {
                     let zeros = || vec![0.0; units.len()];
@@ -167,14 +167,8 @@ impl Linearization<'_> {
                 });
                 (columns[k].1[i], columns[k].2[i]) = (a, b);
             }
-            let compared = Compared {
-                matrix: &format!("{} against its transpose", part.name()),
-                rows: laws.layout,
-                columns: laws.layout,
-                forces: true,
-                values: columns,
-            };
-            compared.worst()
+            let name = format!("{} against its transpose", part.name());
+            wrong_blocks(&name, Rows::Forces(laws.layout), laws.layout, &columns)
         });
     }
 
@@ -267,12 +261,6 @@ fn tangent(
     }
     let allowed = CONFIRMED * sizes[worst];
     laws.report.second_opinion(|| Some((off, allowed)));
-    let compared = Compared {
-        matrix: part.name(),
-        rows: layout,
-        columns: layout,
-        forces: true,
-        values,
-    };
-    laws.report.blame(|| compared.worst());
+    let blocks = || wrong_blocks(part.name(), Rows::Forces(layout), layout, &values);
+    laws.report.blame(blocks);
 }

@@ -1,6 +1,6 @@
 //! The laws of a map behind slices: its operators are derivatives of its values.
 
-use crate::block::{Block, Compared, difference};
+use crate::block::{Block, Column, Rows, difference, wrong_blocks, wrong_entries};
 use crate::forces::{CONFIRMED, STEP, TestState};
 use crate::layout::Layout;
 use crate::report::Report;
@@ -139,20 +139,15 @@ impl Mapped<'_> {
 
     pub(crate) fn compared(&self, matrix: &str, found: &[f64], right: &[f64]) -> Vec<Block> {
         let n = self.map.dims().1;
+        let rows = Rows::Coordinates(self.rows);
+        if found.len() == n && self.map.dims().0 != 1 {
+            return wrong_entries(matrix, rows, found, right);
+        }
         let pairs = (found.chunks_exact(n.max(1))).zip(right.chunks_exact(n.max(1)));
-        let values = pairs.enumerate();
-        let is_vector = found.len() == n && self.map.dims().0 != 1;
-        let single = Layout::single();
-        let compared = Compared {
-            matrix,
-            rows: self.rows,
-            columns: if is_vector { &single } else { self.columns },
-            forces: false,
-            values: values
-                .map(|(j, (f, r))| (j, f.to_vec(), r.to_vec()))
-                .collect(),
-        };
-        compared.worst()
+        let columns = pairs.enumerate();
+        let columns = columns.map(|(j, (f, r))| (j, f.to_vec(), r.to_vec()));
+        let columns: Vec<Column> = columns.collect();
+        wrong_blocks(matrix, rows, self.columns, &columns)
     }
 }
 
@@ -248,27 +243,21 @@ fn stiffness(
         columns.forces(&left)
     });
     let units = columns.units();
-    let compared = || {
+    let compared = || -> Vec<Column> {
         let column = |(j, unit): (usize, &f64)| {
             let right = of.differences((t, q), (j, *unit), |q| of.pulled(t, q, f))?;
             Some((j, K[j * n..(j + 1) * n].to_vec(), right))
         };
-        Compared {
-            matrix: "K_sigma",
-            rows: columns,
-            columns,
-            forces: true,
-            values: units.iter().enumerate().filter_map(column).collect(),
-        }
+        units.iter().enumerate().filter_map(column).collect()
     };
     report.second_opinion(|| {
         let mut off = vec![0.0; columns.groups().len()];
-        for (j, found, right) in compared().values {
+        for (j, found, right) in compared() {
             add(&mut off, &columns.forces(&minus(&found, &right)), units[j]);
         }
         worst(&off, &columns.forces(&work))
     });
-    report.blame(|| compared().worst());
+    report.blame(|| wrong_blocks("K_sigma", Rows::Forces(columns), columns, &compared()));
     symmetric(report, &law("K_sigma symmetric"), at, &K, &units, &work);
 }
 

@@ -1,7 +1,7 @@
 //! Continuity of a map along a chain of elements from one segment to the next.
 
 use super::view::parent_state;
-use crate::block::Compared;
+use crate::block::{Rows, wrong_entries};
 use crate::elements::{Carrier, EXACT, FrameAt, carry};
 use crate::maps::freeze_piece;
 use crate::vectors::{dot, larger};
@@ -71,14 +71,8 @@ pub(super) fn laws(
     let worst = report.defects(law, at, &gaps, &allowed);
     report.blame(|| {
         let (name, right, found) = pairs[worst / of.rows.groups().len()];
-        let compared = Compared {
-            matrix: name,
-            rows: of.rows,
-            columns: &Layout::single(),
-            forces: false,
-            values: vec![(0, found.as_slice().to_vec(), right.as_slice().to_vec())],
-        };
-        compared.worst()
+        let rows = Rows::Coordinates(of.rows);
+        wrong_entries(name, rows, found.as_slice(), right.as_slice())
     });
     forces_stay(report, at, sides, [(&B_before, &back), (&B_after, &f)]);
 }

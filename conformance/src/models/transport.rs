@@ -4,7 +4,7 @@ use super::states::switch;
 use super::view::{
     Observables, Rotation, observables, prescribed_rate, reparametrizes, silent_power,
 };
-use crate::block::{Compared, difference};
+use crate::block::{Rows, difference, wrong_entries};
 use crate::elements::EXACT;
 use crate::forces::{CONFIRMED, FIRST, system_sizes};
 use crate::vectors::{dot, minus};
@@ -62,7 +62,7 @@ fn transport(
     let allowed: Vec<f64> = sizes.iter().map(|s| EXACT * s * bend * bend).collect();
     let law = "change of charts: forces stay";
     report.defects(law, at, &gap, &allowed);
-    report.blame(|| Compared::forces("force", layout, &r, &before.r));
+    report.blame(|| wrong_entries("force", Rows::Forces(layout), &r, &before.r));
 
     let scale = [context.length(), layout.rate, sizes.iter().sum(), bend];
     stays(report, "change of charts", at, [&before, &after], scale);
