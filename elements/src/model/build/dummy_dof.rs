@@ -62,8 +62,8 @@ impl ModelBuilder {
         let mut prescribed = self.prescribed.iter();
         let still = prescribed
             .all(|(n, _, f)| f.constant() == Some(0.0) && !self.nodes[n.0 as usize].is_released());
-        if let (true, Some(&(frame, _))) = (still, loops.iter().find_map(|r| r.closures.first())) {
-            let joints = Subject::node(&self.nodes, frame);
+        if let (true, Some(closed)) = (still, loops.iter().find_map(|r| r.loops.first())) {
+            let joints = Subject::node(&self.nodes, closed.frame);
             return Err(ModelError::LockedLoop { joints });
         }
         let node =

@@ -186,16 +186,15 @@ impl Context {
             };
             let mut q = vec![0.0; d.direct];
             collect(d.parents(&self.state.maps), &self.model.spans, &w.x, &mut q);
-            let mut mu = vec![0.0; 6 * report.closures.len()];
+            let mut mu = vec![0.0; 6 * report.loops.len()];
             // A copy, as its evaluation changes its buffers.
             if let Some(map) = self.state.maps[d.index].clone().implicit() {
                 map.multipliers(w.t, &q, &w.r[n.range()], &mut mu);
             }
-            let closures = report.closures.iter().zip(&report.roots);
-            for ((&(frame, child), roots), mu) in closures.zip(mu.chunks_exact(6)) {
-                let R = self.node_state(NodeId(child)).R;
+            for (closed, mu) in report.loops.iter().zip(mu.chunks_exact(6)) {
+                let R = self.node_state(NodeId(closed.child)).R;
                 let [force, moment] = [0, 3].map(|k| R * three(mu, k));
-                for (end, sign) in [(frame, -1.0), (child, 1.0)] {
+                for (end, sign) in [(closed.frame, -1.0), (closed.child, 1.0)] {
                     let path = upwards(&self.model.nodes, end);
                     let partner = self.model.nodes[node.0 as usize].partner;
                     let Some(above) = path.iter().rposition(|&n| n == node.0 || n == partner)
@@ -204,9 +203,8 @@ impl Context {
                     };
                     // These forces act on the frame at which the chains of this loop end for the
                     // map, and on those above.
-                    let read = |n: &u32| {
-                        roots.contains(&Some(*n)) && d.parents(&self.state.maps).contains(n)
-                    };
+                    let read =
+                        |n: &u32| closed.ends_at(*n) && d.parents(&self.state.maps).contains(n);
                     if path[..=above].iter().any(read) {
                         continue;
                     }

@@ -37,8 +37,8 @@ impl Model {
     /// The first of the joints that close the loop of coordinates x.
     fn closing_joint(&self, x: u32) -> u32 {
         let report = self.reports.iter().find(|r| r.map == Some(x));
-        let closing = report.and_then(|r| r.closures.first());
-        closing.map_or(x, |&(joint, _)| joint)
+        let closed = report.and_then(|r| r.loops.first());
+        closed.map_or(x, |closed| closed.frame)
     }
 
     /// The unknowns among the coordinates of nodes.

@@ -9,7 +9,7 @@ use pullback_manifold::system::Quantity;
 
 /// A loop: its two frames, and the frame where their chains meet.
 #[derive(Clone, Debug)]
-pub(super) struct JointLoop {
+pub(in crate::model) struct JointLoop {
     /// The frame that is attached to the closing joint, and the frame that coincides with it.
     pub frame: u32,
     pub child: u32,
@@ -38,6 +38,11 @@ pub(in crate::model) fn upwards(nodes: &[Node], n: u32) -> Vec<u32> {
 }
 
 impl JointLoop {
+    /// Whether its chains end at a frame.
+    pub(in crate::model) fn ends_at(&self, frame: u32) -> bool {
+        [self.root, self.ends[0], self.ends[1]].contains(&Some(frame))
+    }
+
     /// The chains of the coinciding frames.
     ///
     /// # Errors

@@ -25,8 +25,8 @@ use crate::model::build::closures::Closure;
 use crate::model::build::dependency_graph::ancestors;
 use crate::model::kinematics::pose::add_pose;
 use crate::time::TimeFunction;
-pub(in crate::model) use chain::upwards;
-use chain::{JointLoop, coordinates};
+use chain::coordinates;
+pub(in crate::model) use chain::{JointLoop, upwards};
 pub(in crate::model) use coincide::Coincide;
 use nalgebra::Vector3;
 use pullback_manifold::map::ToChart;
@@ -60,10 +60,8 @@ pub(in crate::model) struct Closing {
 pub(in crate::model) struct LoopReport {
     pub words: String,
     pub map: Option<u32>,
-    /// Closing frame and child of each loop, in the order of the equations.
-    pub closures: Vec<(u32, u32)>,
-    /// For each of them the frames at the ends of its chains.
-    pub roots: Vec<[Option<u32>; 3]>,
+    /// The loops that it closes, in the order of their equations.
+    pub loops: Vec<JointLoop>,
     /// The element that enforces it.
     pub element: Option<u32>,
 }

@@ -339,12 +339,10 @@ pub(super) fn close_set(
         1 => format!("joint {joints} closes a loop"),
         _ => format!("joints {joints} close loops"),
     };
-    let roots = chains.iter().map(|c| [c.root, c.ends[0], c.ends[1]]);
     Ok(LoopReport {
         words: closing + &apart + &moved,
         map: Some(x),
-        closures: chains.iter().map(|c| (c.frame, c.child)).collect(),
-        roots: roots.collect(),
+        loops: chains.to_vec(),
         element: None,
     })
 }

@@ -58,12 +58,12 @@ impl Model {
             let (all, x) = d.map.dims();
             let own = d.initial_parents().first().filter(|_| d.reparametrizes);
             let free = own.map_or(0, |&n| self.nodes[n as usize].dim);
-            let name = &self.nodes[report.closures.first()?.0 as usize].name;
+            let name = &self.nodes[report.loops.first()?.frame as usize].name;
             let closed = Closed {
                 x,
                 free,
                 prescribed: all - free,
-                equations: 6 * report.closures.len(),
+                equations: 6 * report.loops.len(),
             };
             Some((name.as_str(), closed))
         })
@@ -85,7 +85,7 @@ impl Model {
         for report in &self.reports {
             out.loops += match report.element {
                 Some(k) => usize::from(self.elements[k as usize].multiplied().is_some()),
-                None => report.closures.len(),
+                None => report.loops.len(),
             };
         }
         let mut lost = 0;
