@@ -2,6 +2,7 @@
 
 use crate::element::Element;
 use crate::model::assembly::element_workspace::switched_rotations;
+use crate::model::build::builder::{DOF_NAMES, FRAME};
 use crate::model::kinematics::complement::ComplementOperators;
 use crate::model::kinematics::node_entries::collect;
 use crate::model::{Context, ElementEntry, Model, NONE, Node, NodeForm};
@@ -38,14 +39,8 @@ impl Node {
 
     /// Name of coordinate `k` of this node.
     pub fn coordinate_name(&self, k: usize) -> String {
-        if self.is_frame()
-            || (self.form == NodeForm::Increment && self.dim == crate::model::build::builder::FRAME)
-        {
-            format!(
-                "node {}, {}",
-                self.name,
-                crate::model::build::builder::DOF_NAMES[k]
-            )
+        if self.is_frame() || (self.form == NodeForm::Increment && self.dim == FRAME) {
+            format!("node {}, {}", self.name, DOF_NAMES[k])
         } else if self.dim == 1 {
             self.name.clone()
         } else {
