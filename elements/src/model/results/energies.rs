@@ -5,6 +5,7 @@ use crate::model::assembly::residual::named;
 use crate::model::assembly::workspace::Workspace;
 use crate::model::kinematics::mapped_node::Maps;
 use crate::model::kinematics::pose::spatial;
+use crate::model::results::symmetry::{Measured, motion_of};
 use crate::model::{Context, ElementEntry, Model, Node};
 use nalgebra::Vector3;
 use pullback_manifold::system::{Energetics, Energies, Point, RigidRates, Symmetry, SystemError};
@@ -81,12 +82,24 @@ impl Energetics for Context {
         Ok(true)
     }
 
+    /// A state that cannot be evaluated has none.
     fn symmetries(&mut self, span: [f64; 2], q: &[f64], v: &[f64]) -> Vec<Symmetry> {
-        self.find_symmetries(span, q, v)
+        let found = Measured(self).symmetries(span, q, v).unwrap_or_default();
+        let (t, a) = (span[0], &vec![0.0; q.len()]);
+        // Restores the state for observers.
+        let _ = self.expand(Point { t, q, v, a });
+        found
     }
 
+    /// Joint coordinates have constant rates.
     fn rigid_rates(&mut self, q: &[f64], motion: &RigidRates, rates: &mut [f64]) {
-        self.write_rigid_rates(q, motion, rates);
+        rates.fill(0.0);
+        self.set_velocity(q, rates, None, &motion_of(motion));
+        for (xi, released) in motion.iter().zip(&self.work.released) {
+            for (rate, released) in rates.iter_mut().zip(released) {
+                *rate += xi * released;
+            }
+        }
     }
 }
 

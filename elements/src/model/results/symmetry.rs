@@ -12,14 +12,14 @@ use crate::blocks::three;
 use crate::model::kinematics::motion::RigidMotion;
 use crate::model::{Context, Model};
 use nalgebra::{DMatrix, Vector3};
-use pullback_manifold::system::{Point, Quantity, RigidRates, Symmetry, System, SystemError};
+use pullback_manifold::system::{Energetics, Quantity, RigidRates, Symmetry, System, SystemError};
 
 /// Power along a motion, relative to that of its parts, that counts as rounding.
 const NOTHING: f64 = 1e-8;
 /// Relative times in the span at which forces are evaluated, each at a state of its own.
 const TIMES: [f64; 9] = [0.01, 0.37, 0.83, 0.11, 0.53, 0.97, 0.23, 0.71, 0.44];
 
-fn motion_of(xi: &RigidRates) -> RigidMotion {
+pub(super) fn motion_of(xi: &RigidRates) -> RigidMotion {
     RigidMotion {
         velocity: three(xi, 0),
         omega: three(xi, 3),
@@ -38,49 +38,12 @@ impl Model {
     }
 }
 
-impl Context {
-    /// See [`Energetics::rigid_rates`](pullback_manifold::system::Energetics::rigid_rates): joint coordinates have constant rates.
-    pub(in crate::model) fn write_rigid_rates(
-        &mut self,
-        q: &[f64],
-        xi: &RigidRates,
-        rates: &mut [f64],
-    ) {
-        rates.fill(0.0);
-        self.set_velocity(q, rates, None, &motion_of(xi));
-        for (xi, released) in xi.iter().zip(&self.work.released) {
-            for (rate, released) in rates.iter_mut().zip(released) {
-                *rate += xi * released;
-            }
-        }
-    }
-
-    /// See [`Energetics::symmetries`](pullback_manifold::system::Energetics::symmetries). A state that cannot be evaluated has none.
-    pub(in crate::model) fn find_symmetries(
-        &mut self,
-        span: [f64; 2],
-        q: &[f64],
-        v: &[f64],
-    ) -> Vec<Symmetry> {
-        let found = Measured(self).symmetries(span, q, v).unwrap_or_default();
-        let a = vec![0.0; q.len()];
-        // Restores the state for observers.
-        let _ = self.expand(Point {
-            t: span[0],
-            q,
-            v,
-            a: &a,
-        });
-        found
-    }
-}
-
 /// A model whose symmetries are measured.
-struct Measured<'a>(&'a mut Context);
+pub(super) struct Measured<'a>(pub(super) &'a mut Context);
 
 impl Measured<'_> {
     /// Those motions that all conditions allow.
-    fn symmetries(
+    pub(super) fn symmetries(
         &mut self,
         span: [f64; 2],
         q: &[f64],
@@ -166,7 +129,7 @@ impl Measured<'_> {
     fn fields(&mut self, q: &[f64]) -> Vec<Vec<f64>> {
         let field = |k| {
             let mut X = vec![0.0; q.len()];
-            self.0.write_rigid_rates(q, &unit(k), &mut X);
+            self.0.rigid_rates(q, &unit(k), &mut X);
             X
         };
         (0..6).map(field).collect()

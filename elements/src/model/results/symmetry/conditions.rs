@@ -6,7 +6,7 @@ use crate::model::NodeForm;
 use crate::model::assembly::residual::named;
 use nalgebra::Matrix3;
 use pullback_manifold::so3;
-use pullback_manifold::system::{Evaluation, Point, RigidRates, System, SystemError};
+use pullback_manifold::system::{Energetics, Evaluation, Point, RigidRates, System, SystemError};
 
 /// Power along a motion, relative to that of its parts, that counts as rounding of a difference quotient.
 const NEARLY: f64 = 1e-5;
@@ -150,7 +150,7 @@ impl Measured<'_> {
         time: f64,
     ) -> Result<bool, SystemError> {
         let (mut X, zero) = (vec![0.0; q.len()], vec![0.0; q.len()]);
-        self.0.write_rigid_rates(q, xi, &mut X);
+        self.0.rigid_rates(q, xi, &mut X);
         let at = Point {
             t,
             q,
@@ -184,7 +184,7 @@ impl Measured<'_> {
         };
         let mut field = |q: &[f64]| {
             let mut X = vec![0.0; n];
-            self.0.write_rigid_rates(q, xi, &mut X);
+            self.0.rigid_rates(q, xi, &mut X);
             X
         };
         let X = field(q);
