@@ -1,65 +1,57 @@
 //! The optional abilities of a system, each with the default for a system without it.
 
 use pullback_manifold::system::{
-    ChartChanges, Energetics, Energies, Events, Point, System, SystemError,
+    ChartChanges, Charts, Energetics, Energies, Events, Point, System, SystemError,
 };
 
-/// See [`Charts::change_charts`](pullback_manifold::system::Charts::change_charts).
-pub(crate) fn change_charts(
-    system: &mut dyn System,
-    t: f64,
-    q: &mut [f64],
-    v: &mut [f64],
-    accelerations: &mut [&mut [f64]],
-) -> ChartChanges {
-    match system.charts() {
-        Some(charts) => charts.change_charts(t, q, v, accelerations),
-        None => ChartChanges::default(),
+/// A system without charts that change, discontinuities, energies, momenta and symmetries.
+struct Plain;
+
+impl Charts for Plain {
+    fn change_charts(
+        &mut self,
+        _: f64,
+        _: &mut [f64],
+        _: &mut [f64],
+        _: &mut [&mut [f64]],
+    ) -> ChartChanges {
+        ChartChanges::default()
     }
 }
 
-/// See [`Charts::start`](pullback_manifold::system::Charts::start).
-pub(crate) fn start(system: &mut dyn System, t: f64, q: &[f64]) {
-    if let Some(charts) = system.charts() {
-        charts.start(t, q);
+impl Events for Plain {}
+
+impl Energetics for Plain {
+    fn energies(&mut self, _: Point<'_>) -> Result<Energies, SystemError> {
+        Ok(Energies::default())
     }
 }
 
-/// A system without discontinuities.
-struct Smooth;
+/// A plain system; it has no size, so that nothing is allocated.
+fn plain() -> &'static mut Plain {
+    Box::leak(Box::new(Plain))
+}
 
-impl Events for Smooth {}
+/// The charts of a system; those of a plain one by default.
+pub(crate) fn charts(system: &mut dyn System) -> &mut dyn Charts {
+    system.charts().unwrap_or_else(|| plain())
+}
 
-/// The discontinuities of a system; those of a smooth one by default.
+/// The discontinuities of a system; those of a plain one by default.
 pub(crate) fn events(system: &mut dyn System) -> &mut dyn Events {
-    // Of no size: nothing is allocated.
-    system
-        .events()
-        .unwrap_or_else(|| Box::leak(Box::new(Smooth)))
+    system.events().unwrap_or_else(|| plain())
 }
 
-/// See [`Energetics::energies`](pullback_manifold::system::Energetics::energies).
+/// The momenta and symmetries of a system, none by default.
+pub(crate) fn energetics(system: &mut dyn System) -> &mut dyn Energetics {
+    system.energetics().unwrap_or_else(|| plain())
+}
+
+/// See [`Energetics::energies`]; `None` for a system without energies.
 pub(crate) fn energies(
     system: &mut dyn System,
     at: Point<'_>,
 ) -> Result<Option<Energies>, SystemError> {
     let energies = system.energetics().map(|system| system.energies(at));
     energies.transpose()
-}
-
-/// A system without energies, momenta and symmetries.
-struct Silent;
-
-impl Energetics for Silent {
-    fn energies(&mut self, _: Point<'_>) -> Result<Energies, SystemError> {
-        Ok(Energies::default())
-    }
-}
-
-/// The momenta and symmetries of a system, none by default.
-pub(crate) fn energetics(system: &mut dyn System) -> &mut dyn Energetics {
-    // Of no size: nothing is allocated.
-    system
-        .energetics()
-        .unwrap_or_else(|| Box::leak(Box::new(Silent)))
 }

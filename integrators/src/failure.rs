@@ -1,6 +1,6 @@
 //! Report of a failed step: position, cause, iterations and the worst residuals.
 
-use crate::abilities::events;
+use crate::abilities::{charts, events};
 use crate::linear_solver::{LinearError, null_vector};
 use crate::statics::{Iteration, solutions};
 use pullback_manifold::domain::DomainError;
@@ -134,9 +134,9 @@ impl FailedStep {
             rejected: context.rejected,
             min_step: None,
             // An evaluation error gives the reason itself.
-            singularity_warnings: match (&cause, system.charts()) {
-                (Cause::System(_), _) | (_, None) => Vec::new(),
-                (_, Some(charts)) => charts.singularity_warnings(),
+            singularity_warnings: match cause {
+                Cause::System(_) => Vec::new(),
+                _ => charts(system).singularity_warnings(),
             },
             kink: match context.parameter {
                 StepParameter::Load => (events(system).kinks().into_iter())

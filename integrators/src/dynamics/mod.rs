@@ -34,7 +34,7 @@ pub use scheme::Scheme;
 pub use simulation::{Simulation, Snapshot, integrate};
 pub(crate) use step::Stepper;
 
-use crate::abilities::change_charts;
+use crate::abilities::charts;
 use pullback_manifold::system::{ChartChanges, Point, System};
 
 /// State of motion between steps.
@@ -63,6 +63,6 @@ impl State {
     /// Changes charts where needed, at a time that may be just before that of the state.
     pub fn change_charts(&mut self, system: &mut dyn System, t: f64) -> ChartChanges {
         let vectors: &mut [&mut [f64]] = &mut [&mut self.a, &mut self.algorithmic];
-        change_charts(system, t, &mut self.q, &mut self.v, vectors)
+        charts(system).change_charts(t, &mut self.q, &mut self.v, vectors)
     }
 }

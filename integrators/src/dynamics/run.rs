@@ -8,7 +8,7 @@ use super::segment_changes::SegmentSearch;
 use super::step::Stepper;
 use super::stops::{StopTime, Stops};
 use super::{DynamicOptions, DynamicsError, EnergyBalance, Progress, State, StepReport};
-use crate::abilities::{self, change_charts, energetics, start};
+use crate::abilities::{self, charts, energetics};
 use pullback_manifold::system::{Energies, Point, System};
 
 /// Number of steps ahead for which symmetries are found if there is no kink.
@@ -133,13 +133,13 @@ impl MotionRun {
         progress.next_step = progress.next_step.min(longest);
         let (t, state) = (progress.state.t, &mut progress.state);
         // A system without this state chooses its charts; an accepted state keeps its charts.
-        start(system, t, &state.q);
-        let changed = match fresh {
-            true => change_charts(system, t, &mut state.q, &mut state.v, &mut []).charts,
-            false => state.change_charts(system, t).charts,
+        charts(system).start(t, &state.q);
+        let changes = match fresh {
+            true => charts(system).change_charts(t, &mut state.q, &mut state.v, &mut []),
+            false => state.change_charts(system, t),
         };
         if fresh {
-            progress.summary.chart_changes += changed;
+            progress.summary.chart_changes += changes.charts;
             progress.inputs = abilities::events(system).inputs().to_vec();
             progress.state.a = vec![0.0; progress.state.q.len()];
             // What is kept of a run whose state was changed belongs to the one before.

@@ -2,7 +2,7 @@
 
 use super::Iteration;
 use super::newton::Newton;
-use crate::abilities::{change_charts, events};
+use crate::abilities::{charts, events};
 use crate::failure::Cause;
 use crate::linear_solver::LinearSolver;
 use crate::rounding::largest;
@@ -122,7 +122,7 @@ impl Newton {
             if rounds == 2 {
                 return Ok(changes);
             }
-            let changed = change_charts(system, t, q, &mut [], &mut []);
+            let changed = charts(system).change_charts(t, q, &mut [], &mut []);
             changes += changed.charts;
             if changed == ChartChanges::default() {
                 return Ok(changes);
@@ -156,7 +156,7 @@ impl Newton {
         let beyond = (BEYOND * system.pattern().coordinates()[i].size).copysign(direction);
         let mut push = |newton: &mut Self, q: &mut [f64], beyond: f64| {
             q[i] = end + beyond;
-            changes += change_charts(system, t, q, &mut [], &mut []).charts;
+            changes += charts(system).change_charts(t, q, &mut [], &mut []).charts;
             q[i] = end;
             let evaluated = newton.evaluate(system, None, q, t);
             evaluated

@@ -6,7 +6,7 @@ use super::options::check;
 use super::start::begin;
 use super::steps::StaticAnalysis;
 use super::{StaticOptions, StaticSummary, StaticsError, Step};
-use crate::abilities::{change_charts, start};
+use crate::abilities::charts;
 use crate::failure::Cause;
 use pullback_manifold::system::System;
 
@@ -166,8 +166,8 @@ impl LoadRun {
         self.known = Some(TangentStatus::Nothing);
         let mut failed = self.newton.fail(system, failure, t);
         self.q.copy_from_slice(&self.start);
-        start(system, self.newton.summary.t, &self.q);
-        change_charts(system, self.newton.summary.t, &mut self.q, &mut [], &mut []);
+        charts(system).start(self.newton.summary.t, &self.q);
+        charts(system).change_charts(self.newton.summary.t, &mut self.q, &mut [], &mut []);
         self.dt = 0.5 * (t - self.newton.summary.t);
         let too_small = self.dt.abs() < self.options.min_step;
         if hopeless || too_small {

@@ -9,7 +9,7 @@ use super::path_attempt::{Converging, off_path};
 use super::start::begin;
 use super::steps::StaticAnalysis;
 use super::{ArcLengthOptions, Event, Iteration, StaticSummary, StaticsError, Step};
-use crate::abilities::{self, change_charts};
+use crate::abilities::{self, charts};
 use crate::failure::Cause;
 use pullback_manifold::system::{ChartChanges, System};
 
@@ -207,7 +207,7 @@ impl PathRun {
         if at.tangent.dt < 0.0 && self.kinks.contains(&at.t) {
             at.t = at.t.next_down();
         }
-        let changed = change_charts(system, at.t, &mut at.q, &mut at.tangent.dq, &mut []);
+        let changed = charts(system).change_charts(at.t, &mut at.q, &mut at.tangent.dq, &mut []);
         self.changes += changed.charts;
         (self.newton.tangent(system, at, &self.norm)).map_err(off_path)?;
         self.unstable = self.newton.unstable(system);
@@ -338,7 +338,7 @@ impl PathRun {
             at.tangent.dq.fill(0.0);
         }
         // The next step uses this tangent, unless charts change.
-        let changed = change_charts(system, at.t, &mut at.q, &mut at.tangent.dq, &mut []);
+        let changed = charts(system).change_charts(at.t, &mut at.q, &mut at.tangent.dq, &mut []);
         self.changes = changed.charts;
         self.fresh = changed == ChartChanges::default() && bend.is_some();
         let ease = (self.options.target_iterations as f64 / iterations.max(1) as f64).sqrt();

@@ -7,7 +7,7 @@
 use super::fixed_load::TangentStatus;
 use super::newton::Newton;
 use super::{StaticsError, Step};
-use crate::abilities::{change_charts, start};
+use crate::abilities::charts;
 use crate::failure::Cause;
 use crate::rounding::is_exact;
 use pullback_manifold::system::System;
@@ -22,8 +22,8 @@ pub(super) fn begin(
     q: &mut [f64],
 ) -> Result<(TangentStatus, Step<'static>), StaticsError> {
     let t = newton.summary.t;
-    start(system, t, q);
-    newton.summary.chart_changes += change_charts(system, t, q, &mut [], &mut []).charts;
+    charts(system).start(t, q);
+    newton.summary.chart_changes += charts(system).change_charts(t, q, &mut [], &mut []).charts;
     newton.history.clear();
     let evaluated = newton.evaluate(system, None, q, t).map_err(Cause::System);
     let settled = evaluated.and_then(|()| match is_exact(system, &newton.r) {
