@@ -64,17 +64,17 @@ impl AutoSolver {
         tried.then(|| self.solver(self.chosen))
     }
 
-    /// Result of a factorisation by the chosen solver, and the solver that holds the factors.
+    /// Accepts a factorisation by the chosen solver, or replaces it.
     fn after(
         &mut self,
         result: Result<(), LinearError>,
         values: &[f64],
-    ) -> Result<SolverKind, LinearError> {
+    ) -> Result<(), LinearError> {
         let error = match result {
             Ok(()) => {
                 self.failures = 0;
                 self.active = Some(self.chosen);
-                return Ok(self.chosen);
+                return Ok(());
             }
             Err(error) => error,
         };
@@ -93,22 +93,22 @@ impl AutoSolver {
             {
                 Err(error)
             }
-            (Ok(kind), _) => {
+            (Ok(()), _) => {
                 self.failures += 1;
-                Ok(kind)
+                Ok(())
             }
             (other, _) => other,
         }
     }
 
-    fn fall_back(&mut self, values: &[f64]) -> Result<SolverKind, LinearError> {
+    fn fall_back(&mut self, values: &[f64]) -> Result<(), LinearError> {
         let pattern = ready(&mut self.pattern, "factorise")?;
         if !self.lu.is_analysed() {
             self.lu.analyse(pattern, self.symmetry)?;
         }
         self.lu.factorise(values)?;
         self.active = Some(SolverKind::Lu);
-        Ok(SolverKind::Lu)
+        Ok(())
     }
 }
 
@@ -144,8 +144,7 @@ impl LinearSolver for AutoSolver {
         match self.first().map(|first| first.factorise(values)) {
             Some(result) => self.after(result, values),
             None => self.fall_back(values),
-        }?;
-        Ok(())
+        }
     }
 
     fn solve(&mut self, values: Option<&[f64]>, b: &mut [f64]) -> Result<(), LinearError> {
@@ -163,15 +162,13 @@ impl LinearSolver for AutoSolver {
     }
 
     fn factorise_and_solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError> {
-        let holds = match self
-            .first()
-            .map(|first| first.factorise_and_solve(values, b))
-        {
+        let first = self.first();
+        match first.map(|first| first.factorise_and_solve(values, b)) {
             Some(result) => self.after(result, values),
             None => self.fall_back(values),
         }?;
-        match holds {
-            SolverKind::Lu => self.lu.solve(Some(values), b),
+        match self.active {
+            Some(SolverKind::Lu) => self.lu.solve(Some(values), b),
             _ => Ok(()),
         }
     }
