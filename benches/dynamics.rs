@@ -157,7 +157,7 @@ fn evaluation(beam: &dyn Element, ask: Ask) -> impl FnMut() {
                     M: 400.0,
                 };
                 let combined = beam.abilities().combined.expect("a combined tangent");
-                combined.evaluate_combined(&at, weights, &mut r, &mut K)
+                combined.add(&at, &mut r, &mut [Some((weights, &mut K[..])), None, None])
             }
         }
         .expect("inside the chart");

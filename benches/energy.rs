@@ -64,7 +64,7 @@ fn run(element: &dyn Element, job: Job, motion: &[Vec<f64>; 3], out: &mut [Vec<f
             C: 20.0,
             M: 400.0,
         };
-        combined.evaluate_combined(&at, weights, r, K)
+        combined.add(&at, r, &mut [Some((weights, K)), None, None])
     } else {
         let parts = matches!(job, Job::Parts | Job::Combined);
         let mut out = Response {

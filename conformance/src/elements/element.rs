@@ -226,8 +226,8 @@ impl One<'_> {
             return;
         };
         let (mut r, mut S) = (all.r.clone() * 0.0, sum.clone() * 0.0);
-        let (r_slice, S_slice) = (r.as_mut_slice(), S.as_mut_slice());
-        let done = combined.evaluate_combined(&motion(s), weights, r_slice, S_slice);
+        let tangents = &mut [Some((weights, S.as_mut_slice())), None, None];
+        let done = combined.add(&motion(s), r.as_mut_slice(), tangents);
         let off = |()| {
             let r = self.layout.forces((r - &all.r).as_slice());
             r.iter().sum::<f64>() + self.norm(&(S - &sum))

@@ -4,7 +4,6 @@ use super::{CombinedTangents, Motion};
 use crate::constraint::Enforced;
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::domain::DomainError;
-use pullback_manifold::system::Weights;
 
 /// Optional abilities of an element; none by default.
 ///
@@ -88,21 +87,6 @@ pub trait Combined {
         r: &mut [f64],
         tangents: &mut CombinedTangents<'_>,
     ) -> Result<(), DomainError>;
-
-    /// Adds the residual to `r` and one combined tangent to `S`.
-    ///
-    /// # Errors
-    /// As [`Element::evaluate`](super::Element::evaluate).
-    #[inline]
-    fn evaluate_combined(
-        &self,
-        at: &Motion<'_>,
-        weights: Weights,
-        r: &mut [f64],
-        S: &mut [f64],
-    ) -> Result<(), DomainError> {
-        self.add(at, r, &mut [Some((weights, S)), None, None])
-    }
 }
 
 /// State of one cross-section of an element, for output.

@@ -135,7 +135,7 @@ impl ElementWorkspace {
         if let (Some(weights), Some(combined)) = (weights, combined((e, state), statics, rates)) {
             let S = &mut self.S[..n * n];
             S.fill(0.0);
-            return combined.evaluate_combined(&at, weights, r, S);
+            return combined.add(&at, r, &mut [Some((weights, S)), None, None]);
         }
         if tangent {
             self.K[..n * n].fill(0.0);
