@@ -88,7 +88,7 @@ fn forces_stay(
     let mut forces: BTreeMap<usize, [f64; 2]> = BTreeMap::new();
     for (k, (side, (B, f))) in sides.iter().zip(both).enumerate() {
         for (&c, b) in side.coordinates.iter().zip(B.chunks_exact(f.len())) {
-            if c != side.along {
+            if Some(c) != side.along {
                 forces.entry(c).or_default()[k] += dot(b, f.as_slice());
             }
         }
@@ -121,8 +121,8 @@ pub(super) struct Side {
     state: TestState,
     /// Numbers of the parents' coordinates in the model.
     coordinates: Vec<usize>,
-    /// The coordinate along the chain, which is at rest at the change.
-    along: usize,
+    /// The coordinate along the chain, which is at rest at a change.
+    along: Option<usize>,
 }
 
 /// Size of the step that ends at a change of segment.
@@ -185,15 +185,15 @@ fn side(
     let ranges = parents.iter().map(|&m| context.nodes()[m as usize].range());
     let coordinates: Vec<usize> = ranges.flatten().collect();
     let mut state = parent_state(context, parents, t);
-    let along = border.map_or(usize::MAX, |(along, _)| along);
-    for (j, _) in coordinates.iter().enumerate().filter(|(_, c)| **c == along) {
-        state.x[j] = border.map_or(state.x[j], |b| b.1);
-        (state.v[j], state.a[j]) = (0.0, 0.0);
+    for (j, c) in coordinates.iter().enumerate() {
+        if let Some((_, x)) = border.filter(|(along, _)| along == c) {
+            (state.x[j], state.v[j], state.a[j]) = (x, 0.0, 0.0);
+        }
     }
     Side {
         map,
         state,
         coordinates,
-        along,
+        along: border.map(|(along, _)| along),
     }
 }
