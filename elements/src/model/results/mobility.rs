@@ -131,26 +131,16 @@ impl Context {
         let mut M = vec![0.0; self.model.pattern.len()];
         let out = Evaluation::with_tangent(&mut r, Weights::MASS, &mut M);
         self.evaluate(Point { t, q, v, a: &a }, out)?;
-        let mut mass = vec![0.0; n];
-        let sizes: Vec<f64> = M.iter().map(|m| m.abs()).collect();
-        self.model
-            .pattern
-            .multiply_add(1.0, &sizes, &vec![1.0; n], &mut mass);
-        let mut tied = vec![false; n];
         let pattern = &self.model.pattern;
-        for j in (0..pattern.blocks()).filter(|&j| {
-            pattern
-                .unknowns(j)
-                .any(|u| self.pattern().coordinates()[u].is_multiplier)
-        }) {
-            for (i, _) in pattern.column(j) {
-                tied[pattern.unknowns(i)].fill(true);
-            }
-        }
+        let (mut heavy, mut tied) = (vec![false; n], vec![false; n]);
+        pattern.triplets(&M).for_each(|(r, c, mass)| {
+            heavy[r] |= mass != 0.0;
+            tied[r] |= pattern.coordinates()[c].is_multiplier;
+        });
         let mut names = Vec::new();
         for j in 0..pattern.blocks() {
             let all = pattern.unknowns(j);
-            let without = |i: &usize| mass[*i] == 0.0 && !tied[*i];
+            let without = |i: &usize| !heavy[*i] && !tied[*i];
             names.extend(all.clone().filter(without).map(|i| self.name(i)));
             let Some(first) = pattern.find(j, j).filter(|_| all.clone().all(|i| !tied[i])) else {
                 continue;
