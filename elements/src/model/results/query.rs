@@ -3,7 +3,7 @@
 use crate::element::{Motion, SectionState};
 use crate::model::build::builder::{Dof, ElementId, NodeId};
 use crate::model::{Context, Model, NONE, Node, NodeForm};
-use nalgebra::Vector3;
+use nalgebra::{Matrix6, Vector3, Vector6};
 use pullback_manifold::so3;
 use pullback_manifold::system::{Point, SystemError};
 use std::collections::BTreeMap;
@@ -126,34 +126,22 @@ impl Model {
             frames.iter().map(|n| n.position).sum::<Vector3<f64>>() / frames.len() as f64;
         // Gram matrix of the prescribed coordinates over rigid motions (translation, rotation about
         // the centre times the model's length).
-        let mut gram = nalgebra::Matrix6::<f64>::zeros();
+        let mut gram = Matrix6::<f64>::zeros();
         for node in frames {
             let arm = (node.position - center) / self.length;
+            let mut moved = Matrix6::identity();
+            moved
+                .fixed_view_mut::<3, 3>(0, 3)
+                .copy_from(&-so3::skew(&arm));
             let own = self.carrier(node);
-            for k in 0..6 {
-                let free = self.unknowns[own.first + k] != NONE || !own.is_own();
-                if free {
-                    continue;
-                }
-                let mut row = nalgebra::Vector6::zeros();
-                row[k] = 1.0;
-                if k < 3 {
-                    let turn = -so3::skew(&arm);
-                    for j in 0..3 {
-                        row[3 + j] = turn[(k, j)];
-                    }
-                }
-                gram += row * row.transpose();
+            let held = |k: &usize| own.is_own() && self.unknowns[own.first + k] == NONE;
+            for row in (0..6).filter(held).map(|k| moved.row(k)) {
+                gram += row.transpose() * row;
             }
         }
         let eigen = gram.symmetric_eigen();
-        let (k, &smallest) = eigen
-            .eigenvalues
-            .iter()
-            .enumerate()
-            .min_by(|a, b| a.1.total_cmp(b.1))?;
-        let largest = eigen.eigenvalues.max();
-        if smallest > 1e-12 * largest.max(1e-300) {
+        let k = eigen.eigenvalues.imin();
+        if eigen.eigenvalues[k] > 1e-12 * eigen.eigenvalues.max().max(1e-300) {
             return None;
         }
         let motion = eigen.eigenvectors.column(k).into_owned();
@@ -288,7 +276,7 @@ impl Context {
 }
 
 /// A rigid motion (translation of the centre, rotation times length) in words.
-fn describe_motion(motion: &nalgebra::Vector6<f64>, center: &Vector3<f64>, length: f64) -> String {
+fn describe_motion(motion: &Vector6<f64>, center: &Vector3<f64>, length: f64) -> String {
     let translation: Vector3<f64> = motion.fixed_rows::<3>(0).into_owned();
     let rotation: Vector3<f64> = motion.fixed_rows::<3>(3) / length;
     // No zero has a sign.
