@@ -214,17 +214,13 @@ impl Context {
         Ok(())
     }
 
-    /// Report on the equations that an element enforces.
-    pub(in crate::model) fn describe_left_out(&self, k: u32) -> String {
+    /// Report on the redundant ones of the equations that an element enforces.
+    pub(in crate::model) fn describe_left_out(&self, k: u32) -> Option<String> {
         let e = &self.model.elements[k as usize];
         let left_out = self.state.elements[k as usize].left_out;
         let bits = (0..MAX_EQUATIONS).filter(|i| left_out & (1 << i) != 0);
         let names: Vec<String> = bits.map(|i| e.equation(i)).collect();
-        if names.is_empty() {
-            String::new()
-        } else {
-            format!("; redundant: {}", names.join(", "))
-        }
+        (!names.is_empty()).then(|| format!("redundant: {}", names.join(", ")))
     }
 }
 

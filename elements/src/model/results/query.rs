@@ -162,17 +162,12 @@ impl Context {
     /// the joints of attached children, the joints that close loops, and their present independent
     /// coordinates.
     pub fn descriptions(&self) -> Vec<String> {
-        let note = |r: &crate::model::loops::LoopReport| {
-            let of_element = || {
-                r.element
-                    .map_or_else(String::new, |k| self.describe_left_out(k))
-            };
-            match r.map.and_then(|n| self.describe(NodeId(n))) {
-                Some(note) => format!("{}; {note}", r.words),
-                None => r.words.clone() + &of_element(),
-            }
-        };
-        let reports = self.model.reports.iter().map(note);
+        let reports = self.model.reports.iter().map(|r| {
+            let of_map = r.map.and_then(|n| self.describe(NodeId(n)));
+            let of_element = r.element.and_then(|k| self.describe_left_out(k));
+            let own = of_map.or(of_element).map(|own| format!("; {own}"));
+            r.words.clone() + &own.unwrap_or_default()
+        });
         reports.chain(self.state.moved.iter().cloned()).collect()
     }
 
