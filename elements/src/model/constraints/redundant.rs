@@ -23,7 +23,7 @@ impl Model {
     }
 
     /// The multiplier of an equation of an element.
-    fn multiplier(&self, element: usize, equation: usize) -> Option<usize> {
+    fn multiplier(&self, (element, equation): (usize, usize)) -> Option<usize> {
         let e = &self.elements[element];
         let &node = e.nodes.last()?;
         self.unknown_at(NodeId(node), equation)
@@ -36,7 +36,7 @@ impl Context {
         let all = self.equations(0.0, q, &[]).map_err(start)?;
         let counting = self.counting(&all);
         let choice = Chosen::of(&all, &counting);
-        self.leave_out(&all, choice);
+        self.leave_out(&all, &choice);
         if self.state.elements.iter().any(|e| e.left_out != 0) {
             self.state.chosen_at = q.to_vec();
         }
@@ -44,21 +44,15 @@ impl Context {
     }
 
     /// Omits the equations that are not selected.
-    fn leave_out(&mut self, all: &EnforcedEquations, choice: Chosen) {
-        let Chosen {
-            waiting,
-            by_prescribed,
-            limit,
-            ..
-        } = choice;
-        let of = &all.of;
+    fn leave_out(&mut self, all: &EnforcedEquations, choice: &Chosen) {
+        let (of, waiting) = (&all.of, &choice.waiting);
         // Equations that follow from others at given prescribed positions, but not at all
         // positions.
         self.state.overprescribed.clear();
-        for &i in &waiting {
-            let off = by_prescribed.row(i);
+        for &i in waiting {
+            let off = choice.by_prescribed.row(i);
             let names: Vec<String> = (self.prescribed().zip(off.iter()))
-                .filter(|(_, slope)| slope.abs() > PRESCRIBES * limit / RANK)
+                .filter(|(_, slope)| slope.abs() > PRESCRIBES * choice.limit / RANK)
                 .map(|(c, _)| self.coordinate_name(c))
                 .collect();
             if !names.is_empty() {
@@ -103,10 +97,7 @@ impl Context {
         if best.taken.len() != used.len() || now.least * GAIN > best.least {
             return false;
         }
-        let multiplier = |i: usize| {
-            let (k, number) = all.of[i];
-            self.multiplier(k, number)
-        };
+        let multiplier = |i: usize| self.multiplier(all.of[i]);
         let mut force = DVector::zeros(q.len());
         for &i in &used {
             if let Some(u) = multiplier(i) {
@@ -128,7 +119,7 @@ impl Context {
                 q[u] = *lambda;
             }
         }
-        self.leave_out(&all, best);
+        self.leave_out(&all, &best);
         // Forces at this state are evaluated with these multipliers.
         self.expand(Point::statics(t, q)).is_ok()
     }
