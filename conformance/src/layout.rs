@@ -107,22 +107,19 @@ impl Layout {
         for block in 0..pattern.blocks() {
             let all = pattern.unknowns(block);
             let mut first = all.start;
-            while first < all.end {
-                let kind = system.pattern().coordinates()[first].quantity;
-                let end =
-                    (first..all.end).find(|&i| system.pattern().coordinates()[i].quantity != kind);
-                let range = first..end.unwrap_or(all.end);
+            for own in pattern.coordinates()[all].chunk_by(|a, b| a.quantity == b.quantity) {
+                let range = first..first + own.len();
+                first = range.end;
                 let names = [range.start, range.end - 1].map(|i| system.name(i));
                 groups.push(CoordinateGroup {
                     name: match range.len() {
                         1 => names[0].clone(),
                         _ => format!("{} to {}", names[0], names[1]),
                     },
-                    unit: pattern.coordinates()[first].size,
+                    unit: own[0].size,
                     reach: 0.0,
-                    range: range.clone(),
+                    range,
                 });
-                first = range.end;
             }
         }
         Self::new(groups)
