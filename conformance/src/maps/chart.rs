@@ -4,9 +4,10 @@
 use super::map::{TIME, laws, short_name, within};
 use crate::report::Report;
 use crate::sample::{CLEARANCE, Random};
-use nalgebra::{SVector, Vector3};
+use nalgebra::Vector3;
 use pullback_manifold::chart::{Charted, RotationChart};
 use pullback_manifold::map::{Map, Reparametrization};
+use pullback_manifold::quotients::Quotients;
 use pullback_manifold::so3::{self, Quaternion};
 use std::f64::consts::{PI, TAU};
 
@@ -29,10 +30,8 @@ pub fn chart<C: RotationChart>(chart: &C) -> Report {
     if positions.is_empty() {
         return report;
     }
-    let (at, turn) = (
-        "beyond half a turn",
-        so3::quaternion(&random.of_norm(BEYOND)),
-    );
+    let at = "beyond half a turn";
+    let turn = so3::quaternion(&random.of_norm(BEYOND));
     let q = chart.coordinates(&turn);
     let law = "rotations beyond half a turn have coordinates";
     if margin(q.as_slice()) > 0.0 {
@@ -110,13 +109,12 @@ fn spin<C: RotationChart>(map: &Charted<C, 3>, [q, v, a]: [Vector3<f64>; 3]) -> 
     let k = map.kinematics(TIME, &q, &v, &a);
     let R = so3::rotation(&k.x);
     let T = so3::tangent(&k.x).transpose();
-    let (psi, psi_dot): (SVector<f64, 3>, SVector<f64, 3>) = (k.x, k.x_dot);
-    let c = pullback_manifold::quotients::Quotients::new(psi.norm());
-    let T_dot = so3::T_dot(&psi_dot, &psi, &c).transpose();
+    let c = Quotients::new(k.x.norm());
+    let T_dot = so3::T_dot(&k.x_dot, &k.x, &c).transpose();
     [
         R.column(0).into_owned(),
         R.column(1).into_owned(),
-        T * psi_dot,
-        T * k.x_ddot + T_dot * psi_dot,
+        T * k.x_dot,
+        T * k.x_ddot + T_dot * k.x_dot,
     ]
 }

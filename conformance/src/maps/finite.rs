@@ -16,11 +16,10 @@ impl Mapped<'_> {
         let [_, x_dot, x_ddot, _, B_dot, B_ddot] = self.kinematics(s);
         let names = ["x", "B", "x_dot", "x_ddot", "B_dot", "B_ddot"];
         let values = [x, B, x_dot, x_ddot, B_dot, B_ddot];
-        let find = |values: &Vec<f64>| values.iter().position(|x| !x.is_finite());
-        let found = values.iter().zip(names);
-        let (row, value, name) = found
-            .filter_map(|(all, name)| find(all).map(|k| (k % n, all[k], name)))
-            .next()?;
+        let (row, value, name) = values.iter().zip(names).find_map(|(all, name)| {
+            let k = all.iter().position(|x| !x.is_finite())?;
+            Some((k % n, all[k], name))
+        })?;
         let units = self.columns.units();
         let beside = units.iter().enumerate().filter(|(j, unit)| {
             [BESIDE, -BESIDE].iter().any(|step| {
