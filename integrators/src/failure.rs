@@ -150,11 +150,7 @@ impl FailedStep {
 
     /// Whether the residual was falling by orders of magnitude when the iterations ended.
     fn was_converging(&self) -> bool {
-        let ratios: Vec<f64> = self.history.iter().map(|i| i.ratio).collect();
-        match ratios[..] {
-            [.., before, last] => last < 0.1 * before,
-            _ => false,
-        }
+        matches!(&self.history[..], [.., before, last] if last.ratio < 0.1 * before.ratio)
     }
 
     /// Writes the position of the step and the number of attempts.

@@ -126,18 +126,13 @@ impl Columns {
 
     /// The error that names the largest component of `x`.
     pub fn singular(&self, condition: f64) -> LinearError {
-        let mut unknown = 0;
-        for (i, x) in self.x.iter().enumerate() {
-            // NaN counts as largest.
-            if !(x.abs() <= self.x[unknown].abs()) {
-                unknown = i;
-                if x.is_nan() {
-                    break;
-                }
-            }
-        }
+        // The first of the largest; NaN counts as largest.
+        let size = |i: &usize| self.x[*i].abs();
+        let largest = (0..self.x.len())
+            .rev()
+            .max_by(|i, j| size(i).total_cmp(&size(j)));
         LinearError::Singular {
-            unknown,
+            unknown: largest.unwrap_or(0),
             condition,
             limit: self.condition_limit(),
         }
