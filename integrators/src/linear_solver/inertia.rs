@@ -8,7 +8,6 @@
 
 use super::factors::Factors;
 use nalgebra::{DMatrix, DMatrixView};
-use std::cmp::Ordering;
 
 impl Factors {
     /// Number of negative eigenvalues of the factorised matrix, which must be symmetric.
@@ -33,17 +32,9 @@ impl Factors {
 /// The diagonal block D of the factors P D = L U, which have the reciprocals of the pivots on the
 /// diagonal of `d`.
 fn multiply_out(d: DMatrixView<'_, f64>, swaps: &[u32]) -> DMatrix<f64> {
-    let n = d.nrows();
-    let lower = DMatrix::from_fn(n, n, |r, c| match r.cmp(&c) {
-        Ordering::Less => 0.0,
-        Ordering::Equal => 1.0,
-        Ordering::Greater => d[(r, c)],
-    });
-    let upper = DMatrix::from_fn(n, n, |r, c| match r.cmp(&c) {
-        Ordering::Less => d[(r, c)],
-        Ordering::Equal => 1.0 / d[(r, c)],
-        Ordering::Greater => 0.0,
-    });
+    let (mut lower, mut upper) = (d.lower_triangle(), d.upper_triangle());
+    lower.fill_diagonal(1.0);
+    upper.set_diagonal(&d.diagonal().map(f64::recip));
     let mut block = lower * upper;
     for (k, &row) in swaps.iter().enumerate().rev() {
         block.swap_rows(k, row as usize);
