@@ -56,12 +56,14 @@ pub(crate) fn laws(
     of.check(report, Law::Charts, states, random);
 }
 
-impl Component<&dyn Element> {
+impl<T> Component<T> {
     /// A typical length: the unit of the first frame's displacement.
-    fn length(&self) -> f64 {
+    pub(crate) fn length(&self) -> f64 {
         self.layout.units()[self.frames[0].first]
     }
+}
 
+impl Component<&dyn Element> {
     fn center(&self) -> Vector3<f64> {
         self.frames[0].position
     }

@@ -2,10 +2,11 @@
 
 use super::segments::{self, Child};
 use super::view::{self, maps, parent_state};
-use crate::elements::{Carrier, EXACT, FIRST, FrameAt, carry};
+use crate::elements::{Carrier, Component, EXACT, FIRST, FrameAt, carry};
 use crate::{Mapped, Random, Report, TestState, kinematics, pieces};
 use nalgebra::{DVector, Vector3};
 use pullback_elements::model::Context;
+use pullback_manifold::map::Parametrization;
 use pullback_manifold::so3::{log_quaternion, quaternion};
 
 /// The laws of all joints at a state.
@@ -52,13 +53,10 @@ pub(super) fn laws(
             segments::laws(&mut own, &child, at, &sides, random);
         }
         if framed && !joint.frames.is_empty() && joint.thing.is_objective() {
-            let length = joint.layout.units()[joint.frames[0].first];
             Carried {
                 of,
                 position: node.position(),
-                frames: &joint.frames,
-                rotations: &joint.rotations,
-                length,
+                joint: &joint,
             }
             .laws(&mut own, at, &s, random);
         }
@@ -78,9 +76,7 @@ fn rate(units: &[f64], s: &TestState) -> f64 {
 struct Carried<'a> {
     of: Mapped<'a>,
     position: Vector3<f64>,
-    frames: &'a [FrameAt],
-    rotations: &'a [usize],
-    length: f64,
+    joint: &'a Component<&'a dyn Parametrization>,
 }
 
 impl Carried<'_> {
@@ -92,8 +88,8 @@ impl Carried<'_> {
     /// The distance of the frame from the rigid motion of its parents, in lengths and in radians, in any chart.
     fn defect(&self, by: Carrier, turn: &Vector3<f64>, s: &TestState) -> Vec<f64> {
         let still = TestState::statics(s.t, s.x.clone());
-        let mut moved = carry(by, self.frames, &still).state;
-        for &k in self.rotations {
+        let mut moved = carry(by, &self.joint.frames, &still).state;
+        for &k in &self.joint.rotations {
             // Rotations of joints are those of frames, in global components.
             let psi = moved.x.fixed_rows::<3>(k).into_owned();
             let turned = log_quaternion(&quaternion(turn).product(&quaternion(&psi)));
@@ -109,22 +105,22 @@ impl Carried<'_> {
         let [a, b] = [&found, &right].map(|x| quaternion(&x.fixed_rows::<3>(3).into_owned()));
         let turns = a.conjugate().product(&b).v.norm() * 2.0;
         let gap = (found.fixed_rows::<3>(0) - right.fixed_rows::<3>(0)).norm();
-        vec![gap / self.length, turns]
+        vec![gap / self.joint.length(), turns]
     }
 
     fn laws(&self, report: &mut Report, at: &str, s: &TestState, random: &mut Random) {
-        let about = self.frames[0].position;
+        let (about, length) = (self.joint.frames[0].position, self.joint.length());
         let turn = random.of_norm(0.9);
-        let by = Carrier::still(about, turn, random.of_norm(self.length));
+        let by = Carrier::still(about, turn, random.of_norm(length));
         let most = |x: Vec<f64>| x.into_iter().fold(0.0, f64::max);
         let reach = most(self.of.rows.magnitudes(self.child(s).as_slice(), 0));
         let all = most(self.of.columns.magnitudes(s.x.as_slice(), 0));
-        let sizes = [(reach + all) / self.length, 1.0];
+        let sizes = [(reach + all) / length, 1.0];
         let law = "frames move rigidly with their parents";
         let allowed = sizes.map(|s| EXACT * s);
         let defects = self.defect(by, &turn, s);
         let exact = defects.iter().zip(&allowed).all(|(d, a)| d <= a);
-        if exact || self.frames.len() == 1 {
+        if exact || self.joint.frames.len() == 1 {
             report.defects(law, at, &defects, &allowed);
             return;
         }
@@ -143,16 +139,16 @@ impl Carried<'_> {
         random: &mut Random,
     ) {
         let noise = random.entries(&self.of.columns.units());
-        let about = self.frames[0].position;
+        let about = self.joint.frames[0].position;
         let rigid = Carrier::still(about, random.of_norm(1.3), Vector3::zeros());
         let near = |e: f64| {
             let mut x = s.x.clone();
-            for f in self.frames {
+            for f in &self.joint.frames {
                 for k in f.first..f.first + 6 {
                     x[k] = noise[k] * e;
                 }
             }
-            carry(rigid, self.frames, &TestState::statics(s.t, x)).state
+            carry(rigid, &self.joint.frames, &TestState::statics(s.t, x)).state
         };
         report.slopes(law, "rigid", 2.0, FIRST, sizes, |e| {
             self.defect(by, turn, &near(e))
