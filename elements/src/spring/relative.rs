@@ -5,8 +5,6 @@ use crate::blocks::three;
 use nalgebra::{SMatrix, SVector, Vector3, Vector6};
 use pullback_manifold::so3;
 
-type Vector12 = SVector<f64, 12>;
-
 /// The map (x₁, x₂) → y = (u, θ), u = R₁ᵀ(x₂ − x₁) − u₀, θ = log(R₁ᵀR₂), in one configuration of the two frames: the
 /// second one is a node relative to the first.
 pub(super) struct Relation {
@@ -47,7 +45,7 @@ impl Relation {
     }
 
     /// Ḃ along the velocities v, 6×12; `y_dot` = B v.
-    pub(super) fn B_dot(&self, v: &Vector12, y_dot: &Vector6<f64>) -> SMatrix<f64, 6, 12> {
+    pub(super) fn B_dot(&self, v: &SVector<f64, 12>, y_dot: &Vector6<f64>) -> SMatrix<f64, 6, 12> {
         let [first, second] = [3, 9].map(|i| three(v.as_slice(), i));
         columns(&self.second.B_dot(y_dot, &self.first, &second, &first))
     }

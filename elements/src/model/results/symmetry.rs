@@ -65,10 +65,12 @@ impl Measured<'_> {
             let change = |row: &[f64; 6]| std::array::from_fn(|k| (row[k] - first[k]) / largest);
             rows.extend(steady.iter().map(|(row, _)| change(row)));
         }
+        // With rows of zeros a decomposition has all six directions.
+        rows.resize(rows.len().max(6), [0.0; 6]);
         let flat = rows.iter().flatten().copied();
         let R = DMatrix::from_row_iterator(rows.len(), 6, flat);
         let mut found = Vec::new();
-        for xi in null_space(&R, self.0.model.length) {
+        for xi in null_space(R, self.0.model.length) {
             let lost = self.is_lossy(times[1], &states[1], &xi, span[1] - span[0])?;
             // Angular velocities are not rates: a motion that is rigid by frames and forces also
             // conserves kinetic energy.
@@ -138,10 +140,8 @@ impl Measured<'_> {
 
 /// Null space of a matrix over rigid motions (its translations in units of `length`), pure
 /// translations first; by elimination, so that as many entries as possible are zero.
-fn null_space(R: &DMatrix<f64>, length: f64) -> Vec<RigidRates> {
-    // With rows of zeros the decomposition has all six directions.
-    let padded = R.clone().resize_vertically(R.nrows().max(6), 0.0);
-    let svd = padded.svd(false, true);
+fn null_space(R: DMatrix<f64>, length: f64) -> Vec<RigidRates> {
+    let svd = R.svd(false, true);
     let Some(V) = svd.v_t else { return Vec::new() };
     let mut basis: Vec<[f64; 6]> = (0..6)
         .filter(|&k| svd.singular_values[k] <= NOTHING)
