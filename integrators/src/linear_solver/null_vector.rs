@@ -69,7 +69,7 @@ fn iterate(
         y.iter_mut().for_each(|y| *y /= size);
         let mut image = vec![0.0; y.len()];
         let mut v: Vec<f64> = y.iter().zip(scales).map(|(y, s)| y * s).collect();
-        (columns.pattern).multiply_add(1.0, values, &v, &mut image);
+        columns.pattern.multiply_add(1.0, values, &v, &mut image);
         image.iter_mut().zip(scales).for_each(|(a, s)| *a *= s);
         let residual = max_abs(&image) / columns.norm;
         if best.as_ref().is_some_and(|b| residual >= b.residual) {

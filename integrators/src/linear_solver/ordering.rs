@@ -63,7 +63,6 @@ pub(super) fn minimum_degree(
     let mut updates = 0;
     let mut order = Vec::with_capacity(n);
     let mut later = Vec::with_capacity(n);
-    let mut merged = Vec::new();
     while let Some((Reverse(d), k)) = heap.pop() {
         // The heap holds outdated degrees of nodes whose degree has changed since.
         if !alive[k as usize] || d != degree[k as usize] || waiting[k as usize] > 0 {
@@ -98,7 +97,11 @@ pub(super) fn minimum_degree(
                     }
                 }
             } else {
-                merge(list, &clique, i, &alive, &mut merged);
+                // Two sorted runs, which the sort merges.
+                list.extend(&clique);
+                list.sort();
+                list.dedup();
+                list.retain(|&w| w != i && alive[w as usize]);
                 *degree = list.iter().map(|&w| size(w)).sum();
             }
             heap.push((Reverse(*degree), i));
@@ -141,26 +144,3 @@ fn ranks(pattern: &BlockPattern, neighbours: &[Vec<u32>]) -> Vec<u8> {
 /// Cliques up to this size are inserted one by one, so that a hub of many short spokes is not
 /// merged anew (all its length) with every spoke.
 const SHORT: usize = 8;
-
-/// Adds the clique's nodes other than `own` to a sorted list and drops the eliminated ones.
-fn merge(list: &mut Vec<u32>, clique: &[u32], own: u32, alive: &[bool], merged: &mut Vec<u32>) {
-    merged.clear();
-    let (mut a, mut b) = (
-        list.iter().copied().peekable(),
-        clique.iter().copied().peekable(),
-    );
-    loop {
-        let next = match (a.peek(), b.peek()) {
-            (Some(&x), Some(&y)) => x.min(y),
-            (Some(&x), None) => x,
-            (None, Some(&y)) => y,
-            (None, None) => break,
-        };
-        a.next_if_eq(&next);
-        b.next_if_eq(&next);
-        if next != own && alive[next as usize] {
-            merged.push(next);
-        }
-    }
-    std::mem::swap(list, merged);
-}
