@@ -25,7 +25,11 @@ impl Context {
         if self.model.enforced.is_empty() {
             return Ok(vec![0.0; self.model.coordinates.len()]);
         }
-        let mut q = Assembly(self).of(values, positions)?;
+        let mut assembly = Assembly(self);
+        let mut q = match assembly.as_by_maps(values, positions) {
+            Some(q) => q,
+            None => assembly.by_corrections(values)?,
+        };
         self.change_charts(0.0, &mut q, &mut [], &mut []);
         self.leave_out_redundant(&q)?;
         self.report_moved(&q, values);
@@ -37,18 +41,6 @@ impl Context {
 struct Assembly<'a>(&'a mut Context);
 
 impl Assembly<'_> {
-    /// The start that keeps the desired values: that with all loops closed by maps, or one by corrections.
-    fn of(
-        &mut self,
-        values: &[(usize, f64)],
-        positions: &[(u32, usize, f64)],
-    ) -> Result<Vec<f64>, ModelError> {
-        match self.as_by_maps(values, positions) {
-            Some(q) => Ok(q),
-            None => self.by_corrections(values),
-        }
-    }
-
     /// The start with all loops closed by maps, if it keeps all desired values.
     fn as_by_maps(
         &mut self,
