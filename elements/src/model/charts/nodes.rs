@@ -140,11 +140,10 @@ impl Context {
             changed += 1;
             let velocity = take(v);
             for a in accelerations.iter_mut() {
-                let mut second = take(a);
-                settled(&psi, &velocity, &mut second);
+                let [_, _, second] = settled(&psi, &velocity, &take(a));
                 put(a, &second);
             }
-            let [x, first] = settled(&psi, &velocity, &mut Vector3::zeros());
+            let [x, first, _] = settled(&psi, &velocity, &Vector3::zeros());
             put(q, &x);
             put(v, &first);
         }
@@ -271,13 +270,9 @@ fn moving<'a>(t: f64, q: &'a [f64], v: &'a [f64], accelerations: &'a [&mut [f64]
     }
 }
 
-/// A rotation vector and its rate, and a second rate in place, after a change of chart; a step may
-/// have rotated it by more than one turn, so whole turns are subtracted.
-fn settled(
-    psi: &Vector3<f64>,
-    rate: &Vector3<f64>,
-    second: &mut Vector3<f64>,
-) -> [Vector3<f64>; 2] {
+/// A rotation vector and its rates after a change of chart; a step may have rotated it by more than
+/// one turn, so whole turns are subtracted.
+fn settled(psi: &Vector3<f64>, rate: &Vector3<f64>, second: &Vector3<f64>) -> [Vector3<f64>; 3] {
     let mut k = Complement.kinematics(0.0, psi, rate, second);
     let turns = (k.x.norm() / TAU - 1e-12).round() as i32;
     fold(
@@ -286,6 +281,5 @@ fn settled(
         k.x_dot.as_mut_slice(),
         k.x_ddot.as_mut_slice(),
     );
-    *second = k.x_ddot;
-    [k.x, k.x_dot]
+    [k.x, k.x_dot, k.x_ddot]
 }

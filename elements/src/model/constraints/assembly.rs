@@ -98,11 +98,8 @@ impl Assembly<'_> {
                 }
             }
         }
-        let q = match (found, drawn) {
-            (Some(q), _) => q,
-            (None, Some(drawn)) => drawn.to_vec(),
-            (None, None) => vec![0.0; self.0.model.coordinates.len()],
-        };
+        let q = found.or_else(|| drawn.map(<[f64]>::to_vec));
+        let q = q.unwrap_or_else(|| vec![0.0; self.0.model.coordinates.len()]);
         self.with_kept(q, kept.into_iter().map(|(u, _)| u).collect())
     }
 
