@@ -1,9 +1,9 @@
 //! The states at which a model is checked: its start, and smooth random deformations of it.
 
-use super::view::{Rotation, is_frame, unknowns};
+use super::view::{is_frame, unknowns};
 use crate::{Random, TestState};
 use nalgebra::{DVector, Vector3};
-use pullback_elements::model::{Context, ModelState};
+use pullback_elements::model::{Context, FreeRotation, ModelState};
 use pullback_manifold::chart::Complement;
 use pullback_manifold::map::Map;
 use pullback_manifold::so3::{log_quaternion, quaternion};
@@ -144,22 +144,18 @@ fn moved(context: &Context, q: &[f64], size: Size, units: &[f64], random: &mut R
             (Quantity::Angle | Quantity::Other, _) => own * size.rotation,
         };
     }
-    for rotation_of in context.free_rotations() {
-        let Some(&u) = rotation_of.iter().flatten().next() else {
+    for free in context.free_rotations() {
+        let Some(&u) = free.0.iter().flatten().next() else {
             continue;
         };
         let turn = rotation.at(&position(context, unknowns[u].0));
-        let now = Vector3::from_fn(|i, _| rotation_of[i].map_or(0.0, |u| x[u]));
+        let now = free.of(&x);
         // A rotation that is held in part is free about some axes only.
-        let turned = match rotation_of.iter().all(Option::is_some) {
+        let turned = match free.0.iter().all(Option::is_some) {
             true => log_quaternion(&quaternion(&turn).product(&quaternion(&now))),
             false => now + turn,
         };
-        for (u, psi) in rotation_of.iter().zip(turned.iter()) {
-            if let Some(u) = *u {
-                x[u] = *psi;
-            }
-        }
+        free.write(&mut x, &turned);
     }
     x
 }
@@ -175,13 +171,12 @@ pub(super) fn moving(s: &TestState, units: &[f64], rate: f64, random: &mut Rando
 /// 2π, where the other chart ends, keep their charts.
 pub(super) fn switch(
     context: &mut Context,
-    rotations: &[Rotation],
+    rotations: &[FreeRotation],
     s: &mut TestState,
 ) -> Result<usize, SystemError> {
     // The distance from the nearer of 0 and 2π.
-    let away = |unknowns: &Rotation| {
-        let parts = unknowns.iter().flatten().map(|&u| s.x[u] * s.x[u]);
-        let psi = parts.sum::<f64>().sqrt();
+    let away = |rotation: &FreeRotation| {
+        let psi = rotation.of(s.x.as_slice()).norm();
         psi.min(TAU - psi)
     };
     let most = rotations.iter().map(away).fold(0.0, f64::max);
@@ -196,29 +191,21 @@ pub(super) fn switch(
 
 /// Sets the charts of a run that starts at a state.
 fn settle(context: &mut Context, s: &mut TestState) -> Result<(), SystemError> {
-    for unknowns in context.free_rotations() {
-        complement(&unknowns, s, &(PI..TAU));
+    for rotation in context.free_rotations() {
+        complement(&rotation, s, &(PI..TAU));
     }
     context.settle_charts(s.t, s.x.as_slice())
 }
 
 /// Changes the chart of a rotation of a state, if its angle is in a range; returns whether it is.
-fn complement(unknowns: &Rotation, s: &mut TestState, angles: &Range<f64>) -> bool {
-    let take = |from: &DVector<f64>| {
-        let entry = |u: usize| from.get(u).copied().unwrap_or(0.0);
-        Vector3::from_fn(|i, _| unknowns[i].map_or(0.0, entry))
-    };
-    let [x, v, a] = [&s.x, &s.v, &s.a].map(take);
+fn complement(rotation: &FreeRotation, s: &mut TestState, angles: &Range<f64>) -> bool {
+    let [x, v, a] = [&s.x, &s.v, &s.a].map(|x| rotation.of(x.as_slice()));
     if !angles.contains(&x.norm()) {
         return false;
     }
     let k = Complement.kinematics(0.0, &x, &v, &a);
     for (to, from) in [(&mut s.x, k.x), (&mut s.v, k.x_dot), (&mut s.a, k.x_ddot)] {
-        for (u, x) in unknowns.iter().zip(from.iter()) {
-            if let Some(to) = u.and_then(|u| to.get_mut(u)) {
-                *to = *x;
-            }
-        }
+        rotation.write(to.as_mut_slice(), &from);
     }
     true
 }

@@ -1,16 +1,13 @@
 //! The assembled system in other charts, and its balance of power.
 
 use super::states::switch;
-use super::view::{
-    Observables, Rotation, observables, prescribed_rate, reparametrizes, silent_power,
-};
+use super::view::{Observables, observables, prescribed_rate, reparametrizes, silent_power};
 use crate::block::{Rows, difference, wrong_entries};
 use crate::elements::EXACT;
 use crate::forces::{CONFIRMED, FIRST, system_sizes};
 use crate::vectors::{dot, minus};
 use crate::{Layout, Random, Report, TestState};
-use nalgebra::Vector3;
-use pullback_elements::model::Context;
+use pullback_elements::model::{Context, FreeRotation};
 use pullback_manifold::so3::B_s;
 use pullback_manifold::system::{Charts, Energetics, Events, SystemError};
 
@@ -30,7 +27,7 @@ pub(super) fn laws(
     };
     let all = context.free_rotations();
     for set in 0..SETS {
-        let chosen: Vec<Rotation> = (all.iter().copied())
+        let chosen: Vec<FreeRotation> = (all.iter().copied())
             .filter(|_| set == 0 || random.unit() < 0.5)
             .collect();
         if let Err(error) = transport(report, context, layout, &sizes, at, state, &chosen) {
@@ -49,7 +46,7 @@ fn transport(
     sizes: &[f64],
     at: &str,
     s: &TestState,
-    chosen: &[Rotation],
+    chosen: &[FreeRotation],
 ) -> Result<(), SystemError> {
     let before = observables(context, s)?;
     let mut other = s.clone();
@@ -93,25 +90,19 @@ fn transport(
 
 /// The forces in the charts before a change, by the transpose of B_s, and its largest entry.
 fn forces_before(
-    chosen: &[Rotation],
+    chosen: &[FreeRotation],
     [s, other]: [&TestState; 2],
     after: &[f64],
 ) -> (Vec<f64>, f64) {
     let (mut r, mut bend) = (after.to_vec(), 1.0_f64);
-    for unknowns in chosen {
-        let take = |x: &[f64]| Vector3::from_fn(|i, _| unknowns[i].map_or(0.0, |u| x[u]));
-        let psi = take(s.x.as_slice());
-        if psi == take(other.x.as_slice()) {
+    for rotation in chosen {
+        let psi = rotation.of(s.x.as_slice());
+        if psi == rotation.of(other.x.as_slice()) {
             continue;
         }
         let B = B_s(&psi);
         bend = bend.max(B.amax());
-        let f = B.tr_mul(&take(after));
-        for (u, f) in unknowns.iter().zip(f.iter()) {
-            if let Some(u) = *u {
-                r[u] = *f;
-            }
-        }
+        rotation.write(&mut r, &B.tr_mul(&rotation.of(after)));
     }
     (r, bend)
 }

@@ -13,9 +13,6 @@ use pullback_manifold::system::{
 };
 use std::ops::Range;
 
-/// A rotation vector whose chart can be changed: the unknowns of its components.
-pub(super) type Rotation = [Option<usize>; 3];
-
 pub(super) fn is_frame(node: &Node) -> bool {
     matches!(node.form(), NodeForm::Frame | NodeForm::Pose)
 }

@@ -25,6 +25,7 @@ pub use build::beam_line::{BeamLine, BeamLineNodes};
 pub use build::builder::{Dof, ElementId, ModelBuilder, NodeId};
 pub use build::closures::Closure;
 pub use build::reference_curve::{CircularArc, ReferenceCurve, StraightLine, frame_along};
+pub use charts::nodes::FreeRotation;
 pub use context::Context;
 pub use error::{ModelError, Subject};
 pub use kinematics::formulation::Formulation;

@@ -36,11 +36,32 @@ impl Reparametrization {
     }
 }
 
+/// A free rotation vector whose chart may change: the unknowns of its components, `None` for held ones.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FreeRotation(pub [Option<usize>; 3]);
+
+impl FreeRotation {
+    /// Its components among values of all unknowns; zero without them, as velocities in statics.
+    pub fn of(&self, x: &[f64]) -> Vector3<f64> {
+        let entry = |u: usize| x.get(u).copied();
+        self.0.map(|u| u.and_then(entry).unwrap_or(0.0)).into()
+    }
+
+    /// Writes its components to values of all unknowns.
+    pub fn write(&self, x: &mut [f64], psi: &Vector3<f64>) {
+        for (u, psi) in self.0.iter().zip(psi.iter()) {
+            if let Some(x) = u.and_then(|u| x.get_mut(u)) {
+                *x = *psi;
+            }
+        }
+    }
+}
+
 impl Model {
     /// The unknowns of a node's rotation if its chart can change: the node is not mapped, part of
     /// the rotation is free, and the prescribed part is constant at zero. (A prescribed component
     /// would be another constraint in the other chart.)
-    pub(in crate::model) fn free_rotation(&self, node: usize) -> Option<[Option<usize>; 3]> {
+    pub(in crate::model) fn free_rotation(&self, node: usize) -> Option<FreeRotation> {
         let node = &self.nodes[node];
         let first = node.rotation().filter(|_| node.is_own())?;
         let unknowns = std::array::from_fn(|i| self.unknown_of(first + i));
@@ -49,7 +70,7 @@ impl Model {
         }
         let held = among(&self.prescribed, first..first + 3);
         let still = held.iter().all(|p| p.function.constant() == Some(0.0));
-        still.then_some(unknowns)
+        still.then_some(FreeRotation(unknowns))
     }
 
     /// Writes new coordinates of a node and their rates to those of the unknowns; a held one stays.
@@ -118,34 +139,22 @@ impl Context {
     ) -> usize {
         let mut changed = 0;
         for node in 0..self.model.nodes.len() {
-            let Some(unknowns) = self.free_rotation(node) else {
+            let Some(rotation) = self.free_rotation(node) else {
                 continue;
             };
-            // Without velocities, in statics, they are zero.
-            let take = |from: &[f64]| {
-                let at = |u: usize| from.get(u).copied();
-                Vector3::from_fn(|i, _| unknowns[i].and_then(at).unwrap_or(0.0))
-            };
-            let put = |to: &mut [f64], from: &Vector3<f64>| {
-                for (u, x) in unknowns.iter().zip(from.iter()) {
-                    if let Some(to) = u.and_then(|u| to.get_mut(u)) {
-                        *to = *x;
-                    }
-                }
-            };
-            let psi = take(q);
+            let psi = rotation.of(q);
             if !self.is_beyond(&psi) {
                 continue;
             }
             changed += 1;
-            let velocity = take(v);
+            let velocity = rotation.of(v);
             for a in accelerations.iter_mut() {
-                let [_, _, second] = settled(&psi, &velocity, &take(a));
-                put(a, &second);
+                let [_, _, second] = settled(&psi, &velocity, &rotation.of(a));
+                rotation.write(a, &second);
             }
             let [x, first, _] = settled(&psi, &velocity, &Vector3::zeros());
-            put(q, &x);
-            put(v, &first);
+            rotation.write(q, &x);
+            rotation.write(v, &first);
         }
         changed
     }

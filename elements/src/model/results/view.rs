@@ -3,6 +3,7 @@
 use crate::element::Element;
 use crate::model::assembly::element_workspace::switched_rotations;
 use crate::model::build::builder::{DOF_NAMES, FRAME};
+use crate::model::charts::nodes::FreeRotation;
 use crate::model::kinematics::complement::ComplementOperators;
 use crate::model::kinematics::node_entries::collect;
 use crate::model::{Context, ElementEntry, Model, NONE, Node, NodeForm};
@@ -95,9 +96,8 @@ impl Model {
         (u != NONE).then_some(u as usize)
     }
 
-    /// The free rotation vectors whose chart may change: unknowns of their components, `None` for
-    /// held ones.
-    pub fn free_rotations(&self) -> Vec<[Option<usize>; 3]> {
+    /// The free rotation vectors whose chart may change.
+    pub fn free_rotations(&self) -> Vec<FreeRotation> {
         let all = 0..self.nodes.len();
         all.filter_map(|n| self.free_rotation(n)).collect()
     }
