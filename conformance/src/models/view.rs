@@ -27,7 +27,7 @@ pub(super) fn element<'a>(
     let element = e.element();
     let load = element.properties().load;
     let what = if load { "load" } else { "element" };
-    let own = extent(context, e.nodes()).unwrap_or(0.0);
+    let own = extent(context, e.nodes());
     let unit = |n: usize| if own > 0.0 { own } else { units[n] };
     let name = format!("{what} {} ({})", e.name(), plain(element.kind()));
     component(context, name, element, e.nodes(), &unit)
@@ -154,26 +154,25 @@ fn component<T>(
     }
 }
 
-/// The largest distance between frames among nodes; `None` where there are none.
-fn extent(context: &Context, nodes: &[u32]) -> Option<f64> {
+/// The largest distance between frames among nodes.
+fn extent(context: &Context, nodes: &[u32]) -> f64 {
     let positions = || {
         let nodes = nodes.iter().map(|&n| &context.nodes()[n as usize]);
         nodes.filter(|n| is_frame(n)).map(Node::position)
     };
     positions()
         .flat_map(|a| positions().map(move |b| (a - b).norm()))
-        .reduce(f64::max)
+        .fold(0.0, f64::max)
 }
 
 /// A typical length at each node: that of the smallest element at the node, or else of the model.
 pub(super) fn node_units(context: &Context) -> Vec<f64> {
     let mut units = vec![f64::INFINITY; context.nodes().len()];
     for e in context.elements() {
-        if let Some(size) = extent(context, e.nodes()).filter(|&l| l > 0.0) {
-            for &n in e.nodes() {
-                let unit = &mut units[n as usize];
-                *unit = unit.min(size);
-            }
+        let size = extent(context, e.nodes());
+        for &n in e.nodes().iter().filter(|_| size > 0.0) {
+            let unit = &mut units[n as usize];
+            *unit = unit.min(size);
         }
     }
     // The unit of a joint's coordinates is that of the joined parts.
@@ -183,13 +182,11 @@ pub(super) fn node_units(context: &Context) -> Vec<f64> {
         let parents = map.map_or(&[][..], |map| node.parents(map.segment()));
         let all = || parents.iter().chain([&n]).map(|&m| m as usize);
         let least = all().map(|m| units[m]).fold(f64::INFINITY, f64::min);
-        all().for_each(|m| {
-            units[m] = if units[m].is_infinite() {
-                least
-            } else {
-                units[m]
+        for m in all() {
+            if units[m].is_infinite() {
+                units[m] = least;
             }
-        });
+        }
     }
     let missing = units.iter_mut().filter(|u| u.is_infinite());
     missing.for_each(|u| *u = context.length());
