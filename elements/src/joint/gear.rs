@@ -68,6 +68,6 @@ fn couple(b: &mut ModelBuilder, [first, second]: [NodeId; 2], ratio: f64) -> Res
             return Err(GearError::Coordinate(b.node_name(node).to_owned()));
         }
     }
-    b.follow(leader, follower, ratio, Linear::ratio(ratio, 0.0).boxed());
+    b.follow(leader, follower, ratio, Linear::sum([ratio], 0.0).boxed());
     Ok(())
 }

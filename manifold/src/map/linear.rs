@@ -22,20 +22,13 @@ impl<const D: usize> Linear<D, 1> {
         }
     }
 
-    /// The sum of coordinates with these factors: a gear, or an absolute angle as the sum of
-    /// relative ones.
+    /// The sum of coordinates with these factors: a gear or a rack with one, or an absolute angle as the
+    /// sum of relative ones.
     pub fn sum(factors: [f64; D], offset: f64) -> Self {
         Self {
             A: SMatrix::from_fn(|_, j| factors[j]),
             b: SVector::repeat(offset),
         }
-    }
-}
-
-impl Linear<1, 1> {
-    /// A gear, a rack: x = ratio · q + offset.
-    pub fn ratio(ratio: f64, offset: f64) -> Self {
-        Self::sum([ratio], offset)
     }
 }
 

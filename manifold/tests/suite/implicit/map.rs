@@ -79,7 +79,7 @@ fn all_laws_hold() {
         check::implicit(&sphere.unwrap(), 0.5).assert();
     }
     check::map(&Linear::<4, 1>::pick(2, 0.5)).assert();
-    check::map(&Linear::<1, 1>::ratio(-2.5, 0.1)).assert();
+    check::map(&Linear::<1, 1>::sum([-2.5], 0.1)).assert();
     check::map(&Linear::<3, 1>::sum([1.0, 0.0, -2.0], 0.1)).assert();
 }
 

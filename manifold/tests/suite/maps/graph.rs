@@ -76,7 +76,7 @@ impl Map<1, 1> for Height {
 fn a_graph_is_objective_if_its_maps_are() {
     for (map, objective) in [
         (Height.boxed(), false),
-        (Linear::ratio(2.0, 0.0).boxed(), true),
+        (Linear::sum([2.0], 0.0).boxed(), true),
     ] {
         let mut graph = MapGraph::new(1);
         graph.add(map, vec![(Read::Input(0), 1)]);
