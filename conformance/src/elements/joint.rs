@@ -28,6 +28,12 @@ where
         let law = "the child has the axes of its parent at q = 0";
         report.defect(law, "the reference", norm(start.as_slice()), UNIT);
     }
+    let (law, coordinates) = ("coordinates have names of their own", joint.coordinates());
+    let twice = (1..D).find(|&k| coordinates[..k].iter().any(|c| c.0 == coordinates[k].0));
+    match twice.map(|k| format!("two have the name {}", coordinates[k].0)) {
+        Some(why) => report.impossible(law, "everywhere", why),
+        None => report.defect(law, "everywhere", 0.0, 0.0),
+    }
     for (at, q) in within(&mut report, &mut random, 6 + D, margin) {
         let (mut x, mut B) = (vec![0.0; 6], vec![0.0; 6 * (6 + D)]);
         map.evaluate(TIME, [&q, &[], &[]], &mut [[&mut x, &mut B]]);
@@ -45,16 +51,6 @@ fn own<J: Joint<D>, const D: usize>(
     q: &SVector<f64, D>,
     B: &[f64],
 ) {
-    let coordinates = joint.coordinates();
-    let law = "coordinates have names of their own";
-    // The same everywhere: once is enough.
-    if report.rows().iter().all(|row| row.law != law) {
-        let twice = (1..D).find(|&k| coordinates[..k].iter().any(|c| c.0 == coordinates[k].0));
-        match twice.map(|k| format!("two have the name {}", coordinates[k].0)) {
-            Some(why) => report.impossible(law, "everywhere", why),
-            None => report.defect(law, "everywhere", 0.0, 0.0),
-        }
-    }
     let turn = joint.pose(TIME, q).rotation;
     let off = (turn.dot(&turn) - 1.0).abs();
     report.defect("the pose's quaternion has unit length", at, off, UNIT);
@@ -64,7 +60,8 @@ fn own<J: Joint<D>, const D: usize>(
     }
 
     let law = "moves with its coordinates";
-    let names = coordinates.iter().map(|c| c.0);
+    let names = joint.coordinates();
+    let names = names.iter().map(|c| c.0);
     let mut columns = B.chunks_exact(6).skip(6).zip(1..).zip(names);
     match columns.find(|((column, _), _)| norm(column) <= STILL * norm(B)) {
         Some(((_, j), name)) => report.impossible(
