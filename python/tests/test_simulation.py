@@ -60,6 +60,7 @@ def test_copies_repeat_to_the_last_bit():
         sim.step()
     saved = sim.save()
     first = [(sim.step(), sim.q[0], sim.v[0], sim.a[0])[1:] for _ in range(50)]
+    sim.step(0.001)
     sim.restore(saved)
     again = [(sim.step(), sim.q[0], sim.v[0], sim.a[0])[1:] for _ in range(50)]
     assert first == again

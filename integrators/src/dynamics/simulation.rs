@@ -26,13 +26,15 @@ where
     progress: Progress,
 }
 
-/// A system and the progress of its run: everything that the next step depends on.
+/// A system, the progress of its run and its options: everything that the next step depends on.
 #[derive(Clone, Debug)]
 pub struct Snapshot<Y> {
     /// The system, with its charts.
     pub system: Y,
     /// The progress.
     pub progress: Progress,
+    /// The options, with the present size of steps.
+    pub options: DynamicOptions,
 }
 
 impl<S> Simulation<S>
@@ -172,11 +174,12 @@ where
         Snapshot {
             system: self.system.clone(),
             progress: self.progress.clone(),
+            options: self.run.options,
         }
     }
 
-    /// Goes back to a snapshot of the same system. The steps from there are the same to the last bit if their size is
-    /// ([`Simulation::set_step`]); a run that an event has ended goes on.
+    /// Goes back to a snapshot of the same system. The steps from there are the same to the last bit; a run that an event
+    /// has ended goes on.
     ///
     /// # Errors
     /// As [`Simulation::new`].
@@ -185,7 +188,7 @@ where
         S::Target: Clone,
     {
         let (mut system, mut progress) = (snapshot.system.clone(), snapshot.progress.clone());
-        self.run = MotionRun::new(&mut system, &mut progress, &self.run.options)?;
+        self.run = MotionRun::new(&mut system, &mut progress, &snapshot.options)?;
         (*self.system, self.progress) = (system, progress);
         Ok(())
     }

@@ -153,6 +153,7 @@ fn steps_across_events_are_saved_and_restored() {
         }
         let end = run.progress().clone();
         for snapshot in &snapshots {
+            run.set_step(0.3 * options.step).unwrap();
             run.restore(snapshot).unwrap();
             run.finish().unwrap();
             assert_eq!(*run.progress(), end);
