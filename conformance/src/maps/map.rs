@@ -1,7 +1,8 @@
 //! The laws of a map: all operators of a [`Map`] are derivatives of φ.
 
-use super::kinematics::{Mapped, kinematics};
+use super::kinematics::{Mapped, kinematics, motion};
 use super::pieces::{freeze_piece, pieces};
+use crate::elements::EXACT;
 use crate::forces::TestState;
 use crate::layout::Layout;
 use crate::report::Report;
@@ -72,6 +73,35 @@ pub(crate) fn laws_behind_slices(
     let layouts = unscaled(&*one_piece);
     let of = Mapped::of(&*one_piece, &layouts);
     slopes(report, "", of, at, &state, random);
+    let mut moved = map.duplicate();
+    if let Some(charts) = moved.state() {
+        charts.change_charts(TIME, q);
+    }
+    saved(report, at, [map, &*moved], &state);
+}
+
+/// Checks that a copy of a map that takes over the saved state of another copy has its motion.
+pub(crate) fn saved(
+    report: &mut Report,
+    at: &str,
+    [map, moved]: [&dyn Parametrization; 2],
+    s: &TestState,
+) {
+    let (mut copy, mut moved) = (map.duplicate(), moved.duplicate());
+    let (Some(state), Some(changed)) = (copy.state(), moved.state()) else {
+        return;
+    };
+    let restored = state.restore(&changed.save());
+    let motions = [copy, moved]
+        .map(|map| motion(&*map, s.t, [&s.x, &s.v, &s.a].map(DVector::as_slice)).concat());
+    let gap = motions[0]
+        .iter()
+        .zip(&motions[1])
+        .map(|(a, b)| (a - b).abs());
+    let gap = gap.fold(0.0, larger);
+    let size = 1.0 + motions[1].iter().map(|x| x.abs()).fold(0.0, larger);
+    let law = "state saved and restored";
+    report.defect(law, at, if restored { gap } else { size }, EXACT * size);
 }
 
 /// The layouts of x and q without units.

@@ -10,7 +10,7 @@ mod pieces;
 pub use chart::chart;
 pub use implicit::{implicit, rewriting};
 pub use kinematics::{Mapped, kinematics, motion};
-pub(crate) use map::{TIME, laws_behind_slices, plain, short_name, within};
+pub(crate) use map::{TIME, laws_behind_slices, plain, saved, short_name, within};
 pub use map::{map, parametrization};
 pub(crate) use pieces::freeze_piece;
 pub use pieces::pieces;

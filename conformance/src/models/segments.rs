@@ -3,7 +3,7 @@
 use super::view::parent_state;
 use crate::block::{Rows, wrong_entries};
 use crate::elements::{Carrier, EXACT, FrameAt, carry};
-use crate::maps::freeze_piece;
+use crate::maps::{freeze_piece, saved};
 use crate::vectors::{dot, larger};
 use crate::{Layout, Mapped, Random, Report, TestState};
 use nalgebra::{DVector, Vector3};
@@ -41,6 +41,12 @@ pub(super) fn laws(
     if sides.iter().any(outside) {
         return;
     }
+    saved(
+        report,
+        at,
+        sides.each_ref().map(|side| &*side.map),
+        &sides[1].state,
+    );
     let [(before, B_before), (mut after, B_after)] = sides.each_ref().map(motion);
     // f after the change is Jᵀ f before it if the two are in different charts.
     let f = random.entries(&vec![1.0; before.x.len()]);

@@ -91,6 +91,6 @@ pub trait Segments {
 
     /// Amount by which a step of size h between two states (q, q̇) overshot the first change of
     /// segment, in units of time, negative before it; and the new segment. Integrators end a step
-    /// there, by [`MapState::enter`]. `None` if there is no change ahead.
+    /// there, by [`MapState::enter`]. `None` if there is no change ahead, or nothing moves along the chain.
     fn overshoot(&self, h: f64, from: [&[f64]; 2], to: [&[f64]; 2]) -> Option<(f64, usize)>;
 }

@@ -260,6 +260,52 @@ impl MapState for Leap {
     }
 }
 
+/// The size of q, by the sign that q had at the last change of charts, which is saved or forgotten.
+#[derive(Clone)]
+struct Size {
+    negative: bool,
+    saved: bool,
+}
+
+impl Map<1, 1> for Size {
+    fn phi<S: Scalar>(&self, _t: S, q: &SVector<S, 1>) -> SVector<S, 1> {
+        if self.negative { -q } else { *q }
+    }
+
+    fn state(&mut self) -> Option<&mut dyn MapState> {
+        Some(self)
+    }
+}
+
+impl MapState for Size {
+    fn change_charts(&mut self, _t: f64, q: &[f64]) -> ChartChanges {
+        let before = std::mem::replace(&mut self.negative, q[0] < 0.0);
+        ChartChanges::of(usize::from(before != self.negative))
+    }
+
+    fn save(&self) -> Vec<f64> {
+        let state = self.saved.then_some(f64::from(self.negative));
+        state.into_iter().collect()
+    }
+
+    fn restore(&mut self, saved: &[f64]) -> bool {
+        if let [negative] = saved {
+            self.negative = *negative == 1.0;
+        }
+        saved.len() == usize::from(self.saved)
+    }
+}
+
+#[test]
+fn a_state_that_is_not_saved_is_found() {
+    for saved in [true, false] {
+        let negative = false;
+        let laws = check::parametrization(&*Size { negative, saved }.boxed()).failing_laws();
+        let expected = ["state saved and restored"];
+        assert_eq!(laws, &expected[usize::from(saved)..]);
+    }
+}
+
 #[test]
 fn pieces_are_those_of_formulas_and_no_branches_of_equations() {
     let zero = ImplicitMap::of(Zero, 0, 0.0, [0.0], Choice::Split).unwrap();
