@@ -277,6 +277,77 @@ fn a_hinge_in_flap() {
     }
 }
 
+/// A mass m at the end of a rod of length l, on a flap hinge with a spring at a distance e from the axis, under gravity. With
+/// V(β) = m g l sin β + ½ k β² − ½ m Ω² (e + l cos β)², V' = 0 at the equilibrium, and m l² ω² = V''. Without a spring there is
+/// no equilibrium near the reference configuration at rest; with a soft one it is far below.
+#[test]
+fn a_diagram_begins_at_its_first_speed() {
+    let [m, e, l, g] = [3.0, 0.3, 1.5, 9.81];
+    let text = |k: f64, speeds: [f64; 2]| {
+        let spring = match k {
+            0.0 => String::new(),
+            k => format!("spring = {{ k = {k:?} }}"),
+        };
+        [
+            GROUND,
+            GRAVITY,
+            &hinge("hub", "ground", ""),
+            &arm("arm", "hub", [e, 0.0, 0.0]),
+            &joint("flap", "revolute", "arm", &format!("axis = [0, -1, 0]\n{spring}")),
+            &body_of("flap", m, &format!("center = [{l:?}, 0, 0]")),
+            &format!(
+                "[analysis.campbell]\njoint = \"hub\"\nfrom = {:?}\nto = {:?}\nsteps = 40\ncount = 1\n",
+                speeds[0], speeds[1]
+            ),
+        ]
+        .concat()
+    };
+    let omega = |k: f64, speed: f64| {
+        let w = m * speed * speed;
+        let mut beta = 0.0;
+        let [mut first, mut second] = [f64::INFINITY; 2];
+        while first.abs() > 1e-10 {
+            let (sin, cos) = f64::sin_cos(beta);
+            first = m * g * l * cos + k * beta + w * (e + l * cos) * l * sin;
+            second = -m * g * l * sin + k + w * ((e + l * cos) * l * cos - l * l * sin * sin);
+            beta -= first / second;
+        }
+        (second / (m * l * l)).sqrt()
+    };
+    for (k, speeds) in [
+        (0.0, [15.0, 40.0]),
+        (30.0, [40.0, 40.0]),
+        (30.0, [0.0, 40.0]),
+    ] {
+        let all = lines("campbell_begins", &text(k, speeds));
+        let (last, found) = all.last().unwrap();
+        assert_near(found[0][0], omega(k, *last), 1e-9);
+        let (first, found) = &all[0];
+        if *first > 0.0 {
+            assert_near(found[0][0], omega(k, *first), 1e-9);
+        }
+    }
+    // The matrices at a speed are those of the diagram.
+    let out = directory("campbell_at");
+    write(&out, &text(30.0, [0.0, 40.0]));
+    for at in [20.0, 40.0] {
+        succeeded(&program_in(
+            &out,
+            &format!("linearize model.toml --at {at}"),
+        ));
+        let entry = |name: &str| {
+            let text = std::fs::read_to_string(out.join("model.linear").join(name)).unwrap();
+            let last = text.lines().next_back().unwrap();
+            last.rsplit(' ').next().unwrap().parse::<f64>().unwrap()
+        };
+        assert_near(
+            (entry("K.mtx") / entry("M.mtx")).sqrt(),
+            omega(30.0, at),
+            1e-9,
+        );
+    }
+}
+
 #[test]
 fn periodic_coefficients_are_refused() {
     let disc = disc().replace("[0.2, 0.1, 0.1]", "[0.2, 0.1, 0.12]");

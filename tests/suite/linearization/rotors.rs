@@ -1,7 +1,7 @@
 //! Isotropic rotors on parts that do not rotate: modes in multi-blade coordinates.
 
 use crate::support::*;
-use nalgebra::{DMatrix, DVector, Matrix4, matrix};
+use nalgebra::{DMatrix, DVector, Matrix4, Rotation3, Vector3, matrix};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -267,5 +267,77 @@ fn periodic_rotors_are_refused() {
             &failure(name, &text),
             &["less than three equal blades", "Floquet"],
         );
+    }
+}
+
+/// Blades on flap and lag hinges with struts to the hub: springs along the line between two points, or loops of joints with two
+/// independent coordinates in each blade.
+#[test]
+fn loops_of_joints_on_a_rotor() {
+    let blade = |b: usize, closure: Option<&str>| {
+        let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), TAU * b as f64 / 3.0);
+        let point = |x: [f64; 3]| turn * Vector3::from(x);
+        let [a, c] = [point([0.1, 0.25, 0.0]), point([0.8, 0.1, 0.1])];
+        let axis = |x: Vector3<f64>| format!("axis = {:?}", <[f64; 3]>::from(x));
+        let [name, flap, lag, from, to] =
+            ["blade", "flap", "lag", "from", "to"].map(|n| format!("{n} {b}"));
+        let strut = (c - a).normalize();
+        let first = strut.cross(&Vector3::z()).normalize();
+        let both = format!("{}\nsecond_{}", axis(first), axis(strut.cross(&first)));
+        let strut = match closure {
+            None => format!("[[springs]]\nname = \"strut {b}\"\nnodes = [\"{from}\", \"{to}\"]\nstiffness = 500\ndamping = 3\n"),
+            Some(closure) => [
+                joint(&format!("u {b}"), "universal", &from, &both),
+                joint(
+                    &format!("c {b}"),
+                    "cylindrical",
+                    &format!("u {b}"),
+                    &format!("{}\ncoordinates = {{ displacement = {{ spring = {{ k = 500, c = 3 }} }} }}", axis(strut)),
+                ),
+                arm(&format!("e {b}"), &format!("c {b}"), c.into()),
+                joint(&format!("close {b}"), "universal", &to, &format!("{both}\nchild = \"e {b}\"\n{closure}")),
+            ]
+            .concat(),
+        };
+        [
+            arm(&name, "rotor", point([0.3, 0.0, 0.0]).into()),
+            joint(
+                &flap,
+                "revolute",
+                &name,
+                &format!(
+                    "{}\nspring = {{ k = 40, c = 0.1 }}",
+                    axis(point([0.0, -1.0, 0.0]))
+                ),
+            ),
+            hinge(&lag, &flap, "spring = { k = 20 }"),
+            body_of(
+                &lag,
+                3.0,
+                &format!(
+                    "center = {:?}\ninertia = [0.1, 0.1, 0.1]",
+                    <[f64; 3]>::from(point([1.5, 0.0, 0.1]))
+                ),
+            ),
+            arm(&to, &lag, c.into()),
+            arm(&from, "rotor", a.into()),
+            strut,
+        ]
+        .concat()
+    };
+    let text = |closure: Option<&str>| {
+        let blades: String = (0..3).map(|b| blade(b, closure)).collect();
+        let analysis =
+            "[analysis.campbell]\njoint = \"rotor\"\nfrom = 3\nto = 25\nsteps = 2\ncount = 8\n";
+        [&support(), &blades[..], analysis].concat()
+    };
+    let springs = lines("rotor_struts", &text(None));
+    for closure in ["closure = \"map\"", "closure = \"multipliers\""] {
+        let found = lines("rotor_loops", &text(Some(closure)));
+        for ((speed, found), (_, exact)) in found.iter().zip(&springs) {
+            for (found, exact) in found.iter().flatten().zip(exact.iter().flatten()) {
+                assert_close(*found, *exact, 1e-6, *speed);
+            }
+        }
     }
 }

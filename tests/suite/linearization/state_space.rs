@@ -172,3 +172,49 @@ fn transfer_functions_by_map_and_multipliers() {
         }
     }
 }
+
+/// Seen from a frame that rotates, a mass on equal springs has other poles, and a force along a fixed axis rotates.
+#[test]
+fn first_order_forms_of_what_does_not_rotate_are_refused() {
+    let spring = "spring = { k = 400 }";
+    let text = |more: &str| {
+        [
+            "[inputs]\nside = 0\n",
+            GROUND,
+            &hinge("hub", "ground", ""),
+            &joint(
+                "rad",
+                "prismatic",
+                "hub",
+                &format!("axis = [1, 0, 0]\n{spring}"),
+            ),
+            &joint(
+                "tan",
+                "prismatic",
+                "rad",
+                &format!("axis = [0, 1, 0]\n{spring}"),
+            ),
+            &body_of("tan", 1.0, ""),
+            "[analysis.campbell]\njoint = \"hub\"\nto = 5\ncount = 2\n",
+            more,
+        ]
+        .concat()
+    };
+    let force = "[[loads]]\nnode = \"tan\"\nforce = [1, 0, 0]\ntime = { input = \"side\" }\n";
+    let of_node = "[[probes]]\nname = \"x\"\nquantity = \"displacement\"\nnode = \"tan\"\ncomponent = \"x\"\n";
+    let follower = changed(force, "time = => follower = true\\ntime =");
+    let of_joint = "[[probes]]\nname = \"r\"\nquantity = \"joint_coordinate\"\njoint = \"rad\"\n";
+    let out = directory("campbell_fixed");
+    for (force, probe, fixed) in [
+        (force, of_joint, true),
+        (&follower, of_node, true),
+        (&follower, of_joint, false),
+    ] {
+        write(&out, &text(&[force, probe].concat()));
+        let ran = program_in(&out, "linearize model.toml --first-order");
+        match fixed {
+            true => assert_says(&ended(&ran, 2), &["inputs and outputs that rotate"]),
+            false => drop(succeeded(&ran)),
+        }
+    }
+}
