@@ -228,7 +228,7 @@ class ModelBuilder:
         m.node("ground", [0, 0, 0])
         m.support(node="ground", fix="all")
         m.joint("revolute", name="pivot", parent="ground", axis=[0, 1, 0])
-        m.body(node="pivot", mass=1.0, center=[0, 0, -1])
+        m.body(name="bob", node="pivot", mass=1.0, center=[0, 0, -1])
         m.load(gravity=[0, 0, -9.81])
         m.analysis("dynamic", to=10, step=0.01)
         m.probe("angle", "joint_coordinate", joint="pivot")
@@ -321,7 +321,7 @@ class Simulation:
         self._motion = _pullback.Motion(model._text, model._name)
 
     def step(self, h: float | None = None) -> bool:
-        """Makes a step, of size h from now on if it is given; False at the end.
+        """Makes a step; False at the end. With h the steps from now on are equal, and at most this large.
 
         AnalysisError if the step fails; the motion is then at the last accepted step.
         """

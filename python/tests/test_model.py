@@ -1,6 +1,8 @@
 """Models: texts, dictionaries, parameters, refusals."""
 
+import inspect
 import pickle
+import textwrap
 
 import numpy as np
 import pullback as pb
@@ -46,6 +48,13 @@ def builder() -> pb.ModelBuilder:
     m.probe("tip", "displacement", node="tip")
     m.probe("energy", "strain_energy")
     return m
+
+
+def test_the_example_of_the_builder_builds():
+    lines = inspect.getdoc(pb.ModelBuilder).splitlines()
+    names = {"pb": pb}
+    exec(textwrap.dedent("\n".join(line for line in lines if line.startswith("    "))), names)
+    assert isinstance(names["model"], pb.Model)
 
 
 def test_a_small_deflection_is_that_of_timoshenko():

@@ -67,7 +67,8 @@ pub trait EnergyElement<const N: usize>: Send + Sync {
     /// Whether [`EnergyElement::dissipation`] is nonzero; `false` saves its evaluation.
     const DISSIPATION: bool = true;
 
-    /// Potential energy U(t, x), unit F L.
+    /// Potential energy U(t, x), unit F L, smooth in t: a function with kinks in time is for an
+    /// [`Element`](crate::element::Element) that names them.
     fn potential<S: Scalar>(&self, t: S, x: &SVector<S, N>) -> S {
         let _ = (t, x);
         S::zero()

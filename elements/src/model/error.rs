@@ -69,7 +69,7 @@ pub enum ModelError {
         needs: f64,
         free: f64,
     },
-    #[error("element {element} has {found} nodes; at most {limit} are possible")]
+    #[error("{element} reads {found} nodes; at most {limit} are possible")]
     TooManyNodes {
         element: String,
         found: usize,

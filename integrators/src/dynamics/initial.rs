@@ -12,7 +12,8 @@ use pullback_manifold::system::{Evaluation, Point, System, Weights};
 /// A state with given coordinates and velocities; the accelerations are computed when a run begins.
 ///
 /// The velocities are those just before `t`. If a prescribed velocity jumps there, the free
-/// velocities take the impulse before the first step, as at any later jump.
+/// velocities take the impulse before the first step, as at any later jump. Coordinates and velocities must satisfy the
+/// equations of multipliers.
 ///
 /// # Errors
 /// [`DynamicsError::Initial`] if a vector has the wrong length or is not finite. An empty vector

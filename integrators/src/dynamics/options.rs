@@ -132,10 +132,12 @@ pub(super) fn check(
     system: &dyn System,
 ) -> Result<(), DynamicsError> {
     check_numbers(options)?;
-    if options.adaptivity.is_some() && !options.scheme.estimates_error() {
+    if let Some(adaptivity) = options.adaptivity
+        && !options.scheme.estimates_error()
+    {
         let wanted = "the estimate of the local error is for schemes of order 1 or 2 and those with an \
                       embedded method (tsitouras); take equal steps";
-        return refuse("adaptivity", options.scheme.order() as f64, wanted);
+        return refuse("tolerance", adaptivity.tolerance, wanted);
     }
     let rho = options.scheme.spectral_radius();
     let multiplier =

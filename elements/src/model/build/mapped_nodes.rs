@@ -119,7 +119,12 @@ impl ModelBuilder {
         segments: &[&[NodeId]],
     ) -> Result<Box<MappedNode>, ModelError> {
         let (d, n) = map.dims();
-        for parents in segments {
+        // Without parents of the segment in use there are none at all.
+        let in_use = segments.get(map.segment()).copied();
+        for parents in segments
+            .iter()
+            .chain(in_use.is_none().then_some(&[].as_slice()))
+        {
             self.check_own(parents, || format!("joint at node {name}"))?;
             if parents.len() > MAX_NODES {
                 return Err(ModelError::TooManyNodes {
