@@ -4,12 +4,15 @@ use crate::input::Plan;
 use crate::output::Ending;
 use crate::terminal::plural;
 use pullback_elements::model::Context;
+use pullback_elements::time::Input;
 use pullback_integrators::dynamics::{
     self, DynamicOptions, DynamicsError, EnergyBalance, Progress, State, StepReport,
 };
 use pullback_integrators::linearization::{CampbellError, SteadyMotion};
 use pullback_integrators::significant;
-use pullback_integrators::statics::{Iteration, StaticsError, Step, solve_statics, trace_path};
+use pullback_integrators::statics::{
+    Iteration, StaticOptions, StaticsError, Step, solve_statics, trace_path,
+};
 use serde::ser::{SerializeMap, Serializer};
 use std::error::Error;
 use std::ops::ControlFlow;
@@ -234,6 +237,27 @@ pub fn begin(
     })
 }
 
+/// The step to the equilibrium in a steady rotation, whose coordinates `q` becomes.
+fn relative_equilibrium(
+    context: &mut Context,
+    speed: Input,
+    options: &StaticOptions,
+    q: &mut Vec<f64>,
+) -> Result<Step<'static>, CampbellError> {
+    let mut steady = SteadyMotion::new(context, 0.0, speed);
+    let mut go_on = |_: &mut _, _: &Step<'_>| ControlFlow::Continue(());
+    let summary = solve_statics(&mut steady, q, options, &mut go_on);
+    let summary = summary.map_err(|source| CampbellError::Equilibrium {
+        speed: options.to,
+        source,
+    })?;
+    Ok(Step {
+        iterations: summary.iterations,
+        chart_changes: summary.chart_changes,
+        ..Step::default()
+    })
+}
+
 /// Runs the analysis of the plan, a motion from the state of `progress`, and leaves the state reached there;
 /// `observer` is called at every
 /// converged step, with the model in its configuration, and may stop the analysis.
@@ -258,21 +282,8 @@ pub fn solve(
             trace_path(context, &mut q, options, &mut seen)
         }
         Plan::Steady(speed, options) => {
-            let mut steady = SteadyMotion::new(context, 0.0, *speed);
-            let mut go_on = |_: &mut _, _: &Step<'_>| ControlFlow::Continue(());
-            let solved = solve_statics(&mut steady, &mut q, options, &mut go_on);
-            let solved = solved.map_err(|source| CampbellError::Equilibrium {
-                speed: options.to,
-                source,
-            });
-            let solved = solved.map(|summary| {
-                let step = Step {
-                    iterations: summary.iterations,
-                    chart_changes: summary.chart_changes,
-                    ..Step::default()
-                };
-                seen(context, &step).is_continue()
-            });
+            let solved = relative_equilibrium(context, *speed, options, &mut q);
+            let solved = solved.map(|step| seen(context, &step).is_continue());
             // At rest in the coordinates that rotate.
             let zeros = vec![0.0; q.len()];
             progress.state = State {

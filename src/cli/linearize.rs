@@ -72,7 +72,7 @@ pub(super) fn linearize(registry: &Registry, args: &LinearizeArguments) -> Exit 
         args.at.filter(|_| rotation.is_none()),
         &mut |_| terminal::flow(),
     );
-    let progress = reached.map_err(|error| match error {
+    let mut progress = reached.map_err(|error| match error {
         ReachError::Interrupted => {
             tell("interrupted: nothing is written");
             INTERRUPTED
@@ -82,27 +82,13 @@ pub(super) fn linearize(registry: &Registry, args: &LinearizeArguments) -> Exit 
         ReachError::Failed(_) => fail(error),
     })?;
     let out = (args.out.clone()).unwrap_or_else(|| args.file.model.with_extension("linear"));
-    let (mut q, zeros) = (progress.state.q.clone(), vec![0.0; progress.state.q.len()]);
-    let (mut at, mut steady) = (progress.state.point(), None);
-    if let Some((speed, mut options)) = rotation {
-        if let (Some(at), Some(&first)) = (args.at, options.speeds.first()) {
-            // The equilibrium of the diagram, which follows from those before.
-            (options.speeds)
-                .retain(|speed| *speed == first || (speed - first) * (at - speed) > 0.0);
-            options.speeds.push(at);
-        }
-        // A rotation is steady: at rest in its coordinates.
-        let found = equations_at_speed(&mut job, speed, &options, &mut q, args.first_order)?;
-        at = Point {
-            t: options.t,
-            q: &q,
-            v: &zeros,
-            a: &zeros,
-        };
-        steady = found.zip(options.speeds.last().copied());
-    }
-    let (lin, speed) = match steady {
-        Some(steady) => steady,
+    let rotated = match rotation {
+        Some(rotation) => equations_at_speed(&mut job, rotation, &mut progress.state.q, args)?,
+        None => None,
+    };
+    let at = progress.state.point();
+    let (lin, speed) = match rotated {
+        Some(rotated) => rotated,
         None => (linearized(&mut job.context, at).map_err(fail)?, 0.0),
     };
     let first_order = match args.first_order {
@@ -131,17 +117,21 @@ pub(super) fn linearize(registry: &Registry, args: &LinearizeArguments) -> Exit 
     )))
 }
 
-/// Solves for a steady rotation from coordinates `q`, which end as those there; returns its linear equations.
+/// Solves for a steady rotation from coordinates `q`, which end as those there; returns its linear equations and speed.
 fn equations_at_speed(
     job: &mut Job,
-    speed: Input,
-    options: &CampbellOptions,
+    (speed, mut options): (Input, CampbellOptions),
     q: &mut Vec<f64>,
-    first_order: bool,
-) -> Result<Option<Linearized>, u8> {
+    args: &LinearizeArguments,
+) -> Result<Option<(Linearized, f64)>, u8> {
+    if let (Some(at), Some(&first)) = (args.at, options.speeds.first()) {
+        // The equilibrium of the diagram, which follows from those before.
+        (options.speeds).retain(|speed| *speed == first || (speed - first) * (at - speed) > 0.0);
+        options.speeds.push(at);
+    }
     let observer = &mut || terminal::flow();
-    let diagram = steady_rotation(&mut job.context, q, speed, options, observer).map_err(fail)?;
-    if diagram.multi_blade && first_order {
+    let diagram = steady_rotation(&mut job.context, q, speed, &options, observer).map_err(fail)?;
+    if diagram.multi_blade && args.first_order {
         return Err(refuse(PERIODIC));
     }
     if diagram.multi_blade {
@@ -149,7 +139,7 @@ fn equations_at_speed(
             "coordinates of rotating parts are multi-blade coordinates, inputs are those at angle zero",
         );
     }
-    Ok(diagram.last)
+    Ok(diagram.last.zip(options.speeds.last().copied()))
 }
 
 /// An input that prescribes a motion, if there is one.

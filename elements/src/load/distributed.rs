@@ -122,8 +122,8 @@ impl Element for LineLoad {
             let f = R * self.force;
             // δ(R f) = −R f~ δΘ.
             let D = R * so3::skew(&self.force) * -1.0;
-            for i in 0..self.nodes {
-                let w = weight * N[i];
+            for (i, N) in N[..self.nodes].iter().enumerate() {
+                let w = weight * N;
                 add(out.r, 6 * i, &(f * (amplitude * w)));
                 if let Some(r_t) = out.r_t.as_deref_mut() {
                     add(r_t, 6 * i, &(f * (rate * w)));
