@@ -305,7 +305,7 @@ impl Linearized {
     fn displaced(&self, r: &[Complex64], modes: &[Mode], omega: f64) -> Option<String> {
         let coordinates = self.pattern.coordinates();
         let moves = |mode: &Mode| {
-            let work: Complex64 = mode.shape.iter().zip(r).map(|(x, r)| x.conj() * r).sum();
+            let work = inner_product(&mode.shape, r);
             let shape = mode.shape.iter().zip(coordinates);
             let sizes = shape.filter(|(_, info)| !info.is_multiplier);
             let largest = sizes.fold(0.0, |most: f64, (x, info)| most.max(x.norm() / info.size));

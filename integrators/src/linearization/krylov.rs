@@ -7,6 +7,7 @@
 //! without length are dropped, and with them infinite eigenvalues of a pencil with the singular mass
 //! matrix G (Nour-Omid, Parlett, Ericsson & Jensen 1987, Math. Comp. 48). Products and eigenvalues of dense matrices are faer's.
 
+use super::inner_product;
 use crate::random::Random;
 use crate::registers::clear_upper_halves;
 use crate::vectors::{add, dot};
@@ -320,7 +321,7 @@ fn is_independent(theta: Complex64, vector: &[Complex64], found: &[RitzPair]) ->
     for own in others.chain([vector]) {
         let mut own = own.to_vec();
         for unit in &basis {
-            let part: Complex64 = unit.iter().zip(&own).map(|(u, x)| u.conj() * x).sum();
+            let part = inner_product(unit, &own);
             own.iter_mut().zip(unit).for_each(|(x, u)| *x -= part * u);
         }
         left = own.iter().map(|x| x.norm_sqr()).sum();
