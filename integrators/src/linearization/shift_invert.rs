@@ -2,6 +2,7 @@
 
 use super::Linearized;
 use crate::linear_solver::{AutoSolver, LinearError, LinearSolver, MatrixSymmetry};
+use crate::statics::enforced_equations;
 use crate::vectors::add;
 
 /// Order of an eigenvalue problem in its eigenvalue.
@@ -75,8 +76,7 @@ impl<'a> ShiftInvert<'a> {
 
     /// Number of equations with multipliers.
     fn equations(&self) -> usize {
-        let is_multiplier = |i: usize| self.lin.pattern.coordinates()[i].is_multiplier;
-        crate::statics::enforced_equations(&self.lin.pattern, &self.values, is_multiplier)
+        enforced_equations(&self.lin.pattern, &self.values)
     }
 
     /// Number of coordinates that equations with multipliers leave free.

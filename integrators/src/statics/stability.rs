@@ -21,17 +21,13 @@ impl Newton {
             return None;
         }
         let negative = self.solver.negative_pivots(&self.S)?;
-        let is_multiplier = |i: usize| system.pattern().coordinates()[i].is_multiplier;
-        negative.checked_sub(enforced_equations(system.pattern(), &self.S, is_multiplier))
+        negative.checked_sub(enforced_equations(system.pattern(), &self.S))
     }
 }
 
 /// Number of equations with multipliers in a tangent.
-pub(crate) fn enforced_equations(
-    pattern: &BlockPattern,
-    S: &[f64],
-    is_multiplier: impl Fn(usize) -> bool,
-) -> usize {
+pub(crate) fn enforced_equations(pattern: &BlockPattern, S: &[f64]) -> usize {
+    let is_multiplier = |i: usize| pattern.coordinates()[i].is_multiplier;
     // A multiplier with a redundant equation has a diagonal entry and no others.
     let enforced = |&(i, k): &(usize, usize)| S[k] == 0.0 && is_multiplier(i);
     pattern.diagonal().enumerate().filter(enforced).count()
