@@ -1,5 +1,6 @@
 //! Central differences, and derivatives by the inputs of a system.
 
+use super::events;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError};
 
 /// Largest step of differences at a value with a unit.
@@ -104,12 +105,6 @@ pub(super) fn central(
     Ok(sums)
 }
 
-/// The values of the inputs of a system.
-pub(super) fn values(system: &mut (impl System + ?Sized)) -> Vec<f64> {
-    let events = system.events();
-    events.map_or_else(Vec::new, |events| events.inputs().to_vec())
-}
-
 /// The derivative of a function of a system by an input at the value `u`, which it has afterwards.
 pub(super) fn by_input<Y: System + ?Sized>(
     system: &mut Y,
@@ -135,7 +130,7 @@ pub(super) fn input_columns(
     at: Point<'_>,
 ) -> Result<Vec<Vec<f64>>, SystemError> {
     let n = system.pattern().dim();
-    let inputs = values(system).into_iter().enumerate();
+    let inputs = events(system).inputs().to_vec().into_iter().enumerate();
     let column = |input| {
         by_input(system, input, &mut |system| {
             let mut r = vec![0.0; n];

@@ -1,7 +1,7 @@
 //! First-order form with outputs: A, B, C, D.
 
-use super::Linearized;
-use super::differences::{by_input, derivative_of, step, values};
+use super::differences::{by_input, derivative_of, step};
+use super::{Linearized, events};
 use nalgebra::DMatrix;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError};
 use thiserror::Error;
@@ -113,7 +113,7 @@ pub fn output_derivatives<Y: System>(
     }
     let [q, v, a] = state.each_ref().map(Vec::as_slice);
     let at = Point { t: at.t, q, v, a };
-    let inputs = values(system);
+    let inputs = events(system).inputs().to_vec();
     let mut by_inputs = Vec::new();
     for input in inputs.iter().copied().enumerate() {
         by_inputs.extend(by_input(system, input, &mut |system| outputs(system, at))?);
