@@ -1,8 +1,8 @@
 //! Frequencies, damping and shapes of the modes of a linearised system.
 
-use super::Linearized;
 use super::finish::Finish;
 use super::search::Search;
+use super::{Linearized, check_count};
 use crate::linear_solver::LinearError;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -212,9 +212,7 @@ pub fn modes_while(
 fn check(lin: &Linearized, options: &ModeOptions) -> Result<(), ModesError> {
     let refuse = |text: String| Err(ModesError::Options(text));
     match options.selection {
-        Selection::Nearest { count: 0, .. } => {
-            return refuse("the number of modes must be at least 1".to_owned());
-        }
+        Selection::Nearest { count: 0, .. } => return check_count(0),
         Selection::Nearest { omega, .. } if !(omega >= 0.0 && omega.is_finite()) => {
             return refuse(format!(
                 "the circular frequency must be zero or positive, and is {omega}"

@@ -192,9 +192,7 @@ impl<'a> Search<'a> {
             let near = shift * (1.0 + part);
             match self.factorise(near) {
                 Ok(()) => return Ok(near),
-                Err(LinearError::NonFinite { what, unknown }) => {
-                    return Err(LinearError::NonFinite { what, unknown }.into());
-                }
+                Err(error @ LinearError::NonFinite { .. }) => return Err(error.into()),
                 Err(other) => error = Some(other),
             }
         }

@@ -114,10 +114,7 @@ impl Search<'_> {
 
     /// Number of the converged pairs that are needed, if they are enough.
     pub(super) fn wanted(&self, converged: &[RitzPair], expected: Option<usize>) -> Option<usize> {
-        let reach = converged
-            .last()
-            .map(|p| self.eigenvalue(p).norm())
-            .unwrap_or(0.0);
+        let reach = converged.last().map_or(0.0, |p| self.eigenvalue(p).norm());
         match (self.selection, self.order) {
             (Selection::Nearest { count, omega: 0.0 }, _) => {
                 let k = self.position(converged, count) + 1;
