@@ -199,7 +199,7 @@ impl Sweep<'_> {
         let (found, lin) = self.modes_at(speed)?;
         // A group of repeated eigenvalues is not cut.
         let last = found.len().min(self.options.count).saturating_sub(1);
-        let repeated = groups(&found.iter().collect::<Vec<_>>());
+        let repeated = groups(&found);
         let count = repeated.get(last).and_then(|group| group.last());
         let count = count.map_or(0, |k| k + 1);
         self.lines = found.into_iter().take(count).map(Some).collect();

@@ -34,7 +34,7 @@ pub(super) fn continued(
     lin: &Linearized,
 ) -> (Vec<Option<Mode>>, f64) {
     let own: Vec<usize> = (0..lines.len()).filter(|&i| lines[i].is_some()).collect();
-    let before: Vec<&Mode> = lines.iter().flatten().collect();
+    let before: Vec<Mode> = lines.iter().flatten().cloned().collect();
     let pairs = (0..found.len()).filter(|&j| found[j].eigenvalue.im != 0.0);
     let of: Vec<usize> = (0..found.len()).chain(pairs).collect();
     let conjugates: Vec<Mode> = of[found.len()..]
@@ -43,10 +43,10 @@ pub(super) fn continued(
         .collect();
     let found = [found, conjugates].concat();
     // Shapes of repeated eigenvalues are any ones in their space.
-    let (groups_before, groups) = (groups(&before), groups(&found.iter().collect::<Vec<_>>()));
+    let (groups_before, groups) = (groups(&before), groups(&found));
     let mac = assurance(
         &basis(&before, &groups_before, lin),
-        &basis(&found.iter().collect::<Vec<_>>(), &groups, lin),
+        &basis(&found, &groups, lin),
         lin,
     );
     let agreement = |i: usize, j: usize| -> f64 {
@@ -99,10 +99,10 @@ pub(super) fn conjugate(mode: &Mode) -> Mode {
 }
 
 /// The modes with shapes that are, for repeated eigenvalues, orthogonal to each other by M; zero where one depends on others.
-fn basis(modes: &[&Mode], groups: &[Vec<usize>], lin: &Linearized) -> Vec<Mode> {
+fn basis(modes: &[Mode], groups: &[Vec<usize>], lin: &Linearized) -> Vec<Mode> {
     let mut basis: Vec<Mode> = Vec::new();
     for (mode, group) in modes.iter().zip(groups) {
-        let mut mode = (*mode).clone();
+        let mut mode = mode.clone();
         let shape = &mut mode.shape;
         let before = mass(shape, lin);
         for other in group.iter().filter_map(|&k| basis.get(k)) {
@@ -149,7 +149,7 @@ fn assurance(before: &[Mode], found: &[Mode], lin: &Linearized) -> Vec<Vec<f64>>
 }
 
 /// For each mode all modes with the same eigenvalue.
-pub(super) fn groups(modes: &[&Mode]) -> Vec<Vec<usize>> {
+pub(super) fn groups(modes: &[Mode]) -> Vec<Vec<usize>> {
     let same = |i: usize, j: usize| {
         let (a, b) = (modes[i].eigenvalue, modes[j].eigenvalue);
         (a - b).norm() <= REPEATED * a.norm().max(b.norm())
