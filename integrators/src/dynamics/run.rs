@@ -30,13 +30,6 @@ pub(super) struct MotionRun {
     pub(super) options: DynamicOptions,
 }
 
-/// An accepted step.
-pub(super) struct Accepted {
-    pub step_size: f64,
-    pub iterations: usize,
-    pub chart_changes: usize,
-}
-
 impl MotionRun {
     /// The engine at the state of `progress`, ready for its next step.
     pub(super) fn new(
@@ -63,25 +56,33 @@ impl MotionRun {
 
     /// The next accepted step; `None` at the end of the run. After an error the system is at the last
     /// accepted step.
-    pub(super) fn next<Y: System>(
-        &mut self,
+    pub(super) fn next<'a, Y: System>(
+        &'a mut self,
         system: &mut Y,
         events: &mut [UserEvent<Y>],
-        progress: &mut Progress,
-    ) -> Result<Option<Accepted>, DynamicsError> {
+        progress: &'a mut Progress,
+    ) -> Result<Option<StepReport<'a>>, DynamicsError> {
         let step = self.advance(system, events, progress);
         if step.is_err() {
             configure(system, &progress.state).ok();
         }
-        step
+        Ok(step?.map(|(step_size, chart_changes)| StepReport {
+            progress,
+            step_size,
+            iterations: self.stepper.iterations(),
+            residuals: &self.stepper.history,
+            chart_changes,
+            events: &self.occurrences.events,
+        }))
     }
 
+    /// The size of the next accepted step, and its number of changes of chart.
     fn advance<Y: System>(
         &mut self,
         system: &mut Y,
         events: &mut [UserEvent<Y>],
         progress: &mut Progress,
-    ) -> Result<Option<Accepted>, DynamicsError> {
+    ) -> Result<Option<(f64, usize)>, DynamicsError> {
         while progress.state.t < self.options.to && !self.occurrences.stopped {
             let changed = self.take_inputs(system, progress)?;
             if changed || progress.events.len() < events.len() {
@@ -92,29 +93,12 @@ impl MotionRun {
             };
             let chart_changes = self.accept(system, progress, step_size)?;
             self.apply_events(system, events, progress)?;
-            let iterations = self.stepper.iterations();
-            progress.summary.iterations += iterations;
+            progress.summary.iterations += self.stepper.iterations();
             progress.summary.finished = progress.state.t >= self.options.to;
-            return Ok(Some(Accepted {
-                step_size,
-                iterations,
-                chart_changes,
-            }));
+            return Ok(Some((step_size, chart_changes)));
         }
         progress.summary.finished = progress.state.t >= self.options.to;
         Ok(None)
-    }
-
-    /// The report of a step on a progress.
-    pub(super) fn report<'a>(&'a self, progress: &'a Progress, step: &Accepted) -> StepReport<'a> {
-        StepReport {
-            progress,
-            step_size: step.step_size,
-            iterations: step.iterations,
-            residuals: &self.stepper.history,
-            chart_changes: step.chart_changes,
-            events: &self.occurrences.events,
-        }
     }
 
     /// Charts, accelerations and energies before the first step.

@@ -76,8 +76,7 @@ where
     /// [`DynamicsError`]; the run is then at the last accepted step.
     pub fn step(&mut self) -> Result<Option<StepReport<'_>>, DynamicsError> {
         let (events, progress) = (&mut self.events, &mut self.progress);
-        let step = self.run.next(&mut *self.system, events, progress)?;
-        Ok(step.map(|step| self.run.report(&self.progress, &step)))
+        self.run.next(&mut *self.system, events, progress)
     }
 
     /// Adds an event, which occurs where its value crosses zero from below (for the other direction,
@@ -208,7 +207,7 @@ pub fn integrate<Y: System>(
 ) -> Result<(), DynamicsError> {
     let mut run = MotionRun::new(system, progress, options)?;
     while let Some(step) = run.next(system, &mut [], progress)? {
-        if observer(system, &run.report(progress, &step)).is_break() {
+        if observer(system, &step).is_break() {
             break;
         }
     }
