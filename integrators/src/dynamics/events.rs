@@ -5,7 +5,7 @@ use super::run::MotionRun;
 use super::segment_changes::SHORT;
 use super::{DynamicsError, Progress, State};
 use crate::failure::{Cause, significant};
-use pullback_manifold::system::{Evaluation, Point, System, SystemError};
+use pullback_manifold::system::{Evaluation, System, SystemError};
 use std::ops::ControlFlow;
 
 /// An event; see [`Simulation::add_event`](super::Simulation::add_event).
@@ -102,7 +102,7 @@ impl MotionRun {
         let values = &mut self.occurrences.values;
         evaluate(system, events, &state, values)
             .and_then(|()| configure(system, &progress.state))
-            .map_err(|source| DynamicsError::System { t, source })?;
+            .map_err(DynamicsError::at(t))?;
         progress.events.resize(events.len(), 0.0);
         for (old, new) in progress.events.iter_mut().zip(values) {
             if *old >= 0.0 || *new < 0.0 {
@@ -122,9 +122,8 @@ fn ratios<'a>(before: &'a [f64], values: &'a [f64]) -> impl Iterator<Item = (usi
 
 /// Evaluates the system at a state: its configuration is then that.
 pub(super) fn configure(system: &mut dyn System, state: &State) -> Result<(), SystemError> {
-    let State { t, q, v, a, .. } = state;
-    let mut r = vec![0.0; q.len()];
-    system.evaluate(Point { t: *t, q, v, a }, Evaluation::residual(&mut r))
+    let mut r = vec![0.0; state.q.len()];
+    system.evaluate(state.point(), Evaluation::residual(&mut r))
 }
 
 /// Values of events at a state, with the system there.

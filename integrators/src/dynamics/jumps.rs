@@ -2,7 +2,7 @@
 
 use super::run::MotionRun;
 use super::stops::StopTime;
-use super::{DynamicsError, Progress, State};
+use super::{DynamicsError, Progress};
 use crate::abilities::{energetics, events};
 use pullback_manifold::system::{Energies, Point, System};
 
@@ -14,16 +14,12 @@ impl MotionRun {
         progress: &mut Progress,
         stop: StopTime,
     ) -> Result<(), DynamicsError> {
-        let State { t, q, v, a, .. } = &mut progress.state;
-        let before = Point {
-            t: stop.left.next_down(),
-            q,
-            v,
-            a,
-        };
+        let state = &mut progress.state;
+        let t = stop.left.next_down();
+        let before = Point { t, ..state.point() };
         let known = energetics(system).momentum(before, &mut self.momentum);
-        let known = known.map_err(|source| DynamicsError::System { t: *t, source })?;
-        *t = stop.right;
+        let known = known.map_err(DynamicsError::at(state.t))?;
+        state.t = stop.right;
         self.proceed(system, progress, known)
     }
 

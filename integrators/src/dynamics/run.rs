@@ -137,12 +137,13 @@ impl MotionRun {
         }
         let State { t, q, v, .. } = &progress.state;
         match &progress.invariants {
-            // A system that is new to a run finds its symmetries again.
-            Some(kept) if self.projection.is_some() && !kept.motions.is_empty() => {
-                let span = [*t, self.next_kink(*t)];
-                energetics(system).symmetries(span, q, v);
+            Some(kept) if self.projection.is_some() => {
+                // A system that is new to a run finds its symmetries again.
+                if !kept.motions.is_empty() {
+                    let span = [*t, self.next_kink(*t)];
+                    energetics(system).symmetries(span, q, v);
+                }
             }
-            Some(_) if self.projection.is_some() => {}
             _ => self.set_target(system, progress)?,
         }
         self.find_stable_step(system, progress)
