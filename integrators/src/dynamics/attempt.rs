@@ -2,6 +2,7 @@
 
 use super::events::UserEvent;
 use super::run::MotionRun;
+use super::scheme::Stage;
 use super::step::{Stepper, rebase};
 use super::stops::{equal_steps, first_end};
 use super::{DynamicsError, Progress, State};
@@ -96,12 +97,14 @@ impl MotionRun {
         h: f64,
         span: [f64; 2],
     ) -> Result<Option<f64>, DynamicsError> {
-        let Some(adaptivity) = self.options.adaptivity else {
+        // Adaptive steps are those of schemes with an estimate.
+        let estimate = |adaptivity| Some((adaptivity, self.options.scheme.error_estimate()?));
+        let Some((adaptivity, (row, power))) = self.options.adaptivity.and_then(estimate) else {
             return Ok(Some(h));
         };
-        let (error, power) = self.local_error(system, &progress.state, h);
+        let error = self.local_error(system, &progress.state, &row, h);
         let ratio = adaptivity.tolerance / error;
-        let factor = (0.9 * ratio.powf(1.0 / power)).clamp(0.3, 2.0);
+        let factor = (0.9 * ratio.powf(1.0 / power as f64)).clamp(0.3, 2.0);
         // A step shortened by a stop does not limit the next one.
         let wanted = (h * factor).min(adaptivity.max_step);
         if error <= adaptivity.tolerance {
@@ -138,14 +141,10 @@ impl MotionRun {
         Err((self.stepper).fail(system, failure, span, &progress.summary))
     }
 
-    /// Largest local error of the coordinates over their scales, and the power of h with which it falls:
-    /// the estimate of Zienkiewicz & Xie 1991 or that of an embedded method, where an error of a
-    /// velocity counts by its displacement in a step.
-    fn local_error(&self, system: &dyn System, state: &State, h: f64) -> (f64, f64) {
-        let scheme = &self.options.scheme;
-        let Some((row, power)) = scheme.error_estimate() else {
-            return (f64::MIN_POSITIVE, 1.0);
-        };
+    /// Largest local error of the coordinates over their scales, from the row of its estimate: that of
+    /// Zienkiewicz & Xie 1991 or of an embedded method, where an error of a velocity counts by its
+    /// displacement in a step.
+    fn local_error(&self, system: &dyn System, state: &State, row: &Stage, h: f64) -> f64 {
         // The last stage is in the new state.
         let Stepper { stages, next, .. } = &self.stepper;
         let inner = stages[..stages.len() - 1].iter().map(|stage| &stage.state);
@@ -164,6 +163,6 @@ impl MotionRun {
             let error = errors[0].abs().max(errors[1].abs());
             largest = largest.max(h * h * error / info.size);
         }
-        (largest, power as f64)
+        largest
     }
 }
