@@ -34,15 +34,14 @@ pub(super) fn check_step(
     let mut K = vec![0.0; S.len()];
     tangent(Weights::STATIC, &mut K)?;
     tangent(Weights::MASS, S)?;
-    let massless = |system: &dyn System, source| DynamicsError::Massless {
-        scheme: scheme.name,
-        source,
-        mechanism: find_mechanism(system, S),
-    };
     let found = solver
         .factorise(S)
         .and_then(|()| largest(system, solver, [&K, S]));
-    let square = found.map_err(|source| massless(system, source))?;
+    let square = found.map_err(|source| DynamicsError::Massless {
+        scheme: scheme.name,
+        source,
+        mechanism: find_mechanism(system, S),
+    })?;
     let frequency = square.max(0.0).sqrt();
     if step * frequency <= limit {
         return Ok(Some(limit / frequency).filter(|h| h.is_finite()));

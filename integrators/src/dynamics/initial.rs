@@ -280,30 +280,33 @@ impl Stepper {
         (h, damping): (f64, f64),
         b: Option<&[f64]>,
     ) -> Result<bool, DynamicsError> {
-        let mut refused = None;
-        let mut M = Vec::new();
-        for (C, K) in [(damping, 0.0), (h, h * h)] {
-            let step = if b.is_some() { 0.0 } else { h };
+        let step = if b.is_some() { 0.0 } else { h };
+        let mut singular: Option<Vec<f64>> = None;
+        loop {
+            let (C, K) = match singular {
+                None => (damping, 0.0),
+                Some(_) => (h, h * h),
+            };
             self.evaluate_at(system, state, &state.v, Weights { K, C, M: 1.0 }, step)?;
             if let Some(b) = b {
                 self.r.copy_from_slice(b);
             }
-            if !M.is_empty() && self.solve_massive(system, &M).is_ok() {
+            if let Some(M) = &singular
+                && self.solve_massive(system, M).is_ok()
+            {
                 return Ok(false);
             }
             match self.solver.factorise_and_solve(&self.S, &mut self.r) {
-                Ok(()) => return Ok(M.is_empty()),
-                Err(error) => refused = Some(error),
+                Ok(()) => return Ok(singular.is_none()),
+                Err(_) if singular.is_none() => singular = Some(self.S.clone()),
+                Err(source) => {
+                    return Err(DynamicsError::Accelerations {
+                        t: state.t,
+                        source,
+                        mechanism: find_mechanism(system, &self.S),
+                    });
+                }
             }
-            M = self.S.clone();
-        }
-        match refused {
-            None => Ok(true),
-            Some(source) => Err(DynamicsError::Accelerations {
-                t: state.t,
-                source,
-                mechanism: find_mechanism(system, &self.S),
-            }),
         }
     }
 
