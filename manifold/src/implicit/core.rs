@@ -190,7 +190,8 @@ impl ImplicitMap {
             for k in 0..X {
                 w.A[row + k * X] = L[k] * size(k);
             }
-            w.length[row] = norm_of((0..X).map(|k| L[k] * size(k)));
+            let squares = (0..X).map(|k| w.A[row + k * X].powi(2));
+            w.length[row] = squares.sum::<f64>().sqrt();
         }
         let used = (D..).zip((0..M).filter(|&i| chart.used[i]));
         for (row, i) in used {
@@ -383,8 +384,4 @@ impl ImplicitMap {
 /// Whether A with this condition number is singular to working precision.
 pub(super) fn is_singular(condition: f64) -> bool {
     condition.is_nan() || condition * RANK >= 1.0
-}
-
-fn norm_of(x: impl Iterator<Item = f64>) -> f64 {
-    x.map(|x| x * x).sum::<f64>().sqrt()
 }

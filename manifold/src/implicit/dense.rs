@@ -181,7 +181,7 @@ impl Entries {
     }
 
     /// Appends a column: the nonzeros among `rows` of a full one.
-    fn push(&mut self, rows: std::ops::Range<usize>, column: &[f64]) {
+    fn push(&mut self, rows: Range<usize>, column: &[f64]) {
         let all = rows.map(|i| (i, column[i]));
         self.entries.extend(all.filter(|(_, a)| *a != 0.0));
         self.starts.push(self.entries.len());
