@@ -34,12 +34,8 @@ impl Units {
 
     fn unit(&self, dimension: Dimension) -> Option<String> {
         let named = [&self.force, &self.length, &self.time].map(Option::as_deref);
-        let [force, length, time] = named;
         let [mut above, mut below] = [Vec::new(), Vec::new()];
-        for (name, power) in [force, length, time, Some("rad")]
-            .into_iter()
-            .zip(dimension)
-        {
+        for (name, power) in named.into_iter().chain([Some("rad")]).zip(dimension) {
             let part = if power > 0 { &mut above } else { &mut below };
             match power.abs() {
                 0 => {}

@@ -38,11 +38,10 @@ pub(super) fn given(
 ) -> impl Iterator<Item = (usize, String, f64)> + '_ {
     (file.joints.iter().enumerate()).flat_map(move |(k, joint)| {
         let acts = joint.all_acts();
-        let given = acts.filter_map(move |(coordinate, acts)| {
+        acts.filter_map(move |(coordinate, acts)| {
             let name = format!("{} {coordinate}", joint.name);
             Some((k, name.trim_end().to_owned(), pick(&acts)?))
-        });
-        given.collect::<Vec<_>>()
+        })
     })
 }
 
