@@ -1,6 +1,6 @@
 //! Robot arms of two links, turned and lifted at their base.
 
-use super::case::{CaseProblem, CaseReport, meshed, until, with_step};
+use super::case::{CaseProblem, CaseReport, largest, meshed, until, with_step};
 use super::motion::{History, observed_order};
 use crate::input::ModelFile;
 use crate::output::plot::PlotCurve;
@@ -91,8 +91,8 @@ fn arm(
     // A tenth of the length is visible in the plot.
     for (until, tolerance) in [(1.0, 0.03), (alike, 0.1)] {
         let both = tips[0].iter().zip(&tips[1]);
-        let worst = (both.take_while(|p| p.0.0 <= until + 1e-9))
-            .fold(0.0_f64, |m, (a, b)| m.max((a.1 - b.1).norm()));
+        let both = both.take_while(|p| p.0.0 <= until + 1e-9);
+        let worst = largest(both.map(|(a, b)| (a.1 - b.1).norm()));
         let what = format!("meshes apart until t = {until}, over the length");
         report.compare(what, worst / LENGTH, 0.0, tolerance, source);
     }

@@ -377,6 +377,11 @@ pub(super) fn order(coarse: f64, fine: f64) -> f64 {
     (coarse / fine).abs().log2()
 }
 
+/// The largest of some magnitudes.
+pub(super) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(0.0, |most, x| most.max(x.abs()))
+}
+
 /// Vertex of the parabola through a point of a curve and its two neighbours.
 pub(super) fn peak(curve: &[(f64, f64)], k: usize) -> (f64, f64) {
     let k = k.clamp(1, curve.len().saturating_sub(2).max(1));

@@ -1,6 +1,6 @@
 //! Large motions in a plane: spin-up of an arm, and a beam thrown into the air.
 
-use super::case::{CaseProblem, CaseReport, with_step};
+use super::case::{CaseProblem, CaseReport, largest, with_step};
 use super::motion::richardson;
 use crate::output::plot::PlotCurve;
 use pullback_elements::time::{SpinUp, TimeFunction};
@@ -75,11 +75,10 @@ pub(super) fn flying(report: &mut CaseReport) -> Result<(), CaseProblem> {
             report.compare(what, computed, exact, 1e-2, source);
         }
     }
-    let worst = (run.t.iter().zip(&run.balances)).fold(0.0_f64, |m, (t, balance)| {
-        let exact = 8.0 * t.min(2.5);
-        m.max((balance.momentum.linear.x - exact).abs())
-            .max(balance.momentum.linear.z.abs())
-    });
+    let worst = largest(run.t.iter().zip(&run.balances).flat_map(|(t, balance)| {
+        let momentum = balance.momentum.linear;
+        [momentum.x - 8.0 * t.min(2.5), momentum.z]
+    }));
     let source = "exact: impulse of the force";
     report.compare("momentum, largest error", worst, 0.0, 1e-9, source);
     report.figure(

@@ -1,6 +1,6 @@
 //! Hooke's joint: two shafts and a cross between them.
 
-use super::case::{CaseProblem, CaseReport, with_scheme, with_step};
+use super::case::{CaseProblem, CaseReport, largest, with_scheme, with_step};
 use super::motion::{History, continued, richardson};
 use crate::input::ModelFile;
 use crate::output::plot::PlotCurve;
@@ -27,12 +27,11 @@ pub(super) fn hooke(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let [a, b] = [0, 1].map(|k| angles(&run.nodes[k]));
     let difference: Vec<f64> = a.iter().zip(&b).map(|(a, b)| b - a).collect();
     let exact: Vec<f64> = a.iter().map(|&a| ahead(a, cosine)).collect();
-    let worst = (run.t.iter().zip(difference.iter().zip(&exact)))
-        .filter(|(t, _)| **t > 1.0)
-        .fold(0.0_f64, |m, (_, (d, e))| m.max((d - e).abs()));
+    let late = (run.t.iter().zip(difference.iter().zip(&exact))).filter(|(t, _)| **t > 1.0);
+    let worst = largest(late.map(|(_, (d, e))| d - e));
     let source = "exact: tan β = tan α / cos 45°";
     report.compare("largest error after the moment", worst, 0.0, 1e-3, source);
-    let amplitude = difference.iter().fold(0.0_f64, |m, d| m.max(d.abs()));
+    let amplitude = largest(difference.iter().copied());
     let most = ((1.0 - cosine) / (1.0 + cosine)).asin();
     report.compare("amplitude", amplitude, most, 1e-3, source);
     // `tests/studies/mechanisms.rs`
@@ -107,20 +106,17 @@ pub(super) fn universal(report: &mut CaseReport) -> Result<(), CaseProblem> {
         let (s, c) = degrees.to_radians().sin_cos();
         // The scheme halves in every step the disturbance of the speeds at the end of the spin-up.
         let settled = 2 * SPIN_UP;
-        let mut off = [0.0_f64; 2];
-        for (n, [a, b, ratio]) in rows.iter().enumerate() {
-            off[0] = off[0].max((b - a - ahead(*a, c)).abs());
-            if n >= settled {
-                let exact = c / (1.0 - (s * a.cos()).powi(2));
-                off[1] = off[1].max((ratio - exact).abs());
-            }
-        }
+        let relation = largest(rows.iter().map(|[a, b, _]| b - a - ahead(*a, c)));
+        let speeds = largest(
+            (rows.iter().skip(settled))
+                .map(|[a, _, ratio]| ratio - c / (1.0 - (s * a.cos()).powi(2))),
+        );
         let shafts = format!("shafts at {degrees}°");
         let what = format!("{shafts}: output off the relation, at most");
-        report.compare(what, off[0], 0.0, 1e-7, "exact: tan β = tan α / cos γ");
+        report.compare(what, relation, 0.0, 1e-7, "exact: tan β = tan α / cos γ");
         let what = format!("{shafts}: ratio of speeds off the relation, at most");
         let formula = "exact: cos γ / (1 − sin² γ cos² α)";
-        report.compare(what, off[1], 0.0, 1e-7, formula);
+        report.compare(what, speeds, 0.0, 1e-7, formula);
         for &(alpha, beta, speed) in points {
             // The relation repeats itself after half a turn.
             let [_, b, ratio] = rows[SPIN_UP / 2 + 2 * (180 + alpha)];

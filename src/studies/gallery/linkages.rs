@@ -1,6 +1,6 @@
 //! Planar linkages of one degree of freedom. `tests/studies/mechanisms.rs` has the values with which they are compared.
 
-use super::case::{CaseProblem, CaseReport, with_step};
+use super::case::{CaseProblem, CaseReport, largest, with_step};
 use super::motion::{History, richardson};
 use crate::output::plot::PlotCurve;
 use pullback_elements::model::NodeState;
@@ -8,7 +8,7 @@ use pullback_elements::model::NodeState;
 /// Largest distance of two watched nodes.
 pub(super) fn gap(run: &History, [a, b]: [usize; 2]) -> f64 {
     let both = run.nodes[a].iter().zip(&run.nodes[b]);
-    both.fold(0.0_f64, |m, (a, b)| m.max((a.position - b.position).norm()))
+    largest(both.map(|(a, b)| (a.position - b.position).norm()))
 }
 
 pub(super) fn last(run: &History, node: usize) -> NodeState {

@@ -1,6 +1,6 @@
 //! Mechanisms in space: Bricard's, Bauchau's.
 
-use super::case::{CaseProblem, CaseReport, meshed, with_scheme, with_step};
+use super::case::{CaseProblem, CaseReport, largest, meshed, with_scheme, with_step};
 use super::linkages::gap;
 use super::motion::{History, continued, observed_order, richardson};
 use crate::input::ModelFile;
@@ -102,10 +102,7 @@ pub(super) fn misaligned(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let source = "exact: rigid parallelogram";
     let what = "aligned: angle of bar 3 at t = 12";
     report.compare(what, turn(&run, 3), -7.2, 1e-3, source);
-    let off = |run: &History| {
-        let states = run.nodes[0].iter();
-        states.fold(0.0_f64, |m, s| m.max(s.d.z.abs()))
-    };
+    let off = |run: &History| largest(run.nodes[0].iter().map(|s| s.d.z));
     let what = "aligned: largest deflection at C";
     report.compare(what, off(&run), 0.0, 1e-12, source);
     let turns = |elements: usize, order: usize, loads: &[f64]| {

@@ -1,6 +1,6 @@
 //! Runs in time: the states of watched nodes at all steps.
 
-use super::case::{CaseProblem, CaseReport, find};
+use super::case::{CaseProblem, CaseReport, find, largest};
 use crate::input::{self, ModelFile, Plan};
 use crate::probe::continue_rotation;
 use nalgebra::Vector3;
@@ -41,15 +41,13 @@ impl History {
 
     /// The largest kinetic energy.
     pub fn largest_kinetic(&self) -> f64 {
-        let kinetic = self.balances.iter().map(|a| a.energies.kinetic);
-        kinetic.fold(0.0, f64::max)
+        largest(self.balances.iter().map(|a| a.energies.kinetic))
     }
 
     /// Largest change of the total energy over the largest kinetic energy.
     pub fn energy_error(&self) -> f64 {
         let energy = self.total_energy();
-        let changes = energy.iter().map(|e| (e.1 - energy[0].1).abs());
-        changes.fold(0.0, f64::max) / self.largest_kinetic()
+        largest(energy.iter().map(|e| e.1 - energy[0].1)) / self.largest_kinetic()
     }
 
     /// Kinetic and strain energy and the potential of the loads.

@@ -1,6 +1,6 @@
 //! Andrews' squeezer against its published reference.
 
-use super::case::{CaseProblem, CaseReport};
+use super::case::{CaseProblem, CaseReport, largest};
 use super::mechanisms::joints;
 
 /// Angle, rate and acceleration of each joint of Andrews' mechanism at t = 0.03.
@@ -51,7 +51,7 @@ pub(super) fn run(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let source = "published: IVP test set II-9 (PSIDE, 1e-14), R06";
     // The accuracy of beta as a time.
     let late = TRUST * PUBLISHED[0][0] / PUBLISHED[0][1];
-    let most = PUBLISHED.iter().fold(0.0_f64, |m, [.., a]| m.max(a.abs()));
+    let most = largest(PUBLISHED.map(|[.., a]| a));
     for (k, name) in NAMES.into_iter().enumerate() {
         let [q, v, a] = PUBLISHED[k];
         let what = format!("angle {name} at t = 0.03");

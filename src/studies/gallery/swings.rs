@@ -1,6 +1,6 @@
 //! Pendulums: rigid, of two flexible rods, and of rubber.
 
-use super::case::{CaseProblem, CaseReport, until, with_step};
+use super::case::{CaseProblem, CaseReport, largest, until, with_step};
 use super::exact::first_kind;
 use super::motion::{History, observed_order, richardson};
 use crate::output::plot::PlotCurve;
@@ -103,8 +103,7 @@ pub(super) fn double(report: &mut CaseReport) -> Result<(), CaseProblem> {
     report.compare_order("order of the energy error", order, 0.1);
     report.compare("energy error", c.energy_error(), 0.0, 1e-4, "conserved");
     // The hinges keep the motion in its plane.
-    let out = c.curve(0, |s| s.d.y.abs());
-    let across = out.iter().fold(0.0_f64, |m, p| m.max(p.1));
+    let across = largest(c.nodes[0].iter().map(|s| s.d.y));
     report.compare("out of the plane", across, 0.0, 1e-9, "symmetry");
     report.figure(
         "Flexible double pendulum",

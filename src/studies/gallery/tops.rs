@@ -1,7 +1,7 @@
 //! Rigid bodies with a fixed point, and free ones.
 
 use super::bent::stiffer;
-use super::case::{CaseProblem, CaseReport, peak, with_scheme, with_step};
+use super::case::{CaseProblem, CaseReport, largest, peak, with_scheme, with_step};
 use super::motion::{History, observed_order, richardson};
 use crate::input::{Fix, Group, ModelFile};
 use crate::output::plot::PlotCurve;
@@ -18,7 +18,7 @@ fn nutation(state: &NodeState) -> f64 {
 fn extremes(curve: &[(f64, f64)]) -> [f64; 2] {
     let values = || curve.iter().map(|p| p.1);
     let smallest = values().fold(f64::INFINITY, f64::min);
-    [smallest, values().fold(0.0, f64::max)]
+    [smallest, largest(values())]
 }
 
 /// Case 3 of [M04] and R02: the fast symmetrical top. Its plot redraws Fig. 33.
@@ -84,8 +84,8 @@ fn as_published(report: &mut CaseReport, file: &ModelFile) -> Result<(), CasePro
     let stiff = report.motion(&beam, &["O"])?;
     let flexible = report.motion(&stiffer(&beam, 0.01), &["O"])?;
     let curves = [&rigid, &stiff, &flexible].map(|h| h.curve(0, nutation));
-    let apart =
-        (curves[0].iter().zip(&curves[1])).fold(0.0_f64, |m, (a, b)| m.max((a.1 - b.1).abs()));
+    let both = curves[0].iter().zip(&curves[1]);
+    let apart = largest(both.map(|(a, b)| a.1 - b.1));
     // A hundredth of the nutation, 0.0267: the width of a line.
     let source = "published: they coincide in the plot (Mäkinen 2004, case 3)";
     report.compare("stiff beam off the rigid body", apart, 0.0, 2.67e-4, source);
@@ -224,18 +224,18 @@ pub(super) fn free_body(report: &mut CaseReport) -> Result<(), CaseProblem> {
         relative.collect::<Vec<_>>()
     };
     let curves = [drift(&a), drift(&b), drift(&c)];
-    let size = |c: &[(f64, f64)]| c.iter().fold(0.0_f64, |m, p| m.max(p.1.abs()));
+    let size = |c: &[(f64, f64)]| largest(c.iter().map(|p| p.1));
     let order = (size(&curves[0]) / size(&curves[1])).log2();
     report.compare_order("order of the energy error", order, 0.1);
     // The scheme with energy projection, at a coarse step.
     let kept = with_scheme(&file, "projected-newmark");
     let kept = report.motion(&with_step(&kept, 1e-2), &["O"])?;
     let spins: Vec<Vector3<f64>> = kept.balances.iter().map(|a| a.momentum.angular).collect();
-    let spin = |m: f64, L: &Vector3<f64>| m.max((L - spins[0]).norm() / spins[0].norm());
+    let changes = (spins.iter()).map(|L| (L - spins[0]).norm() / spins[0].norm());
     let source = "exact: conservation";
     for (what, worst) in [
         ("energy", size(&drift(&kept))),
-        ("angular momentum", spins.iter().fold(0.0, spin)),
+        ("angular momentum", largest(changes)),
     ] {
         let what = format!("energy-momentum scheme, change of {what}");
         report.compare(what, worst, 0.0, 1e-11, source);
