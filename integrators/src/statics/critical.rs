@@ -163,13 +163,10 @@ impl Newton {
         held.update(self)?;
         let (w, h) = held.solve(&mut self.solver, &self.r_t, 1.0)?;
         // The tangent of the path is w − (h/g) ψ.
-        let likely = match (h / held.g).abs() * self.size(&held.psi.dq) > self.size(&w.dq) {
-            true => CriticalKind::Limit,
-            false => CriticalKind::Bifurcation,
-        };
-        let other = match likely {
-            CriticalKind::Limit => CriticalKind::Bifurcation,
-            CriticalKind::Bifurcation => CriticalKind::Limit,
+        let steep = (h / held.g).abs() * self.size(&held.psi.dq) > self.size(&w.dq);
+        let [likely, other] = match steep {
+            true => [CriticalKind::Limit, CriticalKind::Bifurcation],
+            false => [CriticalKind::Bifurcation, CriticalKind::Limit],
         };
         let found = self.extended(system, guess, &mut held, likely);
         found.or_else(|cause| {

@@ -230,16 +230,10 @@ impl Newton {
         condition: Option<&Condition<'_>>,
         previous: Option<(f64, &[f64])>,
     ) -> Result<(), Cause> {
-        self.predicted = 0;
-        self.test.first = [0.0; 3];
-        let begun = match previous.is_some() {
-            true => 0,
-            false => self.history.len(),
-        };
-        if let (Some(prediction), true) = (self.history.last(), previous.is_some()) {
-            self.predicted = self.history.len();
-            self.test.first = prediction.residual;
-        }
+        let prediction = self.history.last().filter(|_| previous.is_some());
+        self.predicted = prediction.map_or(0, |_| self.history.len());
+        self.test.first = prediction.map_or([0.0; 3], |prediction| prediction.residual);
+        let begun = self.history.len() - self.predicted;
         self.evaluate(system, previous, q, *t)
             .map_err(Cause::System)?;
         let work = [&mut self.trial[..], &mut self.simplified[..]];
@@ -268,10 +262,8 @@ impl Newton {
                 correction,
                 damping,
             });
-            match (ended, converged) {
-                (true, true) => return Ok(()),
-                (true, false) => return Err(Cause::TooManyIterations),
-                (false, _) => {}
+            if ended {
+                return converged.then_some(()).ok_or(Cause::TooManyIterations);
             }
         }
     }
