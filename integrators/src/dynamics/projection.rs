@@ -247,10 +247,7 @@ impl InvariantProjection {
         let out = Evaluation::with_tangent(r, Weights::MASS, S);
         system.evaluate(at, out).map_err(DynamicsError::at(t))?;
         let known = energetics(system).momentum(at, &mut self.p);
-        self.field.fill(0.0);
-        system
-            .pattern()
-            .multiply_add(1.0, S, &state.v, &mut self.field);
+        product(system, S, &state.v, &mut self.field);
         if !known.map_err(DynamicsError::at(t))? {
             self.p.copy_from_slice(&self.field);
             return Ok(false);
@@ -288,23 +285,18 @@ impl InvariantProjection {
             if parts > 0.0 {
                 missing = missing.max(off / parts.max(j.abs()));
             }
-            let mut length = f64::NAN;
+            product(system, M, &d.e, &mut d.Me);
+            let length = dot(&d.e, &d.Me).max(0.0).sqrt();
             // Twice, against rounding errors.
             for _ in 0..2 {
-                d.Me.fill(0.0);
-                system.pattern().multiply_add(1.0, M, &d.e, &mut d.Me);
-                if length.is_nan() {
-                    length = dot(&d.e, &d.Me).max(0.0).sqrt();
-                }
                 for known in done.iter() {
                     let along = dot(&d.Me, &known.e);
                     add(&mut d.e, -along, &known.e);
                     add(&mut d.xi, -along, &known.xi);
                     d.j -= along * known.j;
                 }
+                product(system, M, &d.e, &mut d.Me);
             }
-            d.Me.fill(0.0);
-            system.pattern().multiply_add(1.0, M, &d.e, &mut d.Me);
             let left = dot(&d.e, &d.Me).max(0.0).sqrt();
             if left <= DEPENDENT * length {
                 continue;
@@ -350,6 +342,12 @@ impl InvariantProjection {
             };
         }
     }
+}
+
+/// y = A x, for a matrix with these values.
+fn product(system: &dyn System, A: &[f64], x: &[f64], y: &mut [f64]) {
+    y.fill(0.0);
+    system.pattern().multiply_add(1.0, A, x, y);
 }
 
 /// The Lie bracket [η, ξ]: the rate at which ξ changes along η.
