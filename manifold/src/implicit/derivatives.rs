@@ -1,12 +1,32 @@
-//! Derivatives of the solution: [M04] (172)–(173) along a motion.
+//! The solution and its derivatives: [M04] (172)–(173) along a motion.
 
-use super::core::{ImplicitMap, Work};
+use super::core::{ImplicitMap, RANK, Work};
 use super::dense::{product, product_tr};
-use crate::map::{Order, Parametrization};
+use super::map::advised;
+use crate::domain::DomainError;
+use crate::map::{MapState, Order, Parametrization};
 use nalgebra::{DMatrix, DVector};
 
-impl ImplicitMap {
-    pub(super) fn write_orders(&mut self, t: f64, [q, v, a]: [&[f64]; 3], out: &mut [Order<'_>]) {
+/// Limit of an implicit map in messages.
+const ALLOWED: &str = "the positions that its equations allow";
+
+impl Parametrization for ImplicitMap {
+    fn kind(&self) -> &'static str {
+        self.h.kind()
+    }
+
+    fn dims(&self) -> (usize, usize) {
+        (self.D + self.p, self.X)
+    }
+
+    fn domain(&mut self, t: f64, q: &[f64]) -> Result<f64, DomainError> {
+        match self.solve(t, q) {
+            Ok(()) => DomainError::within(1.0 / self.work.condition - RANK, ALLOWED),
+            Err(error) => Err(DomainError::Undefined(advised(error))),
+        }
+    }
+
+    fn evaluate(&mut self, t: f64, [q, v, a]: [&[f64]; 3], out: &mut [Order<'_>]) {
         if self.solve(t, q).is_err() {
             out.iter_mut()
                 .flatten()
@@ -46,6 +66,29 @@ impl ImplicitMap {
         B_ddot.iter_mut().for_each(|b| *b = -*b);
     }
 
+    fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
+        if self.solve(t, q).is_err() {
+            K.fill(f64::NAN);
+            return;
+        }
+        let (p, X, M, D) = (self.p, self.X, self.M, self.D);
+        let (N, Q) = (p + X, D + p);
+        self.embed();
+        let w = &mut self.work;
+        product_tr([M, X, 1], &w.P, f, &mut w.lambda);
+        self.h
+            .geometric_stiffness(t, &w.y, &w.lambda, &mut w.K_sigma);
+        product([N, N, Q], &w.K_sigma, &w.Z, &mut w.KZ[..N * Q]);
+        product_tr([Q, N, Q], &w.Z, &w.KZ[..N * Q], K);
+        K.iter_mut().for_each(|k| *k = -*k);
+    }
+
+    fn state(&mut self) -> Option<&mut dyn MapState> {
+        Some(self)
+    }
+}
+
+impl ImplicitMap {
     /// ẏ at the solution in the workspace, and what ḧ is without accelerations of q and p.
     pub(super) fn find_rates(&mut self, t: f64, v: &[f64]) {
         let (p, X, M, N) = (self.p, self.X, self.M, self.p + self.X);
@@ -91,29 +134,6 @@ impl ImplicitMap {
         for j in 0..p {
             w.Z[j + (D + j) * N] = 1.0;
         }
-    }
-
-    pub(super) fn write_geometric_stiffness(
-        &mut self,
-        t: f64,
-        q: &[f64],
-        f: &[f64],
-        K: &mut [f64],
-    ) {
-        if self.solve(t, q).is_err() {
-            K.fill(f64::NAN);
-            return;
-        }
-        let (p, X, M, D) = (self.p, self.X, self.M, self.D);
-        let (N, Q) = (p + X, D + p);
-        self.embed();
-        let w = &mut self.work;
-        product_tr([M, X, 1], &w.P, f, &mut w.lambda);
-        self.h
-            .geometric_stiffness(t, &w.y, &w.lambda, &mut w.K_sigma);
-        product([N, N, Q], &w.K_sigma, &w.Z, &mut w.KZ[..N * Q]);
-        product_tr([Q, N, Q], &w.Z, &w.KZ[..N * Q], K);
-        K.iter_mut().for_each(|k| *k = -*k);
     }
 
     /// Lagrange multipliers of the equations under the covector `f` (X), one per equation: μ of

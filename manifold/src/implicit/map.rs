@@ -1,14 +1,10 @@
 //! The map of an implicit constraint, of any sizes.
 
-use super::core::{CONSISTENT, ImplicitMap, RANK};
+use super::core::{CONSISTENT, ImplicitMap};
 use super::{
     Choice, Description, Equation, Equations, EvaluationError, Implicit, ImplicitError, Unknown,
 };
-use crate::domain::DomainError;
-use crate::map::{Map, MapState, Order, Parametrization};
-
-/// Limit of an implicit map in messages.
-const ALLOWED: &str = "the positions that its equations allow";
+use crate::map::{Map, Parametrization};
 
 impl ImplicitMap {
     /// Assembles a constraint at time `t` as near as Newton's method gets to `guess`, with
@@ -129,37 +125,8 @@ impl ImplicitMap {
     }
 }
 
-impl Parametrization for ImplicitMap {
-    fn kind(&self) -> &'static str {
-        self.h.kind()
-    }
-
-    fn dims(&self) -> (usize, usize) {
-        (self.D + self.p, self.X)
-    }
-
-    fn domain(&mut self, t: f64, q: &[f64]) -> Result<f64, DomainError> {
-        match self.solve(t, q) {
-            Ok(()) => DomainError::within(1.0 / self.work.condition - RANK, ALLOWED),
-            Err(error) => Err(DomainError::Undefined(advised(error))),
-        }
-    }
-
-    fn evaluate(&mut self, t: f64, motion: [&[f64]; 3], out: &mut [Order<'_>]) {
-        self.write_orders(t, motion, out);
-    }
-
-    fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
-        self.write_geometric_stiffness(t, q, f, K);
-    }
-
-    fn state(&mut self) -> Option<&mut dyn MapState> {
-        Some(self)
-    }
-}
-
 /// The message with a remedy.
-fn advised(error: EvaluationError) -> String {
+pub(super) fn advised(error: EvaluationError) -> String {
     match error {
         EvaluationError::Singular { .. } | EvaluationError::Crossed => format!(
             "{error}; a map ends at a singular position: `closure = \"multipliers\"` goes through"
