@@ -91,13 +91,10 @@ impl ImplicitMap {
     fn part(&mut self, t: f64, q: &[f64], follow: bool) -> Result<(), EvaluationError> {
         self.search(t, q, follow)?;
         self.operators();
-        if !follow {
-            return Ok(());
+        match follow && self.changed() >= 1.0 {
+            true => Err(EvaluationError::Crossed),
+            false => Ok(()),
         }
-        if self.changed() >= 1.0 {
-            return Err(EvaluationError::Crossed);
-        }
-        Ok(())
     }
 
     /// Change of the equations since the anchor, ‖(h_x − h_x₀) P₀‖ with scaled equations. Below one, A
