@@ -11,13 +11,10 @@ pub enum ImplicitError {
     /// Newton's method found no configuration near the guess.
     #[error(
         "no configuration near the given one satisfies the equations: {equation} is {residual:.3e} \
-         after {iterations} iterations; start closer, or the parts do not fit together"
+         after {} iterations; start closer, or the parts do not fit together",
+        super::start::ITERATIONS
     )]
-    NotAssembled {
-        equation: String,
-        residual: f64,
-        iterations: usize,
-    },
+    NotAssembled { equation: String, residual: f64 },
     /// Newton's method found no configuration, and some parameters are prescribed.
     #[error(
         "no configuration near the given one satisfies the equations with {prescribed} as prescribed: \
@@ -51,14 +48,14 @@ pub enum ImplicitError {
     Touching { equation: String },
     /// There are more independent equations than the number of coordinates q allows.
     #[error(
-        "the equations have rank {rank} and leave {left} of {coordinates} coordinates free, not \
-         {expected}: {equation} does not follow from the others; if it should, lengths do not fit"
+        "the equations have rank {rank} and leave {} of {coordinates} coordinates free, not \
+         {expected}: {equation} does not follow from the others; if it should, lengths do not fit",
+        .coordinates - .rank
     )]
     TooManyEquations {
         /// The equation that is closest to dependent.
         equation: String,
         rank: usize,
-        left: usize,
         /// Coordinates x.
         coordinates: usize,
         expected: usize,

@@ -7,7 +7,7 @@ use super::{Description, ImplicitError};
 use crate::map::Parametrization;
 
 /// Iterations at most.
-const ITERATIONS: usize = 200;
+pub(super) const ITERATIONS: usize = 200;
 /// Number of steps from the drawn configuration to the requested one.
 const STAGES: usize = 32;
 /// Distance (relative to sizes) at which the rank is checked again, to distinguish a singular
@@ -230,7 +230,6 @@ impl ImplicitMap {
             return Err(ImplicitError::TooManyEquations {
                 equation: self.about.equations[last].name.clone(),
                 rank,
-                left: self.X - rank,
                 coordinates: self.X,
                 expected: self.X - self.most(),
             });
@@ -288,11 +287,7 @@ impl ImplicitMap {
                 residual,
             };
         }
-        ImplicitError::NotAssembled {
-            equation,
-            residual,
-            iterations: ITERATIONS,
-        }
+        ImplicitError::NotAssembled { equation, residual }
     }
 
     /// Checks the rank beside the configuration. If it is larger there, or if nothing can move that
