@@ -15,19 +15,20 @@ impl<'a> Search<'a> {
             Order::Squares => self.middle,
             Order::Quadratic => 0.0,
         };
-        if middle != 0.0 || self.factorise(0.0).is_err() {
+        let shift = if middle != 0.0 {
+            self.factorise_near(middle)?
+        } else if self.factorise(0.0).is_ok() {
+            0.0
+        } else {
             // Beyond the spectrum of a rigid structure: K + |σ| M is positive definite.
             let bound = self.upper_bound();
-            let away = match self.order {
+            self.factorise_near(match self.order {
                 Order::Squares => -bound,
                 Order::Quadratic => bound.sqrt(),
-            };
-            let shift = self.factorise_near(if middle == 0.0 { away } else { middle })?;
-            self.weigh()?;
-            return Ok(shift);
-        }
+            })?
+        };
         self.weigh()?;
-        Ok(0.0)
+        Ok(shift)
     }
 
     /// The least K_ii / M_ii: an upper bound of the lowest ω² of a symmetric system.
