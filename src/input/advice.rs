@@ -98,10 +98,8 @@ fn suggestion(found: &str, known: &[String]) -> String {
     let known_as = SYNONYMS
         .iter()
         .find(|(word, ours)| *word == found && known.iter().any(|known| known == ours));
-    let near = match known_as {
-        Some((_, ours)) => Some((*ours).to_owned()),
-        None => closest(found, known.iter().map(String::as_str)),
-    };
+    let known_as = known_as.map(|(_, ours)| (*ours).to_owned());
+    let near = known_as.or_else(|| closest(found, known.iter().map(String::as_str)));
     match near {
         _ if known.is_empty() => "none is defined".to_owned(),
         Some(near) => format!("did you mean `{near}`? There are: {}", names(known)),

@@ -62,11 +62,8 @@ impl EnergyBalance {
     /// Rejects a motion whose energy grows without bounds.
     pub(super) fn check_growth(&mut self, t: f64) -> Result<(), DynamicsError> {
         let (energy, known) = (self.now.kinetic + self.now.stored, self.start + self.gross);
-        if known > 0.0 && energy > ABSURD * known {
-            self.absurd += 1;
-        } else {
-            self.absurd = 0;
-        }
+        let absurd = known > 0.0 && energy > ABSURD * known;
+        self.absurd = if absurd { self.absurd + 1 } else { 0 };
         let mut boundless = !energy.is_finite();
         if self.absurd.is_power_of_two() {
             boundless |= self.absurd >= 16 && energy > BOUNDLESS * self.mark;
