@@ -5,6 +5,7 @@ use super::run::MotionRun;
 use super::segment_changes::SHORT;
 use super::{DynamicsError, Progress, State};
 use crate::failure::{Cause, significant};
+use crate::vectors::add;
 use pullback_manifold::system::{Evaluation, System, SystemError};
 use std::ops::ControlFlow;
 
@@ -95,10 +96,8 @@ impl MotionRun {
         let mut state = progress.state.clone();
         let (t, h) = (state.t, SHORT * self.options.step);
         state.t += h;
-        for i in 0..state.q.len() {
-            state.q[i] += h * state.v[i];
-            state.v[i] += h * state.a[i];
-        }
+        add(&mut state.q, h, &state.v);
+        add(&mut state.v, h, &state.a);
         let values = &mut self.occurrences.values;
         evaluate(system, events, &state, values)
             .and_then(|()| configure(system, &progress.state))

@@ -1,5 +1,6 @@
 //! Invariants of a motion.
 
+use crate::vectors::add;
 use pullback_manifold::system::{Energies, RigidRates};
 
 /// Invariants of a motion: the target of a scheme that restores them.
@@ -42,9 +43,7 @@ impl Invariants {
     pub(super) fn add_step(&mut self, now: &Energies, h: f64) {
         self.energy += 0.5 * h * (self.power + now.power());
         self.unsure += 0.5 * h * (self.gross_power + gross_power(now));
-        for (momentum, force) in self.momenta.iter_mut().zip(&self.forces) {
-            *momentum += h * force;
-        }
+        add(&mut self.momenta, h, &self.forces);
         self.set_power(now);
     }
 

@@ -184,9 +184,7 @@ impl InvariantProjection {
         self.turns(system, &state.q, &mut gammas);
         let shares = needed.map(|needed| self.shares(needed, rest, &gammas, h));
         let ([s, eta], limited) = shares.unwrap_or(([1.0, 0.0], false));
-        for (v, w) in state.v.iter_mut().zip(&self.w) {
-            *v += (s - 1.0) * w;
-        }
+        add(&mut state.v, s - 1.0, &self.w);
         for (d, gamma) in self.basis[..self.rank].iter().zip(gammas) {
             add(&mut state.v, d.j - d.c, &d.e);
             add(&mut state.q, eta * gamma, &d.e);

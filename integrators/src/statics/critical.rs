@@ -29,6 +29,7 @@ use super::{Iteration, StaticNewtonOptions, StaticsError};
 use crate::failure::Cause;
 use crate::linear_solver::softest;
 use crate::rounding::largest;
+use crate::vectors::add;
 use held::Held;
 use pullback_manifold::system::{Point, System};
 
@@ -208,7 +209,7 @@ impl Newton {
                 return Err(Cause::Diverged);
             }
             corrections.push(correction);
-            q.iter_mut().zip(&self.dq).for_each(|(q, dq)| *q += dq);
+            add(&mut q, 1.0, &self.dq);
             t += dt;
             if is_exact(&corrections) {
                 self.hold(system, &mut q, t, held)?;
@@ -264,7 +265,7 @@ impl Newton {
             }
             last = correction;
             previous.copy_from_slice(q);
-            q.iter_mut().zip(&x.dq).for_each(|(q, x)| *q += x);
+            add(q, 1.0, &x.dq);
         }
         Err(Cause::TooManyIterations)
     }
@@ -323,9 +324,7 @@ impl Newton {
             for (change, direction) in changes.iter_mut().zip(with) {
                 let pattern = system.pattern();
                 pattern.multiply_add(-weight, &self.S, &direction.dq, change);
-                for (change, r_t) in change.iter_mut().zip(&self.r_t) {
-                    *change += weight * direction.dt * r_t;
-                }
+                add(change, weight * direction.dt, &self.r_t);
             }
         }
         Ok(changes)

@@ -6,6 +6,7 @@ use crate::abilities::{charts, events};
 use crate::failure::Cause;
 use crate::linear_solver::LinearSolver;
 use crate::rounding::largest;
+use crate::vectors::add;
 use pullback_manifold::domain::DomainError;
 use pullback_manifold::system::{ChartChanges, Point, System, SystemError};
 
@@ -61,9 +62,7 @@ impl Newton {
         let residual = largest(system.pattern(), &self.dq, [0.0; 3]);
         let solved = self.solver.solve(Some(&self.S), &mut self.dq);
         solved.map_err(Cause::linear)?;
-        for (q, dq) in q.iter_mut().zip(&self.dq) {
-            *q += dq;
-        }
+        add(q, 1.0, &self.dq);
         self.history.push(Iteration {
             residual,
             ratio: f64::INFINITY,

@@ -312,9 +312,7 @@ impl Newton {
         let mut last = None;
         while damping >= self.options.smallest_damping {
             self.trial.copy_from_slice(q);
-            for (x, d) in self.trial.iter_mut().zip(&self.dq) {
-                *x += damping * d;
-            }
+            add(&mut self.trial, damping, &self.dq);
             let trial = std::mem::take(&mut self.trial);
             let next = *t + damping * dt;
             let outcome = self.evaluate(system, Some((*t, &*q)), &trial, next);

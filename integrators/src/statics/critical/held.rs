@@ -4,6 +4,7 @@ use super::PathDirection;
 use crate::failure::Cause;
 use crate::linear_solver::{AutoSolver, LinearSolver};
 use crate::statics::newton::Newton;
+use crate::vectors::add;
 use pullback_manifold::system::System;
 
 /// The tangent with a spring at the held coordinate k, factorised, and its results.
@@ -69,9 +70,7 @@ impl Held {
         let solved = solver.solve(Some(&self.values), &mut dq);
         solved.map_err(Cause::linear)?;
         let at_k = dq[self.k];
-        for (x, psi) in dq.iter_mut().zip(&self.psi.dq) {
-            *x -= at_k * psi;
-        }
+        add(&mut dq, -at_k, &self.psi.dq);
         Ok((PathDirection { dq, dt }, at_k / self.compliance))
     }
 }
