@@ -52,11 +52,15 @@ pub(super) struct Rate<'a> {
     pub given: f64,
 }
 
-/// The names of coordinates, each once.
-pub(super) fn names<'a>(rates: impl IntoIterator<Item = &'a Rate<'a>>) -> String {
-    let mut names: Vec<&str> = rates.into_iter().map(|r| &*r.of).collect();
+/// The refusal of rates that contradict each other, by what is left of the largest.
+pub(super) fn contradiction(rates: &[&Rate<'_>], left: f64) -> InputProblem {
+    let mut names: Vec<&str> = rates.iter().map(|r| &*r.of).collect();
     names.dedup();
-    names.join(", ")
+    let most = rates.iter().fold(0.0_f64, |m, r| m.max(r.given.abs()));
+    InputProblem::LoopRates {
+        of: names.join(", "),
+        left: left * most,
+    }
 }
 
 /// Projects initial coordinates and velocities onto the equations of multipliers and penalties by the smallest changes. Positions
@@ -80,18 +84,16 @@ pub(super) fn project(
     let failed = |error| assembly.locate(error);
     (context.project_positions(0.0, &mut start.q, &held, placed)).map_err(failed)?;
     let (left, _) = remaining_error(context, &start, &held).map_err(failed)?;
-    let most = rates.iter().fold(0.0_f64, |m, r| m.max(r.given.abs()));
-    if let (Some(first), true) = (rates.first(), most > 0.0 && left > VELOCITY_TOLERANCE) {
+    let moves = rates.iter().any(|r| r.given.abs() > 0.0);
+    if let (Some(first), true) = (rates.first(), moves && left > VELOCITY_TOLERANCE) {
         for (rate, u) in rates.iter().filter_map(|r| Some((r, r.u?))) {
             if context.is_locked(0.0, &start.q, u).map_err(failed)? {
                 let of = rate.of.clone();
                 return Err(rate.at.refuse(InputProblem::LoopLocked { of }));
             }
         }
-        return Err(first.at.refuse(InputProblem::LoopRates {
-            of: names(&rates),
-            left: left * most,
-        }));
+        let all: Vec<_> = rates.iter().collect();
+        return Err(first.at.refuse(contradiction(&all, left)));
     }
     // As with maps of loops, prescribed motion has a velocity of its own, whatever that of the whole model.
     let file = assembly.file;

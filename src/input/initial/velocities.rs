@@ -1,6 +1,6 @@
 //! Initial velocities: motions of the file, rates of joints, and what follows from them.
 
-use super::requests::{self, Rate, VelocityRequest, names};
+use super::requests::{self, Rate, VelocityRequest, contradiction};
 use super::values::{geared, given};
 use super::{Entry, Start, VELOCITY_TOLERANCE};
 use crate::input::file::Initial;
@@ -195,10 +195,7 @@ impl<'a> Velocities<'a> {
         Err(match (worst.key, &rates[..]) {
             // A single component of a spherical joint may be free.
             ("rate", [one]) => (first.at).refuse(InputProblem::LoopLocked { of: one.of.clone() }),
-            ("rate", _) => first.at.refuse(InputProblem::LoopRates {
-                of: names(rates.iter().copied()),
-                left: left * rates.iter().fold(0.0_f64, |m, r| m.max(r.given.abs())),
-            }),
+            ("rate", _) => first.at.refuse(contradiction(&rates, left)),
             (key, _) => worst.at.refuse(InputProblem::InitialHeld {
                 node: worst.of.clone(),
                 key,
