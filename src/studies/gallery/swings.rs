@@ -4,7 +4,6 @@ use super::case::{CaseProblem, CaseReport, largest, until, with_step};
 use super::exact::first_kind;
 use super::motion::{History, observed_order, richardson};
 use crate::output::plot::PlotCurve;
-use nalgebra::Vector3;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Order in the step of the position of a node at t = 0.5, with gravity applied smoothly until then: a sudden start
@@ -121,14 +120,13 @@ pub(super) fn rubber(report: &mut CaseReport) -> Result<(), CaseProblem> {
     let c = report.motion(&with_step(&file, 5e-4), &["end"])?;
     report.compare("energy error", c.energy_error(), 0.0, 1e-4, "conserved");
     order(report, "rubber_rod", "end")?;
-    let mut coarse = file.clone();
-    let mut positions: Vec<Vector3<f64>> = Vec::new();
-    for elements in [4, 8, 16] {
-        coarse.lines[0].elements = elements;
-        let run = report.motion(&until(&coarse, 1e-3, 0.5), &["end"])?;
-        positions.push(run.at(0, 0.5).position);
-    }
-    let mesh = (positions[1] - positions[2]).norm();
+    let files = [8, 16].map(|elements| {
+        let mut file = until(&file, 1e-3, 0.5);
+        file.lines[0].elements = elements;
+        file
+    });
+    let [coarse, fine] = (report.motions(files, &["end"])?).map(|run| run.at(0, 0.5).position);
+    let mesh = (coarse - fine).norm();
     let what = "8 and 16 quadratic elements apart at t = 0.5";
     report.compare(what, mesh, 0.0, 1e-3, "convergence with the mesh");
     report.figure(
