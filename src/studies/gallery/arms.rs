@@ -116,10 +116,10 @@ fn converged(
     file: &ModelFile,
     independent: &[At],
 ) -> Result<(), CaseProblem> {
-    let run = |file: ModelFile| report.motion(&with_step(&file, 5e-4), &["tip"]);
-    let fine = run(meshed(file, 8, 2))?;
-    let [coarse, medium] = [8, 40].map(|elements| run(meshed(file, elements / 2, 1)));
-    let errors = [apart(&coarse?, &fine), apart(&medium?, &fine)];
+    let files = [(4, 1), (20, 1), (8, 2)].map(|(elements, order)| meshed(file, elements, order));
+    let files = files.map(|file| with_step(&file, 5e-4));
+    let [coarse, medium, fine] = report.motions(files, &["tip"])?;
+    let errors = [apart(&coarse, &fine), apart(&medium, &fine)];
     let source = "independent: finite volumes, Runge-Kutta, extrapolated";
     for &(t, d) in independent {
         let what = format!("tip at t = {t}, 16 quadratic elements");
@@ -150,12 +150,9 @@ fn orders(report: &mut CaseReport, model: &str, file: &ModelFile) -> Result<(), 
     let smooth = report.model_with(model, &prescribed)?;
     let quarter = meshed(&smooth, 4, 1);
     let files = [2e-3, 1e-3, 5e-4].map(|h| until(&quarter, h, 1.0));
-    let steps = report.motions(files, &["tip"])?;
-    let [a, b, c] = [8, 16, 32].map(|elements| {
-        let file = meshed(&smooth, elements, 1);
-        report.motion(&until(&file, 1e-3, 1.0), &["tip"])
-    });
-    let (steps, meshes) = (steps.map(tip(1.0)), [a?, b?, c?].map(tip(1.0)));
+    let steps = report.motions(files, &["tip"])?.map(tip(1.0));
+    let files = [8, 16, 32].map(|elements| until(&meshed(&smooth, elements, 1), 1e-3, 1.0));
+    let meshes = report.motions(files, &["tip"])?.map(tip(1.0));
     let what = "order in the step, driven smoothly";
     report.compare_order(what, observed_order(&steps), 0.1);
     let what = "order in the mesh, driven smoothly";
