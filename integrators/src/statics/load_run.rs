@@ -68,7 +68,7 @@ impl StaticAnalysis for LoadRun {
             self.reached = start;
             return Ok(true);
         }
-        while !self.newton.summary.finished {
+        while let (Some(known), false) = (self.known, self.newton.summary.finished) {
             let rest = self.options.to - self.newton.summary.t;
             // The last step absorbs a tiny remainder.
             let last = rest.abs() <= self.dt.abs() * (1.0 + 1e-9);
@@ -76,9 +76,7 @@ impl StaticAnalysis for LoadRun {
                 true => self.options.to,
                 false => self.newton.summary.t + self.dt,
             };
-            let known = self.known.unwrap_or(TangentStatus::Nothing);
-            let attempt = self.attempt(system, t, known);
-            match attempt {
+            match self.attempt(system, t, known) {
                 Ok(chart_changes) => {
                     self.newton.summary.finished = last;
                     self.accept(system, t, chart_changes);
@@ -166,16 +164,14 @@ impl LoadRun {
         self.known = Some(TangentStatus::Nothing);
         let mut failed = self.newton.fail(system, failure, t);
         self.q.copy_from_slice(&self.start);
-        charts(system).start(self.newton.summary.t, &self.q);
-        charts(system).change_charts(self.newton.summary.t, &mut self.q, &mut [], &mut []);
-        self.dt = 0.5 * (t - self.newton.summary.t);
+        let from = self.newton.summary.t;
+        charts(system).start(from, &self.q);
+        charts(system).change_charts(from, &mut self.q, &mut [], &mut []);
+        self.dt = 0.5 * (t - from);
         let too_small = self.dt.abs() < self.options.min_step;
         if hopeless || too_small {
             // Leaves the system at the last equilibrium.
-            (self
-                .newton
-                .evaluate(system, None, &self.q, self.newton.summary.t))
-            .ok();
+            self.newton.evaluate(system, None, &self.q, from).ok();
             failed.min_step = (!hopeless).then_some(self.options.min_step);
             return Err(StaticsError::Step(failed));
         }
