@@ -66,10 +66,10 @@ fn largest(
 ) -> Result<f64, LinearError> {
     let pattern = system.pattern();
     let gram = |x: &[f64], y: &mut [f64]| pattern.multiply_add(1.0, M, x, y);
-    let mut krylov = Krylov::new(pattern.dim(), pattern.dim());
+    let mut krylov = Krylov::new([pattern.dim(); 2], true, gram);
     // A start vector with a component of every mode.
     let start = (0..pattern.dim()).map(|i| 1.0 + (1.7 * (i * i) as f64).sin());
-    krylov.add(start.collect(), &gram);
+    krylov.add(start.collect());
     let mut found = 0.0_f64;
     while krylov.len() < MOST
         && let Some((v, _)) = krylov.next()
@@ -77,9 +77,9 @@ fn largest(
         let mut product = vec![0.0; v.len()];
         pattern.multiply_add(1.0, K, v, &mut product);
         solver.solve(Some(M), &mut product)?;
-        krylov.take(product, &gram, true);
+        krylov.take(product);
         if krylov.len().is_multiple_of(LOOK) || krylov.is_exhausted() {
-            let pairs = krylov.ritz(true).unwrap_or_default();
+            let pairs = krylov.ritz().unwrap_or_default();
             let value = pairs.iter().map(|pair| pair.theta.re).fold(0.0, f64::max);
             let settled = (value - found).abs() <= SETTLED * value.abs();
             found = value;

@@ -35,11 +35,12 @@ const DEPENDENT: f64 = 1e-4;
 /// Number of vectors that memory is reserved for.
 const RESERVED: usize = 32;
 
-/// Adds G w to its second argument.
-pub(crate) type Gram<'a> = dyn Fn(&[f64], &mut [f64]) + 'a;
-
 /// An orthonormal basis, and the operator in it.
-pub(crate) struct Krylov {
+pub(crate) struct Krylov<'a> {
+    /// Adds G w to its second argument.
+    pub gram: Box<dyn Fn(&[f64], &mut [f64]) + 'a>,
+    /// Whether the operator is self-adjoint: coefficients of earlier vectors are then known.
+    symmetric: bool,
     /// One vector after the other.
     basis: Vec<f64>,
     /// G v of each of them: a projection then needs no product.
@@ -54,11 +55,17 @@ pub(crate) struct Krylov {
     dropped: bool,
 }
 
-impl Krylov {
+impl<'a> Krylov<'a> {
     /// An empty basis of vectors of a length, of which at most so many are independent: what is left of others is
     /// rounding errors.
-    pub fn new(dim: usize, most: usize) -> Self {
+    pub fn new(
+        [dim, most]: [usize; 2],
+        symmetric: bool,
+        gram: impl Fn(&[f64], &mut [f64]) + 'a,
+    ) -> Self {
         Self {
+            gram: Box::new(gram),
+            symmetric,
             basis: Vec::with_capacity(RESERVED * dim),
             images: Vec::with_capacity(RESERVED * dim),
             dim,
@@ -84,9 +91,9 @@ impl Krylov {
     }
 
     /// Adds a start vector; false if the basis contains it.
-    pub fn add(&mut self, w: Vec<f64>, gram: &Gram<'_>) -> bool {
+    pub fn add(&mut self, w: Vec<f64>) -> bool {
         let before = self.basis().ncols();
-        let coefficients = self.append(w, vec![0.0; before], gram, INDEPENDENT);
+        let coefficients = self.append(w, vec![0.0; before], INDEPENDENT);
         coefficients.len() > before
     }
 
@@ -97,13 +104,12 @@ impl Krylov {
         Some((self.basis.get(next.clone())?, &self.images[next]))
     }
 
-    /// Takes the product of the operator and [`Krylov::next`]; of a symmetric operator, the coefficients of earlier
-    /// vectors are known.
-    pub fn take(&mut self, mut product: Vec<f64>, gram: &Gram<'_>, symmetric: bool) {
+    /// Takes the product of the operator and [`Krylov::next`].
+    pub fn take(&mut self, mut product: Vec<f64>) {
         let j = self.columns.len();
         let before = self.basis().ncols();
         let mut known = vec![0.0; before];
-        if symmetric {
+        if self.symmetric {
             for (known, column) in known.iter_mut().zip(&self.columns) {
                 *known = column.get(j).copied().unwrap_or(0.0);
             }
@@ -118,20 +124,14 @@ impl Krylov {
             let images = columns(&self.images, self.dim);
             project(self.basis(), images, &mut product, &mut known);
         }
-        let column = self.append(product, known, gram, NEW);
+        let column = self.append(product, known, NEW);
         self.dropped |= column.len() == before;
         self.columns.push(column);
     }
 
     /// Orthogonalises a vector, less the part of it with known coefficients, and appends what is left; returns
     /// all coefficients.
-    fn append(
-        &mut self,
-        mut w: Vec<f64>,
-        mut coefficients: Vec<f64>,
-        gram: &Gram<'_>,
-        least: f64,
-    ) -> Vec<f64> {
+    fn append(&mut self, mut w: Vec<f64>, mut coefficients: Vec<f64>, least: f64) -> Vec<f64> {
         let end = self.images.len();
         self.images.resize(end + self.dim, 0.0);
         let (images, Gw) = self.images.split_at_mut(end);
@@ -140,7 +140,7 @@ impl Krylov {
         for _ in 0..PASSES {
             let square = project(basis, images, &mut w, &mut coefficients);
             Gw.fill(0.0);
-            gram(&w, Gw);
+            (self.gram)(&w, Gw);
             left = dot(&w, Gw);
             // The next pass removes what this one leaves by rounding errors.
             if square <= SMALL * left {
@@ -160,8 +160,8 @@ impl Krylov {
     }
 
     /// Eigenvalues of the operator within the basis, the largest first; `None` if the dense solver fails.
-    pub fn ritz(&self, symmetric: bool) -> Option<Vec<RitzPair>> {
-        ritz_pairs(&self.columns, symmetric)
+    pub fn ritz(&self) -> Option<Vec<RitzPair>> {
+        ritz_pairs(&self.columns, self.symmetric)
     }
 
     /// A x of the vectors x with these coefficients, without a product; `None` if a part of it was dropped.
@@ -255,7 +255,7 @@ fn inverse_iteration(H: &Mat<f64>, theta: Complex64, seed: u64) -> Vec<Complex64
 
 /// Eigenvalues of the upper square of the matrix with these columns, the largest magnitude first; the rows
 /// below give the residuals. `None` if the iteration fails.
-pub(super) fn ritz_pairs(columns: &[Vec<f64>], symmetric: bool) -> Option<Vec<RitzPair>> {
+fn ritz_pairs(columns: &[Vec<f64>], symmetric: bool) -> Option<Vec<RitzPair>> {
     let n = columns.len();
     let entry = |i: usize, j: usize| columns[j].get(i).copied().unwrap_or(0.0);
     if !(0..n).all(|j| columns[j].iter().all(|x| x.is_finite())) {

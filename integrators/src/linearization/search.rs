@@ -209,11 +209,10 @@ impl<'a> Search<'a> {
     /// This many more steps or some, all if the method is dense; returns the eigenvalues of the operator.
     fn advance(
         &mut self,
-        krylov: &mut Krylov,
+        krylov: &mut Krylov<'_>,
         steps: Option<usize>,
         observer: &mut dyn FnMut(usize) -> ControlFlow<()>,
     ) -> Result<Vec<RitzPair>, ModesError> {
-        let gram = self.gram();
         let count = match self.selection {
             Selection::Nearest { count, .. } => count,
             Selection::Range(_) => 0,
@@ -232,20 +231,19 @@ impl<'a> Search<'a> {
             };
             let Mv = (self.inner == Inner::Mass).then_some(Gv);
             let product = self.operator.apply(v, Mv)?;
-            krylov.take(product, &gram, self.is_symmetric());
+            krylov.take(product);
             if observer(krylov.len()).is_break() {
                 return Err(ModesError::Interrupted);
             }
         }
-        let pairs = krylov.ritz(self.is_symmetric());
-        let pairs = pairs.ok_or_else(|| not_converged(0, krylov))?;
+        let pairs = krylov.ritz().ok_or_else(|| not_converged(0, krylov))?;
         Ok(self.without_wandering(pairs))
     }
 
     /// The eigenvectors of converged pairs, as selected, and their eigenvalues.
     fn vectors(
         &mut self,
-        krylov: &Krylov,
+        krylov: &Krylov<'_>,
         pairs: &[RitzPair],
     ) -> Result<Vec<(Vec<Complex64>, Complex64)>, ModesError> {
         let mut chosen: Vec<&RitzPair> = pairs
@@ -294,7 +292,7 @@ impl<'a> Search<'a> {
     }
 }
 
-fn not_converged(converged: usize, krylov: &Krylov) -> ModesError {
+fn not_converged(converged: usize, krylov: &Krylov<'_>) -> ModesError {
     ModesError::NotConverged {
         converged,
         dimension: krylov.len(),

@@ -42,7 +42,7 @@ impl<'a> Search<'a> {
     }
 
     /// Scales of the shifted matrix, and weights of the coordinates on which the operator depends.
-    pub(super) fn weigh(&mut self) -> Result<(), LinearError> {
+    fn weigh(&mut self) -> Result<(), LinearError> {
         let lin = self.lin;
         let n = lin.dim();
         let (mut scales, mut work) = (vec![1.0; n], vec![0.0; n]);
@@ -97,7 +97,7 @@ impl<'a> Search<'a> {
 
     /// The inner product of the search: M if the problem is symmetric, and of velocities, so that what has no mass has no
     /// length.
-    pub(super) fn gram(&self) -> impl Fn(&[f64], &mut [f64]) + use<'a> {
+    fn gram(&self) -> impl Fn(&[f64], &mut [f64]) + use<'a> {
         let (lin, inner, weights) = (self.lin, self.inner, self.weights.clone());
         let factor = self.balance;
         let by_mass = match inner {
@@ -122,11 +122,11 @@ impl<'a> Search<'a> {
     }
 
     /// A subspace of start vectors: all unit vectors if there are few, else one.
-    pub(super) fn krylov(&mut self) -> Result<Krylov, ModesError> {
+    pub(super) fn krylov(&mut self) -> Result<Krylov<'a>, ModesError> {
         let size = self.weights.len();
         // Of what equations hold there are no finite eigenvalues.
         let free = self.operator.free_coordinates() * (size / self.lin.dim());
-        let mut krylov = Krylov::new(size, free);
+        let mut krylov = Krylov::new([size, free], self.is_symmetric(), self.gram());
         let few = match self.selection {
             Selection::Nearest { count, .. } => size <= DENSE.max(4 * count),
             Selection::Range(_) => size <= DENSE,
@@ -135,17 +135,16 @@ impl<'a> Search<'a> {
             self.add_starts(&mut krylov, 1)?;
             return Ok(krylov);
         }
-        let gram = self.gram();
         for i in 0..size {
             let mut unit = vec![0.0; size];
             unit[i] = 1.0;
             self.operator.constrain(&mut unit)?;
             let mut image = vec![0.0; size];
-            gram(&unit, &mut image);
+            (krylov.gram)(&unit, &mut image);
             // Of what equations hold, and of multipliers, rounding errors are left.
             let whole = self.scales[i % self.lin.dim()].powi(-2);
             if dot(&unit, &image) > HELD * whole {
-                krylov.add(unit, &gram);
+                krylov.add(unit);
             }
         }
         Ok(krylov)
@@ -154,7 +153,7 @@ impl<'a> Search<'a> {
     /// Adds pseudo-random start vectors in the range of the operator; false if the basis holds them.
     pub(super) fn add_starts(
         &mut self,
-        krylov: &mut Krylov,
+        krylov: &mut Krylov<'_>,
         count: usize,
     ) -> Result<bool, ModesError> {
         let mut added = false;
@@ -164,7 +163,7 @@ impl<'a> Search<'a> {
             let mut vector: Vec<f64> = self.weights.iter().map(scaled).collect();
             self.operator.constrain(&mut vector)?;
             let vector = self.operator.apply(&vector, None)?;
-            added |= krylov.add(vector, &self.gram());
+            added |= krylov.add(vector);
         }
         Ok(added)
     }
