@@ -88,18 +88,18 @@ impl Stepper {
         for &i in &multipliers {
             (state.q[i], state.v[i], state.a[i]) = (0.0, 0.0, 0.0);
         }
-        let mut passes = 0;
-        if !self.solve_mass(system, state, (h, 0.0), None)? {
-            self.solve_rates(system, state, h)?;
-            self.solve_mass(system, state, (h, 0.0), None)?;
-        } else if is_damped(system, state, h)? && !self.lasts(system, state, h) {
-            passes = PASSES;
+        let massive = self.solve_mass(system, state, (h, 0.0), None)?;
+        if massive && is_damped(system, state, h)? && !self.lasts(system, state, h) {
             state.a.clone_from(&state.algorithmic);
             state.a.resize(n, 0.0);
-        }
-        for _ in 0..passes.max(1) {
-            if passes > 0 {
+            for _ in 0..PASSES {
                 self.solve_mass(system, state, (h, h), None)?;
+                add(&mut state.a, 1.0, &self.r);
+            }
+        } else {
+            if !massive {
+                self.solve_rates(system, state, h)?;
+                self.solve_mass(system, state, (h, 0.0), None)?;
             }
             add(&mut state.a, 1.0, &self.r);
         }
