@@ -33,9 +33,9 @@ const BENDING: f64 = 1e-4;
 const INDEPENDENT: &str =
     "independent: finite volumes, ends on crank and carrier, Nyström's method";
 
-/// Signed distance of the watched middle from the line between the two watched ends.
-fn off_the_line(run: &History, t: f64, [from, middle, to]: [usize; 3]) -> f64 {
-    let [a, m, b] = [from, middle, to].map(|node| run.at(node, t).position);
+/// Signed distance of the second watched node, a middle, from the line between the first and the third.
+fn off_the_line(run: &History, t: f64) -> f64 {
+    let [a, m, b] = [0, 1, 2].map(|node| run.at(node, t).position);
     let chord = b - a;
     chord.cross(&(m - a)).dot(&Vector3::z()) / chord.norm()
 }
@@ -72,7 +72,7 @@ pub(super) fn coupler(report: &mut CaseReport) -> Result<(), CaseProblem> {
         let what = format!("tip at t = {t}, bent coupler,");
         report.compare_parts(&what, &[tip.x, tip.y], &[x, y], POSITION, INDEPENDENT);
         let what = format!("middle off the line between the ends at t = {t}");
-        let found = off_the_line(&bent, t, [0, 1, 2]);
+        let found = off_the_line(&bent, t);
         report.compare(what, found, off, BENDING, INDEPENDENT);
     }
     let open = gap(&bent, [2, 3]);
@@ -108,7 +108,7 @@ pub(super) fn connecting_rod(report: &mut CaseReport) -> Result<(), CaseProblem>
         let found = bent.at(2, t).position.x;
         report.compare(what, found, x, POSITION, INDEPENDENT);
         let what = format!("middle off the line between the ends at t = {t}");
-        let found = off_the_line(&bent, t, [0, 1, 2]);
+        let found = off_the_line(&bent, t);
         report.compare(what, found, off, bending, INDEPENDENT);
     }
     let open = gap(&bent, [2, 3]);
