@@ -84,7 +84,7 @@ impl MotionRun {
             invariants.energy += changed.total() - now.total();
         }
         let restored = projection.restore(system, &mut self.stepper, progress, (t, h))?;
-        Ok(now.map(|_| restored))
+        Ok(Some(restored))
     }
 
     /// Doubles a step size that was halved, after enough converged steps in a row.
