@@ -82,17 +82,9 @@ impl ModelBuilder {
 
         let numbering = Numbering::new(&nodes, &elements, &prescribed);
         let quantities: Vec<Quantity> = nodes.iter().flat_map(|n| n.quantities.clone()).collect();
-        let of_form = |n: &Node| std::iter::repeat_n(n.form == NodeForm::Multipliers, n.dim);
-        let multipliers: Vec<bool> = nodes.iter().flat_map(of_form).collect();
-        let magnitudes: Vec<f64> = nodes.iter().flat_map(|n| magnitudes(n, length)).collect();
-        let info = |c: usize| CoordinateInfo {
-            quantity: quantities[c],
-            size: quantities[c].size(length),
-            magnitude: Some(magnitudes[c]),
-            is_multiplier: multipliers[c],
-        };
+        let infos: Vec<CoordinateInfo> = nodes.iter().flat_map(|n| infos(n, length)).collect();
         let pattern = pattern(&elements, &alternatives, &numbering)
-            .with_coordinates(|i| info(numbering.coordinates[i]));
+            .with_coordinates(|i| infos[numbering.coordinates[i]]);
         let Numbering {
             unknowns,
             coordinates,
@@ -267,12 +259,17 @@ impl Numbering {
     }
 }
 
-/// The magnitudes that the coordinates of a node are added to.
-fn magnitudes(node: &Node, length: f64) -> impl Iterator<Item = f64> + '_ {
-    node.quantities.iter().map(move |quantity| match quantity {
-        Quantity::Length if node.is_frame() => node.position.norm(),
-        Quantity::Length => length,
-        Quantity::Angle | Quantity::Other => 1.0,
+/// The kinds of the coordinates of a node in a model of this size.
+fn infos(node: &Node, length: f64) -> impl Iterator<Item = CoordinateInfo> + '_ {
+    node.quantities.iter().map(move |&quantity| CoordinateInfo {
+        quantity,
+        size: quantity.size(length),
+        magnitude: Some(match quantity {
+            Quantity::Length if node.is_frame() => node.position.norm(),
+            Quantity::Length => length,
+            Quantity::Angle | Quantity::Other => 1.0,
+        }),
+        is_multiplier: node.form == NodeForm::Multipliers,
     })
 }
 
