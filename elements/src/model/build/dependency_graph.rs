@@ -52,18 +52,11 @@ impl Alternatives {
 
 /// The union of two ascending lists.
 fn union(a: &[u32], b: &[u32]) -> Vec<u32> {
-    let mut out = Vec::with_capacity(a.len() + b.len());
-    let (mut i, mut j) = (0, 0);
-    loop {
-        let next = match (a.get(i), b.get(j)) {
-            (Some(&x), Some(&y)) => x.min(y),
-            (Some(&x), None) | (None, Some(&x)) => x,
-            (None, None) => return out,
-        };
-        i += usize::from(a.get(i) == Some(&next));
-        j += usize::from(b.get(j) == Some(&next));
-        out.push(next);
-    }
+    let mut out = [a, b].concat();
+    // Stable: two ascending runs are merged in linear time.
+    out.sort();
+    out.dedup();
+    out
 }
 
 /// Mapped nodes, parents first.
