@@ -47,7 +47,7 @@ impl ScatterMap {
         into: &mut ScatterTarget<'_>,
     ) {
         let (d, tangents) = (e.element.dim(), &tangents[into.needed.clone()]);
-        let pieces = self.pieces[self.first_position(k)..].chunks_exact(e.nodes.len());
+        let pieces = self.pieces[self.first_positions[k]..].chunks_exact(e.nodes.len());
         let mut column = 0;
         for (pieces, &node) in pieces.zip(e.nodes.iter()) {
             for c in 0..nodes[node as usize].dim {

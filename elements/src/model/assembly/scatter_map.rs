@@ -20,7 +20,7 @@ pub(in crate::model) struct ScatterMap {
     /// Per element without mapped nodes, consecutively: the position of each pair of blocks, column by column.
     positions: Vec<BlockPosition>,
     /// Per element: its first position, or piece with mapped nodes.
-    first_positions: Vec<usize>,
+    pub(super) first_positions: Vec<usize>,
     pub couplings: Couplings,
     /// The same for elements with mapped nodes, and positions of the tangents that mapped nodes pass to their
     /// parents.
@@ -219,11 +219,6 @@ impl ScatterMap {
         for block in &self.unwritten {
             values[block.clone()].fill(0.0);
         }
-    }
-
-    /// First position of element `k`.
-    pub(in crate::model) fn first_position(&self, k: usize) -> usize {
-        self.first_positions[k]
     }
 
     /// Writes or adds the local matrix `S` (d×d) of element `k`.
