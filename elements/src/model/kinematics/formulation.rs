@@ -1,5 +1,6 @@
 //! Formulations of rotations: the rotational unknowns of a frame, and their rates.
 
+use crate::blocks::three;
 use crate::model::build::builder::{FRAME, ModelBuilder, NodeId};
 use crate::model::kinematics::mapped_node::MappedNode;
 use crate::model::{Context, Model, Node, NodeForm};
@@ -10,7 +11,6 @@ use pullback_manifold::map::{Increment, Map, Parametrization};
 use pullback_manifold::so3::{self, Spin, VelocityKind};
 use pullback_manifold::system::{Evaluation, Point, SystemError, Weights};
 use std::collections::HashMap;
-use std::ops::Range;
 use std::sync::Arc;
 
 /// Rotational unknowns of frames in a motion.
@@ -174,7 +174,7 @@ pub(in crate::model) fn rotation_rate(
     let (mut q, mut x, mut operator) = ([0.0; FRAME], [0.0; FRAME], [0.0; FRAME * FRAME]);
     q[n - 3..n].copy_from_slice(theta.as_slice());
     map.tangent(0.0, &q[..n], &mut x[..n], &mut operator[..n * n]);
-    let psi = Vector3::from_column_slice(&x[n - 3..n]);
+    let psi = three(&x, n - 3);
     let Omega = so3::rotation(&psi).tr_mul(omega);
     let velocities = map.reparametrization();
     match velocities.and_then(|map| map.velocity_kind()) {
@@ -202,29 +202,29 @@ impl Context {
         frames.any(|k| self.spin_coordinates(self.model.spin_frames[k]).is_some())
     }
 
-    /// The coordinates θ behind a frame whose rates are angular velocities at present, the frame's
-    /// increments, and the kind of velocity.
-    fn spin_coordinates(&mut self, n: u32) -> Option<(Range<usize>, u32, VelocityKind)> {
+    /// The first of the coordinates θ behind a frame whose rates are angular velocities at present, the
+    /// frame's increments, and the kind of velocity.
+    fn spin_coordinates(&mut self, n: u32) -> Option<(usize, u32, VelocityKind)> {
         let d = self.model.nodes[n as usize].mapped()?;
         let own = d.parents(&self.state.maps)[0];
         let end = self.model.spans[own as usize].range().end;
         let kind = self.state.maps[d.index]
             .reparametrization()?
             .velocity_kind()?;
-        Some((end - 3..end, own, kind))
+        Some((end - 3, own, kind))
     }
 
     /// Converts angular velocities to the rates of their rotation vectors, in the workspace.
     pub(in crate::model) fn take_spins(&mut self) {
         for k in 0..self.model.spin_frames.len() {
-            let Some((range, _, kind)) = self.spin_coordinates(self.model.spin_frames[k]) else {
+            let Some((theta, _, kind)) = self.spin_coordinates(self.model.spin_frames[k]) else {
                 continue;
             };
             let w = &mut self.work;
-            let three = |x: &[f64]| Vector3::from_column_slice(&x[range.clone()]);
-            let rates = Spin::rates(kind, &three(&w.x), &three(&w.v), &three(&w.a));
-            w.v[range.clone()].copy_from_slice(rates.theta_dot.as_slice());
-            w.a[range].copy_from_slice(rates.theta_ddot.as_slice());
+            let [x, v, a] = [&w.x, &w.v, &w.a].map(|x| three(x, theta));
+            let rates = Spin::rates(kind, &x, &v, &a);
+            w.v[theta..theta + 3].copy_from_slice(rates.theta_dot.as_slice());
+            w.a[theta..theta + 3].copy_from_slice(rates.theta_ddot.as_slice());
         }
     }
 
@@ -262,24 +262,23 @@ impl Context {
 
     fn turn_columns(&mut self, weights: Weights, [C, M]: &[Vec<f64>; 2], S: &mut [f64]) {
         for k in 0..self.model.spin_frames.len() {
-            let Some((range, own, kind)) = self.spin_coordinates(self.model.spin_frames[k]) else {
+            let Some((theta, own, kind)) = self.spin_coordinates(self.model.spin_frames[k]) else {
                 continue;
             };
             let w = &self.work;
-            let three = |x: &[f64]| Vector3::from_column_slice(&x[range.clone()]);
             let rates = Spin {
                 kind,
-                theta_dot: three(&w.v),
-                theta_ddot: three(&w.a),
+                theta_dot: three(&w.v, theta),
+                theta_ddot: three(&w.a, theta),
             };
             let numbers = [weights.K, weights.C, weights.M];
-            let [mut first, mut second] = rates.varied(numbers, &three(&w.x));
+            let [mut first, mut second] = rates.varied(numbers, &three(&w.x, theta));
             for k in 0..3 {
                 first[(k, k)] -= weights.C;
                 second[(k, k)] -= weights.M;
             }
             let block = self.work.scatter_map.blocks[own as usize] as usize;
-            let offset = self.work.scatter_map.rows[range.start] as usize;
+            let offset = self.work.scatter_map.rows[theta] as usize;
             for (i, values) in self.model.pattern.column(block) {
                 let height = self.model.pattern.size(i);
                 for c in 0..3 {

@@ -4,6 +4,7 @@
 //! is the chart of its pose ([`ToChart`]), which is evaluated only if an element or a map reads it; the
 //! pose of any other frame is mapped from its chart ([`ToPose`]).
 
+use crate::blocks::three;
 use crate::model::assembly::workspace::Workspace;
 use crate::model::build::builder::FRAME_QUANTITIES;
 use crate::model::kinematics::mapped_node::MappedNode;
@@ -46,7 +47,6 @@ pub(in crate::model) fn add_pose(nodes: &mut Vec<Node>, frame: u32) -> u32 {
 
 /// Force and moment of a covector of a frame at coordinates x: the covector of a moment m is T m in a chart.
 pub(in crate::model) fn spatial(node: &Node, x: &[f64], covector: &[f64]) -> [Vector3<f64>; 2] {
-    let three = |x: &[f64], k: usize| Vector3::new(x[k], x[k + 1], x[k + 2]);
     let turn = three(covector, 3);
     let moment = match node.form {
         NodeForm::Pose => turn,
@@ -109,8 +109,7 @@ impl Context {
             let turn = orientation(&x);
             return 2.0 * turn.v.norm().atan2(turn.w.abs());
         }
-        let x = &self.work.x[node.first + 3..node.first + 6];
-        Vector3::from_column_slice(x).norm()
+        three(&self.work.x, node.first + 3).norm()
     }
 
     /// Coordinates, velocities and accelerations of a node, those of a frame in its chart, in the
