@@ -35,3 +35,8 @@ pub(super) fn direction(axis: [f64; 3]) -> Result<Vector3<f64>, AxisError> {
         Err(AxisError::Direction(axis))
     }
 }
+
+/// A unit vector normal to `e`, and to the axis with the smallest component in `e`.
+pub(super) fn across(e: &Vector3<f64>) -> Vector3<f64> {
+    e.cross(&Vector3::ith(e.iamin(), 1.0)).normalize()
+}

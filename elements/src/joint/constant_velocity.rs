@@ -1,5 +1,6 @@
 //! The constant-velocity joint: the shafts turn equally fast at any angle between them.
 
+use super::axes::across;
 use super::{AxisError, Joint, JointCoordinate, PARALLEL, Pose, direction};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::domain::DomainError;
@@ -26,7 +27,7 @@ impl ConstantVelocity {
     /// second away from it. An error for axes without a direction, or in opposite directions.
     pub fn new(axes: [[f64; 3]; 2]) -> Result<Self, AxisError> {
         let [e, f] = [direction(axes[0])?, direction(axes[1])?];
-        let first = e.cross(&Vector3::ith(e.iamin(), 1.0)).normalize();
+        let first = across(&e);
         let across = [first, e.cross(&first)];
         let (turn, cosine) = (e.cross(&f), e.dot(&f));
         let sine = turn.norm();

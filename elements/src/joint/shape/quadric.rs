@@ -1,7 +1,7 @@
 //! Planes, cylinders and spheres as surfaces.
 
 use crate::joint::Surface;
-use crate::joint::axes::{AxisError, PARALLEL, direction};
+use crate::joint::axes::{AxisError, PARALLEL, across, direction};
 use nalgebra::Vector3;
 use pullback_manifold::scalar::Scalar;
 use std::f64::consts::FRAC_PI_2;
@@ -32,13 +32,6 @@ pub enum Quadric {
         /// r e₁, r e₂, r e₃.
         frame: [Vector3<f64>; 3],
     },
-}
-
-/// A unit vector normal to `e`, and to the axis with the smallest component in `e`.
-fn across(e: &Vector3<f64>) -> Vector3<f64> {
-    let mut other = Vector3::zeros();
-    other[e.iamin()] = 1.0;
-    e.cross(&other).normalize()
 }
 
 impl Quadric {
