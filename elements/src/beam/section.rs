@@ -70,21 +70,21 @@ impl Material {
         if !(self.nu > -1.0 && self.nu <= 0.5) {
             return Err(SectionError::PoissonRatio(self.nu));
         }
-        if !(self.rho >= 0.0 && self.rho.is_finite()) {
-            return Err(SectionError::NotPositive {
-                quantity: "density rho",
-                value: self.rho,
-            });
-        }
-        Ok(())
+        not_negative("density rho", self.rho)
     }
 }
 
 fn positive(quantity: &'static str, value: f64) -> Result<(), SectionError> {
-    if value > 0.0 && value.is_finite() {
-        Ok(())
-    } else {
-        Err(SectionError::NotPositive { quantity, value })
+    match value > 0.0 {
+        true => not_negative(quantity, value),
+        false => Err(SectionError::NotPositive { quantity, value }),
+    }
+}
+
+fn not_negative(quantity: &'static str, value: f64) -> Result<(), SectionError> {
+    match value >= 0.0 && value.is_finite() {
+        true => Ok(()),
+        false => Err(SectionError::NotPositive { quantity, value }),
     }
 }
 
@@ -157,17 +157,9 @@ impl Section {
     /// # Errors
     /// [`SectionError::NotPositive`] for a factor that is negative or not finite.
     pub fn with_damping(mut self, damping: Damping) -> Result<Self, SectionError> {
-        for (quantity, value) in [
-            ("mass-proportional damping (or zero)", damping.mass),
-            (
-                "stiffness-proportional damping (or zero)",
-                damping.stiffness,
-            ),
-        ] {
-            if !(value >= 0.0 && value.is_finite()) {
-                return Err(SectionError::NotPositive { quantity, value });
-            }
-        }
+        not_negative("mass-proportional damping (or zero)", damping.mass)?;
+        let stiffness = damping.stiffness;
+        not_negative("stiffness-proportional damping (or zero)", stiffness)?;
         self.damping = damping;
         Ok(self)
     }
