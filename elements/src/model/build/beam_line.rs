@@ -119,10 +119,10 @@ impl ModelBuilder {
             }
         }
         let intervals = line.elements * line.order;
-        let at = |k: f64| axis.at(k / intervals as f64);
         let mut nodes = vec![from];
         for k in 1..intervals {
-            let (inner, position) = (format!("{name}/{k}"), at(k as f64).0.into());
+            let (position, _) = axis.at(k as f64 / intervals as f64);
+            let (inner, position) = (format!("{name}/{k}"), position.into());
             nodes.push(match parent {
                 None => self.node(inner, position)?,
                 Some(parent) => self.relative_node(inner, parent, position)?.frame,
@@ -165,14 +165,13 @@ impl ModelBuilder {
             let positions: Vec<Vector3<f64>> = own.iter().map(|&n| self.position(n)).collect();
             let frame = |xi: f64| -> Matrix3<f64> { axis.at(line.parameter(e, xi)).1 };
             let element_name = format!("{name}:{}", e + 1);
-            let own = own.to_vec();
             let beam = interpolation
                 .beam(&positions, &frame, &line.section)
                 .map_err(|source| ModelError::Beam {
                     element: element_name.clone(),
                     source,
                 })?;
-            elements.push(self.element(element_name, beam, &own)?);
+            elements.push(self.element(element_name, beam, own)?);
         }
         Ok(elements)
     }
