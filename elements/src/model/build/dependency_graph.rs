@@ -114,13 +114,13 @@ pub(in crate::model) fn behind(nodes: &[Node], maps: &Maps, group: &[u32]) -> Ve
 
 /// Numbers the mapped nodes, and arranges their operators; returns the number of values of these.
 pub(in crate::model) fn arrange(nodes: &mut Nodes) -> usize {
-    let mut operators = 0;
+    let mut end = 0;
     for (index, &n) in nodes.mapped.iter().enumerate() {
         let node = &mut nodes.all[n as usize];
         if let Some(d) = &mut node.map {
-            (d.index, d.local) = (index, operators);
-            operators += node.dim * d.direct;
+            (d.index, d.operators) = (index, end..end + node.dim * d.direct);
+            end = d.operators.end;
         }
     }
-    operators
+    end
 }

@@ -10,6 +10,7 @@ use crate::model::{Context, Node, NodeForm, Span};
 use pullback_manifold::map::Parametrization;
 use pullback_manifold::pullback;
 use pullback_manifold::system::{ChartChanges, Point, SystemError, Weights};
+use std::ops::Range;
 
 /// The maps of a [`ModelState`](crate::model::ModelState), by [`MappedNode::index`].
 pub(in crate::model) type Maps = [Box<dyn Parametrization>];
@@ -29,8 +30,8 @@ pub(in crate::model) struct MappedNode {
     pub index: usize,
     /// Whether an element or a map reads its values: it is not evaluated otherwise.
     pub read: bool,
-    /// Offset of the operators.
-    pub local: usize,
+    /// Where its operators are among those of all mapped nodes.
+    pub operators: Range<usize>,
 }
 
 /// B, Ḃ and B̈ of all mapped nodes, one after the other.
@@ -54,7 +55,7 @@ impl MappedNode {
             segments,
             index: 0,
             read: true,
-            local: 0,
+            operators: 0..0,
         })
     }
 
@@ -80,7 +81,7 @@ impl MappedNode {
     ) -> f64 {
         let parents = parents.iter();
         let columns = parents.flat_map(|&m| spans[m as usize].range());
-        let forces = pullback::transposed(&operators[0][self.local..], r);
+        let forces = pullback::transposed(&operators[0][self.operators.clone()], r);
         columns.zip(forces).map(|(c, force)| force * v[c]).sum()
     }
 }
@@ -114,9 +115,9 @@ impl Context {
             why,
         })?;
         let own = node.range();
-        let range = d.local..d.local + node.dim * d.direct;
         let [x, v_own, a_own] = [&mut w.x, &mut w.v, &mut w.a].map(|x| &mut x[own.clone()]);
-        let [B, B_dot, B_ddot] = w.operators.each_mut().map(|B| &mut B[range.clone()]);
+        let B = w.operators.each_mut();
+        let [B, B_dot, B_ddot] = B.map(|B| &mut B[d.operators.clone()]);
         map.evaluate(t, [q, v, a], &mut [[x, B], [v_own, B_dot], [a_own, B_ddot]]);
         Ok(())
     }
@@ -151,8 +152,7 @@ impl Context {
                 }
                 _ => K_sigma.fill(0.0),
             }
-            let range = d.local..d.local + node.dim * d.direct;
-            let B = w.operators.each_ref().map(|B| &B[range.clone()]);
+            let B = w.operators.each_ref().map(|B| &B[d.operators.clone()]);
             let nodes = &self.model.nodes;
             let of_poses = [n, parents[0]].map(|n| nodes[n as usize].form == NodeForm::Pose);
             let operator = Operator::new(node.dim, B, of_poses == [true; 2]);
@@ -194,7 +194,7 @@ impl Context {
             if changed {
                 let len = collect(d.parents(maps), &self.model.spans, &w.x, &mut w.local.q);
                 w.known.forget();
-                let B = &mut w.operators[0][d.local..d.local + own.len() * d.direct];
+                let B = &mut w.operators[0][d.operators.clone()];
                 maps[d.index].tangent(t, &w.local.q[..len], &mut w.x[own], B);
             }
             moved |= maps[d.index].segment() != before;
@@ -229,8 +229,7 @@ pub(in crate::model) fn pull_back_forces(
     w: &mut Workspace,
     rates: bool,
 ) {
-    let range = d.local..d.local + node.dim * d.direct;
-    let [B, B_dot, _] = w.operators.each_ref().map(|B| &B[range.clone()]);
+    let [B, B_dot, _] = w.operators.each_ref().map(|B| &B[d.operators.clone()]);
     let (f, f_t) = (&mut w.local.q, &mut w.local.qv);
     let pull_back = |B: &[f64], r: &[f64], out: &mut [f64]| {
         out.iter_mut()
