@@ -156,7 +156,7 @@ impl Model {
 
     /// Number of rotations whose unknowns are not the rotation vector ([`Formulation`]).
     pub fn increments(&self) -> usize {
-        turning(&self.nodes).count()
+        self.spin_frames.len()
     }
 }
 
