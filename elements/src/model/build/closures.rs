@@ -94,9 +94,8 @@ impl ModelBuilder {
         &mut self,
         length: f64,
     ) -> Result<(Vec<LoopReport>, Vec<Closing>), ModelError> {
-        let (maps, closings) = (self.closings.drain(..)).partition(|c| c.by == Closure::Map);
-        let closings: Vec<Closing> = closings;
-        self.closings = maps;
+        let closings: Vec<Closing>;
+        (self.closings, closings) = (self.closings.drain(..)).partition(|c| c.by == Closure::Map);
         let mut reports = Vec::new();
         for &Closing { frame, child, by } in &closings {
             let name = self.node_name(frame).to_owned();
