@@ -12,36 +12,29 @@ pub(in crate::model) fn outward(
     elements: &[ElementEntry],
     prescribed: &[Prescribed],
 ) -> Vec<usize> {
-    let mut touching: Vec<Vec<usize>> = vec![Vec::new(); nodes.len()];
-    let mut groups: Vec<Vec<usize>> = Vec::with_capacity(elements.len());
-    let indices = |nodes: &[u32]| nodes.iter().map(|&n| n as usize).collect::<Vec<_>>();
-    groups.extend(elements.iter().map(|e| indices(&e.nodes)));
-    for (n, node) in nodes.iter().enumerate() {
-        if let Some(d) = node.mapped() {
-            for parents in &d.segments {
-                groups.push(indices(parents));
-                groups.last_mut().into_iter().for_each(|g| g.push(n));
-            }
-        }
+    let mut groups: Vec<Vec<u32>> = elements.iter().map(|e| e.nodes.to_vec()).collect();
+    for (n, node) in (0..).zip(nodes) {
+        let segments = node.mapped().map_or(&[][..], |d| &d.segments);
+        groups.extend(segments.iter().map(|parents| [parents, &[n][..]].concat()));
     }
+    let mut touching: Vec<Vec<usize>> = vec![Vec::new(); nodes.len()];
     for (g, group) in groups.iter().enumerate() {
         for &n in group {
-            touching[n].push(g);
+            touching[n as usize].push(g);
         }
     }
-    let mut coordinate_node = Vec::new();
-    for (n, node) in nodes.iter().enumerate() {
-        coordinate_node.extend(std::iter::repeat_n(n, node.dim));
-    }
+    let node_of = |c: usize| nodes.partition_point(|n| n.first <= c) - 1;
     let mut reached = vec![false; nodes.len()];
-    let mut used = vec![false; groups.len()];
-    let mut order: Vec<usize> = Vec::with_capacity(nodes.len());
-    let mut next = 0;
-    let held = prescribed.iter().map(|p| coordinate_node[p.coordinate]);
-    for n in held {
+    let mut reach = |n: usize, order: &mut Vec<usize>| {
         if !std::mem::replace(&mut reached[n], true) {
             order.push(n);
         }
+    };
+    let mut used = vec![false; groups.len()];
+    let mut order: Vec<usize> = Vec::with_capacity(nodes.len());
+    let mut next = 0;
+    for p in prescribed {
+        reach(node_of(p.coordinate), &mut order);
     }
     for seed in 0..=nodes.len() {
         while next < order.len() {
@@ -50,17 +43,14 @@ pub(in crate::model) fn outward(
                     continue;
                 }
                 for &m in &groups[g] {
-                    if !std::mem::replace(&mut reached[m], true) {
-                        order.push(m);
-                    }
+                    reach(m as usize, &mut order);
                 }
             }
             next += 1;
         }
         // Parts without a support follow, each from its first node.
-        if seed < nodes.len() && !reached[seed] {
-            reached[seed] = true;
-            order.push(seed);
+        if seed < nodes.len() {
+            reach(seed, &mut order);
         }
     }
     order
