@@ -65,6 +65,11 @@ impl Nodes {
         self.mapped_of(&self.mapped)
     }
 
+    /// The node of a coordinate of all nodes.
+    fn of_coordinate(&self, c: usize) -> usize {
+        self.partition_point(|n| n.first <= c) - 1
+    }
+
     /// The mapped nodes among some nodes, with their maps.
     fn mapped_of<'a>(
         &'a self,

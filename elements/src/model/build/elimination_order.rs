@@ -1,6 +1,6 @@
 //! The order in which nodes are numbered, and eliminated from the last to the first.
 
-use crate::model::{ElementEntry, Node, Prescribed};
+use crate::model::{ElementEntry, Nodes, Prescribed};
 
 /// All nodes by their distance from the supports, counted in elements.
 ///
@@ -8,12 +8,12 @@ use crate::model::{ElementEntry, Node, Prescribed};
 /// held by the rest, and pivots keep their size. In the opposite order the last pivot of a
 /// cantilever would be its tip stiffness, small by the cube of the number of elements.
 pub(in crate::model) fn outward(
-    nodes: &[Node],
+    nodes: &Nodes,
     elements: &[ElementEntry],
     prescribed: &[Prescribed],
 ) -> Vec<usize> {
     let mut groups: Vec<Vec<u32>> = elements.iter().map(|e| e.nodes.to_vec()).collect();
-    for (n, node) in (0..).zip(nodes) {
+    for (n, node) in (0..).zip(nodes.iter()) {
         let segments = node.mapped().map_or(&[][..], |d| &d.segments);
         groups.extend(segments.iter().map(|parents| [parents, &[n][..]].concat()));
     }
@@ -23,7 +23,6 @@ pub(in crate::model) fn outward(
             touching[n as usize].push(g);
         }
     }
-    let node_of = |c: usize| nodes.partition_point(|n| n.first <= c) - 1;
     let mut reached = vec![false; nodes.len()];
     let mut reach = |n: usize, order: &mut Vec<usize>| {
         if !std::mem::replace(&mut reached[n], true) {
@@ -34,7 +33,7 @@ pub(in crate::model) fn outward(
     let mut order: Vec<usize> = Vec::with_capacity(nodes.len());
     let mut next = 0;
     for p in prescribed {
-        reach(node_of(p.coordinate), &mut order);
+        reach(nodes.of_coordinate(p.coordinate), &mut order);
     }
     for seed in 0..=nodes.len() {
         while next < order.len() {

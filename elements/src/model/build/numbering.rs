@@ -230,7 +230,7 @@ struct Numbering {
 }
 
 impl Numbering {
-    fn new(nodes: &[Node], elements: &[ElementEntry], prescribed: &[Prescribed]) -> Self {
+    fn new(nodes: &Nodes, elements: &[ElementEntry], prescribed: &[Prescribed]) -> Self {
         let own = |n: &Node| std::iter::repeat_n(n.is_own(), n.dim);
         let mut free: Vec<bool> = nodes.iter().flat_map(own).collect();
         for p in prescribed {

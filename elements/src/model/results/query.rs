@@ -69,13 +69,8 @@ impl Model {
         self.unknown_at(node, dof.index())
     }
 
-    /// The node of a coordinate of all nodes.
-    pub(in crate::model) fn node_of(&self, c: usize) -> usize {
-        self.nodes.partition_point(|n| n.first <= c) - 1
-    }
-
     pub(in crate::model) fn coordinate_name(&self, c: usize) -> String {
-        let n = &self.nodes[self.node_of(c)];
+        let n = &self.nodes[self.nodes.of_coordinate(c)];
         n.coordinate_name(c - n.first)
     }
 
@@ -90,7 +85,10 @@ impl Model {
         }
         parts.values().find_map(|frames| {
             let motion = self.unsupported(frames)?;
-            Some((NodeId(self.node_of(frames[0].first) as u32), motion))
+            Some((
+                NodeId(self.nodes.of_coordinate(frames[0].first) as u32),
+                motion,
+            ))
         })
     }
 
