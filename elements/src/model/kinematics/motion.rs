@@ -136,11 +136,10 @@ impl Context {
     /// without accelerations.
     pub fn coordinate_motion(&self, node: NodeId, k: usize) -> Option<[f64; 3]> {
         let n = &self.model.nodes[node.0 as usize];
-        if n.is_frame() {
-            return (k < n.dim).then(|| self.chart_motion(n).map(|x| x[k]));
-        }
-        let (w, c) = (&self.work, n.first + k);
-        (k < n.dim).then(|| [w.x[c], w.v[c], w.a[c]])
+        (k < n.dim).then(|| match n.is_frame() {
+            true => self.chart_motion(n).map(|x| x[k]),
+            false => self.configuration().map(|x| x[n.first + k]),
+        })
     }
 
     /// Force and moment (global components) of a joint on everything attached to it at a frame

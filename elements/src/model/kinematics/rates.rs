@@ -212,11 +212,9 @@ impl Context {
         };
         let mut rates = |v: &[f64]| {
             self.expand(Point { t, q, v, a: &a })?;
-            let all = wanted
-                .iter()
-                .map(|&(node, k, _)| (node, k, self.rate(node, k)));
-            let all: Vec<f64> = all.map(|rate| scaled(&rate)).collect();
-            Ok(DVector::from_vec(all))
+            let all = wanted.iter();
+            let all = all.map(|&(node, k, _)| scaled(&(node, k, self.rate(node, k))));
+            Ok(DVector::from_iterator(wanted.len(), all))
         };
         let now = rates(v)?;
         let mut columns = DMatrix::zeros(now.len(), unknowns.len());
