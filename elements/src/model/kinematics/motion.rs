@@ -150,22 +150,18 @@ impl Context {
             return None;
         }
         let mut out = self.wrench(n).map(|f| -f);
-        let mut add = |force: Vector3<f64>, moment: Vector3<f64>| {
-            (out[0], out[1]) = (out[0] + force, out[1] + moment);
-        };
-        let [force, moment] = self.closing_force(node);
-        add(force, moment);
+        for (out, closing) in out.iter_mut().zip(self.closing_force(node)) {
+            *out += closing;
+        }
         for &[_, child] in (self.model.carried.iter()).filter(|[at, _]| *at == node) {
             let [force, moment] = self.joint_force(child)?;
-            let position = |n: NodeId| self.node_state(n).position;
+            let arm = self.node_state(child).position - self.node_state(node).position;
             let moment = match self.free_rotation_of(child) == child {
                 true => moment,
                 false => Vector3::zeros(),
             };
-            add(
-                force,
-                moment + (position(child) - position(node)).cross(&force),
-            );
+            out[0] += force;
+            out[1] += moment + arm.cross(&force);
         }
         Some(out)
     }
