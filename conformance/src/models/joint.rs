@@ -1,6 +1,6 @@
 //! The laws of a model's joints: maps from the coordinates of parents to those of a frame.
 
-use super::segments::{self, Child};
+use super::segments;
 use super::view::{self, maps, parent_state};
 use crate::elements::{Carrier, Component, EXACT, FIRST, FrameAt, carry};
 use crate::{Mapped, Random, Report, TestState, kinematics, pieces};
@@ -24,7 +24,6 @@ pub(super) fn laws(
         let joint = view::joint(context, (n, &*map, parents), units);
         let rows = view::rows(context, n, units);
         let node = &context.nodes()[n as usize];
-        let framed = view::is_frame(node);
         let mut own = Report::new(joint.name.clone());
         let s = parent_state(context, parents, state.t);
         let of = Mapped {
@@ -44,15 +43,10 @@ pub(super) fn laws(
             continue;
         }
         pieces(&mut own, of, at, &s, random);
-        let child = Child {
-            rows: &rows,
-            framed,
-            position: node.position(),
-        };
         for sides in segments::changes(context, n, s.t) {
-            segments::laws(&mut own, &child, at, &sides, random);
+            segments::laws(&mut own, (node, &rows), at, &sides, random);
         }
-        if framed && !joint.frames.is_empty() && joint.thing.is_objective() {
+        if view::is_frame(node) && !joint.frames.is_empty() && joint.thing.is_objective() {
             Carried {
                 of,
                 position: node.position(),

@@ -1,29 +1,21 @@
 //! Continuity of a map along a chain of elements from one segment to the next.
 
-use super::view::parent_state;
+use super::view::{is_frame, parent_state};
 use crate::block::{Rows, wrong_entries};
 use crate::elements::{Carrier, EXACT, FrameAt, carry};
 use crate::maps::{freeze_piece, saved};
 use crate::vectors::{dot, larger};
 use crate::{Layout, Mapped, Random, Report, TestState};
-use nalgebra::{DVector, Vector3};
+use nalgebra::DVector;
 use pullback_elements::model::{Context, Node};
 use pullback_manifold::map::Parametrization;
 use std::collections::BTreeMap;
 
-/// The node of a map.
-pub(super) struct Child<'a> {
-    pub rows: &'a Layout,
-    /// Whether it is a frame, and its position in the reference configuration.
-    pub framed: bool,
-    pub position: Vector3<f64>,
-}
-
-/// Checks that motion and forces are the same on both segments where they meet. The coordinate along the chain is at
-/// rest there, since a chain may have a corner; all others have the motion of the state.
+/// Checks that motion and forces of the node of a map are the same on both segments where they meet. The coordinate
+/// along the chain is at rest there, since a chain may have a corner; all others have the motion of the state.
 pub(super) fn laws(
     report: &mut Report,
-    of: &Child<'_>,
+    (node, rows): (&Node, &Layout),
     at: &str,
     sides: &[Side; 2],
     random: &mut Random,
@@ -51,10 +43,10 @@ pub(super) fn laws(
     // f after the change is Jᵀ f before it if the two are in different charts.
     let f = random.entries(&vec![1.0; before.x.len()]);
     let mut back = f.clone();
-    if of.framed && (&before.x - &after.x).rows(3, 3).norm() > 1.0 {
+    if is_frame(node) && (&before.x - &after.x).rows(3, 3).norm() > 1.0 {
         let own = [FrameAt {
             first: 0,
-            position: of.position,
+            position: node.position(),
         }];
         let other = carry(Carrier::Chart, &own, &after);
         let J = carry(Carrier::Chart, &own, &before).B;
@@ -68,16 +60,16 @@ pub(super) fn laws(
     ];
     let [mut gaps, mut allowed] = [Vec::new(), Vec::new()];
     for (order, (_, a, b)) in pairs.iter().enumerate() {
-        gaps.extend(of.rows.coordinates((*b - *a).as_slice()));
-        let sizes = of.rows.magnitudes(a.as_slice(), order as i32);
+        gaps.extend(rows.coordinates((*b - *a).as_slice()));
+        let sizes = rows.magnitudes(a.as_slice(), order as i32);
         let behind = sides[0].state.x.amax().max(1.0);
-        let sizes = of.rows.coordinates(&sizes);
+        let sizes = rows.coordinates(&sizes);
         allowed.extend(sizes.iter().map(|s| EXACT * s * behind));
     }
     let worst = report.defects(law, at, &gaps, &allowed);
     report.blame(|| {
-        let (name, right, found) = pairs[worst / of.rows.groups().len()];
-        let rows = Rows::Coordinates(of.rows);
+        let (name, right, found) = pairs[worst / rows.groups().len()];
+        let rows = Rows::Coordinates(rows);
         wrong_entries(name, rows, found.as_slice(), right.as_slice())
     });
     forces_stay(report, at, sides, [(&B_before, &back), (&B_after, &f)]);
