@@ -27,11 +27,17 @@ struct Outcome {
     gap: f64,
 }
 
-fn go(by: Closure, [to, step]: [f64; 2]) -> Outcome {
+/// The linkage, its joints, and its coordinates and velocities at the start.
+fn under_way(by: Closure) -> (Context, [NodeId; 4], [Vec<f64>; 2]) {
     let mut b = ModelBuilder::new();
     let angles = linkage(&mut b, CRANK_START, at_once, by);
     let mut context = Context::new(b.build().unwrap());
-    let [q, v] = started_with(&mut context, &[(angles[0], 0, CRANK_RATE)]);
+    let start = started_with(&mut context, &[(angles[0], 0, CRANK_RATE)]);
+    (context, angles, start)
+}
+
+fn go(by: Closure, [to, step]: [f64; 2]) -> Outcome {
+    let (mut context, angles, [q, v]) = under_way(by);
     let mut options = tight(Scheme::chung_hulbert(0.8).unwrap(), to, step);
     options.newton.absolute = 1e-12;
     let [tip, other, pin] =
@@ -160,10 +166,7 @@ fn a_loop_in_equilibrium_all_three_ways() {
 
 #[test]
 fn conditioning_does_not_depend_on_the_step() {
-    let mut b = ModelBuilder::new();
-    let angles = linkage(&mut b, CRANK_START, at_once, Closure::Multipliers);
-    let mut context = Context::new(b.build().unwrap());
-    let [q, v] = started_with(&mut context, &[(angles[0], 0, CRANK_RATE)]);
+    let (mut context, _, [q, v]) = under_way(Closure::Multipliers);
     let n = q.len();
     let a = vec![0.0; n];
     let at = Point {
@@ -222,10 +225,7 @@ fn conditioning_does_not_depend_on_the_step() {
 #[test]
 fn a_scheme_that_damps_nothing_is_refused_by_name() {
     let run = |scheme: Scheme, by: Closure| {
-        let mut b = ModelBuilder::new();
-        let angles = linkage(&mut b, CRANK_START, at_once, by);
-        let mut context = Context::new(b.build().unwrap());
-        let [q, v] = started_with(&mut context, &[(angles[0], 0, CRANK_RATE)]);
+        let (mut context, _, [q, v]) = under_way(by);
         let options = tight(scheme, 0.01, 1e-3);
         let mut progress = Progress::new(start(&context, 0.0, &q, &v).unwrap());
         integrate(&mut context, &mut progress, &options, &mut |_, _| {
