@@ -1,18 +1,13 @@
 //! Modes over the speed of a rotation, by model files.
 
-use super::assert_near;
+use super::{assert_near, campbell};
 use crate::support::*;
 use num_complex::Complex64;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 /// Circular frequency Im λ and damping ratio of each line, over the speed.
 fn lines(name: &str, text: &str) -> Vec<(f64, Vec<[f64; 2]>)> {
-    let row = |cells: Vec<f64>| {
-        let lines = cells[1..].chunks(2).map(|pair| [TAU * pair[0], pair[1]]);
-        (cells[0], lines.collect())
-    };
-    let rows = csv(ran(&directory(name), text).join("campbell.csv"));
-    rows.into_iter().map(row).collect()
+    campbell(&ran(&directory(name), text))
 }
 
 /// Circular frequencies from the lowest.

@@ -10,6 +10,20 @@ mod rotors;
 mod small;
 mod state_space;
 
+use crate::support::csv;
+use std::f64::consts::TAU;
+use std::path::Path;
+
+/// Lines of the Campbell diagram that a run leaves: circular frequency and damping ratio, over the speed.
+fn campbell(out: &Path) -> Vec<(f64, Vec<[f64; 2]>)> {
+    let row = |cells: Vec<f64>| {
+        let lines = cells[1..].chunks(2).map(|pair| [TAU * pair[0], pair[1]]);
+        (cells[0], lines.collect())
+    };
+    let rows = csv(out.join("campbell.csv"));
+    rows.into_iter().map(row).collect()
+}
+
 #[track_caller]
 fn assert_near(found: f64, exact: f64, tolerance: f64) {
     assert!((found / exact - 1.0).abs() < tolerance, "{found} {exact}");

@@ -1,5 +1,6 @@
 //! Isotropic rotors on parts that do not rotate: modes in multi-blade coordinates.
 
+use super::campbell;
 use crate::support::*;
 use nalgebra::{DMatrix, DVector, Matrix4, Rotation3, Vector3, matrix};
 use num_complex::Complex64;
@@ -8,14 +9,8 @@ use std::f64::consts::TAU;
 /// Lines of a Campbell diagram in multi-blade coordinates: circular frequency and damping ratio, over the speed.
 fn lines(name: &str, text: &str) -> Vec<(f64, Vec<[f64; 2]>)> {
     let out = ran(&directory(name), text);
-    let all: serde_json::Value =
-        serde_json::from_str(&std::fs::read_to_string(out.join("campbell.json")).unwrap()).unwrap();
-    assert_eq!(all["multi_blade"], true);
-    let row = |cells: Vec<f64>| {
-        let lines = cells[1..].chunks(2).map(|pair| [TAU * pair[0], pair[1]]);
-        (cells[0], lines.collect())
-    };
-    csv(out.join("campbell.csv")).into_iter().map(row).collect()
+    assert_eq!(json(out.join("campbell.json"))["multi_blade"], true);
+    campbell(&out)
 }
 
 /// Eigenvalues of M ẍ + C ẋ + K x = 0 with Im λ ≥ 0.
