@@ -1,6 +1,6 @@
 //! Loops that come to a singular configuration in mid-run: their maps end there, and it is named.
 
-use crate::support::closures::{GROUND, angle, arm, body, hinge};
+use crate::support::closures::{GROUND, PLAIN, angle, arm, body, hinge};
 use crate::support::prelude::*;
 use crate::support::program::{assert_close, directory, history, number, program, write};
 
@@ -21,12 +21,10 @@ fn parallelogram(crank: &str, to: f64) -> String {
         &bars.map(body).concat(),
         &bars.map(angle).concat(),
         &format!("[analysis.dynamic]\nto = {to}\nstep = 0.002\n"),
-        NO_FIGURES,
+        PLAIN,
     ]
     .concat()
 }
-
-const NO_FIGURES: &str = "[output]\nparaview_every = 0\nfigures = false\n";
 
 /// Runs it, and checks that rows are those of a parallelogram up to the first flat position, which is named.
 fn run(name: &str, crank: &str, rate: f64, to: f64) {
@@ -62,7 +60,7 @@ fn in_a_row(closure: &str, analysis: &str) -> String {
         .replace("value = 1.2", "rate = 6")
         .replace("child =", &format!("closure = \"{closure}\"\nchild ="));
     let probe = angle("crank 0");
-    format!("{model}[analysis.dynamic]\nto = 0.4\n{analysis}{probe}{NO_FIGURES}")
+    format!("{model}[analysis.dynamic]\nto = 0.4\n{analysis}{probe}{PLAIN}")
 }
 
 #[test]
