@@ -41,16 +41,19 @@ fn each_eulers_load_of_a_straight_column_is_one_more_direction() {
     let mut critical = euler_loads(1.0, most);
     critical.extend(euler_loads(3.0, most));
     assert_eq!(critical.len(), 4);
+    let check = |rows: Vec<(f64, Option<usize>)>| {
+        for (t, unstable) in rows {
+            let passed = critical.iter().filter(|P| **P < t).count();
+            assert_eq!(unstable, Some(passed), "P = {t}");
+        }
+    };
     // To 1e-6 of the critical loads, by load steps that end there.
     for P in &critical {
         for to in [P * (1.0 - 1e-6), P * (1.0 + 1e-6)] {
             let steps = format!("[analysis.static]\nto = {to:?}\nsteps = 3");
             let rows = counts(&column(&steps));
             assert_eq!(rows.len(), 4);
-            for (t, unstable) in rows {
-                let passed = critical.iter().filter(|P| **P < t).count();
-                assert_eq!(unstable, Some(passed), "P = {t}");
-            }
+            check(rows);
         }
     }
     // Along the path.
@@ -58,10 +61,7 @@ fn each_eulers_load_of_a_straight_column_is_one_more_direction() {
                 record = [{ load = 9.8 }, { load = 9.95 }]";
     let rows = counts(&column(path));
     assert!(rows.len() > 20);
-    for (t, unstable) in rows {
-        let passed = critical.iter().filter(|P| **P < t).count();
-        assert_eq!(unstable, Some(passed), "P = {t}");
-    }
+    check(rows);
 }
 
 #[test]
