@@ -223,9 +223,15 @@ pub fn soft(stiff: f64) -> Section {
 /// A builder, and a node at the origin that is held.
 pub fn grounded() -> (ModelBuilder, NodeId) {
     let mut b = ModelBuilder::new();
+    let ground = ground(&mut b);
+    (b, ground)
+}
+
+/// A node at the origin that is held.
+pub fn ground(b: &mut ModelBuilder) -> NodeId {
     let ground = b.node("ground", [0.0; 3]).unwrap();
     b.support(ground, &Dof::ALL);
-    (b, ground)
+    ground
 }
 
 /// A frame on a revolute joint, and its angle.

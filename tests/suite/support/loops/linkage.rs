@@ -1,8 +1,8 @@
 //! The planar four-bar linkage as a model of bodies on joints.
 
+use super::DOWN;
 use super::four_bar::*;
-use super::{DOWN, ground};
-use crate::support::dynamics::{revolute, weighed};
+use crate::support::dynamics::{ground, revolute, weighed};
 use crate::support::prelude::*;
 
 pub const E3: [f64; 3] = [0.0, 0.0, 1.0];

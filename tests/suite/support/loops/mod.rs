@@ -7,12 +7,6 @@ use crate::support::prelude::*;
 
 pub const G: f64 = 9.81;
 
-pub fn ground(b: &mut ModelBuilder) -> NodeId {
-    let ground = b.node("ground", [0.0; 3]).unwrap();
-    b.support(ground, &Dof::ALL);
-    ground
-}
-
 /// Weight along −e2 of whatever can be weighed.
 pub const DOWN: [f64; 3] = [0.0, -G, 0.0];
 
