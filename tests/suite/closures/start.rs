@@ -4,7 +4,7 @@
 use super::linkage_of;
 use crate::support::closures::{start, *};
 use crate::support::prelude::*;
-use crate::support::program::{assert_close, assert_says, check, number, refusal};
+use crate::support::program::{Rows, assert_close, assert_says, check, number, recorded, refusal};
 
 /// The linkage closed by a penalty, a spring on its crank and a force on the coupler's tip: angles
 /// of crank, coupler and rocker in equilibrium, or why there is none.
@@ -187,7 +187,7 @@ fn a_driven_crank_moves_a_loop_of_one_freedom() {
         / (12.0 * h);
     for (k, closure) in CLOSURES[..2].iter().enumerate() {
         let text = [GROUND, STATIC, &four_bar([drive, "", ""], closure), probe].concat();
-        let (_, rows) = rows(&format!("start-statics-{k}"), &text);
+        let rows = recorded(&format!("start-statics-{k}"), &text);
         let last = rows.last().unwrap();
         assert!((number(last, "D") - linkage(1.2)[1]).abs() < 1e-9);
         let moment = number(last, "M.z");
@@ -231,7 +231,7 @@ fn a_loop_ends_at_supports_that_carry_nothing_else() {
             &["B", "D"].map(angle).concat(),
             RUN,
         ];
-        let (_, rows) = rows(&format!("start-chain-{k}"), &chain.concat());
+        let rows = recorded(&format!("start-chain-{k}"), &chain.concat());
         // The ground turns against the rocker.
         follows(&rows, -1.0, closure);
     }
@@ -241,7 +241,7 @@ fn a_loop_ends_at_supports_that_carry_nothing_else() {
         .replace(&arm("foot", "ground", [1.6, 0.0, 0.0]), "");
     let nodes = GROUND.replace("[[supports]]", "foot = [1.6, 0, 0]\n[[supports]]");
     let foot = "[[supports]]\nnode = \"foot\"\nfix = \"all\"\n";
-    let (_, rows) = rows("start-foot", &[&nodes, foot, RUN, &text].concat());
+    let rows = recorded("start-foot", &[&nodes, foot, RUN, &text].concat());
     let last = rows.last().unwrap();
     assert!((number(last, "D") - linkage(0.6)[1]).abs() < 1e-9);
     // A support of nothing is refused as ever.
@@ -272,7 +272,7 @@ fn a_linkage_at_rest_starts_closed_to_rounding_and_stays() {
         let text = linkage_of([&value, "", ""], CLOSURES[1]);
         let violation = started(&text).context.violation().unwrap();
         assert!(violation < 5e-16, "{violation:e}");
-        let (_, rows) = rows(&format!("start-rest-{k}"), &text);
+        let rows = recorded(&format!("start-rest-{k}"), &text);
         let [first, last] = [rows.first(), rows.last()].map(|r| number(r.unwrap(), "D"));
         assert!((first - last).abs() < 1e-12, "{first} {last}");
     }

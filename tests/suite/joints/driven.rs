@@ -1,9 +1,9 @@
 //! Models of which everything is driven: the forces of given motions.
 
-use crate::support::closures::{GROUND, PLAIN, Rows, STATIC, angle, body_of, hinge, motion, probe};
+use crate::support::closures::{GROUND, PLAIN, STATIC, angle, body_of, hinge, motion, probe};
 use crate::support::dynamics::integrate_ode;
 use crate::support::prelude::*;
-use crate::support::program::{directory, history, number, program, recorded, succeeded, write};
+use crate::support::program::{Rows, number, recorded, run_of};
 
 /// What an arm of mass 2 and centre 0.5 does whose angle a motor prescribes.
 fn driven_arm(name: &str, analysis: &str, angle_of: &str) -> Rows {
@@ -22,10 +22,9 @@ fn driven_arm(name: &str, analysis: &str, angle_of: &str) -> Rows {
         &probe("support", "reaction_moment", "ground"),
         &probe("force", "reaction_force", "ground"),
     ];
-    let out = directory(name);
-    let said = succeeded(&program(&[&write(&out, &text.concat())]));
-    assert!(said.is_empty(), "{said}");
-    history(&out.join("model.out"))
+    let ran = run_of(name, &text.concat());
+    assert!(ran.said.is_empty(), "{}", ran.said);
+    ran.rows
 }
 
 /// Inverse dynamics: the moment that a given motion takes, with nothing left to solve for.

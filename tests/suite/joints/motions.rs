@@ -4,11 +4,11 @@ use crate::support::closures::{
     GROUND, PLAIN, angle, arm, beam_line, body_of, joint, motion, on_joint, probe,
 };
 use crate::support::prelude::*;
-use crate::support::program::{assert_close, check_table, number, recorded, refusal};
+use crate::support::program::{Rows, assert_close, check_table, number, recorded, refusal};
 use std::collections::HashMap;
 
 #[track_caller]
-fn ran(name: &str, text: &str) -> Vec<HashMap<String, String>> {
+fn ran(name: &str, text: &str) -> Rows {
     let rows = recorded(name, text);
     assert_eq!(rows.len(), 101);
     rows

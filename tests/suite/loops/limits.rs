@@ -57,7 +57,7 @@ fn twice(more: &str) -> String {
 #[test]
 fn velocities_of_the_whole_set_the_rates_of_loops() {
     let initial = "[[initial]]\nangular_velocity = [0, 0, 2]\n";
-    let (_, rows) = rows("limits-initial", &twice(initial));
+    let rows = recorded("limits-initial", &twice(initial));
     assert_close(number(rows.last().unwrap(), "A"), 2.0, 1e-12, "A");
     // A four-bar linkage does not turn as a whole.
     let text = model(["", "", ""]) + initial;
@@ -124,7 +124,7 @@ fn a_spherical_joint_in_a_loop_takes_an_angular_velocity() {
         ]
         .concat()
     };
-    let (_, rows) = rows("limits-ball", &link("[3.0, 0.0, 1.6]"));
+    let rows = recorded("limits-ball", &link("[3.0, 0.0, 1.6]"));
     let found = ["w.x", "w.y", "w.z", "A"].map(|c| number(&rows[0], c));
     for (found, exact) in found.into_iter().zip([3.0, 0.0, 1.6, 0.0]) {
         assert_close(found, exact, 1e-9, "rate");
@@ -150,7 +150,7 @@ fn the_independent_end_of_a_gear_takes_rate_and_value() {
         "[[gears]]\njoints = [\"A\", \"M\"]\nratio = -2\n",
         &["A", "M"].map(angle).concat(),
     ];
-    let (_, rows) = rows("limits-gear", &text.concat());
+    let rows = recorded("limits-gear", &text.concat());
     let [a, m] = ["A", "M"].map(|c| number(rows.last().unwrap(), c));
     assert_close(a, 1.3, 1e-12, "A");
     assert_close(m, -2.6, 1e-12, "M");
@@ -161,7 +161,7 @@ fn a_fast_drive_stays_on_its_branch() {
     for rate in [20, 70, 85, 145, 155] {
         let drive = format!("prescribed = {{ proportional = {rate} }}");
         let text = model([&drive, "", ""]) + &hinge("X", "ground", "") + &body("X");
-        let (_, rows) = rows("limits-fast", &text);
+        let rows = recorded("limits-fast", &text);
         assert_eq!(rows.len(), 101);
         for row in rows {
             let [a, d] = ["A", "D"].map(|c| number(&row, c));
@@ -208,7 +208,7 @@ fn energy_stays_while_a_linkage_turns() {
     let text = model(["rate = 4.5", "", ""]);
     let text = text.replace("to = 1\n", "to = 60\n");
     let energy = "[[probes]]\nname = \"E\"\nquantity = \"total_energy\"\n";
-    let (_, rows) = rows("limits-energy", &(text + energy));
+    let rows = recorded("limits-energy", &(text + energy));
     let energies = rows.iter().map(|r| number(r, "E"));
     let (least, most) = energies.fold((f64::MAX, f64::MIN), |(a, b), e| (a.min(e), b.max(e)));
     assert!(most < 1.2 * least, "{least} to {most}");
@@ -232,7 +232,7 @@ fn a_crank_held_at_zero_by_its_drive_carries_the_loop() {
         &body("rocker tip"),
         &probe("moment", "joint_moment", "A"),
     ];
-    let (_, rows) = rows("held-crank", &text.concat());
+    let rows = recorded("held-crank", &text.concat());
     // Virtual work: masses of 1 at the crank's tip, (−sin φ, cos φ), and the rocker's, 1.9 high.
     let h = 1e-4;
     let slope = (linkage(h)[1] - linkage(-h)[1]) / (2.0 * h);

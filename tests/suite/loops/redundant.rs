@@ -1,8 +1,8 @@
 //! Redundant equations: some that always are, and a loop in which others are as it moves, so that they are chosen
 //! anew on the way.
 
-use crate::support::closures::{CLOSURES, GROUND, RUN, angle, arm, body, hinge, joint, rows};
-use crate::support::program::number;
+use crate::support::closures::{CLOSURES, GROUND, RUN, angle, arm, body, hinge, joint};
+use crate::support::program::{number, recorded};
 use std::f64::consts::FRAC_PI_2;
 
 /// Cardan's circles: a point on the rim of a wheel that rolls in a ring twice its size runs on a diameter,
@@ -53,7 +53,7 @@ fn the_ground_bears_a_linkage_in_every_row() {
         "[[probes]]\nname = \"ground\"\nquantity = \"reaction_force\"\nnode = \"ground\"\n",
     ]
     .concat();
-    let (_, rows) = rows("loops_redundant_rest", &linkage);
+    let rows = recorded("loops_redundant_rest", &linkage);
     assert!(rows.len() >= 5);
     let mut turned = 0.0_f64;
     for row in &rows {
@@ -76,7 +76,7 @@ fn a_point_of_a_rolling_wheel_stays_on_its_diameter() {
             ("free", "rate = -1.5707963267948966"),
         ] {
             let name = format!("loops_redundant_{name}");
-            let (_, rows) = rows(&name, &circles(carrier, closure));
+            let rows = recorded(&name, &circles(carrier, closure));
             let mut turned = 0.0_f64;
             for row in &rows {
                 let number = |column: &str| number(row, column);
@@ -131,7 +131,7 @@ fn a_loop_within_a_body_holds_nothing() {
         ([1.3, -0.8, 0.5], [-1.9, 0.7, 0.2]),
     ] {
         let last = |name: &str, close: &str| {
-            let (_, rows) = rows(name, &arm_with(axis, tip, close));
+            let rows = recorded(name, &arm_with(axis, tip, close));
             number(rows.last().unwrap(), "A")
         };
         let open = last("loops_redundant_open", "");

@@ -2,7 +2,7 @@
 
 use super::corrections::truss;
 use crate::support::beams::line;
-use crate::support::closures::{CLOSURES, GROUND, PLAIN, Rows, arm, fixed, hinge, joint};
+use crate::support::closures::{CLOSURES, GROUND, PLAIN, arm, fixed, hinge, joint};
 use crate::support::drawings::tagged;
 use crate::support::prelude::*;
 use crate::support::program::*;

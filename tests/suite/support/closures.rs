@@ -1,6 +1,6 @@
 //! Joints and loops in words, for tests of closures by the program.
 
-use crate::support::program::{directory, history, program, succeeded, write};
+use crate::support::program::{Rows, directory, history, printed, program, write};
 use pullback::input::{Job, assemble_text};
 use pullback::manifold::system::Point;
 use std::collections::HashMap;
@@ -151,13 +151,11 @@ pub fn on_joint(joint: &str, body: &str, rest: &str) -> String {
     .concat()
 }
 
-pub type Rows = Vec<HashMap<String, String>>;
-
+/// What a run of a text in a new directory of a name prints, and its rows.
 pub fn rows(name: &str, text: &str) -> (String, Rows) {
     let out = directory(name);
-    let ran = program(&[&write(&out, text)]);
-    succeeded(&ran);
-    let said = String::from_utf8(ran.stdout).unwrap();
+    write(&out, text);
+    let said = printed(&out, "run model.toml");
     (said, history(&out.join("model.out")))
 }
 

@@ -236,13 +236,16 @@ pub fn ran(directory: &Path, text: &str) -> PathBuf {
     directory.join("model.out")
 }
 
+/// Rows of history.csv by column name.
+pub type Rows = Vec<HashMap<String, String>>;
+
 /// What a run leaves.
 pub struct Ran {
     /// Where its results are.
     pub out: PathBuf,
     /// What it says on standard error.
     pub said: String,
-    pub rows: Vec<HashMap<String, String>>,
+    pub rows: Rows,
     /// What result.json says.
     pub result: Value,
 }
@@ -281,7 +284,7 @@ pub fn told(name: &str, text: &str) -> [Vec<String>; 2] {
 
 /// The rows that a model of this text leaves when it runs in a new directory of a name.
 #[track_caller]
-pub fn recorded(name: &str, text: &str) -> Vec<HashMap<String, String>> {
+pub fn recorded(name: &str, text: &str) -> Rows {
     history(&ran(&directory(name), text))
 }
 
@@ -321,8 +324,8 @@ pub fn csv(path: impl AsRef<Path>) -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// Rows of history.csv by column name.
-pub fn history(out: &Path) -> Vec<HashMap<String, String>> {
+/// Rows that a run leaves where its results are.
+pub fn history(out: &Path) -> Rows {
     let table = csv::Reader::from_path(out.join("history.csv"));
     let rows = table.unwrap().into_deserialize();
     rows.map(Result::unwrap).collect()
