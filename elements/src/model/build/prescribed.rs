@@ -25,40 +25,40 @@ pub(in crate::model) fn check_reparametrized(
     prescribed: &[Prescribed],
 ) -> Result<(), ModelError> {
     for (n, node) in nodes.iter().enumerate() {
-        let Some(d) = node.mapped() else {
+        let Some(d) = node.mapped().filter(|d| d.reparametrizes) else {
             continue;
         };
         // Parents after the first are parameters, which are not reparametrized.
-        let first = d.initial_parents().iter().take(1);
-        for &m in first.filter(|_| d.reparametrizes) {
-            let parent = &nodes[m as usize];
-            // Created for the frame by the model itself.
-            if parent.form == NodeForm::Increment {
-                continue;
-            }
-            let reads = |k: usize| nodes[k].all_parents().any(|x| x == m);
-            let element = elements.iter().find(|e| e.nodes.contains(&m));
-            let other = (0..nodes.len()).find(|&k| k != n && reads(k));
-            let held = prescribed
-                .iter()
-                .any(|p| parent.range().contains(&p.coordinate));
-            let user = if let Some(e) = element {
-                format!("element {}", e.name)
-            } else if let Some(k) = other {
-                format!("the joint at {}", nodes[k].name)
-            } else if held {
-                "a support or prescribed motion".to_owned()
-            } else if !parent.is_own() || parent.form != NodeForm::Coordinates {
-                "a joint with other parents".to_owned()
-            } else {
-                continue;
-            };
-            return Err(ModelError::Reparametrized {
-                node: node.name.clone(),
-                coordinates: parent.name.clone(),
-                user,
-            });
+        let Some(&m) = d.initial_parents().first() else {
+            continue;
+        };
+        let parent = &nodes[m as usize];
+        // Created for the frame by the model itself.
+        if parent.form == NodeForm::Increment {
+            continue;
         }
+        let reads = |k: usize| nodes[k].all_parents().any(|x| x == m);
+        let element = elements.iter().find(|e| e.nodes.contains(&m));
+        let other = (0..nodes.len()).find(|&k| k != n && reads(k));
+        let held = prescribed
+            .iter()
+            .any(|p| parent.range().contains(&p.coordinate));
+        let user = if let Some(e) = element {
+            format!("element {}", e.name)
+        } else if let Some(k) = other {
+            format!("the joint at {}", nodes[k].name)
+        } else if held {
+            "a support or prescribed motion".to_owned()
+        } else if !parent.is_own() || parent.form != NodeForm::Coordinates {
+            "a joint with other parents".to_owned()
+        } else {
+            continue;
+        };
+        return Err(ModelError::Reparametrized {
+            node: node.name.clone(),
+            coordinates: parent.name.clone(),
+            user,
+        });
     }
     Ok(())
 }
