@@ -199,10 +199,14 @@ impl Node {
         self.map.as_deref()
     }
 
+    /// The parents of its map for each segment; none without a map.
+    fn segments(&self) -> &[Vec<u32>] {
+        self.mapped().map_or(&[], |d| &d.segments)
+    }
+
     /// The parents of its map in all segments.
     fn all_parents(&self) -> impl DoubleEndedIterator<Item = u32> + '_ {
-        let segments = self.mapped().map_or(&[][..], |d| &d.segments);
-        segments.iter().flatten().copied()
+        self.segments().iter().flatten().copied()
     }
 }
 

@@ -14,8 +14,8 @@ pub(in crate::model) fn outward(
 ) -> Vec<usize> {
     let mut groups: Vec<Vec<u32>> = elements.iter().map(|e| e.nodes.to_vec()).collect();
     for (n, node) in (0..).zip(nodes.iter()) {
-        let segments = node.mapped().map_or(&[][..], |d| &d.segments);
-        groups.extend(segments.iter().map(|parents| [parents, &[n][..]].concat()));
+        let segments = node.segments().iter();
+        groups.extend(segments.map(|parents| [parents, &[n][..]].concat()));
     }
     let mut touching: Vec<Vec<usize>> = vec![Vec::new(); nodes.len()];
     for (g, group) in groups.iter().enumerate() {

@@ -279,29 +279,23 @@ fn levers(nodes: &[Node], elements: &[ElementEntry], extent: f64) -> [f64; 2] {
     if extent == 0.0 {
         return [0.0, f64::INFINITY];
     }
-    let distance = |a: usize, b: usize| (nodes[a].position - nodes[b].position).norm();
-    let frames = |group: &[u32]| -> Vec<usize> {
-        let all = group.iter().map(|&n| n as usize);
-        all.filter(|&n| nodes[n].is_frame()).collect()
-    };
     let mut shortest = f64::INFINITY;
-    let mut look = |group: &[usize]| {
-        for (i, &a) in group.iter().enumerate() {
-            let apart = group[..i].iter().map(|&b| distance(a, b));
+    let mut look = |group: &[u32]| {
+        let all = group.iter().map(|&n| &nodes[n as usize]);
+        let frames: Vec<&Node> = all.filter(|n| n.is_frame()).collect();
+        for (i, a) in frames.iter().enumerate() {
+            let apart = frames[..i].iter();
+            let apart = apart.map(|b| (a.position - b.position).norm());
             let apart = apart.filter(|d| *d > f64::EPSILON * extent);
             shortest = apart.fold(shortest, f64::min);
         }
     };
     for e in elements {
-        look(&frames(&e.nodes));
+        look(&e.nodes);
     }
-    for (n, node) in nodes.iter().enumerate() {
-        if let Some(d) = node.mapped().filter(|_| node.is_frame()) {
-            for parents in &d.segments {
-                let mut group = frames(parents);
-                group.push(n);
-                look(&group);
-            }
+    for (n, node) in (0..).zip(nodes).filter(|(_, node)| node.is_frame()) {
+        for parents in node.segments() {
+            look(&[parents, &[n][..]].concat());
         }
     }
     [if shortest.is_finite() { shortest } else { 0.0 }, extent]
