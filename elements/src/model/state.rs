@@ -74,16 +74,13 @@ impl Context {
             (0..32).all(|k| bits >> k & 1 == 0 || e.nodes.get(k).is_some_and(is_frame))
         };
         let charts = &saved.element_charts;
-        let same = maps.len() == self.state.maps.len()
+        let restored = maps.len() == self.state.maps.len()
             && charts.len() == self.model.elements.len()
             && charts.iter().zip(&self.model.elements).all(fits)
             && saved.inputs.len() == self.state.inputs.len()
             && choice.len() == usize::from(!self.state.chosen_at.is_empty())
-            && choice.iter().all(|choice| self.restore_choice(choice));
-        let restored = same && {
-            let mut pairs = self.state.maps.iter_mut().zip(maps);
-            pairs.all(|(map, saved)| map.restore(saved))
-        };
+            && choice.iter().all(|choice| self.restore_choice(choice))
+            && (self.state.maps.iter_mut().zip(maps)).all(|(map, saved)| map.restore(saved));
         if restored {
             self.state.inputs.clone_from(&saved.inputs);
             self.set_element_charts(&saved.element_charts);
