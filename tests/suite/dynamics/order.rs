@@ -21,14 +21,20 @@ impl Problem {
     }
 }
 
+/// A carriage driven along e1 and about it, by these amplitudes.
+fn carriage(b: &mut ModelBuilder, along: f64, about: f64) -> NodeId {
+    let carriage = b.node("carriage", [0.0; 3]).unwrap();
+    b.support(carriage, &[Dof::Y, Dof::Z, Dof::RY, Dof::RZ]);
+    b.prescribe(carriage, Dof::X, sine(along, 3.0, 0.2));
+    b.prescribe(carriage, Dof::RX, sine(about, 2.0, 0.5));
+    carriage
+}
+
 /// A carriage driven along e1 and about it; a body on a revolute joint; at its arm, by a spherical
 /// joint, a second body that spins.
 fn two_bodies() -> Problem {
     let mut b = ModelBuilder::new();
-    let carriage = b.node("carriage", [0.0; 3]).unwrap();
-    b.support(carriage, &[Dof::Y, Dof::Z, Dof::RY, Dof::RZ]);
-    b.prescribe(carriage, Dof::X, sine(0.3, 3.0, 0.2));
-    b.prescribe(carriage, Dof::RX, sine(0.4, 2.0, 0.5));
+    let carriage = carriage(&mut b, 0.3, 0.4);
     let hinge = revolute(&mut b, "hinge", carriage, [0.2, -0.3, 1.0]);
     let arm = b.offset("arm", hinge.frame, [1.0, 0.2, 0.1]).unwrap();
     heavy_body(&mut b, "first", hinge.frame, 2.0, [0.5, 0.1, 0.0]);
@@ -53,10 +59,7 @@ fn two_bodies() -> Problem {
 /// A flexible beam of two geodesic elements on the arm of a revolute joint whose carriage is driven.
 fn swung_beam() -> Problem {
     let mut b = ModelBuilder::new();
-    let carriage = b.node("carriage", [0.0; 3]).unwrap();
-    b.support(carriage, &[Dof::Y, Dof::Z, Dof::RY, Dof::RZ]);
-    b.prescribe(carriage, Dof::X, sine(0.2, 3.0, 0.2));
-    b.prescribe(carriage, Dof::RX, sine(0.3, 2.0, 0.5));
+    let carriage = carriage(&mut b, 0.2, 0.3);
     let hinge = revolute(&mut b, "hinge", carriage, [0.0, 0.0, 1.0]);
     let arm = b.offset("arm", hinge.frame, [0.3, 0.0, 0.0]).unwrap();
     let tip = b.node("tip", [1.3, 0.0, 0.0]).unwrap();

@@ -1,7 +1,6 @@
 //! A rigid bar upright on a torsion spring, under a dead load P: P = k θ / (l sin θ) beside θ = 0, on which no load moves it.
 
-use crate::support::dynamics::{grounded, revolute};
-use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
+use crate::support::dynamics::{grounded, revolute, spring};
 use pullback::integrators::linearization::buckling;
 use pullback::integrators::statics::{
     ArcLengthOptions, Event, LoadSteps, PathSteps, StaticNewtonOptions, StaticOptions,
@@ -15,12 +14,7 @@ fn bar() -> Context {
     let (mut b, ground) = grounded();
     let foot = revolute(&mut b, "foot", ground, [0.0, 1.0, 0.0]);
     let top = b.offset("top", foot.frame, [0.0, 0.0, 1.0]).unwrap();
-    let law = CoordinateLaw {
-        k: 1.0,
-        ..CoordinateLaw::default()
-    };
-    let spring = CoordinateSpring::new(law).unwrap();
-    b.element("spring", spring, &foot.coordinates).unwrap();
+    spring(&mut b, 1.0, foot.coordinates[0]);
     let force = NodalLoad::new(LoadKind::DeadForce, [0.0, 0.0, -1.0], Proportional(1.0));
     b.element("P", force, &[top]).unwrap();
     Context::new(b.build().unwrap())
