@@ -1,5 +1,6 @@
 //! One model, several contexts: in threads, and continued from a snapshot.
 
+use super::mass_on_rail;
 use crate::support::dynamics::motion_of;
 use crate::support::prelude::*;
 use std::sync::Arc;
@@ -63,20 +64,10 @@ fn steps_from_a_snapshot_are_the_same_to_the_last_bit() {
     }
 }
 
-/// A unit mass that moves along e1.
-fn mass() -> (ModelBuilder, NodeId) {
-    let mut builder = ModelBuilder::new();
-    let node = builder.node("mass", [0.0; 3]).unwrap();
-    builder.support(node, &Dof::ALL[1..]);
-    let mass = PointMass::new(1.0).unwrap();
-    builder.element("mass", mass, &[node]).unwrap();
-    (builder, node)
-}
-
 /// A unit mass under a force that is an input, in two threads: x = ½ u t².
 #[test]
 fn inputs_are_part_of_the_state() {
-    let (mut builder, node) = mass();
+    let (mut builder, node) = mass_on_rail();
     let force = builder.input(0.5);
     let load = NodalLoad::new(LoadKind::DeadForce, [1.0, 0.0, 0.0], force);
     builder.element("force", load, &[node]).unwrap();
@@ -107,7 +98,7 @@ fn inputs_are_part_of_the_state() {
 /// A set point that is moved ahead of the motion is reached again.
 #[test]
 fn events_read_inputs_that_change() {
-    let (mut builder, _) = mass();
+    let (mut builder, _) = mass_on_rail();
     let set_point = builder.input(0.5);
     let mut context = Context::new(builder.build().unwrap());
     let first = start(&context, 0.0, &[0.0], &[1.0]).unwrap();

@@ -1,5 +1,6 @@
 //! Jumps of driven velocities: what is free takes the impulse. Inputs that change between steps.
 
+use super::mass_on_rail;
 use crate::support::closures::{GROUND, body_of, hinge, joint};
 use crate::support::dynamics::motion_of;
 use crate::support::prelude::*;
@@ -9,11 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A unit mass on a rail, and the force on it.
 fn pushed(force: impl FnOnce(&mut ModelBuilder) -> Box<dyn TimeFunction>) -> Context {
-    let mut b = ModelBuilder::new();
-    let node = b.node("mass", [0.0; 3]).unwrap();
-    b.support(node, &Dof::ALL[1..]);
-    b.element("mass", PointMass::new(1.0).unwrap(), &[node])
-        .unwrap();
+    let (mut b, node) = mass_on_rail();
     let force = NodalLoad::new(LoadKind::DeadForce, [1.0, 0.0, 0.0], force(&mut b));
     b.element("force", force, &[node]).unwrap();
     Context::new(b.build().unwrap())
