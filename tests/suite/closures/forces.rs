@@ -226,11 +226,8 @@ fn conditioning_does_not_depend_on_the_step() {
 fn a_scheme_that_damps_nothing_is_refused_by_name() {
     let run = |scheme: Scheme, by: Closure| {
         let (mut context, _, [q, v]) = under_way(by);
-        let options = tight(scheme, 0.01, 1e-3);
-        let mut progress = Progress::new(start(&context, 0.0, &q, &v).unwrap());
-        integrate(&mut context, &mut progress, &options, &mut |_, _| {
-            ControlFlow::Continue(())
-        })
+        let first = start(&context, 0.0, &q, &v).unwrap();
+        Simulation::new(&mut context, first, &tight(scheme, 0.01, 1e-3))?.finish()
     };
     for scheme in [
         Scheme::default(),
@@ -266,12 +263,10 @@ fn an_equation_that_followed_at_a_singular_start_only_is_named() {
     let note = context.descriptions()[0].clone();
     assert!(note.contains("the gap along e1"), "{note}");
     let zero = vec![0.0; context.pattern().dim()];
-    let mut progress = Progress::new(start(&context, 0.0, &zero, &zero).unwrap());
+    let first = start(&context, 0.0, &zero, &zero).unwrap();
     let options = tight(Scheme::chung_hulbert(0.5).unwrap(), 0.5, 1e-3);
-    let error = integrate(&mut context, &mut progress, &options, &mut |_, _| {
-        ControlFlow::Continue(())
-    })
-    .unwrap_err();
+    let run = Simulation::new(&mut context, first, &options);
+    let error = run.and_then(|mut run| run.finish()).unwrap_err();
     let said = error.to_string();
     assert_says(&said, &["the gap along e1 of element closure of C"]);
     assert!(said.contains("singular position"), "{said}");

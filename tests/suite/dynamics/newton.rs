@@ -155,11 +155,11 @@ fn reached<Y: System>(mut system: Y, options: &DynamicOptions, predictor: Predic
         ..*options
     };
     options.newton.predictor = predictor;
-    let mut progress = Progress::new(start(&system, 0.0, &[], &[]).unwrap());
-    let onward = &mut |_: &mut Y, _: &StepReport<'_>| ControlFlow::Continue(());
-    let outcome = integrate(&mut system, &mut progress, &options, onward);
-    assert_eq!(outcome.is_err(), progress.summary.failed > 0);
-    progress.state.t
+    let first = start(&system, 0.0, &[], &[]).unwrap();
+    let mut run = Simulation::new(&mut system, first, &options).unwrap();
+    let outcome = run.finish();
+    assert_eq!(outcome.is_err(), run.progress().summary.failed > 0);
+    run.state().t
 }
 
 #[test]

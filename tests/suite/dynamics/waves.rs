@@ -130,10 +130,10 @@ fn the_stable_step_is_that_of_linear_elements_with_consistent_mass() {
         let exact = stable(elements);
         let run = |h: f64| -> Result<Summary, DynamicsError> {
             let (mut context, _) = bar(elements, blow);
-            let mut progress = Progress::new(start(&context, 0.0, &[], &[])?);
-            let go_on = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
-            integrate(&mut context, &mut progress, &explicit(5.0 * h, h), go_on)?;
-            Ok(progress.summary)
+            let first = start(&context, 0.0, &[], &[])?;
+            let mut run = Simulation::new(&mut context, first, &explicit(5.0 * h, h))?;
+            run.finish()?;
+            Ok(run.progress().summary)
         };
         let told = run(0.99 * exact).unwrap().stable_step.unwrap();
         assert!((told / exact - 1.0).abs() < 1e-5, "{told} {exact}");

@@ -111,10 +111,8 @@ fn returned(name: &str, h: f64) -> f64 {
     let (_, mut progress) = run(&mut job, &method, 1.0, h);
     progress.state.v.iter_mut().for_each(|v| *v = -*v);
     let options = tight(method.scheme(), 2.0, h);
-    let whole = integrate(&mut job.context, &mut progress, &options, &mut |_, _| {
-        ControlFlow::Continue(())
-    });
-    whole.unwrap();
+    let back = Simulation::resume(&mut job.context, progress, &options);
+    back.unwrap().finish().unwrap();
     let (node, _) = job.context.frames().next().unwrap();
     (job.context.node_state(node).R - Matrix3::identity()).norm()
 }

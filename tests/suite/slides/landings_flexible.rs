@@ -155,11 +155,11 @@ fn a_run_goes_on_from_before_and_after_landings_to_the_last_bit() {
             let (progress, saved, _) = &all[k];
             let mut chain = make();
             assert!(chain.context.restore(saved));
-            let mut progress = progress.clone();
-            let onward = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
-            integrate(&mut chain.context, &mut progress, &options, onward).unwrap();
-            assert!(progress.state == end.state, "{formulation:?} from step {k}");
-            assert_eq!(progress.summary, end.summary, "from step {k}");
+            let run = Simulation::resume(&mut chain.context, progress.clone(), &options);
+            let mut run = run.unwrap();
+            run.finish().unwrap();
+            assert!(*run.state() == end.state, "{formulation:?} from step {k}");
+            assert_eq!(run.progress().summary, end.summary, "from step {k}");
         }
     }
 }
@@ -174,7 +174,7 @@ fn failing_steps_are_halved_over_landings_and_come_to_an_end() {
     for iterations in [1, 2, 3] {
         let mut chain = chain(Interpolation::Total, Formulation::Total);
         let v = chain.velocities();
-        let mut progress = Progress::new(start(&chain.context, 0.0, &[], &v).unwrap());
+        let first = start(&chain.context, 0.0, &[], &v).unwrap();
         let options = DynamicOptions {
             newton: NewtonOptions {
                 relative: 1e-6,
@@ -184,8 +184,9 @@ fn failing_steps_are_halved_over_landings_and_come_to_an_end() {
             min_step: 1e-7,
             ..DynamicOptions::new(TO, 5e-4)
         };
-        let onward = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
-        let done = integrate(&mut chain.context, &mut progress, &options, onward);
+        let mut run = Simulation::new(&mut chain.context, first, &options).unwrap();
+        let done = run.finish();
+        let progress = run.progress().clone();
         failed += progress.summary.failed;
         match done {
             Ok(()) => {

@@ -76,9 +76,9 @@ fn a_slide_goes_round_a_closed_ring_as_often_as_its_chain_does() {
     assert!(energies.iter().all(|e| (e / 60.5 - 1.0).abs() < 1e-10));
     // A chain that goes round once ends where it began, and says so.
     let (mut context, ..) = ring(1);
-    let mut progress = Progress::new(start(&context, 0.0, &[], &[11.0]).unwrap());
-    let onward = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
-    let error = integrate(&mut context, &mut progress, &options, onward).unwrap_err();
+    let first = start(&context, 0.0, &[], &[11.0]).unwrap();
+    let mut run = Simulation::new(&mut context, first, &options).unwrap();
+    let error = run.finish().unwrap_err();
     let DynamicsError::Step(failed) = &error else {
         panic!("{error}");
     };
@@ -91,8 +91,9 @@ fn a_slide_goes_round_a_closed_ring_as_often_as_its_chain_does() {
     };
     assert_eq!(what, "joint at node bead");
     assert!(matches!(why, DomainError::Beyond { margin, .. } if *margin <= 0.0));
-    assert!(progress.summary.failed < 30, "{}", progress.summary.failed);
-    assert_close(progress.state.q[0], 6.0, 1e-4, "end of the chain");
+    let failed = run.progress().summary.failed;
+    assert!(failed < 30, "{failed}");
+    assert_close(run.state().q[0], 6.0, 1e-4, "end of the chain");
 }
 
 /// A bead on a spring along a zigzag in a level plane: u = cos 2t whatever the corners.
