@@ -46,7 +46,7 @@ pub(super) fn laws(
         for sides in segments::changes(context, n, s.t) {
             segments::laws(&mut own, (node, &rows), at, &sides, random);
         }
-        if view::is_frame(node) && !joint.frames.is_empty() && joint.thing.is_objective() {
+        if node.is_frame() && !joint.frames.is_empty() && joint.thing.is_objective() {
             Carried {
                 of,
                 position: node.position(),

@@ -1,6 +1,6 @@
 //! Continuity of a map along a chain of elements from one segment to the next.
 
-use super::view::{is_frame, parent_state};
+use super::view::parent_state;
 use crate::block::{Rows, wrong_entries};
 use crate::elements::{Carrier, EXACT, FrameAt, carry};
 use crate::maps::{freeze_piece, saved};
@@ -43,7 +43,7 @@ pub(super) fn laws(
     // f after the change is Jᵀ f before it if the two are in different charts.
     let f = random.entries(&vec![1.0; before.x.len()]);
     let mut back = f.clone();
-    if is_frame(node) && (&before.x - &after.x).rows(3, 3).norm() > 1.0 {
+    if node.is_frame() && (&before.x - &after.x).rows(3, 3).norm() > 1.0 {
         let own = [FrameAt {
             first: 0,
             position: node.position(),

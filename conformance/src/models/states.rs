@@ -1,6 +1,6 @@
 //! The states at which a model is checked: its start, and smooth random deformations of it.
 
-use super::view::{is_frame, unknowns};
+use super::view::unknowns;
 use crate::{Random, TestState};
 use nalgebra::{DVector, Vector3};
 use pullback_elements::model::{Context, FreeRotation, ModelState};
@@ -116,7 +116,7 @@ fn position(context: &Context, node: usize) -> Vector3<f64> {
     let frames = context.mapped_nodes().iter().map(|&n| n as usize);
     let mut readers = frames.filter(|&n| context.nodes()[n].parents(0).contains(&(node as u32)));
     let own = &context.nodes()[node];
-    match is_frame(own) {
+    match own.is_frame() {
         true => own.position(),
         false => (readers.next()).map_or(own.position(), |n| context.nodes()[n].position()),
     }
@@ -131,7 +131,7 @@ fn moved(context: &Context, q: &[f64], size: Size, units: &[f64], random: &mut R
     for (u, &(node, k, kind)) in unknowns.iter().enumerate() {
         let own = random.range(-1.0, 1.0);
         let of = &context.nodes()[node];
-        let frame = is_frame(of);
+        let frame = of.is_frame();
         // A free joint has the coordinates of a frame.
         let pose = frame || of.quantities().len() == 6;
         let field = |field: &Field| field.at(&position(context, node))[k % 3];

@@ -13,10 +13,6 @@ use pullback_manifold::system::{
 };
 use std::ops::Range;
 
-pub(super) fn is_frame(node: &Node) -> bool {
-    matches!(node.form(), NodeForm::Frame | NodeForm::Pose)
-}
-
 /// Element `k` with its layout; `units` are those of the nodes.
 pub(super) fn element<'a>(
     context: &'a Context,
@@ -57,8 +53,8 @@ pub(super) fn maps(
         let parents = node.parents(map.segment());
         let is_pose = |n: &u32| context.nodes()[*n as usize].form() == NodeForm::Pose;
         if let [parent] = parents
-            && is_frame(node)
-            && is_frame(&context.nodes()[*parent as usize])
+            && node.is_frame()
+            && context.nodes()[*parent as usize].is_frame()
             && is_pose(&n) != is_pose(parent)
         {
             return None;
@@ -95,7 +91,7 @@ pub(super) fn joint<'a>(
 ) -> Component<&'a dyn Parametrization> {
     let node = &context.nodes()[n as usize];
     let kind = plain(context.map_of(node).map_or("", |map| map.kind()));
-    let name = match is_frame(node) {
+    let name = match node.is_frame() {
         true => format!("joint {} ({kind})", node.name()),
         false if kind == LOOP => format!("{} ({kind})", node.name()),
         false => format!("coordinate {} ({kind})", node.name()),
@@ -158,7 +154,7 @@ fn component<T>(
 fn extent(context: &Context, nodes: &[u32]) -> f64 {
     let positions = || {
         let nodes = nodes.iter().map(|&n| &context.nodes()[n as usize]);
-        nodes.filter(|n| is_frame(n)).map(Node::position)
+        nodes.filter(|n| n.is_frame()).map(Node::position)
     };
     positions()
         .flat_map(|a| positions().map(move |b| (a - b).norm()))

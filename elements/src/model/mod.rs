@@ -169,7 +169,7 @@ impl Node {
     }
 
     /// Whether it is a frame, by its chart or by its pose.
-    fn is_frame(&self) -> bool {
+    pub fn is_frame(&self) -> bool {
         matches!(self.form, NodeForm::Frame | NodeForm::Pose)
     }
 
