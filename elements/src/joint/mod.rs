@@ -54,7 +54,7 @@ pub use on_surface::{OnSurface, Surface};
 pub use planar::Planar;
 pub use prismatic::Prismatic;
 pub use revolute::Revolute;
-pub use shape::{Between, Chain, Quadric, Spline, SplineError};
+pub use shape::{Chain, Quadric, Spline, SplineError};
 pub use slide::Slide;
 pub use universal::Universal;
 

@@ -5,7 +5,7 @@ mod chain;
 mod quadric;
 mod spline;
 
-pub use between::Between;
+pub(super) use between::Between;
 pub use chain::Chain;
 pub use quadric::Quadric;
 pub use spline::{Spline, SplineError};

@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 pub struct Between {
     interpolation: Interpolation,
     /// Whether the complement of a node's vector is used.
-    pub(in crate::joint) complements: [bool; 2],
+    pub complements: [bool; 2],
 }
 
 impl Between {
