@@ -3,13 +3,12 @@
 use crate::support::closures::{arm, body, failure, fixed, hinge, probe};
 use crate::support::program::*;
 
-const FOUR_BAR: &str = include_str!("../../../examples/models/four_bar.toml");
 const CHILD: &str = "child = \"rocker tip\"";
 
 /// The linkage with other words at its closing joint, for a damped scheme.
 fn closed_by(words: &str) -> String {
     let damped = "scheme = { generalised-alpha = 0.8 }";
-    FOUR_BAR
+    example("four_bar")
         .replace(CHILD, &format!("{CHILD}\n{words}"))
         .replace("scheme = { newmark = [0.25, 0.5] }", damped)
         .replace("to = 4", "to = 0.5")
@@ -70,7 +69,8 @@ child = "rocker tip" => &\nclosure = "penalty" | closure | joint "C": closure ne
     let said = refusal(&both).to_string();
     assert_says(&said, &["rates", "contradict"]);
     // A scheme that damps nothing is named when the run begins.
-    let undamped = FOUR_BAR.replace(CHILD, &format!("{CHILD}\nclosure = \"multipliers\""));
+    let undamped =
+        example("four_bar").replace(CHILD, &format!("{CHILD}\nclosure = \"multipliers\""));
     let said = failure("closures-undamped", &undamped);
     assert_says(&said, &["Newmark", "ga:0.8"]);
 }

@@ -3,7 +3,7 @@
 
 use crate::support::beams::line;
 use crate::support::closures::{angle, beam_line, fixed, hinge, probe};
-use crate::support::program::{number, recorded};
+use crate::support::program::{example, number, recorded};
 use toml::{Table, Value};
 
 /// A metre, a kilogram and a second in other units.
@@ -161,7 +161,7 @@ fn a_structure_and_a_mechanism_take_the_same_iterations_in_all_units() {
     let text = line(stiffness, 8, 1, &rest);
     let columns = ["tip.x", "tip.y", "tip.z"];
     compare_within(0.0, "cantilever", &text.parse().unwrap(), &columns);
-    let text = include_str!("../../../examples/models/double_pendulum.toml");
+    let text = example("double_pendulum");
     let (model, _) = text.split_once("[[probes]]").unwrap();
     let model = with_probes(&model.replace("to = 2", "to = 0.4"), &["hip", "hinge"]);
     compare_within(0.0, "double pendulum", &model, &["hip", "hinge"]);
@@ -169,8 +169,7 @@ fn a_structure_and_a_mechanism_take_the_same_iterations_in_all_units() {
 
 #[test]
 fn a_slider_crank_is_where_its_crank_says() {
-    let text = include_str!("../../../examples/models/slider_crank.toml")
-        .replace("step = 0.001", "step = 0.004");
+    let text = example("slider_crank").replace("step = 0.001", "step = 0.004");
     let joints = ["crank", "rod", "wrist"];
     for closure in ["multipliers", "map"] {
         let model = shortened(&text, "child = \"slider\"", closure, "0.16", &joints);
@@ -188,15 +187,14 @@ fn a_slider_crank_is_where_its_crank_says() {
 
 #[test]
 fn flexible_linkages_move_alike_in_all_units() {
-    let misaligned = include_str!("../../../examples/models/four_bar_misaligned.toml");
-    let crank = include_str!("../../../examples/models/slider_crank_flexible.toml");
+    let [misaligned, crank] = ["four_bar_misaligned", "slider_crank_flexible"].map(example);
     for closure in ["multipliers", "map"] {
         let joints = ["axis B", "axis D"];
         let child = "child = \"tip of bar 3\"";
-        let model = shortened(misaligned, child, closure, "0.16", &joints);
+        let model = shortened(&misaligned, child, closure, "0.16", &joints);
         compare("misaligned", &model, &joints);
         let joints = ["rod", "wrist"];
-        let model = shortened(crank, "child = \"rod end\"", closure, "0.04", &joints);
+        let model = shortened(&crank, "child = \"rod end\"", closure, "0.04", &joints);
         compare("flexible rod", &model, &joints);
     }
 }

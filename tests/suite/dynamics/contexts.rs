@@ -3,13 +3,11 @@
 use super::mass_on_rail;
 use crate::support::dynamics::motion_of;
 use crate::support::prelude::*;
+use crate::support::program::example;
 use std::sync::Arc;
 
 /// Mechanisms whose loops change their split, and beams that turn beyond their first chart.
-const MODELS: [&str; 2] = [
-    include_str!("../../../examples/models/four_bar_flexible.toml"),
-    include_str!("../../../examples/models/top_beam.toml"),
-];
+const MODELS: [&str; 2] = ["four_bar_flexible", "top_beam"];
 const STEPS: usize = 60;
 
 /// The state after some more steps, bit by bit.
@@ -27,8 +25,8 @@ fn a_model_is_shared_between_threads() {
     fn shared<T: Clone + Send + Sync>() {}
     shared::<Model>();
     shared::<Context>();
-    for text in MODELS {
-        let (mut context, first, options) = motion_of(text);
+    for name in MODELS {
+        let (mut context, first, options) = motion_of(&example(name));
         let model = Arc::clone(context.model());
         let run = |context: &mut Context| {
             steps(&mut Simulation::new(context, first.clone(), &options).unwrap())
@@ -46,8 +44,8 @@ fn a_model_is_shared_between_threads() {
 
 #[test]
 fn steps_from_a_snapshot_are_the_same_to_the_last_bit() {
-    for text in MODELS {
-        let (mut context, first, options) = motion_of(text);
+    for name in MODELS {
+        let (mut context, first, options) = motion_of(&example(name));
         let model = Arc::clone(context.model());
         let mut run = Simulation::new(&mut context, first, &options).unwrap();
         let before = steps(&mut run);
@@ -123,15 +121,15 @@ fn events_read_inputs_that_change() {
 
 #[test]
 fn a_state_of_another_model_is_refused() {
-    let [mut context, other] = MODELS.map(|text| motion_of(text).0);
+    let [mut context, other] = MODELS.map(|name| motion_of(&example(name)).0);
     assert!(!context.set_state(other.state().clone()));
     // Nor is one of the same file built again: its charts may be any.
-    let again = motion_of(MODELS[0]).0;
+    let again = motion_of(&example(MODELS[0])).0;
     assert!(!context.set_state(again.state().clone()));
     assert!(context.set_state(context.state().clone()));
     // Nor numbers of which some fit: nothing changes.
     let saved = context.save();
-    let (mut moved, first, options) = motion_of(MODELS[0]);
+    let (mut moved, first, options) = motion_of(&example(MODELS[0]));
     steps(&mut Simulation::new(&mut moved, first, &options).unwrap());
     let mut wrong = moved.save();
     wrong.maps.last_mut().unwrap().push(0.0);

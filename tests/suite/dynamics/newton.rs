@@ -14,6 +14,7 @@
 use crate::support::beams;
 use crate::support::dynamics::*;
 use crate::support::prelude::*;
+use crate::support::program::example;
 use pullback::manifold::sparse::BlockPattern;
 
 /// A flexible beam from a support that is thrown into motion; at its end a rigid link, on that a
@@ -166,7 +167,7 @@ fn reached<Y: System>(mut system: Y, options: &DynamicOptions, predictor: Predic
 fn going_on_with_the_velocity_needs_extrapolated_stresses_in_the_struck_cantilever() {
     // cases.md, case 5: with the exact tangent q + h q̇ diverges before t = 6, q does not (it does later).
     let model = || {
-        let (context, _, options) = motion_of(include_str!("../../../examples/models/elbow.toml"));
+        let (context, _, options) = motion_of(&example("elbow"));
         (context, options)
     };
     let plain = |predictor| {

@@ -4,13 +4,10 @@
 use crate::support::closures::hinge;
 use crate::support::dynamics::{assert_slopes, configure, motion_of};
 use crate::support::prelude::*;
-use crate::support::program::assert_says;
+use crate::support::program::{assert_says, example};
 use allocation_counter::measure;
 use pullback::studies::compare::Sample;
 use pullback::studies::gallery::exact;
-
-const PENDULUM: &str = include_str!("../../../examples/models/pendulum.toml");
-const FREE_BODY: &str = include_str!("../../../examples/models/free_body.toml");
 
 /// A model of the gallery with another scheme, its start, and options for nearly exact balance.
 fn assemble(text: &str, scheme: &str) -> (Context, State, DynamicOptions) {
@@ -25,7 +22,7 @@ fn assemble(text: &str, scheme: &str) -> (Context, State, DynamicOptions) {
 
 /// Errors of rotation and angular velocity of the free body at the end of a run, and its counts.
 fn run(scheme: &str, change: impl Fn(DynamicOptions) -> DynamicOptions) -> (Vec<f64>, Summary) {
-    let (mut context, state, options) = assemble(FREE_BODY, scheme);
+    let (mut context, state, options) = assemble(&example("free_body"), scheme);
     let options = change(options);
     let mut run = Simulation::new(&mut context, state, &options).unwrap();
     run.finish().unwrap();
@@ -96,7 +93,7 @@ fn a_free_body_costs_a_fraction_of_the_default_scheme() {
 #[test]
 fn steps_allocate_nothing() {
     let count = |to: f64| {
-        let (mut context, state, options) = assemble(FREE_BODY, "tsitouras");
+        let (mut context, state, options) = assemble(&example("free_body"), "tsitouras");
         let options = adaptive(to, 1e-7)(options);
         let mut summary = Summary::default();
         let counted = measure(|| {
@@ -124,8 +121,8 @@ fn refusal(text: &str, change: impl Fn(DynamicOptions) -> DynamicOptions) -> Str
 fn what_it_cannot_integrate_is_refused() {
     // Nothing but a spring and a damper, of the first order.
     let idle = hinge("idle", "ground", "spring = { k = 1, c = 2 }");
-    let massless = format!("{}\n{idle}", PENDULUM);
-    let held = include_str!("../../../examples/models/four_bar.toml").replace(
+    let massless = example("pendulum") + &idle;
+    let held = example("four_bar").replace(
         "child = \"rocker tip\"",
         "child = \"rocker tip\"\nclosure = \"multipliers\"",
     );
@@ -139,6 +136,6 @@ fn what_it_cannot_integrate_is_refused() {
         let words = ["scheme Tsitouras 5(4)", "multipliers"];
         assert_says(&refusal(&held, change), &words);
     }
-    let said = refusal(FREE_BODY, equal(6.0, 6));
+    let said = refusal(&example("free_body"), equal(6.0, 6));
     assert!(said.contains("step 1.0 is too large"), "{said}");
 }

@@ -2,14 +2,14 @@
 
 use crate::support::dynamics::{assert_order, turning};
 use crate::support::prelude::*;
+use crate::support::program::example;
 use pullback::conformance;
 use pullback::manifold::chart::RotationChart;
 
 /// A clamped beam rolled up into two circles by a moment: its end turns by 4π.
 #[test]
 fn a_beam_rolls_up_alike_in_both_charts() {
-    let text = include_str!("../../../examples/models/rollup.toml");
-    let file = input::parse("rollup.toml", text).unwrap();
+    let file = input::parse("rollup.toml", &example("rollup")).unwrap();
     let ends = [Formulation::Total, Formulation::WienerMilenkovic].map(|formulation| {
         let mut job = input::job("rollup.toml", &file, Some(formulation)).unwrap();
         let Plan::Static(options) = job.plan else {

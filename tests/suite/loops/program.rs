@@ -3,11 +3,9 @@
 use crate::support::closures::{GROUND, arm, body, body_of, hinge, joint, probe, rows};
 use crate::support::program::*;
 
-const FOUR_BAR: &str = include_str!("../../../examples/models/four_bar.toml");
-
 /// The four-bar linkage with [other words](changed).
 fn with(changes: &str) -> String {
-    changed(FOUR_BAR, changes)
+    changed(&example("four_bar"), changes)
 }
 
 #[test]
@@ -107,7 +105,7 @@ fn notes(text: &str) -> Vec<String> {
 #[test]
 fn the_loop_leaves_the_crank_free_and_what_carries_something() {
     // The crank by its rate and position; as they are drawn other angles are better by less than 10.
-    assert!(notes(FOUR_BAR)[0].contains("independent: A angle;"));
+    assert!(notes(&example("four_bar"))[0].contains("independent: A angle;"));
     let none = with("rate = 4.5 =>");
     assert!(notes(&none)[0].contains("independent: A angle;"));
     for joint in ["B", "C", "D"] {

@@ -2,7 +2,7 @@
 
 use crate::support::closures::{GROUND, PLAIN, angle, arm, body, hinge};
 use crate::support::prelude::*;
-use crate::support::program::{assert_close, directory, history, number, program, write};
+use crate::support::program::{assert_close, directory, example, history, number, program, write};
 
 /// Equal cranks of length 1 on a coupler and a ground of length 2: flat where they lie along it. With
 /// bodies on all three bars and nothing else θ̇ is constant, as θ is all there is.
@@ -54,7 +54,7 @@ const MULTIPLIERS: &str = "`closure = \"multipliers\"` goes through";
 
 /// Parallelograms in a row (IFToMM's A02) without weight: all are flat at once.
 fn in_a_row(closure: &str, analysis: &str) -> String {
-    let model = include_str!("../../../examples/models/parallelograms.toml");
+    let model = example("parallelograms");
     let (model, _) = model.split_once("[[loads]]").unwrap();
     let model = model
         .replace("value = 1.2", "rate = 6")
