@@ -2,6 +2,7 @@
 
 use crate::support::beams::beam;
 use crate::support::dynamics::{body, revolute, turning};
+use crate::support::loops::Circle;
 use crate::support::prelude::*;
 use allocation_counter::measure;
 
@@ -13,16 +14,6 @@ fn section() -> Section {
 
 fn line(b: &mut ModelBuilder, name: &str, ends: [NodeId; 2], section: Section) -> Vec<NodeId> {
     beam(b, name, ends, 4, section)
-}
-
-/// Two angles a and b on a circle: neither can be the coordinate for long.
-#[derive(Clone)]
-struct Circle;
-
-impl Implicit<2, 1> for Circle {
-    fn h<S: Scalar>(&self, _t: S, x: &SVector<S, 2>) -> SVector<S, 1> {
-        SVector::<S, 1>::new(x.dot(x) - 1.0)
-    }
 }
 
 /// Two bodies whose angles stay on a circle; the node of their coordinate.

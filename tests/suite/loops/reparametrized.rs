@@ -1,17 +1,8 @@
 //! Coordinates that a map may change for others.
 
 use crate::support::dynamics::spring;
+use crate::support::loops::Circle;
 use crate::support::prelude::*;
-
-/// Two coordinates on a circle: neither determines the other everywhere.
-#[derive(Clone, Copy, Debug)]
-struct Circle;
-
-impl Implicit<2, 1> for Circle {
-    fn h<S: Scalar>(&self, _t: S, x: &SVector<S, 2>) -> SVector<S, 1> {
-        SVector::<S, 1>::new(x.dot(x) - 1.0)
-    }
-}
 
 #[test]
 fn coordinates_that_change_their_meaning_are_nobody_elses() {

@@ -20,3 +20,13 @@ pub fn gap(found: &[f64], exact: &[f64]) -> f64 {
 pub fn one_freedom(M: Moving<0>, V: Moving<0>, rate: f64) -> f64 {
     -(0.5 * M.x[1] * rate * rate + V.x[1]) / M.x[0]
 }
+
+/// Two coordinates on a circle: neither determines the other everywhere.
+#[derive(Clone, Copy, Debug)]
+pub struct Circle;
+
+impl Implicit<2, 1> for Circle {
+    fn h<S: Scalar>(&self, _t: S, x: &SVector<S, 2>) -> SVector<S, 1> {
+        SVector::<S, 1>::new(x.dot(x) - 1.0)
+    }
+}
