@@ -35,10 +35,12 @@ const DEPENDENT: f64 = 1e-4;
 /// Number of vectors that memory is reserved for.
 const RESERVED: usize = 32;
 
+/// Adds G w to its second argument.
+type Gram<'a> = dyn Fn(&[f64], &mut [f64]) + 'a;
+
 /// An orthonormal basis, and the operator in it.
 pub(crate) struct Krylov<'a> {
-    /// Adds G w to its second argument.
-    pub gram: Box<dyn Fn(&[f64], &mut [f64]) + 'a>,
+    pub gram: Box<Gram<'a>>,
     /// Whether the operator is self-adjoint: coefficients of earlier vectors are then known.
     symmetric: bool,
     /// One vector after the other.
