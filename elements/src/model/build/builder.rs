@@ -265,7 +265,7 @@ impl ModelBuilder {
         self.check_own(nodes, || format!("element {name}"))?;
         if nodes.len() > MAX_NODES {
             return Err(ModelError::TooManyNodes {
-                element: name,
+                element: format!("element {name}"),
                 found: nodes.len(),
                 limit: MAX_NODES,
             });

@@ -128,7 +128,7 @@ impl ModelBuilder {
             self.check_own(parents, || format!("joint at node {name}"))?;
             if parents.len() > MAX_NODES {
                 return Err(ModelError::TooManyNodes {
-                    element: format!("(joint at node {name})"),
+                    element: format!("the joint at node {name}"),
                     found: parents.len(),
                     limit: MAX_NODES,
                 });

@@ -280,7 +280,7 @@ fn add_map(
     }
     if parents.len() > MAX_NODES {
         return Err(ModelError::TooManyNodes {
-            element: format!("(loop of {joints})"),
+            element: format!("the loop of {joints}"),
             found: parents.len(),
             limit: MAX_NODES,
         });

@@ -32,7 +32,7 @@ fn elements_that_do_not_fit() {
         b.element("spring", Idle(9), &ends) =>
             "element spring has 9 coordinates, but its nodes (a, b) have 12 together",
         b.element("net", Idle(102), &[ends[0]; 17]) =>
-            "element net has 17 nodes; at most 16 are possible",
+            "element net reads 17 nodes; at most 16 are possible",
     }
     let mut other = ModelBuilder::new();
     for k in 0..5 {
