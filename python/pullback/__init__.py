@@ -146,7 +146,10 @@ class Model:
             raise AnalysisError(message or "the analysis did not reach its end")
 
     def linearize(self, at: float | None = None) -> Linearized:
-        """The linear equations of motion about the state at the end of the analysis, or at a load parameter or time."""
+        """The linear equations of motion about the state at the end of the analysis, or at a load parameter or time.
+
+        Raises AnalysisError for a model with [analysis.campbell], whose equations depend on the speed.
+        """
         return Linearized(_pullback.linear(self._text, self._name, at))
 
     def modes(
