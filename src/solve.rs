@@ -11,7 +11,7 @@ use pullback_integrators::dynamics::{
 use pullback_integrators::linearization::{CampbellError, SteadyMotion};
 use pullback_integrators::significant;
 use pullback_integrators::statics::{
-    Iteration, StaticOptions, StaticsError, Step, solve_statics, trace_path,
+    Iteration, StaticOptions, StaticSummary, StaticsError, Step, solve_statics, trace_path,
 };
 use serde::ser::{SerializeMap, Serializer};
 use std::error::Error;
@@ -151,7 +151,7 @@ fn energies<S: Serializer>(energy: &Option<EnergyBalance>, to: S) -> Result<S::O
 }
 
 impl Counts {
-    fn of_statics(s: &pullback_integrators::statics::StaticSummary) -> Self {
+    fn of_statics(s: &StaticSummary) -> Self {
         Self {
             steps: s.steps,
             rejected: s.rejected,
@@ -237,24 +237,19 @@ pub fn begin(
     })
 }
 
-/// The step to the equilibrium in a steady rotation, whose coordinates `q` becomes.
+/// The equilibrium in a steady rotation, whose coordinates `q` becomes.
 fn relative_equilibrium(
     context: &mut Context,
     speed: Input,
     options: &StaticOptions,
     q: &mut Vec<f64>,
-) -> Result<Step<'static>, CampbellError> {
+) -> Result<StaticSummary, CampbellError> {
     let mut steady = SteadyMotion::new(context, 0.0, speed);
     let mut go_on = |_: &mut _, _: &Step<'_>| ControlFlow::Continue(());
-    let summary = solve_statics(&mut steady, q, options, &mut go_on);
-    let summary = summary.map_err(|source| CampbellError::Equilibrium {
+    let solved = solve_statics(&mut steady, q, options, &mut go_on);
+    solved.map_err(|source| CampbellError::Equilibrium {
         speed: options.to,
         source,
-    })?;
-    Ok(Step {
-        iterations: summary.iterations,
-        chart_changes: summary.chart_changes,
-        ..Step::default()
     })
 }
 
@@ -283,7 +278,15 @@ pub fn solve(
         }
         Plan::Steady(speed, options) => {
             let solved = relative_equilibrium(context, *speed, options, &mut q);
-            let solved = solved.map(|step| seen(context, &step).is_continue());
+            let solved = solved.map(|summary| {
+                counts = Counts::of_statics(&summary);
+                let advance = Advance {
+                    iterations: summary.iterations,
+                    chart_changes: summary.chart_changes,
+                    ..Advance::default()
+                };
+                observer(context, &advance).is_continue()
+            });
             // At rest in the coordinates that rotate.
             let zeros = vec![0.0; q.len()];
             progress.state = State {
