@@ -237,16 +237,23 @@ pub fn begin(
     })
 }
 
-/// The equilibrium in a steady rotation, whose coordinates `q` becomes.
+/// Finds the equilibrium in a steady rotation from `q`; the state of `progress` is then at rest in these coordinates.
 fn relative_equilibrium(
     context: &mut Context,
-    speed: Input,
-    options: &StaticOptions,
-    q: &mut Vec<f64>,
+    (speed, options): (Input, &StaticOptions),
+    mut q: Vec<f64>,
+    progress: &mut Progress,
 ) -> Result<StaticSummary, CampbellError> {
     let mut steady = SteadyMotion::new(context, 0.0, speed);
     let mut go_on = |_: &mut _, _: &Step<'_>| ControlFlow::Continue(());
-    let solved = solve_statics(&mut steady, q, options, &mut go_on);
+    let solved = solve_statics(&mut steady, &mut q, options, &mut go_on);
+    let zeros = vec![0.0; q.len()];
+    progress.state = State {
+        q,
+        v: zeros.clone(),
+        a: zeros,
+        ..State::default()
+    };
     solved.map_err(|source| CampbellError::Equilibrium {
         speed: options.to,
         source,
@@ -277,7 +284,7 @@ pub fn solve(
             trace_path(context, &mut q, options, &mut seen)
         }
         Plan::Steady(speed, options) => {
-            let solved = relative_equilibrium(context, *speed, options, &mut q);
+            let solved = relative_equilibrium(context, (*speed, options), q, progress);
             let solved = solved.map(|summary| {
                 counts = Counts::of_statics(&summary);
                 let advance = Advance {
@@ -287,14 +294,6 @@ pub fn solve(
                 };
                 observer(context, &advance).is_continue()
             });
-            // At rest in the coordinates that rotate.
-            let zeros = vec![0.0; q.len()];
-            progress.state = State {
-                q,
-                v: zeros.clone(),
-                a: zeros,
-                ..State::default()
-            };
             return Ended::new(counts, 0.0, None, solved);
         }
         Plan::Dynamic(plan) => {
