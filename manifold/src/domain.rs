@@ -37,12 +37,6 @@ impl DomainError {
         }
     }
 
-    /// A rotation vector of the angle `psi` is at the edge of its chart, 2π.
-    pub fn chart(psi: f64) -> Self {
-        let (limit, margin) = (CHART_EDGE, TAU - psi);
-        Self::Beyond { limit, margin }
-    }
-
     /// The error of a joint, node or element of this name, in words.
     pub fn of(&self, what: &str) -> String {
         match self {

@@ -14,7 +14,7 @@ use crate::element::{
     Response, SectionState,
 };
 use nalgebra::{Matrix3, Vector3};
-use pullback_manifold::domain::{DomainError, LARGEST_ANGLE};
+use pullback_manifold::domain::{CHART_EDGE, DomainError, LARGEST_ANGLE};
 use pullback_manifold::so3;
 
 /// Error of a beam element.
@@ -166,9 +166,7 @@ impl<const NN: usize, I: Rotations<NN>> Beam<NN, I> {
         for (p, viscous) in self.points().zip(&mut viscous) {
             let line = Self::line(p, at.x);
             let psi = line.psi.norm();
-            if psi > LARGEST_ANGLE {
-                return Err(DomainError::chart(psi));
-            }
+            DomainError::within(LARGEST_ANGLE - psi, CHART_EDGE)?;
             let strained;
             (strained, *viscous) = self.strained(p, &line, at.v);
             let f = strained.forces();

@@ -22,7 +22,7 @@ use super::relative::{RelativeNode, RelativePose, Turn, block, turn_between};
 use crate::blocks::{add_block, three};
 use crate::element::{CombinedTangents, Motion, ONE_TURN};
 use nalgebra::{Matrix3, Vector3, Vector6};
-use pullback_manifold::domain::{DomainError, LARGEST_ANGLE};
+use pullback_manifold::domain::{CHART_EDGE, DomainError, LARGEST_ANGLE};
 use pullback_manifold::quotients::TangentQuotients;
 use pullback_manifold::so3;
 use pullback_manifold::system::Weights;
@@ -242,9 +242,7 @@ impl<const NN: usize> Geodesic<NN> {
         // If both are at the edge, the relative rotation is the better message.
         for i in 0..NN {
             let psi = three(at.x, 6 * i + 3).norm();
-            if psi > LARGEST_ANGLE {
-                return Err(DomainError::chart(psi));
-            }
+            DomainError::within(LARGEST_ANGLE - psi, CHART_EDGE)?;
         }
         Ok((nodes, x, v))
     }
