@@ -265,7 +265,7 @@ pub enum SystemError {
         /// The element, load or node.
         what: String,
     },
-    /// The point lacks what was requested, or a slice has the wrong length.
+    /// A slice has the wrong length, or a function of the caller gives a wrong value.
     #[error("{what}: expected {expected}, got {found}")]
     Request {
         /// The slice or value.
@@ -289,8 +289,8 @@ pub trait System {
     /// Fills `out` at the given point.
     ///
     /// # Errors
-    /// [`SystemError`] if the point is outside the domain of a chart or gives non-finite values, if
-    /// C or M is requested at a static point, and if a slice has the wrong length.
+    /// [`SystemError`] if the point is outside the domain of a chart or gives non-finite values, and if a
+    /// slice has the wrong length.
     fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError>;
 
     /// Whether the tangents are symmetric, as with conservative loads.
