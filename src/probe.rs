@@ -156,7 +156,10 @@ impl Probe {
         use ProbeQuantity as Q;
         match &self.target {
             Target::Joint(..) => true,
-            Target::Node(..) => !matches!(self.quantity, Q::reaction_force | Q::reaction_moment),
+            Target::Node(..) => !matches!(
+                self.quantity,
+                Q::reaction_force | Q::reaction_moment | Q::joint_force | Q::joint_moment
+            ),
             Target::Element(_) | Target::Whole => false,
         }
     }

@@ -58,7 +58,7 @@ pub struct CyclicSymmetry {
     pub turn: Vec<(usize, usize, f64)>,
 }
 
-/// Factors of the combined tangent S = K·(∂r/∂q part) + C·(...) + M·(...).
+/// Factors c_K, c_C and c_M of the combined tangent S = c_K K + c_C C + c_M M.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weights {
     /// Factor of K = −∂r/∂q.
@@ -111,7 +111,7 @@ impl Weights {
 pub struct Evaluation<'a> {
     /// Residual covector r.
     pub r: &'a mut [f64],
-    /// Combined tangent cK·K + cC·C + cM·M, values in the system's [`BlockPattern`].
+    /// Combined tangent c_K K + c_C C + c_M M, values in the system's [`BlockPattern`].
     pub S: Option<(Weights, &'a mut [f64])>,
     /// Partial derivative ∂r/∂t at fixed q, where t is the load parameter; statics only.
     pub r_t: Option<&'a mut [f64]>,

@@ -46,7 +46,7 @@ pub(super) fn plan(assembly: &Assembly<'_>) -> Result<Option<EigenvaluePlan>, In
         }
         Analysis::Buckling(b) => {
             let at = at.at("buckling");
-            at.positive("count", b.count as f64)?;
+            check_count(&at, b.count)?;
             if analysis.is_dynamic() {
                 let known = ["static", "arc_length"];
                 return Err(unknown(&at.at("after"), "dynamic", &known));
@@ -70,13 +70,13 @@ pub(super) fn plan(assembly: &Assembly<'_>) -> Result<Option<EigenvaluePlan>, In
 }
 
 fn speeds(at: &Location<'_>, c: &CampbellAnalysis) -> Result<CampbellOptions, InputError> {
-    at.positive("count", c.count as f64)?;
+    check_count(at, c.count)?;
     at.positive("steps", c.steps as f64)?;
     for (key, speed) in [("from", c.from), ("to", c.to)] {
         let expected = "a speed in radians per unit of time";
         at.refuse_if(!speed.is_finite(), key, speed, expected)?;
     }
-    let many = c.steps > MOST_SPEEDS;
+    let many = c.steps > MOST;
     at.refuse_if(many, "steps", c.steps as f64, "at most 100000 steps")?;
     let steps = if c.from == c.to { 0 } else { c.steps };
     let part = |k: usize| k as f64 / steps.max(1) as f64;
@@ -91,13 +91,20 @@ fn speeds(at: &Location<'_>, c: &CampbellAnalysis) -> Result<CampbellOptions, In
     })
 }
 
-/// Most speeds of a diagram; more are taken for a typing error.
-const MOST_SPEEDS: usize = 100_000;
+/// Most modes, and most speeds of a diagram; more are taken for a typing error.
+const MOST: usize = 100_000;
+
+fn check_count(at: &Location<'_>, count: usize) -> Result<(), InputError> {
+    let sensible = (1..=MOST).contains(&count);
+    at.refuse_if(
+        !sensible,
+        "count",
+        count as f64,
+        "a number from 1 to 100000",
+    )
+}
 
 fn mode_options(at: &Location<'_>, m: &ModalAnalysis) -> Result<ModeOptions, InputError> {
-    at.positive("count", m.count as f64)?;
-    let usable = m.near >= 0.0 && m.near.is_finite();
-    at.refuse_if(!usable, "near", m.near, "a frequency, zero or positive")?;
     let selection = match m.range {
         Some([from, to]) if !(0.0 <= from && from < to && to.is_finite()) => {
             return Err(at.range(
@@ -106,15 +113,25 @@ fn mode_options(at: &Location<'_>, m: &ModalAnalysis) -> Result<ModeOptions, Inp
                 "two frequencies, zero or positive, the smaller one first",
             ));
         }
-        Some(_) if m.near != 0.0 => {
-            let message = "near and range exclude each other: keep one of them".to_owned();
-            return Err(at.at("near").refuse_key(InputProblem::Toml(message)));
+        Some(range) => {
+            for (key, given) in [("count", m.count.is_some()), ("near", m.near.is_some())] {
+                if given {
+                    let message = format!("{key} and range exclude each other: keep one of them");
+                    return Err(at.at(key).refuse_key(InputProblem::Toml(message)));
+                }
+            }
+            Selection::Range(range.map(|f| TAU * f))
         }
-        Some(range) => Selection::Range(range.map(|f| TAU * f)),
-        None => Selection::Nearest {
-            count: m.count,
-            omega: TAU * m.near,
-        },
+        None => {
+            let (count, near) = (m.count.unwrap_or(10), m.near.unwrap_or(0.0));
+            check_count(at, count)?;
+            let usable = near >= 0.0 && near.is_finite();
+            at.refuse_if(!usable, "near", near, "a frequency, zero or positive")?;
+            Selection::Nearest {
+                count,
+                omega: TAU * near,
+            }
+        }
     };
     Ok(ModeOptions {
         selection,

@@ -67,7 +67,7 @@ use pullback_manifold::system::Quantity;
 
 /// The pose of a child frame in its parent.
 ///
-/// The rotation is a unit quaternion, which composes without a chart; q and −q are the same rotation.
+/// The rotation is a unit quaternion, which composes without a chart; a quaternion and its opposite are the same rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose<S> {
     /// Position of the child from the parent, in the parent's axes.

@@ -4,6 +4,7 @@ use super::options::check;
 use super::run::MotionRun;
 use super::segment_changes::SHORT;
 use super::{DynamicsError, Progress, State};
+use crate::abilities;
 use crate::failure::{Cause, significant};
 use crate::vectors::add;
 use pullback_manifold::system::{Evaluation, System, SystemError};
@@ -69,17 +70,26 @@ impl MotionRun {
             stopped |= (events[k].apply)(system, &mut after.state).is_break();
         }
         let t = progress.state.t;
-        if after.state.t != t {
-            let source = SystemError::Request {
-                what: "time after an event",
-                expected: format!("{t:?}, as before"),
-                found: format!("{:?}", after.state.t),
-            };
-            return Err(DynamicsError::System { t, source });
+        let outcome = match after.state.t == t {
+            true => check(&self.options, &after.state, system)
+                .and_then(|()| self.refresh(system, &mut after))
+                .and_then(|()| self.watch(system, events, &mut after)),
+            false => {
+                let source = SystemError::Request {
+                    what: "time after an event",
+                    expected: format!("{t:?}, as before"),
+                    found: format!("{:?}", after.state.t),
+                };
+                Err(DynamicsError::System { t, source })
+            }
+        };
+        if outcome.is_err() {
+            // Nothing of the effect is left.
+            abilities::events(system)
+                .inputs()
+                .copy_from_slice(&progress.inputs);
+            return outcome;
         }
-        check(&self.options, &after.state, system)?;
-        self.refresh(system, &mut after)?;
-        self.watch(system, events, &mut after)?;
         self.occurrences.stopped |= stopped;
         *progress = after;
         Ok(())

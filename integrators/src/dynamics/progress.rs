@@ -134,7 +134,7 @@ pub struct Progress {
     pub invariants: Option<Invariants>,
     /// Number of converged steps since the last failure.
     pub easy: usize,
-    /// Number of short steps in a row that ended at an event.
+    /// Number of steps in a row that are much shorter than [`Progress::next_step`], as those that end at an event.
     pub short: usize,
     /// Counters so far.
     pub summary: Summary,

@@ -54,6 +54,28 @@ impl MotionRun {
         Ok(run)
     }
 
+    /// Changes the size of the steps from the next one on.
+    pub(super) fn set_step(
+        &mut self,
+        system: &mut dyn System,
+        progress: &mut Progress,
+        step: f64,
+    ) -> Result<(), DynamicsError> {
+        let before = self.options;
+        self.options.step = step;
+        self.options.min_step = before.min_step.min(step);
+        let checked = check(&self.options, &progress.state, system)
+            .and_then(|()| self.find_stable_step(system, progress));
+        if checked.is_err() {
+            self.options = before;
+            return checked;
+        }
+        self.stops = Stops::new(system, &self.options);
+        let longest = self.options.adaptivity.map_or(step, |a| a.max_step);
+        progress.next_step = step.min(longest);
+        Ok(())
+    }
+
     /// The next accepted step; `None` at the end of the run. After an error the system is at the last
     /// accepted step.
     pub(super) fn next<'a, Y: System>(

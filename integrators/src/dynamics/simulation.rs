@@ -151,18 +151,8 @@ where
         if step == self.run.options.step && step == self.progress.next_step {
             return Ok(());
         }
-        let options = DynamicOptions {
-            step,
-            min_step: self.run.options.min_step.min(step),
-            ..self.run.options
-        };
-        let mut progress = self.progress.clone();
-        progress.next_step = step;
-        let mut run = MotionRun::new(&mut *self.system, &mut progress, &options)?;
-        run.occurrences = std::mem::take(&mut self.run.occurrences);
-        self.run = run;
-        self.progress = progress;
-        Ok(())
+        self.run
+            .set_step(&mut *self.system, &mut self.progress, step)
     }
 
     /// A copy of everything that the next step depends on.

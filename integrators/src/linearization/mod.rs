@@ -107,8 +107,9 @@ const BALANCED: f64 = 1e-4;
 /// # Errors
 /// [`LinearizationError`] if the system cannot be evaluated, or the state is not in balance.
 pub fn linearize(system: &mut dyn System, at: Point<'_>) -> Result<Linearized, LinearizationError> {
+    let r_u = differences::input_columns(system, at)?;
     let (mut lin, r) = equations(system, at)?;
-    lin.r_u = differences::input_columns(system, at)?;
+    lin.r_u = r_u;
     let n = lin.dim();
     let (mut sizes, mut floor) = (vec![0.0; n], vec![0.0; n]);
     if !is_rounding(system, &lin.K, at.q, &r, [&mut sizes, &mut floor]) {

@@ -92,9 +92,10 @@ pub fn stability_limit(
     }
     let (_, found) = modes_at(from, &stable, to)?;
     let mut mode = growing(found).ok_or(StabilityError::Stable(to))?;
+    let rounding = f64::EPSILON * from.abs().max(to.abs());
     loop {
         let middle = 0.5 * (from + to);
-        if (middle - from).abs() <= f64::EPSILON * middle.abs() || middle == to {
+        if (middle - from).abs() <= rounding {
             return Ok(StabilityLimit {
                 t: middle,
                 q: stable,

@@ -44,10 +44,19 @@ impl MapGraph {
     /// Maps come before those that read them.
     ///
     /// # Panics
-    /// For a map with [`Segments`](super::Segments), which would read other sources on each of them.
+    /// For a map with [`Segments`](super::Segments), which would read other sources on each of them, and for other numbers
+    /// than those of the coordinates and of the values of an earlier map.
     pub fn add(&mut self, map: Box<dyn Parametrization>, reads: Vec<(Read, usize)>) -> Read {
         assert!(map.segments().is_none(), "a graph reads one segment");
         let (d, n) = map.dims();
+        let all: usize = reads.iter().map(|(_, len)| len).sum();
+        assert_eq!(all, d, "a map reads all of its coordinates");
+        let whole = |&(read, len): &(Read, usize)| match read {
+            Read::Input(first) => first + len <= self.inputs,
+            Read::Link(j) => len == self.links[j].n,
+            Read::Nothing => true,
+        };
+        assert!(reads.iter().all(whole), "a map reads what there is");
         let sources: Vec<Vec<usize>> = (reads.iter())
             .map(|&(read, len)| match read {
                 Read::Input(first) => (first..first + len).collect(),

@@ -5,14 +5,17 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Modes of the linear equations of motion about a state of equilibrium or of motion.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ModalAnalysis {
-    /// Number of modes.
+    /// Number of modes; 10 by default.
     #[schemars(range(min = 1))]
-    pub count: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub count: Option<usize>,
     /// The modes nearest to this frequency, in cycles per unit of time; by default the lowest ones.
-    pub near: f64,
+    #[schemars(range(min = 0.0))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub near: Option<f64>,
     /// Instead of `count` and `near`: all modes with a natural frequency |λ|/2π in this range, in cycles per unit of time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub range: Option<[f64; 2]>,
@@ -21,18 +24,6 @@ pub struct ModalAnalysis {
     /// The analysis at whose end the modes are found; by default none: the modes are those at load parameter 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub after: Option<Box<Analysis>>,
-}
-
-impl Default for ModalAnalysis {
-    fn default() -> Self {
-        Self {
-            count: 10,
-            near: 0.0,
-            range: None,
-            undamped: false,
-            after: None,
-        }
-    }
 }
 
 /// Critical loads and shapes of buckling: the static stiffness at an equilibrium, extrapolated linearly in the load

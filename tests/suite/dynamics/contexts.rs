@@ -119,6 +119,32 @@ fn events_read_inputs_that_change() {
     assert!((first - 0.5).abs() < 1e-11 && (second - 1.3).abs() < 1e-11);
 }
 
+/// An effect that leaves no numbers is refused as a whole: the input that it has set, too.
+#[test]
+fn refused_effects_leave_inputs_as_they_were() {
+    let (mut builder, node) = mass_on_rail();
+    let force = builder.input(0.0);
+    let load = NodalLoad::new(LoadKind::DeadForce, [1.0, 0.0, 0.0], force);
+    builder.element("force", load, &[node]).unwrap();
+    let mut context = Context::new(builder.build().unwrap());
+    let first = start(&context, 0.0, &[0.0], &[1.0]).unwrap();
+    let options = DynamicOptions::new(1.0, 0.1);
+    let mut run = Simulation::new(&mut context, first, &options).unwrap();
+    run.add_event(
+        |_, state| state.q[0] - 0.55,
+        move |context, state| {
+            context.set_input(force, 3.0);
+            state.v[0] = f64::NAN;
+            ControlFlow::Continue(())
+        },
+    );
+    for _ in 0..2 {
+        assert!(run.finish().is_err());
+        assert_eq!(run.system().input(force), 0.0);
+        assert!((run.state().t - 0.55).abs() < 1e-9);
+    }
+}
+
 #[test]
 fn a_state_of_another_model_is_refused() {
     let [mut context, other] = MODELS.map(|name| motion_of(&example(name)).0);

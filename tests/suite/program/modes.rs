@@ -171,6 +171,7 @@ fn settings_of_modes_are_checked() {
  => &\nnear = -1.0 | -1.0 | near
  => &\nrange = [2, 1] | [2, 1] | range = [2, 1] is out of range
  => &\nnear = 1.0\nrange = [1, 2] | | near
+ => &\ncount = 3\nrange = [1, 2] | | count
  => &\nafter = { modes = {} } | | modes
  => &\nnumber = 3 | number | number
  => [analysis.buckling]\nafter = { dynamic = { to = 1, step = 0.1 } } | dynamic | unknown key or word `dynamic`

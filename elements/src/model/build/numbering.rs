@@ -154,7 +154,11 @@ impl ModelBuilder {
             starts: &starts,
             ..setting
         };
-        let positions = loops::positions(nodes, enforced, &setting);
+        let enforces = |e: &ElementEntry| e.element.abilities().enforced.is_some();
+        let positions = match self.elements.iter().any(enforces) {
+            true => loops::positions(nodes, enforced, &setting),
+            false => loops::Positions::new(),
+        };
         self.starts = starts;
         Ok((reports, positions))
     }

@@ -111,17 +111,24 @@ impl Context {
 
     /// Records the momenta at the nodes, and the operators to the parents, before a possible change.
     pub(in crate::model) fn keep_momentum(&mut self, at: Point<'_>) {
-        // If a map cannot be evaluated, the next evaluation reports it.
-        if self.model.nodes.segmented().next().is_none() || self.node_momenta(at).is_err() {
+        if self.model.nodes.segmented().next().is_none() {
             return;
         }
+        // The forces of the accepted state are used later.
+        let mut forces = std::mem::take(&mut self.work.segment_changes.momenta);
+        forces.clone_from(&self.work.r);
+        let known = self.node_momenta(at);
+        std::mem::swap(&mut forces, &mut self.work.r);
         let Workspace {
             segment_changes: changes,
-            r,
             operators,
             ..
         } = &mut self.work;
-        changes.momenta.clone_from(r);
+        changes.momenta = forces;
+        // If a map cannot be evaluated, the next evaluation reports it.
+        if known.is_err() {
+            return;
+        }
         changes.B.clone_from(&operators[0]);
         changes.segments.clear();
         let segments = self.state.maps.iter().map(|map| map.segment());

@@ -212,9 +212,20 @@ impl Context {
         };
         let mut rates = |v: &[f64]| {
             self.expand(Point { t, q, v, a: &a })?;
-            let all = wanted.iter();
-            let all = all.map(|&(node, k, _)| scaled(&(node, k, self.rate(node, k))));
-            Ok(DVector::from_iterator(wanted.len(), all))
+            let all = wanted.iter().map(|&(node, k, _)| {
+                let rate = self.rate(node, k);
+                let what = || {
+                    format!(
+                        "the velocity of node {}",
+                        self.model.nodes[node.0 as usize].name
+                    )
+                };
+                match rate.is_finite() {
+                    true => Ok(scaled(&(node, k, rate))),
+                    false => Err(SystemError::NotFinite { what: what() }),
+                }
+            });
+            Ok(DVector::from_vec(all.collect::<Result<_, _>>()?))
         };
         let now = rates(v)?;
         let mut columns = DMatrix::zeros(now.len(), unknowns.len());

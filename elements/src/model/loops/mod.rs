@@ -211,14 +211,14 @@ pub(in crate::model) fn positions(
     }
     let mut known = HashMap::new();
     let mut positions = Vec::new();
-    for n in (0..nodes.len() as u32).filter(|&n| nodes[n as usize].is_own()) {
-        if copies[n as usize].is_own() {
-            if closings.len() == all {
-                let own = setting.starts.iter().filter(|((node, _), _)| node.0 == n);
-                positions.extend(own.map(|(&(_, k), &x)| (n, k, x)));
-            }
-            continue;
-        }
+    let is_own = |nodes: &[Node], n: u32| nodes[n as usize].is_own();
+    if closings.len() == all {
+        let starts = setting.starts.iter();
+        let kept = starts.filter(|((n, _), _)| is_own(nodes, n.0) && is_own(&copies, n.0));
+        positions.extend(kept.map(|(&(n, k), &x)| (n.0, k, x)));
+    }
+    let replaced = |&n: &u32| is_own(nodes, n) && !is_own(&copies, n);
+    for n in (0..nodes.len() as u32).filter(replaced) {
         let Some(x) = value(&copies, n, setting, &mut known) else {
             return Vec::new();
         };

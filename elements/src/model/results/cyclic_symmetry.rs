@@ -66,7 +66,7 @@ impl Moved {
 fn differ(twists: &Matrix6xX<f64>) -> bool {
     let mut directions = twists.clone();
     let mut columns = directions.column_iter_mut();
-    let moves = columns.all(|mut twist| twist.try_normalize_mut(0.0).is_some());
+    let moves = columns.all(|mut twist| twist.try_normalize_mut(0.0).is_some_and(f64::is_finite));
     moves && twists.ncols() <= 6 && directions.singular_values().min() > SAME
 }
 

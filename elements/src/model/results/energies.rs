@@ -71,7 +71,7 @@ impl Energetics for Context {
         Ok(dissipated)
     }
 
-    /// p = Bᵀ M ẋ; false if nothing is prescribed, as it cannot jump then.
+    /// p = Bᵀ M ẋ; false without prescribed and mapped coordinates, as it cannot jump then.
     fn momentum(&mut self, at: Point<'_>, p: &mut [f64]) -> Result<bool, SystemError> {
         if self.model.prescribed.is_empty() && self.model.nodes.mapped.is_empty() {
             return Ok(false);

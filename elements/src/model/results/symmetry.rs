@@ -68,6 +68,9 @@ impl Measured<'_> {
         // With rows of zeros a decomposition has all six directions.
         rows.resize(rows.len().max(6), [0.0; 6]);
         let flat = rows.iter().flatten().copied();
+        if flat.clone().any(|x| !x.is_finite()) {
+            return Ok(Vec::new());
+        }
         let R = DMatrix::from_row_iterator(rows.len(), 6, flat);
         let mut found = Vec::new();
         for xi in null_space(R, self.0.model.length) {

@@ -310,4 +310,5 @@ fn initial_values_are_measured_in_their_quantities() {
     };
     assert!(start(Quantity::Other, 5.0) && start(Quantity::Angle, 5.0));
     assert!(start(Quantity::Length, 4.0) && !start(Quantity::Length, 5.0));
+    assert!(!start(Quantity::Length, f64::NAN));
 }
