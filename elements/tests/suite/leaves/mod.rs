@@ -7,7 +7,6 @@ mod energy_wrong;
 mod integration;
 mod interpolation;
 mod joint_library;
-mod joints;
 mod line_loads;
 mod reference;
 mod refusals;
