@@ -2,41 +2,12 @@
 
 use crate::support::*;
 
-/// Positions on a quarter of a helix, equidistant in the parameter.
-fn helix(nodes: usize) -> Vec<Vector3<f64>> {
-    (0..nodes)
-        .map(|i| {
-            let u = 1.2 * i as f64 / (nodes - 1) as f64;
-            Vector3::new(u.cos(), u.sin(), 0.4 * u)
-        })
-        .collect()
-}
-
-fn along_helix(xi: f64) -> Matrix3<f64> {
-    let u = 0.6 * (1.0 + xi);
-    frame_along(
-        &Vector3::new(-u.sin(), u.cos(), 0.4),
-        Some(&Vector3::new(0.3 + u, 0.2, 0.9)),
-    )
-}
-
 const INTERPOLATIONS: [Interpolation; 2] = [Interpolation::Total, Interpolation::Geodesic];
 
 #[test]
 fn beams() {
-    let massive = massive();
-    let sections = [
-        section(),
-        coupled(),
-        massive,
-        section()
-            .with_mass(2.0, Matrix3::from_diagonal(&[3.0, 1.0, 2.0].into()))
-            .unwrap(),
-        massive.with_damping(DAMPING).unwrap(),
-        section().with_damping(DAMPING).unwrap(),
-    ];
     for nodes in 2..=4 {
-        for section in sections {
+        for section in sections() {
             for interpolation in INTERPOLATIONS {
                 let beam = interpolation.beam(&helix(nodes), &along_helix, &section);
                 let beam = beam.unwrap();
@@ -151,25 +122,22 @@ fn every_law_of_an_element_finds_its_error() {
             .unwrap();
         check::element(&Wrong { beam, error }).failing_laws()
     };
-    let found = |error, law: &str| {
+    assert!(failing(Error::None).is_empty());
+    let requests = "r does not depend on what else is requested";
+    let previous = "r does not depend on the previous iterate";
+    for (error, law) in [
+        (Error::Tangent, "K = -dr/dx"),
+        (Error::Asymmetric, "K symmetric"),
+        (Error::Energy, "r = -dE/dx"),
+        (Error::Rate, "r_t = dr/dt"),
+        (Error::ResidualOfTangent, requests),
+        (Error::NeedsVelocity, "statics is the motion at rest"),
+        (Error::OldResidual, previous),
+        (Error::OldStress, "K from the previous iterate"),
+    ] {
         let laws = failing(error);
         assert!(laws.iter().any(|l| l == law), "{error:?}: {laws:?}");
-    };
-    assert!(failing(Error::None).is_empty());
-    found(Error::Tangent, "K = -dr/dx");
-    found(Error::Asymmetric, "K symmetric");
-    found(Error::Energy, "r = -dE/dx");
-    found(Error::Rate, "r_t = dr/dt");
-    found(
-        Error::ResidualOfTangent,
-        "r does not depend on what else is requested",
-    );
-    found(Error::NeedsVelocity, "statics is the motion at rest");
-    found(
-        Error::OldResidual,
-        "r does not depend on the previous iterate",
-    );
-    found(Error::OldStress, "K from the previous iterate");
+    }
 }
 
 #[test]
@@ -177,10 +145,7 @@ fn loads_are_those_of_their_definition() {
     let m = Vector3::new(0.8, -1.4, 2.2);
     let psi = Vector3::new(0.5, 1.1, -0.9);
     let x = [0.1, 0.2, 0.3, psi.x, psi.y, psi.z];
-    let (R, T) = (
-        pullback_manifold::so3::rotation(&psi),
-        pullback_manifold::so3::tangent(&psi),
-    );
+    let (R, T) = (so3::rotation(&psi), so3::tangent(&psi));
     for (which, first, expected) in [
         (LoadKind::DeadForce, 0, m),
         (LoadKind::FollowerForce, 0, R * m),
@@ -200,27 +165,22 @@ fn loads_are_those_of_their_definition() {
 #[test]
 fn impossible_beams_are_refused_with_their_reason() {
     let refused = |positions: &[Vector3<f64>], frame: &dyn Fn(f64) -> Matrix3<f64>| {
-        match Interpolation::Total.beam(positions, frame, &section()) {
-            Err(error) => error,
-            Ok(_) => panic!("accepted"),
-        }
+        let beam = Interpolation::Total.beam(positions, frame, &section());
+        beam.err().expect("an error")
     };
     let x = |x: f64| Vector3::new(x, 0.0, 0.0);
     let straight = |_: f64| Matrix3::identity();
     assert_eq!(refused(&[x(0.0)], &straight), BeamError::Nodes(1));
-    assert_eq!(
-        refused(&[1.0, 2.0, 3.0, 4.0, 5.0].map(x), &straight),
-        BeamError::Nodes(5)
-    );
+    let five = [1.0, 2.0, 3.0, 4.0, 5.0].map(x);
+    assert_eq!(refused(&five, &straight), BeamError::Nodes(5));
     for positions in [
         vec![x(1.0), x(1.0)],
         vec![x(1.0), x(1.0), x(2.0)],
         vec![x(0.0), x(1.0), x(0.0)],
         vec![x(0.0), x(1.0), x(1.0), x(2.0)],
     ] {
-        let error = refused(&positions, &straight);
-        assert!(matches!(error, BeamError::ZeroLength { .. }), "{error:?}");
-        assert!(error.to_string().contains("its length is zero"), "{error}");
+        let error = refused(&positions, &straight).to_string();
+        assert!(error.contains("its length is zero"), "{error}");
     }
     let backwards = |_: f64| Matrix3::from_diagonal(&Vector3::new(-1.0, -1.0, 1.0));
     let left_handed = |_: f64| Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, -1.0));

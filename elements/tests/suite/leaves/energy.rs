@@ -15,19 +15,6 @@ fn frame() -> Matrix3<f64> {
     frame_along(&(b - a), Some(&Vector3::new(0.3, 0.2, 0.9)))
 }
 
-fn sections() -> [Section; 4] {
-    let massive = massive();
-    let centred = section()
-        .with_mass(2.0, Matrix3::from_diagonal(&[3.0, 1.0, 2.0].into()))
-        .unwrap();
-    [
-        section(),
-        centred,
-        massive,
-        massive.with_damping(DAMPING).unwrap(),
-    ]
-}
-
 #[test]
 fn reissners_beam_is_the_one_that_was_derived_by_hand() {
     for section in sections() {
@@ -81,11 +68,10 @@ fn springs() {
     let energy = element.abilities().energy(&moving(&x, &[], &[]));
     assert!((energy - (6.0 - 3.2 / 3.0 + 3.6)).abs() < 1e-13);
     x[6..9].copy_from_slice((positions()[0] - positions()[1]).as_slice());
-    let error = residual(&element, &x, &[]).unwrap_err().to_string();
-    assert!(
-        error.starts_with("its ends coincide (length 0.000e0)"),
-        "{error}"
-    );
+    refused! {
+        residual(&element, &x, &[]) =>
+            "its ends coincide (length 0.000e0): its force has no direction",
+    }
 }
 
 /// The law of a [`CoordinateSpring`].
@@ -111,10 +97,6 @@ fn a_coordinate_spring() {
 
 #[test]
 fn a_bushing() {
-    let full = |seed: f64| {
-        let A = Matrix6::from_fn(|i, j| ((6 * i + j) as f64 + seed).sin());
-        A * A.transpose() + Matrix6::identity()
-    };
     let [a, b] = positions();
     let joint = ElasticJoint {
         u0: b - a,
@@ -166,9 +148,8 @@ fn gravity_pulls_with_the_square_of_the_distance() {
     assert!(element.properties().load);
     let r = residual(&element, &[0.0; 6], &[]).unwrap();
     // 50·2/25 = 4 towards the centre.
-    for (k, f) in [-2.4, 0.0, -3.2, 0.0, 0.0, 0.0].into_iter().enumerate() {
-        assert!((r[k] - f).abs() < 1e-14, "{r:?}");
-    }
+    let expected = DVector::from_column_slice(&[-2.4, 0.0, -3.2, 0.0, 0.0, 0.0]);
+    assert!((&r - expected).amax() < 1e-14, "{r:?}");
     assert!((element.abilities().energy(&moving(&[0.0; 6], &[], &[])) + 20.0).abs() < 1e-13);
     let there = [-3.0, 0.0, -4.0, 0.0, 0.0, 0.0];
     assert!(residual(&element, &there, &[]).is_err());

@@ -114,11 +114,6 @@ fn the_element_has_the_energies_of_its_definition() {
     }
 }
 
-fn frame(xi: f64) -> Matrix3<f64> {
-    let u = 0.6 * (1.0 + xi);
-    frame_along(&Vector3::new(-u.sin(), u.cos(), 0.4), None)
-}
-
 /// Coordinates of the nodes of an element after the rotation of space R(turn), with all rotation vectors on the
 /// branch of `turn` or in the other chart.
 fn turned(positions: &[Vector3<f64>], x: &[f64], turn: &Vector3<f64>, other: bool) -> Vec<f64> {
@@ -166,12 +161,11 @@ fn sections_and_follower_loads_turn_with_a_geodesic_element() {
     let turn = Vector3::new(1.0, -1.4, 1.1);
     let Q = so3::rotation(&turn);
     for count in 2..=4 {
-        let along = (0..count).map(|k| 1.2 * k as f64 / (count - 1) as f64);
-        let positions: Vec<_> = along
-            .map(|u| Vector3::new(u.cos(), u.sin(), 0.4 * u))
-            .collect();
+        let positions = helix(count);
         for interpolation in [Interpolation::Geodesic, Interpolation::Total] {
-            let beam = interpolation.beam(&positions, &frame, &coupled()).unwrap();
+            let beam = interpolation
+                .beam(&positions, &along_helix, &coupled())
+                .unwrap();
             let wind = LineLoad::new(&positions, [0.3, 1.0, -0.4], true, Constant(1.0)).unwrap();
             let wind = wind.with_interpolation(interpolation);
             for _ in 0..10 {

@@ -189,8 +189,7 @@ fn names_and_freedoms_cost_what_a_model_has() {
         let mut b = ModelBuilder::new();
         for k in 0..count {
             let node = b.node(format!("n{k}"), [k as f64, 0.0, 0.0]).unwrap();
-            let mass = PointMass::new(1.0).unwrap();
-            b.element(format!("m{k}"), mass, &[node]).unwrap();
+            mass(&mut b, node);
         }
         let context = Context::new(b.build().unwrap());
         let time = || {
@@ -261,8 +260,7 @@ fn coordinates_may_follow_from_others_along_many_paths() {
     let joint = Revolute::new([0.0, 0.0, 1.0]).unwrap();
     let hinge = b.add_joint_frame("hinge", ends[1], joint, &x[1..]);
     let child = b.node("child", [1.0, 0.0, 0.0]).unwrap();
-    let mass = PointMass::new(1.0).unwrap();
-    b.element("mass", mass, &[child]).unwrap();
+    mass(&mut b, child);
     b.close(hinge.unwrap(), child).unwrap();
     b.build().unwrap();
 }
@@ -271,25 +269,14 @@ fn coordinates_may_follow_from_others_along_many_paths() {
 fn a_frame_may_coincide_with_several_by_multipliers() {
     let mut b = ModelBuilder::new();
     let frames = ["a", "b", "c"].map(|name| b.node(name, [0.0; 3]).unwrap());
-    for frame in frames {
-        let mass = PointMass::new(1.0).unwrap();
-        b.element("mass", mass, &[frame]).unwrap();
-    }
+    frames.iter().for_each(|frame| mass(&mut b, *frame));
     for child in &frames[1..] {
         b.close_by(frames[0], *child, Closure::Multipliers).unwrap();
     }
     let model = b.build().unwrap();
-    let names = model.nodes().iter().map(|n| n.name());
-    assert_eq!(
-        names.collect::<Vec<_>>(),
-        [
-            "a",
-            "b",
-            "c",
-            "multipliers of a and b",
-            "multipliers of a and c"
-        ]
-    );
+    // Behind the frames.
+    let names: Vec<&str> = model.nodes()[3..].iter().map(|n| n.name()).collect();
+    assert_eq!(names, ["multipliers of a and b", "multipliers of a and c"]);
     assert_eq!(model.mobility().freedoms, 6);
 }
 
@@ -300,8 +287,7 @@ fn initial_values_are_measured_in_their_quantities() {
         let mut b = ModelBuilder::new();
         for (name, x) in [("a", 0.0), ("b", 1e-6)] {
             let node = b.node(name, [x, 0.0, 0.0]).unwrap();
-            b.element(name, PointMass::new(1.0).unwrap(), &[node])
-                .unwrap();
+            mass(&mut b, node);
         }
         let q = b.coordinates("q", &[quantity]).unwrap();
         b.element("idle", Idle(1), &[q]).unwrap();

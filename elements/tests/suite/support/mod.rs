@@ -62,6 +62,38 @@ pub fn massive() -> Section {
     coupled().with_inertia(eccentric()).unwrap()
 }
 
+/// Sections with and without coupling, mass and damping.
+pub fn sections() -> [Section; 6] {
+    let centred = Matrix3::from_diagonal(&[3.0, 1.0, 2.0].into());
+    [
+        section(),
+        coupled(),
+        massive(),
+        section().with_mass(2.0, centred).unwrap(),
+        massive().with_damping(DAMPING).unwrap(),
+        section().with_damping(DAMPING).unwrap(),
+    ]
+}
+
+/// Positions on a quarter of a helix, equidistant in the parameter.
+pub fn helix(nodes: usize) -> Vec<Vector3<f64>> {
+    (0..nodes)
+        .map(|i| {
+            let u = 1.2 * i as f64 / (nodes - 1) as f64;
+            Vector3::new(u.cos(), u.sin(), 0.4 * u)
+        })
+        .collect()
+}
+
+/// The frame of a section there.
+pub fn along_helix(xi: f64) -> Matrix3<f64> {
+    let u = 0.6 * (1.0 + xi);
+    frame_along(
+        &Vector3::new(-u.sin(), u.cos(), 0.4),
+        Some(&Vector3::new(0.3 + u, 0.2, 0.9)),
+    )
+}
+
 pub const DAMPING: Damping = Damping {
     mass: 0.7,
     stiffness: 0.04,
@@ -75,6 +107,12 @@ pub fn positions() -> [Vector3<f64>; 2] {
 /// The axes of a bushing.
 pub fn axes() -> Matrix3<f64> {
     so3::rotation(&Vector3::new(0.3, 0.8, -0.5))
+}
+
+/// A symmetric positive definite 6×6 matrix in which everything couples.
+pub fn full(shift: f64) -> Matrix6<f64> {
+    let A = Matrix6::from_fn(|i, j| ((5 * i + 3 * j) as f64 + shift).sin());
+    A * A.transpose() + Matrix6::identity() * 0.5
 }
 
 /// The law of a spring and a damper at a coordinate.
@@ -201,6 +239,12 @@ pub fn simple() -> (ModelBuilder, [NodeId; 2]) {
     ];
     beam(&mut b, "beam", ends);
     (b, ends)
+}
+
+/// A point mass of one at a node.
+pub fn mass(b: &mut ModelBuilder, node: NodeId) {
+    let mass = PointMass::new(1.0).unwrap();
+    b.element("mass", mass, &[node]).unwrap();
 }
 
 /// An L of two lines, quadratic and linear, with nodal loads of all kinds at its tip and a line load.
