@@ -1,62 +1,7 @@
 //! `check::model`: a right model passes from many seeds, whatever its units and stiffness ratios.
 
+use crate::support::everything::everything;
 use crate::support::*;
-
-/// Everything at once: beams of two orders, a body on a revolute joint and a rigid link, a ball
-/// joint, a slide, a frame that moves away from its parent with time and a beam between the two,
-/// springs, a bushing, loads of all kinds, and supports that are driven in part.
-fn everything() -> Context {
-    let mut b = ModelBuilder::new();
-    let inertia = Inertia::about_centre(
-        0.7,
-        Vector3::new(0.0, 0.02, 0.01),
-        Matrix3::from_diagonal(&Vector3::new(0.03, 0.02, 0.015)),
-    );
-    let [root, corner, tip] = frame_model(&mut b, Some(inertia));
-    let hinge = Revolute::new([1.0, 2.0, -1.0]).unwrap();
-    let hinge = b.attach("hinge", tip, hinge).unwrap();
-    let far = b.offset("far", hinge.frame, [0.1, 0.2, 0.3]).unwrap();
-    let J = Matrix3::from_diagonal(&Vector3::new(0.2, 0.3, 0.4));
-    let body = RigidBody::new(2.0, J, Vector3::new(0.05, 0.0, 0.1)).unwrap();
-    b.element("body", body, &[far]).unwrap();
-    let weight = body.weight([0.0, 0.0, -9.81], Constant(1.0));
-    b.element("weight", weight, &[far]).unwrap();
-    let spring = CoordinateSpring::new(LAW).unwrap();
-    b.element("torsion", spring, &[hinge.coordinates[0]])
-        .unwrap();
-    let ball = b.spherical("ball", corner).unwrap();
-    b.element("ball body", body, &[ball.frame]).unwrap();
-    let cross = Universal::new([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]).unwrap();
-    let cross = b.attach("cross", tip, cross).unwrap();
-    b.element("cross body", body, &[cross.frame]).unwrap();
-    let leg = b.find("leg/1").unwrap();
-    let runner = b
-        .slide("runner", &[corner, leg, tip], 0.3, Interpolation::Total)
-        .unwrap();
-    b.element("runner body", body, &[runner.frame]).unwrap();
-    let offset = [0.0, 0.3, 0.4];
-    let outer = b.position(corner) + Vector3::from(offset);
-    let outer = b.mapped_node(
-        "outer",
-        outer.into(),
-        GrowingOffset(offset).boxed(),
-        &[corner],
-    );
-    let damped = massive().with_damping(DAMPING).unwrap();
-    lay(&mut b, "brace", [corner, outer.unwrap()], 1, 1, damped);
-    let positions = [tip, root].map(|n| b.position(n));
-    let rope = AxialSpring::new(&positions, 4.0, 0.3).unwrap();
-    b.element("rope", rope, &[tip, root]).unwrap();
-    let positions = [far, root].map(|n| b.position(n));
-    let K = Matrix6::from_diagonal(&[5.0, 6.0, 7.0, 0.5, 0.6, 0.7].into());
-    let mount = Bushing::new(&positions, &Matrix3::identity(), &K, &(K * 0.1)).unwrap();
-    b.element("mount", mount, &[far, root]).unwrap();
-    b.support(root, &[Dof::X, Dof::Y, Dof::RX, Dof::RY]);
-    b.prescribe(root, Dof::Z, sine(0.2));
-    b.prescribe(root, Dof::RZ, sine(0.5));
-    b.prescribe(corner, Dof::Y, sine(0.3));
-    Context::new(b.build().unwrap())
-}
 
 #[test]
 fn a_right_model_passes_from_many_seeds() {
@@ -97,14 +42,12 @@ fn a_right_model_passes_astride_a_change_of_chart() {
         b.prescribe(node, Dof::RY, sine(0.3));
     }
     let mut context = Context::new(b.build().unwrap());
-    let mut q = vec![0.0; pullback_manifold::system::System::pattern(&context).dim()];
+    let mut q = vec![0.0; context.pattern().dim()];
     let e = Vector3::new(0.6, 0.0, -0.8);
     let angles = [2.7, 3.1, 3.2, 3.5, 2.9];
     for (node, angle) in nodes.into_iter().chain([seat]).zip(angles) {
-        for (i, dof) in Dof::ROTATIONS.into_iter().enumerate() {
-            if let Some(u) = context.unknown(node, dof) {
-                q[u] = e[i] * angle;
-            }
+        for i in 0..3 {
+            context.set(&mut q, node, 3 + i, e[i] * angle);
         }
     }
     let ModelOptions { t, .. } = ModelOptions::default();
@@ -162,8 +105,8 @@ fn the_same_seed_gives_the_same_report_and_states_outside_are_told() {
     assert_ne!(first, check::model(&mut model, &seeded(1)));
     // The slide is beyond the end of its chain.
     let way = model.find("runner arc_length").unwrap();
-    let mut q = vec![0.0; pullback_manifold::system::System::pattern(&model).dim()];
-    q[model.unknown_at(way, 0).unwrap()] = 100.0;
+    let mut q = vec![0.0; model.pattern().dim()];
+    assert!(model.set(&mut q, way, 0, 100.0));
     let report = check::model(&mut model, &ModelOptions { q, ..options });
     assert!(!report.is_ok());
     assert!(report.to_string().contains("runner"), "{report}");

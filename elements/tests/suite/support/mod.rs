@@ -2,6 +2,7 @@
 
 #[path = "../../../../examples/elements/elastic_joint.rs"]
 pub mod elastic_joint;
+pub mod everything;
 #[path = "../../../../examples/elements/gravity.rs"]
 pub mod gravity;
 #[path = "../../../../examples/elements/polynomial_spring.rs"]
