@@ -53,13 +53,18 @@ impl Combined for Fast {
     }
 }
 
-/// Residual and tangent in motion.
-fn evaluate(element: impl Element + 'static) -> [Vec<f64>; 2] {
+/// A coordinate and two multipliers with an element.
+fn held(element: impl Element + 'static) -> Context {
     let mut b = ModelBuilder::new();
     let x = b.coordinates("x", &[Quantity::Length]).unwrap();
     let lambda = b.multipliers("force", 2).unwrap();
     b.element("held", element, &[x, lambda]).unwrap();
-    let mut context = Context::new(b.build().unwrap());
+    Context::new(b.build().unwrap())
+}
+
+/// Residual and tangent in motion.
+fn evaluate(element: impl Element + 'static) -> [Vec<f64>; 2] {
+    let mut context = held(element);
     let (q, rest) = ([0.3, 1.2, -0.7], [0.0; 3]);
     let mut r = vec![0.0; 3];
     let mut S = vec![0.0; context.pattern().len()];
@@ -81,12 +86,7 @@ fn a_combined_tangent_omits_them_as_well() {
 /// A state that is restored has not violated them yet.
 #[test]
 fn what_they_violate_is_forgotten_with_the_state() {
-    let mut b = ModelBuilder::new();
-    let x = b.coordinates("x", &[Quantity::Length]).unwrap();
-    let lambda = b.multipliers("force", 2).unwrap();
-    b.element("apart", Plain::new(Twice(1.0)), &[x, lambda])
-        .unwrap();
-    let mut context = Context::new(b.build().unwrap());
+    let mut context = held(Plain::new(Twice(1.0)));
     let evaluate = |context: &mut Context, t: f64| {
         let mut r = [0.0; 3];
         context.evaluate(Point::statics(t, &[0.0; 3]), Evaluation::residual(&mut r))
@@ -98,11 +98,7 @@ fn what_they_violate_is_forgotten_with_the_state() {
     wrong.element_charts[0] = u32::MAX;
     assert!(!context.restore(&wrong));
     let mut wrong = saved.clone();
-    *wrong
-        .maps
-        .last_mut()
-        .and_then(|choice| choice.last_mut())
-        .unwrap() = 4.0;
+    *wrong.maps.last_mut().unwrap().last_mut().unwrap() = 4.0;
     assert!(!context.restore(&wrong));
     assert!(context.restore(&saved));
     // Half way between the two, whichever is left out.

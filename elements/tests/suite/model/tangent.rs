@@ -45,8 +45,8 @@ fn a_tangent_from_the_previous_iterate_differs_by_the_square_of_the_step() {
     let mut q = DVector::zeros(context.pattern().dim());
     let e = Vector3::new(0.36, 0.48, -0.8);
     for (node, angle) in nodes.into_iter().zip([2.9, 3.1, 3.3]) {
-        for (i, dof) in Dof::ROTATIONS.into_iter().enumerate() {
-            q[context.unknown(node, dof).unwrap()] = e[i] * angle;
+        for i in 0..3 {
+            context.set(q.as_mut_slice(), node, 3 + i, e[i] * angle);
         }
     }
     context.start(0.6, q.as_slice());
