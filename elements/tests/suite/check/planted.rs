@@ -155,6 +155,8 @@ fn failure<'a>(report: &'a Report, component: &str, law: &str) -> &'a LawRow {
     row
 }
 
+const LINK: &str = "joint far (link)";
+const TOP: &str = "element top (top)";
 const SEEDS: std::ops::Range<u64> = 0..4;
 
 #[test]
@@ -168,12 +170,8 @@ fn without_errors_all_is_well() {
 fn a_lost_factor_in_the_rate_of_the_operator() {
     for seed in SEEDS {
         let report = report(Planted::LostFactor, seed);
-        assert_eq!(broken(&report), ["joint far (link)", "model"], "{report}");
-        let row = failure(
-            &report,
-            "joint far (link)",
-            "B_dot, B_ddot along the motion",
-        );
+        assert_eq!(broken(&report), [LINK, "model"], "{report}");
+        let row = failure(&report, LINK, "B_dot, B_ddot along the motion");
         let block = &row.blocks[0];
         assert_eq!(block.matrix, "B_dot");
         assert_eq!(block.rows, "displacement of node far");
@@ -191,8 +189,8 @@ fn a_lost_factor_in_the_rate_of_the_operator() {
 fn a_swapped_sign_in_the_geometric_stiffness() {
     for seed in SEEDS {
         let report = report(Planted::SwappedSign, seed);
-        assert_eq!(broken(&report), ["joint far (link)", "model"], "{report}");
-        let row = failure(&report, "joint far (link)", "K_sigma = d(B'f)/dq");
+        assert_eq!(broken(&report), [LINK, "model"], "{report}");
+        let row = failure(&report, LINK, "K_sigma = d(B'f)/dq");
         let block = &row.blocks[0];
         assert_eq!(block.matrix, "K_sigma");
         assert_eq!([&block.rows, &block.columns], ["rotation of node tip"; 2]);
@@ -207,7 +205,7 @@ fn a_swapped_sign_in_the_geometric_stiffness() {
 fn a_missing_gyroscopic_tangent() {
     for seed in SEEDS {
         let report = report(Planted::MissingTangent, seed);
-        assert_eq!(broken(&report), ["element top (top)", "model"], "{report}");
+        assert_eq!(broken(&report), [TOP, "model"], "{report}");
         for component in broken(&report) {
             let block = &failure(&report, component, "C = -dr/dv").blocks[0];
             assert_eq!(block.matrix, "C");
@@ -224,8 +222,8 @@ fn a_missing_gyroscopic_tangent() {
 fn a_missing_gyroscopic_force() {
     for seed in SEEDS {
         let report = report(Planted::MissingForce, seed);
-        assert_eq!(broken(&report), ["element top (top)", "model"], "{report}");
-        let row = failure(&report, "element top (top)", "inertia = d/dt dT/dv - dT/dx");
+        assert_eq!(broken(&report), [TOP, "model"], "{report}");
+        let row = failure(&report, TOP, "inertia = d/dt dT/dv - dT/dx");
         assert_eq!(row.blocks.len(), 1, "{report}");
         assert_eq!(row.blocks[0].rows, "rotation of node hub");
     }
@@ -235,7 +233,7 @@ fn a_missing_gyroscopic_force() {
 fn a_kinetic_energy_that_is_not_that_of_the_mass_matrix() {
     for seed in SEEDS {
         let report = report(Planted::WrongEnergy, seed);
-        let failed = ["element top (top)", "T = v.Mv/2"];
+        let failed = [TOP, "T = v.Mv/2"];
         assert!(failures(&report).contains(&failed), "{report}");
     }
 }
@@ -246,7 +244,7 @@ fn a_frame_that_does_not_turn_with_its_master() {
         let report = report(Planted::FixedAxes, seed);
         // A position that depends on a component of Ψ depends on its chart too.
         let expected = [
-            ["joint far (link)", "frames move rigidly with their parents"],
+            [LINK, "frames move rigidly with their parents"],
             ["model", "change of charts: forces stay"],
             ["model", "change of charts: motion stays"],
             ["model", "change of charts: energies and powers stay"],
