@@ -120,7 +120,7 @@ fn a_saddle_point_needs_the_fallback_and_gets_it() {
         true => 0.0,
         false => base[(r, c)],
     });
-    let x = (0..8).map(|_| random.range(-1.0, 1.0)).collect();
+    let x = random_numbers(8, &mut random);
     let case = Case::new((pattern, values), Symmetric, x);
     let error = case.refusal();
     let LinearError::VanishingPivot { unknown: 3, .. } = error else {

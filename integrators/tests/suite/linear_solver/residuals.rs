@@ -9,9 +9,7 @@ const LIMIT: f64 = 1e-9;
 
 /// Random values between −1 and 1 with a diagonal of `dominance`, so that all rows have one scale.
 fn values(pattern: &BlockPattern, dominance: f64, random: &mut Random) -> Vec<f64> {
-    let mut values: Vec<f64> = (0..pattern.len())
-        .map(|_| random.range(-1.0, 1.0))
-        .collect();
+    let mut values = random_numbers(pattern.len(), random);
     for j in 0..pattern.blocks() {
         let (n, start) = (pattern.size(j), pattern.find(j, j).unwrap());
         for k in 0..n {
@@ -52,9 +50,7 @@ fn residuals_that_are_not_computed_are_small() {
         for dominance in [0.01, 0.1, 0.5, 2.0, 20.0] {
             for _ in 0..20 {
                 let values = values(pattern, dominance, &mut random);
-                let b: Vec<f64> = (0..pattern.dim())
-                    .map(|_| random.range(-1.0, 1.0))
-                    .collect();
+                let b = random_numbers(pattern.dim(), &mut random);
                 let mut solver = analysed(BlockLu::new(), pattern, General);
                 if solver.factorise(&values).is_err() {
                     continue;

@@ -20,19 +20,15 @@ fn all_solvers_agree_with_a_dense_factorisation() {
                     .collect();
                 let pattern = BlockPattern::new(&sizes, &edges);
                 let values = random_values(&pattern, &mut random, symmetric, indefinite, spread);
-                let b: Vec<f64> = (0..pattern.dim())
-                    .map(|_| random.range(-1.0, 1.0))
-                    .collect();
+                let b = random_numbers(pattern.dim(), &mut random);
                 let exact = pattern
                     .matrix(&values)
                     .lu()
                     .solve(&DVector::from_column_slice(&b))
                     .unwrap();
-                let symmetry = if symmetric { Symmetric } else { General };
-                let mut all = if symmetric {
-                    symmetric_solvers()
-                } else {
-                    solvers()
+                let (symmetry, mut all) = match symmetric {
+                    true => (Symmetric, symmetric_solvers()),
+                    false => (General, solvers()),
                 };
                 all.push(("general", Box::new(BlockLu::new())));
                 for (name, mut solver) in all {
@@ -167,9 +163,7 @@ fn the_same_bits_twice() {
             .collect();
         let pattern = BlockPattern::new(&sizes, &edges);
         let values = random_values(&pattern, &mut random, false, true, 1e3);
-        let b: Vec<f64> = (0..pattern.dim())
-            .map(|_| random.range(-1.0, 1.0))
-            .collect();
+        let b = random_numbers(pattern.dim(), &mut random);
         for ((_, mut one), (_, mut two)) in solvers().into_iter().zip(solvers()) {
             let x = solve(&mut *one, &pattern, General, &values, &b).unwrap();
             let y = solve(&mut *two, &pattern, General, &values, &b).unwrap();

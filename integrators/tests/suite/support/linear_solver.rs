@@ -35,6 +35,13 @@ pub fn graphs() -> Vec<(&'static str, usize, Vec<[u32; 2]>)> {
     ]
 }
 
+/// Random numbers between −1 and 1.
+pub fn random_numbers(count: usize, random: &mut Random) -> Vec<f64> {
+    let mut numbers = vec![0.0; count];
+    random.fill(&mut numbers);
+    numbers
+}
+
 /// Random values, diagonally dominant up to the sign of the diagonal, rows and columns scaled to
 /// the given spread of units.
 pub fn random_values(
@@ -44,10 +51,7 @@ pub fn random_values(
     indefinite: bool,
     spread: f64,
 ) -> Vec<f64> {
-    let values: Vec<f64> = (0..pattern.len())
-        .map(|_| random.range(-1.0, 1.0))
-        .collect();
-    let mut matrix = pattern.matrix(&values);
+    let mut matrix = pattern.matrix(&random_numbers(pattern.len(), random));
     if symmetric {
         matrix.fill_lower_triangle_with_upper_triangle();
     }
