@@ -189,13 +189,14 @@ fn easy_steps_grow_and_the_end_is_met_exactly() {
     assert!((q[0] - 1.0).abs() < 1e-15);
 }
 
+/// A spring that has no force beyond w = 0.55.
+fn bounded() -> Scalar {
+    Scalar::new(1.0, |w| [if w > 0.55 { f64::NAN } else { w }, 1.0])
+}
+
 #[test]
 fn a_value_that_is_not_finite_fails_with_its_name() {
-    let mut spring = Scalar::new(1.0, |w| [if w > 0.55 { f64::NAN } else { w }, 1.0]);
-    let error = equilibrium(&mut spring, &StaticOptions::default()).unwrap_err();
-    let StaticsError::Step(failed) = error else {
-        panic!("{error}");
-    };
+    let failed = failed_step(equilibrium(&mut bounded(), &StaticOptions::default()));
     assert!(failed.from <= 0.55 && failed.from > 0.54, "{failed}");
     assert!(failed.rejected > 10);
     assert!(matches!(
@@ -207,15 +208,11 @@ fn a_value_that_is_not_finite_fails_with_its_name() {
 
 #[test]
 fn after_a_failure_the_system_is_at_the_last_equilibrium() {
-    let spring = || {
-        let f = |w| [if w > 0.55 { f64::NAN } else { w }, 1.0];
-        Configured::new(Scalar::new(1.0, f))
-    };
-    let mut system = spring();
+    let mut system = Configured::new(bounded());
     let mut run = LoadSteps::new(&mut system, vec![], &StaticOptions::default()).unwrap();
     refused! { run.finish() => ["the spring"] }
     assert!(run.q()[0] > 0.5 && run.system().q == run.q());
-    let mut system = spring();
+    let mut system = Configured::new(bounded());
     let mut run = PathSteps::new(&mut system, vec![], &ArcLengthOptions::default()).unwrap();
     refused! { run.finish() => ["the spring"] }
     assert!(run.q()[0] > 0.5 && run.system().q == run.q());
@@ -250,10 +247,7 @@ impl System for Loose {
 #[test]
 fn a_mechanism_is_found_and_named() {
     let mut system = Loose(BlockPattern::new(&[1, 1], [[0, 1]]));
-    let error = equilibrium(&mut system, &StaticOptions::default()).unwrap_err();
-    let StaticsError::Step(failed) = error else {
-        panic!("{error}");
-    };
+    let failed = failed_step(equilibrium(&mut system, &StaticOptions::default()));
     let Cause::Linear { mechanism, .. } = &failed.cause else {
         panic!("{failed}");
     };
@@ -276,28 +270,15 @@ fn a_tangent_that_is_no_number_is_named() {
 
 #[test]
 fn senseless_options_are_refused_by_name() {
-    type Change = fn(&mut StaticOptions);
-    let wrong: [(Change, &str); 3] = [
-        (|o| o.first_step = f64::NAN, "first_step"),
-        (|o| o.max_step = 0.0, "max_step"),
-        (|o| o.to = f64::INFINITY, "to"),
-    ];
-    for (change, name) in wrong {
-        let mut options = StaticOptions::default();
-        change(&mut options);
-        let error = equilibrium(&mut truss(), &options).unwrap_err();
-        assert!(
-            matches!(error, StaticsError::Option { name: n, .. } if n == name),
-            "{error}"
-        );
-    }
-    let mut options = ArcLengthOptions {
-        first_step: -1.0,
-        ..ArcLengthOptions::default()
-    };
-    for name in ["first_step", "target_iterations"] {
-        let error = PathSteps::new(&mut truss(), vec![], &options).err();
-        assert!(matches!(error, Some(StaticsError::Option { name: n, .. }) if n == name));
-        (options.first_step, options.target_iterations) = (1.0, 0);
+    let solved = |options: StaticOptions| equilibrium(&mut truss(), &options);
+    let traced = |options| PathSteps::new(&mut truss(), vec![], &options).map(drop);
+    let (steps, path) = (StaticOptions::default, ArcLengthOptions::default);
+    refused! {
+        solved(StaticOptions { first_step: f64::NAN, ..steps() }) => ["option first_step = NaN"],
+        solved(StaticOptions { max_step: 0.0, ..steps() }) => ["option max_step = 0.0"],
+        solved(StaticOptions { to: f64::INFINITY, ..steps() }) => ["option to = inf"],
+        traced(ArcLengthOptions { first_step: -1.0, ..path() }) => ["option first_step = -1.0"],
+        traced(ArcLengthOptions { target_iterations: 0, ..path() }) =>
+            ["option target_iterations = 0.0"],
     }
 }

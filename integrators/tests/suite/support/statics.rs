@@ -59,6 +59,15 @@ impl System for Scalar {
     }
 }
 
+/// The step that failed.
+pub fn failed_step<T>(outcome: Result<T, StaticsError>) -> FailedStep {
+    match outcome {
+        Err(StaticsError::Step(failed)) => *failed,
+        Err(other) => panic!("{other}"),
+        Ok(_) => panic!("no step failed"),
+    }
+}
+
 /// To round-off.
 pub const TIGHT: StaticNewtonOptions = StaticNewtonOptions {
     relative: 1e-14,
