@@ -37,9 +37,9 @@ impl Charts for Skittish {
         q: &mut [f64],
         _: &mut [f64],
         _: &mut [&mut [f64]],
-    ) -> pullback_manifold::system::ChartChanges {
+    ) -> ChartChanges {
         self.1 = q[0];
-        Default::default()
+        ChartChanges::default()
     }
 }
 
@@ -174,14 +174,9 @@ fn newton_converges_quadratically_and_a_kept_tangent_linearly() {
     // Nothing measures the forces of this system: it is solved down to rounding errors, by a kept
     // tangent with a contraction of 0.091 in log(ε)/log(0.091) = 15 corrections.
     for (tangent, most) in [(TangentUpdate::Every, 5), (TangentUpdate::Once, 15)] {
-        let options = DynamicOptions {
-            newton: NewtonOptions {
-                tangent,
-                relative: 1e-13,
-                ..NewtonOptions::default()
-            },
-            ..DynamicOptions::new(0.3, 0.3)
-        };
+        let mut options = DynamicOptions::new(0.3, 0.3);
+        options.newton.tangent = tangent;
+        options.newton.relative = 1e-13;
         let moments = |step: &StepReport<'_>| -> Vec<f64> {
             step.residuals.iter().map(|i| i.residual[1]).collect()
         };

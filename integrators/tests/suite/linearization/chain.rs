@@ -111,10 +111,9 @@ fn a_range_contains_modes_of_a_flutter() {
     let size = 0.2_f64.hypot(0.98).sqrt();
     let found = modes(&lin, &all([0.9, 1.1])).unwrap();
     assert_eq!(found.modes.len(), 2);
-    found
-        .modes
-        .iter()
-        .for_each(|mode| near(mode.omega(), size, 1e-14));
+    for mode in &found.modes {
+        near(mode.omega(), size, 1e-14);
+    }
 }
 
 #[test]
@@ -280,10 +279,9 @@ fn a_range_holds_growing_modes_with_and_without_damping() {
             let growing = found.iter().filter(|m| m.eigenvalue.re > -1.0);
             let found: Vec<f64> = growing.map(|m| m.eigenvalue.norm()).collect();
             assert_eq!(found.len(), exact.len(), "{damping} {range:?}: {found:?}");
-            found
-                .iter()
-                .zip(exact)
-                .for_each(|(a, b)| near(*a, *b, 1e-8));
+            for (found, exact) in found.iter().zip(exact) {
+                near(*found, *exact, 1e-8);
+            }
         }
     }
 }
@@ -334,10 +332,9 @@ fn the_nearest_modes_are_nearest_by_frequency() {
             };
             let found = modes(&lin, &options).unwrap().modes;
             assert_eq!(found.len(), count, "{damping} {omega}");
-            found
-                .iter()
-                .zip(exact)
-                .for_each(|(m, b)| near(m.omega(), *b, 1e-8));
+            for (mode, exact) in found.iter().zip(exact) {
+                near(mode.omega(), *exact, 1e-8);
+            }
         }
     }
 }
