@@ -31,23 +31,8 @@ fn a_graph_saves_and_restores_the_state_of_its_maps() {
 
 #[test]
 fn an_implicit_map_saves_and_restores_the_state_of_its_equations() {
-    let unknown = Unknown {
-        name: "abscissa".to_owned(),
-        size: 1.0,
-        start: None,
-        preference: 0.0,
-    };
-    let equation = Equation {
-        name: "ordinate".to_owned(),
-        size: None,
-    };
-    let about = Description {
-        unknowns: vec![unknown],
-        equations: vec![equation],
-        ..Description::default()
-    };
     let equations = Box::new(ordinate(Choice::Fixed));
-    let map = ImplicitMap::new(equations.clone(), about, 0.0, &[]).unwrap();
+    let map = ImplicitMap::new(equations.clone(), about(&[None], 1), 0.0, &[]).unwrap();
     let mut moved: Box<dyn Parametrization> = Box::new(map);
     let mut fresh = moved.clone();
     moved.state().unwrap().change_charts(0.3, &[]);

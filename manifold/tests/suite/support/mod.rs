@@ -19,6 +19,26 @@ impl Implicit<2, 1> for Circle {
     }
 }
 
+/// Unknowns x0, x1, ... that begin at these values or anywhere, and so many equations h0, h1, ... of them.
+pub fn about(starts: &[Option<f64>], equations: usize) -> Description {
+    let unknown = |(k, start): (usize, &Option<f64>)| Unknown {
+        name: format!("x{k}"),
+        size: 1.0,
+        start: *start,
+        preference: 0.0,
+    };
+    let equation = |i| Equation {
+        name: format!("h{i}"),
+        size: Some(1.0),
+    };
+    Description {
+        unknowns: starts.iter().enumerate().map(unknown).collect(),
+        equations: (0..equations).map(equation).collect(),
+        good_condition: 10.0,
+        ..Description::default()
+    }
+}
+
 /// x and B.
 pub fn tangent(map: &dyn Parametrization, t: f64, q: &[f64]) -> [Vec<f64>; 2] {
     let (d, n) = map.dims();
