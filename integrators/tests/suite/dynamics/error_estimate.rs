@@ -2,7 +2,6 @@
 
 use crate::support::dynamics::*;
 use crate::support::*;
-use pullback_integrators::dynamics::scheme::{SchemeProperties, Stage};
 
 const OMEGA: f64 = 2.0;
 
@@ -69,13 +68,8 @@ fn embedded_rows_that_estimate_nothing_and_contradicting_steps_are_refused() {
 #[test]
 fn steps_of_order_one_meet_the_tolerance() {
     // Backward Euler: with q̈ = 1 a step of size h is off by h²/2.
-    let properties = SchemeProperties {
-        order: 1,
-        limit: None,
-        symmetric: false,
-    };
     let stages = Stage::runge_kutta([1.0], [[0.0, 1.0]]);
-    let scheme = Scheme::new("backward Euler", &stages, properties).unwrap();
+    let scheme = Scheme::new("backward Euler", &stages, stable(1)).unwrap();
     let options = adaptive(steps_of(scheme, 1.0, 0.1), 1e-4, 1.0);
     let size = |step: &StepReport<'_>| step.step_size;
     let (sizes, end) = observed(Oscillator::mass(1.0), 0.0, 0.0, &options, size);

@@ -1,9 +1,10 @@
 //! Every scheme of the list has its stated properties, and the kit tells where one does not.
 
 use super::WORDS;
+use crate::support::dynamics::*;
 use crate::support::*;
 use pullback_conformance as check;
-use pullback_integrators::dynamics::scheme::{SCHEMES, SchemeProperties, Stage};
+use pullback_integrators::dynamics::scheme::SCHEMES;
 
 #[test]
 fn every_scheme_of_the_list_does_what_it_claims() {
@@ -37,11 +38,11 @@ fn composite_failures(stages: &[Stage], properties: SchemeProperties) -> Vec<Str
     check::scheme(&scheme.under_multipliers([2, 2, 1])).failing_laws()
 }
 
-fn second(limit: Option<f64>, symmetric: bool) -> SchemeProperties {
+fn symmetric(limit: Option<f64>) -> SchemeProperties {
     SchemeProperties {
-        order: 2,
         limit,
-        symmetric,
+        symmetric: true,
+        ..stable(2)
     }
 }
 
@@ -58,23 +59,23 @@ fn composite(second: f64, c: f64) -> [Stage; 2] {
 
 #[test]
 fn a_right_table_by_hand_passes() {
-    assert!(composite_failures(&composite(1.0 / 3.0, 0.5), second(None, false)).is_empty());
-    assert!(failures(&[newmark(0.25, 0.5)], second(None, true)).is_empty());
+    assert!(composite_failures(&composite(1.0 / 3.0, 0.5), stable(2)).is_empty());
+    assert!(failures(&[newmark(0.25, 0.5)], symmetric(None)).is_empty());
 }
 
 #[test]
 fn wrong_schemes_are_caught_by_the_law_they_break() {
     // A weight that is off by one per cent.
-    let off = composite_failures(&composite(1.01 / 3.0, 0.5), second(None, false));
+    let off = composite_failures(&composite(1.01 / 3.0, 0.5), stable(2));
     for law in ["order", "exactness"] {
         assert!(off.contains(&law.to_owned()), "{off:?}");
     }
     // Loads are asked at the wrong time; nothing that does not depend on time sees it.
-    let late = composite_failures(&composite(1.0 / 3.0, 0.6), second(None, false));
+    let late = composite_failures(&composite(1.0 / 3.0, 0.6), stable(2));
     assert!(late.contains(&"order".to_owned()), "{late:?}");
     assert!(!late.contains(&"stability".to_owned()), "{late:?}");
     // Damping of the first order that claims the second.
-    let damped = failures(&[newmark(0.3025, 0.6)], second(None, false));
+    let damped = failures(&[newmark(0.3025, 0.6)], stable(2));
     let first = [
         "exactness",
         "order",
@@ -83,22 +84,18 @@ fn wrong_schemes_are_caught_by_the_law_they_break() {
     ];
     assert_eq!(damped, first);
     // Explicit, but claimed to be stable.
-    let explicit = failures(&[newmark(0.0, 0.5)], second(None, true));
+    let explicit = failures(&[newmark(0.0, 0.5)], symmetric(None));
     assert_eq!(explicit, ["stability"]);
     // A limit that is too large, and one that is too small.
-    let bold = failures(&[newmark(0.0, 0.5)], second(Some(2.1), true));
+    let bold = failures(&[newmark(0.0, 0.5)], symmetric(Some(2.1)));
     assert_eq!(bold, ["stability"]);
-    let timid = failures(&[newmark(0.0, 0.5)], second(Some(1.9), true));
+    let timid = failures(&[newmark(0.0, 0.5)], symmetric(Some(1.9)));
     assert_eq!(timid, ["limit of stability"]);
     // Dissipative, but claimed to be reversible.
-    let reversed = composite_failures(&composite(1.0 / 3.0, 0.5), second(None, true));
+    let reversed = composite_failures(&composite(1.0 / 3.0, 0.5), symmetric(None));
     assert_eq!(reversed, ["time reversal"]);
     // A third order that is none.
-    let third = SchemeProperties {
-        order: 3,
-        ..second(None, false)
-    };
-    let bold = failures(&[newmark(0.25, 0.5)], third);
+    let bold = failures(&[newmark(0.25, 0.5)], stable(3));
     assert_eq!(bold, ["exactness", "order", "order under changes of chart"]);
 }
 
@@ -123,6 +120,6 @@ fn wrong_orders_with_multipliers_are_caught() {
         check::scheme(&wrong.under_multipliers(claimed)).assert();
     }
     // A table of the second order that says nothing of multipliers is said to keep it.
-    let bold = failures(&composite(1.0 / 3.0, 0.5), second(None, false));
+    let bold = failures(&composite(1.0 / 3.0, 0.5), stable(2));
     assert_eq!(bold, [MULTIPLIERS]);
 }

@@ -1,8 +1,8 @@
 //! The laws of a scheme of order five.
 
+use crate::support::dynamics::*;
+use crate::support::*;
 use pullback_conformance as check;
-use pullback_integrators::dynamics::Scheme;
-use pullback_integrators::dynamics::scheme::{SchemeProperties, Stage};
 
 /// Radau IIA of three stages, of order 5 (Hairer & Wanner 1996, table IV.5.6), with this claim.
 fn radau(order: usize) -> Scheme {
@@ -23,13 +23,8 @@ fn radau(order: usize) -> Scheme {
         [0.0, (16.0 - s) / 36.0, (16.0 + s) / 36.0, 1.0 / 9.0],
     ];
     let times = [(4.0 - s) / 10.0, (4.0 + s) / 10.0, 1.0];
-    let properties = SchemeProperties {
-        order,
-        limit: None,
-        symmetric: false,
-    };
     let stages = Stage::runge_kutta(times, rows);
-    let scheme = Scheme::new("Radau IIA", &stages, properties).unwrap();
+    let scheme = Scheme::new("Radau IIA", &stages, stable(order)).unwrap();
     scheme.under_multipliers([5, 3, 2])
 }
 

@@ -1,7 +1,8 @@
 //! Words, tables and limits of the schemes.
 
+use crate::support::dynamics::*;
 use crate::support::*;
-use pullback_integrators::dynamics::scheme::{SCHEMES, STAGES, SchemeProperties, Stage};
+use pullback_integrators::dynamics::scheme::{SCHEMES, STAGES};
 
 #[test]
 fn words_make_schemes_and_schemes_say_their_words() {
@@ -78,15 +79,10 @@ fn words_that_make_none_are_refused_with_what_there_is() {
 
 #[test]
 fn tables_that_are_none_are_refused() {
-    let properties = SchemeProperties {
-        order: 1,
-        limit: None,
-        symmetric: false,
-    };
     let good = Stage::new(1.0, [0.0, 1.0], [0.0, 1.0]);
-    assert!(Scheme::new("Euler", &[good], properties).is_ok());
+    assert!(Scheme::new("Euler", &[good], stable(1)).is_ok());
     let Stage { q, .. } = Stage::new(1.0, [0.0, 1.0, 1.0], [0.0, 1.0, 0.0]);
-    let new = |stages: &[Stage]| Scheme::new("trial", stages, properties);
+    let new = |stages: &[Stage]| Scheme::new("trial", stages, stable(1));
     refused! {
         new(&[]) => ["no stages"],
         new(&[good; STAGES + 1]) => ["more than `STAGES`"],
@@ -95,7 +91,7 @@ fn tables_that_are_none_are_refused() {
         new(&[Stage { q, ..good }]) => ["a stage that it does not have"],
         new(&[Stage { v: q, ..good }]) => ["a stage that it does not have"],
         new(&[Stage { q, ..good }; 2]) => ["singular"],
-        Scheme::new("bathe", &[good], properties) => ["has this name"],
+        Scheme::new("bathe", &[good], stable(1)) => ["has this name"],
     }
 }
 
@@ -116,9 +112,7 @@ fn spectral_radii_at_infinity_are_those_of_the_schemes() {
     ] {
         let found = word.parse::<Scheme>().unwrap().spectral_radius();
         // A double root is known to the square root of rounding errors.
-        assert!(
-            found == radius || (found - radius).abs() < 1e-7,
-            "{word}: {found}"
-        );
+        let near = found == radius || (found - radius).abs() < 1e-7;
+        assert!(near, "{word}: {found}");
     }
 }

@@ -1,6 +1,7 @@
 //! Systems of one coordinate that are known exactly, and runs of them.
 
 use super::*;
+pub use pullback_integrators::dynamics::scheme::{SchemeProperties, Stage};
 
 /// m ẍ + c ẋ + k x = p(t): r and its tangents for one coordinate.
 #[derive(Clone)]
@@ -183,6 +184,15 @@ pub fn observed<Y: System, T>(
     })
     .unwrap();
     (seen, progress)
+}
+
+/// Properties of a scheme of an order that is stable at every step, and not symmetric.
+pub fn stable(order: usize) -> SchemeProperties {
+    SchemeProperties {
+        order,
+        limit: None,
+        symmetric: false,
+    }
 }
 
 pub fn schemes() -> Vec<Scheme> {
