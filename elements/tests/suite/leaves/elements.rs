@@ -56,7 +56,6 @@ enum Error {
     None,
     Tangent,
     Asymmetric,
-    Energy,
     Rate,
     ResidualOfTangent,
     NeedsVelocity,
@@ -100,20 +99,11 @@ impl Element for Wrong {
     }
 
     fn abilities(&self) -> Abilities<'_> {
-        Abilities::of_energies(self)
+        self.beam.abilities()
     }
 }
 
-impl ElementEnergies for Wrong {
-    fn energy(&self, at: &Motion<'_>) -> f64 {
-        let factor = match self.error {
-            Error::Energy => 1.001,
-            _ => 1.0,
-        };
-        factor * self.beam.abilities().energy(at)
-    }
-}
-
+/// Wrong energies are found in energy_wrong.rs.
 #[test]
 fn every_law_of_an_element_finds_its_error() {
     let failing = |error| {
@@ -128,7 +118,6 @@ fn every_law_of_an_element_finds_its_error() {
     for (error, law) in [
         (Error::Tangent, "K = -dr/dx"),
         (Error::Asymmetric, "K symmetric"),
-        (Error::Energy, "r = -dE/dx"),
         (Error::Rate, "r_t = dr/dt"),
         (Error::ResidualOfTangent, requests),
         (Error::NeedsVelocity, "statics is the motion at rest"),

@@ -42,7 +42,7 @@ fn law(case: Law, s: &TestState) -> Option<Forces> {
         Law::C => C *= 0.5,
         Law::MissingM => M.fill(0.0),
         Law::Rate => r_t *= 0.5,
-        Law::Energy => energy *= 1.01,
+        Law::Energy => energy *= 1.001,
         Law::NotSymmetric => {
             r[0] -= 0.1 * s.x[1];
             K[(0, 1)] += 0.1;
