@@ -23,18 +23,14 @@ fn structures_that_can_move_as_rigid_bodies() {
     assert_eq!(motion(slides), "translation along (1.000, 0.000, 0.000)");
     // Both ends pinned: it can spin about its axis, which passes through the middle.
     let spins = built(|b, n| n.iter().for_each(|&n| b.support(n, &Dof::TRANSLATIONS)));
-    assert_eq!(
-        motion(spins),
-        "rotation about the direction (1.000, 0.000, 0.000) through (0.500, 0.000, 0.000)"
-    );
+    let axis = "rotation about the direction (1.000, 0.000, 0.000) through (0.500, 0.000, 0.000)";
+    assert_eq!(motion(spins), axis);
     // A hinge at b about e3: the axis passes through b, not through the centre.
     let swings = built(|b, n| {
         b.support(n[1], &[Dof::X, Dof::Y, Dof::Z, Dof::RX, Dof::RY]);
     });
-    assert_eq!(
-        motion(swings),
-        "rotation about the direction (0.000, 0.000, 1.000) through (1.000, 0.000, 0.000)"
-    );
+    let axis = "rotation about the direction (0.000, 0.000, 1.000) through (1.000, 0.000, 0.000)";
+    assert_eq!(motion(swings), axis);
     assert!(motion(built(|_, _| ())).starts_with("translation"));
     // Every part by itself; a joint connects, a load does not.
     let (mut b, ends) = simple();

@@ -121,10 +121,8 @@ fn partly_held_rotations_change_only_where_the_held_part_is_zero() {
     let changes = m.change_charts(0.0, &mut q, &mut v, &mut []);
     assert_eq!(changes.charts, 1);
     assert!((q[u] - (3.4 - 2.0 * PI)).abs() < 1e-15);
-    assert!(
-        (v[u] - 0.7).abs() < 1e-15,
-        "about a fixed axis the rate stays"
-    );
+    // About a fixed axis the rate stays.
+    assert!((v[u] - 0.7).abs() < 1e-15);
     // Held elsewhere, now or later.
     let later = Table::ramp(1.0, 2.0, 0.1).unwrap();
     let held: [Box<dyn TimeFunction>; 2] = [Box::new(Constant(0.1)), Box::new(later)];

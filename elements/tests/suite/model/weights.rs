@@ -5,12 +5,8 @@ use crate::support::*;
 #[test]
 fn loads_obey_the_laws_of_elements() {
     check::element(&CoordinateForce::new(sine(1.7))).assert();
-    check::element(&EccentricForce::new(
-        [0.8, -1.4, 2.2],
-        [0.4, 0.9, -0.3],
-        sine(1.7),
-    ))
-    .assert();
+    let (force, arm) = ([0.8, -1.4, 2.2], [0.4, 0.9, -0.3]);
+    check::element(&EccentricForce::new(force, arm, sine(1.7))).assert();
 }
 
 #[test]

@@ -10,11 +10,8 @@ use super::*;
 /// their energies, and supports that are driven in part.
 pub fn everything() -> Context {
     let mut b = ModelBuilder::new();
-    let inertia = Inertia::about_centre(
-        0.7,
-        Vector3::new(0.0, 0.02, 0.01),
-        Matrix3::from_diagonal(&Vector3::new(0.03, 0.02, 0.015)),
-    );
+    let J = Matrix3::from_diagonal(&Vector3::new(0.03, 0.02, 0.015));
+    let inertia = Inertia::about_centre(0.7, Vector3::new(0.0, 0.02, 0.01), J);
     let [root, corner, tip] = frame_model(&mut b, Some(inertia));
     let hinge = Revolute::new([1.0, 2.0, -1.0]).unwrap();
     let hinge = b.attach("hinge", tip, hinge).unwrap();
@@ -39,12 +36,8 @@ pub fn everything() -> Context {
     b.element("runner body", body, &[runner.frame]).unwrap();
     let offset = [0.0, 0.3, 0.4];
     let outer = b.position(corner) + Vector3::from(offset);
-    let outer = b.mapped_node(
-        "outer",
-        outer.into(),
-        GrowingOffset(offset).boxed(),
-        &[corner],
-    );
+    let link = GrowingOffset(offset).boxed();
+    let outer = b.mapped_node("outer", outer.into(), link, &[corner]);
     let damped = massive().with_damping(DAMPING).unwrap();
     lay(&mut b, "brace", [corner, outer.unwrap()], 1, 1, damped);
     let positions = [tip, root].map(|n| b.position(n));

@@ -32,10 +32,8 @@ fn steps_that_change_their_size_keep_the_order() {
 #[test]
 fn the_trapezoidal_rule_keeps_the_energy_of_an_oscillator() {
     let options = DynamicOptions::new(100.0, 0.1);
-    let energy = run(Oscillator::new(2.0, 50.0), 0.3, 1.0, &options)
-        .summary
-        .energy
-        .unwrap();
+    let end = run(Oscillator::new(2.0, 50.0), 0.3, 1.0, &options);
+    let energy = end.summary.energy.unwrap();
     assert!((energy.start - (0.5 * 50.0 * 0.09 + 1.0)).abs() < 1e-14);
     assert!(energy.largest_defect < 1e-10 * energy.start, "{energy:?}");
 }

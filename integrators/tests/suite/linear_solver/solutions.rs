@@ -180,11 +180,8 @@ fn the_same_bits_twice() {
 #[test]
 fn dense_grids_go_to_the_general_solver_and_chains_do_not() {
     let chain: Vec<[u32; 2]> = (1..200).map(|i| [i - 1, i]).collect();
-    let mut block = analysed(
-        BlockLu::new(),
-        &BlockPattern::new(&[6; 200], &chain),
-        General,
-    );
+    let pattern = BlockPattern::new(&[6; 200], &chain);
+    let mut block = analysed(BlockLu::new(), &pattern, General);
     assert!(block.suits());
     // Per node 144 for the pivots and 2 × 432 for panel and update.
     assert!((block.flops() - (200.0 * 144.0 + 199.0 * 864.0)).abs() < 1e-6);

@@ -65,10 +65,8 @@ fn damping_finds_what_full_corrections_miss() {
         .collect();
     // By hand 12.49, 133.5, 24 030.
     assert!(corrections.len() > 4, "{failed}");
-    assert!(
-        corrections.windows(2).all(|c| c[1] > 2.0 * c[0]),
-        "{failed}"
-    );
+    let growing = corrections.windows(2).all(|c| c[1] > 2.0 * c[0]);
+    assert!(growing, "{failed}");
 }
 
 #[test]

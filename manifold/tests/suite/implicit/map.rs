@@ -180,11 +180,8 @@ fn solutions_lie_on_the_branch_of_the_last_one() {
                     .sin()
                     .hypot((x[k + 1] - exact[k]).cos() - 1.0)
             });
-            assert!(
-                off[0].max(off[1]) < 1e-10,
-                "from {crank} by {}: {x:?}",
-                q[0]
-            );
+            let most = off[0].max(off[1]);
+            assert!(most < 1e-10, "from {crank} by {q:?}: {x:?}");
         }
     }
     // The crank goes around.

@@ -36,12 +36,8 @@ fn a_chart_comes_back_from_its_pose() {
         let size = (1.0 + angle) / (1.0 - angle / TAU).powi(3);
         let found = check::motion(&graph, 0.3, motion.each_ref().map(|x| x.as_slice()));
         for (found, expected) in found.iter().zip(&motion) {
-            near(
-                found,
-                expected.as_slice(),
-                size,
-                &format!("motion at {angle}"),
-            );
+            let what = format!("motion at {angle}");
+            near(found, expected.as_slice(), size, &what);
         }
         let one = nalgebra::Matrix6::<f64>::identity();
         near(&found[3], one.as_slice(), size, "B");
@@ -64,12 +60,8 @@ fn a_pose_moves_with_its_chart() {
         let [R, R_dot, R_ddot] = [0, 1, 2].map(|k| R.map(|r| r.x[k]));
         let [x, x_dot, x_ddot, ..] =
             check::motion(&ToPose, 0.3, [&q, &v, &a].map(|x| x.as_slice()));
-        near(
-            orientation(&x).rotation().as_slice(),
-            R.as_slice(),
-            1.0,
-            "R",
-        );
+        let turn = orientation(&x).rotation();
+        near(turn.as_slice(), R.as_slice(), 1.0, "R");
         // R̈ Rᵀ = ω̇~ + ω~ω~, of which the square is symmetric.
         for (rate, R_rate) in [(&x_dot, R_dot), (&x_ddot, R_ddot)] {
             let turn = R_rate * R.transpose();

@@ -96,12 +96,8 @@ fn identities_hold() {
         close("R V", &turned(&Psi, &V, &turn), &(R * V), 4e-15);
         close("Rᵀ V", &turned(&-Psi, &V, &turn), &R.tr_mul(&V), 4e-15);
         close("T V", &spun(&Psi, &V, &turn), &(T * V), 4e-15);
-        close(
-            "(49)",
-            &C2(&V, &Psi, &c),
-            &(C1(&(R * V), &Psi, &c) - T.transpose() * skew(&V) * T),
-            1e-14,
-        );
+        let C2_V = C1(&(R * V), &Psi, &c) - T.transpose() * skew(&V) * T;
+        close("(49)", &C2(&V, &Psi, &c), &C2_V, 1e-14);
         let C3 = C3(&V, &W, &Psi, &c);
         close("C₃ symmetric", &C3, &C3.transpose(), 0.0);
         let quadratic = T_dot_psi_dot(&V, &Psi, &c);
@@ -118,12 +114,8 @@ fn identities_hold() {
         let other = rotation(&W);
         let product = quaternion(&Psi).product(&quaternion(&W));
         close("product", &product.rotation(), &(R * other), 4e-15);
-        close(
-            "conjugate",
-            &quaternion(&Psi).conjugate().rotation(),
-            &R.transpose(),
-            2e-15,
-        );
+        let back = quaternion(&Psi).conjugate().rotation();
+        close("conjugate", &back, &R.transpose(), 2e-15);
         assert!((product.dot(&product) - 1.0).abs() < 2e-15);
     }
 }
@@ -170,11 +162,8 @@ fn logarithm_inverts_both_sheets() {
         if psi > 1e-4 {
             let other = complement(&Psi);
             let log = log_rotation(&R, &other);
-            let edge = 1.0 + 1.0 / psi;
-            assert!(
-                (log - other).norm() <= 4e-15 * edge,
-                "other log of {Psi}: {log}"
-            );
+            let gap = (log - other).norm() / (1.0 + 1.0 / psi);
+            assert!(gap <= 4e-15, "other log of {Psi}: {log}");
         }
         // The opposite quaternion lies on the other branch.
         if psi > 1e-4 && (psi - PI).abs() > 1e-15 {
@@ -185,12 +174,8 @@ fn logarithm_inverts_both_sheets() {
         // From zero the branch below π; a small rotation keeps its relative accuracy.
         if (1e-150..PI - 1e-8).contains(&psi) {
             let tolerance = if psi < 0.1 { 1e-15 } else { 4e-15 };
-            close(
-                "log from 0",
-                &log_rotation(&R, &V3::zeros()),
-                &Psi,
-                tolerance,
-            );
+            let log = log_rotation(&R, &V3::zeros());
+            close("log from 0", &log, &Psi, tolerance);
         }
     }
 }
@@ -250,14 +235,9 @@ fn tensors_are_exact_derivatives() {
         close("C₃", &C3(&V, &W, &Psi, &c), &hessian, 1e-13);
         // Ṫ and T̈ along Ψ + Ψ̇ t + Ψ̈ t²/2, and ṪΨ̇ as a function of Ψ̇ (C₄) and of Ψ (C₅).
         let t = Vector3::from_fn(|i, _| Moving::<0>::given([Psi[i], V[i], W[i]]));
-        close(
-            "Ṫ",
-            &T_dot(&V, &Psi, &c),
-            &tangent(&t).map(|y| y.x[1]),
-            1e-13,
-        );
-        let T_ddot = T_ddot(&V, &W, &Psi, &c);
-        close("T̈", &T_ddot, &tangent(&t).map(|y| y.x[2]), 1e-13);
+        let [rate, second] = [1, 2].map(|k| tangent(&t).map(|y| y.x[k]));
+        close("Ṫ", &T_dot(&V, &Psi, &c), &rate, 1e-13);
+        close("T̈", &T_ddot(&V, &W, &Psi, &c), &second, 1e-13);
         let spin_rate = |Psi: Vector3<Grad<f64, 3>>, Psi_dot: Vector3<Grad<f64, 3>>| {
             let motion = Vector3::from_fn(|i, _| Grad {
                 v: Psi[i],
@@ -267,11 +247,8 @@ fn tensors_are_exact_derivatives() {
         };
         let y = gradient(&spin_rate(constant(&Psi), seeded(&V)));
         close_to_unit("C₄", &C4(&V, &Psi, &c), &y, 1e-13);
-        expect(
-            "C₅",
-            C5(&V, &Psi, &c),
-            spin_rate(seeded(&Psi), constant(&V)),
-        );
+        let y = spin_rate(seeded(&Psi), constant(&V));
+        expect("C₅", C5(&V, &Psi, &c), y);
     }
 }
 
@@ -290,12 +267,8 @@ fn complement_and_logarithm_have_exact_derivatives() {
         let near_pi = (psi - PI).abs() < 1e-15;
         if !near_pi {
             let size = 1.0 + 1.0 / (TAU - psi);
-            close(
-                "D log q",
-                &gradient(&log_quaternion(&quaternion(&x))),
-                &I,
-                1e-14 * size * size,
-            );
+            let D = gradient(&log_quaternion(&quaternion(&x)));
+            close("D log q", &D, &I, 1e-14 * size * size);
             let D = gradient(&log_rotation(&rotation(&x), &Psi));
             close("D log R", &D, &I, 1e-14 * size * size);
         }

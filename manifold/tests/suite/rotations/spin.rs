@@ -24,18 +24,16 @@ fn rates_give_the_spins_that_they_come_from() {
         assert!((T * s.theta_ddot + more - Omega_dot).norm() < 1e-13);
         // The same motion by its spatial spins: w = R Ω, and ẇ = R (Ω̇ + Ω×Ω).
         let R = rotation(&theta);
-        let w = Spin::rates(
-            VelocityKind::Spatial,
-            &theta,
-            &(R * Omega),
-            &(R * Omega_dot),
-        );
-        assert!((w.theta_dot - s.theta_dot).norm() < 1e-14);
-        assert!((w.theta_ddot - s.theta_ddot).norm() < 1e-13);
+        let [w, w_dot] = [R * Omega, R * Omega_dot];
         // And with the rate in the body beside the velocity in the frame.
-        let m = Spin::rates(VelocityKind::Mixed, &theta, &(R * Omega), &Omega_dot);
-        assert!((m.theta_dot - s.theta_dot).norm() < 1e-14);
-        assert!((m.theta_ddot - s.theta_ddot).norm() < 1e-13);
+        for (kind, rate) in [
+            (VelocityKind::Spatial, w_dot),
+            (VelocityKind::Mixed, Omega_dot),
+        ] {
+            let other = Spin::rates(kind, &theta, &w, &rate);
+            assert!((other.theta_dot - s.theta_dot).norm() < 1e-14);
+            assert!((other.theta_ddot - s.theta_ddot).norm() < 1e-13);
+        }
     }
 }
 
