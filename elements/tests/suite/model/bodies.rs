@@ -30,21 +30,19 @@ fn linkage(fix: &Fix) -> Context {
     b.support(ground, &Dof::ALL);
     let revolute = |b: &mut ModelBuilder, name: &str, parent: NodeId| {
         let joint = Revolute::new([0.0, 0.0, 1.0]).unwrap();
-        b.attach(name, parent, joint).unwrap().frame
+        b.attach(name, parent, joint).unwrap()
     };
-    let joint = Revolute::new([0.0, 0.0, 1.0]).unwrap();
-    let crank = b.attach("crank", ground, joint).unwrap();
+    let crank = revolute(&mut b, "crank", ground);
     b.prefer(crank.coordinates[0]);
-    let crank = crank.frame;
-    let tip = fix(&mut b, "tip of the crank", crank, p);
+    let tip = fix(&mut b, "tip of the crank", crank.frame, p);
     let hook = fix(&mut b, "hook", tip, [0.3, 1.2, 0.1]);
     let ball = b.spherical("ball", hook).unwrap().frame;
-    let coupler = revolute(&mut b, "coupler", tip);
+    let coupler = revolute(&mut b, "coupler", tip).frame;
     let end = fix(&mut b, "end of the coupler", coupler, q);
     let bearing = fix(&mut b, "bearing", ground, [2.0, 0.0, 0.0]);
-    let rocker = revolute(&mut b, "rocker", bearing);
+    let rocker = revolute(&mut b, "rocker", bearing).frame;
     let other = fix(&mut b, "tip of the rocker", rocker, q);
-    let pin = revolute(&mut b, "pin", end);
+    let pin = revolute(&mut b, "pin", end).frame;
     b.close(pin, other).unwrap();
     let J = Matrix3::new(2.0, 0.1, 0.2, 0.1, 2.5, -0.3, 0.2, -0.3, 3.0);
     for (name, node) in [("rod", coupler), ("bob", ball), ("plate", rocker)] {

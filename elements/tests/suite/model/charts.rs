@@ -56,10 +56,9 @@ fn elements_are_evaluated_in_the_chart_with_the_smallest_largest_angle() {
             let largest = (0..count).map(|k| psi(k, other).norm()).fold(0.0, f64::max);
             (largest, beam.abilities().energy(&moving(&x, &[], &[])))
         });
-        let [best, other] = if here.0 < there.0 {
-            [here, there]
-        } else {
-            [there, here]
+        let [best, other] = match here.0 < there.0 {
+            true => [here, there],
+            false => [there, here],
         };
         let gap = (m.strain_energy(0.0) / best.1 - 1.0).abs();
         assert!(gap < EXACT, "{angles:?}: {gap:e}");
