@@ -127,10 +127,9 @@ fn branches_are_followed() {
                 found += 1;
                 assert!((step.t - 1.0).abs() < 1e-12, "{}", step.t);
             }
-            let path = if found == 0 {
-                x
-            } else {
-                1.0 + alpha * y + (beta - 0.5) * y * y
+            let path = match found {
+                0 => x,
+                _ => 1.0 + alpha * y + (beta - 0.5) * y * y,
             };
             assert!((step.t - path).abs() < 1e-12, "{} {path}", step.t);
             if found > 0 && (alpha, beta) == (0.3, 1.0) {
