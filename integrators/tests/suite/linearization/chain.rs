@@ -1,18 +1,13 @@
 //! Modes of systems with exact eigenvalues, and of those without modes.
 
+use crate::support::linear_solver::filled;
 use crate::support::*;
 
 /// Masses of one between n + 1 springs of one, fixed at both ends, with C = α M + β K.
 fn chain(n: usize, alpha: f64, beta: f64) -> Linearized {
-    let pairs: Vec<[u32; 2]> = (1..n as u32).map(|i| [i - 1, i]).collect();
-    let pattern = BlockPattern::new(&vec![1; n], pairs);
-    let (mut K, mut M) = (vec![0.0; pattern.len()], vec![0.0; pattern.len()]);
-    for j in 0..n {
-        for (i, range) in pattern.column(j) {
-            K[range.start] = if i == j { 2.0 } else { -1.0 };
-            M[range.start] = if i == j { 1.0 } else { 0.0 };
-        }
-    }
+    let pattern = BlockPattern::new(&vec![1; n], (1..n as u32).map(|i| [i - 1, i]));
+    let K = filled(&pattern, |i, j| if i == j { 2.0 } else { -1.0 });
+    let M = filled(&pattern, |i, j| f64::from(i == j));
     let C = K.iter().zip(&M).map(|(K, M)| alpha * M + beta * K);
     Linearized {
         C: C.collect(),
