@@ -30,9 +30,7 @@ impl Element for Fast {
     fn abilities(&self) -> Abilities<'_> {
         Abilities {
             combined: Some(self),
-            energies: None,
-            enforced: self.0.abilities().enforced,
-            sections: None,
+            ..self.0.abilities()
         }
     }
 }

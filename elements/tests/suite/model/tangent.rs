@@ -59,15 +59,11 @@ fn a_tangent_from_the_previous_iterate_differs_by_the_square_of_the_step() {
     let mut tangent = |previous: Option<&DVector<f64>>| {
         let at = |q| Point::statics(0.6, q);
         let (mut r, mut S) = (vec![0.0; n], vec![0.0; context.pattern().len()]);
-        let out = Evaluation::with_tangent(&mut r, Weights::STATIC, &mut S);
-        match previous {
-            None => context.evaluate(at(q.as_slice()), out),
-            Some(from) => {
-                let previous = Some(at(from.as_slice()));
-                context.evaluate(at(q.as_slice()), Evaluation { previous, ..out })
-            }
-        }
-        .unwrap();
+        let out = Evaluation {
+            previous: previous.map(|from| at(from.as_slice())),
+            ..Evaluation::with_tangent(&mut r, Weights::STATIC, &mut S)
+        };
+        context.evaluate(at(q.as_slice()), out).unwrap();
         (r, context.pattern().matrix(&S))
     };
     let (r, K) = tangent(None);

@@ -10,12 +10,8 @@ const LIMIT: f64 = 1e-9;
 /// Random values between −1 and 1 with a diagonal of `dominance`, so that all rows have one scale.
 fn values(pattern: &BlockPattern, dominance: f64, random: &mut Random) -> Vec<f64> {
     let mut values = random_numbers(pattern.len(), random);
-    for j in 0..pattern.blocks() {
-        let (n, start) = (pattern.size(j), pattern.find(j, j).unwrap());
-        for k in 0..n {
-            let diagonal = &mut values[start + k * (n + 1)];
-            *diagonal = dominance * diagonal.signum();
-        }
+    for k in pattern.diagonal() {
+        values[k] = dominance * values[k].signum();
     }
     values
 }
