@@ -25,11 +25,12 @@ fix = "all" => fix = "place" | "place" | `place` is now `position`
 }
 
 #[test]
-fn unknown_keys_and_words_get_a_suggestion() {
+fn mistakes_are_refused_where_they_stand() {
     check_table(
         MODEL,
         refusal,
         r#"
+# Unknown keys and words.
 section = "main" => Section = "main" | Section | `Section` | did you mean `section`?
 elements = 8 => elemnets = 8 | elemnets | unknown key or word `elemnets` | did you mean `elements`?
 [nodes] => [nods] | nods | `nods` | did you mean `nodes`?
@@ -37,24 +38,12 @@ EA = 1e6 => AE = 1e6 | AE | `AE` | did you mean `EA`?
 "displacement" => "displacment" | "displacment" | `displacment` | did you mean `displacement`?
 [analysis.static] => [analysis.sttic] | sttic | `sttic` | `static`, `arc_length`
 steps = 4 => stepps = 4 | stepps | `stepps` | `steps`
-"#,
-    );
-}
-
-#[test]
-fn wrong_forms_are_refused_where_they_stand() {
-    check_table(
-        MODEL,
-        refusal,
-        r#"
+# Wrong forms.
 A = [0, 0, 0] => A = [0, 0] | [0, 0] | array of length 3 | [X, Y, Z]
 B = [1, 0, 0] => B = [1, 0, 0, 0] | [1, 0, 0, 0] | length 3 | [X, Y, Z]
-GA = [1e6, 1e6] => GA = 1e6 | 1e6 | floating point | GA = [GA2, GA3]
- => GA = 1e6 | 1e6 | expected an array of length 2 | two numbers
- => GA = [1e6] | [1e6] | length 1 | GA = [GA2, GA3]
- => GA = [1e6] | [1e6] | expected an array of length 2 | two numbers
- => GA = [1e6, 1e6, 1e6] | [1e6, 1e6, 1e6] | length 3 | GA = [GA2, GA3]
- => GA = [1e6, 1e6, 1e6] | [1e6, 1e6, 1e6] | expected an array of length 2 | two numbers
+GA = [1e6, 1e6] => GA = 1e6 | 1e6 | floating point `1000000.0`, expected an array of length 2 | two numbers in brackets are expected, such as GA = [GA2, GA3]
+ => GA = [1e6] | [1e6] | length 1, expected an array of length 2 | two numbers in brackets are expected, such as GA = [GA2, GA3]
+ => GA = [1e6, 1e6, 1e6] | [1e6, 1e6, 1e6] | length 3, expected an array of length 2 | two numbers in brackets are expected, such as GA = [GA2, GA3]
 stiffness = { EA = 1e6, GA = [1e6, 1e6], GJ = 2.0, EI = [2.0, 2.0] } => matrix = [[1, 0, 0, 0, 0, 0], [0, 1, 0]] | [0, 1, 0] | array of length 6 | six rows
 elements = 8 => elements = "8" | "8" | expected a whole number | such as 8
  => elements = -8 | -8 | `-8`, expected a whole number that is not negative | such as 8
@@ -63,45 +52,18 @@ fix = "all" => fix = "al" | "al" | expected "all", "position", "rotation"
 title = " => title " | " | expected
 B = [1, 0, 0] => A = [1, 0, 0] | A | duplicate key
 section = "main"\n => | [[lines]] | missing field `section`
-"#,
-    );
-}
-
-#[test]
-fn unusable_numbers_are_refused() {
-    check_table(
-        MODEL,
-        refusal,
-        r#"
+# Numbers that cannot be used.
 A = [0, 0, 0] => A = [0, nan, 0] | nan | the number nan | finite
 EA = 1e6 => EA = inf | inf | the number inf | finite
  => EA = 1e400 | 1e400 | the number 1e400 | finite
 B = [1, 0, 0] => B = [-1e200, 0, 0] | -1e200 | the number -1e200 | 1e100
-"#,
-    );
-}
-
-#[test]
-fn unknown_names_get_a_suggestion() {
-    check_table(
-        MODEL,
-        refusal,
-        r#"
+# Unknown names.
 to = "B" => to = "C" | "C" | no node named "C" | `A`, `B`
 section = "main" => section = "mian" | "mian" | no section named "mian" | did you mean `main`?
 node = "A"\nfix => node = "beam/8"\nfix | "beam/8" | no node named "beam/8" | did you mean `beam/
 element = "beam:4" => element = "beam:9" | "beam:9" | no element named "beam:9" | `beam:8`
 node = "B"\nmoment => line = "bem"\nforce_per_length | "bem" | no line named "bem" | did you mean `beam`?
-"#,
-    );
-}
-
-#[test]
-fn names_must_be_usable_and_distinct() {
-    check_table(
-        MODEL,
-        refusal,
-        r#"
+# Names that cannot be used, or are there twice.
 component = "3" => &\n[[lines]]\nname = "beam"\nfrom = "A"\nto = "B"\nelements = 1\nsection = "main" | "beam" | two lines named "beam" | own name
  => &\n[[probes]]\nname = "tip"\nnode = "B"\nquantity = "position" | "tip" | two probes named "tip" | own name
 name = "beam" => name = "be/am" | "be/am" | line name "be/am" | must not contain

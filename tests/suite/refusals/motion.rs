@@ -33,11 +33,12 @@ fn the_model_itself_is_fine() {
 }
 
 #[test]
-fn joints() {
+fn mistakes_are_refused_where_they_stand() {
     check_table(
         &MODEL,
         refusal,
         r#"
+# Joints.
 "revolute" => "revolut" | "revolut" | revolut | did you mean `revolute`
 axis = [0, 1, 0]\n => | [[joints]] | needs axis
 position = [1.5, 0, 0]\n => | [[joints]] | needs position
@@ -55,17 +56,7 @@ axis = [0, 1, 0] => &\nprescribed = { proportional = 1 }\nspring = { k = 1 } | s
  => &\nprescribed = { pulse = { end = 1 } } | { pulse | jump | ramp
  => &\nspring = { k = nan } | nan
 node = "A"\nfix => node = "hinge"\nfix | | hinge
-"#,
-    );
-}
-
-#[test]
-fn bodies_and_springs() {
-    // No body has a moment of inertia above the sum of the others.
-    check_table(
-        &MODEL,
-        refusal,
-        r#"
+# Bodies and springs: no body has a moment of inertia above the sum of the others.
 mass = 2.0 => mass = -2.0 | [[bodies]] | body of hand
 [1, 1, 1] => [1, 1, 3] | [[bodies]] | body of hand
  => [1, 1] | [1, 1] | three numbers
@@ -76,16 +67,7 @@ name = "body of ring" => name = "body of hand" | "body of hand" | body of hand
 stiffness = 10.0\n => | [[springs]] | rope
 stiffness = 10.0 => stiffness = -10.0 | | rope
  => bushing = { stiffness = [1, 1, 1, 1, 1] } | [1, 1 | six numbers
-"#,
-    );
-}
-
-#[test]
-fn initial_conditions() {
-    check_table(
-        &MODEL,
-        refusal,
-        r#"
+# Initial conditions.
 node = "ball"\nangular_velocity = [0, 0, 1] => node = "ball" | [[initial]]
  => node = "ball"\nline = "rod"\nvelocity = [0, 0, 1] | line | line
  => rotation = [0, 0, 1] | rotation | rotation | node
@@ -94,20 +76,7 @@ node = "ball"\nangular_velocity = [0, 0, 1] => node = "ball" | [[initial]]
  => node = "A"\ndisplacement = [0, 0, 1] | [0, 0, 1] | held
  => line = "bar"\nvelocity = [0, 0, 1] | "bar" | no line named "bar" | `rod`
  => node = "C"\nangular_velocity = [0, 0, 1]\nbody_angular_velocity = [0, 0, 1] | body_angular_velocity
-"#,
-    );
-    let still = "[analysis.dynamic]\\nto = 1.0\\nstep = 0.1\\nscheme = { hht = -0.1 }\\n =>";
-    let said = refusal(&changed(&MODEL, still)).to_string();
-    let words = ["can move", "dynamic"];
-    assert!(words.iter().any(|word| said.contains(word)), "{said}");
-}
-
-#[test]
-fn analyses_and_probes() {
-    check_table(
-        &MODEL,
-        refusal,
-        r#"
+# Analyses and probes.
 step = 0.1 => step = 0 | 0 | step | positive
  => step = 2 | 2 | step | to
  => &\nrecord_every = 0 | 0 | record_every
@@ -123,16 +92,7 @@ to = 1.0 => to = -1.0 | -1.0 | to | positive
 joint = "hinge" => joint = "ball" | "ball" | released coordinate
 joint = "hinge"\n => | | needs
 "joint_coordinate"\njoint = "hinge" => "joint_force"\nnode = "C" | | is attached to no joint
-"#,
-    );
-}
-
-#[test]
-fn forms_that_the_parser_knows_by_other_words() {
-    check_table(
-        &MODEL,
-        refusal,
-        r#"
+# Forms that the parser knows by other words.
 axis = [0, 1, 0] => &\nactuator = 5 | 5 | a table with one key
  => &\nactuator = "constant" | | a table with one key
 { hht = -0.1 } => "hht" | "hht" | 0 numbers are given
@@ -142,6 +102,14 @@ step = 0.1 => &\nadaptive = 1e-4 | 1e-4 | expected a table of its keys
 name = "hinge"\nquantity => name = "t"\nquantity | "t" | another column "t" | another name
 "#,
     );
+}
+
+#[test]
+fn what_can_move_needs_an_analysis_in_time() {
+    let still = "[analysis.dynamic]\\nto = 1.0\\nstep = 0.1\\nscheme = { hht = -0.1 }\\n =>";
+    let said = refusal(&changed(&MODEL, still)).to_string();
+    let words = ["can move", "dynamic"];
+    assert!(words.iter().any(|word| said.contains(word)), "{said}");
 }
 
 #[test]
@@ -174,12 +142,4 @@ fn a_motion_that_cannot_begin_leaves_earlier_results_alone() {
     let said = ended(&program(&[&model]), 2);
     assert_says(&said, &["node A, rotation about e"]);
     assert_eq!(read(out.join("result.json")), before);
-}
-
-#[test]
-fn a_joint_with_nothing_on_it_is_pointed_at() {
-    let changes = "from = \"hinge\" => from = \"A\"\n\
-        [[probes]]\\nname = \"hinge\"\\nquantity = \"joint_coordinate\"\\njoint = \"hinge\"\\n =>";
-    let text = changed(&MODEL, changes);
-    check(&text, "\"hinge\"", "hinge angle carries no element", "");
 }
