@@ -5,24 +5,8 @@ use proptest::prelude::*;
 use proptest::sample::Index;
 use proptest::test_runner::RngSeed;
 use pullback::input::{InputProblem, assemble_text};
+use pullback::studies::gallery::MODELS;
 use std::ops::Range;
-use std::sync::LazyLock;
-
-/// Name and text of every example, in the order of their names.
-static MODELS: LazyLock<Vec<(String, String)>> = LazyLock::new(|| {
-    let directory = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models");
-    let entries = std::fs::read_dir(directory).unwrap();
-    let mut models: Vec<_> = entries
-        .map(|entry| entry.unwrap())
-        .map(|entry| {
-            let name = entry.file_name().into_string().unwrap();
-            (name, std::fs::read_to_string(entry.path()).unwrap())
-        })
-        .collect();
-    models.sort();
-    assert!(models.len() > 30);
-    models
-});
 
 /// A mistake; positions are counted among those of its kind in the file.
 #[derive(Clone, Debug)]
@@ -105,7 +89,7 @@ proptest! {
 
     #[test]
     fn one_mistake_never_panics_and_has_a_place(model in any::<Index>(), mistake in mistakes()) {
-        let (name, text) = model.get(&MODELS);
+        let (name, text) = model.get(MODELS);
         let text = mistake.make(text);
         let Err(error) = assemble_text(name, &text) else {
             return Ok(());
