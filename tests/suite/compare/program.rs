@@ -8,7 +8,7 @@ use roxmltree::{Document, Node, ParsingOptions};
 use std::path::Path;
 
 /// The files that a comparison writes, sorted.
-fn written() -> [String; FILES.len()] {
+pub fn written() -> [String; FILES.len()] {
     let mut names = FILES.map(str::to_owned);
     names.sort();
     names
@@ -178,7 +178,7 @@ fn models_of_the_gallery_need_no_file() {
     // As `pullback gallery` names its cases, too.
     let [case, model] = ["heavy-top", "heavy_top"].map(|name| gallery::model(Path::new(name)));
     assert!(case.is_some() && case == model);
-    let listed = files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models"));
+    let listed = files(&repository("examples/models"));
     let known: Vec<String> = MODELS
         .iter()
         .map(|(name, _)| format!("{name}.toml"))

@@ -1,6 +1,7 @@
 //! What docs/adding_an_integrator.md adds stands in the sources, and its scheme from outside has its
 //! stated properties.
 
+use crate::support::included::blocks;
 use pullback::check;
 use pullback::integrators::dynamics::DynamicsError;
 use pullback::integrators::dynamics::scheme::{Scheme, SchemeProperties, Stage};
@@ -16,10 +17,7 @@ fn its_lines_stand_where_it_says() {
         include_str!("../../../integrators/tests/suite/schemes/conformance.rs"),
         include_str!("adding_an_integrator.rs"),
     ];
-    let parts = PAGE.split("```rs\n").skip(1);
-    let lines: Vec<&str> = parts
-        .filter_map(|part| part.split("\n```").next())
-        .collect();
+    let lines = blocks(PAGE, "```rs\n");
     assert_eq!(lines.len(), 5);
     for (text, source) in lines.into_iter().zip(sources) {
         assert!(source.contains(text), "{text}");

@@ -1,6 +1,6 @@
 //! Pages that include code and models: blocks, their source, and whether all of it is on the page.
 
-use crate::support::included::hold;
+use crate::support::included::{blocks, hold};
 
 #[test]
 fn code_and_models_are_those_of_the_sources() {
@@ -51,8 +51,7 @@ pub(super) fn lines_of_code(text: &str) -> usize {
 #[test]
 fn an_element_has_fifteen_lines_at_most() {
     let page = include_str!("../../../docs/adding_an_element.md");
-    let element = page.split("```rust\n").nth(2).unwrap();
-    assert!(lines_of_code(element.split("\n```").next().unwrap()) <= 15);
+    assert!(lines_of_code(blocks(page, "```rust\n")[1]) <= 15);
 }
 
 /// From its struct to the end of its `impl`, without what says where a slot ends.

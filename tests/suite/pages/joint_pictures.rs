@@ -1,16 +1,14 @@
 //! Every joint has a picture on its page, and every picture is used.
 
 use super::theory::text;
-use crate::support::program::{assert_says, read};
-use std::path::Path;
+use crate::support::program::{assert_says, read, repository};
 
 #[test]
 fn the_page_shows_every_picture() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let page = read(root.join("docs/joints.md"));
-    let sources = text(&root.join("elements/src/joint"));
+    let page = read(repository("docs/joints.md"));
+    let sources = text(&repository("elements/src/joint"));
     let mut pictures = 0;
-    for entry in std::fs::read_dir(root.join("elements/images")).unwrap() {
+    for entry in std::fs::read_dir(repository("elements/images")).unwrap() {
         let path = entry.unwrap().path();
         if path.extension().is_none_or(|e| e != "svg") {
             continue;

@@ -1,12 +1,12 @@
 //! docs/theory.md leads to code that is there.
 
-use std::fs::read_to_string;
+use crate::support::program::{read, repository};
 use std::path::Path;
 
 /// The text of a file, or of all files of a directory.
 pub(super) fn text(path: &Path) -> String {
     if !path.is_dir() {
-        return read_to_string(path).unwrap();
+        return read(path);
     }
     let entries = std::fs::read_dir(path).unwrap();
     entries.map(|e| text(&e.unwrap().path())).collect()
@@ -14,8 +14,7 @@ pub(super) fn text(path: &Path) -> String {
 
 #[test]
 fn every_equation_leads_to_a_function_and_a_test() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let page = read_to_string(root.join("docs/theory.md")).unwrap();
+    let page = read(repository("docs/theory.md"));
     let (equations, table) = page.split_once("| equation |").unwrap();
     let mut led = Vec::new();
     for row in table.lines().skip(2).take_while(|l| l.starts_with('|')) {
@@ -24,8 +23,8 @@ fn every_equation_leads_to_a_function_and_a_test() {
             panic!("four columns: {row}");
         };
         led.extend(numbers.split(", "));
-        assert!(root.join(test).is_file(), "no file {test}");
-        let code = text(&root.join(file));
+        assert!(repository(test).is_file(), "no file {test}");
+        let code = text(&repository(file));
         for name in functions.split(", ").map(|f| f.trim_matches('`')) {
             let kinds = ["fn", "struct", "trait"].map(|kind| format!("{kind} {name}"));
             let ends = |c: char| !c.is_alphanumeric() && c != '_';

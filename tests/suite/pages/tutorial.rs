@@ -1,16 +1,12 @@
 //! The tutorial shows models and code of the examples, and what the program prints and draws.
 
 use crate::support::formulations::{cells, plain};
-use crate::support::included::{hold, hold_pieces, update};
+use crate::support::included::{blocks, hold, hold_pieces, update};
 use crate::support::program::*;
 use std::fs::create_dir_all;
 use std::path::{Path, PathBuf};
 
 const TOML: &str = "```toml\n";
-
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-}
 
 /// An empty directory with a model of the examples, whose parts are replaced.
 fn with_model(directory: &Path, model: &str, changes: &str) -> PathBuf {
@@ -45,7 +41,7 @@ fn alike(a: &str, b: &str, tolerance: f64) -> bool {
 /// Runs the commands of a page that are followed by their output, and holds the page to it.
 fn hold_output(page: &str, directory: &Path) {
     const COMMAND: &str = "```sh\npullback ";
-    let before = read(root().join(page));
+    let before = read(repository(page));
     let mut parts = before.split(COMMAND);
     let mut after = parts.next().unwrap().to_owned();
     let mut commands = 0;
@@ -70,7 +66,7 @@ fn hold_output(page: &str, directory: &Path) {
 /// Holds a picture of the tutorial to what the program has drawn.
 fn hold_picture(name: &str, drawn: &Path) {
     let path = format!("docs/images/tutorial/{name}.svg");
-    let before = std::fs::read_to_string(root().join(&path)).unwrap_or_default();
+    let before = std::fs::read_to_string(repository(&path)).unwrap_or_default();
     let after = read(drawn);
     // Positions are whole numbers, 8 to a point.
     if !alike(&before, &after, 1.0) {
@@ -80,7 +76,7 @@ fn hold_picture(name: &str, drawn: &Path) {
 
 /// Cells of the rows of all tables of a page whose first cell is given.
 fn rows(page: &str, first: &str) -> Vec<Vec<String>> {
-    let page = read(root().join(page));
+    let page = read(repository(page));
     let page = plain(&page.replace('`', ""));
     let lines = page.lines().filter(|line| line.starts_with('|'));
     let cells = lines.map(cells);
@@ -130,7 +126,7 @@ fn the_beam() {
         is(&row[3], 0.8106090249 - tip);
     }
     let last = history(&ran(&place, "rollup.toml", "")).pop().unwrap();
-    assert!(read(root().join(PAGE)).contains(" 12.5663706144,"));
+    assert!(read(repository(PAGE)).contains(" 12.5663706144,"));
     is("12.5663706144", number(&last, "turn"));
     assert!((number(&last, "tip.x") + 1.0).abs() < 1e-12);
 }
@@ -190,7 +186,7 @@ fn the_motion() {
         let defects = steps.iter().map(|row| number(row, "energy_defect").abs());
         is(&row[4], defects.fold(0.0, f64::max));
     }
-    let page = read(root().join(PAGE));
+    let page = read(repository(PAGE));
     let (_, schemes) = page.split_once("| `scheme` |").unwrap();
     let schemes = schemes.lines().skip(2);
     let schemes: Vec<&str> = schemes.take_while(|l| l.starts_with('|')).collect();
@@ -225,9 +221,8 @@ fn the_comparison() {
     let place = directory("tutorial_comparison");
     hold_output(PAGE, &place);
     hold_picture("spectrum", &place.join("spectrum/spectrum.svg"));
-    let text = read(root().join(PAGE));
-    let command = text.split("```sh\npullback compare ").nth(1).unwrap();
-    let command = command.split("\n```").next().unwrap();
+    let text = read(repository(PAGE));
+    let command = blocks(&text, "```sh\npullback compare ")[0];
     let table = printed(&place, &format!("compare {}", command.replace('\\', "")));
     hold_picture("convergence", &place.join("comparison/convergence.svg"));
     let report = plain(&read(place.join("comparison/compare.md")));

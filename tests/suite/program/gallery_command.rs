@@ -60,7 +60,7 @@ fn the_helix_is_drawn_as_load_against_displacement() {
 
 #[test]
 fn the_gallery_page_shows_what_is_drawn_now() {
-    let images = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/images");
+    let images = repository("docs/images");
     let mut count = 0;
     for case in drawings::cases() {
         let image = images.join(format!("{case}.svg"));

@@ -1,14 +1,14 @@
 //! The page of docs/formulations.md, its commands and the tables that they have left.
 
-use crate::support::program::read;
+use crate::support::program::{read, repository};
 
 /// The page.
 pub const PAGE: &str = include_str!("../../../docs/formulations.md");
 
 /// Where the results lie that the page shows.
 pub fn results(name: &str) -> String {
-    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
-    read(root.join("docs/formulations").join(name).join("compare.md"))
+    let all = repository("docs/formulations");
+    read(all.join(name).join("compare.md"))
 }
 
 /// The first table under a heading, its lines.

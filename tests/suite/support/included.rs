@@ -4,17 +4,11 @@
 //! begins, the last one to the end. With `UPDATE_PAGES` in the environment a test writes its page
 //! anew.
 
-use std::fs;
+use super::program::{read, repository};
 use std::ops::Range;
-use std::path::Path;
-
-fn read(path: &str) -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
-    fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
-}
 
 /// The blocks of a page that begin with the fence.
-fn blocks<'a>(page: &'a str, fence: &str) -> Vec<&'a str> {
+pub fn blocks<'a>(page: &'a str, fence: &str) -> Vec<&'a str> {
     let parts = page.split(fence).skip(1);
     parts
         .map(|part| part.split_once("\n```").expect("a block ends").0)
@@ -63,8 +57,7 @@ pub fn update(page: &str, before: &str, after: &str) {
         update,
         "{page} is not up to date: UPDATE_PAGES=1 cargo test writes it anew"
     );
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(page);
-    fs::write(path, after).expect("the page can be written");
+    std::fs::write(repository(page), after).expect("the page can be written");
 }
 
 /// The page with pieces of the source in the blocks of this range that begin with the fence. The first
@@ -82,15 +75,15 @@ fn include_pieces(page: &str, fence: &str, range: Range<usize>, source: &str) ->
 
 /// Holds blocks of a page to the pieces of the source that they include, or writes them.
 pub fn hold_pieces(page: &str, fence: &str, range: Range<usize>, source: &str) {
-    let before = read(page);
-    let after = include_pieces(&before, fence, range, &read(source));
+    let before = read(repository(page));
+    let after = include_pieces(&before, fence, range, &read(repository(source)));
     update(page, &before, &after);
 }
 
 /// Holds blocks of a page to the source that they include, or writes them. All of the source has to
 /// be in them where `whole` says so.
 pub fn hold(page: &str, fence: &str, range: Range<usize>, source: &str, whole: bool) {
-    let (before, text) = (read(page), read(source));
+    let [before, text] = [page, source].map(|path| read(repository(path)));
     let first = range.start;
     let after = include(&before, fence, range, &text);
     update(page, &before, &after);

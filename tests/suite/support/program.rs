@@ -300,9 +300,14 @@ pub fn read(path: impl AsRef<Path>) -> String {
     std::fs::read_to_string(path).unwrap()
 }
 
+/// A file or directory of the repository.
+pub fn repository(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+}
+
 /// The text of a model of the examples.
 pub fn example(name: &str) -> String {
-    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models");
+    let models = repository("examples/models");
     read(models.join(name).with_extension("toml"))
 }
 
