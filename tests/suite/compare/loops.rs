@@ -1,5 +1,4 @@
-//! `compare` on loops that equations close: orders with multipliers, and penalties whose vibrations no
-//! step resolves.
+//! `compare` on loops: how they hold, orders with multipliers, and penalties whose vibrations no step resolves.
 
 use crate::support::comparisons;
 use crate::support::laboratory::options;
@@ -74,6 +73,25 @@ fn orders_with_multipliers_are_those_of_index_three() {
     assert!(gap <= allowed[0] + allowed[1], "{gap:e} {allowed:?}");
 }
 
+#[test]
+fn residuals_of_loops_are_tabulated() {
+    let linkage = |closure: &str| {
+        let options = options(&["ga:0.8", "radau"], &[0.02, 0.01]);
+        let comparison = comparisons::compared(&four_bar(closure, 0.2), &options).unwrap();
+        let violations = comparison.rows.iter().map(|row| {
+            assert_eq!(row.failure, None, "{closure}, {}", row.scheme);
+            row.drift.violation.unwrap()
+        });
+        violations.fold(0.0, f64::max)
+    };
+    // What Newton's method leaves, and the compliance of the penalty, with forces of order 10.
+    assert!(linkage("") < 1e-11);
+    assert!(linkage("closure = \"multipliers\"") < 1e-9);
+    let [soft, stiff] =
+        ["1e5", "1e6"].map(|p| linkage(&format!("closure = \"penalty\"\npenalty = {p}")));
+    assert!((0.05..0.2).contains(&(stiff / soft)), "{soft:e} {stiff:e}");
+}
+
 /// A stiff penalty vibrates; the scheme of the reference damps that away with large steps and less so with
 /// small ones: its runs go apart.
 #[test]
@@ -81,8 +99,7 @@ fn a_comparison_without_any_reference_says_so() {
     let text = four_bar("closure = \"penalty\"\npenalty = 1e7", 0.04);
     let comparison = compared(&text, &["ga:0.8"], &[0.004, 0.002]);
     assert!(!comparison.is_known() && comparison.reference_failure.is_none());
-    let directory = directory("compare_loops");
-    let model = write(&directory, &text);
+    let model = write(&directory("compare_loops"), &text);
     let ran = compare(&model, "--schemes ga:0.8 --steps 0.004,0.002");
     let said = ended(&ran, 1);
     let words = [
@@ -92,6 +109,6 @@ fn a_comparison_without_any_reference_says_so() {
         "results are in ",
     ];
     assert_says(&said, &words);
-    let page = read(directory.join("model.compare/compare.md"));
+    let page = read(model.with_extension("compare").join("compare.md"));
     assert_says(&page, &["No reference for any quantity"]);
 }

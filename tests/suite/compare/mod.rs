@@ -4,7 +4,6 @@ mod cells;
 mod charts;
 mod error_curves;
 mod figures;
-mod laboratory;
 mod library;
 mod loops;
 mod program;

@@ -5,7 +5,6 @@ use crate::support::dynamics::assert_order;
 use crate::support::program::*;
 use nalgebra::Vector3;
 use pullback::input::{Plan, assemble_text, with_parameters};
-use pullback::studies::compare::FILES;
 use pullback::studies::gallery::MODELS;
 use serde_json::Value;
 use std::fmt::Write;
@@ -13,10 +12,8 @@ use std::path::Path;
 
 /// A free symmetrical body that also moves along, for a second.
 fn body() -> String {
-    changed(
-        BODY,
-        "[3, 0, 4] => &\\nvelocity = [1, 2, 3]\nto = 2 => to = 1",
-    )
+    let changes = "[3, 0, 4] => &\\nvelocity = [1, 2, 3]\nto = 2 => to = 1";
+    changed(BODY, changes)
 }
 
 /// What compare.json says, of a comparison that ends well.
@@ -70,9 +67,8 @@ fn exact_motion() -> String {
 
 #[test]
 fn an_exact_solution_comes_from_a_file() {
-    let directory = directory("program_compare_exact");
-    let model = write(&directory, &body());
-    let file = directory.join("exact.csv");
+    let model = write(&directory("program_compare_exact"), &body());
+    let file = model.with_file_name("exact.csv");
     std::fs::write(&file, exact_motion()).unwrap();
     let exact = "--exact exact.csv -q --residual 1e-12 --schemes";
     let asked = format!("{exact} newmark,radau --steps 0.02,0.01,0.005");
@@ -130,8 +126,7 @@ fn an_exact_solution_comes_from_a_file() {
 #[test]
 fn a_search_that_finds_nothing_is_apart_too() {
     // Nothing is kept by a pendulum on its pin but energy.
-    let directory = directory("program_compare_search");
-    let model = write(&directory, &example("pendulum"));
+    let model = write(&directory("program_compare_search"), &example("pendulum"));
     let json = compared(&model, "--schemes projected-newmark --steps 4x,2x -q");
     for row in rows(&json, "projected-newmark") {
         let [before, all] = ["searching", "assemblies"].map(|key| row[key].as_u64().unwrap());
@@ -142,8 +137,7 @@ fn a_search_that_finds_nothing_is_apart_too() {
 
 #[test]
 fn times_are_taken_alone_where_they_are_asked_for() {
-    let directory = directory("program_compare_timed");
-    let model = write(&directory, &body());
+    let model = write(&directory("program_compare_timed"), &body());
     let schemes = "newmark,lie-newmark,projected-newmark,central-difference,radau";
     let asked = format!("--schemes {schemes} --steps 0.02,0.0005 -q");
     let json = compared(&model, &asked);
@@ -202,8 +196,7 @@ fn times_are_taken_alone_where_they_are_asked_for() {
 /// Momenta and constraints over a long run: by theory, not by an earlier one.
 #[test]
 fn long_runs_tell_what_becomes_of_momenta_and_constraints() {
-    let directory = directory("program_compare_long");
-    let model = write(&directory, &body());
+    let model = write(&directory("program_compare_long"), &body());
     let schemes = ["newmark", "projected-newmark"];
     let asked = "--steps 0.02,0.01 --long 5 -q --residual 1e-13 --schemes";
     let json = compared(&model, &format!("{asked} {}", schemes.join(",")));
@@ -241,8 +234,7 @@ fn short(text: &str) -> Option<(String, f64)> {
 #[test]
 fn the_command_runs_on_every_model_of_the_gallery_that_moves() {
     let directory = directory("program_compare_gallery");
-    let mut expected = FILES.map(str::to_owned);
-    expected.sort();
+    let expected = super::program::written();
     let mut seen = 0;
     for (name, text) in MODELS {
         let Some((text, step)) = short(text) else {

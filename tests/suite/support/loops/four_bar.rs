@@ -1,6 +1,6 @@
 //! A planar four-bar linkage in closed form, and the equation of motion of its one freedom.
 
-use super::{G, one_freedom};
+use super::G;
 use crate::support::dynamics::*;
 use crate::support::prelude::*;
 
@@ -33,7 +33,7 @@ pub fn by_crank(angle: f64) -> [Moving<0>; 3] {
     [angle, coupler, rocker]
 }
 
-/// Angular acceleration of the crank.
+/// Angular acceleration of the crank: M θ̈ + ½ M′ θ̇² + V′ = 0.
 pub fn crank_acceleration(angle: f64, rate: f64) -> f64 {
     let [angle, coupler, rocker] = by_crank(angle);
     let by = |x: Moving<0>| Moving::<0>::given([x.x[1], x.x[2], 0.0]);
@@ -44,7 +44,8 @@ pub fn crank_acceleration(angle: f64, rate: f64) -> f64 {
         + k2 * between * (m2 * a * b)
         + k3 * k3 * (m3 * c * c / 3.0)
         + (m1 * a * a / 3.0 + m2 * a * a);
-    one_freedom(M, potential([angle, coupler, rocker]), rate)
+    let V = potential([angle, coupler, rocker]);
+    -(0.5 * M.x[1] * rate * rate + V.x[1]) / M.x[0]
 }
 
 /// Potential of the weights.
