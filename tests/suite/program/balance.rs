@@ -19,7 +19,7 @@ fn turning(name: &str, turns: &str, more: &str, analysis: &str) -> (Vec<[f64; 2]
         more,
         &format!("[analysis.dynamic]\n{analysis}\n"),
         PLAIN,
-        "[[probes]]\nname = \"rate\"\nquantity = \"joint_rate\"\njoint = \"arm\"\n",
+        &probe_of("rate", "joint_rate", "joint = \"arm\""),
     ];
     let run = run_of(&format!("program_balance_{name}"), &text.concat());
     // What the terminal warns of stands in result.json.
@@ -188,33 +188,25 @@ fn accelerations_are_those_of_the_equations_where_nothing_jumps() {
     ]
     .concat();
     for scheme in ["radau", "ga:0.9", "newmark"] {
-        let run = run_of(
-            "program_balance_pair",
-            &format!("{text}scheme = \"{scheme}\"\n"),
-        );
+        let text = format!("{text}scheme = \"{scheme}\"\n");
+        let rows = recorded("program_balance_pair", &text);
         // ω² r.
-        for row in &run.rows {
+        for row in &rows {
             let what = format!("{scheme} at {}", row["t"]);
             assert_close(number(row, "a"), 4.0, 1e-2, what);
         }
-        assert_close(number(&run.rows[0], "a"), 4.0, 1e-9, scheme);
+        assert_close(number(&rows[0], "a"), 4.0, 1e-9, scheme);
     }
     // A damper that is worked: a = −c v/m, and the state is consistent for a linearisation.
+    let damped = "axis = [1, 0, 0]\nrate = 1\nspring = { c = 5 }";
     let slider = [
         GROUND,
-        &joint(
-            "slide",
-            "prismatic",
-            "ground",
-            "axis = [1, 0, 0]\nrate = 1\nspring = { c = 5 }",
-        ),
+        &joint("slide", "prismatic", "ground", damped),
         &body_of("slide", 1.0, ""),
         &motion(1.0, 0.1),
-    ]
-    .concat();
-    let run = run_of(
-        "program_balance_slider",
-        &[&slider, PLAIN, &probe("a", "acceleration", "slide")].concat(),
-    );
-    assert_close(number(&run.rows[0], "a.x"), -5.0, 1e-12, "slider");
+        PLAIN,
+        &probe("a", "acceleration", "slide"),
+    ];
+    let rows = recorded("program_balance_slider", &slider.concat());
+    assert_close(number(&rows[0], "a.x"), -5.0, 1e-12, "slider");
 }

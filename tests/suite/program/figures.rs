@@ -159,11 +159,6 @@ fn nothing_is_round_off_where_no_size_is_known() {
     }
 }
 
-/// A probe of a quantity with further keys.
-fn probe_of(name: &str, quantity: &str, more: &str) -> String {
-    format!("[[probes]]\nname = \"{name}\"\nquantity = \"{quantity}\"\n{more}\n")
-}
-
 /// A cart that slides along a rail and carries a pendulum, a length and an angle; more of the file.
 fn cart(more: &str) -> String {
     [

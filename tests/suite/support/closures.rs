@@ -54,7 +54,12 @@ pub fn beam_line(name: &str, [from, to]: [&str; 2], elements: usize, section: &s
 
 /// A probe of a quantity at a node.
 pub fn probe(name: &str, quantity: &str, node: &str) -> String {
-    format!("[[probes]]\nname = \"{name}\"\nquantity = \"{quantity}\"\nnode = \"{node}\"\n")
+    probe_of(name, quantity, &format!("node = \"{node}\""))
+}
+
+/// A probe of a quantity with further keys.
+pub fn probe_of(name: &str, quantity: &str, more: &str) -> String {
+    format!("[[probes]]\nname = \"{name}\"\nquantity = \"{quantity}\"\n{more}\n")
 }
 
 /// Cranks of 1 at A and √1.1 at D on the ground, bars of √1.64 and √1.25 between their tips, no bodies;
@@ -120,8 +125,7 @@ pub fn apart(a: f64, b: f64) -> f64 {
 
 /// The probe of a joint's coordinate, of its name.
 pub fn angle(joint: &str) -> String {
-    let quantity = "quantity = \"joint_coordinate\"";
-    format!("[[probes]]\nname = \"{joint}\"\n{quantity}\njoint = \"{joint}\"\n")
+    probe_of(joint, "joint_coordinate", &format!("joint = \"{joint}\""))
 }
 
 /// What is written of a run where nobody looks at pictures.
