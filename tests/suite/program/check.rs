@@ -213,10 +213,7 @@ fn loops_that_are_closed_in_two_ways_are_checked_where_they_can_be() {
             &hinge("F", "foot 2", ""),
             &arm("f", "F", [3.76, 4.995, 0.0]),
             &hinge("E", "e", &format!("child = \"f\"\n{second}")),
-            &body("b"),
-            &body("d"),
-            &body("e"),
-            &body("f"),
+            &["b", "d", "e", "f"].map(body).concat(),
         ]
         .concat()
     };
@@ -232,13 +229,8 @@ fn loops_that_are_closed_in_two_ways_are_checked_where_they_can_be() {
 #[test]
 fn a_linkage_that_flies_closed_by_multipliers_is_right() {
     let linkage = four_bar(["rate = 2", "", ""], CLOSURES[1]);
-    let model = [
-        "[nodes]\nground = [0, 0, 0]\n",
-        RUN,
-        &linkage,
-        &body("ground"),
-    ]
-    .concat();
+    let ground = "[nodes]\nground = [0, 0, 0]\n";
+    let model = [ground, RUN, &linkage, &body("ground")].concat();
     assert_right("a linkage", &model, 0..3);
 }
 
@@ -269,12 +261,9 @@ fn a_weight_on_a_plane_that_a_base_turns_is_right() {
 /// balance of power follow the drive.
 #[test]
 fn a_fast_drive_of_a_loop_is_right() {
-    let words = [
-        "spring = { k = 30 }",
-        "",
-        "prescribed = { sine = { omega = 1e8 } }",
-    ];
-    let model = [GROUND, STATIC, &four_bar(words, "")].concat();
+    let fast = "prescribed = { sine = { omega = 1e8 } }";
+    let linkage = four_bar(["spring = { k = 30 }", "", fast], "");
+    let model = [GROUND, STATIC, &linkage].concat();
     assert_right("four bars", &model, [0]);
 }
 

@@ -145,11 +145,13 @@ fn a_log_that_is_a_link_or_a_pipe_is_not_followed() {
 
 #[test]
 fn a_checkpoint_costs_the_same_however_many_rows_there_are() {
-    let directory = directory("program_checkpoint_cost");
     let often = "checkpoint_every = 7 => checkpoint_every = 1\nrecord_every = 2 => record_every = 1\n\
                  step = 0.01 => step = 0.00125";
-    let model = write(&directory, &changed(&MODEL, often));
-    let out = directory.join("model.out");
+    let model = write(
+        &directory("program_checkpoint_cost"),
+        &changed(&MODEL, often),
+    );
+    let out = model.with_extension("out");
     let size = |name: &str| std::fs::metadata(out.join(name)).unwrap().len();
     let mut seen = Vec::new();
     let mut log = String::new();

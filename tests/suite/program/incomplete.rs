@@ -19,8 +19,7 @@ fn incomplete(out: &Path, kind: &str) -> Value {
 
 #[test]
 fn an_interrupted_run_keeps_its_steps_and_says_so() {
-    let directory = directory("program_interrupted");
-    let model = write(&directory, MODEL);
+    let model = write(&directory("program_interrupted"), MODEL);
     let outcome = run(&model, None, &mut until_step(2)).unwrap();
     assert_eq!(outcome.ending, Ending::Interrupted { t: 0.5 });
     let results = incomplete(&outcome.directory, "interrupted");
@@ -34,9 +33,8 @@ fn an_interrupted_run_keeps_its_steps_and_says_so() {
 
 #[test]
 fn while_a_run_goes_on_its_results_are_marked_incomplete() {
-    let directory = directory("program_running");
-    let model = write(&directory, MODEL);
-    let out = directory.join("here");
+    let model = write(&directory("program_running"), MODEL);
+    let out = model.with_extension("here");
     run(&model, Some(&out), &mut |_| {
         incomplete(&out, "running");
         ControlFlow::Continue(())
@@ -96,25 +94,22 @@ mod signals {
     #[test]
     fn signals_stop_after_a_step_and_keep_it() {
         for signal in ["INT", "TERM", "HUP"] {
-            stopped_by(signal);
+            let directory = directory(&format!("program_signal_{signal}"));
+            let long =
+                with("steps = 4", "steps = 1000000").replace("elements = 8", "elements = 200");
+            let model = write(&directory, &(long + "\n[output]\nparaview_every = 0\n"));
+            let mut child = spawned(&model);
+            let out = directory.join("model.out");
+            wait(30, || out.join("result.json").exists());
+            sleep(Duration::from_millis(300));
+            send(signal, &child);
+            assert_eq!(child.wait().unwrap().code(), Some(130), "{signal}");
+            let results = incomplete(&out, "interrupted");
+            let rows = history(&out);
+            assert!(rows.len() > 1);
+            assert_eq!(results["last"]["t"], number(rows.last().unwrap(), "t"));
+            assert!(!files(&out).iter().any(|f| f.starts_with('.')));
         }
-    }
-
-    fn stopped_by(signal: &str) {
-        let directory = directory(&format!("program_signal_{signal}"));
-        let long = with("steps = 4", "steps = 1000000").replace("elements = 8", "elements = 200");
-        let model = write(&directory, &(long + "\n[output]\nparaview_every = 0\n"));
-        let mut child = spawned(&model);
-        let out = directory.join("model.out");
-        wait(30, || out.join("result.json").exists());
-        sleep(Duration::from_millis(300));
-        send(signal, &child);
-        assert_eq!(child.wait().unwrap().code(), Some(130), "{signal}");
-        let results = incomplete(&out, "interrupted");
-        let rows = history(&out);
-        assert!(rows.len() > 1);
-        assert_eq!(results["last"]["t"], number(rows.last().unwrap(), "t"));
-        assert!(!files(&out).iter().any(|f| f.starts_with('.')));
     }
 
     /// The model file is a pipe that nobody writes into: the program waits for it before its first step.

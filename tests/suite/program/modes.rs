@@ -1,13 +1,12 @@
 //! `[analysis.modes]` and `pullback linearize`.
 
+use super::resume::go_on;
 use crate::support::beams::{COLUMN, PINNED, line};
 use crate::support::*;
 use nalgebra::DMatrix;
 use pullback::input::assemble_text;
 use pullback::run;
-use pullback::solve::Advance;
 use std::f64::consts::{PI, TAU};
-use std::ops::ControlFlow;
 
 /// A bar of two masses 3 and 1 between springs 2 and 1 along x, from the ground; more of the file.
 fn masses(more: &str) -> String {
@@ -41,10 +40,9 @@ fn a_run_in_memory_warns_as_one_with_files() {
     ];
     for (k, text) in texts.iter().enumerate() {
         let path = write(&directory(&format!("in memory {k}")), text);
-        let go = &mut |_: &Advance<'_>| ControlFlow::Continue(());
-        let files = run::run(&path, None, go).unwrap();
+        let files = run::run(&path, None, &mut go_on).unwrap();
         let job = assemble_text("model.toml", text).unwrap();
-        let memory = run::record_job(job, &mut |_| {}, go).unwrap();
+        let memory = run::record_job(job, &mut |_| {}, &mut go_on).unwrap();
         assert_eq!(memory.warnings, files.warnings);
         assert_eq!(memory.notes, files.notes);
         assert_says(&files.warnings.concat(), &["fewer than count = 50"]);
@@ -77,16 +75,12 @@ fn modes_far_apart_are_all_found() {
         .replace("stiffness = 2", "stiffness = 1e-7")
         .replace("stiffness = 1\n", "stiffness = 1e7\n")
         .replace("[\"a\", \"b\"]", "[\"ground\", \"b\"]");
-    for (found, exact) in csv(ran(&directory("modes far apart"), &text).join("modes.csv"))
-        .iter()
-        .zip([1e-7 / 3.0, 1e7])
-    {
+    let found = csv(ran(&directory("modes far apart"), &text).join("modes.csv"));
+    for (found, exact) in found.iter().zip([1e-7 / 3.0, 1e7]) {
         assert_close(found[1] * TAU / f64::sqrt(exact), 1.0, 1e-10, "frequency");
     }
-    let [_, warnings] = told(
-        "modes far apart",
-        &text.replace("count = 2", "range = [1, 1e4]"),
-    );
+    let range = text.replace("count = 2", "range = [1, 1e4]");
+    let [_, warnings] = told("modes far apart", &range);
     assert!(warnings.is_empty(), "{warnings:?}");
 }
 
@@ -120,22 +114,13 @@ fn why_there_are_no_modes_or_critical_loads_is_told() {
 /// 1733). Supports alone do not hold it.
 #[test]
 fn gravity_holds_a_hanging_cable() {
-    let text = r#"
-[sections.cable]
-stiffness = { EA = 1e7, GA = [1e6, 1e6], GJ = 1e-5, EI = [1e-5, 1e-5] }
-mass = { A_rho = 2, J = [1e-12, 1e-12, 1e-12] }
-[nodes]
-top = [0, 0, 0]
-end = [0, 0, -3]
-[[lines]]
-name = "cable"
-from = "top"
-to = "end"
-elements = 20
-order = 3
-section = "cable"
+    let stiffness = "EA = 1e7, GA = [1e6, 1e6], GJ = 1e-5, EI = [1e-5, 1e-5]";
+    let rest = r#"
+[sections.main.mass]
+A_rho = 2
+J = [1e-12, 1e-12, 1e-12]
 [[supports]]
-node = "top"
+node = "A"
 fix = ["x", "y", "z", "rz"]
 [[loads]]
 gravity = [0, 0, -9.81]
@@ -144,14 +129,14 @@ time = { constant = 1 }
 count = 4
 after.static.steps = 1
 "#;
-    let run = run_of("hanging cable", text);
-    assert_says(
-        &run.result["warnings"].to_string(),
-        &[
-            "can still move as a rigid body (rotation",
-            "unless loads hold it",
-        ],
-    );
+    let hanging = "B = [1, 0, 0] => B = [0, 0, -3]";
+    let text = changed(&line(stiffness, 20, 3, rest), hanging);
+    let run = run_of("hanging cable", &text);
+    let words = [
+        "can still move as a rigid body (rotation",
+        "unless loads hold it",
+    ];
+    assert_says(&run.result["warnings"].to_string(), &words);
     let found = csv(run.out.join("modes.csv"));
     let zeros = [2.404825557695773, 5.520078110286311];
     for (row, zero) in found.iter().zip([zeros[0], zeros[0], zeros[1], zeros[1]]) {
@@ -260,18 +245,20 @@ fn matrices_of_a_motion_are_those_of_an_instant() {
 /// The frequency of a pendulum is that of its weight, which acts without a `time`; one that grows with the load is zero.
 #[test]
 fn loads_act_in_full_about_a_state_of_modes() {
-    let g = 9.81;
     for (time, exact) in [
-        ("", f64::sqrt(g / 2.0) / TAU),
+        ("", f64::sqrt(9.81 / 2.0) / TAU),
         ("time = { proportional = 1 }", 0.0),
     ] {
-        let text = format!(
-            "[nodes]\nground = [0, 0, 0]\n[[supports]]\nnode = \"ground\"\nfix = \"all\"\n[[joints]]\nname = \"hinge\"\n\
-             type = \"revolute\"\nparent = \"ground\"\naxis = [0, 1, 0]\n[[joints]]\nname = \"bob\"\ntype = \"offset\"\n\
-             parent = \"hinge\"\nposition = [0, 0, -2]\n[[bodies]]\nname = \"bob\"\nnode = \"bob\"\nmass = 3\n[[loads]]\n\
-             gravity = [0, 0, -{g}]\n{time}\n[analysis.modes]\ncount = 1\n"
-        );
-        let out = ran(&directory("modes_of_a_pendulum"), &text);
+        let text = [
+            GROUND,
+            &joint("hinge", "revolute", "ground", "axis = [0, 1, 0]"),
+            &arm("bob", "hinge", [0.0, 0.0, -2.0]),
+            &body_of("bob", 3.0, ""),
+            GRAVITY,
+            time,
+            "\n[analysis.modes]\ncount = 1\n",
+        ];
+        let out = ran(&directory("modes_of_a_pendulum"), &text.concat());
         let found = csv(out.join("modes.csv"))[0][1];
         assert!((found - exact).abs() < 1e-12, "{time}: {found}");
     }

@@ -227,17 +227,11 @@ fn a_run_that_ended_at_a_kink_of_a_drive_goes_on_to_the_same_bits() {
 
 #[test]
 fn a_run_whose_motion_stiffens_goes_on_with_the_step_that_was_stable_at_its_start() {
-    let spring = "spring = { k = 1, k3 = 100 }\nrate = 7";
+    let spring = "axis = [1, 0, 0]\nspring = { k = 1, k3 = 100 }\nrate = 7";
     let text = [
-        "[nodes]\nground = [0, 0, 0]\n",
-        &joint(
-            "slide",
-            "prismatic",
-            "ground",
-            &format!("axis = [1, 0, 0]\n{spring}"),
-        ),
+        GROUND,
+        &joint("slide", "prismatic", "ground", spring),
         &body_of("slide", 1.0, ""),
-        &fixed("ground"),
         &motion(0.6, 0.04),
         "scheme = \"tsitouras\"\n",
     ]

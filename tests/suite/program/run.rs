@@ -24,7 +24,7 @@ fn a_run_writes_all_its_files() {
     let columns = [COLUMNS.as_slice(), &STATIC_COLUMNS];
     let expected = columns.concat().join(",") + ",tip.x,tip.y,tip.z,turn,clamp,bending";
     assert_eq!(head.lines().next(), Some(&expected[..]));
-    let reference = read(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/model_file.md"));
+    let reference = read(repository("docs/model_file.md"));
     for column in columns.concat() {
         assert_says(&reference, &[&format!("| `{column}` |")]);
     }
@@ -237,13 +237,13 @@ fn a_refused_file_shows_the_place_and_writes_nothing() {
 #[test]
 fn nobody_has_to_listen() {
     // A joint is a note on standard output, and that nothing moves a warning on standard error.
-    let directory = directory("program_closed");
     let joint = format!("\n{}", hinge("pin", "B", "spring = { k = 1 }"));
-    let model = write(&directory, &(with("3.141592653589793", "0") + &joint));
+    let text = with("3.141592653589793", "0") + &joint;
+    let model = write(&directory("program_closed"), &text);
     let heard = spawned(&model).wait_with_output().unwrap();
     assert!(heard.stdout.starts_with(b"degrees of freedom"));
     assert!(heard.stderr.starts_with(b"warning"));
-    for (file, code) in [(&model, 0), (&directory.join("none.toml"), 2)] {
+    for (file, code) in [(&model, 0), (&model.with_file_name("none.toml"), 2)] {
         let mut child = spawned(file);
         drop((child.stdout.take(), child.stderr.take()));
         assert_eq!(child.wait().unwrap().code(), Some(code));
@@ -252,8 +252,7 @@ fn nobody_has_to_listen() {
 
 #[test]
 fn two_runs_do_not_write_into_one_directory() {
-    let directory = directory("program_two");
-    let model = write(&directory, MODEL);
+    let model = write(&directory("program_two"), MODEL);
     let mut said = String::new();
     let outcome = pullback::run::run(&model, None, &mut |step| {
         if step.number == 1 {
@@ -266,19 +265,18 @@ fn two_runs_do_not_write_into_one_directory() {
     assert_eq!(outcome.unwrap().rows, 5);
     // The claim ends with the run.
     succeeded(&program(&[&model]));
-    assert!(!files(&directory.join("model.out")).contains(&".lock".to_owned()));
+    assert!(!files(&model.with_extension("out")).contains(&".lock".to_owned()));
 }
 
 #[test]
 fn quiet_is_quiet_and_figures_can_be_left_out() {
-    let directory = directory("program_quiet");
     let output = "\n[output]\nfigures = false\nparaview_every = 3\n";
-    let model = write(&directory, &(MODEL.to_owned() + output));
+    let model = write(&directory("program_quiet"), &(MODEL.to_owned() + output));
     let output = program(&[&model, Path::new("--quiet")]);
     assert!(succeeded(&output).is_empty() && output.stdout.is_empty());
     let expected =
         "history.csv result.json step_0000.vtu step_0003.vtu step_0004.vtu steps.pvd".split(' ');
-    assert!(files(&directory.join("model.out")).iter().eq(expected));
+    assert!(files(&model.with_extension("out")).iter().eq(expected));
 }
 
 #[test]
@@ -302,10 +300,9 @@ fn paths_record_their_events() {
         assert_close(number(row, column), exact, within, &row["event"]);
     }
     // Too few steps to get there.
-    let directory = directory("program_path");
-    let model = write(&directory, &bent("max_steps = 2\n"));
+    let model = write(&directory("program_path"), &bent("max_steps = 2\n"));
     assert_says(&ended(&program(&[&model]), 1), &["max_steps = 2"]);
-    let ending = &results(&directory.join("model.out"))["ending"];
+    let ending = &results(&model.with_extension("out"))["ending"];
     assert_eq!(ending["kind"], "step_limit");
 }
 

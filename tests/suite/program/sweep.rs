@@ -2,6 +2,7 @@
 
 use crate::support::*;
 use pullback::input::{assemble_text, with_parameters};
+use std::f64::consts::TAU;
 use std::path::Path;
 
 /// A cantilever with a small force at its tip.
@@ -169,55 +170,51 @@ fn sweeps_are_refused_before_the_first_run() {
     assert!(!directory.join("beam.sweep").exists());
 }
 
-/// The first frequency of a slender cantilever over its stiffness is a column.
+/// The first frequencies in the rows of a sweep of a model over the values of a parameter.
+fn frequencies(name: &str, model: &str, over: &str) -> Vec<f64> {
+    let directory = directory(name);
+    write(&directory, model);
+    let line = format!("sweep model.toml --over {over}");
+    succeeded(&program_in(&directory, &line));
+    let rows = table(&directory.join("model.sweep/sweep.csv"));
+    let last = rows[0].len() - 2;
+    assert_eq!(rows[0][last..], ["frequency_1", "damping_ratio_1"]);
+    let found = rows[1..].iter().map(|row| row[last].parse().unwrap());
+    found.collect()
+}
+
+/// The first frequency of a slender cantilever over its stiffness: 3.516015 √(EI/m)/L².
 #[test]
 fn frequencies_of_a_sweep() {
-    let directory = directory("sweep_modes");
     let mass = "mass = { A_rho = 1.0, J = [1e-9, 1e-9, 1e-9] }\n";
     let text = CANTILEVER.replace("stiffness = {", &format!("{mass}stiffness = {{"));
     let text = format!("{text}\n[analysis.modes]\ncount = 1\n");
-    std::fs::write(directory.join("beam.toml"), text).unwrap();
-    let line =
-        "sweep beam.toml --over sections.rod.stiffness.EI.0=[0.01,0.04] --set lines.0.elements=16";
-    succeeded(&program_in(&directory, line));
-    let rows = table(&directory.join("beam.sweep/sweep.csv"));
-    let last = rows[0].len() - 2;
-    assert_eq!(rows[0][last..], ["frequency_1", "damping_ratio_1"]);
-    // 3.516015 √(EI/m)/L².
-    for (row, stiffness) in rows[1..].iter().zip([0.01_f64, 0.04]) {
-        let exact = 3.516015268500151 * stiffness.sqrt() / 4.0 / std::f64::consts::TAU;
-        let frequency: f64 = row[last].parse().unwrap();
-        assert_close(frequency / exact, 1.0, 1e-4, stiffness);
+    let over = "sections.rod.stiffness.EI.0=[0.01,0.04] --set lines.0.elements=16";
+    let exact = [0.01_f64, 0.04].map(|EI| 3.516015268500151 * EI.sqrt() / 4.0 / TAU);
+    let found = frequencies("sweep_modes", &text, over);
+    assert_eq!(found.len(), exact.len());
+    for (found, exact) in found.iter().zip(exact) {
+        assert_close(found / exact, 1.0, 1e-4, exact);
     }
-    assert_eq!(rows.len(), 3);
 }
 
 /// Flap of a rotating blade of mass 2 over its spring, at the last speed: ω² = k/(m r²) + Ω² (1 + e/r).
 #[test]
 fn frequencies_at_the_last_speed_of_a_sweep() {
-    let directory = directory("sweep_campbell");
+    let flap = "axis = [0, 1, 0]\nspring = { k = 10 }";
     let text = [
         GROUND,
         &hinge("hub", "ground", ""),
         &arm("arm", "hub", [0.5, 0.0, 0.0]),
-        &joint(
-            "flap",
-            "revolute",
-            "arm",
-            "axis = [0, 1, 0]\nspring = { k = 10 }",
-        ),
+        &joint("flap", "revolute", "arm", flap),
         &body_of("flap", 2.0, "center = [0.8, 0, 0]"),
         "[analysis.campbell]\njoint = \"hub\"\nto = 10\nsteps = 2\ncount = 1\n",
     ];
-    std::fs::write(directory.join("blade.toml"), text.concat()).unwrap();
-    let line = "sweep blade.toml --over joints.flap.spring.k=[10,20]";
-    succeeded(&program_in(&directory, line));
-    let rows = table(&directory.join("blade.sweep/sweep.csv"));
-    let last = rows[0].len() - 2;
-    for (row, k) in rows[1..].iter().zip([10.0, 20.0]) {
+    let over = "joints.flap.spring.k=[10,20]";
+    let found = frequencies("sweep_campbell", &text.concat(), over);
+    assert_eq!(found.len(), 2);
+    for (found, k) in found.iter().zip([10.0, 20.0]) {
         let square: f64 = k / (2.0 * 0.64) + 100.0 * (1.0 + 0.5 / 0.8);
-        let found: f64 = row[last].parse().unwrap();
-        assert_close(found, square.sqrt() / std::f64::consts::TAU, 1e-9, k);
+        assert_close(*found, square.sqrt() / TAU, 1e-9, k);
     }
-    assert_eq!(rows.len(), 3);
 }
