@@ -6,11 +6,10 @@ use pullback::input::assemble_text;
 
 /// Notes and warnings of a short run of a model with a ground and a tip.
 fn said(name: &str, parts: &[&str]) -> [Vec<String>; 2] {
-    let text = [NODES, &parts.concat(), &motion(0.02, 0.01), PLAIN];
+    let nodes = "[nodes]\nground = [0, 0, 0]\ntip = [1, 0, 0]\n";
+    let text = [nodes, &parts.concat(), &motion(0.02, 0.01), PLAIN];
     told(&format!("hints_{name}"), &text.concat())
 }
-
-const NODES: &str = "[nodes]\nground = [0, 0, 0]\ntip = [1, 0, 0]\n";
 
 /// Whether a line is told that begins so, or not.
 #[track_caller]
@@ -29,11 +28,6 @@ fn swing(joint: &str) -> String {
 }
 
 const CENTER: &str = "center = [1, 0, 0]\ninertia = [1, 1, 1]";
-
-/// A body that has nothing to do with the rest, at the other node.
-fn elsewhere() -> String {
-    body_of("tip", 1.0, "inertia = [1, 1, 1]")
-}
 
 fn slider(more: &str) -> String {
     let axis = format!("axis = [0, 0, 1]\n{more}");
@@ -55,7 +49,7 @@ fn what_hangs_on_a_base_that_is_driven_from_the_start_moves_along() {
     let note = "support of ground is prescribed with a velocity just before t = 0: what is attached to it by J";
     // What the note advises is done: nothing hangs about.
     for (rest, told) in [("", true), ("[[initial]]\nvelocity = [0, 0, 0]\n", false)] {
-        let [notes, _] = said("carried", &[base, &sprung, &elsewhere(), rest]);
+        let [notes, _] = said("carried", &[base, &sprung, &body("tip"), rest]);
         assert_told(&notes, note, told);
     }
 }
@@ -102,7 +96,7 @@ fn what_ball_joints_hold_starts_with_the_value_above_them() {
         (4.0, "ul-newmark"),
     ] {
         let (sin, cos) = value.sin_cos();
-        let found = ends(&chain(value, scheme, &[&elsewhere()]));
+        let found = ends(&chain(value, scheme, &[&body("tip")]));
         for (found, [x, y, z]) in found.iter().zip(drawn) {
             let exact = Vector3::new(cos * x - sin * y, sin * x + cos * y, z);
             assert!((found - exact).norm() < 1e-14, "{value} {scheme}: {found}");
@@ -110,7 +104,7 @@ fn what_ball_joints_hold_starts_with_the_value_above_them() {
     }
     // A rotation that is given is one in space, and carries what hangs below.
     let given = "[[initial]]\nnode = \"S\"\nrotation = [0, 0, 1.5707963267948966]\n";
-    let [e, f] = ends(&chain(0.5, "newmark", &[&elsewhere(), given]));
+    let [e, f] = ends(&chain(0.5, "newmark", &[&body("tip"), given]));
     let a = Vector3::new(0.5_f64.cos(), 0.5_f64.sin(), 0.0);
     assert!((e - a - Vector3::new(0.0, 1.0, 0.0)).norm() < 1e-14, "{e}");
     assert!((f - e - Vector3::new(-1.0, 1.0, 0.5)).norm() < 1e-14, "{f}");
@@ -125,8 +119,8 @@ fn what_ball_joints_hold_starts_with_the_value_above_them() {
 fn a_mass_without_inertia_about_the_line_to_it_is_named() {
     let ball = joint("J", "spherical", "ground", "");
     for (inertia, told) in [("", true), ("inertia = [1e-6, 1e-6, 1e-6]", false)] {
-        let body = body_of("J", 1.0, &format!("center = [0.6, 0.1, -0.8]\n{inertia}"));
-        let [_, warnings] = said("point", &[&held(), &ball, &body, &elsewhere(), GRAVITY]);
+        let mass = body_of("J", 1.0, &format!("center = [0.6, 0.1, -0.8]\n{inertia}"));
+        let [_, warnings] = said("point", &[&held(), &ball, &mass, &body("tip"), GRAVITY]);
         let found = warnings.iter().any(|w| w.contains("others of its node"));
         assert_eq!(found, told, "{warnings:?}");
     }
@@ -135,7 +129,7 @@ fn a_mass_without_inertia_about_the_line_to_it_is_named() {
 #[test]
 fn a_joint_is_let_go_with_its_spring_tight_without_a_warning() {
     let let_go = hinge("J", "ground", "value = 0.5\nspring = { k = 100, x0 = 0.1 }");
-    let [_, warnings] = said("let_go", &[&held(), &swing(&let_go), &elsewhere()]);
+    let [_, warnings] = said("let_go", &[&held(), &swing(&let_go), &body("tip")]);
     assert!(warnings.is_empty(), "{warnings:?}");
     // A line that is strained at the start is another matter.
     let about = "joint J is not where the model is drawn";
@@ -160,11 +154,11 @@ fn a_joint_is_let_go_with_its_spring_tight_without_a_warning() {
 #[test]
 fn a_motion_in_which_nothing_moves_is_said_to_be_one() {
     let idle = swing(&hinge("J", "ground", ""));
-    let [_, warnings] = said("idle", &[&held(), &idle, &elsewhere()]);
+    let [_, warnings] = said("idle", &[&held(), &idle, &body("tip")]);
     assert!(warnings[0].starts_with("nothing moves"), "{warnings:?}");
     let push = "[[loads]]\nnode = \"J\"\nforce = [0, 0, 1]\n";
     let moving = swing(&slider(""));
-    let [_, warnings] = said("moving", &[&held(), &moving, &elsewhere(), push]);
+    let [_, warnings] = said("moving", &[&held(), &moving, &body("tip"), push]);
     assert!(warnings.is_empty(), "{warnings:?}");
 }
 

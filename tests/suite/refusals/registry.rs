@@ -220,12 +220,9 @@ parent = "ground"\n => | [[joints]] | needs parent
 fn a_node_of_several_coordinates_is_not_one_of_a_name() {
     let registry = Registry::standard().joint("pair", |at, bench: Bench| {
         let kinds = bench.coordinates().map(|(_, kind)| kind);
-        let ways = at
-            .builder
-            .coordinates(format!("{} ways", at.name), &kinds)?;
-        let frame = at
-            .builder
-            .add_joint_frame(at.name, at.parent, bench, &[ways])?;
+        let b = &mut *at.builder;
+        let ways = b.coordinates(format!("{} ways", at.name), &kinds)?;
+        let frame = b.add_joint_frame(at.name, at.parent, bench, &[ways])?;
         let coordinates = vec![ways];
         Ok::<_, BoxedError>(JointNodes { frame, coordinates })
     });

@@ -38,24 +38,16 @@ fn a_mechanism_is_told_at_once_and_first() {
 
 #[test]
 fn what_supports_do_not_hold_is_told() {
-    for (fix, motion) in [
-        ("\"position\"", "(rotation about the direction"),
-        (
-            "[\"y\", \"z\", \"rx\", \"ry\", \"rz\"]",
-            "(translation along (1.000, 0.000, 0.000))",
-        ),
-    ] {
-        let text =
-            with("\"all\"", fix).replace("moment = [0, 0, 3.141592653589793]", "force = [1, 0, 0]");
-        let said = failed("messages_unsupported", &text);
-        assert_says(
-            &said,
-            &[
-                "that contains node A",
-                motion,
-                "what moves without resistance",
-            ],
-        );
+    for [fix, motion] in cells(
+        r#"
+"position" | (rotation about the direction
+["y", "z", "rx", "ry", "rz"] | (translation along (1.000, 0.000, 0.000))
+"#,
+    ) {
+        let text = with("moment = [0, 0, 3.141592653589793]", "force = [1, 0, 0]");
+        let said = failed("messages_unsupported", &text.replace("\"all\"", fix));
+        assert_says(&said, &["that contains node A", motion]);
+        assert_says(&said, &["what moves without resistance"]);
     }
 }
 
