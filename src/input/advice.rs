@@ -195,7 +195,9 @@ impl InputProblem {
     /// The suggestion for a probe, a loop or an initial condition.
     fn advice_on_motion(&self) -> Option<&'static str> {
         Some(match self {
-            Self::NoReaction { .. } => "probe a node that has a support",
+            Self::NoReaction { .. } => {
+                "probe a node that has a support, or the `joint_force` of a joint"
+            }
             Self::ClosureKey { .. } => "add it, or remove this key",
             Self::NoJoint { .. } => "probe the node that bears the joint's name",
             Self::DynamicProbe { .. } => {

@@ -41,7 +41,12 @@ pub(super) fn resolve(
         let target = target(&at, context, assembly, &elements, probe)?;
         let component = component(&at, &target, probe)?;
         let made = Probe::new(&probe.name, probe.quantity, target, component);
-        for column in made.columns() {
+        let mut own = made.columns();
+        if own.len() > 1 {
+            // Programs find the three of a vector by its name.
+            own.push(probe.name.clone());
+        }
+        for column in own {
             if !columns.insert(column.clone()) {
                 return Err(at.at("name").refuse(InputProblem::Column { column }));
             }

@@ -183,7 +183,8 @@ impl Entry<'_> {
                     self.distribute(line, e, name, vector)
                 })
             }
-            ("force_per_length", ..) | (_, Some(_), _) => target("line"),
+            ("force_per_length", ..) => target("line"),
+            (_, Some(_), _) => target("line, or on all lines and bodies if none is named"),
             _ if load.follower => Err(at.at("follower").refuse(InputProblem::FollowerGravity)),
             (_, None, Some(line)) => {
                 let line = parts.lines.find(&at.at("line"), line)?;

@@ -53,6 +53,7 @@ node = "B"\nmoment = [0, 0, 3.141592653589793] => node = "B" | [[loads]] | this 
  => line = "beam"\nforce = [1, 0, 0] | [1, 0, 0] | force, which acts on a node | force_per_length
  => node = "B"\nforce = -1 | -1 | | [Fx, Fy, Fz]
  => node = "B"\nforce_per_length = [1, 0, 0] | [1, 0, 0] | acts on a line
+ => node = "B"\ngravity = [0, 0, 1] | [0, 0, 1] | acts on a line, or on all lines and bodies
  => gravity = [0, 0, -9.81] | [0, 0, -9.81] | section "main" has no mass | A_rho
  => &\ntime = { table = [[1, 0], [1, 2]] } | { table | times must increase strictly
  => &\ntime = { table = [] } | { table | at least one point

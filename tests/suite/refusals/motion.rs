@@ -100,6 +100,7 @@ step = 0.1 => &\nadaptive = 1e-4 | 1e-4 | expected a table of its keys
 [[supports]] => [supports] | | two brackets
 [analysis.dynamic] => [analysis.static]\n[analysis.dynamic] | | exactly one key | static, arc_length, dynamic, modes
 name = "hinge"\nquantity => name = "t"\nquantity | "t" | another column "t" | another name
+quantity = "joint_coordinate"\njoint = "hinge" => &\n[[probes]]\nname = "t"\nquantity = "position"\nnode = "C" | "t" | another column "t" | another name
 "#,
     );
 }

@@ -199,7 +199,7 @@ pub(in crate::model) fn check_values(
         for (k, quantity) in node.quantities.iter().enumerate() {
             let size = quantity.size(length);
             let given = starts.get(&(NodeId(n as u32), k));
-            if let Some(&value) = given.filter(|x| !(x.abs() <= FARTHEST * size)) {
+            if let Some(&value) = given.filter(|x| x.is_nan() || x.abs() > FARTHEST * size) {
                 return Err(ModelError::FarStart {
                     coordinate: Subject::coordinate(nodes, n as u32, k),
                     value,
