@@ -23,22 +23,6 @@ fn slider(name: &str, parent: &str, axis: [u8; 3], k: f64, c: f64) -> String {
 
 const X: [u8; 3] = [1, 0, 0];
 
-/// A mass on a spring in series with a spring and a damper side by side, all of one: λ³ + 2λ² + λ + 1 = 0. M is singular.
-#[test]
-fn a_standard_solid() {
-    let parts = [
-        slider("A", "ground", X, 1.0, 1.0),
-        slider("B", "A", X, 1.0, 0.0),
-        body_of("B", 1.0, ""),
-    ];
-    let found = eigenvalues("standard solid", &parts, 10);
-    assert_eq!(found.len(), 2, "{found:?}");
-    for lambda in found {
-        let value = ((lambda + 2.0) * lambda + 1.0) * lambda + 1.0;
-        assert!(value.norm() < 1e-12, "{lambda}");
-    }
-}
-
 /// Two bars of inertia 0.3 and 0.7 on springs, welded by multipliers: λ² + λ + 150 = 0, and nothing else.
 #[test]
 fn bars_welded_by_multipliers() {

@@ -162,17 +162,6 @@ fn transfer(
 }
 
 #[test]
-fn outputs_at_no_point_of_the_system_are_refused() {
-    let mut job = job("linkage", &sprung("four_bar"), None).unwrap();
-    for q in [Vec::new(), vec![0.0; 40]] {
-        let outputs = |_: &mut Context, at: Point<'_>| Ok(at.q.to_vec());
-        let found = output_derivatives(&mut job.context, Point::statics(0.0, &q), outputs);
-        let told = found.unwrap_err().to_string();
-        assert!(told.contains("coordinates q: expected"), "{told}");
-    }
-}
-
-#[test]
 fn transfer_functions_by_map_and_multipliers() {
     for (name, node) in [("four_bar", "tip"), ("slider_crank", "pin")] {
         let file = sprung(name);
