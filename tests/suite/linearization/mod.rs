@@ -10,7 +10,7 @@ mod rotors;
 mod small;
 mod state_space;
 
-use crate::support::csv;
+use crate::support::{csv, joint};
 use std::f64::consts::TAU;
 use std::path::Path;
 
@@ -22,6 +22,15 @@ fn campbell(out: &Path) -> Vec<(f64, Vec<[f64; 2]>)> {
     };
     let rows = csv(out.join("campbell.csv"));
     rows.into_iter().map(row).collect()
+}
+
+const X: [u8; 3] = [1, 0, 0];
+const Y: [u8; 3] = [0, 1, 0];
+
+/// A prismatic joint along an axis with a spring and a damper.
+fn slider(name: &str, parent: &str, axis: [u8; 3], k: f64, c: f64) -> String {
+    let keys = format!("axis = {axis:?}\nspring = {{ k = {k:?}, c = {c:?} }}");
+    joint(name, "prismatic", parent, &keys)
 }
 
 #[track_caller]

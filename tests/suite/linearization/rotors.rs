@@ -1,6 +1,6 @@
 //! Isotropic rotors on parts that do not rotate: modes in multi-blade coordinates.
 
-use super::campbell;
+use super::{X, Y, campbell, slider};
 use crate::support::*;
 use nalgebra::{DMatrix, DVector, Matrix4, Rotation3, Vector3, matrix};
 use num_complex::Complex64;
@@ -58,14 +58,10 @@ const C_X: f64 = 20.0;
 const C_Y: f64 = 30.0;
 
 fn support() -> String {
-    let slide = |name, parent, axis, k, c| {
-        let more = format!("axis = {axis}\nspring = {{ k = {k:?}, c = {c:?} }}");
-        joint(name, "prismatic", parent, &more)
-    };
     [
         GROUND,
-        &slide("surge", "ground", "[1, 0, 0]", K_X, C_X),
-        &slide("sway", "surge", "[0, 1, 0]", K_Y, C_Y),
+        &slider("surge", "ground", X, K_X, C_X),
+        &slider("sway", "surge", Y, K_Y, C_Y),
         &body_of("sway", M_S, ""),
         &hinge("rotor", "sway", ""),
     ]
@@ -77,11 +73,8 @@ fn helicopter(blades: usize) -> String {
     let blade = |b: usize| {
         let (sin, cos) = (0.7 + TAU * b as f64 / blades as f64).sin_cos();
         let (arm_name, name) = (format!("arm {b}"), format!("lag {b}"));
-        let center = format!(
-            "center = [{:?}, {:?}, 0]\ninertia = [0.1, 0.2, {I_B:?}]",
-            R * cos,
-            R * sin
-        );
+        let [x, y] = [R * cos, R * sin];
+        let center = format!("center = [{x:?}, {y:?}, 0]\ninertia = [0.1, 0.2, {I_B:?}]");
         [
             arm(&arm_name, "rotor", [E * cos, E * sin, 0.0]),
             hinge(&name, &arm_name, &spring),
@@ -120,11 +113,8 @@ fn ground_resonance() {
             // All at once, and from blade to blade.
             let mut waves = vec![0.0; 1 + (blades + 1) % 2];
             waves.extend((2..blades.div_ceil(2)).flat_map(|k| [k as f64, -(k as f64)]));
-            exact.extend(
-                waves
-                    .iter()
-                    .map(|k| Complex64::new(blade.re, (blade.im + k * w).abs())),
-            );
+            let shifted = |k: &f64| Complex64::new(blade.re, (blade.im + k * w).abs());
+            exact.extend(waves.iter().map(shifted));
             assert_eigenvalues(&found, exact, w);
             growing.extend(found.iter().any(|line| line[1] < 0.0).then_some(w));
         }
@@ -137,22 +127,18 @@ fn ground_resonance() {
 #[test]
 fn a_shaft_on_unequal_bearings() {
     let (m, k, c) = (3.0, 1500.0, 4.0);
-    let slide = |name, parent, axis| {
-        let more = format!("axis = {axis}\nspring = {{ k = {k:?}, c = {c:?} }}");
-        joint(name, "prismatic", parent, &more)
-    };
     let text = [
         support(),
-        slide("first", "rotor", "[1, 0, 0]"),
-        slide("second", "first", "[0, 1, 0]"),
+        slider("first", "rotor", X, k, c),
+        slider("second", "first", Y, k, c),
         body_of("second", m, ""),
         "[analysis.campbell]\njoint = \"rotor\"\nfrom = 5\nto = 30\nsteps = 5\ncount = 4\n"
             .to_owned(),
     ];
     for (w, found) in lines("rotor_shaft", &text.concat()) {
-        let (d, e) = (c * w, m);
+        let d = c * w;
         let exact = eigenvalues([
-            matrix![M_S, 0.0, 0.0, 0.0; 0.0, M_S, 0.0, 0.0; 0.0, 0.0, e, 0.0; 0.0, 0.0, 0.0, e],
+            matrix![M_S, 0.0, 0.0, 0.0; 0.0, M_S, 0.0, 0.0; 0.0, 0.0, m, 0.0; 0.0, 0.0, 0.0, m],
             matrix![C_X + c, 0.0, -c, 0.0; 0.0, C_Y + c, 0.0, -c; -c, 0.0, c, 0.0; 0.0, -c, 0.0, c],
             matrix![K_X + k, d, -k, -d; -d, K_Y + k, d, -k; -k, -d, k, d; d, -k, -d, k],
         ]);
@@ -193,7 +179,7 @@ fn shapes_of_one_frequency_are_independent() {
     let text = helicopter(6);
     let text = text[..text.find("[analysis").unwrap()].to_owned() + "[analysis.modes]\ncount = 8\n";
     let out = ran(&directory("rotor_shapes"), &text);
-    let all: serde_json::Value = serde_json::from_str(&read(out.join("modes.json"))).unwrap();
+    let all = json(out.join("modes.json"));
     let numbers = |value: &serde_json::Value| -> Vec<f64> {
         let numbers = value.as_array().unwrap().iter();
         numbers.map(|x| x.as_f64().unwrap()).collect()
@@ -205,11 +191,8 @@ fn shapes_of_one_frequency_are_independent() {
     let shapes: Vec<DVector<Complex64>> = shapes
         .map(|mode| {
             let [re, im] = [0, 1].map(|k| numbers(&mode["shape"][k]));
-            let shape = re
-                .into_iter()
-                .zip(im)
-                .map(|(re, im)| Complex64::new(re, im));
-            DVector::from_vec(shape.collect()).normalize()
+            let shape = DVector::from_fn(re.len(), |k, _| Complex64::new(re[k], im[k]));
+            shape.normalize()
         })
         .collect();
     assert_eq!(shapes.len(), 3);
@@ -258,10 +241,8 @@ fn periodic_rotors_are_refused() {
         ("rotor_unequal", heavier),
         ("rotor_gravity", format!("{gravity}{three}")),
     ] {
-        assert_says(
-            &failure(name, &text),
-            &["less than three equal blades", "Floquet"],
-        );
+        let said = failure(name, &text);
+        assert_says(&said, &["less than three equal blades", "Floquet"]);
     }
 }
 
@@ -272,48 +253,39 @@ fn loops_of_joints_on_a_rotor() {
     let blade = |b: usize, closure: Option<&str>| {
         let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), TAU * b as f64 / 3.0);
         let point = |x: [f64; 3]| turn * Vector3::from(x);
+        let three = |x: Vector3<f64>| <[f64; 3]>::from(x);
+        let axis = |x: Vector3<f64>| format!("axis = {:?}\n", three(x));
         let [a, c] = [point([0.1, 0.25, 0.0]), point([0.8, 0.1, 0.1])];
-        let axis = |x: Vector3<f64>| format!("axis = {:?}", <[f64; 3]>::from(x));
         let [name, flap, lag, from, to] =
             ["blade", "flap", "lag", "from", "to"].map(|n| format!("{n} {b}"));
-        let strut = (c - a).normalize();
-        let first = strut.cross(&Vector3::z()).normalize();
-        let both = format!("{}\nsecond_{}", axis(first), axis(strut.cross(&first)));
+        let along = (c - a).normalize();
+        let first = along.cross(&Vector3::z()).normalize();
+        let both = axis(first) + "second_" + &axis(along.cross(&first));
         let strut = match closure {
-            None => format!("[[springs]]\nname = \"strut {b}\"\nnodes = [\"{from}\", \"{to}\"]\nstiffness = 500\ndamping = 3\n"),
-            Some(closure) => [
-                joint(&format!("u {b}"), "universal", &from, &both),
-                joint(
-                    &format!("c {b}"),
-                    "cylindrical",
-                    &format!("u {b}"),
-                    &format!("{}\ncoordinates = {{ displacement = {{ spring = {{ k = 500, c = 3 }} }} }}", axis(strut)),
-                ),
-                arm(&format!("e {b}"), &format!("c {b}"), c.into()),
-                joint(&format!("close {b}"), "universal", &to, &format!("{both}\nchild = \"e {b}\"\n{closure}")),
-            ]
-            .concat(),
+            None => format!(
+                "[[springs]]\nname = \"strut {b}\"\nnodes = [\"{from}\", \"{to}\"]\nstiffness = 500\ndamping = 3\n"
+            ),
+            Some(closure) => {
+                let [start, slide, end] = ["start", "slide", "end"].map(|n| format!("{n} {b}"));
+                let spring = "coordinates = { displacement = { spring = { k = 500, c = 3 } } }";
+                let close = format!("{both}child = \"{end}\"\n{closure}");
+                [
+                    joint(&start, "universal", &from, &both),
+                    joint(&slide, "cylindrical", &start, &(axis(along) + spring)),
+                    arm(&end, &slide, c.into()),
+                    joint(&format!("close {b}"), "universal", &to, &close),
+                ]
+                .concat()
+            }
         };
+        let spring = axis(point([0.0, -1.0, 0.0])) + "spring = { k = 40, c = 0.1 }";
+        let center = three(point([1.5, 0.0, 0.1]));
+        let body = format!("center = {center:?}\ninertia = [0.1, 0.1, 0.1]");
         [
             arm(&name, "rotor", point([0.3, 0.0, 0.0]).into()),
-            joint(
-                &flap,
-                "revolute",
-                &name,
-                &format!(
-                    "{}\nspring = {{ k = 40, c = 0.1 }}",
-                    axis(point([0.0, -1.0, 0.0]))
-                ),
-            ),
+            joint(&flap, "revolute", &name, &spring),
             hinge(&lag, &flap, "spring = { k = 20 }"),
-            body_of(
-                &lag,
-                3.0,
-                &format!(
-                    "center = {:?}\ninertia = [0.1, 0.1, 0.1]",
-                    <[f64; 3]>::from(point([1.5, 0.0, 0.1]))
-                ),
-            ),
+            body_of(&lag, 3.0, &body),
             arm(&to, &lag, c.into()),
             arm(&from, "rotor", a.into()),
             strut,

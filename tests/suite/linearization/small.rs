@@ -1,6 +1,6 @@
 //! Modes of small systems, held to their polynomials.
 
-use super::assert_near;
+use super::{X, Y, assert_near, slider};
 use crate::support::*;
 use num_complex::Complex64;
 use pullback::integrators::linearization::stability_limit;
@@ -15,13 +15,6 @@ fn eigenvalues(name: &str, parts: &[String], count: usize) -> Vec<Complex64> {
     let value = |row: &Vec<f64>| Complex64::new(row[3], row[4]);
     rows.iter().map(value).collect()
 }
-
-fn slider(name: &str, parent: &str, axis: [u8; 3], k: f64, c: f64) -> String {
-    let keys = format!("axis = {axis:?}\nspring = {{ k = {k:?}, c = {c:?} }}");
-    joint(name, "prismatic", parent, &keys)
-}
-
-const X: [u8; 3] = [1, 0, 0];
 
 /// Two bars of inertia 0.3 and 0.7 on springs, welded by multipliers: λ² + λ + 150 = 0, and nothing else.
 #[test]
@@ -43,73 +36,42 @@ fn bars_welded_by_multipliers() {
 /// A loop of two arms in space, loaded by gravity: its tangent is not symmetric, and it has one degree of freedom.
 #[test]
 fn a_loop_has_as_many_modes_as_degrees_of_freedom() {
-    let [angles, both] = [["angle 1", "angle 2"], ["displacement", "angle"]].map(|names| {
-        names
-            .map(|name| format!("{name:?} = {{ spring = {{ k = 20 }} }}"))
-            .join(", ")
-    });
+    let sprung = |names: [&str; 2]| {
+        let [a, b] = names.map(|name| format!("{name:?} = {{ spring = {{ k = 20 }} }}"));
+        format!("coordinates = {{ {a}, {b} }}")
+    };
+    let universal = "axis = [-0.4, -0.7, -0.6]\nsecond_axis = [0.9, -0.4, -0.1]\n".to_owned()
+        + &sprung(["angle 1", "angle 2"]);
+    let cylindrical = "axis = [-0.8, -0.2, 0.6]\n".to_owned() + &sprung(["displacement", "angle"]);
+    let [first, second] = [
+        "axis = [-0.2, -0.4, 0.9]\nspring = { k = 25 }",
+        "axis = [-0.9, 0.4, -0.1]\nspring = { k = 26 }",
+    ];
+    let body = |node: &str, mass: f64, center: [f64; 3]| {
+        let more = format!("inertia = [1, 1, 1]\ncenter = {center:?}");
+        body_of(node, mass, &more)
+    };
     let loaded = |closure: &str| {
-        let joints = [
-            ("left", "offset", "ground", "position = [-0.1, 0.6, -0.1]"),
-            (
-                "A",
-                "universal",
-                "left",
-                "axis = [-0.4, -0.7, -0.6]\nsecond_axis = [0.9, -0.4, -0.1]",
-            ),
-            ("A end", "offset", "A", "position = [0.5, -0.9, 0.5]"),
-            (
-                "B",
-                "prismatic",
-                "A end",
-                "axis = [-0.2, -0.4, 0.9]\nspring = { k = 25 }",
-            ),
-            ("B end", "offset", "B", "position = [1.1, 0.5, 0.5]"),
-            ("right", "offset", "ground", "position = [0, 0, -0.4]"),
-            ("C", "cylindrical", "right", "axis = [-0.8, -0.2, 0.6]"),
-            ("C end", "offset", "C", "position = [0.3, 0.8, -0.6]"),
-            (
-                "D",
-                "prismatic",
-                "C end",
-                "axis = [-0.9, 0.4, -0.1]\nspring = { k = 26 }",
-            ),
-            ("D end", "offset", "D", "position = [1.1, 0.5, 0.5]"),
-            (
-                "E",
-                "revolute",
-                "B end",
-                "child = \"D end\"\naxis = [-0.6, 0.6, 0.6]",
-            ),
+        let close = format!("child = \"D end\"\naxis = [-0.6, 0.6, 0.6]\nclosure = {closure:?}");
+        let parts = [
+            arm("left", "ground", [-0.1, 0.6, -0.1]),
+            joint("A", "universal", "left", &universal),
+            arm("A end", "A", [0.5, -0.9, 0.5]),
+            joint("B", "prismatic", "A end", first),
+            arm("B end", "B", [1.1, 0.5, 0.5]),
+            arm("right", "ground", [0.0, 0.0, -0.4]),
+            joint("C", "cylindrical", "right", &cylindrical),
+            arm("C end", "C", [0.3, 0.8, -0.6]),
+            joint("D", "prismatic", "C end", second),
+            arm("D end", "D", [1.1, 0.5, 0.5]),
+            joint("E", "revolute", "B end", &close),
+            body("A", 0.9, [0.3, -0.1, 0.4]),
+            body("B", 1.5, [-0.4, -0.5, 0.1]),
+            body("C", 0.5, [-0.2, 0.3, 0.0]),
+            body("D", 1.8, [0.1, 0.0, -0.5]),
+            "[[loads]]\ngravity = [0.3, 0.1, 0.6]\n".to_owned(),
         ];
-        let joints = joints.map(|(name, kind, parent, keys)| {
-            let more = match name {
-                "A" => format!("coordinates = {{ {angles} }}"),
-                "C" => format!("coordinates = {{ {both} }}"),
-                "E" => format!("closure = {closure:?}"),
-                _ => String::new(),
-            };
-            joint(name, kind, parent, &format!("{keys}\n{more}"))
-        });
-        let bodies = [
-            ("A", 0.9, [0.3, -0.1, 0.4]),
-            ("B", 1.5, [-0.4, -0.5, 0.1]),
-            ("C", 0.5, [-0.2, 0.3, 0.0]),
-            ("D", 1.8, [0.1, 0.0, -0.5]),
-        ];
-        let bodies = bodies.map(|(node, mass, center)| {
-            body_of(
-                node,
-                mass,
-                &format!("inertia = [1, 1, 1]\ncenter = {center:?}"),
-            )
-        });
-        let gravity = "[[loads]]\ngravity = [0.3, 0.1, 0.6]\n".to_owned();
-        eigenvalues(
-            "loaded loop",
-            &[joints.concat(), bodies.concat(), gravity],
-            10,
-        )
+        eigenvalues("loaded loop", &parts, 10)
     };
     let [by_map, by_multipliers] = ["map", "multipliers"].map(loaded);
     assert_eq!(
@@ -129,7 +91,7 @@ fn modes_at_rest_with_dampers() {
         body_of("A", 1000.0, ""),
         slider("B", "A", X, 1.0, 0.0),
         body_of("B", 1000.0, ""),
-        slider("C", "A", [0, 1, 0], 0.0, 0.1),
+        slider("C", "A", Y, 0.0, 0.1),
         body_of("C", 0.1, ""),
     ];
     let found = eigenvalues("modes at rest", &parts, 10);
@@ -243,13 +205,9 @@ fn a_sleeping_top() {
 /// the multipliers, which equations hold.
 #[test]
 fn a_damped_four_bar() {
-    let bar = |name: &str, center: [f64; 2]| {
-        let [x, y] = center;
-        body_of(
-            name,
-            2.0,
-            &format!("center = [{x}, {y}, 0]\ninertia = [0.1, 0.1, 0.1]"),
-        )
+    let bar = |name: &str, [x, y]: [f64; 2]| {
+        let more = format!("center = [{x}, {y}, 0]\ninertia = [0.1, 0.1, 0.1]");
+        body_of(name, 2.0, &more)
     };
     let found = ["map", "multipliers"].map(|closure| {
         let end = format!("child = \"far\"\naxis = [0, 0, 1]\nclosure = \"{closure}\"");

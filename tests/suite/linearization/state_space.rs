@@ -1,6 +1,7 @@
 //! First-order form, with probes as outputs.
 
 use super::linkages::{closed_by, sprung};
+use super::{X, Y, slider};
 use crate::support::*;
 use nalgebra::{Complex, DMatrix};
 use pullback::elements::model::Context;
@@ -85,11 +86,8 @@ fn times_that_a_motion_does_not_pass_are_refused() {
         ("nan", "the load or time must be finite"),
         ("-1", "the motion begins later"),
     ] {
-        let said = ended(
-            &program_in(&out, &format!("linearize model.toml --at {at}")),
-            2,
-        );
-        assert_says(&said, &["--at", why]);
+        let ran = program_in(&out, &format!("linearize model.toml --at {at}"));
+        assert_says(&ended(&ran, 2), &["--at", why]);
     }
 }
 
@@ -100,10 +98,8 @@ fn inputs_that_prescribe_a_motion_are_warned_of() {
         ("prescribed = { input = \"torque\" }", true),
     ] {
         let out = directory("state_prescribed");
-        write(
-            &out,
-            &pendulum(acts).replace("dynamic]\nto = 0.01\nstep = 0.01", "modes]"),
-        );
+        let text = pendulum(acts).replace("dynamic]\nto = 0.01\nstep = 0.01", "modes]");
+        write(&out, &text);
         let said = succeeded(&program_in(&out, "linearize model.toml"));
         let warning = "input torque prescribes a motion";
         assert_eq!(said.contains(warning), warned, "{said}");
@@ -185,24 +181,13 @@ fn transfer_functions_by_map_and_multipliers() {
 /// Seen from a frame that rotates, a mass on equal springs has other poles, and a force along a fixed axis rotates.
 #[test]
 fn first_order_forms_of_what_does_not_rotate_are_refused() {
-    let spring = "spring = { k = 400 }";
     let text = |more: &str| {
         [
             "[inputs]\nside = 0\n",
             GROUND,
             &hinge("hub", "ground", ""),
-            &joint(
-                "rad",
-                "prismatic",
-                "hub",
-                &format!("axis = [1, 0, 0]\n{spring}"),
-            ),
-            &joint(
-                "tan",
-                "prismatic",
-                "rad",
-                &format!("axis = [0, 1, 0]\n{spring}"),
-            ),
+            &slider("rad", "hub", X, 400.0, 0.0),
+            &slider("tan", "rad", Y, 400.0, 0.0),
             &body_of("tan", 1.0, ""),
             "[analysis.campbell]\njoint = \"hub\"\nto = 5\ncount = 2\n",
             more,
@@ -210,9 +195,9 @@ fn first_order_forms_of_what_does_not_rotate_are_refused() {
         .concat()
     };
     let force = "[[loads]]\nnode = \"tan\"\nforce = [1, 0, 0]\ntime = { input = \"side\" }\n";
-    let of_node = "[[probes]]\nname = \"x\"\nquantity = \"displacement\"\nnode = \"tan\"\ncomponent = \"x\"\n";
+    let of_node = &(probe("x", "displacement", "tan") + "component = \"x\"\n");
     let follower = changed(force, "time = => follower = true\\ntime =");
-    let of_joint = "[[probes]]\nname = \"r\"\nquantity = \"joint_coordinate\"\njoint = \"rad\"\n";
+    let of_joint = &angle("rad");
     let out = directory("campbell_fixed");
     for (force, probe, fixed) in [
         (force, of_joint, true),
