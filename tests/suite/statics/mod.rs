@@ -7,7 +7,6 @@ mod energies;
 mod equilibrium;
 mod imperfections;
 mod program;
-mod rigid_bar;
 mod stability;
 mod units;
 
