@@ -6,7 +6,7 @@ use crate::support::closures::{
 };
 use crate::support::laboratory::model;
 use crate::support::prelude::*;
-use crate::support::program::{assert_close, assert_says, changed, failed, number, run_of};
+use crate::support::program::{Rows, assert_close, assert_says, changed, failed, number, run_of};
 use pullback::input::job;
 use std::collections::HashMap;
 
@@ -82,21 +82,29 @@ fn elliptic(k: f64) -> [f64; 2] {
 }
 
 /// With EA = GA the column is Euler's elastica: P = 4 K²(k), with its end turned by 2 arcsin k and shortened by
-/// 2 (1 − E/K) + P/EA.
+/// 2 (1 − E/K) + P/EA: also where the first step passes several bifurcations, and the end of the path before all but one.
 #[test]
 fn a_column_follows_the_elastica() {
-    let run = run_of("critical_elastica", &column());
-    let rows = &run.rows;
+    for (steps, least) in [("max_step = 0.05", 10), ("first_step = 5\nmax_step = 5", 1)] {
+        let text = column().replace("max_step = 0.05", steps);
+        let run = run_of("critical_elastica", &text);
+        let (load, beyond) = branch(&run.rows);
+        assert_close(20.0 * load / PI.powi(2), 1.0, 1e-6, steps);
+        assert!(beyond.len() >= least, "{}", beyond.len());
+        for row in beyond {
+            let P = elastic_load(row);
+            assert_close(20.0 * number(row, "t") / P, 1.0, 1e-5, P);
+        }
+        assert_eq!(run.result["warnings"], serde_json::json!([]), "{steps}");
+    }
+}
+
+/// The load parameter of the first bifurcation of a path, and the rows beyond it.
+#[track_caller]
+fn branch(rows: &Rows) -> (f64, &[HashMap<String, String>]) {
     let mut events = rows.iter().map(|row| &row["event"]);
     let found = events.position(|event| event == "bifurcation").unwrap();
-    let load = 20.0 * number(&rows[found], "t") / std::f64::consts::PI.powi(2);
-    assert!((load - 1.0).abs() < 1e-6, "{load}");
-    assert!(rows.len() > found + 10, "{}", rows.len());
-    for row in &rows[found + 1..] {
-        let P = elastic_load(row);
-        assert_close(20.0 * number(row, "t") / P, 1.0, 1e-5, P);
-    }
-    assert_eq!(run.result["warnings"], serde_json::json!([]));
+    (number(&rows[found], "t"), &rows[found + 1..])
 }
 
 /// The load of the elastica with the rotation of a row, whose shortening is that of the row.
@@ -121,28 +129,12 @@ fn a_shortened_column_follows_the_elastica() {
         .replace("load = 0.9", "load = 2.2")
         .replace("max_step = 0.05", "");
     let rows = run_of("critical_shortened", &text).rows;
-    let mut events = rows.iter().map(|row| &row["event"]);
-    let found = events.position(|event| event == "bifurcation").unwrap();
-    assert!(rows.len() > found + 10, "{}", rows.len());
-    for row in &rows[found + 1..] {
+    let (_, beyond) = branch(&rows);
+    assert!(beyond.len() >= 10, "{}", beyond.len());
+    for row in beyond {
         elastic_load(row);
     }
     assert!(number(&rows[rows.len() - 1], "largest_rotation") > 0.05);
-}
-
-/// The first step passes several bifurcations, and the end of the path before all but one.
-#[test]
-fn the_first_of_several_bifurcations_is_found() {
-    let text = column().replace("max_step = 0.05", "first_step = 5\nmax_step = 5");
-    let rows = run_of("critical_first", &text).rows;
-    let mut events = rows.iter().map(|row| &row["event"]);
-    let found = events.position(|event| event == "bifurcation").unwrap();
-    let load = 20.0 * number(&rows[found], "t") / std::f64::consts::PI.powi(2);
-    assert_close(load, 1.0, 1e-6, "load");
-    assert!(rows.len() > found + 1);
-    for row in &rows[found + 1..] {
-        elastic_load(row);
-    }
 }
 
 /// Euler's loads, n² π², in one step.
@@ -157,7 +149,7 @@ fn all_bifurcations_of_a_step_are_found() {
     let loads: Vec<f64> = found.map(|row| 20.0 * number(row, "t")).collect();
     assert_eq!(loads.len(), 3, "{loads:?}");
     for (load, n) in loads.iter().zip(1..) {
-        let exact = (f64::from(n) * std::f64::consts::PI).powi(2);
+        let exact = (f64::from(n) * PI).powi(2);
         assert_close(*load / exact, 1.0, 1e-4, n);
     }
 }
@@ -199,11 +191,10 @@ fn links_that_multipliers_close_follow_their_branch() {
     for closure in &CLOSURES[..2] {
         let close = hinge("close", "slider", &format!("child = \"end\"\n{closure}"));
         let rows = run_of("critical_links", &(links.clone() + &close)).rows;
-        let mut events = rows.iter().map(|row| &row["event"]);
-        let found = events.position(|event| event == "bifurcation").unwrap();
-        assert_close(number(&rows[found], "t"), 2.0, 1e-9, "load");
-        assert!(rows.len() > found + 10, "{}", rows.len());
-        for row in &rows[found + 1..] {
+        let (load, beyond) = branch(&rows);
+        assert_close(load, 2.0, 1e-9, "load");
+        assert!(beyond.len() >= 10, "{}", beyond.len());
+        for row in beyond {
             let a = number(row, "knee");
             assert_close(number(row, "t"), a / (0.5 * a).sin(), 1e-6, a);
             assert_eq!(row["unstable"], "0", "{closure}: {a}");
@@ -218,11 +209,8 @@ fn a_round_column_has_no_single_branch() {
                 max_step = 0.05\nstop = [{ load = 1 }]\n";
     let stiffness = "EA = 1e4, GA = [1e4, 1e4], GJ = 1.0, EI = [1.0, 1.0]";
     let text = line(stiffness, 4, 2, &(fixed("A") + rest));
-    let said = failure("critical_round", &text);
-    assert_says(
-        &said,
-        &["2 directions become unstable", "load parameter 0.493"],
-    );
+    let words = ["2 directions become unstable", "load parameter 0.493"];
+    assert_says(&failure("critical_round", &text), &words);
 }
 
 #[test]
@@ -244,12 +232,8 @@ fn bent_twice(function: &str, analysis: &str) -> String {
         analysis,
         &probe("d", "displacement", "B"),
     ];
-    line(
-        "EA = 1e6, GA = [1e6, 1e6], GJ = 100, EI = [1, 10]",
-        8,
-        2,
-        &rest.concat(),
-    )
+    let stiffness = "EA = 1e6, GA = [1e6, 1e6], GJ = 100, EI = [1, 10]";
+    line(stiffness, 8, 2, &rest.concat())
 }
 
 /// Forces are applied in sequence, taken away again and turned round. The equilibria at the end of a path, and where it
@@ -278,11 +262,8 @@ fn a_path_goes_through_the_kinks_of_its_loads() {
     // P/3EI.
     let back =
         "[analysis.arc_length]\nfrom = 1\ndirection = \"backward\"\nstop = [{ load = 0.2 }]\n";
-    let rows = run_of(
-        "critical_kinks",
-        &bent_twice("{ ramp = { start = 0.5, end = 1 } }", back),
-    )
-    .rows;
+    let text = bent_twice("{ ramp = { start = 0.5, end = 1 } }", back);
+    let rows = run_of("critical_kinks", &text).rows;
     let last = rows.last().unwrap();
     for (column, linear) in [("d.y", 0.04 / 30.0), ("d.z", 0.0)] {
         assert_close(number(last, column), linear, 1e-7, column);
@@ -319,10 +300,8 @@ fn bifurcations(text: &str) -> (Vec<f64>, String) {
     let run = run_of("critical_upright", text);
     let events = run.rows.iter().filter(|row| row["event"] == "bifurcation");
     let loads = events.map(|row| number(row, "t")).collect();
-    (
-        loads,
-        run.result["warnings"][0].as_str().unwrap().to_owned(),
-    )
+    let warning = run.result["warnings"][0].as_str().unwrap();
+    (loads, warning.to_owned())
 }
 
 #[test]
@@ -332,11 +311,8 @@ fn bifurcations_of_one_load_and_of_one_step_are_located() {
     assert_close(loads[0], 10.0, 1e-9, "two directions at once");
     assert_says(&told, &["unstable in 2 directions"]);
     let switched = upright(10.0, "branch = \"switch\"\nstop = [{ load = 14 }]\n");
-    let said = failure("critical_upright_switch", &switched);
-    assert_says(
-        &said,
-        &["2 directions become unstable", "load parameter 10"],
-    );
+    let words = ["2 directions become unstable", "load parameter 10"];
+    assert_says(&failure("critical_upright_switch", &switched), &words);
     let steps = "first_step = 5\nmax_step = 5\nstop = [{ load = 30 }]\n";
     let (loads, told) = bifurcations(&upright(12.0, steps));
     assert_eq!(loads.len(), 2);
@@ -348,19 +324,11 @@ fn bifurcations_of_one_load_and_of_one_step_are_located() {
 /// Back from a load beyond the first bifurcation, the bar is unstable from the start.
 #[test]
 fn a_start_without_stability_is_told_of() {
-    let text = upright(
-        20.0,
-        "from = 12\ndirection = \"backward\"\nstop = [{ load = 3 }]\n",
-    );
-    let run = run_of("critical_unstable", &text);
+    let back = "from = 12\ndirection = \"backward\"\nstop = [{ load = 3 }]\n";
+    let run = run_of("critical_unstable", &upright(20.0, back));
     assert_eq!(run.rows[0]["unstable"], "1");
     let told = run.result["warnings"][0].as_str().unwrap();
-    assert_says(
-        told,
-        &[
-            "at or before load parameter 12",
-            "between load parameter 10 and",
-            "stable again",
-        ],
-    );
+    let between = "between load parameter 10 and";
+    let words = ["at or before load parameter 12", between, "stable again"];
+    assert_says(told, &words);
 }
