@@ -1,6 +1,6 @@
 //! Another chart of rotations gives the same motion and the same equilibrium.
 
-use crate::support::dynamics::{assert_order, turning};
+use crate::support::dynamics::{assert_order, formulated, turning};
 use crate::support::prelude::*;
 use crate::support::program::example;
 use pullback::conformance;
@@ -9,9 +9,8 @@ use pullback::manifold::chart::RotationChart;
 /// A clamped beam rolled up into two circles by a moment: its end turns by 4π.
 #[test]
 fn a_beam_rolls_up_alike_in_both_charts() {
-    let file = input::parse("rollup.toml", &example("rollup")).unwrap();
     let ends = [Formulation::Total, Formulation::WienerMilenkovic].map(|formulation| {
-        let mut job = input::job("rollup.toml", &file, Some(formulation)).unwrap();
+        let mut job = formulated(&example("rollup"), formulation);
         let Plan::Static(options) = job.plan else {
             panic!("statics");
         };

@@ -2,7 +2,7 @@
 //! their heavy top, beside `lie-ga`; the spin-vector Newmark of Simo & Vu-Quoc 1988; and Newmark's formulas
 //! for the increment of rotation, the updated Lagrangian of Cardona & Géradin 1988.
 
-use crate::support::dynamics::{observed, tight};
+use crate::support::dynamics::{formulated, observed, tight};
 use crate::support::heavy_top::HELD;
 use crate::support::prelude::*;
 use crate::support::program::{changed, example};
@@ -88,17 +88,11 @@ fn damped(rho: f64) -> [f64; 4] {
     [alpha_m, alpha_f, 0.25 * (gamma + 0.5).powi(2), gamma]
 }
 
-/// Rotations and body components of angular velocities after each step of `name`.
-fn stepped(name: &str, h: f64, steps: usize) -> Vec<Turning> {
-    stepped_with("", name, h, steps)
-}
-
-/// The same of the model with changes.
-fn stepped_with(changes: &str, name: &str, h: f64, steps: usize) -> Vec<Turning> {
+/// Rotations and body components of angular velocities after each step of `name`, of the model with changes.
+fn stepped(changes: &str, name: &str, h: f64, steps: usize) -> Vec<Turning> {
     let method: Method = name.parse().unwrap();
     let text = changed(&example("heavy_top"), changes);
-    let file = input::parse("heavy_top.toml", &text).unwrap();
-    let mut job = input::job("heavy_top.toml", &file, Some(method.formulation())).unwrap();
+    let mut job = formulated(&text, method.formulation());
     let top = job.context.find("top").unwrap();
     let options = tight(method.scheme(), steps as f64 * h, h);
     let start = [&job.start.q[..], &job.start.v];
@@ -127,7 +121,7 @@ fn lie_ga_is_the_published_algorithm() {
         // Held by multipliers its foot is at the origin, where all rounding errors of the gap are of numbers that are
         // zero: it stays there to the last bit, and the rotation does not see it.
         for changes in ["", HELD] {
-            let ours = stepped_with(changes, &format!("lie-ga:{rho}"), h, steps);
+            let ours = stepped(changes, &format!("lie-ga:{rho}"), h, steps);
             let off = apart(&ours, &theirs);
             assert!(off.iter().all(|d| *d < 1e-10), "{rho}: {off:?} {changes}");
         }
@@ -135,7 +129,7 @@ fn lie_ga_is_the_published_algorithm() {
     // Other numbers, and the other formulations, are other algorithms.
     let theirs = published(damped(0.8), h, steps);
     for name in ["lie-ga:0.7", "ul-ga:0.8", "ga:0.8"] {
-        let off = apart(&stepped(name, h, steps), &theirs);
+        let off = apart(&stepped("", name, h, steps), &theirs);
         assert!(off[0] > 1e-6, "{name}: {off:?}");
     }
 }
@@ -146,7 +140,7 @@ fn lie_ga_is_the_published_algorithm() {
 fn lie_newmark_is_the_material_form_of_simo_and_vu_quoc() {
     let (h, steps) = (1e-3, 100);
     let theirs = published([0.0, 0.0, 0.25, 0.5], h, steps);
-    let off = apart(&stepped("lie-newmark", h, steps), &theirs);
+    let off = apart(&stepped("", "lie-newmark", h, steps), &theirs);
     assert!(off.iter().all(|d| *d < 1e-10), "{off:?}");
 }
 
@@ -184,8 +178,8 @@ fn ul_newmark_is_newmarks_scheme_for_the_increment() {
         let [Omega, Omega_dot] = rates(&theta, &theta_dot, new);
         (R * Rotation3::new(theta), [Omega, Omega_dot, *rest])
     });
-    let off = apart(&stepped("ul-newmark", h, steps), &theirs);
+    let off = apart(&stepped("", "ul-newmark", h, steps), &theirs);
     assert!(off.iter().all(|d| *d < 1e-10), "{off:?}");
-    let other = apart(&stepped("lie-newmark", h, steps), &theirs);
+    let other = apart(&stepped("", "lie-newmark", h, steps), &theirs);
     assert!(other[0] > 1e-6, "{other:?}");
 }

@@ -4,10 +4,12 @@ use nalgebra::{Matrix3, SVector, Vector3};
 use pullback::elements::beam::Section;
 use pullback::elements::body::RigidBody;
 use pullback::elements::joint::{JointNodes, Revolute};
-use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId, NodeState, RigidMotion};
+use pullback::elements::model::{
+    Context, Dof, Formulation, ModelBuilder, NodeId, NodeState, RigidMotion,
+};
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::elements::time::{Constant, Sine};
-use pullback::input::{Plan, assemble_text};
+use pullback::input::{self, Job, Plan, assemble_text};
 use pullback::integrators::dynamics::{
     DynamicOptions, NewtonOptions, Progress, Scheme, State, StepReport, integrate, start,
 };
@@ -241,6 +243,12 @@ pub fn motion_of(text: &str) -> (Context, State, DynamicOptions) {
     };
     let first = start(&job.context, 0.0, &job.start.q, &job.start.v).unwrap();
     (job.context, first, plan.options)
+}
+
+/// The model of a text in a formulation.
+pub fn formulated(text: &str, formulation: Formulation) -> Job {
+    let file = input::parse("model.toml", text).unwrap();
+    input::job("model.toml", &file, Some(formulation)).unwrap()
 }
 
 /// The rates of all unknowns at a configuration where the whole turns about the origin.

@@ -3,7 +3,6 @@
 use super::dynamics::*;
 use super::program::{changed, example};
 use nalgebra::Vector3;
-use pullback::input;
 use pullback::method::Method;
 
 /// Changes of the heavy top of the examples: a free body that multipliers hold at its foot, equations of index 3.
@@ -17,11 +16,10 @@ pub fn assert_heavy_top(changes: &str, methods: &[(&str, i32)]) {
     // R01: order-8 Runge-Kutta in extended precision.
     let exact = Vector3::new(0.1733439640984, 0.6400885920706, -0.7484907911336);
     let text = changed(&example("heavy_top"), changes);
-    let file = input::parse("top.toml", &text).unwrap();
     for &(method, order) in methods {
         let method: Method = method.parse().unwrap();
         let position = |h: f64| -> Vector3<f64> {
-            let mut job = input::job("top.toml", &file, Some(method.formulation())).unwrap();
+            let mut job = formulated(&text, method.formulation());
             let top = job.context.find("top").unwrap();
             let options = tight(method.scheme(), 1.0, h);
             let start = [&job.start.q[..], &job.start.v];
