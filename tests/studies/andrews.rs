@@ -2,11 +2,11 @@
 //! of the IVP test set (Mazzia & Magherini 2008, part II-9), whose names the parameters have.
 
 use crate::support::dynamics::integrate_ode;
-use crate::support::independent::assert_published;
+use crate::support::independent::{assert_published, rows};
 use nalgebra::{SMatrix, SVector};
 use pullback::manifold::jet::Moving;
 use pullback::manifold::scalar::Scalar;
-use pullback::studies::gallery;
+use pullback::studies::gallery::CaseRow;
 
 // Lengths in m, masses in kg, moments of inertia in kg m².
 const A: [f64; 3] = [-0.06934, -0.00227, 0.0];
@@ -147,8 +147,8 @@ fn by_runge_kutta(steps: usize) -> [f64; 7] {
 
 #[test]
 fn the_gallery_agrees_with_the_equations_of_the_test_set() {
-    let rows = gallery::run(&["squeezer".to_owned()], None, &mut |_| {}).unwrap();
-    let of = |value: fn(&gallery::CaseRow) -> f64| -> Angles {
+    let rows = rows("squeezer");
+    let of = |value: fn(&CaseRow) -> f64| -> Angles {
         ["angle", "rate", "acceleration"].map(|what| {
             let rows = rows.iter().filter(|row| row.quantity.starts_with(what));
             rows.map(value).collect::<Vec<_>>().try_into().unwrap()

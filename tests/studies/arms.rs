@@ -5,9 +5,8 @@
 //! no shape function, no rotation vector, no chart, no tangent, no joint map.
 
 use crate::support::extrapolated;
-use crate::support::independent::assert_published;
+use crate::support::independent::{assert_published, rows};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
-use pullback::studies::gallery;
 
 /// Position, velocity, orientation and angular velocity in axes of the body, or the rates of these.
 #[derive(Clone, Copy)]
@@ -172,7 +171,7 @@ fn hinged(J: Vector3<f64>, nodes: [&Node; 2], moments: [Vector3<f64>; 2]) -> [Ve
 
 fn compare(case: &str, revolute: bool) {
     let [coarse, fine] = [40, 80].map(|elements| Arm { elements, revolute }.tips());
-    let rows = gallery::run(&[case.to_owned()], None, &mut |_| {}).unwrap();
+    let rows = rows(case);
     for (k, t) in [1, 2, 3].into_iter().enumerate() {
         let limit = extrapolated(coarse[k].into(), fine[k].into());
         // The gallery has three decimals of it.

@@ -5,22 +5,16 @@
 //! classical Runge-Kutta method.
 
 use crate::support::dynamics::integrate_ode;
-use crate::support::independent::assert_published;
+use crate::support::independent::{assert_published, rows};
 use nalgebra::{Quaternion, SVector, UnitQuaternion, Vector2, Vector3, stack};
 use pullback::manifold::jet::Moving;
 use pullback::manifold::scalar::Scalar;
 use pullback::manifold::so3;
-use pullback::studies::gallery;
-use pullback::studies::gallery::CaseRow;
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
 
 const G: f64 = 9.81;
 /// Largest difference of two sums of the same terms, after tens of thousands of steps.
 const ROUNDING: f64 = 1e-11;
-
-fn rows(case: &str) -> Vec<CaseRow> {
-    gallery::run(&[case.to_owned()], None, &mut |_| {}).unwrap()
-}
 
 /// The mass M (kinetic energy ½ M θ̇²) and the potential V of a mechanism with one degree of freedom θ, with their
 /// derivatives by θ.
@@ -241,11 +235,7 @@ fn the_numbers_of_the_fast_top() {
     for t in [0.5, 1.0, 1.5] {
         let end = integrate_ode(&|_, y| gyroscope.rates(y), begin, t, 100_000);
         let axis = UnitQuaternion::from_quaternion(quaternion(&end)) * Vector3::z();
-        assert_published(
-            &rows,
-            &format!("axis at t = {t} "),
-            axis.as_slice(),
-            ROUNDING,
-        );
+        let what = format!("axis at t = {t} ");
+        assert_published(&rows, &what, axis.as_slice(), ROUNDING);
     }
 }

@@ -7,8 +7,7 @@
 //! tangent, no joint map, no integrator.
 
 use crate::support::extrapolated;
-use crate::support::independent::assert_published;
-use pullback::studies::gallery;
+use crate::support::independent::{assert_published, rows};
 use std::array::from_fn;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -187,7 +186,7 @@ fn motion<C: Carriers>(elements: usize, times: [f64; 3]) -> [[f64; 3]; 3] {
 /// the gallery has six decimals of them.
 fn compare<C: Carriers>(case: &str, times: [f64; 3], [what, part]: [&str; 2], positions: usize) {
     let [coarse, fine] = [64, 128].map(|elements| motion::<C>(elements, times));
-    let rows = gallery::run(&[case.to_owned()], None, &mut |_| {}).unwrap();
+    let rows = rows(case);
     for (k, t) in times.into_iter().enumerate() {
         let limit = extrapolated(coarse[k], fine[k]);
         let what = format!("{what} at t = {t}, bent {part}");

@@ -1,7 +1,12 @@
 //! What the tests that solve cases of the gallery by other means share.
 
 use super::program::assert_close;
-use pullback::studies::gallery::CaseRow;
+use pullback::studies::gallery::{self, CaseRow};
+
+/// The rows of a case.
+pub fn rows(case: &str) -> Vec<CaseRow> {
+    gallery::run(&[case.to_owned()], None, &mut |_| {}).unwrap()
+}
 
 /// The numbers that the rows whose quantity begins so compare with are these.
 pub fn assert_published(rows: &[CaseRow], what: &str, limit: &[f64], within: f64) {
