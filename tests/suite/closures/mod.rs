@@ -19,7 +19,7 @@ fn linkage_of(words: [&str; 3], closure: &str) -> String {
 
 /// Coordinates and velocities of a model at its start that has rates of some coordinates, whether they are unknowns or
 /// follow from others.
-pub(crate) fn started_with(context: &mut Context, rates: &[(NodeId, usize, f64)]) -> [Vec<f64>; 2] {
+fn started_with(context: &mut Context, rates: &[(NodeId, usize, f64)]) -> [Vec<f64>; 2] {
     let mut q = context.initial().to_vec();
     let mut v = vec![0.0; q.len()];
     let unknowns = rates

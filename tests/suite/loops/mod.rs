@@ -1,6 +1,5 @@
 //! Loops of joints closed by maps.
 
-mod joints;
 mod limits;
 mod many;
 mod program;
