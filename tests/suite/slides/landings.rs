@@ -6,16 +6,10 @@ use crate::support::prelude::*;
 use std::ops::ControlFlow::Continue;
 
 /// Largest errors in position and speed of a bead that starts at s with speed v on its way to time `to`.
-fn errors(
-    track: &Track,
-    scheme: Scheme,
-    [s, v]: [f64; 2],
-    to: f64,
-    h: f64,
-) -> ([f64; 2], Progress) {
+fn errors(track: &Track, [s, v]: [f64; 2], to: f64, h: f64) -> ([f64; 2], Progress) {
     let (mut model, beads) = track.model(&[s]);
     let mut worst = [0.0_f64; 2];
-    let options = tight(scheme, to, h);
+    let options = tight(Scheme::default(), to, h);
     let progress = observed(&mut model, [&[], &[v]], &options, &mut |model, step| {
         let t = step.progress.state.t;
         let exact = track.exact(s, v, t);
@@ -23,10 +17,8 @@ fn errors(
         worst[0] = worst[0].max((s + found[0] - exact[0]).abs());
         worst[1] = worst[1].max((found[1] - exact[1]).abs());
         let position = model.node_state(beads[0].frame).position - track.velocity * t;
-        assert!(
-            (position - track.at(s + found[0])).norm() < 1e-9,
-            "{position} at {t}"
-        );
+        let off = (position - track.at(s + found[0])).norm();
+        assert!(off < 1e-9, "{position} at {t}");
     });
     (worst, progress)
 }
@@ -76,7 +68,7 @@ fn a_bead_that_turns_near_a_corner_turns_where_it_should() {
         -1e-3, -1e-7, -1e-12, 0.0, 1e-12, 1e-9, 1e-7, 1e-6, 1e-5, 1e-4, 3e-4, 1e-3, 1e-2,
     ] {
         let v = (2.0 * G * (height(1.0 + beyond) - height(0.6))).sqrt();
-        let (worst, run) = errors(&track, Scheme::default(), [0.6, v], 0.8, h);
+        let (worst, run) = errors(&track, [0.6, v], 0.8, h);
         // A height known to a few units in its last position decides for how long it is on the next side.
         let excursion = 2.0 * (2.0_f64 * 1e-14 / 3.0).sqrt();
         let allowed = 1e-9 + 2.0 * excursion;
@@ -91,14 +83,14 @@ fn a_bead_that_starts_on_a_corner_moves_either_way_or_rests() {
     let track = bowl();
     for v in [-3.0, -1e-3, -1e-9, 0.0, 1e-9, 1e-3, 3.0] {
         for corner in [0.5, 1.0] {
-            let (worst, run) = errors(&track, Scheme::default(), [corner, v], 0.12, 0.01);
+            let (worst, run) = errors(&track, [corner, v], 0.12, 0.01);
             assert!(worst[0].max(worst[1]) < 1e-9, "{v} at {corner}: {worst:?}");
             assert!(run.summary.steps < 12 + 6, "{v}: {}", run.summary.steps);
         }
     }
     // On a ridge it goes down one of the sides, in a valley it stays.
     let ridge = Track::of(&[[1.0, 0.4], [1.0, -0.7]]);
-    let (worst, _) = errors(&ridge, Scheme::default(), [1.0, 0.0], 0.3, 0.01);
+    let (worst, _) = errors(&ridge, [1.0, 0.0], 0.3, 0.01);
     assert!(worst[0].max(worst[1]) < 1e-9, "{worst:?}");
     let valley = Track::of(&[[1.0, -0.4], [1.0, 0.7]]);
     for h in [0.01, 0.001] {
@@ -147,7 +139,7 @@ fn a_fast_bead_crosses_many_elements_in_a_step() {
         let track = Track::of(&shape);
         // The whole way in about eight steps, 5 or 50 elements each, and in one.
         for h in [0.01, 0.1] {
-            let (worst, run) = errors(&track, Scheme::default(), [0.013, 50.0], 0.07, h);
+            let (worst, run) = errors(&track, [0.013, 50.0], 0.07, h);
             assert!(worst[0].max(worst[1]) < 1e-8, "{sides}, {h}: {worst:?}");
             assert!(run.summary.chart_changes > sides as usize * 8 / 10);
         }
@@ -158,7 +150,7 @@ fn a_fast_bead_crosses_many_elements_in_a_step() {
 fn a_moving_wire_is_a_wire_at_rest_to_who_moves_with_it() {
     for velocity in [Vector3::new(3.0, 0.0, 0.0), Vector3::new(-1.0, 2.0, 5.0)] {
         let track = Track { velocity, ..bowl() };
-        let (worst, _) = errors(&track, Scheme::default(), [0.1, 4.0], 0.5, 0.01);
+        let (worst, _) = errors(&track, [0.1, 4.0], 0.5, 0.01);
         assert!(worst[0].max(worst[1]) < 1e-9, "{worst:?}");
     }
 }
