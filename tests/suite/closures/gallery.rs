@@ -3,61 +3,35 @@
 use crate::support::dynamics::*;
 use crate::support::loops::gap;
 use crate::support::prelude::*;
+use crate::support::program::{cells, example};
 use pullback::studies::gallery::MODELS;
 use std::collections::BTreeSet;
 
-/// A model, the end and the step of a short run, a penalty at which its springs give way by a small part of
+/// Models, the end and the step of a short run, a penalty at which its springs give way by a small part of
 /// what the step costs, with its damping, and nodes that move.
-type Run = (&'static str, [f64; 2], [f64; 2], &'static [&'static str]);
-
-const RUNS: &[Run] = &[
-    ("four_bar", [0.5, 4e-3], [1e8, 1e-3], &["coupler tip"]),
-    (
-        "slider_crank",
-        [0.5, 4e-3],
-        [1e8, 1e-3],
-        &["crank pin", "slider"],
-    ),
-    (
-        "parallelograms",
-        [0.4, 8e-3],
-        [1e8, 1e-3],
-        &["end 1", "end 5"],
-    ),
-    ("squeezer", [4e-3, 4e-5], [1e11, 1e-5], &["P", "K6 end"]),
-    ("bricard", [0.8, 8e-3], [1e8, 1e-3], &["end 2", "end 4"]),
-    (
-        "four_bar_flexible",
-        [0.4, 2e-3],
-        [1e8, 1e-3],
-        &["coupler/4", "coupler tip"],
-    ),
-    (
-        "slider_crank_flexible",
-        [0.4, 2e-3],
-        [1e9, 1e-3],
-        &["rod/4", "rod end"],
-    ),
-    (
-        "four_bar_misaligned",
-        [0.5, 1e-2],
-        [1e10, 1e-4],
-        &["C", "bar 3/4"],
-    ),
-];
+const RUNS: &str = "
+four_bar | 0.5 | 4e-3 | 1e8 | 1e-3 | coupler tip
+slider_crank | 0.5 | 4e-3 | 1e8 | 1e-3 | crank pin, slider
+parallelograms | 0.4 | 8e-3 | 1e8 | 1e-3 | end 1, end 5
+squeezer | 4e-3 | 4e-5 | 1e11 | 1e-5 | P, K6 end
+bricard | 0.8 | 8e-3 | 1e8 | 1e-3 | end 2, end 4
+four_bar_flexible | 0.4 | 2e-3 | 1e8 | 1e-3 | coupler/4, coupler tip
+slider_crank_flexible | 0.4 | 2e-3 | 1e9 | 1e-3 | rod/4, rod end
+four_bar_misaligned | 0.5 | 1e-2 | 1e10 | 1e-4 | C, bar 3/4
+";
 
 /// Positions of the nodes at the end, and the number of unknowns.
-fn end(run: &Run, words: &str, step: f64) -> (Vec<f64>, usize) {
-    let (name, [to, _], _, nodes) = run;
-    let (_, text) = MODELS.iter().find(|m| m.0 == *name).unwrap();
+fn end([name, to, nodes]: [&str; 3], words: &str, step: f64) -> (Vec<f64>, usize) {
     let with = |line: &str| match line.starts_with("child = ") {
         true => format!("{line}\n{words}\n"),
         false => format!("{line}\n"),
     };
-    let text: String = text.lines().map(with).collect();
+    let text: String = example(name).lines().map(with).collect();
     let mut job = assemble_text(name, &text).unwrap();
-    let nodes: Vec<_> = nodes.iter().map(|n| job.context.find(n).unwrap()).collect();
-    let options = tight(Scheme::chung_hulbert(0.8).unwrap(), *to, step);
+    let nodes = nodes.split(", ").map(|n| job.context.find(n).unwrap());
+    let nodes: Vec<NodeId> = nodes.collect();
+    let damped = Scheme::chung_hulbert(0.8).unwrap();
+    let options = tight(damped, to.parse().unwrap(), step);
     let start = [&job.start.q[..], &job.start.v[..]];
     let (mut positions, mut unknowns) = (Vec::new(), 0);
     observed(&mut job.context, start, &options, &mut |model, step| {
@@ -70,10 +44,10 @@ fn end(run: &Run, words: &str, step: f64) -> (Vec<f64>, usize) {
 
 #[test]
 fn every_mechanism_moves_alike_however_its_loops_are_closed() {
-    for run in RUNS {
-        let (name, [_, h], [penalty, damping], _) = run;
+    for [name, to, h, penalty, damping, nodes] in cells(RUNS) {
+        let (run, h) = ([name, to, nodes], h.parse::<f64>().unwrap());
         let methods = ["closure = \"map\"", "closure = \"multipliers\""]
-            .map(|words| [*h, 0.5 * h].map(|h| end(run, words, h)));
+            .map(|words| [h, 0.5 * h].map(|h| end(run, words, h)));
         let [map, other] = &methods;
         assert!(other[0].1 > map[0].1, "{name} has multipliers");
         let steps = methods.each_ref().map(|m| gap(&m[0].0, &m[1].0));
@@ -89,10 +63,8 @@ fn every_mechanism_moves_alike_however_its_loops_are_closed() {
         // Of order two, all of them: what is left without steps is a hundredth of what the steps cost.
         assert!(steps[0].min(steps[1]) > 1e-9, "{name} moves: {steps:?}");
         assert!(limits < 0.01 * steps[1], "{name}: {limits} {steps:?}");
-        assert!(
-            1e-13 < soft && soft < 0.5 * steps[1],
-            "{name}: {soft} {steps:?}"
-        );
+        let soft_enough = 1e-13 < soft && soft < 0.5 * steps[1];
+        assert!(soft_enough, "{name}: {soft} {steps:?}");
     }
 }
 
@@ -100,5 +72,5 @@ fn every_mechanism_moves_alike_however_its_loops_are_closed() {
 fn no_mechanism_is_left_out() {
     let loops = MODELS.iter().filter(|m| m.1.contains("\nchild = "));
     let loops: BTreeSet<&str> = loops.map(|m| m.0).collect();
-    assert_eq!(loops, RUNS.iter().map(|r| r.0).collect());
+    assert_eq!(loops, cells(RUNS).map(|[name, ..]: [_; 6]| name).collect());
 }
