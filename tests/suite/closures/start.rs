@@ -89,18 +89,14 @@ fn a_value_that_no_digits_hold_is_refused() {
     }
     // A loop over a body that flies, which no map closes.
     let crank = hinge("A", "ground", "value = 1e6");
-    let loop_over = joint(
-        "C",
-        "weld",
-        "tip",
-        "child = \"free\"\nclosure = \"multipliers\"",
-    );
+    let child = "child = \"free\"\nclosure = \"multipliers\"";
     let text = [
-        "[nodes]\nground = [0, 0, 0]\nfree = [1, 0, 0]\n[[supports]]\nnode = \"ground\"\nfix = \"all\"\n",
+        "[nodes]\nground = [0, 0, 0]\nfree = [1, 0, 0]\n",
+        &fixed("ground"),
         RUN,
         &crank,
         &arm("tip", "A", [1.0, 0.0, 0.0]),
-        &loop_over,
+        &joint("C", "weld", "tip", child),
         &body("A"),
         &body("free"),
     ];
@@ -154,13 +150,10 @@ fn velocities_of_bodies_are_kept_where_the_loop_allows_them() {
 fn follows(rows: &Rows, sign: f64, what: &str) {
     for row in rows {
         let [b, d] = linkage(1.2 * number(row, "t"));
-        assert_close(number(row, "B"), b, 1e-9, format_args!("{what}: {row:?}"));
-        assert_close(
-            number(row, "D"),
-            sign * d,
-            1e-9,
-            format_args!("{what}: {row:?}"),
-        );
+        for (joint, exact) in [("B", b), ("D", sign * d)] {
+            let about = format_args!("{what}: {row:?}");
+            assert_close(number(row, joint), exact, 1e-9, about);
+        }
     }
 }
 
@@ -218,8 +211,7 @@ fn a_loop_ends_at_supports_that_carry_nothing_else() {
         // The chain goes round to a node that is only the child of its last joint.
         let chain = [
             "[nodes]\nground = [0, 0, 0]\np = [1.6, 0, 0]\n",
-            "[[supports]]\nnode = \"ground\"\nfix = \"all\"\n",
-            "[[supports]]\nnode = \"p\"\nfix = \"all\"\n",
+            &["ground", "p"].map(fixed).concat(),
             &hinge("A", "ground", "prescribed = { proportional = 1.2 }"),
             &arm("crank tip", "A", [0.0, 1.0, 0.0]),
             &hinge("B", "crank tip", ""),
@@ -240,12 +232,12 @@ fn a_loop_ends_at_supports_that_carry_nothing_else() {
         .replace(&body("D"), "")
         .replace(&arm("foot", "ground", [1.6, 0.0, 0.0]), "");
     let nodes = GROUND.replace("[[supports]]", "foot = [1.6, 0, 0]\n[[supports]]");
-    let foot = "[[supports]]\nnode = \"foot\"\nfix = \"all\"\n";
-    let rows = recorded("start-foot", &[&nodes, foot, RUN, &text].concat());
+    let foot = fixed("foot");
+    let rows = recorded("start-foot", &[&nodes, &foot, RUN, &text].concat());
     let last = rows.last().unwrap();
     assert!((number(last, "D") - linkage(0.6)[1]).abs() < 1e-9);
     // A support of nothing is refused as ever.
-    let text = [&nodes, foot, RUN, &hinge("A", "ground", ""), &body("A")].concat();
+    let text = [&nodes, &foot, RUN, &hinge("A", "ground", ""), &body("A")].concat();
     check(&text, "foot", "node foot carries no element", "");
 }
 
@@ -256,12 +248,8 @@ fn a_rate_in_a_loop_that_is_locked_is_told_so() {
         let tilted = "parent = \"foot\"\naxis = [0, 1e-5, 1]";
         let text = text.replace("parent = \"foot\"\naxis = [0, 0, 1]", tilted);
         assert!(text.contains(tilted));
-        check(
-            &text,
-            "2.0",
-            "the initial rate of A is not possible: its loop leaves it no freedom",
-            "axes and positions",
-        );
+        let message = "the initial rate of A is not possible: its loop leaves it no freedom";
+        check(&text, "2.0", message, "axes and positions");
     }
 }
 
@@ -312,17 +300,23 @@ fn three_cranks(first: &str, closures: [&str; 2]) -> String {
     .concat()
 }
 
+/// All cranks start at this angle with this rate.
+#[track_caller]
+fn assert_cranks(first: &str, closures: [&str; 2], [angle, rate]: [f64; 2]) {
+    let (found, _) = start(&three_cranks(first, closures));
+    for crank in ["crank 0", "crank 1", "crank 2"] {
+        let [x, v] = found[&format!("{crank} angle")];
+        assert_close(x, angle, 1e-9, format_args!("{closures:?}: {crank}"));
+        assert_close(v, rate, 1e-8, format_args!("{closures:?}: {crank}"));
+    }
+}
+
 /// A value and a rate in a loop that a map closes are kept where others are closed by forces, and move these.
 #[test]
 fn loops_that_are_closed_in_two_ways_start_as_the_joints_that_they_share() {
     for a in CLOSURES {
         for b in CLOSURES {
-            let (found, _) = start(&three_cranks("value = 0.3\nrate = 2", [a, b]));
-            for crank in ["crank 0", "crank 1", "crank 2"] {
-                let [x, rate] = found[&format!("{crank} angle")];
-                assert_close(x, 0.3, 1e-9, format!("{a}, {b}: {crank}"));
-                assert_close(rate, 2.0, 1e-8, format!("{a}, {b}: {crank}"));
-            }
+            assert_cranks("value = 0.3\nrate = 2", [a, b], [0.3, 2.0]);
         }
     }
 }
@@ -334,12 +328,7 @@ fn a_drive_that_begins_far_away_takes_its_loops_along() {
         let drive =
             format!("prescribed = {{ sine = {{ amplitude = 0.1, omega = 3, offset = {angle} }} }}");
         for a in CLOSURES {
-            let (found, _) = start(&three_cranks(&drive, [a, a]));
-            for crank in ["crank 0", "crank 1", "crank 2"] {
-                let [x, rate] = found[&format!("{crank} angle")];
-                assert_close(x, angle, 1e-9, format!("{a}: {crank}"));
-                assert_close(rate, 0.3, 1e-8, format!("{a}: {crank}"));
-            }
+            assert_cranks(&drive, [a, a], [angle, 0.3]);
         }
     }
 }
@@ -349,18 +338,14 @@ fn a_drive_that_begins_far_away_takes_its_loops_along() {
 #[test]
 fn positions_are_kept_in_the_order_of_the_file() {
     for closure in &CLOSURES[1..] {
+        let child = format!("child = \"end b\"\n{closure}");
         let text = [
             "[nodes]\na = [0, 0, 0]\nb = [2, 0, 0]\n",
             &body("a"),
             &body("b"),
             &arm("end a", "a", [1.0, 0.2, 0.0]),
             &arm("end b", "b", [1.0, 0.2, 0.0]),
-            &joint(
-                "ball",
-                "spherical",
-                "end a",
-                &format!("child = \"end b\"\n{closure}"),
-            ),
+            &joint("ball", "spherical", "end a", &child),
             "[[initial]]\nnode = \"a\"\ndisplacement = [0.1, 0, 0.3]\n\
              [[initial]]\nnode = \"b\"\ndisplacement = [0, 0, 0.1]\nrotation = [0, 0, 0]\n",
             RUN,
@@ -368,10 +353,8 @@ fn positions_are_kept_in_the_order_of_the_file() {
         let job = started(&text.concat());
         for (node, exact) in [("a", [0.1, 0.0, 0.3]), ("b", [0.0, 0.0, 0.1])] {
             let d = job.context.node_state(job.context.find(node).unwrap()).d;
-            assert!(
-                (d - Vector3::from(exact)).norm() < 1e-9,
-                "{node} {closure}: {d}"
-            );
+            let off = (d - Vector3::from(exact)).norm();
+            assert!(off < 1e-9, "{node} {closure}: {d}");
         }
     }
 }

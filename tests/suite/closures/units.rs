@@ -58,17 +58,14 @@ fn print(value: &Value, times: f64, units: Units) -> String {
         Value::Table(all) => {
             let entry = |(key, v): (&String, &Value)| {
                 // What is in a table has factors of its own.
-                let own = if v.is_table() {
-                    1.0
-                } else {
-                    factor(key, units)
+                let own = match v.is_table() {
+                    true => 1.0,
+                    false => factor(key, units),
                 };
                 format!("{key:?} = {}", print(v, times * own, units))
             };
-            format!(
-                "{{ {} }}",
-                all.iter().map(entry).collect::<Vec<_>>().join(", ")
-            )
+            let all: Vec<String> = all.iter().map(entry).collect();
+            format!("{{ {} }}", all.join(", "))
         }
         Value::String(text) => format!("{text:?}"),
         other => format!("{other:?}"),
@@ -114,10 +111,8 @@ fn compare_within(part: f64, name: &str, model: &Table, columns: &[&str]) -> Vec
             assert!(gap < 1e-12, "{name} {units:?}: {gap:.1e} at t = {}", step.t);
         }
         let [more, all] = [total(&steps), total(&expected)];
-        assert!(
-            (more - all).abs() <= part * all,
-            "{name} {units:?}: {more}, not {all}"
-        );
+        let alike = (more - all).abs() <= part * all;
+        assert!(alike, "{name} {units:?}: {more}, not {all}");
     }
     let moves = |step: &Step| step.found.iter().any(|x| x.abs() > 1e-3);
     assert!(expected.last().is_some_and(moves), "{name} moves");
