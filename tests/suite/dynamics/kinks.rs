@@ -2,8 +2,9 @@
 
 use super::mass_on_rail;
 use crate::support::closures::{GROUND, body_of, hinge, joint};
-use crate::support::dynamics::motion_of;
+use crate::support::dynamics::{motion_of, revolute};
 use crate::support::prelude::*;
+use crate::support::program::assert_close;
 use pullback::solve::begin;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -74,8 +75,7 @@ fn a_prescribed_speed_by_an_input_jumps_as_at_a_kink() {
             b.support(shaft, &Dof::ALL[..5]);
             let inputs = [0.0, 1.0, 0.0].map(|value| b.input(value));
             b.prescribe(shaft, Dof::RZ, Held(inputs));
-            let disc = Revolute::new([0.0, 0.0, 1.0]).unwrap();
-            let disc = b.attach("disc", shaft, disc).unwrap().frame;
+            let disc = revolute(&mut b, "disc", shaft, [0.0, 0.0, 1.0]).frame;
             let body = RigidBody::new(1.0, Matrix3::identity(), Vector3::zeros()).unwrap();
             b.element("body", body, &[disc]).unwrap();
             let mut context = Context::new(b.build().unwrap());
@@ -168,11 +168,8 @@ fn what_has_no_mass_leaves_alone_what_it_has_nothing_to_do_with() {
     // k x0/m.
     assert!((alone[0][2] - 1e3).abs() < 1e-9, "{:?}", alone[0]);
     assert_eq!(alone.len(), 7);
-    for (a, b) in alone.iter().zip(&beside) {
-        for (a, b) in a.iter().zip(b) {
-            let off = (a - b).abs() / (1.0 + a.abs());
-            assert!(off < 1e-9, "{alone:?}\n{beside:?}");
-        }
+    for (a, b) in alone.iter().flatten().zip(beside.iter().flatten()) {
+        assert_close(*a, *b, 1e-9 * (1.0 + a.abs()), "beside");
     }
 }
 
@@ -181,22 +178,14 @@ fn what_has_no_mass_leaves_alone_what_it_has_nothing_to_do_with() {
 fn jerked_with_damper(unit: f64) -> [f64; 2] {
     let begins = |rate: f64| format!("prescribed = {{ ramp = {{ end = 1, value = {rate:?} }} }}\n");
     let damper = format!("spring = {{ c = {:?} }}", 0.03 * unit);
-    let inertia = 1e-3 * unit;
+    let inertia = format!("inertia = {:?}", [1e-3 * unit; 3]);
+    let rail = format!("axis = [1, 0, 0]\n{}", begins(unit));
     let text = [
         GROUND,
         &hinge("shaft", "ground", &begins(1.0)),
         &hinge("disc", "shaft", &damper),
-        &body_of(
-            "disc",
-            1.0 / unit,
-            &format!("inertia = [{inertia:?}, {inertia:?}, {inertia:?}]"),
-        ),
-        &joint(
-            "rail",
-            "prismatic",
-            "ground",
-            &format!("axis = [1, 0, 0]\n{}", begins(unit)),
-        ),
+        &body_of("disc", 1.0 / unit, &inertia),
+        &joint("rail", "prismatic", "ground", &rail),
         &joint("cart", "prismatic", "rail", "axis = [1, 0, 0]"),
         &body_of("cart", 1.0 / unit, ""),
         "[analysis.dynamic]\nto = 1\nstep = 0.1\n",
@@ -215,10 +204,7 @@ fn what_dampers_absorb_does_not_depend_on_units() {
     for unit in [1024.0, 1.0 / 1024.0] {
         let other = jerked_with_damper(unit);
         for (a, b) in in_metres.iter().zip(other) {
-            assert!(
-                (a - b).abs() < 1e-9 * (1.0 + a.abs()),
-                "{unit}: {in_metres:?}, {other:?}"
-            );
+            assert_close(*a, b, 1e-9 * (1.0 + a.abs()), unit);
         }
     }
 }

@@ -46,13 +46,8 @@ fn beam(b: &mut ModelBuilder, name: &str, ends: [NodeId; 2], elements: usize) {
     let J = Matrix3::from_diagonal(&Vector3::new(0.02, 0.01, 0.01));
     let [_, EA, A_rho, _] = DATA;
     let section = Section::diagonal(EA, [EA; 2], 10.0, [10.0; 2]).unwrap();
-    beams::beam(
-        b,
-        name,
-        ends,
-        elements,
-        section.with_mass(A_rho, J).unwrap(),
-    );
+    let section = section.with_mass(A_rho, J).unwrap();
+    beams::beam(b, name, ends, elements, section);
 }
 
 /// A model whose tangent is the exact one times a factor: no extrapolated stresses.

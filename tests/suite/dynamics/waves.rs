@@ -4,7 +4,7 @@
 use crate::support::beams::{beam, line};
 use crate::support::dynamics::{assert_order, observed};
 use crate::support::prelude::*;
-use crate::support::program::{assert_says, command, directory, results, write};
+use crate::support::program::{assert_says, directory, printed, results, write};
 
 /// Stiffness EA, mass per length and length of the bar, which is free.
 const EA: f64 = 100.0;
@@ -51,13 +51,8 @@ fn bar(elements: usize, blow: Blow) -> (Context, Vec<NodeId>) {
     // Nothing is as stiff for its mass as stretching.
     let section = Section::diagonal(EA, [10.0, 10.0], 10.0, [10.0, 10.0]).unwrap();
     let J = Matrix3::from_diagonal(&Vector3::new(2.0, 1.0, 1.0));
-    let nodes = beam(
-        &mut b,
-        "bar",
-        ends,
-        elements,
-        section.with_mass(A_RHO, J).unwrap(),
-    );
+    let section = section.with_mass(A_RHO, J).unwrap();
+    let nodes = beam(&mut b, "bar", ends, elements, section);
     let strike = NodalLoad::new(LoadKind::DeadForce, [1.0, 0.0, 0.0], blow);
     b.element("blow", strike, &nodes[..1]).unwrap();
     (Context::new(b.build().unwrap()), nodes)
@@ -83,11 +78,9 @@ fn a_blow_runs_through_the_bar_and_back_as_d_alembert_has_it() {
     };
     let c = velocity();
     // u = (c/EA) ∫P over t − x/c, and over t − (2L − x)/c once it has come back from the free end.
-    let exact = |x: f64, t: f64| {
-        let ways = [x, 2.0 * LENGTH - x];
-        ways.map(|way| c / EA * blow.impulse(t - way / c))
-            .iter()
-            .sum::<f64>()
+    let exact = |x: f64, t: f64| -> f64 {
+        let ways = [x, 2.0 * LENGTH - x].into_iter();
+        ways.map(|way| c / EA * blow.impulse(t - way / c)).sum()
     };
     let error = |elements: usize| {
         let (mut context, nodes) = bar(elements, blow);
@@ -150,14 +143,12 @@ fn the_program_tells_the_stable_step_of_an_accepted_one() {
         [[initial]]\nline = \"line\"\nvelocity = [1, 0, 0]\n\
         [analysis.dynamic]\nto = 0.05\nstep = 0.005\nscheme = \"central-difference\"\n";
     let stiffness = "EA = 100, GA = [10, 10], GJ = 10, EI = [10, 10]";
-    let text = line(stiffness, 10, 1, rest);
-    let directory = directory("waves");
-    let model = write(&directory, &text);
-    let out = directory.join("out");
-    let output = command("run", &[&model, "--out".as_ref(), &out]);
-    let said = String::from_utf8_lossy(&output.stdout) + String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{said}");
-    let told = results(&out)["statistics"]["stable_step"].as_f64().unwrap();
+    let out = directory("waves");
+    write(&out, &line(stiffness, 10, 1, rest));
+    let said = printed(&out, "run model.toml");
+    let told = results(&out.join("model.out"))["statistics"]["stable_step"]
+        .as_f64()
+        .unwrap();
     assert!((told / stable(10) - 1.0).abs() < 1e-5, "{told}");
     // 0.1/(√3 · 10)
     assert_says(&said, &["stable for steps of at most 5.7735"]);
