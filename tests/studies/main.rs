@@ -7,5 +7,5 @@ mod gallery;
 mod heavy_top;
 mod mechanisms;
 mod rods;
-#[allow(dead_code, reason = "the suite uses all of it")]
+#[allow(dead_code, unused_imports, reason = "the suite uses all of it")]
 mod support;

@@ -6,13 +6,14 @@
 
 use crate::support::dynamics::integrate_ode;
 use crate::support::independent::{assert_published, rows};
+use crate::support::loops::four_bar::{DRAWN, closed_form, mass_and_potential};
+use crate::support::loops::{G, one_freedom, slope};
 use nalgebra::{Quaternion, SVector, UnitQuaternion, Vector2, Vector3, stack};
 use pullback::manifold::jet::Moving;
 use pullback::manifold::scalar::Scalar;
 use pullback::manifold::so3;
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
 
-const G: f64 = 9.81;
 /// Largest difference of two sums of the same terms, after tens of thousands of steps.
 const ROUNDING: f64 = 1e-11;
 
@@ -25,7 +26,7 @@ fn integrate(system: OneFreedom<'_>, start: [f64; 2], to: f64) -> [f64; 2] {
     let rates = |_: f64, y: &Vector2<f64>| {
         let (theta, rate) = (y.x, y.y);
         let [M, V] = system(with_rate([theta, 1.0]));
-        Vector2::new(rate, -(0.5 * M.x[1] * rate * rate + V.x[1]) / M.x[0])
+        Vector2::new(rate, one_freedom(M, V, rate))
     };
     integrate_ode(&rates, start.into(), to, 20_000).into()
 }
@@ -35,47 +36,15 @@ fn with_rate([x, rate]: [f64; 2]) -> Moving<0> {
     Moving::given([x, rate, 0.0])
 }
 
-/// The derivative by θ of a quantity with two derivatives.
-fn slope(x: Moving<0>) -> Moving<0> {
-    with_rate([x.x[1], x.x[2]])
-}
-
-/// Lengths of crank, coupler, rocker and base, the last from the origin along e1.
-const BARS: [f64; 4] = [1.0, 1.5, 1.941_648_783_894_76, 1.6];
-const MASSES: [f64; 3] = [2.0, 1.0, 1.2];
-
-/// Angles of coupler and rocker from that of the crank: the circles of their ends meet.
-fn closed_form<S: Scalar>(crank: S) -> [S; 2] {
-    let [a, b, c, base] = BARS;
-    let (px, py) = (crank.cos() * a, crank.sin() * a);
-    let (ux, uy) = (-px + base, -py);
-    let r = (ux * ux + uy * uy).sqrt();
-    let cosine = (r * r + (b * b - c * c)) / (r * (2.0 * b));
-    let opening = (-(cosine * cosine) + 1.0).sqrt().atan2(cosine);
-    let coupler = uy.atan2(ux) + opening;
-    let (ex, ey) = (px + coupler.cos() * b, py + coupler.sin() * b);
-    [coupler, ey.atan2(ex - base)]
-}
-
-fn four_bar_system(crank: Moving<0>) -> [Moving<0>; 2] {
-    let ([a, b, c, _], [m1, m2, m3]) = (BARS, MASSES);
-    let [coupler, rocker] = closed_form(crank);
-    let (k2, k3) = (slope(coupler), slope(rocker));
-    let M = k2 * k2 * (m2 * b * b / 3.0)
-        + k2 * (crank - coupler).cos() * (m2 * a * b)
-        + k3 * k3 * (m3 * c * c / 3.0)
-        + (m1 / 3.0 + m2) * a * a;
-    let V = crank.sin() * ((0.5 * m1 + m2) * G * a)
-        + coupler.sin() * (0.5 * m2 * G * b)
-        + rocker.sin() * (0.5 * m3 * G * c);
-    [M, V]
-}
-
 #[test]
 fn the_numbers_of_the_four_bar_linkage() {
-    let start = [FRAC_PI_2, 4.5];
-    let [_, rocker] = closed_form(with_rate(integrate(&four_bar_system, start, 4.0)));
-    let tip = [rocker.cos() * BARS[2] + BARS[3], rocker.sin() * BARS[2]];
+    let system = |crank: Moving<0>| {
+        let [coupler, rocker] = closed_form(DRAWN, crank);
+        mass_and_potential(DRAWN, [crank, coupler, rocker])
+    };
+    let end = integrate(&system, [FRAC_PI_2, 4.5], 4.0);
+    let [_, rocker] = closed_form(DRAWN, with_rate(end));
+    let tip = [rocker.cos() * DRAWN[2] + DRAWN[3], rocker.sin() * DRAWN[2]];
     let rows = rows("four-bar");
     assert_published(&rows, "coupler tip", &tip.map(|x| x.x[0]), ROUNDING);
     assert_published(&rows, "its velocity", &tip.map(|x| x.x[1]), ROUNDING);

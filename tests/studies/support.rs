@@ -12,6 +12,10 @@ pub mod gallery;
 pub mod heavy_top;
 #[path = "../suite/support/independent.rs"]
 pub mod independent;
+#[path = "../suite/support/loops/mod.rs"]
+pub mod loops;
+#[path = "../suite/support/prelude.rs"]
+pub mod prelude;
 #[path = "../suite/support/program.rs"]
 pub mod program;
 

@@ -42,7 +42,7 @@ fn go(by: Closure, [to, step]: [f64; 2]) -> Outcome {
     options.newton.absolute = 1e-12;
     let [tip, other, pin] =
         ["tip of the coupler", "tip of the rocker", "C"].map(|n| context.find(n).unwrap());
-    let [coupler, rocker] = closed_form(CRANK_START);
+    let [coupler, rocker] = closed_form(BARS, CRANK_START);
     let (mut end, mut force, mut gap) = (Vec::new(), Vec::new(), 0.0_f64);
     observed(&mut context, [&q, &v], &options, &mut |context, step| {
         let [a, b, d] = [0, 1, 3].map(|k| context.coordinate(angles[k], 0).unwrap());
@@ -142,12 +142,12 @@ fn a_loop_in_equilibrium_all_three_ways() {
     assert!((crank - CRANK_START).abs() > 0.05, "it hardly moves");
     // The slope of the potential over its curvature is how far the crank is off.
     let bars = by_crank(crank);
-    let twist = bars[2] - closed_form(CRANK_START)[1];
-    let V = potential(bars) + twist * twist * (0.5 * 300.0);
+    let twist = bars[2] - closed_form(BARS, CRANK_START)[1];
+    let V = mass_and_potential(BARS, bars)[1] + twist * twist * (0.5 * 300.0);
     assert!((V.x[1] / V.x[2]).abs() < 1e-8, "{V:?}");
     // The rocker in balance about its foot: r × F + (r/2) × weight = k times its turn.
-    let [_, rocker] = closed_form(crank);
-    let turn = rocker - closed_form(CRANK_START)[1];
+    let [_, rocker] = closed_form(BARS, crank);
+    let turn = rocker - closed_form(BARS, CRANK_START)[1];
     let r = Vector2::new(rocker.cos(), rocker.sin()) * BARS[2];
     let weight = Vector2::new(0.0, -G * MASSES[2]);
     let balance = r.perp(&force) + (r * 0.5).perp(&weight) - 300.0 * turn;

@@ -1,10 +1,11 @@
 //! Joints and loops in words, for tests of closures by the program.
 
+use crate::support::loops::four_bar::{DRAWN, closed_form};
 use crate::support::program::{Rows, directory, history, printed, program, write};
 use pullback::input::{Job, assemble_text};
 use pullback::manifold::system::Point;
 use std::collections::HashMap;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 pub const GROUND: &str =
     "[nodes]\nground = [0, 0, 0]\n[[supports]]\nnode = \"ground\"\nfix = \"all\"\n";
@@ -104,17 +105,9 @@ pub fn four_bar([a, b, d]: [&str; 3], closure: &str) -> String {
 }
 
 /// Angles of its coupler against the crank and of its rocker at an angle of the crank, on the branch
-/// that is drawn: the coupler's circle about the crank's tip meets the rocker's about its foot.
+/// that is drawn.
 pub fn linkage(crank: f64) -> [f64; 2] {
-    let angles = |crank: f64| {
-        let tip = [-crank.sin(), crank.cos()];
-        let (x, y) = (tip[0] - 1.6, tip[1]);
-        let (d, r, c) = (x.hypot(y), 0.4_f64.hypot(1.9), 1.5);
-        let rocker = y.atan2(x) - ((r * r + d * d - c * c) / (2.0 * r * d)).acos();
-        let end = [1.6 + r * rocker.cos(), r * rocker.sin()];
-        [(end[1] - tip[1]).atan2(end[0] - tip[0]), rocker]
-    };
-    let ([b, d], [b0, d0]) = (angles(crank), angles(0.0));
+    let [[b, d], [b0, d0]] = [crank, 0.0].map(|angle| closed_form(DRAWN, FRAC_PI_2 + angle));
     [b - b0 - crank, d - d0]
 }
 

@@ -44,10 +44,10 @@ pub fn linkage(b: &mut ModelBuilder, crank: f64, weights: Weights, by: Closure) 
     let at = |angle: f64, l: f64, from: [f64; 3]| {
         [from[0] + l * angle.cos(), from[1] + l * angle.sin(), 0.0]
     };
-    let [_, rocker] = closed_form(crank);
+    let [_, rocker] = closed_form(BARS, crank);
     let O = [0.0; 3];
     let P = at(crank, BARS[0], O);
-    let D = [BASE, 0.0, 0.0];
+    let D = [BARS[3], 0.0, 0.0];
     let Q = at(rocker, BARS[2], D);
     let ground = ground(b);
     let A = link(b, "A", ground, [O, P], (MASSES[0], weights));
