@@ -2,8 +2,7 @@
 //! can move rest by every scheme.
 
 use crate::support::closures::*;
-use crate::support::program::{number, recorded, results};
-use std::path::Path;
+use crate::support::program::{number, run_of};
 
 /// With A at −0.71 D cannot be at 2.771, where the tips of the cranks are further apart than the bars
 /// reach.
@@ -43,10 +42,8 @@ fn values_that_cannot_all_be_are_kept_as_by_the_map() {
             let apart = (positions[name][0] - by_map[name][0]).abs();
             assert!(apart < 1e-9, "{closure}: {name} {apart:e}");
         }
-        assert!(
-            notes.iter().any(|n| n.starts_with("D angle starts at ")),
-            "{notes:?}"
-        );
+        let told = notes.iter().any(|n| n.starts_with("D angle starts at "));
+        assert!(told, "{notes:?}");
     }
 }
 
@@ -109,11 +106,10 @@ fn a_triangle_of_bars_carries_its_weight_by_every_scheme() {
             &format!("[analysis.dynamic]\nto = 0.1\nstep = 0.0025\nscheme = {scheme}\n"),
         ]
         .concat();
-        let rows = recorded("closures-triangle", &text);
-        let moved = rows.iter().map(|r| number(r, "A").abs());
+        let run = run_of("closures-triangle", &text);
+        let moved = run.rows.iter().map(|r| number(r, "A").abs());
         assert!(moved.fold(0.0, f64::max) < 1e-14, "{scheme}");
-        let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("closures-triangle");
-        let warnings = results(&out.join("model.out"))["warnings"].to_string();
+        let warnings = run.result["warnings"].to_string();
         assert!(!warnings.contains("energy"), "{scheme}: {warnings}");
     }
 }

@@ -19,7 +19,6 @@ fn rotors(acts: [&str; 2], gear: &str) -> String {
         SECOND,
         &angle("pinion"),
         &angle("wheel"),
-        "[[probes]]\nname = \"rate\"\nquantity = \"joint_rate\"\njoint = \"wheel\"\n",
         &probe("on first", "joint_moment", "pinion"),
         &probe("on second", "joint_moment", "wheel"),
         &probe("ground", "reaction_moment", "ground"),

@@ -154,12 +154,8 @@ fn links_between_a_pin_and_a_slide() {
 #[test]
 fn the_error_sees_loads_that_stop_growing() {
     let load = "node = \"B\"\nforce = [-1, 0, 0]\ntime = { ramp = { end = 1 } }";
-    let text = clamped(
-        "EA = 1e4, GA = [4e3, 4e3], GJ = 1.5, EI = [1.0, 2.0]",
-        (4, 2),
-        load,
-    );
-    let found = critical(&text, 0.0, 1).unwrap();
+    let stiffness = "EA = 1e4, GA = [4e3, 4e3], GJ = 1.5, EI = [1.0, 2.0]";
+    let found = critical(&clamped(stiffness, (4, 2), load), 0.0, 1).unwrap();
     assert!(found[0].load > 1.0 && found[0].error >= 1.0, "{found:?}");
 }
 
@@ -208,12 +204,8 @@ fn a_prescribed_shortening_with_kinks() {
         let stiffness = "EA = 1e4, GA = [1e4, 1e4], GJ = 10, EI = [1, 50]";
         let pinned = "[[supports]]\nnode = \"A\"\nfix = [\"x\", \"y\", \"z\", \"rx\", \"rz\"]\n\
                       [[supports]]\nnode = \"B\"\nfix = [\"y\", \"z\", \"rx\", \"rz\"]\n";
-        line(
-            stiffness,
-            6,
-            3,
-            &format!("{pinned}prescribed = {{ x = {{ {time} }} }}\n"),
-        )
+        let shortened = format!("{pinned}prescribed = {{ x = {{ {time} }} }}\n");
+        line(stiffness, 6, 3, &shortened)
     };
     for (time, from) in [
         ("proportional = -1e-3", 0.0),

@@ -2,8 +2,8 @@
 //! loops that stand on each other.
 
 use super::program::probes;
-use crate::support::closures::{GROUND, arm, body_of, joint};
-use crate::support::dynamics::revolute;
+use crate::support::closures::{GRAVITY, GROUND, PLAIN, arm, body_of, joint, motion};
+use crate::support::dynamics::{grounded, revolute};
 use crate::support::prelude::*;
 use crate::support::program::*;
 use std::sync::Arc;
@@ -27,24 +27,19 @@ impl Joint<1> for Counting {
 /// Parallelograms attached to one another, with a counting joint at the end; how often that is asked in
 /// one evaluation with a tangent, and in one change of charts, and how many coordinates each loop has.
 fn hung(count: usize) -> [usize; 2] {
-    let mut b = ModelBuilder::new();
+    let (mut b, mut root) = grounded();
     let axis = [0.0, 0.0, 1.0];
-    let mut root = b.node("ground", [0.0; 3]).unwrap();
-    b.support(root, &Dof::ALL);
     for k in 0..count {
         let y = -(k as f64);
         let at = |name: &str| format!("{name} {k}");
         let a = revolute(&mut b, &at("a"), root, axis);
         let end = b.offset(at("crank"), a.frame, [0.0, y - 1.0, 0.0]).unwrap();
         let coupler = revolute(&mut b, &at("b"), end, axis);
-        let far = b
-            .offset(at("coupler"), coupler.frame, [1.0, y - 1.0, 0.0])
-            .unwrap();
+        let corner = [1.0, y - 1.0, 0.0];
+        let far = b.offset(at("coupler"), coupler.frame, corner).unwrap();
         let foot = b.offset(at("foot"), root, [1.0, y, 0.0]).unwrap();
         let d = revolute(&mut b, &at("d"), foot, axis);
-        let tip = b
-            .offset(at("rocker"), d.frame, [1.0, y - 1.0, 0.0])
-            .unwrap();
+        let tip = b.offset(at("rocker"), d.frame, corner).unwrap();
         let c = revolute(&mut b, &at("c"), far, axis);
         b.close(c.frame, tip).unwrap();
         for frame in [a.frame, coupler.frame, d.frame] {
@@ -123,8 +118,9 @@ fn boom(base: &str, closure: &str) -> String {
             .concat(),
         &HOLDING.map(probes).concat(),
         &probes("ground"),
-        "[[loads]]\ngravity = [0, 0, -9.81]\n[analysis.dynamic]\nto = 0.02\nstep = 0.01\n\
-         [output]\nparaview_every = 0\nfigures = false\n",
+        GRAVITY,
+        &motion(0.02, 0.01),
+        PLAIN,
     ]
     .concat()
 }
@@ -136,18 +132,15 @@ const HOLDING: [&str; 5] = ["post", "A", "B", "S", "D"];
 fn a_loop_may_stand_on_a_frame_that_another_loop_moves() {
     // Multipliers read no root: forces at the start are the same to rounding.
     for base in ["ground", "post"] {
-        let starts =
-            [("map", ""), ("multipliers", "closure = \"multipliers\"")].map(|(name, closure)| {
-                recorded(&format!("boom_{base}_{name}"), &boom(base, closure)).remove(0)
-            });
+        let [by_map, other] = ["", "closure = \"multipliers\""]
+            .map(|closure| recorded(&format!("boom_{base}"), &boom(base, closure)).remove(0));
         for of in HOLDING.iter().chain(&["ground"]) {
-            for end in ["force", "moment"]
-                .map(|w| ["x", "y", "z"].map(|c| (w, c)))
-                .concat()
-            {
-                let column = format!("{} {of}.{}", end.0, end.1);
-                let [map, other] = [0, 1].map(|k| number(&starts[k], &column));
-                assert_close(map, other, 1e-8, format_args!("{base}, {column}"));
+            for axis in ["x", "y", "z"] {
+                for what in ["force", "moment"] {
+                    let column = format!("{what} {of}.{axis}");
+                    let [found, exact] = [&other, &by_map].map(|row| number(row, &column));
+                    assert_close(found, exact, 1e-8, format_args!("{base}, {column}"));
+                }
             }
         }
     }

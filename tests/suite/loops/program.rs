@@ -1,6 +1,8 @@
 //! Closed loops in model files: what the program finds out, says and refuses.
 
-use crate::support::closures::{GROUND, arm, body, body_of, hinge, joint, probe, rows};
+use crate::support::closures::{
+    GROUND, PLAIN, arm, body, body_of, hinge, joint, motion, probe, rows, started,
+};
 use crate::support::program::*;
 
 /// The four-bar linkage with [other words](changed).
@@ -96,10 +98,7 @@ fn a_singular_start_is_told_by_the_equation_that_vanishes_only_there() {
 
 /// The notes of a model file.
 fn notes(text: &str) -> Vec<String> {
-    pullback::input::assemble_text("model.toml", text)
-        .unwrap()
-        .context
-        .descriptions()
+    started(text).context.descriptions()
 }
 
 #[test]
@@ -130,8 +129,7 @@ fn degrees_of_freedom_are_told() {
         r#"child = "rocker tip" => &\nclosure = "multipliers"
 newmark = [0.25, 0.5] => generalised-alpha = 0.8"#,
     );
-    let job = pullback::input::assemble_text("model.toml", &text).unwrap();
-    assert_eq!(job.context.mobility().to_string(), said);
+    assert_eq!(started(&text).context.mobility().to_string(), said);
 }
 
 #[test]
@@ -148,8 +146,7 @@ parent = "crank tip"\naxis = [0, 0, 1] => parent = "crank tip"\naxis = [0, 1, 0]
     let said =
         "the loop closed by joint C cannot move: its 6 equations leave none of 4 coordinates";
     assert!(warnings[0].starts_with(said), "{warnings:?}");
-    let mut job = pullback::input::assemble_text("model.toml", &wrong).unwrap();
-    pullback::check::job(&mut job, 0).assert();
+    pullback::check::job(&mut started(&wrong), 0).assert();
 }
 
 #[test]
@@ -174,6 +171,7 @@ pub(super) fn probes(of: &str) -> String {
 /// along (1, 0, 1); about the far end 10 · 0.5 = F_z · 1 + F_x · 1, F_x = F_z = 2.5.
 #[test]
 fn no_moment_passes_a_ball_in_a_loop() {
+    let inertia = "center = [0.5, 0, -0.5]\ninertia = [0.1, 0.1, 0.1]";
     let arch = |closure: &str| {
         let closed = format!("child = \"foot\"\n{closure}");
         [
@@ -184,13 +182,10 @@ fn no_moment_passes_a_ball_in_a_loop() {
             &arm("link 2", "S", [2.0, 0.0, 0.0]),
             &arm("foot", "ground", [2.0, 0.0, 0.0]),
             &joint("C", "spherical", "link 2", &closed),
-            &body_of(
-                "S",
-                1.0,
-                "center = [0.5, 0, -0.5]\ninertia = [0.1, 0.1, 0.1]",
-            ),
-            "[[loads]]\ngravity = [0, 0, -10]\n[analysis.dynamic]\nto = 0.01\nstep = 0.01\n\
-             [output]\nparaview_every = 0\nfigures = false\n",
+            &body_of("S", 1.0, inertia),
+            "[[loads]]\ngravity = [0, 0, -10]\n",
+            &motion(0.01, 0.01),
+            PLAIN,
             &["A", "S", "ground"].map(probes).concat(),
         ]
         .concat()

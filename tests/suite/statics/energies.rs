@@ -40,13 +40,12 @@ fn bends_into_an_arc<M: StrainMeasure + Copy + 'static>(measure: M) {
     let angle = 0.75 * PI;
     let moment = [0.0, 0.0, angle * EI / LENGTH];
     let arc = Vector3::new(angle.sin(), 1.0 - angle.cos(), 0.0) * (LENGTH / angle);
-    let mut errors = Vec::new();
-    for n in [4, 8, 16] {
+    let errors = [4, 8, 16].map(|n| {
         let load = NodalLoad::new(LoadKind::SpatialMoment, moment, Proportional(1.0));
         let state = tip(measure, n, load);
         assert_close(state.psi.z, angle, 1e-9, n);
-        errors.push((state.d + Vector3::x() * LENGTH - arc).norm());
-    }
+        (state.d + Vector3::x() * LENGTH - arc).norm()
+    });
     assert_order("arc", &errors, 2.0, 0.05);
 }
 
@@ -75,8 +74,7 @@ fn a_planet_is_at_its_aphelion_after_half_its_year() {
     let (mu, mass) = (5.0, 0.7);
     let half: f64 = PI * (8.0_f64 / mu).sqrt();
     let speed = (mu * 1.5_f64).sqrt();
-    let mut errors = Vec::new();
-    for steps in [400, 800] {
+    let errors = [400, 800].map(|steps| {
         let mut b = ModelBuilder::new();
         let planet = b.node("planet", [1.0, 0.0, 0.0]).unwrap();
         b.support(planet, &[Dof::Z, Dof::RX, Dof::RY, Dof::RZ]);
@@ -94,8 +92,8 @@ fn a_planet_is_at_its_aphelion_after_half_its_year() {
         let options = DynamicOptions::new(half, half / f64::from(steps));
         let from = [&[0.0; 2][..], &[0.0, speed]];
         let end = observed(&mut context, from, &options, &mut |_, _| ()).state;
-        errors.push((end.q[0] + 4.0).hypot(end.q[1]));
-    }
+        (end.q[0] + 4.0).hypot(end.q[1])
+    });
     assert_order("planet", &errors, 2.0, 0.05);
     assert!(errors[1] < 1e-3, "{errors:?}");
 }

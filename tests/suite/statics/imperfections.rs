@@ -84,14 +84,8 @@ fn other_shapes_are_refused() {
     std::fs::write(&bad, "{ \"modes\": [{}] }").unwrap();
     refused(&text, &format!("shapes = {bad:?}"), "missing field `nodes`");
     // Torsion moves nodes by rounding errors.
-    std::fs::write(
-        &bad,
-        "{ \"modes\": [{ \"nodes\": { \"line/1\": [[1e-17, 0, 0], [7, 0, 0]] } }] }",
-    )
-    .unwrap();
-    refused(
-        &text,
-        &format!("shapes = {bad:?}"),
-        "amplitude = 0.001 is out of range",
-    );
+    let torsion = "{ \"modes\": [{ \"nodes\": { \"line/1\": [[1e-17, 0, 0], [7, 0, 0]] } }] }";
+    std::fs::write(&bad, torsion).unwrap();
+    let message = "amplitude = 0.001 is out of range";
+    refused(&text, &format!("shapes = {bad:?}"), message);
 }
