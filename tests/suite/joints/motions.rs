@@ -18,11 +18,8 @@ const G: f64 = 9.81;
 #[test]
 fn a_nut_runs_down_its_screw() {
     let pitch = 0.4;
-    let text = on_joint(
-        &format!("type = \"helical\"\naxis = [0, 0, 1]\npitch = {pitch}"),
-        "inertia = [0.06, 0.06, 0.05]",
-        &angle("joint"),
-    );
+    let screw = format!("type = \"helical\"\naxis = [0, 0, 1]\npitch = {pitch}");
+    let text = on_joint(&screw, "inertia = [0.06, 0.06, 0.05]", &angle("joint"));
     // (J + m p²/4π²) φ̈ = −m g p/2π.
     let lead = pitch / TAU;
     let rate = -2.0 * G * lead / (0.05 + 2.0 * lead * lead);
@@ -36,13 +33,10 @@ fn a_nut_runs_down_its_screw() {
 
 #[test]
 fn a_cylindrical_joint_falls_and_spins_by_itself() {
-    let acts = "coordinates = { angle = { actuator = { constant = 0.3 }, rate = 2.0 }, \
-                displacement = { spring = { k = 50.0 } } }";
-    let text = on_joint(
-        &format!("type = \"cylindrical\"\naxis = [0, 0, 1]\n{acts}"),
-        "inertia = [1, 1, 0.6]",
-        &(angle("joint displacement") + &angle("joint angle")),
-    );
+    let joint = "type = \"cylindrical\"\naxis = [0, 0, 1]\ncoordinates = { displacement = { spring = { k = 50 } }, \
+                 angle = { actuator = { constant = 0.3 }, rate = 2.0 } }";
+    let probes = ["joint displacement", "joint angle"].map(angle).concat();
+    let text = on_joint(joint, "inertia = [1, 1, 0.6]", &probes);
     for row in ran("joint_cylindrical", &text) {
         let t = number(&row, "t");
         assert!((number(&row, "joint angle") - (2.0 * t + 0.25 * t * t)).abs() < 1e-9);
@@ -55,12 +49,14 @@ fn a_cylindrical_joint_falls_and_spins_by_itself() {
 #[test]
 fn a_puck_on_a_slope_flies_like_a_stone() {
     // The plane with the normal (0, −1, 1)/√2: half of gravity's square along the slope.
-    let acts = "coordinates = { \"displacement 1\" = { rate = 3.0 }, angle = { rate = 4.0 } }";
-    let text = on_joint(
-        &format!("type = \"planar\"\naxis = [0, -1, 1]\nsecond_axis = [1, 0, 0]\n{acts}"),
-        "inertia = [1, 2, 2]",
-        &(angle("joint displacement 1") + &angle("joint displacement 2") + &angle("joint angle")),
-    );
+    let joint = "type = \"planar\"\naxis = [0, -1, 1]\nsecond_axis = [1, 0, 0]\n\
+                 coordinates = { \"displacement 1\" = { rate = 3.0 }, angle = { rate = 4.0 } }";
+    let names = [
+        "joint displacement 1",
+        "joint displacement 2",
+        "joint angle",
+    ];
+    let text = on_joint(joint, "inertia = [1, 2, 2]", &names.map(angle).concat());
     let down = -G / 2.0_f64.sqrt();
     for row in ran("joint_planar", &text) {
         let t = number(&row, "t");

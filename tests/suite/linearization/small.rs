@@ -74,11 +74,8 @@ fn a_loop_has_as_many_modes_as_degrees_of_freedom() {
         eigenvalues("loaded loop", &parts, 10)
     };
     let [by_map, by_multipliers] = ["map", "multipliers"].map(loaded);
-    assert_eq!(
-        [by_map.len(), by_multipliers.len()],
-        [1, 1],
-        "{by_multipliers:?}"
-    );
+    let counts = [by_map.len(), by_multipliers.len()];
+    assert_eq!(counts, [1, 1], "{by_multipliers:?}");
     let gap = (by_map[0] - by_multipliers[0]).norm();
     assert!(gap < 1e-8, "{by_map:?} {by_multipliers:?}");
 }
@@ -205,26 +202,10 @@ fn a_sleeping_top() {
 /// the multipliers, which equations hold.
 #[test]
 fn a_damped_four_bar() {
-    let bar = |name: &str, [x, y]: [f64; 2]| {
-        let more = format!("center = [{x}, {y}, 0]\ninertia = [0.1, 0.1, 0.1]");
-        body_of(name, 2.0, &more)
-    };
+    let spring = "spring = { k = 40, c = 0.5 }";
     let found = ["map", "multipliers"].map(|closure| {
-        let end = format!("child = \"far\"\naxis = [0, 0, 1]\nclosure = \"{closure}\"");
-        let parts = [
-            arm("far", "ground", [2.0, 0.0, 0.0]),
-            hinge("A", "ground", "spring = { k = 40, c = 0.5 }"),
-            bar("A", [0.0, 0.5]),
-            arm("B pin", "A", [0.0, 1.0, 0.0]),
-            hinge("B", "B pin", ""),
-            bar("B", [1.0, 0.0]),
-            arm("C pin", "B", [1.5, 0.7, 0.0]),
-            hinge("C", "C pin", ""),
-            bar("C", [0.0, -0.5]),
-            arm("D pin", "C", [2.0, 0.0, 0.0]),
-            joint("D", "revolute", "D pin", &end),
-        ];
-        eigenvalues(&format!("four-bar by {closure}"), &parts, 20)
+        let linkage = four_bar([spring, "", ""], &format!("closure = \"{closure}\""));
+        eigenvalues(&format!("four-bar by {closure}"), &[linkage], 20)
     });
     for found in &found {
         assert_eq!(found.len(), 1, "{found:?}");
