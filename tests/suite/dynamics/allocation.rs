@@ -1,20 +1,10 @@
 //! A step in time allocates nothing: all buffers are made when a run begins.
 
 use crate::support::beams::beam;
-use crate::support::dynamics::{body, revolute, turning};
+use crate::support::dynamics::{body, revolute, soft, turning};
 use crate::support::loops::Circle;
 use crate::support::prelude::*;
 use allocation_counter::measure;
-
-fn section() -> Section {
-    let section = Section::diagonal(1e5, [1e5, 1e5], 1e3, [1e3, 1e3]).unwrap();
-    let J = Matrix3::from_diagonal(&Vector3::new(0.2, 0.1, 0.1));
-    section.with_mass(1.0, J).unwrap()
-}
-
-fn line(b: &mut ModelBuilder, name: &str, ends: [NodeId; 2], section: Section) -> Vec<NodeId> {
-    beam(b, name, ends, 4, section)
-}
 
 /// Two bodies whose angles stay on a circle; the node of their coordinate.
 fn circle(b: &mut ModelBuilder) -> NodeId {
@@ -48,16 +38,17 @@ fn everything(formulation: Formulation, driven: bool) -> (Context, [NodeId; 2]) 
     let elbow = b.node("elbow", [2.0, 0.0, 0.0]).unwrap();
     let wrist = b.node("wrist", [4.0, 0.0, 0.0]).unwrap();
     let tip = b.node("tip", [6.0, 0.0, 0.0]).unwrap();
-    let first = line(&mut b, "first", [base, elbow], section());
+    let section = soft(1e3);
+    let first = beam(&mut b, "first", [base, elbow], 4, section);
     let hinge = revolute(&mut b, "hinge", elbow, [0.0, 0.0, 1.0]);
-    let second = line(&mut b, "second", [hinge.frame, wrist], section());
+    let second = beam(&mut b, "second", [hinge.frame, wrist], 4, section);
     let ball = b.spherical("ball", wrist).unwrap();
     let damping = Damping {
         mass: 0.01,
         stiffness: 1e-4,
     };
-    let damped = section().with_damping(damping).unwrap();
-    line(&mut b, "third", [ball.frame, tip], damped);
+    let damped = section.with_damping(damping).unwrap();
+    beam(&mut b, "third", [ball.frame, tip], 4, damped);
     let link = b.offset("link", tip, [6.0, 0.5, 0.0]).unwrap();
     let ring = b.slide("ring", &first, 0.7, Interpolation::Total).unwrap();
     for (name, node) in [("body", link), ("mass", ring.frame)] {

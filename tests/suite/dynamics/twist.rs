@@ -6,6 +6,7 @@ use crate::support::beams::straight;
 use crate::support::dynamics::*;
 use crate::support::prelude::*;
 use crate::support::program::assert_close;
+use Interpolation::{Geodesic, Total};
 use nalgebra::Matrix6;
 
 /// Torsional stiffness GJ, and moment per angle of the bushing.
@@ -14,9 +15,7 @@ const GJ: f64 = 0.7;
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum By {
     /// This many beam elements of this order.
-    Beams(usize, usize),
-    /// The same with geodesic interpolation.
-    Geodesic(usize, usize),
+    Beams(Interpolation, usize, usize),
     Bushing,
 }
 
@@ -27,17 +26,13 @@ fn shaft(by: By) -> (ModelBuilder, NodeId, NodeId) {
     let root = b.node("root", positions[0].into()).unwrap();
     let tip = b.node("tip", positions[1].into()).unwrap();
     match by {
-        By::Beams(elements, order) | By::Geodesic(elements, order) => {
+        By::Beams(interpolation, elements, order) => {
             let axis = straight(&b, [root, tip]);
             let section = Section::diagonal(1e3, [1e3; 2], GJ, [0.5; 2]).unwrap();
             let line = BeamLine {
                 elements,
                 order,
                 section,
-            };
-            let interpolation = match by {
-                By::Geodesic(..) => Interpolation::Geodesic,
-                _ => Interpolation::Total,
             };
             b.line_with("shaft", &axis, [root, tip], &line, interpolation)
                 .unwrap();
@@ -65,12 +60,12 @@ fn energy(by: By, base: f64, twist: f64, steps: usize) -> Result<f64, StaticsErr
 }
 
 const SHAFTS: [By; 7] = [
-    By::Beams(1, 1),
-    By::Beams(1, 2),
-    By::Beams(1, 3),
-    By::Geodesic(1, 1),
-    By::Geodesic(1, 2),
-    By::Geodesic(1, 3),
+    By::Beams(Total, 1, 1),
+    By::Beams(Total, 1, 2),
+    By::Beams(Total, 1, 3),
+    By::Beams(Geodesic, 1, 1),
+    By::Beams(Geodesic, 1, 2),
+    By::Beams(Geodesic, 1, 3),
     By::Bushing,
 ];
 
@@ -94,10 +89,10 @@ fn a_driven_end_twists_one_element_by_nearly_a_turn() {
 #[test]
 fn beyond_a_turn_the_error_names_the_element() {
     for (by, name) in [
-        (By::Beams(1, 1), "shaft:1"),
-        (By::Beams(1, 2), "shaft:1"),
-        (By::Geodesic(1, 1), "shaft:1"),
-        (By::Geodesic(1, 2), "shaft:1"),
+        (By::Beams(Total, 1, 1), "shaft:1"),
+        (By::Beams(Total, 1, 2), "shaft:1"),
+        (By::Beams(Geodesic, 1, 1), "shaft:1"),
+        (By::Beams(Geodesic, 1, 2), "shaft:1"),
         (By::Bushing, "bushing"),
     ] {
         for base in [0.0, 0.5, 7.0, -11.0] {
@@ -110,13 +105,14 @@ fn beyond_a_turn_the_error_names_the_element() {
                 assert!(error.contains(name), "{error}");
                 // Three geodesic nodes are seen from the middle one, by half the twist: there the
                 // tip's own vector may come to its edge first.
-                let own = by == By::Geodesic(1, 2) && error.contains("the domain of its chart");
+                let own =
+                    by == By::Beams(Geodesic, 1, 2) && error.contains("the domain of its chart");
                 assert!(own || error.contains("take more elements"), "{error}");
             }
         }
     }
     // Two elements share the turn.
-    let found = energy(By::Beams(2, 1), 7.0, 8.0, 30).unwrap();
+    let found = energy(By::Beams(Total, 2, 1), 7.0, 8.0, 30).unwrap();
     assert!((found - 0.5 * GJ * 64.0).abs() < 1e-12 * found);
 }
 
@@ -125,7 +121,7 @@ fn a_disk_swings_by_nearly_a_turn_on_one_element() {
     // J θ̈ = −GJ θ, through θ = ±5.5.
     let inertia = 0.9_f64;
     let omega = (GJ / inertia).sqrt();
-    for by in [By::Beams(1, 1), By::Bushing] {
+    for by in [By::Beams(Total, 1, 1), By::Bushing] {
         let (mut b, root, tip) = shaft(by);
         b.support(root, &Dof::ALL);
         let disk = RigidBody::new(1.0, Matrix3::identity() * inertia, Vector3::zeros()).unwrap();
