@@ -4,7 +4,9 @@
 use super::linkage_of;
 use crate::support::closures::{start, *};
 use crate::support::prelude::*;
-use crate::support::program::{Rows, assert_close, assert_says, check, number, recorded, refusal};
+use crate::support::program::{
+    Rows, assert_close, assert_says, check, failed, number, recorded, refusal,
+};
 
 /// The linkage closed by a penalty, a spring on its crank and a force on the coupler's tip: angles
 /// of crank, coupler and rocker in equilibrium, or why there is none.
@@ -194,7 +196,7 @@ fn drives_that_contradict_each_other_are_named() {
     let words = ["A angle", "D angle", "prescribe no more than is free"];
     for (k, closure) in CLOSURES[..2].iter().enumerate() {
         let text = linkage_of([drive, "", drive], closure);
-        let said = failure(&format!("start-two-{k}"), &text);
+        let said = failed(&format!("start-two-{k}"), &text);
         assert_says(&said, &words);
         assert!(!said.contains("singular"), "{said}");
         // At the start already.

@@ -241,7 +241,7 @@ fn periodic_rotors_are_refused() {
         ("rotor_unequal", heavier),
         ("rotor_gravity", format!("{gravity}{three}")),
     ] {
-        let said = failure(name, &text);
+        let said = failed(name, &text);
         assert_says(&said, &["less than three equal blades", "Floquet"]);
     }
 }

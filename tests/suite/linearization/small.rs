@@ -223,7 +223,7 @@ fn nothing_vibrates_where_all_is_prescribed() {
         "[analysis.modes]\n",
     ]
     .concat();
-    let said = failure("all prescribed", &text);
+    let said = failed("all prescribed", &text);
     assert_says(&said, &["nothing in the model is free to move"]);
 }
 

@@ -163,7 +163,7 @@ fn a_fast_drive_stays_on_its_branch() {
 fn what_cannot_be_reached_names_the_drive() {
     let far = model(["", "", "prescribed = { proportional = 1 }"]);
     let text = far + &hinge("X", "ground", "") + &body("X");
-    let said = failure("limits-reach", &text.replace("to = 1\n", "to = 9\n"));
+    let said = failed("limits-reach", &text.replace("to = 1\n", "to = 9\n"));
     assert!(said.contains("D angle cannot get there"), "{said}");
     // The same where something stays free: a coupler that spins between its balls.
     let text = [
@@ -180,7 +180,7 @@ fn what_cannot_be_reached_names_the_drive() {
         &body("S1"),
         &body("D"),
     ];
-    let said = failure("limits-spatial", &text.concat());
+    let said = failed("limits-spatial", &text.concat());
     assert!(said.contains("S2: A angle cannot get there"), "{said}");
     // Two drives of one hinge.
     let drive = "prescribed = { proportional = 1 }";

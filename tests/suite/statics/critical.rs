@@ -1,9 +1,7 @@
 //! Limit points of beams found directly, and the path of a column beyond its bifurcation.
 
 use crate::support::beams::{COLUMN, PINNED, line};
-use crate::support::closures::{
-    CLOSURES, angle, arm, body_of, failure, fixed, hinge, joint, probe,
-};
+use crate::support::closures::{CLOSURES, angle, arm, body_of, fixed, hinge, joint, probe};
 use crate::support::laboratory::model;
 use crate::support::prelude::*;
 use crate::support::program::{Rows, assert_close, assert_says, changed, failed, number, run_of};
@@ -210,13 +208,13 @@ fn a_round_column_has_no_single_branch() {
     let stiffness = "EA = 1e4, GA = [1e4, 1e4], GJ = 1.0, EI = [1.0, 1.0]";
     let text = line(stiffness, 4, 2, &(fixed("A") + rest));
     let words = ["2 directions become unstable", "load parameter 0.493"];
-    assert_says(&failure("critical_round", &text), &words);
+    assert_says(&failed("critical_round", &text), &words);
 }
 
 #[test]
 fn followers_have_no_count_of_unstable_directions() {
     let text = column().replace("[-20, 0, 0]", "[-20, 0, 0]\nfollower = true");
-    let said = failure("critical_follower", &text);
+    let said = failed("critical_follower", &text);
     assert_says(&said, &["follower loads have no potential"]);
 }
 
@@ -312,7 +310,7 @@ fn bifurcations_of_one_load_and_of_one_step_are_located() {
     assert_says(&told, &["unstable in 2 directions"]);
     let switched = upright(10.0, "branch = \"switch\"\nstop = [{ load = 14 }]\n");
     let words = ["2 directions become unstable", "load parameter 10"];
-    assert_says(&failure("critical_upright_switch", &switched), &words);
+    assert_says(&failed("critical_upright_switch", &switched), &words);
     let steps = "first_step = 5\nmax_step = 5\nstop = [{ load = 30 }]\n";
     let (loads, told) = bifurcations(&upright(12.0, steps));
     assert_eq!(loads.len(), 2);

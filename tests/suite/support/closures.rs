@@ -1,7 +1,7 @@
 //! Joints and loops in words, for tests of closures by the program.
 
 use crate::support::loops::four_bar::{DRAWN, closed_form};
-use crate::support::program::{Rows, directory, history, printed, program, write};
+use crate::support::program::{Rows, directory, history, printed, write};
 use pullback::input::{Job, assemble_text};
 use pullback::manifold::system::Point;
 use std::collections::HashMap;
@@ -154,12 +154,6 @@ pub fn rows(name: &str, text: &str) -> (String, Rows) {
     write(&out, text);
     let said = printed(&out, "run model.toml");
     (said, history(&out.join("model.out")))
-}
-
-pub fn failure(name: &str, text: &str) -> String {
-    let ran = program(&[&write(&directory(name), text)]);
-    assert!(!ran.status.success(), "{name} was accepted");
-    String::from_utf8(ran.stderr).unwrap()
 }
 
 /// A model at its start.
