@@ -37,14 +37,8 @@ fn after(context: &mut Context, word: &str, turn: &mut dyn FnMut(&mut Context)) 
 #[test]
 fn an_input_that_changes_is_a_kink() {
     // A force of 1 for a second, then of −2: v = 1 − 2, x = ½ + 1 − 1.
-    for word in [
-        "newmark",
-        "ga:0.5",
-        "bathe",
-        "radau",
-        "projected-newmark",
-        "projected-newmark:0.5",
-    ] {
+    let words = "newmark ga:0.5 bathe radau projected-newmark projected-newmark:0.5";
+    for word in words.split(' ') {
         let mut handle = None;
         let mut model = pushed(|b| Box::new(*handle.insert(b.input(1.0))));
         let turn = &mut |context: &mut Context| context.set_input(handle.unwrap(), -2.0);

@@ -26,13 +26,8 @@ fn run(
 ) -> Result<Progress, DynamicsError> {
     let n = context.pattern().dim();
     let (q, mut v) = (vec![0.0; n], vec![0.0; n]);
-    let own = made.coordinates.iter();
-    let all = own.flat_map(|&node| [(node, 0), (node, 1), (node, 2)]);
-    let free: Vec<_> = all
-        .filter(|&(node, k)| context.unknown_at(node, k).is_some())
-        .collect();
-    for (&(node, k), &rate) in free.iter().zip(rates) {
-        assert!(context.set(&mut v, node, k, rate));
+    for (&node, &rate) in made.coordinates.iter().zip(rates) {
+        assert!(context.set(&mut v, node, 0, rate));
     }
     let mut progress = Progress::new(start(context, 0.0, &q, &v)?);
     let options = tight(Scheme::default(), to, 0.01);
@@ -102,9 +97,8 @@ fn a_point_mass_on_a_universal_joint_passes_a_right_angle_on_a_great_circle() {
 fn a_tilt_of_a_whole_turn_is_refused_with_the_name_of_the_coupling() {
     let axis = [0.0, 0.0, 1.0];
     let (mut context, made) = ball(|b, on| {
-        let made = b
-            .attach("coupling", on, ConstantVelocity::new([axis; 2]).unwrap())
-            .unwrap();
+        let coupling = ConstantVelocity::new([axis; 2]).unwrap();
+        let made = b.attach("coupling", on, coupling).unwrap();
         b.prescribe_coordinate(made.coordinates[0], 0, Proportional(2.0));
         b.prescribe_coordinate(made.coordinates[1], 0, Constant(0.0));
         made

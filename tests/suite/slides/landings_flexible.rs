@@ -106,13 +106,9 @@ fn total_and_geodesic_chains_move_alike_in_the_plane_in_all_formulations() {
 
 #[test]
 fn momenta_and_energy_are_kept_over_corners_to_the_order_of_the_scheme() {
-    for (word, order) in [
-        ("newmark", 2.0),
-        ("projected-newmark", 2.0),
-        ("bathe", 2.0),
-        ("radau", 3.0),
-    ] {
+    for word in ["newmark", "projected-newmark", "bathe", "radau"] {
         let scheme: Scheme = word.parse().unwrap();
+        let order = scheme.order() as f64;
         let [coarse, fine] = [1.0, 0.5].map(|part| {
             let mut chain = chain(Interpolation::Geodesic, Formulation::LieGroup);
             let (mut first, mut worst) = (None, [0.0_f64; 3]);

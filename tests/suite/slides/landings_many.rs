@@ -116,21 +116,10 @@ fn sprung(sides: usize) -> (Context, JointNodes) {
 
 #[test]
 fn schemes_of_every_family_keep_their_order_over_landings() {
-    let words = [
-        ("newmark", 2.0),
-        ("newmark:0.3025:0.6", 1.0),
-        ("hht:-0.1", 2.0),
-        ("wbz:0.8", 2.0),
-        ("ga:0.5", 2.0),
-        ("projected-newmark", 2.0),
-        ("bathe", 2.0),
-        ("radau", 3.0),
-        ("central-difference", 2.0),
-        ("tsitouras", 5.0),
-    ];
-    for (word, order) in words {
+    let words = "newmark newmark:0.3025:0.6 hht:-0.1 wbz:0.8 ga:0.5 projected-newmark bathe radau central-difference \
+                 tsitouras";
+    for word in words.split(' ') {
         let scheme: Scheme = word.parse().unwrap();
-        assert_eq!(scheme.order() as f64, order);
         let to = 2.3_f64;
         let errors = [60.0, 120.0, 240.0].map(|n| {
             let (mut context, _) = sprung(9);
@@ -142,7 +131,7 @@ fn schemes_of_every_family_keep_their_order_over_landings() {
             let exact = [(2.0 * to).cos(), -2.0 * (2.0 * to).sin()];
             (run.state.q[0] - exact[0]).hypot(run.state.v[0] - exact[1])
         });
-        assert_order(word, &errors, order, 0.25);
+        assert_order(word, &errors, scheme.order() as f64, 0.25);
     }
 }
 
@@ -178,10 +167,8 @@ fn adaptive_steps_are_not_spoilt_by_landings() {
             let ((plain, one), (error, many)) = (run(1, tolerance), run(sides, tolerance));
             let landings = many.chart_changes;
             assert!(landings as f64 > 0.15 * sides as f64 * to, "{landings}");
-            assert!(
-                error < 1.5 * plain,
-                "{sides}, {tolerance:e}: {error:e} for {plain:e}"
-            );
+            let what = format!("{sides}, {tolerance:e}: {error:e} for {plain:e}");
+            assert!(error < 1.5 * plain, "{what}");
             // A step in two, the rest of a step that others had begun with, and what smaller errors
             // before the next step cost.
             let most = one.steps + one.steps / 10 + 3 * landings;
