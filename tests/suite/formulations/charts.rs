@@ -1,6 +1,6 @@
 //! Another chart of rotations gives the same motion and the same equilibrium.
 
-use crate::support::dynamics::{assert_order, formulated, turning};
+use crate::support::dynamics::{assert_order, formulated, observed, turning};
 use crate::support::prelude::*;
 use crate::support::program::example;
 use pullback::conformance;
@@ -67,10 +67,8 @@ fn a_body_turns_in_a_chart_of_the_user() {
         let q = vec![0.0; 6];
         let v = turning(&mut context, &q, omega);
         let options = DynamicOptions::new(0.9 * to, 0.9 * to / steps);
-        let state = start(&context, 0.0, &q, &v).unwrap();
-        let mut run = Simulation::new(&mut context, state, &options).unwrap();
-        run.finish().unwrap();
-        assert!(run.progress().summary.chart_changes > 1);
+        let run = observed(&mut context, [&q, &v], &options, &mut |_, _| ());
+        assert!(run.summary.chart_changes > 1);
         let found = context.node_state(node).R;
         (found - so3::rotation(&(omega * (0.9 * to)))).norm()
     });
