@@ -55,3 +55,9 @@ fn vectors_of_another_length_and_impossible_events_are_refused() {
         assert!(matches!(steps, Some(StaticsError::Event(_))), "{event:?}");
     }
 }
+
+#[test]
+fn results_are_the_same_to_the_last_bit_in_every_run() {
+    let run = || equilibrium(&mut cantilever(1e4, 30), &StaticOptions::default()).unwrap();
+    assert_eq!(run(), run());
+}
