@@ -398,3 +398,28 @@ fn a_prescribed_motion_without_a_value_is_named() {
         "the prescribed motion of node a, displacement along e1 gives a value that is not finite";
     assert!(error.to_string().starts_with(named), "{error}");
 }
+
+/// x = √q has no derivative at zero.
+#[derive(Clone, Copy)]
+struct Roots;
+
+impl Map<2, 2> for Roots {
+    fn phi<S: Scalar>(&self, _t: S, q: &SVector<S, 2>) -> SVector<S, 2> {
+        q.map(|q| q.sqrt())
+    }
+}
+
+#[test]
+fn velocities_that_have_no_value() {
+    let (mut b, lengths) = (ModelBuilder::new(), [Quantity::Length; 2]);
+    let q = b.coordinates("q", &lengths).unwrap();
+    let x = b
+        .mapped_coordinates("x", &lengths, Roots.boxed(), &[q])
+        .unwrap();
+    b.element("idle", Idle(2), &[x]).unwrap();
+    let mut context = Context::new(b.build().unwrap());
+    let (rates, mut v) = ([(x, 0, 1.0), (x, 1, 1.0)], [0.0; 2]);
+    let error = context.fit_coordinate_rates(&[0.0; 2], &mut v, &rates, &[]);
+    let error = error.unwrap_err().to_string();
+    assert!(error.starts_with("the velocity of node x"), "{error}");
+}
