@@ -58,24 +58,28 @@ fn a_pendulum_with_a_motor() {
     }
 }
 
-/// Two stretched springs hold a bead at a point that is nearly their balance, at rest. A force that is an input, and zero,
-/// changes neither what counts as balance nor the state.
+/// Two springs between two masses on a line, one stretched and one compressed, nearly in balance. A force that is an input,
+/// and zero, does not change what counts as balance.
 #[test]
-fn inputs_leave_balance_and_state_as_they_are() {
-    let text = "[nodes]\nleft = [-1, 0, 0]\nbead = [0, 0, 0]\nright = [1, 0, 0]\n[inputs]\npush = 0.0\n\
-                [[supports]]\nnode = \"left\"\nfix = \"all\"\n[[supports]]\nnode = \"right\"\nfix = \"all\"\n\
-                [[supports]]\nnode = \"bead\"\nfix = [\"y\", \"z\"]\n\
-                [[springs]]\nname = \"a\"\nnodes = [\"left\", \"bead\"]\nstiffness = 1e6\nrest_length = 0.9\n\
-                [[springs]]\nname = \"b\"\nnodes = [\"bead\", \"right\"]\nstiffness = 1e6\nrest_length = 0.9\n\
-                [[bodies]]\nname = \"bead\"\nnode = \"bead\"\nmass = 1\n\
-                [[loads]]\nnode = \"bead\"\nforce = [1, 0, 0]\ntime = { input = \"push\" }\n[analysis.modes]\n";
-    let mut context = assemble_text("model.toml", text).unwrap().context;
-    let q = [1e-9];
-    let lin = linearize(&mut context, Point::statics(0.0, &q)).unwrap();
+fn inputs_leave_balance_as_it_is() {
+    let parts = ["a", "b"].map(|name| {
+        let rail = format!("[[supports]]\nnode = \"{name}\"\nfix = [\"y\", \"z\"]\n");
+        body_of(name, 1.0, "") + &rail
+    });
+    let springs = [("pulls", 0.9), ("pushes", 1.1)].map(|(name, length)| {
+        format!(
+            "[[springs]]\nname = \"{name}\"\nnodes = [\"a\", \"b\"]\nstiffness = 1e6\nrest_length = {length}\n"
+        )
+    });
+    let text = [
+        "[nodes]\na = [0, 0, 0]\nb = [1, 0, 0]\n[inputs]\npush = 0.0\n",
+        &parts.concat(),
+        &springs.concat(),
+        "[[loads]]\nnode = \"a\"\nforce = [1, 0, 0]\ntime = { input = \"push\" }\n[analysis.modes]\n",
+    ];
+    let mut context = assemble_text("model.toml", &text.concat()).unwrap().context;
+    let lin = linearize(&mut context, Point::statics(0.0, &[1e-9, 0.0])).unwrap();
     assert!((lin.r_u[0][0] - 1.0).abs() < 1e-6, "{:?}", lin.r_u);
-    // The spring on the left pulls with 1e5 and 1e6 times 1e-9 at the bead.
-    let reaction = context.reactions()[0].force.x;
-    assert!((reaction + 1e5 + 1e-3).abs() < 1e-9, "{reaction}");
 }
 
 #[test]
