@@ -118,18 +118,13 @@ impl Context {
         let mut forces = std::mem::take(&mut self.work.segment_changes.momenta);
         forces.clone_from(&self.work.r);
         let known = self.node_momenta(at);
-        std::mem::swap(&mut forces, &mut self.work.r);
-        let Workspace {
-            segment_changes: changes,
-            operators,
-            ..
-        } = &mut self.work;
-        changes.momenta = forces;
+        let changes = &mut self.work.segment_changes;
+        changes.momenta = std::mem::replace(&mut self.work.r, forces);
         // If a map cannot be evaluated, the next evaluation reports it.
         if known.is_err() {
             return;
         }
-        changes.B.clone_from(&operators[0]);
+        changes.B.clone_from(&self.work.operators[0]);
         changes.segments.clear();
         let segments = self.state.maps.iter().map(|map| map.segment());
         changes.segments.extend(segments);

@@ -212,20 +212,16 @@ impl Context {
         };
         let mut rates = |v: &[f64]| {
             self.expand(Point { t, q, v, a: &a })?;
-            let all = wanted.iter().map(|&(node, k, _)| {
-                let rate = self.rate(node, k);
-                let what = || {
-                    format!(
-                        "the velocity of node {}",
-                        self.model.nodes[node.0 as usize].name
-                    )
-                };
-                match rate.is_finite() {
-                    true => Ok(scaled(&(node, k, rate))),
-                    false => Err(SystemError::NotFinite { what: what() }),
+            let mut all = DVector::zeros(wanted.len());
+            for (out, &(node, k, _)) in all.iter_mut().zip(wanted) {
+                *out = scaled(&(node, k, self.rate(node, k)));
+                if !f64::is_finite(*out) {
+                    let name = model.nodes[node.0 as usize].name();
+                    let what = format!("the velocity of node {name}");
+                    return Err(SystemError::NotFinite { what });
                 }
-            });
-            Ok(DVector::from_vec(all.collect::<Result<_, _>>()?))
+            }
+            Ok(all)
         };
         let now = rates(v)?;
         let mut columns = DMatrix::zeros(now.len(), unknowns.len());
