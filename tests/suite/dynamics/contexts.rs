@@ -62,14 +62,20 @@ fn steps_from_a_snapshot_are_the_same_to_the_last_bit() {
     }
 }
 
-/// A unit mass under a force that is an input, in two threads: x = ½ u t².
-#[test]
-fn inputs_are_part_of_the_state() {
+/// A unit mass under a force that is an input, 0.5 at first.
+fn pushed_mass() -> (Model, Input) {
     let (mut builder, node) = mass_on_rail();
     let force = builder.input(0.5);
     let load = NodalLoad::new(LoadKind::DeadForce, [1.0, 0.0, 0.0], force);
     builder.element("force", load, &[node]).unwrap();
-    let model = Arc::new(builder.build().unwrap());
+    (builder.build().unwrap(), force)
+}
+
+/// The mass in two threads: x = ½ u t².
+#[test]
+fn inputs_are_part_of_the_state() {
+    let (model, force) = pushed_mass();
+    let model = Arc::new(model);
     let run = |u: f64| {
         let mut context = Context::new(Arc::clone(&model));
         context.set_input(force, u);
@@ -122,11 +128,9 @@ fn events_read_inputs_that_change() {
 /// An effect that leaves no numbers is refused as a whole: the input that it has set, too.
 #[test]
 fn refused_effects_leave_inputs_as_they_were() {
-    let (mut builder, node) = mass_on_rail();
-    let force = builder.input(0.0);
-    let load = NodalLoad::new(LoadKind::DeadForce, [1.0, 0.0, 0.0], force);
-    builder.element("force", load, &[node]).unwrap();
-    let mut context = Context::new(builder.build().unwrap());
+    let (model, force) = pushed_mass();
+    let mut context = Context::new(model);
+    context.set_input(force, 0.0);
     let first = start(&context, 0.0, &[0.0], &[1.0]).unwrap();
     let options = DynamicOptions::new(1.0, 0.1);
     let mut run = Simulation::new(&mut context, first, &options).unwrap();

@@ -154,11 +154,7 @@ impl ModelBuilder {
             starts: &starts,
             ..setting
         };
-        let enforces = |e: &ElementEntry| e.element.abilities().enforced.is_some();
-        let positions = match self.elements.iter().any(enforces) {
-            true => loops::positions(nodes, enforced, &setting),
-            false => loops::Positions::new(),
-        };
+        let positions = loops::positions(nodes, enforced, &setting);
         self.starts = starts;
         Ok((reports, positions))
     }

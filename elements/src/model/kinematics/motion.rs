@@ -4,7 +4,7 @@ use crate::blocks::three;
 use crate::model::build::builder::NodeId;
 use crate::model::kinematics::formulation::rotation_rate;
 use crate::model::kinematics::node_entries::collect;
-use crate::model::loops::{LoopReport, upwards};
+use crate::model::loops::upwards;
 use crate::model::{Context, Model, NONE, Node, NodeForm, among};
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::quotients::Quotients;
@@ -150,8 +150,7 @@ impl Context {
             return None;
         }
         let mut out = self.wrench(n).map(|f| -f);
-        let closing = self.closing_force(node, &self.loop_multipliers());
-        for (out, closing) in out.iter_mut().zip(closing) {
+        for (out, closing) in out.iter_mut().zip(self.closing_force(node)) {
             *out += closing;
         }
         for &[_, child] in (self.model.carried.iter()).filter(|[at, _]| *at == node) {
@@ -167,43 +166,26 @@ impl Context {
         Some(out)
     }
 
-    /// The multipliers of the equations of each loop that a map closes, in the order of the reports.
-    pub(in crate::model) fn loop_multipliers(&self) -> Vec<Vec<f64>> {
-        let w = &self.work;
-        let of = |report: &LoopReport| {
-            let mut mu = vec![0.0; 6 * report.loops.len()];
-            let node = report.map.map(|x| &self.model.nodes[x as usize]);
-            if let Some((n, d)) = node.and_then(|n| Some((n, n.mapped()?))) {
-                let mut q = vec![0.0; d.direct];
-                let parents = d.parents(&self.state.maps);
-                collect(parents, &self.model.spans, &w.x, &mut q);
-                // A copy, as its evaluation changes its buffers.
-                if let Some(map) = self.state.maps[d.index].clone().implicit() {
-                    map.multipliers(w.t, &q, &w.r[n.range()], &mut mu);
-                }
-            }
-            mu
-        };
-        self.model.reports.iter().map(of).collect()
-    }
-
     /// Closing forces of loops at a joint. With the multipliers μ of the equations in the child's axes,
     /// the force and moment −R μ act on the child, and the opposite on the frame that coincides with
     /// it; they cancel at a node with both, except for a remainder: above a frame that rotates freely
     /// there is no moment about its axis, as loads and inertia balance the closing forces there.
-    pub(in crate::model) fn closing_force(
-        &self,
-        node: NodeId,
-        multipliers: &[Vec<f64>],
-    ) -> [Vector3<f64>; 2] {
+    pub(in crate::model) fn closing_force(&self, node: NodeId) -> [Vector3<f64>; 2] {
+        let w = &self.work;
         let mut out = [Vector3::zeros(); 2];
-        for (report, mu) in self.model.reports.iter().zip(multipliers) {
-            let Some(d) = report
-                .map
-                .and_then(|x| self.model.nodes[x as usize].mapped())
-            else {
+        for report in &self.model.reports {
+            let Some(x) = report.map else { continue };
+            let n = &self.model.nodes[x as usize];
+            let Some(d) = n.mapped() else {
                 continue;
             };
+            let mut q = vec![0.0; d.direct];
+            collect(d.parents(&self.state.maps), &self.model.spans, &w.x, &mut q);
+            let mut mu = vec![0.0; 6 * report.loops.len()];
+            // A copy, as its evaluation changes its buffers.
+            if let Some(map) = self.state.maps[d.index].clone().implicit() {
+                map.multipliers(w.t, &q, &w.r[n.range()], &mut mu);
+            }
             for (closed, mu) in report.loops.iter().zip(mu.chunks_exact(6)) {
                 let R = self.node_state(NodeId(closed.child)).R;
                 let [force, moment] = [0, 3].map(|k| R * three(mu, k));

@@ -185,7 +185,6 @@ impl Context {
     /// Reactions of all supported frame nodes at the last evaluation of the residual.
     pub fn reactions(&self) -> Vec<Reaction> {
         let mut out: Vec<Reaction> = Vec::new();
-        let multipliers = self.loop_multipliers();
         for (id, n) in self.nodes_that(|n| n.form == NodeForm::Frame) {
             let own = self.carrier(n);
             let prescribed =
@@ -195,7 +194,7 @@ impl Context {
             }
             let psi = Vector3::from_column_slice(&self.work.x[n.first + 3..n.first + 6]);
             // Covector T m of a spatial moment m.
-            let [force, turn] = self.closing_force(id, &multipliers);
+            let [force, turn] = self.closing_force(id);
             let turn = so3::tangent(&psi) * turn;
             let mut f = [0.0; 6];
             for k in (0..6).filter(|&k| prescribed[k]) {
