@@ -161,7 +161,8 @@ pub(crate) fn strained(job: &Job, progress: &Progress) -> Vec<String> {
     // The energy of a joint's own spring is intended.
     let tight = |(_, s): &(_, SectionState)| s.N.norm() + s.M.norm() > 0.0;
     let parts = !file.springs.is_empty() || context.section_states(0.0).iter().any(tight);
-    if stored <= 0.0 || names.is_empty() || !parts {
+    let intended = file.analysis.begins_in_equilibrium() || !parts;
+    if stored <= 0.0 || names.is_empty() || intended {
         return Vec::new();
     }
     vec![format!(

@@ -254,8 +254,8 @@ impl FailedStep {
                 mechanism,
                 match self.parameter {
                     StepParameter::Load => {
-                        "hold it by a support, a spring or a prescribed motion, or follow the path with arc-length \
-                         control if this is a limit point"
+                        "hold it by a support, a spring, a prescribed motion, or loads that act from the start; if this \
+                         is a limit point, follow the path with arc-length control"
                     }
                     StepParameter::Time => "give it mass or stiffness, or hold it",
                 },

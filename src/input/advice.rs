@@ -226,6 +226,10 @@ impl InputProblem {
                 "draw both where they start, or give the nodes of the line [[initial]] entries with \
                  displacement and rotation"
             }
+            Self::Equilibrium { .. } => {
+                "let it begin nearer to an equilibrium, by the `value` of joints or the displacement and rotation of \
+                 nodes in [[initial]], or remove this key: dampers let a motion come to rest"
+            }
             Self::InitialStatics => {
                 "add [analysis.dynamic] (for modes [analysis.modes.after.dynamic]), or remove [[initial]], and `value` and `rate` of joints"
             }

@@ -7,6 +7,7 @@ use pullback_elements::inertia::InertiaError;
 use pullback_elements::model::ModelError;
 use pullback_elements::spring::SpringError;
 use pullback_elements::time::TimeFunctionError;
+use pullback_integrators::statics::StaticsError;
 use std::fmt;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -192,6 +193,8 @@ pub enum InputProblem {
     DrawnApart { line: String, node: String },
     #[error("joint \"{joint}\" cannot rotate with a constant speed: {why}")]
     NoRotation { joint: String, why: String },
+    #[error("{source}")]
+    Equilibrium { source: StaticsError },
     #[error("initial conditions belong to a dynamic analysis")]
     InitialStatics,
     #[error("{message}")]

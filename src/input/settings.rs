@@ -91,7 +91,7 @@ pub(super) fn plan(assembly: &Assembly<'_>, model: &Model) -> Result<Plan, Input
 }
 
 /// One equilibrium, at this load parameter or speed.
-fn only(at: f64) -> StaticOptions {
+pub(super) fn only(at: f64) -> StaticOptions {
     StaticOptions {
         from: at,
         to: at,

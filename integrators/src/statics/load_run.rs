@@ -11,7 +11,7 @@ use crate::failure::Cause;
 use pullback_manifold::system::System;
 
 /// A step of at most this many iterations is followed by one twice as large.
-const EASY: usize = 5;
+pub(super) const EASY: usize = 5;
 
 /// The engine of a run: all that a step needs beside the system.
 pub struct LoadRun {

@@ -61,6 +61,8 @@ pub(super) struct Newton {
     pub options: StaticNewtonOptions,
     /// Coordinates that are held, and their values.
     pub held: Vec<(usize, f64)>,
+    /// The residual that is to remain; empty for none.
+    pub remaining: Vec<f64>,
 }
 
 /// Stiffness that holds a coordinate, relative to the largest entry of the tangent.
@@ -105,6 +107,7 @@ impl Newton {
             predicted: 0,
             options: *options,
             held: Vec::new(),
+            remaining: Vec::new(),
         })
     }
 
@@ -153,6 +156,7 @@ impl Newton {
             accelerations: None,
         };
         system.evaluate(Point::statics(t, q), out)?;
+        add(&mut self.r[..self.remaining.len()], -1.0, &self.remaining);
         for &(i, value) in &self.held {
             let hard = HARD * max_abs(&self.S);
             self.r[i] = hard * (value - q[i]);

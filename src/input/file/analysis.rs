@@ -38,6 +38,11 @@ impl Analysis {
     pub fn is_dynamic(&self) -> bool {
         matches!(self.stepwise(), Some(Self::Dynamic(_)))
     }
+
+    /// Whether it is, or begins with, a motion from equilibrium.
+    pub(crate) fn begins_in_equilibrium(&self) -> bool {
+        matches!(self.stepwise(), Some(Self::Dynamic(d)) if d.from_equilibrium)
+    }
 }
 
 impl Default for Analysis {
@@ -197,6 +202,10 @@ pub struct Dynamic {
     pub step: f64,
     /// Smallest step: the analysis fails when a smaller one would be needed; a millionth of `step` by default.
     pub min_step: Option<f64>,
+    /// Whether it begins at the equilibrium of the forces at t = 0 nearest to the initial configuration, instead of at
+    /// this.
+    #[serde(default)]
+    pub from_equilibrium: bool,
     /// Integration scheme.
     #[serde(default)]
     pub scheme: SchemeName,

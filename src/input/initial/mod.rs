@@ -6,11 +6,13 @@ mod velocities;
 
 use super::file::Initial;
 use super::parts::Assembly;
-use super::{InputError, InputProblem, Location};
+use super::{InputError, InputProblem, Location, settings};
 use nalgebra::Vector3;
 use pullback_elements::model::{Context, NodeId};
 use pullback_integrators::dynamics::{self as integrator, DynamicsError, Progress};
+use pullback_integrators::statics::{Step, solve_statics};
 use std::f64::consts::TAU;
+use std::ops::ControlFlow;
 use velocities::Velocities;
 
 /// Tolerance of velocities, relative to the largest.
@@ -70,6 +72,9 @@ pub(super) fn start(assembly: &Assembly<'_>, context: &mut Context) -> Result<St
         });
     }
     values::start(assembly, context, &mut q, &placed.concat())?;
+    if file.analysis.begins_in_equilibrium() {
+        balance(assembly, context, &mut q)?;
+    }
     let Some(velocities) = Velocities::at(&q, assembly, context, &entries)? else {
         return Ok(Start {
             v: vec![0.0; q.len()],
@@ -77,6 +82,21 @@ pub(super) fn start(assembly: &Assembly<'_>, context: &mut Context) -> Result<St
         });
     };
     requests::project(assembly, context, velocities, &placed)
+}
+
+/// Moves the initial coordinates to the equilibrium at t = 0.
+fn balance(
+    assembly: &Assembly<'_>,
+    context: &mut Context,
+    q: &mut Vec<f64>,
+) -> Result<(), InputError> {
+    let mut go_on = |_: &mut Context, _: &Step<'_>| ControlFlow::Continue(());
+    let solved = solve_statics(context, q, &settings::only(0.0), &mut go_on);
+    solved.map(|_| ()).map_err(|source| {
+        let at = settings::location(assembly.at("analysis"), &assembly.file.analysis);
+        let at = at.at("dynamic").at("from_equilibrium");
+        at.refuse_key(InputProblem::Equilibrium { source })
+    })
 }
 
 /// An entry of `[[initial]]`: of a node, of chosen nodes, or of all.

@@ -8,6 +8,7 @@ use pullback::input::assemble_text;
 use pullback::output::{COLUMNS, DYNAMIC_COLUMNS};
 use roxmltree::Document;
 use std::collections::HashMap;
+use std::f64::consts::FRAC_PI_2;
 
 /// The page of model files.
 const DOCUMENTS: &str = include_str!("../../../docs/model_file.md");
@@ -91,6 +92,50 @@ fn what_a_pendulum_records_is_exact_to_the_second_order_of_the_step() {
     });
     let names = ["tension", "energy", "kinetic energy"];
     assert_slopes("pendulum", &names, &errors, 2.0, 0.1);
+}
+
+#[test]
+fn a_motion_begins_in_equilibrium() {
+    // A cantilever bent far, by a load that Newton's method does not balance at once. The elastica by elliptic
+    // integrals (Bisshopp & Drucker 1945) ends at 1 − 0.55500, 0.81061, and stays there.
+    let mass = "EI = [1, 1] } => &\\nmass = { A_rho = 1, J = [2e-3, 1e-3, 1e-3] }";
+    let begins = "[analysis.dynamic]\nto = 0.1\nstep = 0.01\nfrom_equilibrium = true\n";
+    let bent = changed(&example("elastica"), mass) + begins;
+    for row in recorded("program_equilibrium", &bent) {
+        for (column, exact) in [("tip.x", -0.55500), ("tip.y", 0.81061)] {
+            assert_close(number(&row, column), exact, 1e-5, &row["t"]);
+        }
+    }
+    // A rate starts from there: −m g/k + v/ω sin ωt.
+    let text = [
+        GROUND,
+        &joint(
+            "rod",
+            "prismatic",
+            "ground",
+            "axis = [0, 0, 1]\nspring = { k = 100 }\nrate = 0.5",
+        ),
+        &body_of("rod", 4.0, "inertia = [1, 1, 1]"),
+        GRAVITY,
+        &probe_of("z", "joint_coordinate", "joint = \"rod\""),
+        "[analysis.dynamic]\nto = 1\nstep = 0.01\nscheme = \"tsitouras\"\nfrom_equilibrium = true\n",
+    ];
+    for row in recorded("program_equilibrium", &text.concat()) {
+        let exact = -0.3924 + 0.1 * (5.0 * number(&row, "t")).sin();
+        assert_close(number(&row, "z"), exact, 1e-8, &row["t"]);
+    }
+    // A `value` is a first guess; as it is drawn, a pendulum at the horizontal has no stiffness.
+    let begins = "to = 10 => from_equilibrium = true\\nto = 0.1\n";
+    let hangs = pendulum(&format!("{begins}axis = [0, => value = 1.2\\n&"));
+    for row in recorded("program_equilibrium", &hangs) {
+        assert_close(number(&row, "angle"), FRAC_PI_2, 1e-12, &row["t"]);
+    }
+    check(
+        &pendulum(begins),
+        "from_equilibrium",
+        "what moves without resistance:\n    pivot angle",
+        "nearer to an equilibrium",
+    );
 }
 
 #[test]
