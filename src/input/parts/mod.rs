@@ -243,10 +243,8 @@ impl<'a> Assembly<'a> {
 
 /// The ends of rigid links and springs.
 fn links<'a>(assembly: &'a Assembly<'_>) -> impl Iterator<Item = [NodeId; 2]> + 'a {
-    let links = assembly.file.joints.iter().filter_map(|joint| {
-        joint.keys.get("position")?;
-        Some([joint.parent.as_ref()?, &joint.name])
-    });
+    let offsets = assembly.file.joints.iter().filter(|j| j.kind == "offset");
+    let links = offsets.filter_map(|joint| Some([joint.parent.as_ref()?, &joint.name]));
     let springs = assembly.file.springs.iter();
     let ends = links.chain(springs.map(|spring| spring.nodes.each_ref()));
     let nodes = &assembly.nodes;

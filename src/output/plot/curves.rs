@@ -15,6 +15,8 @@ pub struct PlotCurve {
     pub scattered: bool,
     /// Number of its colour, if curves of a kind share one; its index otherwise.
     pub color: Option<usize>,
+    /// Name at its last point.
+    pub end: Option<String>,
 }
 
 impl PlotCurve {
@@ -25,6 +27,7 @@ impl PlotCurve {
             points,
             scattered: false,
             color: None,
+            end: None,
         }
     }
 
@@ -41,6 +44,15 @@ impl PlotCurve {
     pub fn colored(self, color: usize) -> Self {
         Self {
             color: Some(color),
+            ..self
+        }
+    }
+
+    /// The same with a name at its last point.
+    #[must_use]
+    pub fn ending_as(self, name: String) -> Self {
+        Self {
+            end: Some(name),
             ..self
         }
     }

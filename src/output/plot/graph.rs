@@ -5,8 +5,8 @@ use super::axes::{self, Area, Axes, LEFT, MARGIN, Mark, legend_height};
 use super::scale::AxisScale;
 use super::{FINE, INK, PALE, PALETTE, PlotCurve, PlotError, TEXT, figure, font, part};
 use plotters::element::PathElement;
-use plotters::style::Color;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{Color, TextStyle};
 use std::collections::BTreeMap;
 
 /// Curves over the same axes, marked at their points, or at some of them if there are more curves than colours.
@@ -112,7 +112,10 @@ fn draw(area: &Area<'_>, graph: &Graph) -> Result<(), PlotError> {
         .map(|c| c.points.iter().filter_map(position).collect())
         .collect();
     let level = graph.level.and_then(|y| scale_y.position(y));
-    let x = axes::range(curves.iter().flatten().map(|p| p.0));
+    let mut x = axes::range(curves.iter().flatten().map(|p| p.0));
+    if graph.curves.iter().any(|curve| curve.end.is_some()) {
+        x[1] += 0.04 * (x[1] - x[0]);
+    }
     let mut y = axes::range(curves.iter().flatten().map(|p| p.1).chain(level));
     let triangles = triangles(&graph.slopes, &curves, x, y);
     for (_, corners) in &triangles {
@@ -141,6 +144,9 @@ fn draw(area: &Area<'_>, graph: &Graph) -> Result<(), PlotError> {
                 axes::marker(area, p, rgb, color)?;
             }
         }
+        if let (Some(name), Some(&(x, y))) = (&curve.end, points.last()) {
+            area.draw_text(name, &beside(), (x + 4 * FINE, y))?;
+        }
         if curve.scattered {
             continue;
         }
@@ -151,6 +157,11 @@ fn draw(area: &Area<'_>, graph: &Graph) -> Result<(), PlotError> {
         triangle(area, slope, corners.map(|corner| axes.at(corner)))?;
     }
     Ok(())
+}
+
+/// Text to the right of a point.
+fn beside() -> TextStyle<'static> {
+    font(TEXT).pos(Pos::new(HPos::Left, VPos::Center))
 }
 
 /// A dashed line across the graph.
@@ -217,11 +228,10 @@ fn triangle(area: &Area<'_>, slope: f64, corners: [(i32, i32); 3]) -> Result<(),
     let [a, b, c] = corners;
     let style = INK.stroke_width(FINE as u32);
     area.draw(&PathElement::new(vec![a, b, c, a], style))?;
-    let beside = font(TEXT).pos(Pos::new(HPos::Left, VPos::Center));
     let below = font(TEXT).pos(Pos::new(HPos::Center, VPos::Top));
     area.draw_text(
         &format!("{slope}"),
-        &beside,
+        &beside(),
         (b.0 + 4 * FINE, (b.1 + c.1) / 2),
     )?;
     area.draw_text("1", &below, ((a.0 + b.0) / 2, b.1 + 2 * FINE))?;

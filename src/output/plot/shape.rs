@@ -186,14 +186,14 @@ fn plots(extents: [f64; 3]) -> Vec<Plot> {
     ]
 }
 
-/// A figure of the reference, intermediate and last shapes, as SVG text; `label` is the name of the last one in
-/// the legend.
+/// A figure of the reference, intermediate and last shapes, as SVG text; `names` are those of the first and the
+/// last one in the legend.
 pub(crate) fn deformed(
     title: Option<&str>,
     units: &Units,
     reference: &Shapes,
     shapes: &[(f64, Shapes)],
-    label: Option<&str>,
+    names: Option<[&str; 2]>,
 ) -> Result<String, PlotError> {
     let chosen = between(shapes.len()).chain(shapes.len().checked_sub(1));
     let drawn = std::iter::once(reference).chain(chosen.map(|k| &shapes[k].1));
@@ -202,13 +202,13 @@ pub(crate) fn deformed(
         .filter(|p| p.iter().all(|x| x.is_finite()))
         .copied()
         .collect();
+    let entries = entries(reference, shapes, names);
     let names = AXES.map(|name| units.label(name, [0, 1, 0, 0]));
     let plots = plots([0, 1, 2].map(|k| extent(View::Plane(k, k).range(&points)[0])));
     let [width, height] = [0, 1].map(|k| {
         let ends = plots.iter().map(|(_, corner, size)| corner[k] + size[k]);
         ends.max().unwrap_or(0)
     });
-    let entries = entries(reference, shapes, label);
     let head = if title.is_some() { 34 } else { 0 };
     let top = head + legend_height(&entries, width - EDGE[0]);
     // The plane views share one scale; the isometric one has its own.
@@ -251,15 +251,16 @@ fn between(count: usize) -> impl Iterator<Item = usize> {
 fn entries(
     reference: &Shapes,
     shapes: &[(f64, Shapes)],
-    label: Option<&str>,
+    names: Option<[&str; 2]>,
 ) -> Vec<(String, Mark)> {
-    let mut out = vec![("reference".to_owned(), Mark::Line(PALE, 3))];
+    let first = names.map_or("reference", |names| names[0]);
+    let mut out = vec![(first.to_owned(), Mark::Line(PALE, 3))];
     if between(shapes.len()).next().is_some() {
         out.push(("intermediate states".to_owned(), Mark::Line(PALE_BLUE, 2)));
     }
     if let Some((t, _)) = shapes.last() {
         let deformed = || format!("deformed, t = {}", tick(*t, 0.1));
-        let label = label.map_or_else(deformed, str::to_owned);
+        let label = names.map_or_else(deformed, |names| names[1].to_owned());
         out.push((label, Mark::Line(PALETTE[0], 5)));
     }
     if !reference.bodies.is_empty() {

@@ -79,7 +79,8 @@ fn graph(diagram: &CampbellDiagram, units: &Units) -> Graph {
             let n = n as f64;
             let limit = |x: f64| x.clamp(-highest / n, highest / n);
             let points = [limit(from), limit(to)].map(|x| (x, n * x.abs()));
-            curves.push(PlotCurve::new("multiples of the speed", points.to_vec()).colored(COLORS));
+            let line = PlotCurve::new("multiples of the speed", points.to_vec()).colored(COLORS);
+            curves.push(line.ending_as(format!("{n}Ω")));
         }
     }
     let time = units.time.as_deref().unwrap_or("unit of time");

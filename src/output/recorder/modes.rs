@@ -175,7 +175,8 @@ impl Recorder<'_> {
         if !output.figures.is_none() && displace(context, at, shape, Complex64::ZERO).is_some() {
             let state = Shapes::of(context, geometry, 1.0);
             let name = format!("mode_{number:02}");
-            let figure = plot::deformed(Some(title), units, &state, &shapes, Some("mode"));
+            let figure =
+                plot::deformed(Some(title), units, &state, &shapes, Some(["state", "mode"]));
             self.write_figure(&name, &figure.map_err(drawing(&name))?)?;
         }
         Ok(())
