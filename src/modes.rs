@@ -11,7 +11,7 @@ use pullback_integrators::linearization::{
     linearize, modes_while,
 };
 use pullback_integrators::significant;
-use pullback_manifold::system::{Point, System, SystemError};
+use pullback_manifold::system::{Evaluation, Point, System, SystemError};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
@@ -144,7 +144,7 @@ fn find_in(
     if !found.modes.is_empty() && found.modes.iter().all(still) {
         warnings.push("nothing in the model is elastic: all frequencies are zero".to_owned());
     }
-    warnings.extend(warning_of_motion(at));
+    warnings.extend(warning_of_motion(context, at)?);
     let participations = participations(context, at, &found.modes)?;
     let modes = found.modes.into_iter().zip(participations);
     let modes = modes.map(|(mode, participation)| ModelMode {
@@ -193,16 +193,33 @@ fn participations(
     participations.collect()
 }
 
+/// Forces of a motion relative to those on the model below which it is at rest.
+const AT_REST: f64 = 1e-9;
+
 /// What a user should know of a linearisation about a state that moves.
-pub(crate) fn warning_of_motion(at: Point<'_>) -> Option<String> {
-    let moves = at.v.iter().chain(at.a).any(|x| *x != 0.0);
-    moves.then(|| {
+pub(crate) fn warning_of_motion(
+    context: &mut Context,
+    at: Point<'_>,
+) -> Result<Option<String>, SystemError> {
+    let still = vec![0.0; at.q.len()];
+    let (mut r, mut resting) = (still.clone(), still.clone());
+    let (v, a) = (&*still, &*still);
+    context.evaluate(Point { v, a, ..at }, Evaluation::residual(&mut resting))?;
+    context.evaluate(at, Evaluation::residual(&mut r))?;
+    let measures = context.scales().measures();
+    let coordinates = context.pattern().coordinates().iter();
+    let moves = coordinates
+        .zip(r.iter().zip(&resting))
+        .any(|(info, (r, resting))| {
+            (r - resting).abs() > AT_REST * measures[info.quantity.index()]
+        });
+    Ok(moves.then(|| {
         format!(
             "the state moves: its equations are frozen at time {}, and growth or decay of a mode there is none of \
              the motion; only a steady motion, at rest in its coordinates, has modes of its own",
             significant(at.t)
         )
-    })
+    }))
 }
 
 /// Critical loads of a model, nearest to that of an equilibrium.

@@ -282,6 +282,7 @@ fn initial_progress(job: &mut Job, resumed: Option<Progress>) -> Result<Progress
 /// The warnings about a model at its start; adds to the notes on it.
 fn first_warnings(job: &mut Job, progress: &Progress, notes: &mut Vec<String>) -> Vec<String> {
     let mut warnings = warnings::strained(job, progress);
+    warnings.extend(warnings::unstable_start(job));
     if matches!(job.plan, Plan::Dynamic(_)) {
         notes.extend(warnings::prescribed_start(job));
         let Job { context, file, .. } = job;

@@ -8,6 +8,7 @@ pub(crate) use joint_rates::{JointRates, RateChange};
 
 use crate::input::{Job, Joint, ModelFile, Time};
 use crate::solve::Counts;
+use crate::terminal::plural;
 use pullback_elements::element::SectionState;
 use pullback_elements::joint::JointNodes;
 use pullback_elements::model::{BEFORE_START, Context, NodeId};
@@ -24,7 +25,7 @@ const DOUBTFUL: f64 = 0.1;
 pub(crate) fn unbalanced(counts: &Counts) -> Option<&'static str> {
     let energy = counts.energy?;
     let doubtful = DOUBTFUL * energy.start.max(energy.work.abs());
-    if energy.largest_defect <= doubtful || energy.is_rounding() {
+    if energy.largest_defect <= doubtful || energy.is_rounding(counts.steps) {
         let now = energy.now.kinetic + energy.now.stored;
         let still = energy.start == 0.0 && energy.gross == 0.0 && now == 0.0;
         return (still && counts.steps > 0).then_some(
@@ -170,6 +171,15 @@ pub(crate) fn strained(job: &Job, progress: &Progress) -> Vec<String> {
          it in that position, or start at 0",
         are(&names)
     )]
+}
+
+/// A warning about an unstable equilibrium at the start of a motion.
+pub(crate) fn unstable_start(job: &Job) -> Option<String> {
+    let directions = plural(job.start.unstable.filter(|&n| n > 0)?, "direction");
+    Some(format!(
+        "the equilibrium at t = 0 is unstable in {directions} (negative pivots of the tangent): a disturbance leads away from it. \
+         An initial configuration nearer to a stable one leads there"
+    ))
 }
 
 /// Warnings about loops that cannot move.

@@ -163,8 +163,7 @@ impl FailedStep {
         if self.step == 0 {
             return write!(
                 f,
-                "no equilibrium is found under the loads that are there at the start, {parameter} \
-                 {from}: "
+                "no equilibrium is found at the start, {parameter} {from}: "
             );
         }
         let known = if self.step == 1 { "start" } else { "converged" };
@@ -253,6 +252,7 @@ impl FailedStep {
                 error,
                 mechanism,
                 match self.parameter {
+                    _ if self.step == 0 => "hold it by a support, a spring or a prescribed motion",
                     StepParameter::Load => {
                         "hold it by a support, a spring, a prescribed motion, or loads that act from the start; if this \
                          is a limit point, follow the path with arc-length control"
@@ -261,9 +261,9 @@ impl FailedStep {
                 },
             )),
             Cause::Diverged => f.write_str(match self.parameter {
-                StepParameter::Load if self.step == 0 => {
-                    "Newton's corrections grow however they are damped; let these loads grow with \
-                     the load parameter, or make them smaller"
+                _ if self.step == 0 => {
+                    "Newton's corrections grow however they are damped; let the loads and prescribed \
+                     displacements that are there grow from zero, or make them smaller"
                 }
                 StepParameter::Load => {
                     "Newton's corrections grow however they are damped; a limit point may lie ahead \
@@ -308,8 +308,8 @@ impl FailedStep {
                 why: DomainError::Beyond { limit, .. },
             } if self.step == 0 => write!(
                 f,
-                "{what} left {limit}: let these loads grow with the load parameter, or make them \
-                 smaller"
+                "{what} left {limit}: let the loads and prescribed displacements that are there grow \
+                 from zero, or make them smaller"
             ),
             error if self.step == 0 || self.min_step.is_none() => write!(f, "{error}"),
             error => write!(

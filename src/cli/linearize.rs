@@ -95,7 +95,7 @@ pub(super) fn linearize(registry: &Registry, args: &LinearizeArguments) -> Exit 
         true => Some(first_order(&mut job, (&lin, at), speed)?),
         false => None,
     };
-    if let Some(warning) = warning_of_motion(at) {
+    if let Some(warning) = warning_of_motion(&mut job.context, at).map_err(fail)? {
         tell(format!("warning: {warning}"));
     }
     if let Some(name) = prescribing(&job.file) {

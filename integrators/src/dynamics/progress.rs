@@ -75,9 +75,9 @@ impl EnergyBalance {
         Ok(())
     }
 
-    /// Whether the defect is only rounding errors.
-    pub fn is_rounding(&self) -> bool {
-        self.largest_defect <= f64::EPSILON * self.size
+    /// Whether the defect is only rounding errors of so many steps.
+    pub fn is_rounding(&self, steps: usize) -> bool {
+        self.largest_defect <= f64::EPSILON * self.size * steps as f64
     }
 
     /// Energy that was not supplied.

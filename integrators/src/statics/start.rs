@@ -2,8 +2,8 @@
 //!
 //! Loads that act at the first load parameter (dead weight, a constant pressure) are balanced
 //! before they grow, and the equilibrium is reported as step 0. Where they are in balance, nothing is
-//! solved. Where Newton's method does not balance them at once, it does so in parts: from q₀ to the
-//! solution of r(q) = (1 − s) r(q₀), and on from there.
+//! solved. Where the first correction is large, or Newton's method fails, they are balanced in parts:
+//! from q₀ to the solution of r(q) = (1 − s) r(q₀), and on from there.
 
 use super::fixed_load::TangentStatus;
 use super::load_run::EASY;
@@ -14,12 +14,10 @@ use crate::failure::Cause;
 use crate::rounding::is_exact;
 use pullback_manifold::system::System;
 
-/// First part of the forces out of balance that is balanced where all of them cannot be.
-const PART: f64 = 0.25;
 /// Smallest part.
-const SMALLEST: f64 = 1e-3;
+const SMALLEST: f64 = 1e-6;
 /// Most parts, tried or balanced.
-const PARTS: usize = 100;
+const PARTS: usize = 200;
 
 /// Balances the loads at the first load parameter, from `q`: the state of the tangent, and the equilibrium.
 ///
@@ -36,22 +34,34 @@ pub(super) fn begin(
     newton.history.clear();
     let start = q.to_vec();
     let evaluated = newton.evaluate(system, None, q, t).map_err(Cause::System);
-    let settled = evaluated.and_then(|()| match is_exact(system, &newton.r) {
+    let mut settled = evaluated.and_then(|()| match is_exact(system, &newton.r) {
         true => Ok(0),
         false => newton.settle(system, q, t, None),
     });
-    let chart_changes = match settled {
-        Ok(changes) => changes,
-        Err(failure) => {
-            let mut failed = newton.fail(system, failure, t);
-            failed.step = 0;
-            newton.summary.rejected += 1;
+    let first = match (newton.history.first(), &settled) {
+        (Some(iteration), _) => iteration.correction,
+        (None, Err(Cause::System(_) | Cause::Diverged)) => newton.size(&newton.dq),
+        (None, _) => 0.0,
+    };
+    if first > 1.0 || settled.is_err() && first > 0.0 {
+        newton.summary.rejected += 1;
+        for in_parts in [true, false] {
             q.copy_from_slice(&start);
             charts(system).start(t, q);
-            let balanced = balance_in_parts(newton, system, q, t);
-            balanced.ok_or(StaticsError::Step(failed))?
+            settled = match in_parts {
+                true => balance_in_parts(newton, system, q, t, (1.0 / first).min(0.5)),
+                false => newton.settle(system, q, t, None),
+            };
+            if settled.is_ok() {
+                break;
+            }
         }
-    };
+    }
+    let chart_changes = settled.map_err(|failure| {
+        let mut failed = newton.fail(system, failure, t);
+        failed.step = 0;
+        StaticsError::Step(failed)
+    })?;
     let (known, unstable) = newton.prepare(system);
     newton.summary.iterations += newton.iterations();
     let iterations = newton.summary.iterations;
@@ -66,18 +76,20 @@ pub(super) fn begin(
     Ok((known, start))
 }
 
-/// Balances the loads at `t` part by part; returns the number of changes of chart, `None` without an equilibrium.
+/// Balances the loads at `t` part by part, a `part` of the forces out of balance first; returns the number of changes of
+/// chart.
 fn balance_in_parts(
     newton: &mut Newton,
     system: &mut dyn System,
     q: &mut [f64],
     t: f64,
-) -> Option<usize> {
-    let (mut part, mut changes) = (PART, 0);
+    mut part: f64,
+) -> Result<usize, Cause> {
+    let mut changes = 0;
     let mut from = q.to_vec();
     for _ in 0..PARTS {
         newton.history.clear();
-        newton.evaluate(system, None, q, t).ok()?;
+        newton.evaluate(system, None, q, t).map_err(Cause::System)?;
         let balanced = if part < 1.0 {
             newton.remaining = newton.r.iter().map(|r| (1.0 - part) * r).collect();
             newton.correct(system, q, &mut { t }, None, None)
@@ -86,28 +98,29 @@ fn balance_in_parts(
             settled.map(|count| changes += count)
         };
         newton.remaining.clear();
-        if balanced.is_err() {
-            newton.summary.rejected += 1;
-            q.copy_from_slice(&from);
-            part *= 0.5;
-            if part < SMALLEST {
-                return None;
+        match balanced {
+            Err(cause) => {
+                newton.summary.rejected += 1;
+                q.copy_from_slice(&from);
+                part *= 0.5;
+                if part < SMALLEST {
+                    return Err(cause);
+                }
             }
-            continue;
+            Ok(()) if part < 1.0 => {
+                newton.summary.iterations += newton.iterations();
+                // The charts of the next part, whose residual is another covector in them.
+                changes += charts(system).change_charts(t, q, &mut [], &mut []).charts;
+                from.copy_from_slice(q);
+                let growth = if newton.iterations() <= EASY {
+                    2.0
+                } else {
+                    1.0
+                };
+                part = (growth * part / (1.0 - part)).min(1.0);
+            }
+            Ok(()) => return Ok(changes),
         }
-        if part >= 1.0 {
-            return Some(changes);
-        }
-        newton.summary.iterations += newton.iterations();
-        // The charts of the next part, whose residual is another covector in them.
-        changes += charts(system).change_charts(t, q, &mut [], &mut []).charts;
-        from.copy_from_slice(q);
-        let growth = if newton.iterations() <= EASY {
-            2.0
-        } else {
-            1.0
-        };
-        part = (growth * part / (1.0 - part)).min(1.0);
     }
-    None
+    Err(Cause::TooManyIterations)
 }

@@ -202,8 +202,8 @@ pub struct Dynamic {
     pub step: f64,
     /// Smallest step: the analysis fails when a smaller one would be needed; a millionth of `step` by default.
     pub min_step: Option<f64>,
-    /// Whether it begins at the equilibrium of the forces at t = 0 nearest to the initial configuration, instead of at
-    /// this.
+    /// Whether it begins in the static equilibrium of the forces at t = 0, found from the initial configuration, instead
+    /// of in this.
     #[serde(default)]
     pub from_equilibrium: bool,
     /// Integration scheme.

@@ -10,7 +10,7 @@ use super::{InputError, InputProblem, Location, settings};
 use nalgebra::Vector3;
 use pullback_elements::model::{Context, NodeId};
 use pullback_integrators::dynamics::{self as integrator, DynamicsError, Progress};
-use pullback_integrators::statics::{Step, solve_statics};
+use pullback_integrators::statics::{StaticsError, Step, StepParameter, solve_statics};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use velocities::Velocities;
@@ -25,6 +25,8 @@ pub struct Start {
     pub q: Vec<f64>,
     /// Velocities.
     pub v: Vec<f64>,
+    /// Number of unstable directions, in an equilibrium.
+    pub unstable: Option<usize>,
 }
 
 impl Start {
@@ -72,27 +74,37 @@ pub(super) fn start(assembly: &Assembly<'_>, context: &mut Context) -> Result<St
         });
     }
     values::start(assembly, context, &mut q, &placed.concat())?;
-    if file.analysis.begins_in_equilibrium() {
-        balance(assembly, context, &mut q)?;
-    }
+    let unstable = match file.analysis.begins_in_equilibrium() {
+        true => balance(assembly, context, &mut q)?,
+        false => None,
+    };
     let Some(velocities) = Velocities::at(&q, assembly, context, &entries)? else {
         return Ok(Start {
             v: vec![0.0; q.len()],
             q,
+            unstable,
         });
     };
-    requests::project(assembly, context, velocities, &placed)
+    let start = requests::project(assembly, context, velocities, &placed)?;
+    Ok(Start { unstable, ..start })
 }
 
-/// Moves the initial coordinates to the equilibrium at t = 0.
+/// Moves the initial coordinates to the equilibrium at t = 0; the number of its unstable directions.
 fn balance(
     assembly: &Assembly<'_>,
     context: &mut Context,
     q: &mut Vec<f64>,
-) -> Result<(), InputError> {
-    let mut go_on = |_: &mut Context, _: &Step<'_>| ControlFlow::Continue(());
-    let solved = solve_statics(context, q, &settings::only(0.0), &mut go_on);
-    solved.map(|_| ()).map_err(|source| {
+) -> Result<Option<usize>, InputError> {
+    let mut unstable = None;
+    let mut each = |_: &mut Context, step: &Step<'_>| {
+        unstable = step.unstable;
+        ControlFlow::Continue(())
+    };
+    let solved = solve_statics(context, q, &settings::only(0.0), &mut each);
+    solved.map(|_| unstable).map_err(|mut source| {
+        if let StaticsError::Step(failed) = &mut source {
+            failed.parameter = StepParameter::Time;
+        }
         let at = settings::location(assembly.at("analysis"), &assembly.file.analysis);
         let at = at.at("dynamic").at("from_equilibrium");
         at.refuse_key(InputProblem::Equilibrium { source })

@@ -82,7 +82,9 @@ pub(super) fn project(
         return Ok(start);
     }
     let failed = |error| assembly.locate(error);
-    (context.project_positions(0.0, &mut start.q, &held, placed)).map_err(failed)?;
+    if !assembly.file.analysis.begins_in_equilibrium() {
+        (context.project_positions(0.0, &mut start.q, &held, placed)).map_err(failed)?;
+    }
     let (left, _) = remaining_error(context, &start, &held).map_err(failed)?;
     let moves = rates.iter().any(|r| r.given.abs() > 0.0);
     if let (Some(first), true) = (rates.first(), moves && left > VELOCITY_TOLERANCE) {
@@ -109,7 +111,7 @@ pub(super) fn project(
             return Err(request.at.refuse(InputProblem::LoopMotion { joint }));
         }
     }
-    let Start { q, v } = &mut start;
+    let Start { q, v, .. } = &mut start;
     (context.project_velocities(BEFORE_START, q, v, &held)).map_err(failed)?;
     Ok(start)
 }

@@ -42,7 +42,11 @@ impl<'a> Velocities<'a> {
             return Ok(None);
         }
         let mut all = Self {
-            start: Start { q, v },
+            start: Start {
+                q,
+                v,
+                ..Start::default()
+            },
             rates: Vec::new(),
             held: Vec::new(),
             requests: Vec::new(),
@@ -92,7 +96,7 @@ impl<'a> Velocities<'a> {
             self.set_attached(context, node, (&motion, of), entry);
             return Ok(None);
         }
-        let Start { q, v } = &mut self.start;
+        let Start { q, v, .. } = &mut self.start;
         // Components that the entry does not prescribe stay.
         let others = node.map(|node| requests::unknowns(context, node, of.map(|of| !of)));
         let others = others
@@ -180,7 +184,7 @@ impl<'a> Velocities<'a> {
         let Some(first) = rates.first() else {
             return Ok(given);
         };
-        let Start { q, v } = &mut self.start;
+        let Start { q, v, .. } = &mut self.start;
         let wanted: Vec<_> = rates.iter().map(|r| (r.node, r.k, r.given)).collect();
         // Where a map cannot be evaluated at the start, the analysis says so.
         let fitted = context.fit_coordinate_rates(q, v, &wanted, &given);

@@ -124,11 +124,33 @@ fn a_motion_begins_in_equilibrium() {
         let exact = -0.3924 + 0.1 * (5.0 * number(&row, "t")).sin();
         assert_close(number(&row, "z"), exact, 1e-8, &row["t"]);
     }
-    // A `value` is a first guess; as it is drawn, a pendulum at the horizontal has no stiffness.
+    // A penalty keeps the gap that carries the weight, m g/p.
+    let held = "child = \"body\"\nclosure = \"penalty\"\npenalty = 1e4";
+    let text = [
+        "[nodes]\nground = [0, 0, 0]\nbody = [0, 0, 0]\n",
+        &fixed("ground"),
+        &joint("weld", "weld", "ground", held),
+        &body_of("body", 4.0, "inertia = [1, 1, 1]"),
+        GRAVITY,
+        &probe("d", "displacement", "body"),
+        begins,
+    ];
+    for row in recorded("program_equilibrium", &text.concat()) {
+        assert_close(number(&row, "d.z"), -39.24e-4, 1e-12, &row["t"]);
+    }
+}
+
+#[test]
+fn the_equilibrium_at_the_start_is_near_and_told_if_it_is_unstable() {
+    // A `value` is a first guess. The load is reduced step by step, so that a pendulum hangs down from 79°, and
+    // stands if it is beyond the horizontal.
     let begins = "to = 10 => from_equilibrium = true\\nto = 0.1\n";
-    let hangs = pendulum(&format!("{begins}axis = [0, => value = 1.2\\n&"));
-    for row in recorded("program_equilibrium", &hangs) {
-        assert_close(number(&row, "angle"), FRAC_PI_2, 1e-12, &row["t"]);
+    for (value, angle) in [(0.2, FRAC_PI_2), (-0.2, -FRAC_PI_2)] {
+        let text = pendulum(&format!("{begins}axis = [0, => value = {value}\\n&"));
+        let run = run_of("program_equilibrium", &text);
+        assert_close(number(&run.rows[0], "angle"), angle, 1e-9, value);
+        let warned = run.said.contains("unstable in 1 direction");
+        assert_eq!(warned, value < 0.0, "{}", run.said);
     }
     check(
         &pendulum(begins),

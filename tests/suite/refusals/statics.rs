@@ -64,12 +64,11 @@ fn a_load_that_jumps_is_told_of_and_small_numbers_are_readable() {
         "e-9 (converged)",
     ];
     assert_says(&said, &words);
+    // One that follows a strut, and is there from the start.
     let constant = strut.replace("pulse = { start = 2.5e-9, end = 1 }", "constant = 1");
-    let said = failed("messages_constant", &constant);
-    let words = [
-        "under the loads that are there at the start",
-        "let these loads grow with the load parameter",
-    ];
+    let follows = constant.replace("[0, 3e5, 0]", "[0, 16, 0]\nfollower = true");
+    let said = failed("messages_constant", &follows);
+    let words = ["no equilibrium is found at the start", "grow from zero"];
     assert_says(&said, &words);
     assert!(!said.contains("smaller steps"), "{said}");
     assert!(!said.contains("converged)"), "{said}");
