@@ -17,7 +17,7 @@ use pullback_manifold::system::System;
 /// Smallest part.
 const SMALLEST: f64 = 1e-6;
 /// Most parts, tried or balanced.
-const PARTS: usize = 200;
+const PARTS: usize = 100;
 
 /// Balances the loads at the first load parameter, from `q`: the state of the tangent, and the equilibrium.
 ///
