@@ -2,7 +2,7 @@
 
 use crate::model::assembly::element_workspace::ElementWorkspace;
 use crate::model::assembly::scatter_map::ScatterMap;
-use crate::model::charts::nodes::Reparametrization;
+use crate::model::charts::nodes::MapCoordinates;
 use crate::model::charts::segments::SegmentChanges;
 use crate::model::kinematics::mapped_node::Operators;
 use crate::model::{ElementEntry, Nodes};
@@ -43,7 +43,7 @@ pub(in crate::model) struct Workspace {
     /// Parts C and M of a tangent, if rates are angular velocities.
     pub parts: [Vec<f64>; 2],
     /// Coordinates of the maps that may reparametrize them.
-    pub reparametrizations: Vec<Reparametrization>,
+    pub reparametrizations: Vec<MapCoordinates>,
     /// Whether the last change of charts changed a segment.
     pub segments_changed: bool,
     pub segment_changes: SegmentChanges,
@@ -138,7 +138,7 @@ impl Workspace {
             coupled: zeros(coupled),
             scratch: zeros(scratch),
             local: ElementWorkspace::new(n, parents),
-            reparametrizations: Reparametrization::all(nodes),
+            reparametrizations: MapCoordinates::all(nodes),
             scales,
             exerted: scales,
             dead_loads: DeadLoads {

@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 
 /// Coordinates of a map that may reparametrize them.
 #[derive(Clone)]
-pub(in crate::model) struct Reparametrization {
+pub(in crate::model) struct MapCoordinates {
     /// The mapped node.
     node: u32,
     /// Whether the map has parents beside the first one.
@@ -21,7 +21,7 @@ pub(in crate::model) struct Reparametrization {
     a: Vec<Vec<f64>>,
 }
 
-impl Reparametrization {
+impl MapCoordinates {
     /// Those of all maps, in the order of their nodes.
     pub(in crate::model) fn all(nodes: &Nodes) -> Vec<Self> {
         let maps = nodes.mapped().filter(|(_, _, d)| d.reparametrizes);
@@ -205,7 +205,7 @@ impl Context {
         q: &[f64],
         v: &[f64],
         accelerations: &[&mut [f64]],
-        all: &mut [Reparametrization],
+        all: &mut [MapCoordinates],
     ) -> bool {
         let rest = match accelerations.is_empty() {
             true => vec![0.0; v.len()],
