@@ -203,7 +203,7 @@ pub(crate) fn warning_of_motion(
 ) -> Result<Option<String>, SystemError> {
     let still = vec![0.0; at.q.len()];
     let (mut r, mut resting) = (still.clone(), still.clone());
-    let (v, a) = (&*still, &*still);
+    let (v, a) = (&still[..at.v.len()], &still[..at.a.len()]);
     context.evaluate(Point { v, a, ..at }, Evaluation::residual(&mut resting))?;
     context.evaluate(at, Evaluation::residual(&mut r))?;
     let measures = context.scales().measures();

@@ -145,6 +145,9 @@ impl Probe {
     pub(crate) fn dimension(&self) -> Dimension {
         let [force, length, time, angle] = self.quantity.dimension();
         match self.target {
+            Target::Joint(_, quantity) if self.quantity == ProbeQuantity::joint_effort => {
+                [force, i32::from(quantity == Quantity::Angle), time, angle]
+            }
             Target::Joint(_, Quantity::Length) => [force, length + 1, time, angle],
             Target::Joint(_, Quantity::Angle) => [force, length, time, angle + 1],
             _ => [force, length, time, angle],
@@ -155,7 +158,7 @@ impl Probe {
     pub(crate) fn is_kinematic(&self) -> bool {
         use ProbeQuantity as Q;
         match &self.target {
-            Target::Joint(..) => true,
+            Target::Joint(..) => self.quantity != Q::joint_effort,
             Target::Node(..) => !matches!(
                 self.quantity,
                 Q::reaction_force | Q::reaction_moment | Q::joint_force | Q::joint_moment
@@ -189,6 +192,9 @@ impl Probe {
 
     fn vector(&mut self, context: &Context, answers: &Answers) -> Vector3<f64> {
         match &self.target {
+            Target::Joint(node, _) if self.quantity == ProbeQuantity::joint_effort => {
+                scalar(context.joint_effort(*node))
+            }
             Target::Joint(node, _) => {
                 let rate = match self.quantity {
                     ProbeQuantity::joint_rate => 1,

@@ -186,6 +186,7 @@ impl ProbeQuantity {
             joint_coordinate => ("joint_coordinate", "joint coordinate", Self::JOINT, statics, [0, 0, 0, 0]),
             joint_rate => ("joint_rate", "rate of joint coordinate", Self::JOINT, dynamics, [0, 0, -1, 0]),
             joint_acceleration => ("joint_acceleration", "acceleration of joint coordinate", Self::JOINT, dynamics, [0, 0, -2, 0]),
+            joint_effort => ("joint_effort", "effort of joint", Self::JOINT, statics, [1, 1, 0, 0]),
             joint_force => ("joint_force", "force in joint", Self::FRAME, statics, [1, 0, 0, 0]),
             joint_moment => ("joint_moment", "moment in joint", Self::FRAME, statics, [1, 1, 0, 0]),
             reaction_force => ("reaction_force", "reaction force", Self::NODE, statics, [1, 0, 0, 0]),

@@ -15,7 +15,7 @@ pub struct Probe {
     /// Node, for displacement, position, rotation, chart_rotation, velocity, angular_velocity,
     /// acceleration, reaction_force, reaction_moment, joint_force and joint_moment.
     pub node: Option<String>,
-    /// Joint, for joint_coordinate, joint_rate and joint_acceleration, joint_force and joint_moment.
+    /// Joint, for joint_coordinate, joint_rate, joint_acceleration and joint_effort, joint_force and joint_moment.
     pub joint: Option<String>,
     /// Element such as "line:3", for N, M, Gamma and K (the mean over its integration points).
     pub element: Option<String>,
@@ -51,6 +51,8 @@ pub enum ProbeQuantity {
     joint_rate,
     /// Acceleration of the joint coordinate.
     joint_acceleration,
+    /// Moment about the axis (force along it) of a joint that its prescribed coordinate requires.
+    joint_effort,
     /// Force with which a joint acts on the node that is attached to it.
     joint_force,
     /// Moment with which a joint acts on the node that is attached to it.

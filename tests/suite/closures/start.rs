@@ -171,6 +171,7 @@ fn a_driven_crank_moves_a_loop_of_one_freedom() {
     }
     // In statics, with the moment of the drive by virtual work: M δA + F·δx = 0.
     let probe = "[[probes]]\nname = \"M\"\nquantity = \"joint_moment\"\nnode = \"A\"\n\
+                 [[probes]]\nname = \"effort\"\nquantity = \"joint_effort\"\njoint = \"A\"\n\
                  [[loads]]\nnode = \"rocker tip\"\nforce = [3, -5, 0]\n";
     let tip = |crank: f64| {
         let turned = linkage(crank)[1] + 1.9_f64.atan2(-0.4);
@@ -185,8 +186,10 @@ fn a_driven_crank_moves_a_loop_of_one_freedom() {
         let rows = recorded(&format!("start-statics-{k}"), &text);
         let last = rows.last().unwrap();
         assert!((number(last, "D") - linkage(1.2)[1]).abs() < 1e-9);
-        let moment = number(last, "M.z");
-        assert!((moment + slope).abs() < 1e-8, "{closure}: {moment} {slope}");
+        for name in ["M.z", "effort"] {
+            let moment = number(last, name);
+            assert!((moment + slope).abs() < 1e-8, "{closure}: {moment} {slope}");
+        }
     }
 }
 

@@ -1,6 +1,8 @@
 //! Models of which everything is driven: the forces of given motions.
 
-use crate::support::closures::{GROUND, PLAIN, STATIC, angle, body_of, hinge, motion, probe};
+use crate::support::closures::{
+    GROUND, PLAIN, STATIC, angle, body_of, hinge, motion, probe, probe_of,
+};
 use crate::support::dynamics::integrate_ode;
 use crate::support::prelude::*;
 use crate::support::program::{Rows, assert_close, number, recorded, run_of};
@@ -16,6 +18,7 @@ fn driven_arm(name: &str, analysis: &str, angle_of: &str) -> Rows {
         analysis,
         &angle("motor"),
         &probe("moment", "joint_moment", "motor"),
+        &probe_of("effort", "joint_effort", "joint = \"motor\""),
         &probe("support", "reaction_moment", "ground"),
         &probe("force", "reaction_force", "ground"),
     ];
@@ -45,6 +48,7 @@ fn a_model_of_which_everything_is_driven_gives_the_moments_of_its_drives() {
         for (name, exact) in [
             ("motor", theta),
             ("moment.z", moment),
+            ("effort", moment),
             ("support.z", moment),
             ("force.x", fx),
             ("force.y", fy),
@@ -57,7 +61,9 @@ fn a_model_of_which_everything_is_driven_gives_the_moments_of_its_drives() {
     for row in &driven_arm("all-driven-at-rest", STATIC, drive) {
         let t = number(row, "t");
         let exact = t * 9.81 * (0.8 * t).cos();
-        assert_close(number(row, "moment.z"), exact, 1e-12 * 9.81, t);
+        for name in ["moment.z", "effort"] {
+            assert_close(number(row, name), exact, 1e-12 * 9.81, t);
+        }
     }
 }
 

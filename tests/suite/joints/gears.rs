@@ -1,6 +1,8 @@
 //! Gears and racks against closed forms.
 
-use crate::support::closures::{GROUND, SECOND, angle, body_of, fixed, hinge, joint, probe};
+use crate::support::closures::{
+    GROUND, SECOND, angle, body_of, fixed, hinge, joint, probe, probe_of,
+};
 use crate::support::dynamics::{grounded, observed, point, revolute};
 use crate::support::prelude::*;
 use crate::support::program::{assert_says, check, number, recorded};
@@ -50,6 +52,14 @@ fn two_rotors_have_the_reduced_inertia() {
         assert!((supports - change).abs() < 1e-9);
     }
     assert_eq!(rows.len(), 101);
+    // A prescribed pinion, θ = sin 2t, takes (J₁ + i² J₂) θ̈ along its coordinate, and J₁ θ̈ through its hinge.
+    let effort = probe_of("effort", "joint_effort", "joint = \"pinion\"");
+    let swings = "prescribed = { sine = { amplitude = 1, omega = 2 } }";
+    for row in recorded("gear_prescribed", &(rotors([swings, ""], GEAR) + &effort)) {
+        let acceleration = -4.0 * (2.0 * number(&row, "t")).sin();
+        assert!((number(&row, "effort") - reduced * acceleration).abs() < 1e-12);
+        assert!((number(&row, "on first.z") - first * acceleration).abs() < 1e-12);
+    }
 }
 
 #[test]

@@ -242,6 +242,42 @@ fn matrices_of_a_motion_are_those_of_an_instant() {
     assert_says(&said, &["warning: the state moves"]);
 }
 
+#[test]
+fn what_rests_to_rounding_errors_does_not_move() {
+    // After a motion that begins in equilibrium, and after statics, whose prescribed functions have no rates.
+    let swing = |after: &str, prescribed: &str| {
+        [
+            GROUND,
+            &joint(
+                "base",
+                "revolute",
+                "ground",
+                &format!("axis = [0, 1, 0]\n{prescribed}"),
+            ),
+            &joint(
+                "hinge",
+                "revolute",
+                "base",
+                "axis = [0, 1, 0]\nspring = { k = 30 }",
+            ),
+            &arm("bob", "hinge", [2.0, 0.0, 0.0]),
+            &body_of("bob", 3.0, ""),
+            GRAVITY,
+            &format!("[analysis.modes]\ncount = 1\n[analysis.modes.after.{after}]\n"),
+        ]
+        .concat()
+    };
+    let rest = "dynamic]\nto = 0.1\nstep = 0.01\nfrom_equilibrium = true\n[output";
+    let still = "prescribed = { constant = 0.3 }";
+    for text in [
+        swing(rest, still),
+        swing("static", "prescribed = { proportional = 0.3 }"),
+    ] {
+        let [_, warnings] = told("modes_at_rest", &text);
+        assert!(warnings.is_empty(), "{warnings:?}");
+    }
+}
+
 /// The frequency of a pendulum is that of its weight, which acts without a `time`; one that grows with the load is zero.
 #[test]
 fn loads_act_in_full_about_a_state_of_modes() {

@@ -142,6 +142,16 @@ impl Context {
         })
     }
 
+    /// Moment about the axis (force along it) of a joint that its prescribed coordinate requires, at the last evaluation
+    /// of the residual; zero for a coordinate that is not prescribed.
+    pub fn joint_effort(&self, coordinate: NodeId) -> f64 {
+        let n = &self.model.nodes[coordinate.0 as usize];
+        match n.is_own() && self.model.unknowns[n.first] == NONE {
+            true => -self.work.r[n.first],
+            false => 0.0,
+        }
+    }
+
     /// Force and moment (global components) of a joint on everything attached to it at a frame
     /// node, at the last evaluation of the residual; `None` for a node that is not attached.
     pub fn joint_force(&self, node: NodeId) -> Option<[Vector3<f64>; 2]> {
