@@ -117,7 +117,7 @@ fn main() -> Result<(), Failure> {
         while run.step()?.is_some() {
             // The follower is as high as the slider of a crank, and rises as fast.
             let coordinate = |node| run.system().coordinate(node, 0).unwrap_or_default();
-            let ([phi, omega], [x, rate]) = (coordinate(angle), coordinate(displacement));
+            let ([phi, omega, _], [x, rate, _]) = (coordinate(angle), coordinate(displacement));
             let [height, slope] = lift(phi);
             assert!((x - (height - lift(0.0)[0])).abs() < 1e-12);
             assert!((rate - slope * omega).abs() < 1e-11);

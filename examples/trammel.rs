@@ -128,7 +128,7 @@ fn swung(by: By, steps: u32) -> Result<([f64; 2], Progress), Box<dyn Error>> {
     let mut run = Simulation::new(&mut context, state, &options)?;
     run.finish()?;
     let progress = run.progress().clone();
-    let moved = |k| context.coordinate(x, k).map_or(f64::NAN, |[x, _]| x);
+    let moved = |k| context.coordinate(x, k).map_or(f64::NAN, |[x, ..]| x);
     Ok(([0, 1].map(|k| trammel().start[k] + moved(k)), progress))
 }
 

@@ -201,7 +201,7 @@ impl Probe {
                     ProbeQuantity::joint_acceleration => 2,
                     _ => 0,
                 };
-                let motion = context.coordinate_motion(*node, 0);
+                let motion = context.coordinate(*node, 0);
                 scalar(motion.map_or(f64::NAN, |x| x[rate]))
             }
             Target::Whole => answers.whole(self.quantity),

@@ -314,8 +314,8 @@ pub fn solve(
         }
         Err(StaticsError::Step(step)) => {
             counts.rejected = step.rejected;
-            counts.evaluations = step.cost.evaluations;
-            counts.factorisations = step.cost.factorisations;
+            counts.evaluations = step.evaluations;
+            counts.factorisations = step.factorisations;
         }
         Err(_) => {}
     }

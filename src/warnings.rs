@@ -107,7 +107,7 @@ pub(crate) fn prescribed_start(job: &Job) -> Option<String> {
     // Rates of loops depend on prescribed motion.
     let rests = |&node: &NodeId| {
         let mut rates = (0..).map_while(|k| context.coordinate(node, k));
-        rates.all(|[_, rate]| rate == 0.0)
+        rates.all(|[_, rate, _]| rate == 0.0)
     };
     let carried = (file.joints.iter().zip(&job.joints)).filter(|(j, nodes)| {
         let given = j.acts_any(|a| a.rate.is_some() || a.prescribed.is_some());

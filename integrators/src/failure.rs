@@ -70,16 +70,9 @@ pub struct FailedStep {
     pub kink: Option<f64>,
     /// Warnings of the system ([`Charts::singularity_warnings`](pullback_manifold::system::Charts::singularity_warnings)).
     pub singularity_warnings: Vec<String>,
-    /// Cost of the analysis so far.
-    pub cost: Cost,
-}
-
-/// Cost of an analysis.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Cost {
-    /// Evaluations of the system.
+    /// Number of evaluations of the system so far.
     pub evaluations: usize,
-    /// Factorisations.
+    /// Number of factorisations so far.
     pub factorisations: usize,
 }
 
@@ -105,7 +98,8 @@ pub(crate) struct FailureContext<'a> {
     /// Numbers of steps and of failed attempts before this one.
     pub steps: usize,
     pub rejected: usize,
-    pub cost: Cost,
+    pub evaluations: usize,
+    pub factorisations: usize,
 }
 
 impl FailedStep {
@@ -144,7 +138,8 @@ impl FailedStep {
                 StepParameter::Time => None,
             },
             cause,
-            cost: context.cost,
+            evaluations: context.evaluations,
+            factorisations: context.factorisations,
         })
     }
 

@@ -6,7 +6,7 @@ use super::{
     DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, State, Summary, TangentUpdate,
 };
 use crate::convergence::ConvergencePredictor;
-use crate::failure::{Cause, Cost, FailedStep, FailureContext, StepParameter};
+use crate::failure::{Cause, FailedStep, FailureContext, StepParameter};
 use crate::linear_solver::{AutoSolver, LinearSolver, MatrixSymmetry};
 use crate::rounding::{ResidualTest, inverse_scales, is_rounding, largest, rounding_of_gaps};
 use crate::statics::{Iteration, solutions};
@@ -137,10 +137,8 @@ impl Stepper {
             span,
             steps: summary.steps,
             rejected: summary.failed + summary.inaccurate,
-            cost: Cost {
-                evaluations: summary.evaluations,
-                factorisations: summary.factorisations,
-            },
+            evaluations: summary.evaluations,
+            factorisations: summary.factorisations,
         };
         DynamicsError::Step(FailedStep::new(system, context))
     }

@@ -18,7 +18,7 @@ mod stability;
 mod start;
 mod steps;
 
-pub use crate::failure::{Cause, Cost, FailedStep, StepParameter};
+pub use crate::failure::{Cause, FailedStep, StepParameter};
 pub use critical::{CriticalKind, CriticalPoint, PathDirection, critical_point};
 pub use error::StaticsError;
 pub(crate) use options::refused;

@@ -18,7 +18,7 @@ use super::arc_length::{Norm, Position};
 use super::critical::PathDirection;
 use super::{Iteration, StaticNewtonOptions, StaticSummary, StaticsError, solutions};
 use crate::convergence::ConvergencePredictor;
-use crate::failure::{Cause, Cost, FailedStep, FailureContext, StepParameter};
+use crate::failure::{Cause, FailedStep, FailureContext, StepParameter};
 use crate::linear_solver::{AutoSolver, LinearSolver, MatrixSymmetry, max_abs};
 use crate::rounding::{ResidualTest, inverse_scales, is_rounding, largest, rounding_of_gaps};
 use crate::vectors::add;
@@ -180,10 +180,8 @@ impl Newton {
             span: [summary.t, to],
             steps: summary.steps,
             rejected: summary.rejected,
-            cost: Cost {
-                evaluations: summary.evaluations,
-                factorisations: summary.factorisations,
-            },
+            evaluations: summary.evaluations,
+            factorisations: summary.factorisations,
         };
         FailedStep::new(system, context)
     }

@@ -26,7 +26,7 @@ pub(super) fn joints<const N: usize>(
     while run.step()?.is_some() {
         let model = run.system();
         for (k, &node) in nodes.iter().enumerate() {
-            let motion = model.coordinate_motion(node, 0).unwrap_or([f64::NAN; 3]);
+            let motion = model.coordinate(node, 0).unwrap_or([f64::NAN; 3]);
             for d in 0..3 {
                 end[d][k] = motion[d];
             }

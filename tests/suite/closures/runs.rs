@@ -77,7 +77,7 @@ fn a_drive_that_jumps_strikes_the_whole_loop() {
         let options = tight(Scheme::chung_hulbert(0.8).unwrap(), 0.3, h);
         let mut end = Vec::new();
         observed(&mut context, [&q, &v], &options, &mut |context, _| {
-            let [x, x_dot] = context.coordinate(pendulum, 0).unwrap();
+            let [x, x_dot, _] = context.coordinate(pendulum, 0).unwrap();
             end = vec![x, x_dot];
         });
         end

@@ -310,7 +310,7 @@ fn three_cranks(first: &str, closures: [&str; 2]) -> String {
 fn assert_cranks(first: &str, closures: [&str; 2], [angle, rate]: [f64; 2]) {
     let (found, _) = start(&three_cranks(first, closures));
     for crank in ["crank 0", "crank 1", "crank 2"] {
-        let [x, v] = found[&format!("{crank} angle")];
+        let [x, v, _] = found[&format!("{crank} angle")];
         assert_close(x, angle, 1e-9, format_args!("{closures:?}: {crank}"));
         assert_close(v, rate, 1e-8, format_args!("{closures:?}: {crank}"));
     }

@@ -190,7 +190,7 @@ fn a_bushing_between_frames_that_both_turn_many_times() {
         let mut error = 0.0_f64;
         observed(&mut context, start, &options, &mut |context, step| {
             let t = step.progress.state.t;
-            let [angle, _] = context.coordinate(disk.coordinates[0], 0).unwrap();
+            let [angle, ..] = context.coordinate(disk.coordinates[0], 0).unwrap();
             let turned = so3::rotation(&(Vector3::new(1.0, 2.0, 2.0) * (angle / 3.0)));
             assert!((context.node_state(disk.frame).R - turned).amax() < 1e-13);
             error = error.max((angle - W * t - A * (omega * t).sin()).abs());

@@ -72,7 +72,7 @@ impl Chain {
         let position = |n: &NodeId| <[f64; 3]>::from(self.context.node_state(*n).position);
         let positions = self.nodes.iter().flat_map(position);
         let own = self.context.coordinate(self.bead.coordinates[0], 0);
-        positions.chain(own.unwrap()).collect()
+        positions.chain(own.unwrap().into_iter().take(2)).collect()
     }
 }
 

@@ -114,7 +114,7 @@ fn coupled_stages_of_a_stiff_rod_stop_at_rounding_errors() {
         let summary = fall(&mut context, &options);
         assert_eq!((summary.steps, summary.failed), (100, 0), "E = {E:e}");
         for node in [nodes[0], nodes[4]] {
-            let [fallen, _] = context.coordinate(node, 1).unwrap();
+            let [fallen, ..] = context.coordinate(node, 1).unwrap();
             assert_close(fallen, -9.81 / 2.0, 1e-8, E);
         }
     }

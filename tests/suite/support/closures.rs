@@ -166,7 +166,7 @@ pub fn started(text: &str) -> Job {
 }
 
 /// Coordinates of joints at the start: names with their values and rates, and the notes.
-pub fn start(text: &str) -> (HashMap<String, [f64; 2]>, Vec<String>) {
+pub fn start(text: &str) -> (HashMap<String, [f64; 3]>, Vec<String>) {
     let job = started(text);
     let coordinate = |(n, s, _): (_, &str, _)| Some((s.to_owned(), job.context.coordinate(n, 0)?));
     let coordinates = job.context.joint_coordinates().filter_map(coordinate);

@@ -125,16 +125,10 @@ impl Context {
         }
     }
 
-    /// Value and rate of a coordinate of a node, such as the angle of a joint, in the configuration
-    /// last set. `None` if the node has no such coordinate.
-    pub fn coordinate(&self, node: NodeId, k: usize) -> Option<[f64; 2]> {
-        let [x, v, _] = self.coordinate_motion(node, k)?;
-        Some([x, v])
-    }
-
-    /// As [`Context::coordinate`], with the acceleration, which is that of prescribed motion alone after an evaluation
-    /// without accelerations.
-    pub fn coordinate_motion(&self, node: NodeId, k: usize) -> Option<[f64; 3]> {
+    /// Value, rate and acceleration of a coordinate of a node, such as the angle of a joint, in the configuration last set;
+    /// the acceleration is that of prescribed motion alone after an evaluation without accelerations. `None` if the node
+    /// has no such coordinate.
+    pub fn coordinate(&self, node: NodeId, k: usize) -> Option<[f64; 3]> {
         let n = &self.model.nodes[node.0 as usize];
         (k < n.dim).then(|| match n.is_frame() {
             true => self.chart_motion(n).map(|x| x[k]),

@@ -239,7 +239,7 @@ fn maps_read_inputs() {
         let mut r = [0.0];
         context.evaluate(at, Evaluation::residual(&mut r)).unwrap();
         assert_eq!(r, [-3.0 * u * u * 0.5]);
-        assert_eq!(context.coordinate(x, 0), Some([0.5 * u, 0.0]));
+        assert_eq!(context.coordinate(x, 0), Some([0.5 * u, 0.0, 0.0]));
     }
 }
 
