@@ -271,7 +271,7 @@ impl Newton {
     }
 
     /// Writes the correction at (q, t) to `dq`; returns that of t.
-    fn solve(
+    pub(super) fn solve(
         &mut self,
         q: &[f64],
         t: f64,

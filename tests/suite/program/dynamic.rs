@@ -152,6 +152,31 @@ fn the_equilibrium_at_the_start_is_near_and_told_if_it_is_unstable() {
         let warned = run.said.contains("unstable in 1 direction");
         assert_eq!(warned, value < 0.0, "{}", run.said);
     }
+    // In every formulation: k θ = m g l sin(α − θ), drawn α = 70° away.
+    let (x, z) = 70.0_f64.to_radians().sin_cos();
+    let center = format!("center = [{x}, 0, {}]\ninertia = [0.2, 0.3, 0.4]", -z);
+    for scheme in ["newmark", "ul-newmark", "lie-newmark"] {
+        let text = [
+            GROUND,
+            &joint("ball", "spherical", "ground", ""),
+            &body_of("ball", 2.0, &center),
+            "[[springs]]\nname = \"spring\"\nnodes = [\"ground\", \"ball\"]\n\
+             bushing = { stiffness = [1, 1, 1, 0.01, 0.01, 0.01] }\n",
+            GRAVITY,
+            &probe("turn", "rotation", "ball"),
+            &format!(
+                "{}scheme = \"{scheme}\"\nfrom_equilibrium = true\n",
+                motion(0.01, 0.005)
+            ),
+        ];
+        let turn = number(
+            &recorded("program_equilibrium", &text.concat())[0],
+            "turn.y",
+        );
+        let moment = 2.0 * 9.81 * (70.0_f64.to_radians() - turn).sin();
+        assert!(turn > 0.0, "{scheme}: {turn}");
+        assert_close(0.01 * turn, moment, 1e-9, scheme);
+    }
     check(
         &pendulum(begins),
         "from_equilibrium",
