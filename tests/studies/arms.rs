@@ -66,7 +66,7 @@ impl Arm {
             let [p, q] = [a, b].map(|k| UnitQuaternion::from_quaternion(nodes[k].p));
             let relative = p.inverse() * q;
             let K = relative.scaled_axis() / l;
-            let middle = p * relative.powf(0.5);
+            let middle = p.nlerp(&q, 0.5);
             let chord = nodes[b].x - nodes[a].x;
             let strain = middle.inverse() * chord / l - Vector3::x();
             let N = middle * (strain * AXIAL);
@@ -117,9 +117,10 @@ impl Arm {
 
     /// Displacement of the tip at t = 1, 2 and 3.
     fn tips(&self) -> Vec<Vector3<f64>> {
-        // The jerk at t = 0.5 and both times are ends of steps.
-        let per_second = 32_000;
-        let h = 1.0 / f64::from(per_second);
+        // The highest frequency is 400 `elements`, so that the limit of the method is 141 `elements` steps; the jerk
+        // at t = 0.5 and all times are ends of steps.
+        let per_second = 200 * self.elements;
+        let h = 1.0 / per_second as f64;
         let mut nodes = self.start();
         let along = |s: &[Node], d: &[Node], h: f64, t: f64| {
             let sum = |(s, d): (&Node, &Node)| Node {
@@ -134,7 +135,7 @@ impl Arm {
         };
         let mut tips = Vec::new();
         for k in 0..3 * per_second {
-            let t = h * f64::from(k);
+            let t = h * k as f64;
             let k1 = self.rates(&nodes);
             let k2 = self.rates(&along(&nodes, &k1, 0.5 * h, t + 0.5 * h));
             let k3 = self.rates(&along(&nodes, &k2, 0.5 * h, t + 0.5 * h));

@@ -137,8 +137,8 @@ fn orders(report: &mut CaseReport, model: &str, file: &ModelFile) -> Result<(), 
     // The jerk of the base excites waves: only steps that resolve them show the order.
     let coarse = meshed(file, 2, 1);
     let tip = |t: f64| move |run: History| run.at(0, t).d;
-    let files = [1.25e-5, 6.25e-6, 3.125e-6].map(|h| until(&coarse, h, 0.45));
-    let ends = report.motions(files, &["tip"])?.map(tip(0.45));
+    let files = [2.5e-5, 1.25e-5, 6.25e-6].map(|h| until(&coarse, h, 0.25));
+    let ends = report.motions(files, &["tip"])?.map(tip(0.25));
     let what = "order in the step, 4 elements, driven with a jerk";
     report.compare_order(what, observed_order(&ends), 0.1);
     let lift = "{ spin_up = { rate = 6, duration = 0.5 } }";

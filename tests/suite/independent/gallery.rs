@@ -4,14 +4,18 @@ use crate::support::gallery::assert_computed;
 use pullback::studies::gallery;
 
 /// Cases of seconds each, which `tests/studies` runs with all others.
-const LONG: [&str; 7] = [
+const LONG: [&str; 11] = [
     "arm-spherical",
     "arm-revolute",
-    "four-bar",
-    "slider-crank",
-    "parallelograms",
-    "squeezer",
     "bricard",
+    "double-pendulum",
+    "four-bar",
+    "four-bar-flexible",
+    "four-bar-misaligned",
+    "helix",
+    "parallelograms",
+    "slider-crank",
+    "squeezer",
 ];
 
 #[test]

@@ -8,7 +8,7 @@ use pullback::studies::gallery::MODELS;
 #[test]
 fn all_models_of_the_gallery_pass() {
     for (name, text) in MODELS {
-        assert_right(name, text, 0..2);
+        assert_right(name, text, [0]);
     }
     assert!(MODELS.len() >= 25);
 }
