@@ -97,9 +97,8 @@ pub struct Material {
 pub struct Mass {
     /// Mass per length Aρ.
     pub A_rho: f64,
-    /// Principal inertias per length about E1, E2, E3, about the mass centre.
-    #[serde(default)]
-    pub J: [f64; 3],
+    /// Principal inertias per length about E1, E2, E3, about the mass centre. If absent, those of material and shape.
+    pub J: Option<[f64; 3]>,
     /// Position of the mass centre in the cross-section, along E2 and E3; on the axis by default.
     pub center: Option<[f64; 2]>,
 }

@@ -73,7 +73,7 @@ fn section(
         return Ok(made);
     };
     let [c2, c3] = mass.center.unwrap_or_default();
-    let J = Matrix3::from_diagonal(&mass.J.into());
+    let J = (mass.J).map_or(made.inertia.J, |J| Matrix3::from_diagonal(&J.into()));
     let inertia = Inertia::about_centre(mass.A_rho, Vector3::new(0.0, c2, c3), J);
     made.with_inertia(inertia)
         .map_err(|error| refuse(&number(shape, &error), error))

@@ -117,6 +117,38 @@ fn beyond_a_turn_the_error_names_the_element() {
 }
 
 #[test]
+fn a_motion_ends_before_a_turn_whatever_its_steps() {
+    for by in [SHAFTS[0], SHAFTS[3], By::Bushing] {
+        // The last of few steps ends beyond a turn.
+        for steps in [10, 500] {
+            let (mut b, root, tip) = shaft(by);
+            b.support(root, &Dof::ALL);
+            b.prescribe(tip, Dof::RX, Proportional(6.6));
+            let disk = RigidBody::new(1.0, Matrix3::identity(), Vector3::zeros()).unwrap();
+            b.element("disk", disk, &[tip]).unwrap();
+            let mut context = Context::new(b.build().unwrap());
+            let mut progress = Progress::new(start(&context, 0.0, &[], &[]).unwrap());
+            let options = tight(Scheme::default(), 1.0, 1.0 / f64::from(steps));
+            let observe = &mut |context: &mut Context, step: &StepReport<'_>| {
+                let state = &step.progress.state;
+                configure(context, state);
+                let exact = 0.5 * GJ * (6.6 * state.t).powi(2);
+                assert_close(
+                    context.strain_energy(state.t),
+                    exact,
+                    1e-12,
+                    format!("{by:?}"),
+                );
+                ControlFlow::Continue(())
+            };
+            let ended = integrate(&mut context, &mut progress, &options, observe);
+            let error = ended.unwrap_err().to_string();
+            assert!(error.contains("take more elements"), "{by:?}: {error}");
+        }
+    }
+}
+
+#[test]
 fn a_disk_swings_by_nearly_a_turn_on_one_element() {
     // J θ̈ = −GJ θ, through θ = ±5.5.
     let inertia = 0.9_f64;

@@ -70,6 +70,20 @@ fn modes_of_two_masses() {
 
 /// Masses side by side, ω² = 1e-7/3 and 1e7.
 #[test]
+fn a_mass_alone_leaves_the_inertia_of_material_and_shape() {
+    let bar = "[sections.s]\ncircle = { radius = 0.1 }\nmaterial = { E = 100, nu = 0.3, rho = 1 }\n\
+               mass = { A_rho = 0.0314159265358979 }\n[nodes]\na = [0, 0, 0]\nb = [2, 0, 0]\n\
+               [[lines]]\nname = \"bar\"\nfrom = \"a\"\nto = \"b\"\nelements = 8\norder = 3\n\
+               section = \"s\"\n[analysis.modes]\ncount = 6\n";
+    let run = run_of("round bar", &(bar.to_owned() + &fixed("a")));
+    // The first mode of torsion: √(G/ρ)/(4 L).
+    let exact = (100.0 / 2.6_f64).sqrt() / 8.0;
+    let rows = csv(run.out.join("modes.csv"));
+    let near = |row: &Vec<f64>| (row[1] / exact - 1.0).abs() < 1e-6;
+    assert!(rows.iter().any(near), "{rows:?} {exact}");
+}
+
+#[test]
 fn modes_far_apart_are_all_found() {
     let text = masses("[analysis.modes]\ncount = 2\n")
         .replace("stiffness = 2", "stiffness = 1e-7")

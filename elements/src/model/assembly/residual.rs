@@ -1,5 +1,6 @@
 //! Assembly into a pattern that is found once.
 
+use crate::blocks::three;
 use crate::element::ONE_TURN;
 use crate::model::Context;
 use crate::model::assembly::scatter::ScatterTarget;
@@ -141,8 +142,10 @@ impl Context {
         w.exerted.force = [0.0; 3];
         let moved = (&model.unknowns[..], &w.scatter_map.couplings);
         let unloaded = w.scales.force == [0.0; 3];
+        let charts = &self.state.element_charts;
         for (k, (e, state)) in (model.elements.iter().zip(&self.state.elements)).enumerate() {
-            if state.overturned {
+            let rotation = |n: usize| three(&w.x, model.nodes[n].first + 3);
+            if state.overturned || charts.passed_zero(e, state.switched, rotation) {
                 let (limit, margin) = (ONE_TURN, 0.0);
                 return Err(named(DomainError::Beyond { limit, margin }, &e.name));
             }

@@ -60,6 +60,24 @@ pub(in crate::model) struct ElementCharts {
     late: f64,
 }
 
+impl ElementCharts {
+    /// Whether a node that an element reads through its complement has passed zero since the last accepted state:
+    /// the complement is then on another branch, two turns away.
+    pub(in crate::model) fn passed_zero(
+        &self,
+        e: &ElementEntry,
+        switched: u32,
+        rotation: impl Fn(usize) -> Vector3<f64>,
+    ) -> bool {
+        switched != 0
+            && e.nodes.iter().enumerate().any(|(k, &n)| {
+                let last = self.now.psi.get(n as usize);
+                switched & (1 << k) != 0
+                    && last.is_some_and(|a| a.dot(&rotation(n as usize)) <= 0.0)
+            })
+    }
+}
+
 impl Context {
     /// Keeps the charts of free rotations, and those of elements, until a rotation vector is
     /// `angle` long (radians; limited to the range from π, the default, to 7π/4: charts end at 2π).
