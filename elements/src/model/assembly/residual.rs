@@ -142,10 +142,10 @@ impl Context {
         w.exerted.force = [0.0; 3];
         let moved = (&model.unknowns[..], &w.scatter_map.couplings);
         let unloaded = w.scales.force == [0.0; 3];
-        let charts = &self.state.element_charts;
+        let last = &self.state.element_charts.now;
         for (k, (e, state)) in (model.elements.iter().zip(&self.state.elements)).enumerate() {
             let rotation = |n: usize| three(&w.x, model.nodes[n].first + 3);
-            if state.overturned || charts.passed_zero(e, state.switched, rotation) {
+            if state.overturned || last.passed_zero(e, state.switched, rotation) {
                 let (limit, margin) = (ONE_TURN, 0.0);
                 return Err(named(DomainError::Beyond { limit, margin }, &e.name));
             }

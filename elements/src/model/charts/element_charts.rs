@@ -23,7 +23,7 @@ const SAME: f64 = 1e-6;
 
 /// An accepted state.
 #[derive(Clone, Debug, Default)]
-struct Accepted {
+pub(in crate::model) struct Accepted {
     t: f64,
     /// Rotation vectors of all nodes, zero for those without one.
     psi: Vec<Vector3<f64>>,
@@ -35,6 +35,22 @@ impl Accepted {
     fn is(&self, psi: &[Vector3<f64>]) -> bool {
         let mut pairs = self.psi.iter().zip(psi);
         !self.switched.is_empty() && pairs.all(|(a, b)| (a - b).amax() < SAME)
+    }
+
+    /// Whether a node that an element reads through its complement has passed zero since: the complement is then on
+    /// another branch, two turns away.
+    pub(in crate::model) fn passed_zero(
+        &self,
+        e: &ElementEntry,
+        switched: u32,
+        rotation: impl Fn(usize) -> Vector3<f64>,
+    ) -> bool {
+        let mut nodes = e.nodes.iter().map(|&n| n as usize).enumerate();
+        switched != 0
+            && nodes.any(|(k, n)| {
+                let last = self.psi.get(n).filter(|_| switched & (1 << k) != 0);
+                last.is_some_and(|psi| psi.dot(&rotation(n)) <= 0.0)
+            })
     }
 
     fn switched(&mut self, elements: &[ElementState]) {
@@ -50,7 +66,7 @@ pub(in crate::model) struct ElementCharts {
     before: Vec<Vector3<f64>>,
     after: Vec<Vector3<f64>>,
     /// The last accepted state, and the one before it at another time.
-    now: Accepted,
+    pub(in crate::model) now: Accepted,
     previous: Accepted,
     /// Whether the elements' charts were set for the next state.
     given: bool,
@@ -58,24 +74,6 @@ pub(in crate::model) struct ElementCharts {
     chosen: bool,
     /// Angle beyond half a turn at which charts change, in radians.
     late: f64,
-}
-
-impl ElementCharts {
-    /// Whether a node that an element reads through its complement has passed zero since the last accepted state:
-    /// the complement is then on another branch, two turns away.
-    pub(in crate::model) fn passed_zero(
-        &self,
-        e: &ElementEntry,
-        switched: u32,
-        rotation: impl Fn(usize) -> Vector3<f64>,
-    ) -> bool {
-        switched != 0
-            && e.nodes.iter().enumerate().any(|(k, &n)| {
-                let last = self.now.psi.get(n as usize);
-                switched & (1 << k) != 0
-                    && last.is_some_and(|a| a.dot(&rotation(n as usize)) <= 0.0)
-            })
-    }
 }
 
 impl Context {
@@ -184,8 +182,9 @@ impl Context {
             if state.switched == 0 && nodes.all(small) {
                 continue;
             }
-            let possible = possible(e, state.switched, &now.psi, before);
-            if possible == [false; 2] {
+            let possible = possible(e, state.switched, before);
+            let passed = now.passed_zero(e, state.switched, |n| before[n]);
+            if passed || possible == [false; 2] {
                 state.overturned = true;
                 changed = true;
                 continue;
@@ -284,22 +283,16 @@ fn best(
 ///
 /// Vectors a turn or more apart are too far from each other. A chart subtracts the same number of
 /// whole turns from all of them, m, even or odd, and leaves each within one: |ψ − 2πm| < 2π.
-fn possible(
-    e: &ElementEntry,
-    switched: u32,
-    last: &[Vector3<f64>],
-    before: &[Vector3<f64>],
-) -> [bool; 2] {
+fn possible(e: &ElementEntry, switched: u32, before: &[Vector3<f64>]) -> [bool; 2] {
     let seen = |bit: u32, psi: &Vector3<f64>| match switched & bit {
         0 => *psi,
         _ => so3::complement(psi),
     };
     let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
-    for ((bit, a), (_, b)) in frames(e, last).zip(frames(e, before)) {
-        let through = switched & bit != 0 && a.dot(b) <= 0.0;
-        let psi = seen(bit, b);
-        let apart = |(bit, b): (u32, &Vector3<f64>)| (seen(bit, b) - psi).norm() >= TAU;
-        if through || frames(e, before).any(apart) {
+    for (bit, psi) in frames(e, before) {
+        let psi = seen(bit, psi);
+        let apart = |(bit, other): (u32, &Vector3<f64>)| (seen(bit, other) - psi).norm() >= TAU;
+        if frames(e, before).any(apart) {
             return [false; 2];
         }
         least = least.min(psi.norm() / TAU);
