@@ -19,27 +19,21 @@ impl MotionRun {
         progress: &mut Progress,
         h: f64,
     ) -> Result<usize, DynamicsError> {
-        let left = self.stepper.next.t;
-        let kink = self.stops.kink(left);
-        let t_left = match kink {
-            Some(_) => left.next_down(),
-            None => left,
-        };
         let damped = (progress.summary.energy).is_some_and(|e| e.now.dissipated != 0.0);
         let dissipated = match damped {
-            true => self.mean_dissipation(system, &progress.state, t_left),
+            true => self.mean_dissipation(system, &progress.state),
             false => None,
         };
         // The evaluation leaves the system at the end of the step.
-        let now = self.energies(system, &self.stepper.next, t_left)?;
+        let now = self.energies(system, &self.stepper.next)?;
         std::mem::swap(&mut progress.state, &mut self.stepper.next);
         progress.last_step = h;
         progress.summary.steps += 1;
         self.finish_step(system, progress, h);
         let t = progress.state.t;
-        let changes = progress.state.change_charts(system, t);
+        let changes = progress.state.change_charts(system);
         progress.summary.chart_changes += changes.charts;
-        let segments_changed = self.segments_changed(system, left)?;
+        let segments_changed = self.segments_changed(system, t)?;
         let now = match now {
             Some(now) if segments_changed => {
                 // The jump restores what is missing.
@@ -48,16 +42,16 @@ impl MotionRun {
                 }
                 Some(now)
             }
-            now => self.restore_invariants(system, progress, now, changes.residual, (t_left, h))?,
+            now => self.restore_invariants(system, progress, now, changes.residual, h)?,
         };
         if let (Some(now), Some(balance)) = (now, &mut progress.summary.energy) {
             balance.add_step(&now, h, dissipated, &system.scales());
-            balance.check_growth(left)?;
+            balance.check_growth(t)?;
         }
         if segments_changed {
             self.jump(system, progress, false)?;
         }
-        if let Some(stop) = kink {
+        if let Some(stop) = self.stops.kink(t) {
             self.pass(system, progress, stop)?;
         }
         self.double_step(progress);
@@ -71,7 +65,7 @@ impl MotionRun {
         progress: &mut Progress,
         now: Option<Energies>,
         residual_changed: bool,
-        (t, h): (f64, f64),
+        h: f64,
     ) -> Result<Option<Energies>, DynamicsError> {
         let Some(projection) = &mut self.projection else {
             return Ok(now);
@@ -80,10 +74,10 @@ impl MotionRun {
             (residual_changed, &now, &mut progress.invariants)
         {
             // The discretisation itself depends on charts.
-            let changed = projection.energies(system, &progress.state, t)?;
+            let changed = projection.energies(system, &progress.state)?;
             invariants.energy += changed.total() - now.total();
         }
-        let restored = projection.restore(system, &mut self.stepper, progress, (t, h))?;
+        let restored = projection.restore(system, &mut self.stepper, progress, h)?;
         Ok(Some(restored))
     }
 
@@ -110,12 +104,7 @@ impl MotionRun {
     /// The powers at both ends may be those of dampers that relax within a small part of the step. This
     /// one is the dissipation of the trapezoidal rule in a linear system, for any step. `None` if the
     /// system cannot be evaluated there: a converged step must not fail by its energy balance.
-    fn mean_dissipation(
-        &mut self,
-        system: &mut dyn System,
-        state: &State,
-        end: f64,
-    ) -> Option<f64> {
+    fn mean_dissipation(&mut self, system: &mut dyn System, state: &State) -> Option<f64> {
         let Stepper {
             next,
             inverse_scale,
@@ -130,7 +119,7 @@ impl MotionRun {
                 _ => (next.q[i] - state.q[i]) / h,
             };
         }
-        let t = 0.5 * (state.t + end);
+        let t = 0.5 * (state.t + next.t);
         let a = &next.a;
         energetics(system).dissipation(Point { t, q, v, a }).ok()
     }

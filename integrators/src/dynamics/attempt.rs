@@ -15,8 +15,6 @@ struct Goal {
     to: f64,
     /// The latest time to which the step may be extended.
     last: f64,
-    /// The time of the stop that it reaches, if it does.
-    stop: Option<f64>,
 }
 
 impl MotionRun {
@@ -28,7 +26,7 @@ impl MotionRun {
         progress: &mut Progress,
     ) -> Result<Option<f64>, DynamicsError> {
         let from = progress.state.t;
-        let Goal { h, to, last, stop } = self.goal(progress);
+        let Goal { h, to, last } = self.goal(progress);
         if to <= from {
             return Err(DynamicsError::Option {
                 name: "step",
@@ -55,9 +53,6 @@ impl MotionRun {
             }
         };
         let h = if end == to { h } else { end - from };
-        if let Some(stop) = stop.filter(|_| end == to) {
-            self.stepper.next.t = stop;
-        }
         self.limit_error(system, progress, h, [from, to])
     }
 
@@ -72,7 +67,6 @@ impl MotionRun {
                 h,
                 to: first_end([from, stop.left], count),
                 last: stop.left.next_down(),
-                stop: None,
             };
         }
         // A step ends before a kink: functions of time are evaluated on its left.
@@ -80,12 +74,7 @@ impl MotionRun {
             true => stop.left.next_down(),
             false => stop.left,
         };
-        Goal {
-            h,
-            to,
-            last: to,
-            stop: Some(stop.left),
-        }
+        Goal { h, to, last: to }
     }
 
     /// The size of a converged step if its local error is small enough, `None` if a smaller one is

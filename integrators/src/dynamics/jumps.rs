@@ -4,10 +4,10 @@ use super::run::MotionRun;
 use super::stops::StopTime;
 use super::{DynamicsError, Progress};
 use crate::abilities::{energetics, events};
-use pullback_manifold::system::{Energies, Point, System};
+use pullback_manifold::system::{Energies, System};
 
 impl MotionRun {
-    /// Continues after a kink.
+    /// Continues behind a kink, from a state just before it.
     pub(super) fn pass(
         &mut self,
         system: &mut dyn System,
@@ -15,9 +15,7 @@ impl MotionRun {
         stop: StopTime,
     ) -> Result<(), DynamicsError> {
         let state = &mut progress.state;
-        let t = stop.left.next_down();
-        let before = Point { t, ..state.point() };
-        let known = energetics(system).momentum(before, &mut self.momentum);
+        let known = energetics(system).momentum(state.point(), &mut self.momentum);
         let known = known.map_err(DynamicsError::at(state.t))?;
         state.t = stop.right;
         self.proceed(system, progress, known)
@@ -87,8 +85,7 @@ impl MotionRun {
         progress.summary.factorisations += impulses;
         if let (false, Some(projection)) = (supplied, &mut self.projection) {
             // The energy is continuous at a corner.
-            let t = state.t;
-            projection.restore(system, &mut self.stepper, progress, (t, 0.0))?;
+            projection.restore(system, &mut self.stepper, progress, 0.0)?;
         }
         self.renew(system, progress, supplied)
     }
@@ -102,7 +99,7 @@ impl MotionRun {
     ) -> Result<(), DynamicsError> {
         // Accelerations jump with a prescribed motion, but not along a chain of beams.
         self.accelerate(system, progress, supplied)?;
-        let now = self.energies(system, &progress.state, progress.state.t)?;
+        let now = self.energies(system, &progress.state)?;
         if let (Some(now), Some(balance)) = (now, &mut progress.summary.energy) {
             if supplied {
                 let energy = |e: &Energies| e.kinetic + e.stored;

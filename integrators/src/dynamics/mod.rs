@@ -60,9 +60,9 @@ impl State {
         Point { t: *t, q, v, a }
     }
 
-    /// Changes charts where needed, at a time that may be just before that of the state.
-    pub fn change_charts(&mut self, system: &mut dyn System, t: f64) -> ChartChanges {
+    /// Changes charts where needed.
+    pub fn change_charts(&mut self, system: &mut dyn System) -> ChartChanges {
         let vectors: &mut [&mut [f64]] = &mut [&mut self.a, &mut self.algorithmic];
-        charts(system).change_charts(t, &mut self.q, &mut self.v, vectors)
+        charts(system).change_charts(self.t, &mut self.q, &mut self.v, vectors)
     }
 }

@@ -25,9 +25,7 @@ use super::{DynamicsError, Progress, State, Stepper};
 use crate::abilities::{energetics, energies};
 use crate::vectors::{add, dot};
 use nalgebra::Vector3;
-use pullback_manifold::system::{
-    Energies, Evaluation, Point, RigidRates, Symmetry, System, Weights,
-};
+use pullback_manifold::system::{Energies, Evaluation, RigidRates, Symmetry, System, Weights};
 
 /// Largest number of passes.
 const PASSES: usize = 5;
@@ -93,11 +91,11 @@ impl InvariantProjection {
         until: f64,
     ) -> Result<Invariants, DynamicsError> {
         let state = &progress.state;
-        let now = self.energies(system, state, state.t)?;
+        let now = self.energies(system, state)?;
         let symmetries = energetics(system).symmetries([state.t, until], &state.q, &state.v);
         // What is found before the first step is not counted, as the largest frequency is not.
         progress.summary.evaluations += usize::from(progress.summary.steps > 0);
-        self.momentum(system, stepper, state, (&now, state.t))?;
+        self.momentum(system, stepper, state, &now)?;
         let mut invariants = Invariants::of(&now);
         for Symmetry { motion, force } in symmetries {
             energetics(system).rigid_rates(&state.q, &motion, &mut self.field);
@@ -108,15 +106,13 @@ impl InvariantProjection {
         Ok(invariants)
     }
 
-    /// Energies of a state, at a time that may be just before its own.
+    /// Energies of a state.
     pub(super) fn energies(
         &self,
         system: &mut dyn System,
         state: &State,
-        t: f64,
     ) -> Result<Energies, DynamicsError> {
-        let at = Point { t, ..state.point() };
-        let known = energies(system, at).map_err(DynamicsError::at(t))?;
+        let known = energies(system, state.point()).map_err(DynamicsError::at(state.t))?;
         known.ok_or(DynamicsError::NoEnergy {
             scheme: self.scheme,
         })
@@ -128,10 +124,10 @@ impl InvariantProjection {
         system: &mut dyn System,
         stepper: &mut Stepper,
         progress: &mut Progress,
-        (t, h): (f64, f64),
+        h: f64,
     ) -> Result<Energies, DynamicsError> {
         let (state, summary) = (&mut progress.state, &mut progress.summary);
-        let mut now = self.energies(system, state, t)?;
+        let mut now = self.energies(system, state)?;
         let Some(invariants) = &mut progress.invariants else {
             return Ok(now);
         };
@@ -144,7 +140,7 @@ impl InvariantProjection {
                 break;
             }
             summary.evaluations += 1;
-            driven = self.momentum(system, stepper, state, (&now, t))?;
+            driven = self.momentum(system, stepper, state, &now)?;
             let missing = self.split(system, state, invariants, &stepper.S);
             if missing <= ROUNDING && (driven || closed) {
                 break;
@@ -156,9 +152,9 @@ impl InvariantProjection {
             let needed = invariants.energy_gap(now.total() + rigid);
             let fixed = bounded || driven || needed == 0.0;
             let needed = (!fixed).then_some(needed);
-            let [moved, limited] = self.correct(system, state, needed, (t, h));
+            let [moved, limited] = self.correct(system, state, needed, h);
             (stale, bounded) = (moved, bounded || limited);
-            now = self.energies(system, state, t)?;
+            now = self.energies(system, state)?;
             if bounded && !stale {
                 break;
             }
@@ -177,7 +173,7 @@ impl InvariantProjection {
         system: &mut dyn System,
         state: &mut State,
         needed: Option<f64>,
-        (t, h): (f64, f64),
+        h: f64,
     ) -> [bool; 2] {
         let mut gammas = [0.0; 6];
         let rest = dot(&self.p, &self.w) - self.rigid_in_rest();
@@ -191,7 +187,7 @@ impl InvariantProjection {
         }
         if eta != 0.0 {
             // Charts that are recentred at the end of a step are recentred again.
-            state.change_charts(system, t);
+            state.change_charts(system);
         }
         [eta != 0.0, limited]
     }
@@ -231,22 +227,22 @@ impl InvariantProjection {
         self.directions().map(|d| d.c * dot(&d.Me, &self.w)).sum()
     }
 
-    /// Writes the mass matrix to `stepper.S` and the generalised momentum at a time: just before a kink that
-    /// the state has reached, where a prescribed velocity may jump. Whether a motion is prescribed: the
-    /// kinetic energy T = ½ q̇·M q̇ + b·q̇ + c, with p = M q̇ + b, then has a constant c.
+    /// Writes the mass matrix to `stepper.S` and the generalised momentum. Whether a motion is prescribed: the kinetic energy T = ½ q̇·M q̇ + b·q̇ + c, with p = M q̇ + b, then has a constant c.
     fn momentum(
         &mut self,
         system: &mut dyn System,
         Stepper { r, S, .. }: &mut Stepper,
         state: &State,
-        (now, t): (&Energies, f64),
+        now: &Energies,
     ) -> Result<bool, DynamicsError> {
-        let at = Point { t, ..state.point() };
+        let at = state.point();
         let out = Evaluation::with_tangent(r, Weights::MASS, S);
-        system.evaluate(at, out).map_err(DynamicsError::at(t))?;
+        system
+            .evaluate(at, out)
+            .map_err(DynamicsError::at(state.t))?;
         let known = energetics(system).momentum(at, &mut self.p);
         product(system, S, &state.v, &mut self.field);
-        if !known.map_err(DynamicsError::at(t))? {
+        if !known.map_err(DynamicsError::at(state.t))? {
             self.p.copy_from_slice(&self.field);
             return Ok(false);
         }

@@ -9,7 +9,7 @@ use super::step::Stepper;
 use super::stops::{StopTime, Stops};
 use super::{DynamicOptions, DynamicsError, EnergyBalance, Progress, State, StepReport};
 use crate::abilities::{self, charts, energetics};
-use pullback_manifold::system::{Energies, Point, System};
+use pullback_manifold::system::{Energies, System};
 
 /// Number of steps ahead for which symmetries are found if there is no kink.
 const FAR: f64 = 1e3;
@@ -142,7 +142,7 @@ impl MotionRun {
         charts(system).start(t, &state.q);
         let changes = match fresh {
             true => charts(system).change_charts(t, &mut state.q, &mut state.v, &mut []),
-            false => state.change_charts(system, t),
+            false => state.change_charts(system),
         };
         if fresh {
             progress.summary.chart_changes += changes.charts;
@@ -151,6 +151,7 @@ impl MotionRun {
             // What is kept of a run whose state was changed belongs to the one before.
             (progress.events, progress.invariants) = (Vec::new(), None);
             if self.stops.is_kink(t) {
+                progress.state.t = t.next_down();
                 self.pass(system, progress, StopTime::end(t))?;
             } else {
                 self.accelerate(system, progress, false)?;
@@ -198,7 +199,7 @@ impl MotionRun {
         system: &mut dyn System,
         progress: &mut Progress,
     ) -> Result<(), DynamicsError> {
-        let now = self.energies(system, &progress.state, progress.state.t)?;
+        let now = self.energies(system, &progress.state)?;
         progress.summary.energy = now.map(|now| EnergyBalance {
             start: now.kinetic + now.stored,
             now,
@@ -246,12 +247,10 @@ impl MotionRun {
         &self,
         system: &mut dyn System,
         state: &State,
-        t: f64,
     ) -> Result<Option<Energies>, DynamicsError> {
         if !self.options.energies && self.projection.is_none() {
             return Ok(None);
         }
-        let at = Point { t, ..state.point() };
-        abilities::energies(system, at).map_err(DynamicsError::at(t))
+        abilities::energies(system, state.point()).map_err(DynamicsError::at(state.t))
     }
 }

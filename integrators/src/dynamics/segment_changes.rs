@@ -114,7 +114,7 @@ impl MotionRun {
         progress: &mut Progress,
     ) -> Result<(), DynamicsError> {
         let t = progress.state.t;
-        let changes = progress.state.change_charts(system, t);
+        let changes = progress.state.change_charts(system);
         progress.summary.chart_changes += changes.charts;
         if !self.segments_changed(system, t)? {
             return Ok(());

@@ -102,10 +102,13 @@ impl Stops {
         self.kinks.iter().any(near)
     }
 
-    /// The kink at the end of a step.
+    /// The kink behind the end of a step.
     pub(super) fn kink(&self, t: f64) -> Option<StopTime> {
-        let k = self.listed.partition_point(|s| s.left < t);
-        let stop = self.listed.get(k).filter(|s| s.kink && s.left == t);
+        let k = self.listed.partition_point(|s| s.left <= t);
+        let stop = self
+            .listed
+            .get(k)
+            .filter(|s| s.kink && s.left.next_down() == t);
         stop.copied()
     }
 }

@@ -1,10 +1,12 @@
 //! Jumps of driven velocities: what is free takes the impulse. Inputs that change between steps.
 
 use super::mass_on_rail;
-use crate::support::closures::{GROUND, body_of, hinge, joint};
+use crate::support::closures::{
+    GROUND, PLAIN, angle, arm, beam_line, body, body_of, hinge, joint, motion,
+};
 use crate::support::dynamics::{motion_of, revolute};
 use crate::support::prelude::*;
-use crate::support::program::assert_close;
+use crate::support::program::{assert_close, number, recorded, run_of};
 use pullback::solve::begin;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -200,5 +202,86 @@ fn what_dampers_absorb_does_not_depend_on_units() {
         for (a, b) in in_metres.iter().zip(other) {
             assert_close(*a, b, 1e-9 * (1.0 + a.abs()), unit);
         }
+    }
+}
+
+/// A five-bar linkage whose crank is jerked at the end of every step, so also where the coordinates of the loop change.
+#[test]
+fn a_loop_that_changes_its_coordinates_at_a_kink_keeps_its_velocities() {
+    let points: Vec<[f64; 2]> = (0..=60)
+        .map(|k| [k, k + k % 2].map(|k| f64::from(k) * 0.01))
+        .map(|[t, next]| [t, 0.8 * t + 0.2 * next])
+        .collect();
+    let rows = ["map", "multipliers"].map(|closure| {
+        let text = [
+            GROUND,
+            "[[loads]]\ngravity = [0, 9.81, 0]\n",
+            &hinge(
+                "A",
+                "ground",
+                &format!("prescribed = {{ table = {points:?} }}"),
+            ),
+            &arm("a", "A", [0.0, 1.0, 0.0]),
+            &hinge("B", "a", ""),
+            &arm("b", "B", [1.2, 1.9, 0.0]),
+            &arm("foot", "ground", [2.0, 0.1, 0.0]),
+            &hinge("D", "foot", "rate = -1\nspring = { k = 12 }"),
+            &arm("d", "D", [2.3, 1.2, 0.0]),
+            &hinge("E", "d", ""),
+            &arm("e", "E", [1.2, 1.9, 0.0]),
+            &hinge("C", "b", &format!("child = \"e\"\nclosure = \"{closure}\"")),
+            &["A", "B", "D", "E"].map(body).concat(),
+            &["B", "C", "D", "E"]
+                .map(|j| angle(j).replace("coordinate", "rate"))
+                .concat(),
+            &motion(0.6, 0.01),
+            "scheme = \"ga:0.8\"\n",
+            PLAIN,
+        ];
+        run_of("kinks_five_bar", &text.concat()).rows
+    });
+    let changes = rows[0].iter().map(|row| number(row, "chart_changes"));
+    assert!(changes.sum::<f64>() > 0.0);
+    for (row, other) in rows[0].iter().zip(&rows[1]) {
+        for joint in ["B", "C", "D", "E"] {
+            let [rate, exact] = [row, other].map(|row| number(row, joint));
+            assert_close(rate, exact, 0.1, format_args!("{joint} at {}", row["t"]));
+        }
+    }
+}
+
+/// A trolley of mass 2 with a bent wire, along which a cart of mass 3 is moved: its momentum stays zero.
+#[test]
+fn a_cart_that_is_at_a_corner_at_a_kink_moves_the_trolley_as_elsewhere() {
+    let cases = [
+        (1.0, "[0.1, 0], [0.3, 0.2]", -0.6),
+        (1.0, "[0.1, 0], [0.3, -0.2]", 0.36),
+        (0.8, "[0, 0], [0.1, 0.2], [0.3, 0.4]", -0.6),
+        (0.8, "[0, 0], [0.1, 0.2], [0.3, 0]", 0.36),
+    ];
+    for (from, table, exact) in cases {
+        let cart = format!(
+            "[[joints]]\nname = \"cart\"\ntype = \"slide\"\nlines = [\"down\", \"flat\"]\nstart = {from}\n\
+             prescribed = {{ table = [{table}] }}\n"
+        );
+        let text = [
+            GROUND,
+            "[sections.wire]\nstiffness = { EA = 1, GA = [1, 1], GJ = 1, EI = [1, 1] }\n",
+            &joint("trolley", "prismatic", "ground", "axis = [1, 0, 0]"),
+            &arm("left", "trolley", [0.0, 0.8, 0.0]),
+            &arm("corner", "trolley", [0.6, 0.0, 0.0]),
+            &arm("right", "trolley", [1.6, 0.0, 0.0]),
+            &beam_line("down", ["left", "corner"], 1, "wire"),
+            &beam_line("flat", ["corner", "right"], 1, "wire"),
+            &cart,
+            &body_of("trolley", 2.0, ""),
+            &body_of("cart", 3.0, "inertia = [1, 1, 1]"),
+            &angle("trolley").replace("coordinate", "rate"),
+            &motion(0.2, 0.01),
+            PLAIN,
+        ];
+        let rows = recorded("kinks_corner", &text.concat());
+        let found = number(&rows[rows.len() - 1], "trolley");
+        assert_close(found, exact, 1e-9, format_args!("{from} {table}"));
     }
 }
