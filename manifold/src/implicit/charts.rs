@@ -204,11 +204,14 @@ impl ImplicitMap {
         if self.solve(t, q).is_err() {
             return false;
         }
-        if self.anchor.t == t && self.anchor.q == q {
-            return true;
+        if self.anchor.t != t || self.anchor.q != q {
+            self.change_equation_charts(t);
+            if !self.refresh(t, q) {
+                return false;
+            }
         }
-        self.change_equation_charts(t);
-        self.refresh(t, q)
+        self.anchor.closing = self.closing();
+        true
     }
 
     /// Changes the chart at (q, p) in any case: to the unknowns `independent` as q, or to the
@@ -278,7 +281,9 @@ impl ImplicitMap {
         product_tr([D, X, 1], &w.trial.L, &w.dx, &mut q[..D]);
         std::mem::swap(&mut self.chart, &mut w.trial);
         self.change_equation_charts(t);
-        self.refresh(t, q)
+        let regular = self.refresh(t, q);
+        self.anchor.closing = self.closing();
+        regular
     }
 
     /// Trial chart of selected coordinates with the equations in use.

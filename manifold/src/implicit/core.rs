@@ -58,6 +58,8 @@ pub(super) struct Anchor {
     pub x: Vec<f64>,
     pub Y: Vec<f64>,
     pub P: Vec<f64>,
+    /// d ln|det A|/dt = tr(A⁻¹ Ȧ) along the motion there.
+    pub closing: f64,
 }
 
 /// The last solution, and scratch.

@@ -122,6 +122,13 @@ impl ImplicitMap {
         }
     }
 
+    /// tr(A⁻¹ Ȧ) along the last motion that was evaluated.
+    pub(super) fn closing(&self) -> f64 {
+        let (p, X, M, w) = (self.p, self.X, self.M, &self.work);
+        let along = |i: usize| (0..X).map(move |k| w.P[k + i * X] * w.J_dot[i + (p + k) * M]);
+        (0..M).flat_map(along).sum()
+    }
+
     /// Z = ∂(p, x)/∂(q, p).
     fn embed(&mut self) {
         let (p, X, D) = (self.p, self.X, self.D);

@@ -78,6 +78,7 @@ impl ImplicitMap {
             x: vec![0.0; X],
             Y: vec![0.0; X * (core.D + core.p)],
             P: vec![0.0; X * M],
+            closing: 0.0,
         };
         core.refresh(t, &q);
         Ok(core)

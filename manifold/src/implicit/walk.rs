@@ -7,6 +7,8 @@ use std::f64::consts::PI;
 /// Condition number per unknown over the steepest slope below which x is at the limit of a
 /// prescribed motion.
 const STEEP: f64 = 5.0;
+/// Part of the distance to a singular configuration, to first order, that a step may go if q and p turn back.
+const AHEAD: f64 = 0.75;
 /// Largest number of parts of a step.
 const PARTS: usize = 64;
 
@@ -15,6 +17,9 @@ impl ImplicitMap {
     /// on another branch: if the equations change by too much to exclude that, the path is followed
     /// in smaller parts.
     pub(super) fn follow(&mut self, t: f64, q: &[f64]) -> Result<(), EvaluationError> {
+        if self.anchor.closing * (t - self.anchor.t) < -AHEAD && self.turns_back(t, q) {
+            return Err(EvaluationError::Crossed);
+        }
         let Err(first) = self.part(t, q, true) else {
             return Ok(());
         };
@@ -42,6 +47,21 @@ impl ImplicitMap {
             }
             other => self.explained(&reached, other),
         })
+    }
+
+    /// Whether q and p turn back where their velocities at the anchor lead to a singular configuration, at which det A is
+    /// zero to first order: the motion may go on there on another branch, while this one has a position at (q, p), too.
+    fn turns_back(&mut self, t: f64, q: &[f64]) -> bool {
+        let start = self.anchor.clone();
+        let h = t - start.t;
+        let mean: Vec<f64> = (q.iter().zip(&start.q))
+            .map(|(q, from)| (q - from) / h)
+            .collect();
+        if self.solve(start.t, &start.q).is_err() {
+            return false;
+        }
+        self.find_rates(start.t, &mean);
+        self.closing() * h > -AHEAD
     }
 
     /// Why the path ends at the position reached: at the limit of a prescribed motion, where the slopes

@@ -1,6 +1,6 @@
 //! Loops that come to a singular configuration in mid-run: their maps end there, and it is named.
 
-use crate::support::closures::{GROUND, PLAIN, angle, arm, body, hinge};
+use crate::support::closures::{GROUND, PLAIN, angle, arm, body, hinge, joint, motion};
 use crate::support::prelude::*;
 use crate::support::program::{assert_close, directory, example, history, number, program, write};
 
@@ -104,5 +104,45 @@ fn a_driven_one_is_not_said_to_be_at_the_end_of_its_reach() {
     for rate in [1.0, 0.5 * PI, 2.0] {
         let crank = format!("prescribed = {{ proportional = {rate} }}");
         run("loops_singular_driven", &crank, rate, 2.0);
+    }
+}
+
+/// A rod of length 1 between two slides at right angles: x = sin t as prescribed, and y = cos t goes through zero where x
+/// turns back.
+#[test]
+fn a_motion_that_turns_back_at_a_dead_centre_does_not_go_on_in_the_mirror_image() {
+    let drive = "axis = [1, 0, 0]\nprescribed = { sine = { amplitude = 1, omega = 1 } }";
+    let trammel = |closure: &str, step: f64| {
+        [
+            GROUND,
+            &joint("x", "prismatic", "ground", drive),
+            &hinge("A", "x", ""),
+            &arm("tip", "A", [0.0, 1.0, 0.0]),
+            &arm("foot", "ground", [0.0, 1.0, 0.0]),
+            &joint("y", "prismatic", "foot", "axis = [0, 1, 0]"),
+            &hinge(
+                "C",
+                "tip",
+                &format!("child = \"y\"\nclosure = \"{closure}\""),
+            ),
+            &body("A"),
+            &body("y"),
+            &angle("y"),
+            &motion(2.0, step),
+            PLAIN,
+        ]
+        .concat()
+    };
+    for step in [0.3, 0.05, 0.007] {
+        let out = directory("loops_singular_trammel");
+        let ran = program(&[&write(&out, &trammel("map", step))]);
+        let rows = history(&out.join("model.out"));
+        for row in &rows {
+            let [t, y] = ["t", "y"].map(|c| number(row, c));
+            assert_close(y, t.cos() - 1.0, 1e-7, format_args!("{step}: {t}"));
+        }
+        let end = number(rows.last().unwrap(), "t");
+        let said = String::from_utf8_lossy(&ran.stderr);
+        assert!(!ran.status.success() && end > 1.57, "{step}: {end} {said}");
     }
 }
