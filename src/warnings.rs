@@ -18,14 +18,13 @@ use pullback_manifold::system::{Evaluation, Point, System};
 /// Most names in a message.
 const LISTED: usize = 4;
 
-/// Defect of the energy balance over the energy supplied, above which results are doubtful.
+/// Defect of the energy balance over the largest energy, above which results are doubtful.
 const DOUBTFUL: f64 = 0.1;
 
 /// A warning about the energy balance of a motion, or about a model at rest.
 pub(crate) fn unbalanced(counts: &Counts) -> Option<&'static str> {
     let energy = counts.energy?;
-    let doubtful = DOUBTFUL * energy.start.max(energy.work.abs());
-    if energy.largest_defect <= doubtful || energy.is_rounding(counts.steps) {
+    if energy.largest_defect <= DOUBTFUL * energy.largest || energy.is_rounding(counts.steps) {
         let now = energy.now.kinetic + energy.now.stored;
         let still = energy.start == 0.0 && energy.gross == 0.0 && now == 0.0;
         return (still && counts.steps > 0).then_some(
@@ -34,10 +33,10 @@ pub(crate) fn unbalanced(counts: &Counts) -> Option<&'static str> {
         );
     }
     Some(if energy.defect() > 0.0 {
-        "the balance of energy is off by much compared with the energy supplied: energy is not \
+        "the balance of energy is off by much compared with the energy of the motion: energy is not \
          conserved, but grows; take smaller steps, or a scheme that damps high frequencies (more)"
     } else {
-        "the balance of energy is off by much compared with the energy supplied: energy is lost, as \
+        "the balance of energy is off by much compared with the energy of the motion: energy is lost, as \
          the scheme damps what its steps do not resolve (waves of a sudden start, say), or dampers \
          take it faster than that; take smaller steps, or a scheme that damps less"
     })

@@ -18,6 +18,8 @@ pub struct EnergyBalance {
     pub work: f64,
     /// Sum of the magnitudes of the work of all steps, without what dampers take.
     pub gross: f64,
+    /// Largest kinetic and stored energy so far.
+    pub largest: f64,
     /// Largest |kinetic + stored − start − work| so far.
     pub largest_defect: f64,
     /// Largest forces and moments so far, applied and reactions, times a length of the model and a
@@ -56,6 +58,7 @@ impl EnergyBalance {
         // What dampers take cannot come back.
         self.gross += supplied.abs() + (-h * lost).max(0.0);
         self.now = *now;
+        self.largest = self.largest.max(now.kinetic + now.stored);
         self.largest_defect = self.largest_defect.max(self.defect().abs());
     }
 

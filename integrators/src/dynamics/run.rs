@@ -200,10 +200,14 @@ impl MotionRun {
         progress: &mut Progress,
     ) -> Result<(), DynamicsError> {
         let now = self.energies(system, &progress.state)?;
-        progress.summary.energy = now.map(|now| EnergyBalance {
-            start: now.kinetic + now.stored,
-            now,
-            ..EnergyBalance::default()
+        progress.summary.energy = now.map(|now| {
+            let start = now.kinetic + now.stored;
+            EnergyBalance {
+                start,
+                now,
+                largest: start,
+                ..EnergyBalance::default()
+            }
         });
         Ok(())
     }

@@ -46,7 +46,8 @@ impl Stops {
         let mut listed: Vec<StopTime> = Vec::new();
         for t in kinks.iter().copied().filter(|&t| t <= to + slack(to, step)) {
             match listed.last_mut() {
-                Some(last) if t - last.right <= slack(t, step) => last.right = t,
+                // `next` leaves out what is within the slack of a time.
+                Some(last) if t - last.right <= 2.0 * slack(t, step) => last.right = t,
                 _ => listed.push(StopTime {
                     kink: true,
                     ..StopTime::end(t)
