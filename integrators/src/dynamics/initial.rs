@@ -7,7 +7,7 @@ use crate::failure::find_mechanism;
 use crate::linear_solver::{LinearError, LinearSolver, max_abs};
 use crate::vectors::{add, dot};
 use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::{Evaluation, Point, System, Weights};
+use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
 
 /// A state with given coordinates and velocities; the accelerations are computed when a run begins.
 ///
@@ -298,6 +298,10 @@ impl Stepper {
             }
             match self.solver.factorise_and_solve(&self.S, &mut self.r) {
                 Ok(()) => return Ok(singular.is_none()),
+                Err(LinearError::NonFinite { unknown, .. }) => {
+                    let what = system.name(unknown);
+                    return Err(DynamicsError::at(state.t)(SystemError::NotFinite { what }));
+                }
                 Err(_) if singular.is_none() => singular = Some(self.S.clone()),
                 Err(source) => {
                     return Err(DynamicsError::Accelerations {

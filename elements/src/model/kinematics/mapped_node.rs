@@ -107,19 +107,21 @@ impl Context {
             collect(parents, spans, all, own);
         }
         let [q, v, a] = [q, qv, qa].map(|x| &x[..k]);
-        map.domain(t, q).map_err(|why| SystemError::Domain {
-            what: match d.initial_parents() == [node.partner] {
-                true => format!("rotation of node {}", node.name),
-                false => format!("joint at node {}", node.name),
-            },
-            why,
-        })?;
+        let what = || match d.initial_parents() == [node.partner] {
+            true => format!("rotation of node {}", node.name),
+            false => format!("joint at node {}", node.name),
+        };
+        map.domain(t, q)
+            .map_err(|why| SystemError::Domain { what: what(), why })?;
         let own = node.range();
         let [x, v_own, a_own] = [&mut w.x, &mut w.v, &mut w.a].map(|x| &mut x[own.clone()]);
         let B = w.operators.each_mut();
         let [B, B_dot, B_ddot] = B.map(|B| &mut B[d.operators.clone()]);
         map.evaluate(t, [q, v, a], &mut [[x, B], [v_own, B_dot], [a_own, B_ddot]]);
-        Ok(())
+        match w.x[own].iter().all(|x| x.is_finite()) {
+            true => Ok(()),
+            false => Err(SystemError::NotFinite { what: what() }),
+        }
     }
 
     /// Pulls the forces at mapped nodes back to their parents, the last link of a chain first, and

@@ -278,7 +278,9 @@ struct Bounded;
 
 impl Map<6, 6> for Bounded {
     fn phi<S: Scalar>(&self, _t: S, q: &SVector<S, 6>) -> SVector<S, 6> {
-        *q
+        let mut x = *q;
+        x[1] = (q[1] + 1.0).sqrt();
+        x
     }
 
     fn domain(&self, _t: f64, q: &SVector<f64, 6>) -> Result<f64, DomainError> {
@@ -317,6 +319,12 @@ fn points_outside_a_domain_are_refused_by_name() {
     let mut model = Context::new(b.build().unwrap());
     let mut q = vec![0.0; 12];
     evaluate(&mut model, &q).unwrap();
+    q[7] = -2.0;
+    refused! {
+        evaluate(&mut model, &q) =>
+            "joint at node dependent gives a value that is not finite: an input, or a function of a joint, an \
+             element or a load, has no value or derivative there (`check` names it)",
+    }
     q[6] = 1.5;
     refused! {
         evaluate(&mut model, &q) =>

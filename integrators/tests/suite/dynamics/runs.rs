@@ -255,6 +255,8 @@ fn a_coordinate_without_mass_is_found_by_its_stiffness_or_named() {
     let mut nothing = Oscillator::new(0.0, 0.0);
     refused! {
         attempt(&mut nothing, [&[]; 2], &options) => ["no consistent accelerations at time 0:"],
+        attempt(&mut Oscillator::new(f64::NAN, 4.0), [&[1.0]; 2], &options) =>
+            ["at time 0: the mass gives a value that is not finite"],
     }
 }
 
