@@ -123,7 +123,7 @@ fn steps_beyond_the_stable_one_are_refused_with_what_it_is() {
             "step 0.1 is too large for central difference",
             "stable for steps of at most 1.99995",
             "mass 6 is stiffest for its mass",
-            "take smaller steps, or a scheme that is stable at every step",
+            "take smaller steps (those of `adaptive` by `max_step`), or a scheme that is stable at every step",
         ],
     }
     // Adaptive steps may grow up to max_step.
