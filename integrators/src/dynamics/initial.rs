@@ -5,6 +5,7 @@ use super::{DynamicsError, State, Stepper};
 use crate::abilities::{energetics, energies, events};
 use crate::failure::find_mechanism;
 use crate::linear_solver::{LinearError, LinearSolver, max_abs};
+use crate::rounding::rounding_of_gaps;
 use crate::vectors::{add, dot};
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
@@ -12,8 +13,8 @@ use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights}
 /// A state with given coordinates and velocities; the accelerations are computed when a run begins.
 ///
 /// The velocities are those just before `t`. If a prescribed velocity jumps there, the free
-/// velocities take the impulse before the first step, as at any later jump. Coordinates and velocities must satisfy the
-/// equations of multipliers.
+/// velocities take the impulse before the first step, as at any later jump. Coordinates must satisfy the equations of
+/// multipliers, which a run checks, and velocities their rates.
 ///
 /// # Errors
 /// [`DynamicsError::Initial`] if a vector has the wrong length or is not finite. An empty vector
@@ -58,8 +59,39 @@ const CORRECTIONS: usize = 30;
 const FINE: f64 = 1e-14;
 /// Part of a step in which hardly any damper relaxes.
 const MOMENT: f64 = 1e-9;
+/// A gap of this many rounding errors is none.
+const OPEN: f64 = 1e10;
 
 impl Stepper {
+    /// Refuses coordinates at which an equation of multipliers does not hold.
+    pub(super) fn check_gaps(
+        &mut self,
+        system: &mut dyn System,
+        state: &State,
+    ) -> Result<(), DynamicsError> {
+        // Multipliers have no scale.
+        if self.inverse_scale.iter().all(|scale| *scale > 0.0) {
+            return Ok(());
+        }
+        let out = Evaluation::with_tangent(&mut self.r, Weights::STATIC, &mut self.S);
+        let evaluated = system.evaluate(state.point(), out);
+        evaluated.map_err(DynamicsError::at(state.t))?;
+        let [sizes, floor] = &mut self.work;
+        let rounding = rounding_of_gaps(system, &self.S, &state.q, [sizes, floor]);
+        let mut gaps = system.pattern().coordinates().iter().zip(&self.r);
+        match gaps.position(|(c, gap)| c.is_multiplier && gap.abs() > OPEN * rounding) {
+            Some(i) => Err(DynamicsError::Initial {
+                what: "coordinates",
+                problem: format!(
+                    "the equation of {} is off by {:.3e}: begin where it holds",
+                    system.name(i),
+                    self.r[i].abs()
+                ),
+            }),
+            None => Ok(()),
+        }
+    }
+
     /// Computes the accelerations of a state, true and algorithmic, its multipliers, and the velocities
     /// of coordinates with damping but no mass.
     ///

@@ -156,6 +156,7 @@ impl MotionRun {
             } else {
                 self.accelerate(system, progress, false)?;
             }
+            self.stepper.check_gaps(system, &progress.state)?;
             self.open_balance(system, progress)?;
         }
         let State { t, q, v, .. } = &progress.state;

@@ -35,7 +35,7 @@ pub(crate) struct Stepper {
     /// Whether all residuals of [`Quantity::Other`] are gaps of multipliers.
     gaps: bool,
     /// Scratch of the test for rounding errors.
-    work: [Vec<f64>; 2],
+    pub(super) work: [Vec<f64>; 2],
     pub(super) options: NewtonOptions,
 }
 
