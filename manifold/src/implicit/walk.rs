@@ -52,15 +52,13 @@ impl ImplicitMap {
     /// Whether q and p turn back where their velocities at the anchor lead to a singular configuration, at which det A is
     /// zero to first order: the motion may go on there on another branch, while this one has a position at (q, p), too.
     fn turns_back(&mut self, t: f64, q: &[f64]) -> bool {
-        let start = self.anchor.clone();
-        let h = t - start.t;
-        let mean: Vec<f64> = (q.iter().zip(&start.q))
-            .map(|(q, from)| (q - from) / h)
-            .collect();
-        if self.solve(start.t, &start.q).is_err() {
+        let (from, start) = (self.anchor.t, self.anchor.q.clone());
+        let h = t - from;
+        let mean: Vec<f64> = q.iter().zip(&start).map(|(q, q0)| (q - q0) / h).collect();
+        if self.solve(from, &start).is_err() {
             return false;
         }
-        self.find_rates(start.t, &mean);
+        self.find_rates(from, &mean);
         self.closing() * h > -AHEAD
     }
 
