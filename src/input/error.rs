@@ -109,7 +109,8 @@ pub enum InputProblem {
     #[error("coordinate {dof} of node \"{node}\" is prescribed twice")]
     PrescribedTwice { node: String, dof: &'static str },
     #[error(
-        "coordinate {dof} of node \"{node}\" is prescribed, or follows from a joint: the path cannot be measured by it"
+        "coordinate {dof} of node \"{node}\" is prescribed, or follows from a joint: the path cannot \
+         be measured by it"
     )]
     PrescribedEvent { node: String, dof: &'static str },
     #[error("this load has {}", list(given))]

@@ -34,7 +34,8 @@ pub enum DynamicsError {
     #[error(
         "step {step:?} is too large for {scheme}, which is stable for steps of at most \
          {stable:.6e} here: the largest frequency is {frequency:.6e} ({what} is stiffest \
-         for its mass); take smaller steps (those of `adaptive` by `max_step`), or a scheme that is stable at every step"
+         for its mass); take smaller steps (those of `adaptive` by `max_step`), or a scheme that \
+         is stable at every step"
     )]
     StepTooLarge {
         scheme: &'static str,

@@ -107,7 +107,7 @@ impl MotionRun {
                 balance.work += work;
                 balance.gross += work.abs();
             }
-            balance.now = now;
+            balance.arrive(&now);
         }
         Ok(())
     }

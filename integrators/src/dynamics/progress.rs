@@ -18,7 +18,7 @@ pub struct EnergyBalance {
     pub work: f64,
     /// Sum of the magnitudes of the work of all steps, without what dampers take.
     pub gross: f64,
-    /// Largest kinetic and stored energy so far.
+    /// Largest |kinetic + stored| so far.
     pub largest: f64,
     /// Largest |kinetic + stored − start − work| so far.
     pub largest_defect: f64,
@@ -57,9 +57,14 @@ impl EnergyBalance {
         self.work += supplied - h * lost;
         // What dampers take cannot come back.
         self.gross += supplied.abs() + (-h * lost).max(0.0);
-        self.now = *now;
-        self.largest = self.largest.max(now.kinetic + now.stored);
+        self.arrive(now);
         self.largest_defect = self.largest_defect.max(self.defect().abs());
+    }
+
+    /// Takes the energies at a new state.
+    pub(super) fn arrive(&mut self, now: &Energies) {
+        self.now = *now;
+        self.largest = self.largest.max((now.kinetic + now.stored).abs());
     }
 
     /// Rejects a motion whose energy grows without bounds.

@@ -202,13 +202,12 @@ impl MotionRun {
     ) -> Result<(), DynamicsError> {
         let now = self.energies(system, &progress.state)?;
         progress.summary.energy = now.map(|now| {
-            let start = now.kinetic + now.stored;
-            EnergyBalance {
-                start,
-                now,
-                largest: start,
+            let mut balance = EnergyBalance {
+                start: now.kinetic + now.stored,
                 ..EnergyBalance::default()
-            }
+            };
+            balance.arrive(&now);
+            balance
         });
         Ok(())
     }

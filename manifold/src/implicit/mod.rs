@@ -26,9 +26,9 @@
 //!
 //! The condition number of A is monitored at converged states. If that of another chart is better by
 //! a factor of 2, the coordinates are reparametrized: x, ẋ and ẍ are kept, and the new coordinates
-//! are linear in them. A map ends where A is singular, d ln|det A|/dt = tr(A⁻¹ Ȧ): so that no step passes
-//! over such a point and on along the branch that it came from, (q, p) may not turn back before a zero of
-//! det A to which their velocities lead.
+//! are linear in them. A map ends where A is singular. So that no step passes over such a point and goes on
+//! along the branch from which it came, (q, p) may not turn back before a zero of det A to which their
+//! velocities lead, by d ln|det A|/dt = tr(A⁻¹ Ȧ).
 
 #![allow(
     clippy::needless_range_loop,

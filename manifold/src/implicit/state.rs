@@ -43,6 +43,7 @@ impl MapState for ImplicitMap {
         out.extend(self.chart.used.iter().map(|&u| f64::from(u)));
         out.extend(&self.sizes);
         out.push(f64::from(self.chart.independent.is_some()));
+        out.push(self.anchor.closing);
         out.extend(self.h.save());
         out
     }
@@ -68,6 +69,7 @@ impl MapState for ImplicitMap {
         }
         self.sizes.copy_from_slice(take(M));
         let split = take(1)[0] == 1.0;
+        self.anchor.closing = take(1)[0];
         let L = &self.chart.L;
         let picks = |j: usize| (0..X).find(|k| L[k + j * X] == 1.0);
         self.chart.independent = split.then(|| (0..D).filter_map(picks).collect());

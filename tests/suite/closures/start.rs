@@ -53,17 +53,15 @@ fn a_penalty_stays_closed_under_any_load() {
 
 #[test]
 fn a_motion_does_not_begin_with_a_loop_that_is_open() {
-    let text = linkage_of(["", "", ""], CLOSURES[1]);
-    let mut job = started(&text);
-    let options = DynamicOptions::new(0.1, 0.01);
+    let mut job = started(&linkage_of(["", "", ""], CLOSURES[1]));
+    let options = DynamicOptions {
+        scheme: "ga:0.8".parse().unwrap(),
+        ..DynamicOptions::new(0.1, 0.01)
+    };
     for (angle, fine) in [(0.0, true), (1e-9, true), (1e-3, false)] {
         let mut q = job.start.q.clone();
         q[0] += angle;
         let state = pullback::integrators::dynamics::start(&job.context, 0.0, &q, &[]).unwrap();
-        let options = DynamicOptions {
-            scheme: "ga:0.8".parse().unwrap(),
-            ..options
-        };
         let refused = Simulation::new(&mut job.context, state, &options).err();
         let said = refused.map_or("none".to_owned(), |error| error.to_string());
         let open = "the equation of multipliers of C and rocker tip, coordinate 1 is off by";

@@ -112,30 +112,23 @@ fn a_driven_one_is_not_said_to_be_at_the_end_of_its_reach() {
 #[test]
 fn a_motion_that_turns_back_at_a_dead_centre_does_not_go_on_in_the_mirror_image() {
     let drive = "axis = [1, 0, 0]\nprescribed = { sine = { amplitude = 1, omega = 1 } }";
-    let trammel = |closure: &str, step: f64| {
-        [
+    for step in [0.3, 0.05, 0.007] {
+        let text = [
             GROUND,
             &joint("x", "prismatic", "ground", drive),
             &hinge("A", "x", ""),
             &arm("tip", "A", [0.0, 1.0, 0.0]),
             &arm("foot", "ground", [0.0, 1.0, 0.0]),
             &joint("y", "prismatic", "foot", "axis = [0, 1, 0]"),
-            &hinge(
-                "C",
-                "tip",
-                &format!("child = \"y\"\nclosure = \"{closure}\""),
-            ),
+            &hinge("C", "tip", "child = \"y\""),
             &body("A"),
             &body("y"),
             &angle("y"),
             &motion(2.0, step),
             PLAIN,
-        ]
-        .concat()
-    };
-    for step in [0.3, 0.05, 0.007] {
+        ];
         let out = directory("loops_singular_trammel");
-        let ran = program(&[&write(&out, &trammel("map", step))]);
+        let ran = program(&[&write(&out, &text.concat())]);
         let rows = history(&out.join("model.out"));
         for row in &rows {
             let [t, y] = ["t", "y"].map(|c| number(row, c));
@@ -143,6 +136,9 @@ fn a_motion_that_turns_back_at_a_dead_centre_does_not_go_on_in_the_mirror_image(
         }
         let end = number(rows.last().unwrap(), "t");
         let said = String::from_utf8_lossy(&ran.stderr);
-        assert!(!ran.status.success() && end > 1.57, "{step}: {end} {said}");
+        assert!(
+            end > 1.57 && said.contains("coordinates of C: "),
+            "{step}: {end} {said}"
+        );
     }
 }

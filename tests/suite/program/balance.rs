@@ -140,14 +140,10 @@ fn a_dashpot_that_steps_do_not_resolve_moves_along_with_a_jerk() {
 #[test]
 fn a_motion_that_begins_and_ends_at_rest_is_no_false_alarm() {
     // What the load does, the damper takes.
+    let damped = "axis = [0, 0, 1]\nspring = { c = 8 }";
     let text = [
         GROUND,
-        &joint(
-            "j",
-            "prismatic",
-            "ground",
-            "axis = [0, 0, 1]\nspring = { c = 8 }",
-        ),
+        &joint("j", "prismatic", "ground", damped),
         &body_of("j", 1.5, ""),
         "[[loads]]\nnode = \"j\"\nforce = [0, 0, -15]\ntime = { table = [[0, 1], [2, 1], [2.5, 0]] }\n",
         &motion(8.0, 0.01),
