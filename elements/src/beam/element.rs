@@ -123,18 +123,24 @@ impl<const NN: usize, I: Rotations<NN>> Beam<NN, I> {
     /// x′, Ψ, Ψ′ at an integration point.
     #[inline]
     fn line(p: &GaussPoint<NN>, x: &[f64]) -> Gradients {
-        let mut line = Gradients {
-            x_prime: p.X_prime,
+        Self::gradients(p, p.X_prime, x)
+    }
+
+    /// x′ of displacements from a line with `x_prime`, Ψ and Ψ′ at an integration point; their rates from velocities and zero.
+    #[inline]
+    fn gradients(p: &GaussPoint<NN>, x_prime: Vector3<f64>, x: &[f64]) -> Gradients {
+        let mut out = Gradients {
+            x_prime,
             psi: Vector3::zeros(),
             psi_prime: Vector3::zeros(),
         };
         for (i, x) in x.chunks_exact(6).take(NN).enumerate() {
             let (d, psi) = (three(x, 0), three(x, 3));
-            line.x_prime += d * p.dN[i];
-            line.psi += psi * p.N[i];
-            line.psi_prime += psi * p.dN[i];
+            out.x_prime += d * p.dN[i];
+            out.psi += psi * p.N[i];
+            out.psi_prime += psi * p.dN[i];
         }
-        line
+        out
     }
 
     /// The strains and stresses at an integration point in the interpolated coordinates, with those of damping if it
@@ -148,8 +154,10 @@ impl<const NN: usize, I: Rotations<NN>> Beam<NN, I> {
     ) -> (Strained, Option<Viscous>) {
         let mut strained = Strained::new(line, &p.X_prime, &p.law);
         let beta = self.damping.stiffness;
-        let viscous = (beta > 0.0 && !v.is_empty())
-            .then(|| Viscous::new(&mut strained, line, &Self::rates(p, v), &p.law, beta));
+        let viscous = (beta > 0.0 && !v.is_empty()).then(|| {
+            let rates = Self::gradients(p, Vector3::zeros(), v);
+            Viscous::new(&mut strained, line, &rates, &p.law, beta)
+        });
         (strained, viscous)
     }
 
@@ -199,13 +207,6 @@ impl<const NN: usize, I: Rotations<NN>> Beam<NN, I> {
             }
         }
         Ok(())
-    }
-
-    /// ẋ′, Ψ̇, Ψ̇′ at an integration point.
-    fn rates(p: &GaussPoint<NN>, v: &[f64]) -> Gradients {
-        let mut rates = Self::line(p, v);
-        rates.x_prime -= p.X_prime;
-        rates
     }
 }
 

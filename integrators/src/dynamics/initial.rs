@@ -49,8 +49,8 @@ const PASSES: usize = 4;
 
 /// Largest number of impulses; each leaves ½ (1 − cos θ) of the missing momentum at a corner of θ.
 const IMPULSES: usize = 30;
-/// Differences of momentum below this part of the momentum, and dissipated energies below this part of the kinetic one, are
-/// rounding errors.
+/// Changes of velocities below this part of them, and dissipated energies below this part of the kinetic one, are rounding
+/// errors.
 const ROUNDING: f64 = 1e-12;
 
 /// Largest number of corrections of massless velocities.
@@ -190,19 +190,23 @@ impl Stepper {
                 false => events(system).kept_momentum(Some(at), missing),
             };
             known.map_err(DynamicsError::at(state.t))?;
-            let largest = max_abs(before).max(max_abs(missing));
             for (missing, before) in missing.iter_mut().zip(before) {
                 *missing = before - *missing;
             }
-            if max_abs(missing) <= ROUNDING * largest {
-                return Ok(count);
-            }
             self.solve_mass(system, state, (h, damping), Some(missing))?;
-            // For a multiplier, this is the impulse of its constraint.
+            // Twice the kinetic energies of the change and of the motion.
+            let (mut change, mut whole) = (0.0, 0.0);
             for (i, dv) in self.r.iter_mut().enumerate() {
                 if system.pattern().coordinates()[i].is_multiplier {
-                    *dv = 0.0;
+                    // This is the impulse of its constraint.
+                    change -= std::mem::take(dv) * missing[i];
+                } else {
+                    change += *dv * missing[i];
+                    whole += state.v[i] * before[i];
                 }
+            }
+            if change.abs() <= ROUNDING * ROUNDING * whole.abs() {
+                return Ok(count);
             }
             if prescribed && damping == 0.0 && self.is_absorbed(system, state, missing, h)? {
                 (damping, most) = (h, PASSES);

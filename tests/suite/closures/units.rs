@@ -2,7 +2,7 @@
 //! multipliers as with the map, and linkages where kinematics has them.
 
 use crate::support::beams::line;
-use crate::support::closures::{angle, beam_line, fixed, hinge, probe};
+use crate::support::closures::{angle, arm, beam_line, body_of, fixed, hinge, motion, probe};
 use crate::support::program::{example, number, recorded};
 use toml::{Table, Value};
 
@@ -215,4 +215,27 @@ fn a_beam_on_a_pin_bends_alike_in_all_units() {
     for (a, b) in forces.iter().zip(map) {
         assert!((a - b).abs() < 1e-10, "{a}, with the map {b}");
     }
+}
+
+#[test]
+fn a_jump_of_a_prescribed_rate_turns_a_pendulum_alike_in_all_units() {
+    let text = [
+        "[nodes]\ncentre = [0, 0, 0]\nbob = [1, 0, 0]\n",
+        &fixed("centre"),
+        &hinge("crank", "centre", "prescribed = { ramp = { end = 0.2 } }"),
+        &arm("tip", "crank", [1.0, 0.0, 0.0]),
+        &hinge("pin", "tip", "child = \"bob\"\nclosure = \"multipliers\""),
+        &body_of(
+            "bob",
+            2.0,
+            "center = [0.5, 0, 0]\ninertia = [0.1, 0.1, 0.1]",
+        ),
+        &motion(0.3, 0.001),
+    ];
+    let model = with_probes(&text.concat(), &["pin"]);
+    let steps = compare("jump", &model, &["pin"]);
+    // The impulse F at the pin: m (v + r ω) = F and I ω = −r F, for v = 5 of the tip.
+    let omega = -5.0 * 2.0 * 0.5 / (0.1 + 2.0 * 0.25);
+    let turned = steps[1].found[0] / steps[1].t;
+    assert!((turned / (omega - 5.0) - 1.0).abs() < 1e-3, "{turned}");
 }

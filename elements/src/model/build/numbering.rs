@@ -1,5 +1,6 @@
 //! Validation, numbering and pattern of a model.
 
+use crate::element::{Motion, Response};
 use crate::model::assembly::scatter_map::ScatterMap;
 use crate::model::assembly::workspace::Workspace;
 use crate::model::build::builder::{ModelBuilder, NodeId};
@@ -30,7 +31,10 @@ impl ModelBuilder {
     /// [`ModelError`] with the cause.
     pub fn build(mut self) -> Result<Model, ModelError> {
         let extent = extent(&self.nodes);
-        let length = if extent > 0.0 { extent } else { 1.0 };
+        let length = match extent {
+            0.0 => self.gyration().unwrap_or(1.0),
+            extent => extent,
+        };
         start::check_values(&self.nodes, &self.starts, length)?;
         let (forces, enforced) = self.enforce_closings(length)?;
         if self.nodes.is_empty() {
@@ -49,6 +53,42 @@ impl ModelBuilder {
             starts,
             &positions,
         )
+    }
+
+    /// Radius of gyration of all mass about its nodes: the size of a model whose nodes have one position.
+    fn gyration(&self) -> Option<f64> {
+        let (mut mass, mut inertia) = (0.0, 0.0);
+        for ElementEntry { element, nodes, .. } in &self.elements {
+            let n = element.dim();
+            let (zeros, mut r, mut M) = (vec![0.0; n], vec![0.0; n], vec![0.0; n * n]);
+            let at = Motion {
+                t: 0.0,
+                inputs: &self.inputs,
+                x: &zeros,
+                v: &zeros,
+                a: &zeros,
+                previous: None,
+            };
+            let mut out = Response {
+                r: &mut r,
+                K: None,
+                C: None,
+                M: Some(&mut M),
+                r_t: None,
+            };
+            element.evaluate(&at, &mut out).ok()?;
+            let nodes = nodes.iter().map(|&k| &self.nodes[k as usize]);
+            let quantities = nodes.flat_map(|node| &node.quantities);
+            for (quantity, m) in quantities.zip(M.iter().step_by(n + 1)) {
+                match quantity {
+                    Quantity::Length => mass += m / 3.0,
+                    Quantity::Angle => inertia += m / 2.0,
+                    Quantity::Other => {}
+                }
+            }
+        }
+        let radius = f64::sqrt(inertia / mass);
+        (radius > 0.0 && radius.is_finite()).then_some(radius)
     }
 
     /// The model with its unknowns numbered and the positions of all tangents, not assembled.

@@ -139,11 +139,13 @@ impl<'a> Search<'a> {
             let mut unit = vec![0.0; size];
             unit[i] = 1.0;
             self.operator.constrain(&mut unit)?;
-            let mut image = vec![0.0; size];
-            (krylov.gram)(&unit, &mut image);
             // Of what equations hold, and of multipliers, rounding errors are left.
-            let whole = self.scales[i % self.lin.dim()].powi(-2);
-            if dot(&unit, &image) > HELD * whole {
+            let whole = match self.weights[i] {
+                0.0 => self.scales[i % self.lin.dim()].powi(-2),
+                own => own,
+            };
+            let left: f64 = unit.iter().zip(&self.weights).map(|(x, w)| w * x * x).sum();
+            if left > HELD * whole {
                 krylov.add(unit);
             }
         }
