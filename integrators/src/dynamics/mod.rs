@@ -14,6 +14,7 @@ mod frequency;
 mod initial;
 mod invariants;
 mod jumps;
+mod mass;
 mod options;
 mod progress;
 mod projection;

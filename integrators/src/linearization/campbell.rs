@@ -256,20 +256,27 @@ impl Sweep<'_> {
             Some(rotor) => lin.in_multi_blade_coordinates(rotor, speed),
             None => lin,
         };
-        let wanted = self.options.count.min(2 * lin.dim()) + SPARE;
-        let mut massless = 0;
+        let lines = (self.lines.len().max(self.options.count)).min(2 * lin.dim());
+        let mut asked = lines + SPARE + 1;
         loop {
-            let options = ModeOptions::lowest(wanted + massless);
+            let options = ModeOptions::lowest(asked);
             let search = modes_while(&lin, &options, &mut |_| (self.observer)(speed));
             let mut found = search.map_err(failed)?;
             let all = found.modes.len();
             lin.retain_vibrations(&mut found.modes);
-            if found.complete || found.modes.len() >= wanted || all - found.modes.len() <= massless
-            {
+            let mut enough = found.modes.len() > lines + SPARE;
+            if !found.complete {
+                // Others may repeat the last eigenvalue, and shapes of a part of them are any ones.
+                let last = groups(&found.modes).pop();
+                let whole = last.and_then(|last| last.first().copied()).unwrap_or(0);
+                found.modes.truncate(whole);
+                enough &= whole > lines;
+            }
+            if enough || found.complete || all < asked {
                 self.check_steady(&lin, &found.modes, speed)?;
                 return Ok((found.modes, lin));
             }
-            massless = all - found.modes.len();
+            asked *= 2;
         }
     }
 

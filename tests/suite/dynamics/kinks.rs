@@ -5,7 +5,7 @@ use crate::support::closures::{
     CLOSURES, GROUND, PLAIN, arm, beam_line, body, body_of, five_bar, hinge, joint, motion,
     probe_of,
 };
-use crate::support::dynamics::{motion_of, revolute};
+use crate::support::dynamics::{assert_order, motion_of, revolute};
 use crate::support::prelude::*;
 use crate::support::program::{assert_close, number, recorded};
 use pullback::solve::begin;
@@ -48,6 +48,28 @@ fn an_input_that_changes_is_a_kink() {
         let [x, v] = after(&mut model, word, turn);
         let off = (x - 0.5).abs().max((v + 1.0).abs());
         assert!(off < 1e-13, "{word}: {x}, {v}");
+    }
+}
+
+/// A mass from rest under a force sin 3t that is sampled at every step: all of them begin at a kink.
+#[test]
+fn a_force_sampled_at_every_step_keeps_the_order() {
+    for word in ["newmark", "ga:0.5", "hht:-0.1", "wbz:0.8"] {
+        let errors = [20, 40, 80, 160].map(|steps| {
+            let h = 2.0 / f64::from(steps);
+            let times = (0..=steps).map(|k| f64::from(k) * h);
+            let points = times.map(|t| [t, (3.0 * t).sin()]).collect();
+            let mut context = pushed(|_| Box::new(Table::new(points).unwrap()));
+            let options = DynamicOptions {
+                scheme: word.parse().unwrap(),
+                ..DynamicOptions::new(2.0, h)
+            };
+            let mut progress = Progress::new(start(&context, 0.0, &[], &[]).unwrap());
+            let each = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
+            integrate(&mut context, &mut progress, &options, each).unwrap();
+            (progress.state.q[0] - (2.0 / 3.0 - 6.0_f64.sin() / 9.0)).abs()
+        });
+        assert_order(word, &errors, 2.0, 0.1);
     }
 }
 

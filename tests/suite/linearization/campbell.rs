@@ -3,7 +3,7 @@
 use super::{assert_near, campbell};
 use crate::support::*;
 use num_complex::Complex64;
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 /// Circular frequency Im λ and damping ratio of each line, over the speed.
 fn lines(name: &str, text: &str) -> Vec<(f64, Vec<[f64; 2]>)> {
@@ -268,6 +268,43 @@ fn a_hinge_in_flap() {
         for (speed, found) in lines("campbell_hinge", &text) {
             let square = k / (2.0 * 2.25) + speed * speed * (1.0 + 0.5 / 1.5);
             assert_near(found[0][0], square.sqrt(), 1e-12);
+        }
+    }
+}
+
+/// Masses at a distance of 1.5 on 24 times three flap hinges with springs and dampers: m r² (s² + Ω²) + c s + k = 0. Of
+/// the lowest eigenvalue there are 24 lines, of which none is cut.
+#[test]
+fn modes_of_many_equal_blades() {
+    let blade = |i: u32| {
+        let (y, x) = (f64::from(i) * TAU / 24.0).sin_cos();
+        let hinge = |(name, k): (&str, f64)| {
+            let c = 1e-3 * k;
+            let keys = format!(
+                "axis = [{:?}, {x:?}, 0]\nspring = {{ k = {k:?}, c = {c:?} }}",
+                -y
+            );
+            let name = format!("{name} {i}");
+            let centre = format!("center = [{:?}, {:?}, 0]", 1.5 * x, 1.5 * y);
+            joint(&name, "revolute", "hub", &keys) + &body_of(&name, 2.0, &centre)
+        };
+        [("soft", 100.0), ("stiff", 300.0), ("stiffer", 700.0)]
+            .map(hinge)
+            .concat()
+    };
+    let text = [
+        GROUND,
+        &hinge("hub", "ground", ""),
+        &(0..24).map(blade).collect::<String>(),
+        "[analysis.campbell]\njoint = \"hub\"\nto = 4\nsteps = 1\ncount = 4\n",
+    ]
+    .concat();
+    for (speed, found) in lines("campbell_many", &text) {
+        assert_eq!(found.len(), 24);
+        let square = 100.0 / 4.5 + speed * speed;
+        for [omega, damping] in found {
+            assert_near(damping, 0.1 / (2.0 * 4.5 * square.sqrt()), 1e-9);
+            assert_near(omega, (square * (1.0 - damping * damping)).sqrt(), 1e-9);
         }
     }
 }

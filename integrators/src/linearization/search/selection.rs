@@ -109,6 +109,17 @@ impl Search<'_> {
             inner -= usize::from(known.next() == Some(&true));
             self.is_symmetric() || inner < INNER || p.residual < WANDERING * p.theta.norm()
         });
+        if !self.is_symmetric() {
+            // An eigenvalue is known up to its residual. Of copies of one, as of many equal blades, those that have converged
+            // come first.
+            let copies = |p: &RitzPair, next: &RitzPair| {
+                let [size, other] = [p, next].map(|p| p.theta.norm());
+                size - other <= p.residual.max(CONVERGED * size).min(MARGIN * size)
+            };
+            for same in pairs.chunk_by_mut(copies) {
+                same.sort_by_key(|p| !is_converged(p, largest));
+            }
+        }
         pairs
     }
 
