@@ -4,7 +4,6 @@ use super::modes::Mode;
 use super::shift_invert::Order;
 use super::{Linearized, inner_product};
 use crate::linear_solver::scaling;
-use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 /// Rounding errors of φᵀ K φ in units of those of its terms.
@@ -12,6 +11,9 @@ pub(super) const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// Square of a part of a shape, relative to the whole, that is no shape of its own.
 const PART: f64 = 1e-6;
+
+/// Distance of eigenvalues that are one, relative to their size.
+const REPEATED: f64 = 1e-9;
 
 /// Makes modes of eigenvectors: their eigenvalues, scale and residual.
 pub(super) struct Finish<'a> {
@@ -122,23 +124,30 @@ impl<'a> Finish<'a> {
         }
     }
 
-    /// Whether a mode at rest was found before: with velocities, λ = 0 occurs twice for each.
-    pub fn repeats(&self, modes: &[Mode], mode: &Mode) -> bool {
-        if self.order == Order::Squares || mode.eigenvalue != Complex64::ZERO {
-            return false;
+    /// A mode without its parts in those before with the same eigenvalue, of which the search has found any shapes in their
+    /// space. `None` of a mode at rest that was found before: with velocities, λ = 0 occurs twice for each.
+    pub fn apart(&self, modes: &[Mode], mode: Mode, found: Complex64) -> Option<Mode> {
+        if self.symmetric {
+            return Some(mode);
         }
-        let product = |x: &Mode, y: &Mode| {
-            let image = self.lin.product(&self.lin.M, &y.shape);
-            inner_product(&x.shape, &image)
-        };
-        let rigid = modes.iter().filter(|m| m.eigenvalue == Complex64::ZERO);
-        let rigid: Vec<&Mode> = rigid.collect();
-        let gram = DMatrix::from_fn(rigid.len(), rigid.len(), |i, j| product(rigid[i], rigid[j]));
-        let parts = DVector::from_fn(rigid.len(), |i, _| product(rigid[i], mode));
-        let along = gram
-            .cholesky()
-            .map(|gram| parts.dotc(&gram.solve(&parts)).re);
-        along.is_some_and(|along| along > 1.0 - PART)
+        let size = self.mass(&mode.shape);
+        let mut shape = mode.shape.clone();
+        let same =
+            |other: &&Mode| (other.eigenvalue - mode.eigenvalue).norm() <= REPEATED * mode.omega();
+        for other in modes.iter().filter(same) {
+            let part = inner_product(&self.lin.product(&self.lin.M, &other.shape), &shape);
+            (shape.iter_mut().zip(&other.shape)).for_each(|(x, y)| *x -= part * y);
+        }
+        if self.mass(&shape) > PART * size {
+            return Some(self.mode(shape, found));
+        }
+        let still = self.order == Order::Quadratic && mode.eigenvalue == Complex64::ZERO;
+        (!still).then_some(mode)
+    }
+
+    /// φᴴ M φ.
+    fn mass(&self, shape: &[Complex64]) -> f64 {
+        inner_product(shape, &self.lin.product(&self.lin.M, shape)).re
     }
 
     /// Whether λ is zero but for rounding errors of a mode of this shape φ, with the forms φᴴ K φ, |φᴴ C φ| and φᴴ M φ: where

@@ -185,9 +185,7 @@ pub fn modes_while(
         let mut modes: Vec<Mode> = Vec::with_capacity(vectors);
         for (vector, eigenvalue) in found.vectors {
             for mode in finish.modes(vector, eigenvalue) {
-                if !finish.repeats(&modes, &mode) {
-                    modes.push(mode);
-                }
+                modes.extend(finish.apart(&modes, mode, eigenvalue));
             }
         }
         modes.sort_by(|a, b| a.omega().total_cmp(&b.omega()));

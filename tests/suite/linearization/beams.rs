@@ -143,6 +143,18 @@ fn damping_of_modes_is_rayleighs() {
     }
 }
 
+/// Small stiff structures have frequencies of many digits.
+#[test]
+fn modes_do_not_depend_on_the_unit_of_time() {
+    let mut lin = linear(&mut BEAM.context(6, true));
+    lin.K.iter_mut().for_each(|k| *k *= 1e24);
+    let found = modes(&lin, &ModeOptions::lowest(4)).unwrap();
+    assert_eq!(found.counted, Some(4));
+    for (omega, exact) in omegas(&found).iter().zip(BEAM.frequencies(4)) {
+        assert_near(*omega, 1e12 * exact, 1e-5);
+    }
+}
+
 #[test]
 fn modes_of_a_free_beam() {
     for elements in [2, 16, 64] {

@@ -33,6 +33,24 @@ fn bars_welded_by_multipliers() {
     assert!((found[0] - exact).norm() < 1e-11, "{found:?}");
 }
 
+/// Translations of a free beam are combinations of its six modes at rest: their effective masses sum to its mass, with damping
+/// as without.
+#[test]
+fn effective_masses_of_a_damped_free_beam() {
+    let text = [
+        "[sections.s]\nstiffness = { EA = 1e5, GA = [4e4, 4e4], GJ = 8, EI = [10, 14] }\n\
+         mass = { A_rho = 0.5, J = [2e-4, 1e-4, 1e-4], center = [0.01, 0.02] }\n\
+         damping = { stiffness = 1e-4 }\n[nodes]\na = [0, 0, 0]\nb = [1.0, 0.4, 0.2]\n",
+        &beam_line("beam", ["a", "b"], 6, "s"),
+        "order = 2\n[analysis.modes]\ncount = 8\n",
+    ];
+    let rows = csv(ran(&directory("free damped"), &text.concat()).join("modes.csv"));
+    for axis in 9..12 {
+        let sum: f64 = rows[..6].iter().map(|row| row[axis]).sum();
+        assert_near(sum, 0.5 * 1.2_f64.sqrt(), 1e-9);
+    }
+}
+
 /// A loop of two arms in space, loaded by gravity: its tangent is not symmetric, and it has one degree of freedom.
 #[test]
 fn a_loop_has_as_many_modes_as_degrees_of_freedom() {
