@@ -298,8 +298,9 @@ impl Report {
             .zip(scales)
             .map(|((found, below), scale)| {
                 match (found.as_slice(), below) {
-                    ([.., a, _, c], _) => Measure::Slope {
-                        slope: (a / c).ln() / (2.0 * RATIO.ln()),
+                    // Where terms of other signs cancel, a remainder is small by chance.
+                    ([.., a, b, c], _) => Measure::Slope {
+                        slope: (0.5 * (a / c).ln()).max((b / c).ln()) / RATIO.ln(),
                         expected: order,
                     },
                     (_, Some(defect)) => Measure::Defect {
