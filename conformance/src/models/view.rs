@@ -228,8 +228,11 @@ pub(super) fn unknowns(context: &Context) -> Vec<(usize, usize, Quantity)> {
         let own = node.range().zip(node.quantities()).enumerate();
         own.map(move |(k, (c, &kind))| (c, (n, k, kind)))
     });
-    let free = coordinates.filter(|(c, _)| context.unknown_of(*c).is_some());
-    free.map(|(_, unknown)| unknown).collect()
+    let free = coordinates.filter_map(|(c, of)| Some((context.unknown_of(c)?, of)));
+    // They are numbered in another order.
+    let mut free: Vec<_> = free.collect();
+    free.sort_unstable_by_key(|(u, _)| *u);
+    free.into_iter().map(|(_, of)| of).collect()
 }
 
 /// Whether a map may reparametrize.
