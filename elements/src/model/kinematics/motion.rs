@@ -177,8 +177,14 @@ impl Context {
     pub(in crate::model) fn closing_force(&self, node: NodeId) -> [Vector3<f64>; 2] {
         let w = &self.work;
         let mut out = [Vector3::zeros(); 2];
+        let partner = self.model.nodes[node.0 as usize].partner;
+        let is_node = |&n: &u32| n == node.0 || n == partner;
         for report in &self.model.reports {
             let Some(x) = report.map else { continue };
+            let mut ends = report.loops.iter().flat_map(|l| [l.frame, l.child]);
+            if !ends.any(|end| upwards(&self.model.nodes, end).iter().any(is_node)) {
+                continue;
+            }
             let n = &self.model.nodes[x as usize];
             let Some(d) = n.mapped() else {
                 continue;
@@ -195,9 +201,7 @@ impl Context {
                 let [force, moment] = [0, 3].map(|k| R * three(mu, k));
                 for (end, sign) in [(closed.frame, -1.0), (closed.child, 1.0)] {
                     let path = upwards(&self.model.nodes, end);
-                    let partner = self.model.nodes[node.0 as usize].partner;
-                    let Some(above) = path.iter().rposition(|&n| n == node.0 || n == partner)
-                    else {
+                    let Some(above) = path.iter().rposition(is_node) else {
                         continue;
                     };
                     // These forces act on the frame at which the chains of this loop end for the
