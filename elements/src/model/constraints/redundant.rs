@@ -173,16 +173,11 @@ impl Chosen {
         let (mut rest, mut by_prescribed) = (all.J.clone(), all.prescribed.clone());
         let (mut waiting, mut taken) = (candidates.to_vec(), Vec::new());
         let (mut limit, mut least) = (0.0, f64::INFINITY);
-        loop {
-            let norm = |i: &usize| rest.row(*i).norm();
-            let Some(best) = waiting
-                .iter()
-                .copied()
-                .max_by(|i, j| norm(i).total_cmp(&norm(j)))
-            else {
-                break;
-            };
-            let size = norm(&best);
+        let mut norms: Vec<f64> = rest.row_iter().map(|row| row.norm()).collect();
+        while let Some(best) =
+            (waiting.iter().copied()).max_by(|&i, &j| norms[i].total_cmp(&norms[j]))
+        {
+            let size = norms[best];
             limit = f64::max(limit, RANK * size);
             if size <= limit || size == 0.0 {
                 break;
@@ -192,10 +187,18 @@ impl Chosen {
             waiting.retain(|&i| i != best);
             let direction = rest.row(best) / size;
             let along_prescribed = by_prescribed.row(best) / size;
+            // A loop has few of many unknowns.
+            let own: Vec<usize> = (0..direction.len())
+                .filter(|&u| direction[u] != 0.0)
+                .collect();
             for &i in &waiting {
-                let along = rest.row(i).dot(&direction);
-                let reduced = rest.row(i) - &direction * along;
-                rest.set_row(i, &reduced);
+                let along: f64 = own.iter().map(|&u| rest[(i, u)] * direction[u]).sum();
+                if along == 0.0 {
+                    continue;
+                }
+                own.iter()
+                    .for_each(|&u| rest[(i, u)] -= direction[u] * along);
+                norms[i] = rest.row(i).norm();
                 let reduced = by_prescribed.row(i) - &along_prescribed * along;
                 by_prescribed.set_row(i, &reduced);
             }
