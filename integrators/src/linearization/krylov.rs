@@ -11,9 +11,12 @@ use super::inner_product;
 use crate::random::Random;
 use crate::registers::clear_upper_halves;
 use crate::vectors::{add, dot};
+use faer::diag::Diag;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::evd::{ComputeEigenvectors, EvdParams, evd_real, evd_scratch};
 use faer::linalg::matmul::matmul;
 use faer::linalg::solvers::Solve;
-use faer::{Accum, Col, ColMut, ColRef, Mat, MatRef, Par, Scale, Side};
+use faer::{Accum, Col, ColMut, ColRef, Mat, MatRef, Par, Scale, Side, Spec};
 use num_complex::Complex64;
 
 /// Square of the length that a product must keep to count as a new direction, relative to its own.
@@ -255,6 +258,50 @@ fn inverse_iteration(H: &Mat<f64>, theta: Complex64, seed: u64) -> Vec<Complex64
     x.iter().copied().collect()
 }
 
+/// Eigenvalues and eigenvectors of length one; `None` if the iteration fails.
+///
+/// By the QR iteration with two shifts. That with many shifts in faer 0.24 sorts eigenvalues in a loop that may not end where
+/// many are almost equal.
+fn eigenpairs(H: &Mat<f64>) -> Option<Vec<(Complex64, Vec<Complex64>)>> {
+    let n = H.nrows();
+    let mut params: Spec<EvdParams, f64> = Spec::default();
+    params.schur.blocking_threshold = usize::MAX;
+    let [none, all] = [ComputeEigenvectors::No, ComputeEigenvectors::Yes];
+    let mut memory = MemBuffer::new(evd_scratch::<f64>(n, none, all, Par::Seq, params));
+    let (stack, mut U) = (MemStack::new(&mut memory), Mat::zeros(n, n));
+    let [mut re, mut im] = [Diag::zeros(n), Diag::zeros(n)];
+    let (real, imaginary) = (re.as_mut(), im.as_mut());
+    evd_real(
+        H.as_ref(),
+        real,
+        imaginary,
+        None,
+        Some(U.as_mut()),
+        Par::Seq,
+        stack,
+        params,
+    )
+    .ok()?;
+    let mut pairs = Vec::with_capacity(n);
+    while let k = pairs.len()
+        && k < n
+    {
+        // The columns of a pair are the real and the imaginary part of its first vector.
+        let next = (k + 1).min(n - 1);
+        let part = if im[k] == 0.0 { 0.0 } else { 1.0 };
+        let column = (0..n).map(|i| Complex64::new(U[(i, k)], part * U[(i, next)]));
+        let length = column.clone().map(|x| x.norm_sqr()).sum::<f64>().sqrt();
+        let vector: Vec<Complex64> = column.map(|x| x / length).collect();
+        let conjugate = vector.iter().map(|x| x.conj()).collect();
+        let theta = Complex64::new(re[k], im[k]);
+        pairs.push((theta, vector));
+        if im[k] != 0.0 {
+            pairs.push((theta.conj(), conjugate));
+        }
+    }
+    Some(pairs)
+}
+
 /// Eigenvalues of the upper square of the matrix with these columns, the largest magnitude first; the rows
 /// below give the residuals. `None` if the iteration fails.
 fn ritz_pairs(columns: &[Vec<f64>], symmetric: bool) -> Option<Vec<RitzPair>> {
@@ -269,13 +316,7 @@ fn ritz_pairs(columns: &[Vec<f64>], symmetric: bool) -> Option<Vec<RitzPair>> {
         let vector = |k: usize| (0..n).map(|i| pairs.U()[(i, k)].into()).collect();
         (0..n).map(|k| (pairs.S()[k].into(), vector(k))).collect()
     } else {
-        let pairs = Mat::from_fn(n, n, entry).eigen().ok()?;
-        let vector = |k: usize| {
-            let column = (0..n).map(|i| pairs.U()[(i, k)]);
-            let length = column.clone().map(|x| x.norm_sqr()).sum::<f64>().sqrt();
-            column.map(|x| x / length).collect()
-        };
-        (0..n).map(|k| (pairs.S()[k], vector(k))).collect()
+        eigenpairs(&Mat::from_fn(n, n, entry))?
     };
     clear_upper_halves();
     pairs.sort_by(|a, b| b.0.norm().total_cmp(&a.0.norm()));
