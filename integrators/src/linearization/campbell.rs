@@ -257,9 +257,9 @@ impl Sweep<'_> {
             None => lin,
         };
         let lines = (self.lines.len().max(self.options.count)).min(2 * lin.dim());
-        let mut asked = lines + SPARE + 1;
+        let mut sought = lines + SPARE + 1;
         loop {
-            let options = ModeOptions::lowest(asked);
+            let options = ModeOptions::lowest(sought);
             let search = modes_while(&lin, &options, &mut |_| (self.observer)(speed));
             let mut found = search.map_err(failed)?;
             let all = found.modes.len();
@@ -272,11 +272,11 @@ impl Sweep<'_> {
                 found.modes.truncate(whole);
                 enough &= whole > lines;
             }
-            if enough || found.complete || all < asked {
+            if enough || found.complete || all < sought {
                 self.check_steady(&lin, &found.modes, speed)?;
                 return Ok((found.modes, lin));
             }
-            asked *= 2;
+            sought *= 2;
         }
     }
 

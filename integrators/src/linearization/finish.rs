@@ -130,24 +130,15 @@ impl<'a> Finish<'a> {
         if self.symmetric {
             return Some(mode);
         }
-        let size = self.mass(&mode.shape);
         let mut shape = mode.shape.clone();
+        let size = self.lin.separate(&mut shape, std::iter::empty());
         let same =
             |other: &&Mode| (other.eigenvalue - mode.eigenvalue).norm() <= REPEATED * mode.omega();
-        for other in modes.iter().filter(same) {
-            let part = inner_product(&self.lin.product(&self.lin.M, &other.shape), &shape);
-            (shape.iter_mut().zip(&other.shape)).for_each(|(x, y)| *x -= part * y);
-        }
-        if self.mass(&shape) > PART * size {
+        if self.lin.separate(&mut shape, modes.iter().filter(same)) > PART * size {
             return Some(self.mode(shape, found));
         }
         let still = self.order == Order::Quadratic && mode.eigenvalue == Complex64::ZERO;
         (!still).then_some(mode)
-    }
-
-    /// φᴴ M φ.
-    fn mass(&self, shape: &[Complex64]) -> f64 {
-        inner_product(shape, &self.lin.product(&self.lin.M, shape)).re
     }
 
     /// Whether λ is zero but for rounding errors of a mode of this shape φ, with the forms φᴴ K φ, |φᴴ C φ| and φᴴ M φ: where

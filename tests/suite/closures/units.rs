@@ -41,6 +41,8 @@ fn factor(key: &str, [L, M, T]: Units) -> f64 {
         "gravity" => L / (T * T),
         "to" | "step" | "end" | "duration" => T,
         "rate" => 1.0 / T,
+        // Damping in proportion to stiffness.
+        "stiffness" => T,
         _ => 1.0,
     }
 }
@@ -238,4 +240,37 @@ fn a_jump_of_a_prescribed_rate_turns_a_pendulum_alike_in_all_units() {
     let omega = -5.0 * 2.0 * 0.5 / (0.1 + 2.0 * 0.25);
     let turned = steps[1].found[0] / steps[1].t;
     assert!((turned / (omega - 5.0) - 1.0).abs() < 1e-3, "{turned}");
+}
+
+/// A cantilever from rest under its weight, with damping in proportion to stiffness, and a pendulum whose only nodes are at its
+/// hinge, with steps of any size.
+#[test]
+fn dampers_and_steps_are_alike_in_all_units() {
+    let weight = "[[loads]]\ngravity = [0, -10.0, 0]\n";
+    let text = [
+        "[sections.s]\nstiffness = { EA = 1e4, GA = [4e3, 4e3], GJ = 10.0, EI = [10.0, 10.0] }\n\
+         mass = { A_rho = 1.0, J = [2e-3, 1e-3, 1e-3] }\ndamping = { stiffness = 1e-3 }\n\
+         [nodes]\nroot = [0, 0, 0]\nend = [2, 0, 0]\n",
+        &beam_line("beam", ["root", "end"], 8, "s"),
+        &fixed("root"),
+        weight,
+        &probe("end", "rotation", "end"),
+        &motion(0.1, 0.002),
+    ];
+    compare_within(0.0, "damped", &text.concat().parse().unwrap(), &["end.z"]);
+    let text = [
+        "[nodes]\nground = [0, 0, 0]\n",
+        &fixed("ground"),
+        &hinge("swing", "ground", ""),
+        &body_of(
+            "swing",
+            2.0,
+            "center = [0.5, 0, 0]\ninertia = [0.1, 0.1, 0.1]",
+        ),
+        weight,
+        &motion(0.5, 0.01),
+        "adaptive = { tolerance = 1e-4 }\n",
+    ];
+    let model = with_probes(&text.concat(), &["swing"]);
+    compare_within(0.0, "one place", &model, &["swing"]);
 }

@@ -32,7 +32,7 @@ impl ModelBuilder {
     pub fn build(mut self) -> Result<Model, ModelError> {
         let extent = extent(&self.nodes);
         let length = match extent {
-            0.0 => self.gyration().unwrap_or(1.0),
+            0.0 => gyration(&self).unwrap_or(1.0),
             extent => extent,
         };
         start::check_values(&self.nodes, &self.starts, length)?;
@@ -53,42 +53,6 @@ impl ModelBuilder {
             starts,
             &positions,
         )
-    }
-
-    /// Radius of gyration of all mass about its nodes: the size of a model whose nodes have one position.
-    fn gyration(&self) -> Option<f64> {
-        let (mut mass, mut inertia) = (0.0, 0.0);
-        for ElementEntry { element, nodes, .. } in &self.elements {
-            let n = element.dim();
-            let (zeros, mut r, mut M) = (vec![0.0; n], vec![0.0; n], vec![0.0; n * n]);
-            let at = Motion {
-                t: 0.0,
-                inputs: &self.inputs,
-                x: &zeros,
-                v: &zeros,
-                a: &zeros,
-                previous: None,
-            };
-            let mut out = Response {
-                r: &mut r,
-                K: None,
-                C: None,
-                M: Some(&mut M),
-                r_t: None,
-            };
-            element.evaluate(&at, &mut out).ok()?;
-            let nodes = nodes.iter().map(|&k| &self.nodes[k as usize]);
-            let quantities = nodes.flat_map(|node| &node.quantities);
-            for (quantity, m) in quantities.zip(M.iter().step_by(n + 1)) {
-                match quantity {
-                    Quantity::Length => mass += m / 3.0,
-                    Quantity::Angle => inertia += m / 2.0,
-                    Quantity::Other => {}
-                }
-            }
-        }
-        let radius = f64::sqrt(inertia / mass);
-        (radius > 0.0 && radius.is_finite()).then_some(radius)
     }
 
     /// The model with its unknowns numbered and the positions of all tangents, not assembled.
@@ -350,4 +314,40 @@ fn extent(nodes: &[Node]) -> f64 {
             .unwrap_or_default()
     };
     (corner(f64::max) - corner(f64::min)).norm()
+}
+
+/// Radius of gyration of all mass about its nodes: the size of a model whose nodes have one position.
+fn gyration(builder: &ModelBuilder) -> Option<f64> {
+    let (mut mass, mut inertia) = (0.0, 0.0);
+    for ElementEntry { element, nodes, .. } in &builder.elements {
+        let n = element.dim();
+        let (zeros, mut r, mut M) = (vec![0.0; n], vec![0.0; n], vec![0.0; n * n]);
+        let at = Motion {
+            t: 0.0,
+            inputs: &builder.inputs,
+            x: &zeros,
+            v: &zeros,
+            a: &zeros,
+            previous: None,
+        };
+        let mut out = Response {
+            r: &mut r,
+            K: None,
+            C: None,
+            M: Some(&mut M),
+            r_t: None,
+        };
+        element.evaluate(&at, &mut out).ok()?;
+        let nodes = nodes.iter().map(|&k| &builder.nodes[k as usize]);
+        let quantities = nodes.flat_map(|node| &node.quantities);
+        for (quantity, m) in quantities.zip(M.iter().step_by(n + 1)) {
+            match quantity {
+                Quantity::Length => mass += m / 3.0,
+                Quantity::Angle => inertia += m / 2.0,
+                Quantity::Other => {}
+            }
+        }
+    }
+    let radius = f64::sqrt(inertia / mass);
+    (radius > 0.0 && radius.is_finite()).then_some(radius)
 }

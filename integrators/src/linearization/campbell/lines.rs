@@ -1,13 +1,12 @@
 //! Lines of a Campbell diagram: modes of successive speeds whose shapes agree best.
 
 use super::{Linearized, Mode, inner_product};
-use num_complex::Complex64;
 
 /// Least agreement of shapes that are one line.
 const SAME: f64 = 0.2;
 /// Distance of eigenvalues that count as repeated, relative to their size.
 const REPEATED: f64 = 1e-6;
-/// Relative mass of what others leave of a shape that counts as none.
+/// Mass of what others leave of a shape of unit mass that counts as none.
 const DEPENDENT: f64 = 1e-8;
 /// Ratio of the stiffness of a shape of unit mass to the largest |λ|², above which its mass is a rounding error.
 const MASSLESS: f64 = 1e6;
@@ -104,25 +103,16 @@ fn basis(modes: &[Mode], groups: &[Vec<usize>], lin: &Linearized) -> Vec<Mode> {
     for (mode, group) in modes.iter().zip(groups) {
         let mut mode = mode.clone();
         let shape = &mut mode.shape;
-        let before = mass(shape, lin);
-        for other in group.iter().filter_map(|&k| basis.get(k)) {
-            let part = inner_product(&lin.product(&lin.M, &other.shape), shape);
-            (shape.iter_mut().zip(&other.shape)).for_each(|(x, y)| *x -= part * y);
-        }
-        let after = mass(shape, lin);
-        let unit = match after > DEPENDENT * before {
-            true => after.sqrt().recip(),
+        let others = group.iter().filter_map(|&k| basis.get(k));
+        let left = lin.separate(shape, others);
+        let unit = match left > DEPENDENT {
+            true => left.sqrt().recip(),
             false => 0.0,
         };
         shape.iter_mut().for_each(|x| *x *= unit);
         basis.push(mode);
     }
     basis
-}
-
-/// φᴴ M φ.
-fn mass(shape: &[Complex64], lin: &Linearized) -> f64 {
-    inner_product(shape, &lin.product(&lin.M, shape)).re
 }
 
 /// The modal assurance criterion of each mode with each of others, shapes of unit mass with their velocities.
