@@ -27,6 +27,12 @@ fn assert_right(what: &str, text: &str, seeds: impl IntoIterator<Item = u64>) ->
     jobs.last().unwrap()
 }
 
+/// The model numbers its unknowns from the tips of its lines: those of the supports come first.
+#[test]
+fn a_frame_of_two_members_is_right_at_random_states() {
+    assert_right("Lee's frame", &example("lee_frame"), [1, 3]);
+}
+
 #[test]
 fn the_table_and_the_rows_of_a_model() {
     let directory = directory("program_check");
