@@ -127,14 +127,15 @@ impl<'a> Finish<'a> {
     /// A mode without its parts in those before with the same eigenvalue, of which the search has found any shapes in their
     /// space. `None` of a mode at rest that was found before: with velocities, λ = 0 occurs twice for each.
     pub fn apart(&self, modes: &[Mode], mode: Mode, found: Complex64) -> Option<Mode> {
-        if self.symmetric {
+        let same =
+            |other: &&Mode| (other.eigenvalue - mode.eigenvalue).norm() <= REPEATED * mode.omega();
+        let mut others = modes.iter().filter(same).peekable();
+        if self.symmetric || others.peek().is_none() {
             return Some(mode);
         }
         let mut shape = mode.shape.clone();
         let size = self.lin.separate(&mut shape, std::iter::empty());
-        let same =
-            |other: &&Mode| (other.eigenvalue - mode.eigenvalue).norm() <= REPEATED * mode.omega();
-        if self.lin.separate(&mut shape, modes.iter().filter(same)) > PART * size {
+        if self.lin.separate(&mut shape, others) > PART * size {
             return Some(self.mode(shape, found));
         }
         let still = self.order == Order::Quadratic && mode.eigenvalue == Complex64::ZERO;
