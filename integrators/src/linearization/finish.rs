@@ -133,9 +133,14 @@ impl<'a> Finish<'a> {
         if self.symmetric || others.peek().is_none() {
             return Some(mode);
         }
+        let mass = |shape: &[Complex64]| self.lin.product(&self.lin.M, shape);
         let mut shape = mode.shape.clone();
-        let size = self.lin.separate(&mut shape, std::iter::empty());
-        if self.lin.separate(&mut shape, others) > PART * size {
+        for other in others {
+            let part = inner_product(&mass(&other.shape), &shape);
+            (shape.iter_mut().zip(&other.shape)).for_each(|(x, y)| *x -= part * y);
+        }
+        let [left, whole] = [&shape, &mode.shape].map(|x| inner_product(x, &mass(x)).re);
+        if left > PART * whole {
             return Some(self.mode(shape, found));
         }
         let still = self.order == Order::Quadratic && mode.eigenvalue == Complex64::ZERO;

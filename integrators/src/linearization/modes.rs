@@ -2,7 +2,7 @@
 
 use super::finish::Finish;
 use super::search::Search;
-use super::{Linearized, check_count, inner_product};
+use super::{Linearized, check_count};
 use crate::linear_solver::LinearError;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -204,21 +204,6 @@ pub fn modes_while(
             complete: found.complete,
             factorisations,
         });
-    }
-}
-
-impl Linearized {
-    /// Removes from a shape φ its parts along others, of unit mass and orthogonal to each other by M; φᴴ M φ of what is left.
-    pub(super) fn separate<'a>(
-        &self,
-        shape: &mut [Complex64],
-        others: impl Iterator<Item = &'a Mode>,
-    ) -> f64 {
-        for other in others {
-            let part = inner_product(&self.product(&self.M, &other.shape), shape);
-            (shape.iter_mut().zip(&other.shape)).for_each(|(x, y)| *x -= part * y);
-        }
-        inner_product(shape, &self.product(&self.M, shape)).re
     }
 }
 

@@ -6,8 +6,6 @@ use super::{Linearized, Mode, inner_product};
 const SAME: f64 = 0.2;
 /// Distance of eigenvalues that count as repeated, relative to their size.
 const REPEATED: f64 = 1e-6;
-/// Mass of what others leave of a shape of unit mass that counts as none.
-const DEPENDENT: f64 = 1e-8;
 /// Ratio of the stiffness of a shape of unit mass to the largest |λ|², above which its mass is a rounding error.
 const MASSLESS: f64 = 1e6;
 
@@ -43,11 +41,7 @@ pub(super) fn continued(
     let found = [found, conjugates].concat();
     // Shapes of repeated eigenvalues are any ones in their space.
     let (groups_before, groups) = (groups(&before), groups(&found));
-    let mac = assurance(
-        &basis(&before, &groups_before, lin),
-        &basis(&found, &groups, lin),
-        lin,
-    );
+    let mac = assurance(&before, &found, lin);
     let agreement = |i: usize, j: usize| -> f64 {
         let (rows, columns) = (&groups_before[i], &groups[j]);
         let sum: f64 = rows
@@ -95,24 +89,6 @@ pub(super) fn conjugate(mode: &Mode) -> Mode {
         shape: mode.shape.iter().map(|x| x.conj()).collect(),
         ..*mode
     }
-}
-
-/// The modes with shapes that are, for repeated eigenvalues, orthogonal to each other by M; zero where one depends on others.
-fn basis(modes: &[Mode], groups: &[Vec<usize>], lin: &Linearized) -> Vec<Mode> {
-    let mut basis: Vec<Mode> = Vec::new();
-    for (mode, group) in modes.iter().zip(groups) {
-        let mut mode = mode.clone();
-        let shape = &mut mode.shape;
-        let others = group.iter().filter_map(|&k| basis.get(k));
-        let left = lin.separate(shape, others);
-        let unit = match left > DEPENDENT {
-            true => left.sqrt().recip(),
-            false => 0.0,
-        };
-        shape.iter_mut().for_each(|x| *x *= unit);
-        basis.push(mode);
-    }
-    basis
 }
 
 /// The modal assurance criterion of each mode with each of others, shapes of unit mass with their velocities.
