@@ -130,8 +130,8 @@ impl Method {
         }
     }
 
-    /// The orders of positions, velocities and accelerations in this formulation on models with multipliers.
-    pub fn orders_with_multipliers(&self) -> [usize; 3] {
+    /// The orders of positions and velocities in this formulation on models with multipliers.
+    pub fn orders_with_multipliers(&self) -> [usize; 2] {
         let most = self.order();
         self.scheme.orders_with_multipliers().map(|p| p.min(most))
     }

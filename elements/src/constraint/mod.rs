@@ -90,7 +90,7 @@ impl<H: Map<N, M>, const N: usize, const M: usize> Map<N, M> for Scaled<H, M> {
 }
 
 /// Equations of an element at one motion, with their derivatives in time.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Levels {
     /// h (M).
     pub h: Vec<f64>,
@@ -108,9 +108,9 @@ pub trait Enforced: Send + Sync {
     /// (N, M): number of coordinates in the equations and number of equations.
     fn dims(&self) -> (usize, usize);
 
-    /// The equations at a motion of the element's coordinates; missing velocities and accelerations
+    /// Writes the equations at a motion of the element's coordinates; missing velocities and accelerations
     /// are zero.
-    fn levels(&self, at: &Motion<'_>) -> Levels;
+    fn levels(&self, at: &Motion<'_>, out: &mut Levels);
 
     /// Writes h (M) alone.
     fn residual(&self, at: &Motion<'_>, h: &mut [f64]);
@@ -153,15 +153,22 @@ impl<H: Map<N, M>, const N: usize, const M: usize> Enforced for NamedEquations<H
         (N, M)
     }
 
-    fn levels(&self, at: &Motion<'_>) -> Levels {
+    fn levels(&self, at: &Motion<'_>, out: &mut Levels) {
         let [x, v, a] = vectors(at);
         let k = self.h.kinematics(at.t, &x, &v, &a);
-        Levels {
-            h: k.x.as_slice().to_vec(),
-            h_dot: k.x_dot.as_slice().to_vec(),
-            h_ddot: k.x_ddot.as_slice().to_vec(),
-            J: k.B.as_slice().to_vec(),
+        let Levels {
+            h,
+            h_dot,
+            h_ddot,
+            J,
+        } = out;
+        let orders = [(h, k.x), (h_dot, k.x_dot), (h_ddot, k.x_ddot)];
+        for (out, values) in orders {
+            out.clear();
+            out.extend(&values);
         }
+        J.clear();
+        J.extend(&k.B);
     }
 
     fn residual(&self, at: &Motion<'_>, h: &mut [f64]) {

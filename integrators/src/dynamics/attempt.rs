@@ -146,8 +146,8 @@ impl MotionRun {
             }
             let mut errors = [0.0_f64; 2];
             for (y, (q, v)) in all.clone().zip(row.q.iter().zip(&row.v)) {
-                errors[0] += q * y.algorithmic[i];
-                errors[1] += v * y.algorithmic[i];
+                errors[0] += q * y.a[i];
+                errors[1] += v * y.a[i];
             }
             let error = errors[0].abs().max(errors[1].abs());
             largest = largest.max(h * h * error / info.size);

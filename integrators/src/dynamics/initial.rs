@@ -29,6 +29,7 @@ pub fn start(system: &dyn System, t: f64, q: &[f64], v: &[f64]) -> Result<State,
         v: given(v),
         a: Vec::new(),
         algorithmic: Vec::new(),
+        filtered: Vec::new(),
     };
     check_state(&state, system)?;
     Ok(state)
@@ -111,7 +112,7 @@ impl Stepper {
         // What the algorithmic ones differ by, as they belong to another time, stays.
         let [offset, _] = &mut self.work;
         offset.fill(0.0);
-        let both = state.algorithmic.iter().zip(&state.a);
+        let both = state.algorithmic.iter().zip(&state.filtered);
         (offset.iter_mut().zip(both)).for_each(|(offset, (own, a))| *offset = own - a);
         // Those before, until the new algorithmic ones are known.
         state.algorithmic.clone_from(&state.a);
@@ -142,6 +143,7 @@ impl Stepper {
         for &i in &multipliers {
             (state.q[i], state.a[i], self.work[0][i]) = (self.r[i], 0.0, 0.0);
         }
+        state.filtered.clone_from(&state.a);
         state.algorithmic.clone_from(&state.a);
         add(&mut state.algorithmic, 1.0, &self.work[0]);
         Ok(())

@@ -52,6 +52,9 @@ pub struct State {
     pub a: Vec<f64>,
     /// Algorithmic accelerations; equal to q̈ for Newmark's scheme.
     pub algorithmic: Vec<f64>,
+    /// Accelerations of the step itself, which the filter of the generalised-α method goes on with: with multipliers they satisfy
+    /// h = 0 at its end, and differ from q̈.
+    pub filtered: Vec<f64>,
 }
 
 impl State {
@@ -63,7 +66,8 @@ impl State {
 
     /// Changes charts where needed.
     pub fn change_charts(&mut self, system: &mut dyn System) -> ChartChanges {
-        let vectors: &mut [&mut [f64]] = &mut [&mut self.a, &mut self.algorithmic];
-        charts(system).change_charts(self.t, &mut self.q, &mut self.v, vectors)
+        let Self { q, v, a, .. } = self;
+        let vectors: &mut [&mut [f64]] = &mut [a, &mut self.algorithmic, &mut self.filtered];
+        charts(system).change_charts(self.t, q, v, vectors)
     }
 }

@@ -221,6 +221,7 @@ pub(super) fn check_state(state: &State, system: &dyn System) -> Result<(), Dyna
         ("velocities", &state.v),
         ("accelerations", &state.a),
         ("algorithmic accelerations", &state.algorithmic),
+        ("filtered accelerations", &state.filtered),
     ] {
         let empty = fresh && what.ends_with("accelerations");
         if x.len() != n && !empty {

@@ -117,7 +117,7 @@ impl Stepper {
                     };
                 stage.v[c] = known[1][i] + h * sum(&row.v);
                 stage.algorithmic[c] = y[i];
-                stage.a[c] = filter[0] * y[i] + filter[1] * y_old + filter[2] * state.a[c];
+                stage.a[c] = filter[0] * y[i] + filter[1] * y_old + filter[2] * state.filtered[c];
             }
         }
     }
@@ -168,7 +168,7 @@ fn predict_one(
     out: &mut State,
 ) {
     let (given, h, filter) = (step.state, step.h, step.scheme.filter());
-    let old = given.v.iter().zip(&given.a).zip(&given.algorithmic);
+    let old = given.v.iter().zip(&given.filtered).zip(&given.algorithmic);
     let rates = out.v.iter_mut().zip(&mut out.a).zip(&mut out.algorithmic);
     let positions = out.q.iter_mut().zip(&given.q);
     for (((q, q_old), ((v, a), y)), ((v_old, a_old), y_old)) in positions.zip(rates).zip(old) {

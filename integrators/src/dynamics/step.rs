@@ -58,6 +58,7 @@ impl Stepper {
             v: zeros(),
             a: zeros(),
             algorithmic: zeros(),
+            filtered: zeros(),
         };
         let groups = scheme.groups().map(|range| StageGroup::new(scheme, &range));
         let widest = scheme.groups().map(|g| g.len()).max().unwrap_or(1);
@@ -116,6 +117,32 @@ impl Stepper {
         }
         if let Some(last) = self.stages.last_mut() {
             std::mem::swap(&mut self.next, &mut last.state);
+        }
+        self.next.filtered.copy_from_slice(&self.next.a);
+        self.determine_multipliers(system).map_err(Cause::System)
+    }
+
+    /// Replaces the accelerations and multipliers of the new state by those that follow from its coordinates and velocities,
+    /// [M h_xᵀ; h_x 0] (δq̈, δλ) = (0, −ḧ). Those of the step satisfy h = 0 at its end instead: a change of the step size or
+    /// of a chart disturbs them by O(h). They stay where coordinates without mass leave no solution.
+    fn determine_multipliers(&mut self, system: &mut dyn System) -> Result<(), SystemError> {
+        if self.inverse_scale.iter().all(|scale| *scale > 0.0) {
+            return Ok(());
+        }
+        (self.evaluations, self.factorisations) = (self.evaluations + 1, self.factorisations + 1);
+        let (next, change) = (&mut self.next, &mut self.dq[..self.r.len()]);
+        let out = Evaluation {
+            accelerations: Some(0.0),
+            ..Evaluation::with_tangent(change, Weights::MASS, &mut self.S)
+        };
+        system.evaluate(next.point(), out)?;
+        if (self.solver.factorise_and_solve(&self.S, change)).is_ok() {
+            for (i, change) in change.iter().enumerate() {
+                match self.inverse_scale[i] {
+                    0.0 => next.q[i] += change,
+                    _ => next.a[i] += change,
+                }
+            }
         }
         Ok(())
     }
@@ -381,8 +408,12 @@ impl Stepper {
 pub(super) fn rebase(progress: &mut Progress, h: f64) {
     let ratio = h / progress.last_step;
     if progress.last_step > 0.0 && (ratio - 1.0).abs() > 1e-9 {
-        let State { a, algorithmic, .. } = &mut progress.state;
-        for (old, a) in algorithmic.iter_mut().zip(a) {
+        let State {
+            algorithmic,
+            filtered,
+            ..
+        } = &mut progress.state;
+        for (old, a) in algorithmic.iter_mut().zip(filtered) {
             *old = *a + (*old - *a) * ratio;
         }
         progress.last_step = h;

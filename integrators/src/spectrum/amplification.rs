@@ -66,6 +66,7 @@ pub fn amplification(scheme: &Scheme, Omega: f64) -> Result<[[f64; 3]; 3], Dynam
             // The true acceleration is that of the equation of motion.
             a: vec![-system.k * entry(0)],
             algorithmic: vec![entry(2)],
+            filtered: vec![-system.k * entry(0)],
         };
         stepper
             .step(&mut system, scheme, &state, 1.0)

@@ -51,7 +51,8 @@ impl Candidate {
     pub fn orders(&self, multipliers: bool) -> Option<Values<usize>> {
         match (self, multipliers) {
             (Self::Method(method), true) => {
-                Some(Values::of_levels(method.orders_with_multipliers()))
+                let [position, velocity] = method.orders_with_multipliers();
+                Some(Values::of_levels([position, velocity, velocity]))
             }
             _ => Some(Values::of_levels([self.order()?; 3])),
         }

@@ -205,6 +205,7 @@ impl Run<'_, '_> {
             let state = &mut progress.state;
             put(state, t, &y, &dy);
             state.algorithmic.copy_from_slice(&state.a);
+            state.filtered.copy_from_slice(&state.a);
             let changes = state.change_charts(equations.borrow_mut().system);
             progress.summary.chart_changes += changes.charts;
             if flow.is_continue() {

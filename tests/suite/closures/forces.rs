@@ -2,12 +2,13 @@
 //! closed-form kinematics, an equation of motion of one freedom, and Newton's laws for the pin.
 
 use super::started_with;
+use crate::support::closures::{arm, body_of, fixed};
 use crate::support::dynamics::*;
 use crate::support::loops::four_bar::*;
 use crate::support::loops::linkage::*;
 use crate::support::loops::*;
 use crate::support::prelude::*;
-use crate::support::program::assert_says;
+use crate::support::program::{assert_says, number, recorded};
 use nalgebra::{DMatrix, DVector};
 use pullback::elements::constraint::PenaltyStiffness;
 use pullback::integrators::linear_solver::{AutoSolver, LinearSolver, MatrixSymmetry, scaling};
@@ -37,8 +38,11 @@ fn under_way(by: Closure) -> (Context, [NodeId; 4], [Vec<f64>; 2]) {
 }
 
 fn go(by: Closure, [to, step]: [f64; 2]) -> Outcome {
+    follow(by, tight(Scheme::chung_hulbert(0.8).unwrap(), to, step))
+}
+
+fn follow(by: Closure, mut options: DynamicOptions) -> Outcome {
     let (mut context, angles, [q, v]) = under_way(by);
-    let mut options = tight(Scheme::chung_hulbert(0.8).unwrap(), to, step);
     options.newton.absolute = 1e-12;
     let [tip, other, pin] =
         ["tip of the coupler", "tip of the rocker", "C"].map(|n| context.find(n).unwrap());
@@ -95,10 +99,87 @@ fn multipliers_are_of_order_two_with_their_forces() {
     }
 }
 
+/// Steps whose size changes have forces as exact as the motion: a hundredth of the tolerance leaves a tenth of the errors at
+/// most, as the local error of order three allows twice as much.
+#[test]
+fn forces_of_multipliers_follow_the_tolerance_of_adaptive_steps() {
+    let to = 1.6;
+    let exact = four_bar_exact(to);
+    let force = pin_force(exact[0], exact[3]);
+    let errors = [1e-5, 1e-7].map(|tolerance| {
+        let scheme = Scheme::chung_hulbert(0.9).unwrap();
+        let options = DynamicOptions {
+            adaptivity: Some(Adaptivity {
+                tolerance,
+                max_step: 0.1,
+            }),
+            ..tight(scheme, to, 1e-3)
+        };
+        off(&follow(Closure::Multipliers, options), &exact, force)
+    });
+    for (loose, tight) in errors[0].iter().zip(errors[1]) {
+        assert!(tight < 0.1 * loose, "{errors:?}");
+    }
+    assert!(errors[1][2] < 1e-3 * force.norm(), "{errors:?}");
+}
+
+/// Two bars between ball joints, closed by a third one: rotation vectors that change their chart at half a turn have forces as
+/// exact as those since the last step, which never do.
+#[test]
+fn forces_of_multipliers_pass_changes_of_chart() {
+    let model = |scheme: &str, step: f64| {
+        let ball = |name: &str, parent: &str, more: &str| {
+            format!(
+                "[[joints]]\nname = \"{name}\"\ntype = \"spherical\"\nparent = \"{parent}\"\n{more}\n"
+            )
+        };
+        [
+            "[nodes]\nbase = [0, 0, 0]\nfoot = [1.3, 1.1, 0]\n",
+            &ball("A", "base", ""),
+            &arm("a", "A", [1.0, 0.0, 0.2]),
+            &ball("B", "a", ""),
+            &arm("b", "B", [1.3, 1.1, 0.0]),
+            &ball("C", "b", "child = \"foot\"\nclosure = \"multipliers\""),
+            &body_of(
+                "A",
+                1.2,
+                "center = [0.5, 0.1, 0.1]\ninertia = [0.1, 0.12, 0.2]",
+            ),
+            &body_of(
+                "B",
+                0.8,
+                "center = [0.15, 0.5, -0.1]\ninertia = [0.09, 0.06, 0.1]",
+            ),
+            &fixed("base"),
+            &fixed("foot"),
+            // Each bar spins about the line between its ends.
+            "[[initial]]\nnode = \"A\"\nangular_velocity = [6.0, 0.0, 1.2]\n",
+            "[[initial]]\nnode = \"B\"\nangular_velocity = [3.6, 13.2, -2.4]\n",
+            "[[probes]]\nname = \"F\"\nquantity = \"joint_force\"\njoint = \"C\"\n",
+            &format!("[analysis.dynamic]\nto = 0.6\nstep = {step}\nscheme = \"{scheme}\"\n"),
+            "[analysis.dynamic.newton]\nrelative = 1e-10\n",
+        ]
+        .concat()
+    };
+    let gaps = [0.0025, 0.00125, 0.000625].map(|step| {
+        let runs = ["ga:0.8", "ul-ga:0.8"].map(|scheme| {
+            let rows = recorded(&format!("spatial-{scheme}-{step}"), &model(scheme, step));
+            let force = |row: &_| ["F.x", "F.y", "F.z"].map(|c| number(row, c));
+            rows.iter().map(force).collect::<Vec<_>>()
+        });
+        let [total, since] = &runs;
+        assert_eq!(total.len(), since.len());
+        let off = |(a, b): (&[f64; 3], &[f64; 3])| (0..3).map(|k| (a[k] - b[k]).abs()).sum::<f64>();
+        total.iter().zip(since).map(off).fold(0.0, f64::max)
+    });
+    let names = ["force"];
+    assert_slopes("bars", &names, &gaps.map(|gap| vec![gap]), 2.0, 0.2);
+}
+
 #[test]
 fn a_penalty_is_of_order_one_in_its_compliance() {
     // At the same steps.
-    let span = [0.4, 1e-3];
+    let span = [0.4, 1e-4];
     let limit = go(Closure::Multipliers, span);
     let force = flat(limit.force.last().unwrap());
     let all = [1e6, 2e6, 4e6].map(|p| off(&go(penalty(p), span), &limit.end, force).to_vec());

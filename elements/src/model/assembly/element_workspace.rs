@@ -1,5 +1,6 @@
 //! Evaluation of one element: gather, change chart, evaluate, pull back.
 
+use crate::constraint::Levels;
 use crate::element::{Combined, Motion, Response};
 use crate::model::assembly::couplings::Couplings;
 use crate::model::assembly::residual::MAX_NODES;
@@ -33,6 +34,7 @@ pub(in crate::model) struct ElementWorkspace {
     pub qv: Vec<f64>,
     pub qa: Vec<f64>,
     complements: Vec<ComplementOperators>,
+    pub levels: Levels,
 }
 
 impl ElementWorkspace {
@@ -57,6 +59,7 @@ impl ElementWorkspace {
             qv: zeros(parents),
             qa: zeros(parents),
             complements: vec![ComplementOperators::default(); MAX_NODES],
+            levels: Levels::default(),
         }
     }
 

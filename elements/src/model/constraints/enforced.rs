@@ -125,6 +125,7 @@ impl Context {
         self.expand(Point { t, q, v, a: &a })?;
         let n = q.len();
         let (mut h, mut h_dot, mut of) = (vec![], vec![], vec![]);
+        let mut levels = Levels::default();
         let (mut rows, mut prescribed, mut sizes) = (vec![], vec![], vec![]);
         let model = Arc::clone(&self.model);
         for &k in &model.enforced {
@@ -136,9 +137,9 @@ impl Context {
                 continue;
             };
             let (N, M) = enforced.dims();
-            let levels = enforced.levels(&motion);
-            h.extend(levels.h);
-            h_dot.extend(levels.h_dot);
+            enforced.levels(&motion, &mut levels);
+            h.extend(&levels.h);
+            h_dot.extend(&levels.h_dot);
             for i in 0..M {
                 of.push((k, i));
                 let w = &mut self.work;
@@ -239,27 +240,30 @@ impl ElementWorkspace {
         };
         let n = e.element.dim();
         let (N, M) = enforced.dims();
-        let Levels { h_ddot, J, .. } = enforced.levels(&self.motion(e, t, false));
+        let mut levels = std::mem::take(&mut self.levels);
+        enforced.levels(&self.motion(e, t, false), &mut levels);
+        let Levels { h_ddot, J, .. } = &levels;
         if let Some(p) = enforced.penalty() {
             let inertia = p * h * h;
             for (j, J_j) in J.chunks_exact(M).enumerate() {
-                let force: f64 = J_j.iter().zip(&h_ddot).map(|(J, h)| J * h).sum();
+                let force: f64 = J_j.iter().zip(h_ddot).map(|(J, h)| J * h).sum();
                 self.r[j] -= inertia * force;
                 for (i, J_i) in J.chunks_exact(M).enumerate() {
                     let product: f64 = J_i.iter().zip(J_j).map(|(a, b)| a * b).sum();
                     self.M[i + j * n] += inertia * product;
                 }
             }
-            return;
-        }
-        for i in (0..M).filter(|i| left_out & (1 << i) == 0) {
-            self.r[N + i] = -h_ddot[i];
-        }
-        for j in 0..n {
-            for i in (0..n).filter(|i| j >= N || *i >= N) {
-                self.M[i + j * n] = self.K[i + j * n];
+        } else {
+            for i in (0..M).filter(|i| left_out & (1 << i) == 0) {
+                self.r[N + i] = -h_ddot[i];
+            }
+            for j in 0..n {
+                for i in (0..n).filter(|i| j >= N || *i >= N) {
+                    self.M[i + j * n] = self.K[i + j * n];
+                }
             }
         }
+        self.levels = levels;
     }
 }
 

@@ -201,10 +201,12 @@ impl Context {
             if let Some(enforced) = e.multiplied() {
                 // The momentum of a multiplier is the rate of its equation.
                 let (N, M) = enforced.dims();
-                let levels = enforced.levels(&local.motion(e, at.t, false));
+                let mut levels = std::mem::take(&mut local.levels);
+                enforced.levels(&local.motion(e, at.t, false), &mut levels);
                 for i in (0..M).filter(|i| state.left_out & (1 << i) == 0) {
                     local.r[N + i] = levels.h_dot[i];
                 }
+                local.levels = levels;
             }
             local.pull_back((e, state), &model.spans, 0, false);
             local.add_residual(e, &model.spans, &mut w.r);

@@ -15,9 +15,6 @@ impl Scheme {
     /// ```
     ///
     /// Of order 2 and L-stable; with γ = 2 − √2 both substeps have the same tangent for constant K.
-    /// With multipliers accelerations are of order 1: the differences of a given q(t) have the
-    /// error e = −(1−γ) h²/6 q⃛ in q̇ₙ at the ends of steps, the trapezoidal rule then −γ² h²/6 q⃛ − e
-    /// in q̇_γ, and q̈ₙ₊₁ has the differences of these errors, −h/2 q⃛ at γ = 1/2.
     ///
     /// # Errors
     /// [`DynamicsError::Parameter`] unless 0.01 ≤ γ ≤ 0.99.
@@ -40,7 +37,6 @@ impl Scheme {
         };
         Self {
             arguments: [Some(gamma), None],
-            multiplier_orders: Some([2, 2, 1]),
             ..Self::table(
                 "Bathe",
                 "bathe",

@@ -75,7 +75,7 @@ pub struct Scheme {
     /// Whether steps are projected onto energy and momenta.
     projected: bool,
     /// Orders with multipliers where they differ.
-    multiplier_orders: Option<[usize; 3]>,
+    multiplier_orders: Option<[usize; 2]>,
     embedded: Option<Stage>,
 }
 
@@ -174,16 +174,17 @@ impl Scheme {
         self.properties.order
     }
 
-    /// Orders of accuracy of positions, velocities and accelerations with multipliers, whose
-    /// equations between coordinates (index 3) reduce the order of some schemes.
-    pub fn orders_with_multipliers(&self) -> [usize; 3] {
-        self.multiplier_orders.unwrap_or([self.order(); 3])
+    /// Orders of accuracy of positions and velocities with multipliers, whose equations between
+    /// coordinates (index 3) reduce the order of some schemes. Accelerations and multipliers follow from
+    /// both, and have the order of velocities.
+    pub fn orders_with_multipliers(&self) -> [usize; 2] {
+        self.multiplier_orders.unwrap_or([self.order(); 2])
     }
 
-    /// The same scheme with stated orders of positions, velocities and accelerations with
-    /// multipliers; zero if they do not converge. By default they equal those without multipliers.
+    /// The same scheme with stated orders of positions and velocities with multipliers. By default they
+    /// equal those without multipliers.
     #[must_use]
-    pub fn under_multipliers(mut self, orders: [usize; 3]) -> Self {
+    pub fn under_multipliers(mut self, orders: [usize; 2]) -> Self {
         self.multiplier_orders = Some(orders);
         self
     }

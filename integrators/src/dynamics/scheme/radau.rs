@@ -15,9 +15,9 @@ pub(super) const RADAU: Family = Family {
 impl Scheme {
     /// The two-stage Radau IIA method (Hairer & Wanner, *Solving Ordinary Differential Equations
     /// II*, table IV.5.5), of order 3 for coordinates and velocities, L-stable. Its stages at
-    /// tₙ + h/3 and tₙ₊₁ are solved together. With multipliers the orders of position, velocity and
-    /// acceleration are 3, 2 and 1: 2s − 1, s and s − 1 with s stages (Hairer, Lubich & Roche, *The
-    /// Numerical Solution of Differential-Algebraic Systems by Runge-Kutta Methods*, 1989).
+    /// tₙ + h/3 and tₙ₊₁ are solved together. With multipliers the orders of position and velocity are 3
+    /// and 2: 2s − 1 and s with s stages (Hairer, Lubich & Roche, *The Numerical Solution of
+    /// Differential-Algebraic Systems by Runge-Kutta Methods*, 1989).
     pub fn radau() -> Self {
         let rows = [[0.0, 5.0 / 12.0, -1.0 / 12.0], [0.0, 3.0 / 4.0, 1.0 / 4.0]];
         let properties = SchemeProperties {
@@ -27,7 +27,7 @@ impl Scheme {
         };
         let stages = Stage::runge_kutta([1.0 / 3.0, 1.0], rows);
         Self {
-            multiplier_orders: Some([3, 2, 1]),
+            multiplier_orders: Some([3, 2]),
             ..Self::table("Radau IIA", "radau", &stages, properties)
         }
     }

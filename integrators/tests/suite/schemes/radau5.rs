@@ -25,7 +25,7 @@ fn radau(order: usize) -> Scheme {
     let times = [(4.0 - s) / 10.0, (4.0 + s) / 10.0, 1.0];
     let stages = Stage::runge_kutta(times, rows);
     let scheme = Scheme::new("Radau IIA", &stages, stable(order)).unwrap();
-    scheme.under_multipliers([5, 3, 2])
+    scheme.under_multipliers([5, 3])
 }
 
 #[test]
