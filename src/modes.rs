@@ -7,8 +7,8 @@ use pullback_elements::model::Context;
 use pullback_elements::time::Input;
 use pullback_integrators::linearization::{
     BucklingError, BucklingMode, CampbellDiagram, CampbellError, CampbellOptions,
-    LinearizationError, Linearized, Mode, ModeOptions, ModesError, Selection, buckling, campbell,
-    linearize, modes_while,
+    LinearizationError, Linearized, Mode, ModeOptions, ModesError, Selection, buckling_while,
+    campbell, linearize, modes_while,
 };
 use pullback_integrators::significant;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError};
@@ -75,7 +75,8 @@ impl ModelModesError {
         let interrupted = ModesError::Interrupted;
         match self {
             Self::Modes(error) => *error == interrupted,
-            Self::Campbell(CampbellError::Modes { source, .. }) => *source == interrupted,
+            Self::Campbell(CampbellError::Modes { source, .. })
+            | Self::Buckling(BucklingError::Search(source)) => *source == interrupted,
             _ => false,
         }
     }
@@ -346,7 +347,7 @@ impl Eigenvalues {
 /// Error of a critical load above which a warning is given.
 const POOR: f64 = 0.1;
 
-/// The critical loads extrapolated from an equilibrium.
+/// The critical loads extrapolated from an equilibrium, with an observer that may end the search.
 ///
 /// # Errors
 /// [`BucklingError`].
@@ -354,8 +355,9 @@ pub fn critical_loads(
     context: &mut Context,
     at: Point<'_>,
     count: usize,
+    observer: &mut dyn FnMut(usize) -> ControlFlow<()>,
 ) -> Result<CriticalLoads, BucklingError> {
-    let modes = buckling(context, at, count)?;
+    let modes = buckling_while(context, at, count, observer)?;
     let mut warnings = Vec::new();
     if modes.len() < count {
         let found = plural(modes.len(), "critical load");

@@ -225,9 +225,12 @@ fn find(
             modes::campbell_diagram(context, q, speed, &options, &mut search)
                 .map(|found| Eigenvalues::Campbell(Box::new(found)))
         }
-        EigenvaluePlan::Buckling(count) => modes::critical_loads(context, at, count)
-            .map(Eigenvalues::Critical)
-            .map_err(ModelModesError::from),
+        EigenvaluePlan::Buckling(count) => {
+            let mut search = |dimension| observer(&Advance::search(progress, dimension));
+            modes::critical_loads(context, at, count, &mut search)
+                .map(Eigenvalues::Critical)
+                .map_err(ModelModesError::from)
+        }
     };
     match found {
         Ok(found) => (Some(found), Ending::Complete),

@@ -90,6 +90,19 @@ pub fn buckling(
     at: Point<'_>,
     count: usize,
 ) -> Result<Vec<BucklingMode>, BucklingError> {
+    buckling_while(system, at, count, &mut |_| ControlFlow::Continue(()))
+}
+
+/// As [`buckling`], with an observer as that of [`modes_while`](super::modes_while).
+///
+/// # Errors
+/// [`BucklingError`].
+pub fn buckling_while(
+    system: &mut dyn System,
+    at: Point<'_>,
+    count: usize,
+    observer: &mut dyn FnMut(usize) -> ControlFlow<()>,
+) -> Result<Vec<BucklingMode>, BucklingError> {
     check_count(count)?;
     let mut lin = linearize(system, Point::statics(at.t, at.q))?;
     if !lin.is_symmetric(&lin.K) {
@@ -114,7 +127,7 @@ pub fn buckling(
     if !search.is_definite()? {
         return Err(BucklingError::Unstable);
     }
-    let found = search.run(&mut |_| ControlFlow::Continue(()))?;
+    let found = search.run(observer)?;
     let mut modes = Vec::new();
     for (shape, _) in found.vectors {
         let shape: Vec<f64> = shape.iter().map(|x| x.re).collect();

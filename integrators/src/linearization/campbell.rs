@@ -17,6 +17,7 @@
 mod lines;
 mod multi_blade;
 
+use super::finish::ROUNDING;
 use super::modes::{Mode, ModeOptions, ModesError, modes_while};
 use super::{
     LinearizationError, Linearized, SteadyMotion, check_count, equations, inner_product,
@@ -339,20 +340,32 @@ impl Linearized {
         modes: &[Mode],
         omega: f64,
     ) -> Option<String> {
-        for mode in modes {
+        // Forces of stiff parts are the same but for rounding errors.
+        let whole = |mode: &Mode| -> f64 {
+            let (x, size) = (&mode.shape, mode.omega());
+            let parts = [(&self.K, 1.0), (&self.C, size), (&self.M, size * size)];
+            let sum = |(values, factor): (&Vec<f64>, f64)| -> f64 {
+                let entries = self.pattern.triplets(values);
+                let sizes = entries.map(|(r, c, value)| value.abs() * x[r].norm() * x[c].norm());
+                factor * sizes.sum::<f64>()
+            };
+            parts.map(sum).iter().sum()
+        };
+        let wholes: Vec<f64> = modes.iter().map(whole).collect();
+        for (mode, size) in modes.iter().zip(&wholes) {
             let mut forces = other.forces(&motion(rotor, mode, omega));
             forces = pulled_back(rotor, &forces);
             let own = self.forces(&motion(None, mode, omega));
             forces.iter_mut().zip(own).for_each(|(f, own)| *f -= own);
             let least = STEADY * mode.eigenvalue.norm_sqr().max(omega * omega);
             // Of circular whirl, only the conjugate one may be changed.
-            for other in modes {
+            for (other, other_size) in modes.iter().zip(&wholes) {
                 let work = forces.iter().zip(&other.shape).map(|(f, x)| f * x);
                 let with_conjugate: Complex64 = work.clone().sum();
                 let most = with_conjugate
                     .norm()
                     .max(inner_product(&other.shape, &forces).norm());
-                if most > least {
+                if most > least + ROUNDING * (size * other_size).sqrt() {
                     let sizes = work.map(|work| work.norm()).enumerate();
                     let largest = sizes.max_by(|a, b| a.1.total_cmp(&b.1));
                     return largest.map(|(i, _)| self.names[i].clone());

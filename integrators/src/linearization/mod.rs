@@ -29,7 +29,7 @@ mod stability;
 mod state_space;
 mod steady;
 
-pub use buckling::{BucklingError, BucklingMode, buckling};
+pub use buckling::{BucklingError, BucklingMode, buckling, buckling_while};
 pub use campbell::{CampbellDiagram, CampbellError, CampbellOptions, campbell};
 pub(crate) use krylov::Krylov;
 pub use modes::{Mode, ModeOptions, Modes, ModesError, Selection, modes, modes_while};

@@ -340,6 +340,13 @@ impl PathRun {
         // The next step uses this tangent, unless charts change.
         let changed = charts(system).change_charts(at.t, &mut at.q, &mut at.tangent.dq, &mut []);
         self.changes = changed.charts;
+        if changed.residual {
+            // The discretisation depends on charts: the equilibrium in the new ones is another one.
+            let (mut q, mut t) = (at.q.clone(), at.t);
+            if (self.newton.correct(system, &mut q, &mut t, None, None)).is_ok() {
+                at.q = q;
+            }
+        }
         self.fresh = changed == ChartChanges::default() && bend.is_some();
         let ease = (self.options.target_iterations as f64 / iterations.max(1) as f64).sqrt();
         let sharp = bend.is_some_and(|bend| bend < GENTLE_BEND);

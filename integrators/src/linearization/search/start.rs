@@ -73,26 +73,34 @@ impl<'a> Search<'a> {
         Ok(())
     }
 
-    /// The factor of the kinetic energy of velocities with which they count as much as the displacements of modes near the shift,
-    /// by two steps of the power method.
+    /// The factor of the kinetic energy of velocities with which they count as much as the displacements of modes near the shift.
+    ///
+    /// Displacements x of such modes become those of the length |x|/|λ|² in two steps of the power method, and their velocities are
+    /// λ x.
     fn find_balance(&mut self) -> Result<f64, LinearError> {
-        let (n, M) = (self.lin.dim(), &self.lin.M);
+        let n = self.lin.dim();
+        let length = |x: &[f64], weights: &[f64]| -> f64 {
+            let squares = x.iter().zip(weights).map(|(x, w)| w * x * x);
+            squares.sum::<f64>().sqrt()
+        };
         let mut x = vec![0.0; 2 * n];
-        x[n..].fill_with(|| self.random.next());
-        let mut square = 1.0;
+        x.fill_with(|| self.random.next());
+        x = self.operator.apply(&x, None)?;
+        x[n..].fill(0.0);
+        let kinetic = dot(&self.lin.product(&self.lin.M, &x[..n]), &x[..n]);
+        let before = length(&x[..n], &self.weights);
         for _ in 0..2 {
-            let mut y = self.operator.apply(&x, None)?;
-            let Mx = self.lin.product(M, &x[n..]);
-            square = dot(&Mx, &x[n..]) / dot(&Mx, &y[..n]).abs();
-            y.rotate_right(n);
-            y[..n].fill(0.0);
-            x = y;
+            x = self.operator.apply(&x, None)?;
         }
-        let x = &x[n..];
-        let sizes = x.iter().zip(&self.weights).map(|(x, w)| w * x * x);
-        let balance = sizes.sum::<f64>() / (square * dot(&self.lin.product(M, x), x));
-        let usable = balance > 0.0 && balance.is_finite();
-        Ok(if usable { balance } else { 1.0 })
+        // A power of four, whose root adds no rounding errors; of no use without mass.
+        let power = (before * length(&x[..n], &self.weights) / kinetic)
+            .log(4.0)
+            .round();
+        Ok(if power.is_finite() {
+            4.0_f64.powf(power)
+        } else {
+            1.0
+        })
     }
 
     /// The inner product of the search: M if the problem is symmetric, and of velocities, so that what has no mass has no

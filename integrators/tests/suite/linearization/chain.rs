@@ -2,6 +2,7 @@
 
 use crate::support::linear_solver::filled;
 use crate::support::*;
+use num_complex::Complex64;
 
 /// Masses of one between n + 1 springs of one, fixed at both ends, with C = α M + β K.
 fn chain(n: usize, alpha: f64, beta: f64) -> Linearized {
@@ -83,6 +84,28 @@ fn critical_damping_of_several_masses() {
             assert!(error < 1e-6, "{n}: {error:e}");
             assert!(mode.residual < 1e-7, "{n}: {:e}", mode.residual);
         }
+    }
+}
+
+/// A rotor on springs at its critical speed, in rotating coordinates: what is left of K is the drag d of a damper that does not
+/// rotate, and is skew. With z = x + i y, z̈ + (d + 2 i) ż + i d z = 0.
+#[test]
+fn a_rotor_at_its_critical_speed() {
+    let d = 0.01;
+    let mut lin = chain(2, d, 0.0);
+    lin.K.fill(0.0);
+    for (i, j, sign) in [(0, 1, -1.0), (1, 0, 1.0)] {
+        let k = lin.pattern.find(i, j).unwrap();
+        (lin.K[k], lin.C[k]) = (sign * d, 2.0 * sign);
+    }
+    let sum = Complex64::new(d, 2.0);
+    let root = (sum * sum - Complex64::new(0.0, 4.0 * d)).sqrt();
+    let exact = [root, -root].map(|root| 0.5 * (root - sum));
+    let found = modes(&lin, &ModeOptions::lowest(2)).unwrap();
+    for (mode, exact) in found.modes.iter().zip(exact) {
+        let off = |exact: Complex64| (mode.eigenvalue - exact).norm();
+        let error = off(exact).min(off(exact.conj()));
+        assert!(error < 1e-12, "{}: {error:e}", mode.eigenvalue);
     }
 }
 
