@@ -3,6 +3,7 @@
 use super::LISTED;
 use crate::output::HistoryRow;
 use crate::probe::Answers;
+use crate::terminal::plural;
 use pullback_elements::model::Context;
 use pullback_integrators::significant;
 use pullback_manifold::system::{Scales, System};
@@ -44,6 +45,8 @@ pub(crate) struct Diagnostics {
     /// Whether anything has moved, and whether any reaction is nonzero.
     moved: bool,
     held: bool,
+    /// Number of rows of a model with multipliers whose stability is not known, and load parameter of the first.
+    unknown: (usize, f64),
     /// Element, 1 + Γ₁ and load parameter of the first row with an element inside out.
     inverted: Option<(String, f64, f64)>,
     /// Element, strain and load parameter of the first row with a large strain.
@@ -123,7 +126,13 @@ impl Diagnostics {
             self.passed = Passed::LimitPoint;
         }
         (self.last, self.sense) = (t, sense);
-        let Some(now) = row.unstable else { return };
+        let Some(now) = row.unstable else {
+            if event.is_none() && context.has_multipliers() && context.is_symmetric() {
+                let (rows, first) = self.unknown;
+                self.unknown = (rows + 1, if rows == 0 { t } else { first });
+            }
+            return;
+        };
         let (before, directions) = self.stability;
         let passed = std::mem::take(&mut self.passed);
         if now != directions {
@@ -177,7 +186,18 @@ impl Diagnostics {
                 significant(t)
             )
         });
+        let unknown = Some(self.unknown).filter(|(rows, _)| *rows > 0);
+        let unknown = unknown.map(|(rows, t)| {
+            format!(
+                "whether the equilibrium is stable is not known in {} from load parameter {} on (column `unstable`), \
+                 and bifurcations there are not found: rounding errors of multipliers beside stiff members are larger than \
+                 what decides. Close loops by a map, or make stiff members softer",
+                plural(rows, "row"),
+                significant(t)
+            )
+        });
         (self.instability().into_iter())
+            .chain(unknown)
             .chain(unloaded())
             .chain(inverted)
             .chain(strained)

@@ -4,12 +4,15 @@ use super::assert_near;
 use crate::support::beams::{COLUMN, PINNED, line};
 use crate::support::*;
 use pullback::input::{Plan, assemble_text};
-use pullback::integrators::linearization::{BucklingError, BucklingMode, buckling};
+use pullback::integrators::linearization::{
+    BucklingError, BucklingMode, ModesError, buckling, buckling_while,
+};
 use pullback::integrators::statics::{
     CriticalKind, StaticNewtonOptions, critical_point, equilibrium,
 };
 use pullback::manifold::system::Point;
 use std::f64::consts::PI;
+use std::ops::ControlFlow;
 
 /// Critical loads of a model file from its state at load parameter `from`.
 fn critical(text: &str, from: f64, count: usize) -> Result<Vec<BucklingMode>, BucklingError> {
@@ -40,6 +43,16 @@ fn assert_direct(text: &str, mode: &BucklingMode, tolerance: f64) {
     let large = corrections.iter().take_while(|c| **c > 1e-6).count();
     assert!(large <= 4, "{corrections:?}");
     assert!(corrections[2] < corrections[1].powf(1.5), "{corrections:?}");
+}
+
+#[test]
+fn an_observer_ends_the_search() {
+    let mut job = assemble_text("model.toml", &line(COLUMN, 16, 1, PINNED)).unwrap();
+    let q = vec![0.0; job.context.initial().len()];
+    let mut stop = |_| ControlFlow::Break(());
+    let ended = buckling_while(&mut job.context, Point::statics(0.0, &q), 1, &mut stop);
+    let interrupted = matches!(ended, Err(BucklingError::Search(ModesError::Interrupted)));
+    assert!(interrupted, "{ended:?}");
 }
 
 /// With EA = GA the equation of a pinned column is EI φ″ + P φ = 0; elements of order one make its critical loads

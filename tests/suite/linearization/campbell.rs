@@ -136,6 +136,18 @@ fn many_modes_of_a_fine_mesh() {
     assert_near(found[3], flap[1], 1e-5);
 }
 
+/// The equations of a stiff blade that turns slowly are the same after a turn but for rounding errors, and frequencies hardly
+/// rise.
+#[test]
+fn rounding_errors_of_a_fine_mesh_are_no_periodic_coefficients() {
+    let slow = "elements = 8 => elements = 60\nto = 12 => to = 0.05\nsteps = 24 => steps = 1";
+    let rows = lines("campbell_slow", &changed(&example("rotating_blade"), slow));
+    let [rest, slow] = [&rows[0].1, &rows[1].1].map(|row| sorted(row));
+    for (rest, slow) in rest.iter().zip(slow) {
+        assert_near(slow, *rest, 1e-3);
+    }
+}
+
 /// A disc that spins at the end of a massless shaft which does not.
 fn disc() -> String {
     [

@@ -3,7 +3,7 @@
 
 use super::solved;
 use crate::support::beams::{COLUMN, PINNED, line};
-use crate::support::closures::{CLOSURES, fixed, hinge};
+use crate::support::closures::{CLOSURES, beam_line, fixed, hinge};
 use crate::support::prelude::*;
 use crate::support::program::{assert_says, changed, example, run_of};
 
@@ -115,4 +115,29 @@ fn a_deep_arch_is_unstable_from_its_limit_point_on() {
         }
     }
     assert_says(&run.result["warnings"].to_string(), &["limit point"]);
+}
+
+/// A bent cantilever of an isotropic section, spun about its axis at the root, keeps its shape: charts that change on the way
+/// are no reason for short steps or bifurcations.
+#[test]
+fn a_path_passes_changes_of_chart() {
+    let model = |spin: f64| {
+        [
+            "[sections.s]\nstiffness = { EA = 1e8, GA = [1e8, 1e8], GJ = 1.0, EI = [1.0, 1.0] }\n\
+             [nodes]\na = [0, 0, 0]\nb = [1.0, 0, 0]\n",
+            &(beam_line("l", ["a", "b"], 10, "s") + "order = 2\n"),
+            "[[supports]]\nnode = \"a\"\nfix = [\"x\", \"y\", \"z\", \"ry\", \"rz\"]\n",
+            &format!("prescribed = {{ rx = {{ proportional = {spin:?} }} }}\n"),
+            "[[loads]]\nnode = \"b\"\nforce = [0, 0, 3.0]\ntime = { ramp = { start = 0.0, end = 0.2 } }\n",
+            "[analysis.arc_length]\nmax_step = 0.05\nrecord = [\"bifurcation\"]\n",
+        ]
+        .concat()
+    };
+    let [still, spun] = [0.0, 8.0].map(|spin| {
+        let mut unstable = 0;
+        let context = solved(&model(spin), &mut |step| unstable += step.unstable.unwrap()).unwrap();
+        assert_eq!(unstable, 0, "{spin}");
+        context.node_state(context.find("b").unwrap()).d
+    });
+    assert!((spun - still).norm() < 1e-3, "{still} {spun}");
 }
