@@ -111,7 +111,8 @@ impl Motion {
         self.simulation.system()
     }
 
-    /// Sets an input, from the next step on.
+    /// Sets an input, from the next step on; see
+    /// [`Simulation::set_input`](pullback_integrators::dynamics::Simulation::set_input).
     ///
     /// # Errors
     /// [`MotionError::Unknown`].

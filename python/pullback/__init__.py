@@ -60,7 +60,7 @@ def _value(value: Any) -> str:
     if isinstance(value, (int, float)):
         return repr(value)
     if isinstance(value, str):
-        return json.dumps(value, ensure_ascii=False)
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
     if isinstance(value, Mapping):
         return "{ " + ", ".join(f"{_key(k)} = {_value(v)}" for k, v in value.items()) + " }"
     if isinstance(value, Sequence):
@@ -219,7 +219,7 @@ def _toml(tables: Mapping[str, Any]) -> str:
 
 
 def _key(key: str) -> str:
-    return key if key.isascii() and key.replace("_", "").replace("-", "").isalnum() else json.dumps(key)
+    return key if key.isascii() and key.replace("_", "").replace("-", "").isalnum() else _value(key)
 
 
 class ModelBuilder:
@@ -366,7 +366,11 @@ class Simulation:
         return self._motion.get(probe)
 
     def set_input(self, name: str, value: float) -> None:
-        """Sets an input of [inputs], from the next step on; KeyError for a name that is none."""
+        """Sets an input of [inputs], from the next step on; KeyError for a name that is none.
+
+        A coordinate that an input prescribes jumps to its new value with all that is attached to it, without a velocity:
+        that motion causes no inertia. Move such parts by an actuator, or by a spring to a massless node.
+        """
         self._motion.set_input(name, value)
 
     def poses(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:

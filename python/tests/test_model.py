@@ -57,6 +57,17 @@ def test_the_example_of_the_builder_builds():
     assert isinstance(names["model"], pb.Model)
 
 
+def test_names_and_titles_of_any_characters():
+    title, name = 'a "title" \\ \x7f', "tip \U0001f600"
+    m = pb.ModelBuilder(title)
+    m.node(name, [1, 0, 0])
+    m.body(name="bob", node=name, mass=2.0, inertia=[1, 1, 1])
+    m.analysis("dynamic", to=1.0, step=0.1)
+    model = m.build()
+    assert model.title == title
+    assert name in pb.Simulation(model).poses()
+
+
 def test_a_small_deflection_is_that_of_timoshenko():
     """w = P L³/3EI + P L/GA, and half the work of the force is strain energy."""
     force = 1e-3

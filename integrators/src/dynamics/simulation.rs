@@ -137,6 +137,9 @@ where
 
     /// Sets an input of the system, from the next step on.
     ///
+    /// A coordinate that an input prescribes jumps to its new value with all that is attached to it, without a velocity:
+    /// that motion causes no inertia. Move such parts by an actuator, or by a spring to a massless node.
+    ///
     /// # Panics
     /// If the system has no such input.
     pub fn set_input(&mut self, input: impl Into<usize>, value: f64) {
