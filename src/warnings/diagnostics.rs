@@ -45,8 +45,8 @@ pub(crate) struct Diagnostics {
     /// Whether anything has moved, and whether any reaction is nonzero.
     moved: bool,
     held: bool,
-    /// Number of rows of a model with multipliers whose stability is not known, and load parameter of the first.
-    unknown: (usize, f64),
+    /// Load parameters of rows of a model with multipliers whose stability is not known.
+    unknown: Vec<f64>,
     /// Element, 1 + Γ₁ and load parameter of the first row with an element inside out.
     inverted: Option<(String, f64, f64)>,
     /// Element, strain and load parameter of the first row with a large strain.
@@ -88,11 +88,8 @@ impl Diagnostics {
     ) {
         let t = row.t;
         self.rows += usize::from(row.step > 0);
-        let measures = Scales {
-            force,
-            ..context.scales()
-        }
-        .measures();
+        let scales = context.scales();
+        let measures = Scales { force, ..scales }.measures();
         let mut each = row.residual.iter().zip(measures);
         let balanced = each.all(|(left, whole)| *left < UNRESOLVED * whole);
         // Above the tolerance nothing but rounding errors was left.
@@ -127,10 +124,9 @@ impl Diagnostics {
         }
         (self.last, self.sense) = (t, sense);
         let Some(now) = row.unstable else {
-            if event.is_none() && context.has_multipliers() && context.is_symmetric() {
-                let (rows, first) = self.unknown;
-                self.unknown = (rows + 1, if rows == 0 { t } else { first });
-            }
+            let symmetric = context.has_multipliers() && context.is_symmetric();
+            self.unknown
+                .extend((symmetric && event.is_none()).then_some(t));
             return;
         };
         let (before, directions) = self.stability;
@@ -186,14 +182,13 @@ impl Diagnostics {
                 significant(t)
             )
         });
-        let unknown = Some(self.unknown).filter(|(rows, _)| *rows > 0);
-        let unknown = unknown.map(|(rows, t)| {
+        let unknown = self.unknown.first().map(|t| {
             format!(
                 "whether the equilibrium is stable is not known in {} from load parameter {} on (column `unstable`), \
                  and bifurcations there are not found: rounding errors of multipliers beside stiff members are larger than \
                  what decides. Close loops by a map, or make stiff members softer",
-                plural(rows, "row"),
-                significant(t)
+                plural(self.unknown.len(), "row"),
+                significant(*t)
             )
         });
         (self.instability().into_iter())

@@ -4,9 +4,37 @@ use super::{DynamicsError, State, Stepper};
 use crate::failure::find_mechanism;
 use crate::linear_solver::{LinearError, LinearSolver};
 use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::{System, SystemError, Weights};
+use pullback_manifold::system::{Evaluation, System, SystemError, Weights};
 
 impl Stepper {
+    /// Replaces the accelerations and multipliers of the new state by those that follow from its coordinates and velocities,
+    /// [M h_xᵀ; h_x 0] (δq̈, δλ) = (0, −ḧ). Those of the step satisfy h = 0 at its end instead: a change of the step size or
+    /// of a chart disturbs them by O(h). They stay where coordinates without mass leave no solution.
+    pub(super) fn determine_multipliers(
+        &mut self,
+        system: &mut dyn System,
+    ) -> Result<(), SystemError> {
+        if self.inverse_scale.iter().all(|scale| *scale > 0.0) {
+            return Ok(());
+        }
+        (self.evaluations, self.factorisations) = (self.evaluations + 1, self.factorisations + 1);
+        let (next, change) = (&mut self.next, &mut self.dq[..self.r.len()]);
+        let out = Evaluation {
+            accelerations: Some(0.0),
+            ..Evaluation::with_tangent(change, Weights::MASS, &mut self.S)
+        };
+        system.evaluate(next.point(), out)?;
+        if (self.solver.factorise_and_solve(&self.S, change)).is_ok() {
+            for (i, change) in change.iter().enumerate() {
+                match self.inverse_scale[i] {
+                    0.0 => next.q[i] += change,
+                    _ => next.a[i] += change,
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// Solves M x = b with `damping` times C added to M, where b is the residual at the state
     /// unless given; x is returned in `r`. Whether M has an inverse.
     ///

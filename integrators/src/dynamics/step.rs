@@ -122,31 +122,6 @@ impl Stepper {
         self.determine_multipliers(system).map_err(Cause::System)
     }
 
-    /// Replaces the accelerations and multipliers of the new state by those that follow from its coordinates and velocities,
-    /// [M h_xᵀ; h_x 0] (δq̈, δλ) = (0, −ḧ). Those of the step satisfy h = 0 at its end instead: a change of the step size or
-    /// of a chart disturbs them by O(h). They stay where coordinates without mass leave no solution.
-    fn determine_multipliers(&mut self, system: &mut dyn System) -> Result<(), SystemError> {
-        if self.inverse_scale.iter().all(|scale| *scale > 0.0) {
-            return Ok(());
-        }
-        (self.evaluations, self.factorisations) = (self.evaluations + 1, self.factorisations + 1);
-        let (next, change) = (&mut self.next, &mut self.dq[..self.r.len()]);
-        let out = Evaluation {
-            accelerations: Some(0.0),
-            ..Evaluation::with_tangent(change, Weights::MASS, &mut self.S)
-        };
-        system.evaluate(next.point(), out)?;
-        if (self.solver.factorise_and_solve(&self.S, change)).is_ok() {
-            for (i, change) in change.iter().enumerate() {
-                match self.inverse_scale[i] {
-                    0.0 => next.q[i] += change,
-                    _ => next.a[i] += change,
-                }
-            }
-        }
-        Ok(())
-    }
-
     /// Report of a failed step, after those of a summary.
     pub(crate) fn fail(
         &self,
