@@ -7,6 +7,7 @@
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
+use faer::linalg::solvers::Lblt;
 use faer::mat::MatMut;
 use faer::sparse::linalg::LuError;
 use faer::sparse::linalg::cholesky::{
@@ -224,16 +225,40 @@ impl<F: Factors> Faer<F> {
         }
     }
 
-    /// Negative pivots of a factorisation for their signs alone, which replaces the present one. Unknowns without a
-    /// diagonal, Lagrange multipliers, get a small negative one: their equations become stiff springs, which does not
-    /// change the signs.
+    /// Negative pivots of a factorisation for their signs alone, which replaces the present one: of a full matrix with
+    /// interchanges up to some size. In larger ones unknowns without a diagonal, Lagrange multipliers, get a small negative one:
+    /// their equations become stiff springs, whose rounding errors may hide the signs.
     pub(super) fn signs(&mut self, values: &[f64]) -> Option<usize> {
         let (columns, factors) = self.ready.as_mut()?;
         columns.load(values).ok()?;
+        if columns.scales.len() <= FULL {
+            return negative_of_full(columns);
+        }
         columns.soften();
         factors.factorise(columns).ok().filter(|regular| *regular)?;
         negative(columns, factors)
     }
+}
+
+/// Largest size of a matrix whose signs are found without its sparsity.
+const FULL: usize = 500;
+
+/// Number of negative eigenvalues by the factorisation of Bunch and Kaufman, unless one is too small to have a sign.
+fn negative_of_full(columns: &Columns) -> Option<usize> {
+    let factors = Lblt::new(matrix(columns).to_dense().as_ref(), Side::Lower);
+    let limit = rounding_level(columns.pattern.blocks());
+    let (mut k, mut count) = (0, 0);
+    while k < columns.scales.len() {
+        let (pivot, beside) = (factors.B_diag()[k], factors.B_subdiag()[k]);
+        // The two eigenvalues of a pair of pivots have different signs.
+        let is_pair = beside != 0.0;
+        if !is_pair && !(pivot.abs() > limit) {
+            return None;
+        }
+        count += usize::from(is_pair || pivot < 0.0);
+        k += if is_pair { 2 } else { 1 };
+    }
+    Some(count)
 }
 
 /// Number of negative pivots, unless one is too small to have a sign.

@@ -3,7 +3,7 @@
 
 use super::solved;
 use crate::support::beams::{COLUMN, PINNED, line};
-use crate::support::closures::{CLOSURES, beam_line, fixed, hinge};
+use crate::support::closures::{CLOSURES, beam_line, fixed, hinge, joint};
 use crate::support::prelude::*;
 use crate::support::program::{assert_says, changed, example, run_of};
 
@@ -140,4 +140,55 @@ fn a_path_passes_changes_of_chart() {
         context.node_state(context.find("b").unwrap()).d
     });
     assert!((spun - still).norm() < 1e-3, "{still} {spun}");
+}
+
+/// A portal frame on hinges sways at P = EI x²/L² with x tan x = 6 (Timoshenko & Gere 1961, section 2.4): by multipliers and
+/// stiff members as by a map, in a plane that belongs to no axis.
+#[test]
+fn a_stiff_portal_sways_at_its_load_with_multipliers() {
+    let (sin, cos) = 0.3_f64.sin_cos();
+    let up = format!("{:?}, {:?}", -sin, cos);
+    let line = |name: &str, ends: [&str; 2], axis: &str| {
+        beam_line(name, ends, 4, "s") + &format!("order = 3\nsecond_axis = [{axis}]\n")
+    };
+    let hinge = |name: &str, parent: &str, more: &str| {
+        joint(
+            name,
+            "revolute",
+            parent,
+            &format!("axis = [0, {cos}, {sin}]\n{more}"),
+        )
+    };
+    let load = |node: &str| {
+        format!(
+            "[[loads]]\nnode = \"{node}\"\nforce = [0, {sin}, {:?}]\n",
+            -cos
+        )
+    };
+    let text = [
+        "[sections.s]\nstiffness = { EA = 1e7, GA = [1e7, 1e7], GJ = 2.0, EI = [2.0, 1.0] }\n",
+        &format!(
+            "[nodes]\na = [0, 0, 0]\nb = [0, {up}]\nc = [1, {up}]\nd = [1, 0, 0]\ne = [1, 0, 0]\n"
+        ),
+        &line("left", ["hinge a", "b"], "1, 0, 0"),
+        &line("beam", ["b", "c"], &format!("0, {up}")),
+        &line("right", ["c", "e"], "1, 0, 0"),
+        &fixed("a"),
+        &fixed("d"),
+        &load("b"),
+        &load("c"),
+        &hinge("hinge a", "a", ""),
+        &hinge("hinge d", "d", "child = \"e\"\nclosure = \"multipliers\"\n"),
+        "[analysis.static]\nto = 2.0\nsteps = 20\n",
+    ]
+    .concat();
+    let mut x = 1.3_f64;
+    for _ in 0..20 {
+        x -= (x * x.tan() - 6.0) / (x.tan() + x / x.cos().powi(2));
+    }
+    solved(&text, &mut |step| {
+        let unstable = usize::from(step.t > x * x);
+        assert_eq!(step.unstable, Some(unstable), "{}", step.t);
+    })
+    .unwrap();
 }
