@@ -351,21 +351,21 @@ impl Linearized {
             };
             parts.map(sum).iter().sum()
         };
-        let wholes: Vec<f64> = modes.iter().map(whole).collect();
-        for (mode, size) in modes.iter().zip(&wholes) {
+        let rounding = |a: &Mode, b: &Mode| ROUNDING * (whole(a) * whole(b)).sqrt();
+        for mode in modes {
             let mut forces = other.forces(&motion(rotor, mode, omega));
             forces = pulled_back(rotor, &forces);
             let own = self.forces(&motion(None, mode, omega));
             forces.iter_mut().zip(own).for_each(|(f, own)| *f -= own);
             let least = STEADY * mode.eigenvalue.norm_sqr().max(omega * omega);
             // Of circular whirl, only the conjugate one may be changed.
-            for (other, other_size) in modes.iter().zip(&wholes) {
+            for other in modes {
                 let work = forces.iter().zip(&other.shape).map(|(f, x)| f * x);
                 let with_conjugate: Complex64 = work.clone().sum();
                 let most = with_conjugate
                     .norm()
                     .max(inner_product(&other.shape, &forces).norm());
-                if most > least + ROUNDING * (size * other_size).sqrt() {
+                if most > least && most > least + rounding(mode, other) {
                     let sizes = work.map(|work| work.norm()).enumerate();
                     let largest = sizes.max_by(|a, b| a.1.total_cmp(&b.1));
                     return largest.map(|(i, _)| self.names[i].clone());
