@@ -110,16 +110,12 @@ impl Stepper {
     ) -> Result<(), DynamicsError> {
         let n = state.q.len();
         // What the algorithmic ones differ by, as they belong to another time, stays.
-        let [offset, _] = &mut self.work;
-        offset.fill(0.0);
-        let both = state.algorithmic.iter().zip(&state.filtered);
-        (offset.iter_mut().zip(both)).for_each(|(offset, (own, a))| *offset = own - a);
-        // Those before, until the new algorithmic ones are known.
-        state.algorithmic.clone_from(&state.a);
+        add(&mut state.algorithmic, -1.0, &state.filtered);
+        // Those before, until the new ones are known.
+        state.filtered.clone_from(&state.a);
         if jumps {
-            state.a.clear();
+            state.a.fill(0.0);
         }
-        state.a.resize(n, 0.0);
         let multipliers = |i: &usize| system.pattern().coordinates()[*i].is_multiplier;
         let multipliers: Vec<usize> = (0..n).filter(multipliers).collect();
         for &i in &multipliers {
@@ -127,8 +123,7 @@ impl Stepper {
         }
         let massive = self.solve_mass(system, state, (h, 0.0), None)?;
         if massive && is_damped(system, state, h)? && !self.lasts(system, state, h) {
-            state.a.clone_from(&state.algorithmic);
-            state.a.resize(n, 0.0);
+            state.a.clone_from(&state.filtered);
             for _ in 0..PASSES {
                 self.solve_mass(system, state, (h, h), None)?;
                 add(&mut state.a, 1.0, &self.r);
@@ -141,11 +136,10 @@ impl Stepper {
             add(&mut state.a, 1.0, &self.r);
         }
         for &i in &multipliers {
-            (state.q[i], state.a[i], self.work[0][i]) = (self.r[i], 0.0, 0.0);
+            (state.q[i], state.a[i], state.algorithmic[i]) = (self.r[i], 0.0, 0.0);
         }
         state.filtered.clone_from(&state.a);
-        state.algorithmic.clone_from(&state.a);
-        add(&mut state.algorithmic, 1.0, &self.work[0]);
+        add(&mut state.algorithmic, 1.0, &state.a);
         Ok(())
     }
 

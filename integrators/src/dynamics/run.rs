@@ -147,7 +147,10 @@ impl MotionRun {
         if fresh {
             progress.summary.chart_changes += changes.charts;
             progress.inputs = abilities::events(system).inputs().to_vec();
-            progress.state.a = vec![0.0; progress.state.q.len()];
+            let state = &mut progress.state;
+            for a in [&mut state.a, &mut state.algorithmic, &mut state.filtered] {
+                *a = vec![0.0; state.q.len()];
+            }
             // What is kept of a run whose state was changed belongs to the one before.
             (progress.events, progress.invariants) = (Vec::new(), None);
             if self.stops.is_kink(t) {

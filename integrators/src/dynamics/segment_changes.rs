@@ -121,7 +121,7 @@ impl MotionRun {
         }
         if progress.summary.steps == 0 {
             // Initial velocities are valid after the change.
-            progress.state.a.clear();
+            progress.state.a.fill(0.0);
             self.accelerate(system, progress, false)?;
             self.open_balance(system, progress)?;
             return self.set_target(system, progress);
