@@ -161,12 +161,13 @@ impl<const NN: usize, I: Rotations<NN>> Beam<NN, I> {
         (strained, viscous)
     }
 
-    /// Adds the forces of the strains in the interpolated coordinates.
+    /// Adds the forces of the strains in the interpolated coordinates; see [`Rotations::pull_back`].
     #[inline]
     fn strain(
         &self,
         at: &Motion<'_>,
-        r: &mut [f64],
+        predicted: &[f64],
+        [r, r_sigma]: [&mut [f64]; 2],
         tangents: &mut CombinedTangents<'_>,
     ) -> Result<(), DomainError> {
         // Their tangents are added after the mirror, as they are not symmetric.
@@ -175,27 +176,22 @@ impl<const NN: usize, I: Rotations<NN>> Beam<NN, I> {
             let line = Self::line(p, at.x);
             let psi = line.psi.norm();
             DomainError::within(LARGEST_ANGLE - psi, CHART_EDGE)?;
-            let strained;
+            let mut strained;
             (strained, *viscous) = self.strained(p, &line, at.v);
-            let f = strained.forces();
-            for (i, r) in r.chunks_exact_mut(6).enumerate() {
-                let (a, b) = (p.weight * p.dN[i], p.weight * p.N[i]);
-                for k in 0..3 {
-                    r[k] -= a * f.x_prime[k];
-                    r[3 + k] -= a * f.psi_prime[k] + b * f.psi[k];
-                }
+            p.subtract(&strained.forces(), r);
+            // Viscous stresses are not extrapolated.
+            if let Some(x) = at.previous.filter(|_| viscous.is_none()) {
+                let (from, to) = (Self::line(p, x), Self::line(p, predicted));
+                (strained.N, strained.M) = extrapolated(&from, &to, &p.X_prime, &p.law);
+            }
+            if !r_sigma.is_empty() {
+                p.subtract(&strained.forces(), r_sigma);
             }
             for (weights, K) in tangents.iter_mut().flatten() {
-                if weights.K == 0.0 {
-                    continue;
+                if weights.K != 0.0 {
+                    let D = strained.stiffness(&line, &p.law);
+                    p.spread(&D, p.weight * weights.K, K);
                 }
-                // Viscous stresses are not extrapolated.
-                let (N, M) = match at.previous.filter(|_| viscous.is_none()) {
-                    None => (strained.N, strained.M),
-                    Some(x) => extrapolated(&Self::line(p, x), &line, &p.X_prime, &p.law),
-                };
-                let D = strained.stiffness(&line, &p.law, &N, &M);
-                p.spread(&D, p.weight * weights.K, K);
             }
         }
         for (_, K) in tangents.iter_mut().flatten().filter(|t| t.0.K != 0.0) {
@@ -300,10 +296,10 @@ impl<const NN: usize, I: Rotations<NN>> Combined for Beam<NN, I> {
         tangents: &mut CombinedTangents<'_>,
     ) -> Result<(), DomainError> {
         let viscous = self.damping.stiffness > 0.0 && !at.v.is_empty();
-        let kernel = |at: &Motion<'_>, r: &mut [f64], tangents: &mut CombinedTangents<'_>| {
-            self.strain(at, r, tangents)
-        };
-        self.rotations.pull_back(viscous, at, r, tangents, kernel)?;
+        self.rotations
+            .pull_back(viscous, at, r, tangents, |at, predicted, r, tangents| {
+                self.strain(at, predicted, r, tangents)
+            })?;
         if !at.v.is_empty() {
             self.rotations.inertia(at, self.damping.mass, r, tangents);
         }

@@ -70,6 +70,17 @@ impl<const NN: usize> Geodesic<NN> {
         out
     }
 
+    /// x̂ at `from`, and x̂ + B (x − from) with B there.
+    fn linear(&self, from: &[f64], x: &[f64]) -> [[[f64; 6]; NN]; 2] {
+        let mut step = [[0.0; 6]; NN];
+        for (step, (x, from)) in step.as_flattened_mut().iter_mut().zip(x.iter().zip(from)) {
+            *step = x - from;
+        }
+        let seen = self.seen(from, step.as_flattened());
+        let to = |i: usize| std::array::from_fn(|k| seen.x[i][k] + seen.v[i][k]);
+        [seen.x, std::array::from_fn(to)]
+    }
+
     /// The nodes that are not the reference, with their indices.
     fn seen_nodes(
         nodes: &[Option<RelativeNode>; NN],
@@ -139,21 +150,27 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
         at: &Motion<'_>,
         r: &mut [f64],
         tangents: &mut CombinedTangents<'_>,
-        kernel: impl Fn(&Motion<'_>, &mut [f64], &mut CombinedTangents<'_>) -> Result<(), DomainError>,
+        kernel: impl Fn(
+            &Motion<'_>,
+            &[f64],
+            [&mut [f64]; 2],
+            &mut CombinedTangents<'_>,
+        ) -> Result<(), DomainError>,
     ) -> Result<(), DomainError> {
         let reference = Turn::new(three(at.x, 6 * Self::R + 3));
         let (nodes, x, v) = self.nodes(viscous, at, &reference)?;
         let moving = if viscous { v.as_flattened() } else { &[] };
-        let previous = at.previous.map(|x| self.coordinates(x));
+        let linear = at.previous.map(|from| self.linear(from, at.x));
         let there = Motion {
             t: at.t,
             inputs: at.inputs,
             x: x.as_flattened(),
             v: moving,
             a: &[],
-            previous: previous.as_ref().map(|x| x.as_flattened()),
+            previous: linear.as_ref().map(|[from, _]| from.as_flattened()),
         };
-        let mut force = [[0.0; 6]; NN];
+        let predicted = linear.as_ref().map_or(&x, |[_, to]| to);
+        let (mut force, mut f_sigma) = ([[0.0; 6]; NN], [[0.0; 6]; NN]);
         let (mut K, mut C) = ([[[[0.0; 6]; NN]; 6]; NN], [[[[0.0; 6]; NN]; 6]; NN]);
         let wanted = tangents.iter().flatten().any(|t| t.0.K != 0.0)
             || viscous && tangents.iter().flatten().any(|t| t.0.C != 0.0);
@@ -165,7 +182,8 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
             (wanted && viscous).then_some((one(0.0, 1.0), &mut *C_hat)),
             None,
         ];
-        kernel(&there, force.as_flattened_mut(), &mut parts)?;
+        let residuals = [force.as_flattened_mut(), f_sigma.as_flattened_mut()];
+        kernel(&there, predicted.as_flattened(), residuals, &mut parts)?;
         let others = || Self::seen_nodes(&nodes);
         for (i, node) in others() {
             let f = Vector6::from(force[i]);
@@ -189,7 +207,7 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
                 continue;
             }
             for (i, node) in others() {
-                let forces = [0, 3].map(|c| three(&force[i], c) * -k);
+                let forces = [0, 3].map(|c| three(&f_sigma[i], c) * -k);
                 node.add_geometric(&reference, forces, out, 6 * NN, [6 * i, 6 * Self::R]);
             }
         }

@@ -84,8 +84,10 @@ pub trait Rotations<const NN: usize>: Clone + Debug + Send + Sync + Sized {
     /// of δΘ = Σ Θ_Ψᵢ δΨᵢ, material.
     fn section(x: &[f64], N: &[f64; NN]) -> (Matrix3<f64>, [Matrix3<f64>; NN]);
 
-    /// Adds the pull-back of `kernel`, a function in x̂ of the motion, the
-    /// residual and the tangents. It reads velocities, and adds to C, only if the beam is `viscous`.
+    /// Adds the pull-back of `kernel`, a function in x̂. Its arguments are the motion; the coordinates to which
+    /// stresses of the tangent are extrapolated from those of the previous iterate, x̂ₚ + B(xₚ) (x − xₚ); the residual
+    /// and that of these stresses, for K_σ of φ; and the tangents. It reads velocities, and adds to C, only if
+    /// the beam is `viscous`.
     ///
     /// # Errors
     /// [`DomainError`] outside the domain of the interpolation, and those of the kernel.
@@ -95,7 +97,12 @@ pub trait Rotations<const NN: usize>: Clone + Debug + Send + Sync + Sized {
         at: &Motion<'_>,
         r: &mut [f64],
         tangents: &mut CombinedTangents<'_>,
-        kernel: impl Fn(&Motion<'_>, &mut [f64], &mut CombinedTangents<'_>) -> Result<(), DomainError>,
+        kernel: impl Fn(
+            &Motion<'_>,
+            &[f64],
+            [&mut [f64]; 2],
+            &mut CombinedTangents<'_>,
+        ) -> Result<(), DomainError>,
     ) -> Result<(), DomainError>;
 
     /// Adds −f_acc, the drag α p with the momenta p, and their tangents.
@@ -163,9 +170,14 @@ impl<const NN: usize> Rotations<NN> for Total<NN> {
         at: &Motion<'_>,
         r: &mut [f64],
         tangents: &mut CombinedTangents<'_>,
-        kernel: impl Fn(&Motion<'_>, &mut [f64], &mut CombinedTangents<'_>) -> Result<(), DomainError>,
+        kernel: impl Fn(
+            &Motion<'_>,
+            &[f64],
+            [&mut [f64]; 2],
+            &mut CombinedTangents<'_>,
+        ) -> Result<(), DomainError>,
     ) -> Result<(), DomainError> {
-        kernel(at, r, tangents)
+        kernel(at, at.x, [r, &mut []], tangents)
     }
 
     #[inline]

@@ -1,6 +1,6 @@
 //! One integration point of the internal force.
 
-use super::strain::{Law, SectionStiffness};
+use super::strain::{ConjugateForces, Law, SectionStiffness};
 use nalgebra::{Matrix3, Vector3};
 
 /// One integration point: shape functions, reference shape, section law.
@@ -19,6 +19,18 @@ pub(super) struct GaussPoint<const NN: usize> {
 }
 
 impl<const NN: usize> GaussPoint<NN> {
+    /// Subtracts the forces over (x′, Ψ′, Ψ) from those of the nodes.
+    #[inline]
+    pub(super) fn subtract(&self, f: &ConjugateForces, r: &mut [f64]) {
+        for (i, r) in r.chunks_exact_mut(6).enumerate() {
+            let (a, b) = (self.weight * self.dN[i], self.weight * self.N[i]);
+            for k in 0..3 {
+                r[k] -= a * f.x_prime[k];
+                r[3 + k] -= a * f.psi_prime[k] + b * f.psi[k];
+            }
+        }
+    }
+
     /// Adds the stiffness over (x′, Ψ′, Ψ) to the nodes: upper blocks only, the lower ones are
     /// mirrored.
     #[inline]

@@ -111,21 +111,17 @@ impl Strained {
         }
     }
 
-    /// BᵀCB + K_σ, \[M04\] (167), with the stress resultants N, M in K_σ.
+    /// BᵀCB + K_σ, \[M04\] (167).
     #[inline]
-    pub(super) fn stiffness(
-        &self,
-        line: &Gradients,
-        law: &Law,
-        N: &Vector3<f64>,
-        M: &Vector3<f64>,
-    ) -> SectionStiffness {
+    pub(super) fn stiffness(&self, line: &Gradients, law: &Law) -> SectionStiffness {
         let Self {
             R,
             T,
             C1,
             quotients,
             g,
+            N,
+            M,
             ..
         } = self;
         // Columns of C B for Ψ: A = (Rᵀx′)~ T, and C₁.
