@@ -27,7 +27,7 @@ pub struct Motion<'a> {
     pub v: &'a [f64],
     /// Accelerations; empty in statics.
     pub a: &'a [f64],
-    /// Coordinates at the previous iterate, if any. K may then use stresses extrapolated linearly from
+    /// Coordinates at the previous iterate, if any and if no node is mapped. K may then use stresses extrapolated linearly from
     /// there instead of those at `x`: the residual is the same, and K differs by terms of second order in
     /// the step, so Newton's method stays quadratic. The tangent is free of the large spurious stresses of
     /// a big step in a slender element (Magisano, Leonetti & Garcea 2017, Comput. Methods Appl. Mech. Eng.

@@ -153,8 +153,10 @@ impl Context {
                 continue;
             }
             let n = e.element.dim();
+            // Corrections are linear in the unknowns, not in what is mapped from them.
+            let previous = w.has_previous && !e.mapped;
             if !e.dead {
-                if w.has_previous {
+                if previous {
                     local.read_previous((e, state), spans, &w.previous);
                 }
                 local.read((e, state), spans, [&w.x, &w.v, &w.a]);
@@ -162,7 +164,7 @@ impl Context {
             let S = S.as_mut().filter(|_| !e.dead);
             let weights = S.as_ref().map(|(weights, _)| *weights);
             local
-                .evaluate((e, state), t, statics, weights, rates, w.has_previous)
+                .evaluate((e, state), t, statics, weights, rates, previous)
                 .map_err(|error| named(error, &e.name))?;
             if let Some(h) = w.acceleration_step {
                 local.raise_to_accelerations(e, state.left_out, t, h);
