@@ -161,9 +161,21 @@ impl<const NN: usize, I: Rotations<NN>> Beam<NN, I> {
         (strained, viscous)
     }
 
-    /// Adds the forces of the strains in the interpolated coordinates; see [`Rotations::pull_back`].
+    /// Whether stresses depend on velocities.
+    pub(super) fn is_viscous(&self, at: &Motion<'_>) -> bool {
+        self.damping.stiffness > 0.0 && !at.v.is_empty()
+    }
+
+    /// Adds the forces and tangents of the strains in interpolated coordinates x̂, velocities only if stresses depend
+    /// on them.
+    ///
+    /// Stresses of the tangent are extrapolated from x̂ₚ of the previous iterate to `predicted`, x̂ₚ + B(xₚ) (x − xₚ).
+    /// Their residual is added to `r_sigma`, unless it is empty: that of K_σ of the interpolation.
+    ///
+    /// # Errors
+    /// [`DomainError`] at the edge of the chart.
     #[inline]
-    fn strain(
+    pub fn strain(
         &self,
         at: &Motion<'_>,
         predicted: &[f64],
@@ -295,11 +307,7 @@ impl<const NN: usize, I: Rotations<NN>> Combined for Beam<NN, I> {
         r: &mut [f64],
         tangents: &mut CombinedTangents<'_>,
     ) -> Result<(), DomainError> {
-        let viscous = self.damping.stiffness > 0.0 && !at.v.is_empty();
-        self.rotations
-            .pull_back(viscous, at, r, tangents, |at, predicted, r, tangents| {
-                self.strain(at, predicted, r, tangents)
-            })?;
+        I::pull_back(self, at, r, tangents)?;
         if !at.v.is_empty() {
             self.rotations.inertia(at, self.damping.mass, r, tangents);
         }

@@ -15,6 +15,7 @@
 //! δz_i = R_rᵀ (δd_i − δd_r) + z_i~ δΘ_r,     δϑ_i = T⁻¹(ϑ_i) δΘ_i − T⁻ᵀ(ϑ_i) δΘ_r
 //! ```
 
+use super::element::Beam;
 use super::interpolation::{Rotations, Seen};
 use super::mass::MassPoint;
 use super::nodal::NodalInertia;
@@ -145,22 +146,16 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
     }
 
     fn pull_back(
-        &self,
-        viscous: bool,
+        beam: &Beam<NN, Self>,
         at: &Motion<'_>,
         r: &mut [f64],
         tangents: &mut CombinedTangents<'_>,
-        kernel: impl Fn(
-            &Motion<'_>,
-            &[f64],
-            [&mut [f64]; 2],
-            &mut CombinedTangents<'_>,
-        ) -> Result<(), DomainError>,
     ) -> Result<(), DomainError> {
         let reference = Turn::new(three(at.x, 6 * Self::R + 3));
-        let (nodes, x, v) = self.nodes(viscous, at, &reference)?;
+        let (rotations, viscous) = (&beam.rotations, beam.is_viscous(at));
+        let (nodes, x, v) = rotations.nodes(viscous, at, &reference)?;
         let moving = if viscous { v.as_flattened() } else { &[] };
-        let linear = at.previous.map(|from| self.linear(from, at.x));
+        let linear = at.previous.map(|from| rotations.linear(from, at.x));
         let there = Motion {
             t: at.t,
             inputs: at.inputs,
@@ -183,7 +178,7 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
             None,
         ];
         let residuals = [force.as_flattened_mut(), f_sigma.as_flattened_mut()];
-        kernel(&there, predicted.as_flattened(), residuals, &mut parts)?;
+        beam.strain(&there, predicted.as_flattened(), residuals, &mut parts)?;
         let others = || Self::seen_nodes(&nodes);
         for (i, node) in others() {
             let f = Vector6::from(force[i]);

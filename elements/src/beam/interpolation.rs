@@ -84,25 +84,15 @@ pub trait Rotations<const NN: usize>: Clone + Debug + Send + Sync + Sized {
     /// of δΘ = Σ Θ_Ψᵢ δΨᵢ, material.
     fn section(x: &[f64], N: &[f64; NN]) -> (Matrix3<f64>, [Matrix3<f64>; NN]);
 
-    /// Adds the pull-back of `kernel`, a function in x̂. Its arguments are the motion; the coordinates to which
-    /// stresses of the tangent are extrapolated from those of the previous iterate, x̂ₚ + B(xₚ) (x − xₚ); the residual
-    /// and that of these stresses, for K_σ of φ; and the tangents. It reads velocities, and adds to C, only if
-    /// the beam is `viscous`.
+    /// Adds the forces and tangents of the strains of a beam, [`Beam::strain`] in x̂.
     ///
     /// # Errors
-    /// [`DomainError`] outside the domain of the interpolation, and those of the kernel.
+    /// [`DomainError`] outside the domain of the interpolation or of the strains.
     fn pull_back(
-        &self,
-        viscous: bool,
+        beam: &Beam<NN, Self>,
         at: &Motion<'_>,
         r: &mut [f64],
         tangents: &mut CombinedTangents<'_>,
-        kernel: impl Fn(
-            &Motion<'_>,
-            &[f64],
-            [&mut [f64]; 2],
-            &mut CombinedTangents<'_>,
-        ) -> Result<(), DomainError>,
     ) -> Result<(), DomainError>;
 
     /// Adds −f_acc, the drag α p with the momenta p, and their tangents.
@@ -165,19 +155,12 @@ impl<const NN: usize> Rotations<NN> for Total<NN> {
 
     #[inline]
     fn pull_back(
-        &self,
-        _viscous: bool,
+        beam: &Beam<NN, Self>,
         at: &Motion<'_>,
         r: &mut [f64],
         tangents: &mut CombinedTangents<'_>,
-        kernel: impl Fn(
-            &Motion<'_>,
-            &[f64],
-            [&mut [f64]; 2],
-            &mut CombinedTangents<'_>,
-        ) -> Result<(), DomainError>,
     ) -> Result<(), DomainError> {
-        kernel(at, at.x, [r, &mut []], tangents)
+        beam.strain(at, at.x, [r, &mut []], tangents)
     }
 
     #[inline]
