@@ -169,12 +169,11 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
         let (mut K, mut C) = ([[[[0.0; 6]; NN]; 6]; NN], [[[[0.0; 6]; NN]; 6]; NN]);
         let wanted = tangents.iter().flatten().any(|t| t.0.K != 0.0)
             || viscous && tangents.iter().flatten().any(|t| t.0.C != 0.0);
-        let one = |K, C| Weights { K, C, M: 0.0 };
         let K_hat = K.as_flattened_mut().as_flattened_mut().as_flattened_mut();
         let C_hat = C.as_flattened_mut().as_flattened_mut().as_flattened_mut();
         let mut parts: CombinedTangents<'_> = [
-            wanted.then_some((one(1.0, 0.0), &mut *K_hat)),
-            (wanted && viscous).then_some((one(0.0, 1.0), &mut *C_hat)),
+            wanted.then_some((Weights::STATIC, &mut *K_hat)),
+            (wanted && viscous).then_some((Weights::DAMPING, &mut *C_hat)),
             None,
         ];
         let residuals = [force.as_flattened_mut(), f_sigma.as_flattened_mut()];
@@ -198,10 +197,7 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
             }
             let to = (&reference, &nodes);
             Self::add_products((at, viscous), to, [K_hat, C_hat], [k, c], out);
-            if k == 0.0 {
-                continue;
-            }
-            for (i, node) in others() {
+            for (i, node) in others().filter(|_| k != 0.0) {
                 let forces = [0, 3].map(|c| three(&f_sigma[i], c) * -k);
                 node.add_geometric(&reference, forces, out, 6 * NN, [6 * i, 6 * Self::R]);
             }
