@@ -13,7 +13,7 @@ impl System for Context {
 
     fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
         if let Some(previous) = out.previous {
-            self.expand_positions(previous.t, previous.q)?;
+            self.expand_own(Point::statics(previous.t, previous.q))?;
             self.work.previous.copy_from_slice(&self.work.x);
         }
         self.work.has_previous = out.previous.is_some();

@@ -78,7 +78,7 @@ impl<S: Scalar> Quaternion<S> {
         self.w * b.w + self.v.dot(&b.v)
     }
 
-    /// The modified Rodrigues parameters tan(ψ/4) e of a unit quaternion, ψ < 2π; zero for w = −1.
+    /// The modified Rodrigues parameters tan(ψ/4) e of a unit quaternion; as large as rounding errors of v allow at w = −1.
     ///
     /// Their sign is that of the quaternion: ‖σ‖ > 1 for w < 0.
     #[inline]
@@ -87,10 +87,10 @@ impl<S: Scalar> Quaternion<S> {
         let square = self.v.dot(&self.v);
         if self.w.re() >= 0.0 {
             self.v * (self.w + S::one()).recip()
-        } else if square.re() > 0.0 {
+        } else if square.re() > f64::EPSILON * f64::EPSILON {
             self.v * ((S::one() - self.w) * square.recip())
         } else {
-            self.v
+            Vector3::x() * S::constant(2.0 / f64::EPSILON)
         }
     }
 

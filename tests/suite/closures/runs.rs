@@ -1,11 +1,13 @@
 //! Changes of chart and drives that jump: multipliers against the map.
 
 use super::started_with;
+use crate::support::closures::{CLOSURES, GROUND, RUN, arm, body, joint, probe};
 use crate::support::dynamics::*;
 use crate::support::loops::four_bar::*;
 use crate::support::loops::linkage::*;
 use crate::support::loops::*;
 use crate::support::prelude::*;
+use crate::support::program::{Ran, assert_close, number, run_of};
 
 /// A crank and a rocker with a coupler between two balls that spins, in n steps: how far its energy drifts, and where
 /// the coupler ends.
@@ -87,4 +89,37 @@ fn a_drive_that_jumps_strikes_the_whole_loop() {
         gap(&map, &other)
     });
     assert_order("struck", &all, 2.0, 0.3);
+}
+
+/// A shaft on a ball joint, whose far end turns in a bearing that multipliers close, under a constant moment M about it:
+/// ω = M t/J. The bearing stays as it is where the ball joint's rotation vector changes to its complement.
+#[test]
+fn a_ball_joint_turns_through_half_turns_before_a_bearing() {
+    for axis in [[0.0, 0.0, 1.0], [0.48, 0.6, 0.64]] {
+        let text = [
+            GROUND,
+            &joint("ball", "spherical", "ground", ""),
+            &arm("end", "ball", axis),
+            &arm("foot", "ground", axis),
+            &joint(
+                "bearing",
+                "revolute",
+                "end",
+                &format!("axis = {axis:?}\nchild = \"foot\"\n{}", CLOSURES[1]),
+            ),
+            &body("ball"),
+            &format!("[[loads]]\nnode = \"ball\"\nmoment = {axis:?}\n"),
+            &probe("w", "angular_velocity", "ball"),
+            RUN,
+        ]
+        .concat()
+        .replace("to = 0.5", "to = 3");
+        let Ran { rows, result, .. } = run_of("closures_shaft", &text);
+        assert!(result["statistics"]["chart_changes"].as_u64() > Some(7));
+        for row in &rows {
+            for (name, e) in ["w.x", "w.y", "w.z"].into_iter().zip(axis) {
+                assert_close(number(row, name), 10.0 * e * number(row, "t"), 1e-8, name);
+            }
+        }
+    }
 }

@@ -20,11 +20,19 @@ impl Context {
     /// workspace: own nodes first, then mapped ones. Nothing is evaluated if they are known.
     pub(in crate::model) fn expand(&mut self, at: Point<'_>) -> Result<(), SystemError> {
         self.take_inputs();
-        let statics = at.is_static();
-        let w = &mut self.work;
-        if w.known.is(at) {
-            return Ok(());
+        if !self.work.known.is(at) {
+            self.expand_own(at)?;
+            self.expand_dependent(at.t)?;
+            self.work.known.set(at);
         }
+        Ok(())
+    }
+
+    /// The part of [`expand`](Self::expand) for nodes that are not mapped, with the present inputs.
+    pub(in crate::model) fn expand_own(&mut self, at: Point<'_>) -> Result<(), SystemError> {
+        let statics = at.is_static();
+        let (w, inputs) = (&mut self.work, &self.state.inputs);
+        w.t = at.t;
         w.known.forget();
         let stirred = std::mem::replace(&mut w.stirred, !statics);
         if !statics {
@@ -34,50 +42,12 @@ impl Context {
             w.v.fill(0.0);
             w.a.fill(0.0);
         }
-        self.expand_positions(at.t, at.q)?;
-        self.work.known.set(at);
-        Ok(())
-    }
-
-    /// Takes the rates by the load parameter from prescribed coordinates of a static point, and from all that follows them.
-    fn rest(&mut self, t: f64) -> Result<(), SystemError> {
-        for c in self.model.prescribed.iter().map(|p| p.coordinate) {
-            (self.work.v[c], self.work.a[c]) = (0.0, 0.0);
-        }
-        self.work.known.forget();
-        self.expand_dependent(t)
-    }
-
-    /// Takes the present inputs, on which all may depend.
-    fn take_inputs(&mut self) {
-        let (w, inputs) = (&mut self.work, &self.state.inputs);
-        if w.local.inputs != *inputs {
-            w.local.inputs.clone_from(inputs);
-            w.dead_loads.t = None;
-            w.known.forget();
-        }
-    }
-
-    /// Coordinates of all nodes. Prescribed and mapped ones get rates as well, which are valid only
-    /// if those of the others are set.
-    pub(in crate::model) fn expand_positions(
-        &mut self,
-        t: f64,
-        q: &[f64],
-    ) -> Result<(), SystemError> {
-        self.take_inputs();
-        let (w, inputs) = (&mut self.work, &self.state.inputs);
-        w.t = t;
-        if w.known.is_at(t, q) {
-            return Ok(());
-        }
-        w.known.forget();
-        self.model.free.scatter("coordinates q", q, &mut w.x)?;
+        self.model.free.scatter("coordinates q", at.q, &mut w.x)?;
         for p in &self.model.prescribed {
             // In statics the velocity of a prescribed coordinate is its derivative by the load
             // parameter; that of free coordinates stays zero.
             let c = p.coordinate;
-            let motion = p.function.at(t, inputs);
+            let motion = p.function.at(at.t, inputs);
             if !motion.iter().all(|x| x.is_finite()) {
                 let what = format!("the prescribed motion of {}", self.model.coordinate_name(c));
                 return Err(SystemError::NotFinite { what });
@@ -96,7 +66,26 @@ impl Context {
         if w.stirred {
             self.take_spins();
         }
+        Ok(())
+    }
+
+    /// Takes the rates by the load parameter from prescribed coordinates of a static point, and from all that follows them.
+    fn rest(&mut self, t: f64) -> Result<(), SystemError> {
+        for c in self.model.prescribed.iter().map(|p| p.coordinate) {
+            (self.work.v[c], self.work.a[c]) = (0.0, 0.0);
+        }
+        self.work.known.forget();
         self.expand_dependent(t)
+    }
+
+    /// Takes the present inputs, on which all may depend.
+    pub(in crate::model) fn take_inputs(&mut self) {
+        let (w, inputs) = (&mut self.work, &self.state.inputs);
+        if w.local.inputs != *inputs {
+            w.local.inputs.clone_from(inputs);
+            w.dead_loads.t = None;
+            w.known.forget();
+        }
     }
 
     /// Sets residual and scales to those of the dead loads.

@@ -25,7 +25,7 @@ pub(in crate::model) struct Workspace {
     pub r_t: Vec<f64>,
     /// Residual of loads at prescribed coordinates (undefined elsewhere).
     pub direct: Vec<f64>,
-    /// Coordinates of all nodes at the previous iterate, if any.
+    /// Coordinates of own nodes at the previous iterate, if any.
     pub previous: Vec<f64>,
     pub has_previous: bool,
     /// Whether rates of free coordinates may be nonzero.
@@ -95,14 +95,9 @@ impl Known {
         }
     }
 
-    /// Whether the positions are those of a point.
-    pub(in crate::model) fn is_at(&self, t: f64, q: &[f64]) -> bool {
-        self.t == Some(t) && self.q == q
-    }
-
     /// Whether it is this point.
     pub(in crate::model) fn is(&self, at: Point<'_>) -> bool {
-        self.is_at(at.t, at.q) && self.v == at.v && self.a == at.a
+        self.t == Some(at.t) && self.q == at.q && self.v == at.v && self.a == at.a
     }
 }
 

@@ -11,6 +11,7 @@ use pullback_manifold::map::Parametrization;
 use pullback_manifold::pullback;
 use pullback_manifold::system::{ChartChanges, Point, SystemError, Weights};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// The maps of a [`ModelState`](crate::model::ModelState), by [`MappedNode::index`].
 pub(in crate::model) type Maps = [Box<dyn Parametrization>];
@@ -164,24 +165,27 @@ impl Context {
     }
 
     /// Lets the maps change their charts, parents first, so that a node sees the new charts of its
-    /// parents. After a change of segment the positions of all tangents are updated.
+    /// parents, and is not evaluated in a chart that it leaves. After a change of segment the positions of all tangents are
+    /// updated.
     pub(in crate::model) fn update_maps(
         &mut self,
         at: Point<'_>,
     ) -> Result<ChartChanges, SystemError> {
         let t = at.t;
-        self.expand(at)?;
+        self.take_inputs();
+        let mut moves = !self.work.known.is(at);
+        if moves {
+            self.expand_own(at)?;
+        }
         let mut all = ChartChanges::default();
-        let (mut changed, mut moved) = (false, false);
-        let model = &*self.model;
-        let read = model.nodes.mapped().filter(|(_, _, d)| d.read);
-        for (_, node, d) in read {
-            let own = node.range();
+        let mut moved = false;
+        let model = Arc::clone(&self.model);
+        for (n, _, d) in model.nodes.mapped().filter(|(_, _, d)| d.read) {
             let (w, maps) = (&mut self.work, &mut self.state.maps);
             let before = maps[d.index].segment();
             // On a new segment the map has other parents, and may need other charts.
             for _ in 0..3 {
-                let len = collect(d.parents(maps), &self.model.spans, &w.x, &mut w.local.q);
+                let len = collect(d.parents(maps), &model.spans, &w.x, &mut w.local.q);
                 let Some(state) = maps[d.index].state() else {
                     break;
                 };
@@ -189,25 +193,21 @@ impl Context {
                 if changes == ChartChanges::default() {
                     break;
                 }
-                changed = true;
+                moves = true;
+                w.known.forget();
                 all.charts += changes.charts;
                 all.residual |= changes.residual;
             }
-            if changed {
-                let len = collect(d.parents(maps), &self.model.spans, &w.x, &mut w.local.q);
-                w.known.forget();
-                let B = &mut w.operators[0][d.operators.clone()];
-                maps[d.index].tangent(t, &w.local.q[..len], &mut w.x[own], B);
-            }
             moved |= maps[d.index].segment() != before;
+            if moves {
+                self.expand_node(t, n)?;
+            }
         }
         if moved {
             self.work.segments_changed = true;
             self.locate_tangents();
         }
-        if changed {
-            self.expand(at)?;
-        }
+        self.work.known.set(at);
         Ok(all)
     }
 
