@@ -11,6 +11,8 @@ use super::{BlockLu, FaerLdlt, FaerLu, LinearError, LinearSolver, MatrixSymmetry
 pub struct AutoSolver {
     block: BlockLu,
     ldlt: FaerLdlt,
+    /// Its factors are for signs alone.
+    signs: FaerLdlt,
     lu: FaerLu,
     pattern: Option<BlockPattern>,
     symmetry: MatrixSymmetry,
@@ -179,10 +181,6 @@ impl LinearSolver for AutoSolver {
         if active != SolverKind::Lu || self.symmetry == MatrixSymmetry::General {
             return self.solver(active).negative_pivots(values);
         }
-        if !self.ldlt.is_analysed() {
-            let pattern = self.pattern.as_ref()?;
-            self.ldlt.analyse(pattern, self.symmetry).ok()?;
-        }
-        self.ldlt.signs(values)
+        self.signs.signs(self.pattern.as_ref()?, values)
     }
 }

@@ -4,6 +4,7 @@
 use crate::random::Random;
 use crate::vectors::add;
 use pullback_manifold::sparse::BlockPattern;
+use pullback_manifold::system::CoordinateInfo;
 
 use super::{
     LinearError, check_length, first_non_finite, max_abs, refine, relative, rounding_level, scaling,
@@ -13,8 +14,9 @@ use super::{
 /// its mechanism.
 const SHIFT: f64 = 1e-12;
 
-/// Diagonal entry of a multiplier in the scaled matrix when only signs are needed.
-const SOFTNESS: f64 = 1e-8;
+/// Compliance of the equation of a multiplier in the scaled matrix when only signs are needed: small beside
+/// that of one element, and large beside rounding errors.
+const SOFTNESS: f64 = 1e-5;
 
 /// The scaled matrix column by column, and the work vectors of the checks.
 pub struct Columns {
@@ -82,26 +84,25 @@ impl Columns {
 
     /// Adds [`SHIFT`] to the diagonal.
     pub fn shift_diagonal(&mut self) {
-        self.diagonal(|value| *value += SHIFT);
+        self.shift(|_| SHIFT);
     }
 
-    /// Makes zero diagonal entries slightly negative: half of the digits for the equations of
-    /// multipliers, half for the constrained coordinates.
+    /// Gives multipliers a compliance.
     pub fn soften(&mut self) {
-        self.diagonal(|value| {
-            if *value == 0.0 {
-                *value = -SOFTNESS;
-            }
+        self.shift(|coordinate| match coordinate.is_multiplier {
+            true => -SOFTNESS,
+            false => 0.0,
         });
     }
 
-    fn diagonal(&mut self, change: impl Fn(&mut f64)) {
+    /// Adds to the diagonal.
+    fn shift(&mut self, by: impl Fn(&CoordinateInfo) -> f64) {
         let (starts, rows) = (&self.starts, &self.rows);
         for c in 0..self.scales.len() {
             let range = starts[c]..starts[c + 1];
             for (value, &r) in self.values[range.clone()].iter_mut().zip(&rows[range]) {
                 if r == c {
-                    change(value);
+                    *value += by(&self.pattern.coordinates()[c]);
                 }
             }
         }

@@ -7,8 +7,8 @@
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
-use faer::linalg::solvers::Lblt;
 use faer::mat::MatMut;
+use faer::perm::PermRef;
 use faer::sparse::linalg::LuError;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LdltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
@@ -115,12 +115,15 @@ pub struct Ldlt {
     memory: MemBuffer,
 }
 
-impl Factors for Ldlt {
-    fn new(columns: &Columns) -> Result<Self, LinearError> {
+impl Ldlt {
+    fn ordered(
+        columns: &Columns,
+        order: SymmetricOrdering<'_, usize>,
+    ) -> Result<Self, LinearError> {
         let symbolic = factorize_symbolic_cholesky(
             structure(columns),
             Side::Lower,
-            SymmetricOrdering::Amd,
+            order,
             CholeskySymbolicParams::default(),
         )
         .map_err(library)?;
@@ -132,6 +135,26 @@ impl Factors for Ldlt {
             symbolic,
             memory: MemBuffer::try_new(scratch).map_err(library)?,
         })
+    }
+
+    /// Multipliers are eliminated before all others, which leaves K + HᵀH/ε: what they hold alone is not singular.
+    fn after_multipliers(columns: &Columns) -> Result<Self, LinearError> {
+        let usual = Self::new(columns)?;
+        let Some(order) = usual.symbolic.perm() else {
+            return Ok(usual);
+        };
+        let mut order = order.arrays().0.to_vec();
+        order.sort_by_key(|&i| !columns.pattern.coordinates()[i].is_multiplier);
+        let mut position = vec![0; order.len()];
+        (order.iter().enumerate()).for_each(|(k, &i)| position[i] = k);
+        let order = PermRef::new_checked(&order, &position, order.len());
+        Self::ordered(columns, SymmetricOrdering::Custom(order))
+    }
+}
+
+impl Factors for Ldlt {
+    fn new(columns: &Columns) -> Result<Self, LinearError> {
+        Self::ordered(columns, SymmetricOrdering::Amd)
     }
 
     fn factorise(&mut self, columns: &Columns) -> Result<bool, LinearError> {
@@ -224,41 +247,23 @@ impl<F: Factors> Faer<F> {
             false => Err(LinearError::NotReady { call: "solve" }),
         }
     }
+}
 
-    /// Negative pivots of a factorisation for their signs alone, which replaces the present one: of a full matrix with
-    /// interchanges up to some size. In larger ones unknowns without a diagonal, Lagrange multipliers, get a small negative one:
-    /// their equations become stiff springs, whose rounding errors may hide the signs.
-    pub(super) fn signs(&mut self, values: &[f64]) -> Option<usize> {
+impl FaerLdlt {
+    /// Negative pivots of a factorisation for their signs alone. Multipliers get a small negative diagonal: their equations
+    /// become stiff springs.
+    pub(super) fn signs(&mut self, pattern: &BlockPattern, values: &[f64]) -> Option<usize> {
+        if self.ready.is_none() {
+            let columns = Columns::new(pattern);
+            let factors = Ldlt::after_multipliers(&columns).ok()?;
+            self.ready = Some((columns, factors));
+        }
         let (columns, factors) = self.ready.as_mut()?;
         columns.load(values).ok()?;
-        if columns.scales.len() <= FULL {
-            return negative_of_full(columns);
-        }
         columns.soften();
         factors.factorise(columns).ok().filter(|regular| *regular)?;
         negative(columns, factors)
     }
-}
-
-/// Largest size of a matrix whose signs are found without its sparsity.
-const FULL: usize = 500;
-
-/// Number of negative eigenvalues by the factorisation of Bunch and Kaufman, unless one is too small to have a sign.
-fn negative_of_full(columns: &Columns) -> Option<usize> {
-    let factors = Lblt::new(matrix(columns).to_dense().as_ref(), Side::Lower);
-    let limit = rounding_level(columns.pattern.blocks());
-    let (mut k, mut count) = (0, 0);
-    while k < columns.scales.len() {
-        let (pivot, beside) = (factors.B_diag()[k], factors.B_subdiag()[k]);
-        // The two eigenvalues of a pair of pivots have different signs.
-        let is_pair = beside != 0.0;
-        if !is_pair && !(pivot.abs() > limit) {
-            return None;
-        }
-        count += usize::from(is_pair || pivot < 0.0);
-        k += if is_pair { 2 } else { 1 };
-    }
-    Some(count)
 }
 
 /// Number of negative pivots, unless one is too small to have a sign.

@@ -124,7 +124,7 @@ pub fn buckling_while(
         return Err(BucklingError::NoLoad);
     }
     let mut search = Search::indefinite(&lin, count)?;
-    if !search.is_definite()? {
+    if search.is_unstable()? {
         return Err(BucklingError::Unstable);
     }
     let found = search.run(observer)?;

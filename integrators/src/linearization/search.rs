@@ -165,9 +165,9 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Whether K is positive definite.
-    pub fn is_definite(&mut self) -> Result<bool, ModesError> {
-        Ok(self.below(0.0)? == Some(0))
+    /// Whether K is known to have negative eigenvalues.
+    pub fn is_unstable(&mut self) -> Result<bool, ModesError> {
+        Ok(self.below(0.0)?.is_some_and(|n| n > 0))
     }
 
     /// Its order, and whether it is symmetric.

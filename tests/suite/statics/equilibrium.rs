@@ -9,14 +9,7 @@ fn frame((EA, elements, interpolation): (f64, usize, Interpolation), linked: boo
     let section = Section::diagonal(EA, [EA; 2], 1.0, [1.0; 2]).unwrap();
     let rod = |b: &mut ModelBuilder, name, from, tip| {
         let tip = b.node(format!("tip of {name}"), tip).unwrap();
-        beam_with(
-            b,
-            name,
-            [from, tip],
-            elements,
-            section.clone(),
-            interpolation,
-        );
+        beam_with(b, name, [from, tip], elements, section, interpolation);
         tip
     };
     let root = b.node("root", [0.0; 3]).unwrap();

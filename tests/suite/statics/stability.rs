@@ -80,6 +80,42 @@ fn multipliers_do_not_count() {
     }
 }
 
+/// A stiff column of many elements, which a weld by multipliers joins in the middle.
+#[test]
+fn multipliers_of_large_models_do_not_count() {
+    let half = |name: &str, ends: [&str; 2]| beam_line(name, ends, 64, "s");
+    let text = [
+        "[sections.s]\nstiffness = { EA = 1e7, GA = [1e7, 1e7], GJ = 10.0, EI = [3.0, 1.0] }\n\
+         [nodes]\nA = [0, 0, 0]\nm = [0.5, 0, 0]\nw = [0.5, 0, 0]\nB = [1, 0, 0]\n",
+        &half("first", ["A", "m"]),
+        &half("second", ["w", "B"]),
+        &joint(
+            "weld",
+            "weld",
+            "m",
+            &format!("child = \"w\"\n{}", CLOSURES[1]),
+        ),
+        PINNED,
+        "[analysis.static]\nfrom = 0.0\nto = 120.0\nsteps = 15\n",
+    ]
+    .concat();
+    let n = 128.0_f64;
+    let load = |EI: f64, k: f64| 4.0 * EI * n * n * (k * PI / (2.0 * n)).tan().powi(2);
+    let critical = [
+        load(1.0, 1.0),
+        load(3.0, 1.0),
+        load(1.0, 2.0),
+        load(1.0, 3.0),
+        load(3.0, 2.0),
+    ];
+    let rows = counts(&text);
+    assert_eq!(rows.len(), 16);
+    for (t, unstable) in rows {
+        let passed = critical.iter().filter(|P| **P < t).count();
+        assert_eq!(unstable, Some(passed), "P = {t}");
+    }
+}
+
 #[test]
 fn a_column_beyond_its_load_is_warned_of() {
     let first = euler_loads(1.0, 20.0)[0];
