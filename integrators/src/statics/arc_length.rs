@@ -63,20 +63,18 @@ impl Norm {
     /// 1 for the direction of a branch, or −1 for the opposite one: towards growing loads, or where the first of the largest
     /// components of a symmetric branch, in sizes of the coordinates, is positive.
     pub fn sense(&self, branch: &PathDirection) -> f64 {
+        if branch.dt != 0.0 {
+            return branch.dt.signum();
+        }
         let n = self.weights.len() as f64;
         let parts = branch.dq.iter().zip(&self.weights);
         let parts: Vec<f64> = parts.map(|(x, w)| x * (w * n).sqrt()).collect();
         let largest = parts.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-        if branch.dt.abs() * self.load.sqrt() > SYMMETRIC * largest {
-            return branch.dt.signum();
-        }
         let mut first = parts.iter().filter(|x| x.abs() >= EQUAL * largest);
         first.next().map_or(1.0, |x| x.signum())
     }
 }
 
-/// Largest slope of the load along a branch that counts as rounding.
-const SYMMETRIC: f64 = 1e-6;
 /// Ratio from which on two components are equal but for rounding errors.
 const EQUAL: f64 = 0.999;
 

@@ -65,7 +65,7 @@ pub struct CriticalPoint {
     pub shape: Vec<f64>,
     /// Directions of the paths through the point, the one with the least part of ψ first, each with a largest
     /// component of one scale, or a change of the load alone: ψ itself at a limit point, two at a bifurcation, none if the
-    /// point is isolated.
+    /// point is isolated. The load does not change along a symmetric branch.
     pub paths: Vec<PathDirection>,
     /// The largest correction of each iteration, relative to the scales of coordinates or to the load.
     pub corrections: Vec<f64>,
@@ -112,6 +112,8 @@ struct Equations {
 
 /// Largest change of a coordinate, relative to its scale, or of the load, relative to the load, in differences of tangents.
 const CHANGE: f64 = 1e-4;
+/// Largest slope of the load along a path, relative to the load, that counts as rounding of these differences.
+const SYMMETRIC: f64 = 1e-4;
 /// Correction, relative to the scales of coordinates or to the load, at which an iteration ends.
 const EXACT: f64 = 1e-9;
 /// The same for equilibrium with k held, which is found before each correction.
@@ -129,7 +131,7 @@ fn is_exact(corrections: &[f64]) -> bool {
         _ => return false,
     };
     let stagnates = now > DECREASE * last || (quadratic(before, last) && !quadratic(last, now));
-    now <= EXACT || (last < EXACT.sqrt() && stagnates)
+    now <= EXACT || (last < EXACT.sqrt() && now <= last && stagnates)
 }
 
 /// Size of changes of a load parameter.
@@ -342,9 +344,14 @@ impl Newton {
                 0.0 => tau.abs() / load,
                 size => size,
             };
+            let dt = tau / length;
             PathDirection {
                 dq: dq.iter().map(|x| x / length).collect(),
-                dt: tau / length,
+                dt: if dt.abs() <= SYMMETRIC * load {
+                    0.0
+                } else {
+                    dt
+                },
             }
         };
         if kind == CriticalKind::Limit {

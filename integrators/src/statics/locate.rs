@@ -261,7 +261,9 @@ fn find_critical(
     let point = newton.critical_point(system, guess, shape);
     let point = point.map_err(|_| unlocated(system, event))?;
     let (along, branch) = step.oriented(&point.paths);
-    let Some(tangent) = along.filter(|_| point.kind == kind) else {
+    // A symmetric branch of a bifurcation turns there.
+    let turns = |path: &PathDirection| event == Event::TurningPoint && path.dt == 0.0;
+    let Some(tangent) = along.filter(|path| point.kind == kind || turns(path)) else {
         return Err(unlocated(system, event));
     };
     let position = Position {

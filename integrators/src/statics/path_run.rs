@@ -298,7 +298,8 @@ impl PathRun {
             tangent: branch,
             ..position
         };
-        self.ds = self.ds.min(self.options.first_step);
+        // The last step may have been halved many times to end near this point.
+        self.ds = self.options.first_step.min(self.options.max_step);
         self.fresh = true;
         self.unstable = None;
         self.options.switch_branch = false;

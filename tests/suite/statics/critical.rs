@@ -1,7 +1,9 @@
 //! Limit points of beams found directly, and the path of a column beyond its bifurcation.
 
 use crate::support::beams::{COLUMN, PINNED, line};
-use crate::support::closures::{CLOSURES, angle, arm, body_of, fixed, hinge, joint, probe};
+use crate::support::closures::{
+    CLOSURES, angle, arm, beam_line, body_of, fixed, hinge, joint, probe,
+};
 use crate::support::laboratory::model;
 use crate::support::prelude::*;
 use crate::support::program::{Rows, assert_close, assert_says, changed, failed, number, run_of};
@@ -83,8 +85,13 @@ fn elliptic(k: f64) -> [f64; 2] {
 /// 2 (1 − E/K) + P/EA: also where the first step passes several bifurcations, and the end of the path before all but one.
 #[test]
 fn a_column_follows_the_elastica() {
-    for (steps, least) in [("max_step = 0.05", 10), ("first_step = 5\nmax_step = 5", 1)] {
+    for (steps, least) in [
+        ("max_step = 0.05", 10),
+        ("max_step = 0.05\nrecord = [\"turning_point\"]", 10),
+        ("first_step = 5\nmax_step = 5", 1),
+    ] {
         let text = column().replace("max_step = 0.05", steps);
+        // The elastica has no turning point.
         let run = run_of("critical_elastica", &text);
         let (load, beyond) = branch(&run.rows);
         assert_close(20.0 * load / PI.powi(2), 1.0, 1e-6, steps);
@@ -200,6 +207,75 @@ fn links_that_multipliers_close_follow_their_branch() {
     }
 }
 
+/// A hinged arch of radius 10 that spans twice the angle, with a force at its top, where a weld may join its halves.
+fn arch(angle: f64, weld: &str, [GJ, EI]: [f64; 2], force: [f64; 3], path: &str) -> String {
+    let (sin, cos) = angle.to_radians().sin_cos();
+    let (x, z) = (10.0 * sin, 10.0 * cos);
+    let half = |name: &str, ends: [&str; 2]| {
+        beam_line(name, ends, 10, "s")
+            + &format!(
+                "second_axis = [0, 1, 0]\n\
+                 arc = {{ center = [0, 0, 0], axis = [0, 1, 0], angle_deg = {angle:?} }}\n"
+            )
+    };
+    let hinge = |node: &str| {
+        format!("[[supports]]\nnode = \"{node}\"\nfix = [\"x\", \"y\", \"z\", \"rx\", \"rz\"]\n")
+    };
+    let (top, welded) = match weld {
+        "" => ("m", String::new()),
+        closure => {
+            let weld = joint("weld", "weld", "m", &format!("child = \"top\"\n{closure}"));
+            ("top", format!("top = [0, 0, 10]\n{weld}"))
+        }
+    };
+    [
+        &format!(
+            "[sections.s]\nstiffness = {{ EA = 1e5, GA = [5e4, 5e4], GJ = {GJ:?}, EI = [1.0, {EI:?}] }}\n\
+             [nodes]\na = [{:?}, 0, {z:?}]\nm = [0, 0, 10]\nb = [{x:?}, 0, {z:?}]\n{welded}",
+            -x
+        ),
+        &half("first", ["a", "m"]),
+        &half("second", [top, "b"]),
+        &hinge("a"),
+        &hinge("b"),
+        &format!("[[loads]]\nnode = \"m\"\nforce = {force:?}\n"),
+        &probe("top", "displacement", "m"),
+        "[analysis.arc_length]\nmax_step = 0.05\nfirst_step = 0.02\n",
+        path,
+    ]
+    .concat()
+}
+
+/// The steps that locate a bifurcation with multipliers are halved many times.
+#[test]
+fn a_branch_begins_with_a_first_step() {
+    let path = "branch = \"switch\"\nstop = [{ load = 0.11 }]\n";
+    let [whole, welded] = ["", CLOSURES[1]].map(|weld| {
+        let text = arch(107.5, weld, [2.0, 0.5], [0.0, 0.0, -0.12], path);
+        let rows = run_of("critical_weld", &text).rows;
+        let last = &rows[rows.len() - 1];
+        assert!(number(last, "largest_rotation") > 0.4);
+        ["top.x", "top.y", "top.z"].map(|name| number(last, name))
+    });
+    for (welded, whole) in welded.iter().zip(whole) {
+        assert_close(*welded, whole, 1e-9, whole);
+    }
+}
+
+/// Newton's method for a critical point has not converged where its corrections grow.
+#[test]
+fn bifurcations_do_not_depend_on_the_steps_to_them() {
+    let [fine, coarse] = ["max_step = 0.02", "max_step = 0.05"].map(|step| {
+        let path = "record = [\"bifurcation\"]\nstop = [{ load = -0.3 }]\n";
+        let text = arch(90.0, "", [0.2, 0.1], [2.4e-3, 0.0, -0.12], path);
+        bifurcations("critical_steps", &text.replace("max_step = 0.05", step)).0
+    });
+    assert_eq!([fine.len(), coarse.len()], [11; 2]);
+    for (fine, coarse) in fine.iter().zip(coarse) {
+        assert_close(coarse, *fine, 1e-7, fine);
+    }
+}
+
 /// A round cantilever buckles in all planes at Euler's load π²/4.
 #[test]
 fn a_round_column_has_no_single_branch() {
@@ -294,8 +370,8 @@ fn upright(second: f64, analysis: &str) -> String {
 }
 
 /// The load parameters of the bifurcations found, and the first warning.
-fn bifurcations(text: &str) -> (Vec<f64>, String) {
-    let run = run_of("critical_upright", text);
+fn bifurcations(name: &str, text: &str) -> (Vec<f64>, String) {
+    let run = run_of(name, text);
     let events = run.rows.iter().filter(|row| row["event"] == "bifurcation");
     let loads = events.map(|row| number(row, "t")).collect();
     let warning = run.result["warnings"][0].as_str().unwrap();
@@ -304,7 +380,10 @@ fn bifurcations(text: &str) -> (Vec<f64>, String) {
 
 #[test]
 fn bifurcations_of_one_load_and_of_one_step_are_located() {
-    let (loads, told) = bifurcations(&upright(10.0, "first_step = 3\nstop = [{ load = 14 }]\n"));
+    let (loads, told) = bifurcations(
+        "critical_upright",
+        &upright(10.0, "first_step = 3\nstop = [{ load = 14 }]\n"),
+    );
     assert_eq!(loads.len(), 1);
     assert_close(loads[0], 10.0, 1e-9, "two directions at once");
     assert_says(&told, &["unstable in 2 directions"]);
@@ -312,7 +391,7 @@ fn bifurcations_of_one_load_and_of_one_step_are_located() {
     let words = ["2 directions become unstable", "load parameter 10"];
     assert_says(&failed("critical_upright_switch", &switched), &words);
     let steps = "first_step = 5\nmax_step = 5\nstop = [{ load = 30 }]\n";
-    let (loads, told) = bifurcations(&upright(12.0, steps));
+    let (loads, told) = bifurcations("critical_upright", &upright(12.0, steps));
     assert_eq!(loads.len(), 2);
     assert_close(loads[0], 10.0, 1e-9, "the first one");
     assert_close(loads[1], 12.0, 1e-9, "the second one");
