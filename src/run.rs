@@ -291,7 +291,8 @@ fn first_warnings(job: &mut Job, progress: &Progress, notes: &mut Vec<String>) -
         let Job { context, file, .. } = job;
         warnings.extend(warnings::lines_at_rest(file));
         warnings.extend(warnings::immobile(context));
-        warnings.extend(warnings::massless(context, progress));
+        warnings.extend(warnings::corners(file));
+        warnings.extend(warnings::massless(context, file, progress));
         warnings.extend(warnings::too_stiff(context, file, progress));
     } else if !matches!(&job.file.analysis, Analysis::Modes(modes) if modes.after.is_none()) {
         warnings.extend(warnings::unsupported(&job.context));

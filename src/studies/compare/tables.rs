@@ -169,8 +169,8 @@ fn notes(out: &mut String, comparison: &Comparison) {
     }
     if any(&|o, q| o.theory.is_some() && o.of(q).is_none() && known(q)) {
         *out += &format!(
-            "\n- no slope: fewer than two errors are more than {ABOVE_REFERENCE} times that of the \
-             reference"
+            "\n- no slope: fewer than two runs without rejected steps have errors of more than \
+             {ABOVE_REFERENCE} times that of the reference"
         );
     }
 }

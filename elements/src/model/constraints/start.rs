@@ -108,6 +108,9 @@ impl Context {
             return Ok((0.0, String::new()));
         }
         let all = self.equations(t, q, v).map_err(start)?;
+        if all.h_dot.amax() == 0.0 {
+            return Ok((0.0, String::new()));
+        }
         let fastest = (v.iter().enumerate()).map(|(u, v)| v.abs() / self.unit(u));
         let steepest = all.sizes.iter().copied().fold(0.0, f64::max);
         let size = (steepest * fastest.fold(0.0, f64::max)).max(all.h_dot.amax());
@@ -118,11 +121,7 @@ impl Context {
         }
         let left = &all.h_dot + J * more;
         let worst = left.amax();
-        let relative = if worst > 0.0 {
-            worst / size.max(worst)
-        } else {
-            0.0
-        };
+        let relative = worst / size.max(worst);
         Ok((relative, self.enforcing(&all, left.iamax()).name))
     }
 
