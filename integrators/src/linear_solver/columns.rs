@@ -16,7 +16,7 @@ const SHIFT: f64 = 1e-12;
 
 /// Compliance of the equation of a multiplier in the scaled matrix when only signs are needed: small beside
 /// that of one element, and large beside rounding errors.
-const SOFTNESS: f64 = 1e-5;
+const SOFTNESS: f64 = 1e-4;
 
 /// The scaled matrix column by column, and the work vectors of the checks.
 pub struct Columns {
