@@ -91,10 +91,12 @@ fn a_column_follows_the_elastica() {
         ("first_step = 5\nmax_step = 5", 1),
     ] {
         let text = column().replace("max_step = 0.05", steps);
-        // The elastica has no turning point.
+        let text = text.replace("elements = 8", "elements = 10");
         let run = run_of("critical_elastica", &text);
         let (load, beyond) = branch(&run.rows);
         assert_close(20.0 * load / PI.powi(2), 1.0, 1e-6, steps);
+        // The load of the elastica grows.
+        assert!(beyond.iter().all(|row| row["event"] != "turning_point"));
         assert!(beyond.len() >= least, "{}", beyond.len());
         for row in beyond {
             let P = elastic_load(row);
