@@ -61,16 +61,6 @@ impl<const NN: usize> Geodesic<NN> {
         (0..NN).filter(|&i| i != Self::R)
     }
 
-    /// x̂ alone.
-    fn coordinates(&self, x: &[f64]) -> [[f64; 6]; NN] {
-        let R_t = so3::rotation(&-three(x, 6 * Self::R + 3));
-        let mut out = [[0.0; 6]; NN];
-        for i in Self::others() {
-            out[i] = self.local(i, &self.relative(x, i, &R_t));
-        }
-        out
-    }
-
     /// x̂ at `from`, and x̂ + B (x − from) with B there.
     fn linear(&self, from: &[f64], x: &[f64]) -> [[[f64; 6]; NN]; 2] {
         let mut step = [[0.0; 6]; NN];
@@ -111,15 +101,16 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
         let R_t = so3::rotation(&-reference.psi);
         let mut out = Seen {
             R: R_t.transpose(),
-            x: self.coordinates(x),
+            x: [[0.0; 6]; NN],
             v: [[0.0; 6]; NN],
         };
-        if !v.is_empty() {
-            let v_r = &v[6 * Self::R..];
-            for i in Self::others() {
+        for i in Self::others() {
+            let seen = self.relative(x, i, &R_t);
+            out.x[i] = self.local(i, &seen);
+            if !v.is_empty() {
                 let turn = Turn::new(three(x, 6 * i + 3));
-                let node = RelativeNode::new(turn, self.relative(x, i, &R_t), &reference, &R_t);
-                out.v[i] = node.rates(&v[6 * i..], v_r).into();
+                let node = RelativeNode::new(turn, seen, &reference, &R_t);
+                out.v[i] = node.rates(&v[6 * i..], &v[6 * Self::R..]).into();
             }
         }
         out
