@@ -129,6 +129,19 @@ fn a_structure_without_mass_is_named_when_it_starts() {
 }
 
 #[test]
+fn a_slide_is_warned_of_the_corners_of_an_arc() {
+    let said = |text: &str| {
+        let out = ran(&directory("program_corners"), text);
+        read(out.join("result.json"))
+    };
+    let told = "joint ring slides over corners of 45.0 degrees between the elements of the arc rod";
+    let changes = "section = \"rod\" => &\\narc = { center = [0.5, 0, 0], axis = [0, 1, 0], angle_deg = 180 }\n\
+                   to = 1.0 => to = 0.1";
+    assert_says(&said(&changed(&MODEL, changes)), &[told]);
+    assert!(!said(&MODEL).contains("slides over"));
+}
+
+#[test]
 fn a_motion_that_cannot_begin_leaves_earlier_results_alone() {
     let directory = directory("program_cannot_begin");
     let text = |load: &str| {

@@ -173,8 +173,8 @@ impl Context {
     ) -> Result<ChartChanges, SystemError> {
         let t = at.t;
         self.take_inputs();
-        let mut moves = !self.work.known.is(at);
-        if moves {
+        let mut stale = !self.work.known.is(at);
+        if stale {
             self.expand_own(at)?;
         }
         let mut all = ChartChanges::default();
@@ -193,13 +193,13 @@ impl Context {
                 if changes == ChartChanges::default() {
                     break;
                 }
-                moves = true;
+                stale = true;
                 w.known.forget();
                 all.charts += changes.charts;
                 all.residual |= changes.residual;
             }
             moved |= maps[d.index].segment() != before;
-            if moves {
+            if stale {
                 self.expand_node(t, n)?;
             }
         }
