@@ -144,7 +144,8 @@ pub(crate) fn lines_at_rest(file: &ModelFile) -> impl Iterator<Item = String> {
     })
 }
 
-/// Corner of a chain of chords beyond which a slide is warned of, in degrees: on a quarter of a circle it costs some 0.25 % of the speed.
+/// Corner of a chain of chords beyond which a slide is warned of, in degrees: on a quarter of a circle it costs some
+/// 0.25 % of the speed.
 const CORNER: f64 = 0.5;
 
 /// A warning about slides on arcs, whose two-node elements are chords.
