@@ -292,8 +292,8 @@ fn first_warnings(job: &mut Job, progress: &Progress, notes: &mut Vec<String>) -
         warnings.extend(warnings::lines_at_rest(file));
         warnings.extend(warnings::immobile(context));
         warnings.extend(warnings::corners(file));
-        warnings.extend(warnings::massless(context, file, progress));
         warnings.extend(warnings::too_stiff(context, file, progress));
+        warnings.extend(warnings::massless(job, progress));
     } else if !matches!(&job.file.analysis, Analysis::Modes(modes) if modes.after.is_none()) {
         warnings.extend(warnings::unsupported(&job.context));
     }

@@ -252,17 +252,13 @@ pub(crate) fn too_stiff(
 }
 
 /// A warning about coordinates on which no mass acts, except for those of joints that a penalty closes.
-pub(crate) fn massless(
-    context: &mut Context,
-    file: &ModelFile,
-    progress: &Progress,
-) -> Option<String> {
-    let state = &progress.state;
+pub(crate) fn massless(job: &mut Job, progress: &Progress) -> Option<String> {
+    let State { t, q, v, .. } = &progress.state;
+    let joints = job.file.joints.iter().zip(&job.joints);
+    let closing = joints.filter(|(j, _)| j.penalty.is_some());
+    let closing: Vec<NodeId> = closing.flat_map(|(_, n)| n.coordinates.clone()).collect();
     // A state outside of a domain is reported by the first step.
-    let mut names = context.massless(state.t, &state.q, &state.v).ok()?;
-    for joint in file.joints.iter().filter(|j| j.penalty.is_some()) {
-        names.retain(|name| !name.starts_with(&format!("{} ", joint.name)));
-    }
+    let names = (job.context.massless(*t, q, v, &closing)).ok()?;
     (!names.is_empty()).then(|| {
         format!(
             "no mass acts on {}: without mass a coordinate follows forces at once. Mass of lines is `rho` of a \

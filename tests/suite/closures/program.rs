@@ -34,6 +34,10 @@ fn one_file_three_methods() {
         // The closing joint's angle needs no mass.
         assert!(!said.contains("no mass acts"), "{said}");
     }
+    let idle = hinge("C 2", "ground", "spring = { k = 1 }");
+    let text = closed_by("closure = \"penalty\"\npenalty = 1e8") + &idle;
+    let said = succeeded(&program(&[&write(&directory("closures-idle"), &text)]));
+    assert_says(&said, &["no mass acts on C 2 angle:"]);
 }
 
 #[test]

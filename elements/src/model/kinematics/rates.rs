@@ -42,7 +42,7 @@ impl Model {
     }
 
     /// The unknowns among the coordinates of nodes.
-    fn unknowns_of(&self, nodes: impl Iterator<Item = u32>) -> Vec<usize> {
+    pub(in crate::model) fn unknowns_of(&self, nodes: impl Iterator<Item = u32>) -> Vec<usize> {
         let all = nodes.flat_map(|m| self.carrier(&self.nodes[m as usize]).range());
         all.filter_map(|c| self.unknown_of(c)).collect()
     }

@@ -1,6 +1,6 @@
 //! Mobility of a model: degrees of freedom, locked loops, coordinates without mass.
 
-use crate::model::{Context, Model, NONE, Node, NodeForm};
+use crate::model::{Context, Model, NONE, Node, NodeForm, NodeId};
 use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
 use std::fmt;
 
@@ -121,11 +121,17 @@ impl Model {
 
 impl Context {
     /// Names of the unknowns without mass at a state, alone or in a direction of their node, and
-    /// without a multiplier: only forces determine their motion.
+    /// without a multiplier: only forces determine their motion. Those of `closing` nodes are left out.
     ///
     /// # Errors
     /// [`SystemError`] if the state is outside a chart.
-    pub fn massless(&mut self, t: f64, q: &[f64], v: &[f64]) -> Result<Vec<String>, SystemError> {
+    pub fn massless(
+        &mut self,
+        t: f64,
+        q: &[f64],
+        v: &[f64],
+        closing: &[NodeId],
+    ) -> Result<Vec<String>, SystemError> {
         let n = q.len();
         let (a, mut r) = (vec![0.0; n], vec![0.0; n]);
         let mut M = vec![0.0; self.model.pattern.len()];
@@ -137,6 +143,9 @@ impl Context {
             heavy[r] |= mass != 0.0;
             tied[r] |= pattern.coordinates()[c].is_multiplier;
         });
+        for u in self.model.unknowns_of(closing.iter().map(|n| n.0)) {
+            tied[u] = true;
+        }
         let mut names = Vec::new();
         for j in 0..pattern.blocks() {
             let all = pattern.unknowns(j);
