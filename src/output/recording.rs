@@ -103,9 +103,7 @@ impl<'a> Recording<'a> {
             Some(progress) => Answers::of_motion(context, progress)?,
             None => {
                 let answers = Answers::of(context, step.t);
-                let first = step.residuals.first().filter(|_| step.number == 0);
-                let released = first.map_or([0.0; 3], |i| i.residual);
-                self.diagnostics.record(context, &answers, &row, released);
+                self.diagnostics.record(context, &answers, &row);
                 answers
             }
         };

@@ -6,7 +6,7 @@ use crate::probe::Answers;
 use crate::terminal::plural;
 use pullback_elements::model::Context;
 use pullback_integrators::significant;
-use pullback_manifold::system::{Scales, System};
+use pullback_manifold::system::System;
 
 /// What a path has passed between two rows with a known stability.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -76,25 +76,13 @@ impl Diagnostics {
         }
     }
 
-    /// Records a converged row, with the model in its configuration; `force` is the residual before the first
-    /// correction at the start: the scale of forces where springs in equilibrium with each other leave neither
-    /// loads nor reactions.
-    pub(crate) fn record(
-        &mut self,
-        context: &Context,
-        answers: &Answers,
-        row: &HistoryRow,
-        force: [f64; 3],
-    ) {
+    /// Records a converged row, with the model in its configuration.
+    pub(crate) fn record(&mut self, context: &Context, answers: &Answers, row: &HistoryRow) {
         let t = row.t;
         self.rows += usize::from(row.step > 0);
-        let scales = context.scales();
-        let measures = Scales { force, ..scales }.measures();
-        let mut each = row.residual.iter().zip(measures);
-        let balanced = each.all(|(left, whole)| *left < UNRESOLVED * whole);
-        // Above the tolerance nothing but rounding errors was left.
+        // Above the tolerance nothing but rounding errors was left; without a load, as at the start, nothing else is.
         let part = row.ratio * self.relative;
-        let unresolved = row.ratio > 1.0 && part >= UNRESOLVED && !balanced;
+        let unresolved = row.step > 0 && row.ratio > 1.0 && part >= UNRESOLVED;
         if unresolved && self.unresolved.is_none() {
             self.unresolved = Some((row.residual, part, t));
         }
