@@ -1,7 +1,8 @@
 //! The motion of a model file, step by step.
 
-use crate::input::{Job, Plan};
+use crate::input::{DynamicPlan, Job, Plan};
 use crate::probe::{Answers, Probe};
+use crate::run::{first_warnings, initial_progress};
 use nalgebra::Vector3;
 use pullback_elements::model::Context;
 use pullback_integrators::dynamics::{DynamicsError, Simulation, Snapshot, State};
@@ -28,6 +29,7 @@ pub struct Motion {
     simulation: Simulation<Box<Context>>,
     probes: Vec<Probe>,
     inputs: Vec<String>,
+    warnings: Vec<String>,
 }
 
 /// Why a motion cannot begin, or a name means nothing in it.
@@ -68,17 +70,24 @@ impl Motion {
     ///
     /// # Errors
     /// [`MotionError::Static`], [`MotionError::Dynamics`].
-    pub fn new(job: Job) -> Result<Self, MotionError> {
-        let Plan::Dynamic(plan) = &job.plan else {
+    pub fn new(mut job: Job) -> Result<Self, MotionError> {
+        let Plan::Dynamic(DynamicPlan { options, .. }) = job.plan else {
             return Err(MotionError::Static);
         };
-        let start = job.start.motion(&job.context)?;
+        let start = initial_progress(&mut job, None)?;
+        let warnings = first_warnings(&mut job, &start, &mut Vec::new());
         let context = Box::new(job.context);
         Ok(Self {
-            simulation: Simulation::resume(context, start, &plan.options)?,
+            simulation: Simulation::resume(context, start, &options)?,
             probes: job.probes,
             inputs: job.file.inputs.into_keys().collect(),
+            warnings,
         })
+    }
+
+    /// Warnings about the model at its start.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
     }
 
     /// Makes the next step; false at the end.

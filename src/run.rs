@@ -270,7 +270,10 @@ fn notes(Job { context, plan, .. }: &Job) -> Vec<String> {
 }
 
 /// The state in which a motion begins, or resumes; nothing in statics.
-fn initial_progress(job: &mut Job, resumed: Option<Progress>) -> Result<Progress, DynamicsError> {
+pub(crate) fn initial_progress(
+    job: &mut Job,
+    resumed: Option<Progress>,
+) -> Result<Progress, DynamicsError> {
     let Plan::Dynamic(plan) = &job.plan else {
         return Ok(Progress::default());
     };
@@ -283,7 +286,11 @@ fn initial_progress(job: &mut Job, resumed: Option<Progress>) -> Result<Progress
 }
 
 /// The warnings about a model at its start; adds to the notes on it.
-fn first_warnings(job: &mut Job, progress: &Progress, notes: &mut Vec<String>) -> Vec<String> {
+pub(crate) fn first_warnings(
+    job: &mut Job,
+    progress: &Progress,
+    notes: &mut Vec<String>,
+) -> Vec<String> {
     let mut warnings = warnings::strained(job, progress);
     warnings.extend(warnings::unstable_start(job));
     if matches!(job.plan, Plan::Dynamic(_)) {

@@ -320,8 +320,13 @@ class Simulation:
     __slots__ = ("_motion",)
 
     def __init__(self, model: Model) -> None:
-        """The motion of a model at its start; ModelError for a model without [analysis.dynamic]."""
+        """The motion of a model at its start; ModelError for a model without [analysis.dynamic].
+
+        Warnings about it are Python warnings.
+        """
         self._motion = _pullback.Motion(model._text, model._name)
+        for warning in self._motion.warnings():
+            warnings.warn(warning, stacklevel=2)
 
     def step(self, h: float | None = None) -> bool:
         """Makes a step; False at the end. With h the steps from now on are equal, and at most this large.

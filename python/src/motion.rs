@@ -49,6 +49,10 @@ impl PyMotion {
         }
     }
 
+    fn warnings(&mut self) -> Vec<String> {
+        self.motion().warnings().to_vec()
+    }
+
     #[getter]
     fn t(&mut self) -> f64 {
         self.motion().state().t

@@ -121,3 +121,13 @@ def test_other_threads_run_meanwhile():
     done.set()
     thread.join()
     assert counted > 20
+
+
+def test_a_simulation_warns_as_a_run():
+    m = pb.ModelBuilder("A joint without mass")
+    m.node("ground", [0, 0, 0])
+    m.support(node="ground", fix="all")
+    m.joint("revolute", name="loose", parent="ground", axis=[0, 1, 0], spring={"k": 1.0, "c": 0.1})
+    m.analysis("dynamic", to=1, step=0.1)
+    with pytest.warns(UserWarning, match="no mass acts on loose angle"):
+        pb.Simulation(m.build())
