@@ -12,6 +12,11 @@ pub trait Curve: Send + Sync {
     /// (global components).
     fn at<S: Scalar>(&self, s: S) -> Vector3<S>;
 
+    /// What the parameter is, such as a length for the arc length; neither a length nor an angle by default.
+    fn quantity(&self) -> Quantity {
+        Quantity::Other
+    }
+
     /// Distance of a parameter to the end of the curve; infinite by default.
     fn margin(&self, s: f64) -> f64 {
         let _ = s;
@@ -47,7 +52,7 @@ impl<C: Curve> Joint<1> for OnCurve<C> {
     }
 
     fn coordinates(&self) -> [JointCoordinate; 1] {
-        [("parameter", Quantity::Other)]
+        [("parameter", self.curve.quantity())]
     }
 
     fn domain(&self, _t: f64, q: &SVector<f64, 1>) -> Result<f64, DomainError> {

@@ -12,6 +12,11 @@ pub trait Surface: Send + Sync {
     /// (global components).
     fn at<S: Scalar>(&self, u: S, v: S) -> Vector3<S>;
 
+    /// What the parameters are: neither lengths nor angles by default.
+    fn quantities(&self) -> [Quantity; 2] {
+        [Quantity::Other; 2]
+    }
+
     /// Distance of the parameters to the edge of the surface; infinite by default.
     fn margin(&self, u: f64, v: f64) -> f64 {
         let _ = (u, v);
@@ -40,10 +45,8 @@ impl<F: Surface> Joint<2> for OnSurface<F> {
     }
 
     fn coordinates(&self) -> [JointCoordinate; 2] {
-        [
-            ("parameter 1", Quantity::Other),
-            ("parameter 2", Quantity::Other),
-        ]
+        let [first, second] = self.surface.quantities();
+        [("parameter 1", first), ("parameter 2", second)]
     }
 
     fn domain(&self, _t: f64, q: &SVector<f64, 2>) -> Result<f64, DomainError> {

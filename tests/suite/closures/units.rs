@@ -2,7 +2,9 @@
 //! multipliers as with the map, and linkages where kinematics has them.
 
 use crate::support::beams::line;
-use crate::support::closures::{angle, arm, beam_line, body_of, fixed, hinge, motion, probe};
+use crate::support::closures::{
+    angle, arm, beam_line, body_of, fixed, hinge, joint, motion, probe,
+};
 use crate::support::program::{example, number, recorded};
 use toml::{Table, Value};
 
@@ -31,7 +33,7 @@ const OTHERS: [Units; 9] = [
 fn factor(key: &str, [L, M, T]: Units) -> f64 {
     let F = M * L / (T * T);
     match key {
-        "position" | "center" => L,
+        "position" | "center" | "through" | "start" => L,
         "mass" => M,
         "inertia" => M * L * L,
         "A_rho" => M / L,
@@ -273,4 +275,30 @@ fn dampers_and_steps_are_alike_in_all_units() {
     ];
     let model = with_probes(&text.concat(), &["swing"]);
     compare_within(0.0, "one place", &model, &["swing"]);
+}
+
+/// A crank whose pin slides in a curved slot of an arm: the parameter of the curve is a length.
+#[test]
+fn a_pin_in_a_slot_moves_alike_in_all_units() {
+    let slot = "through = [[0.2, -0.5, 0], [0.45, -0.1, 0], [0.6, 0.2, 0], [0.7, 0.6, 0], [0.7, 1.0, 0]]\n\
+         start = 0.8071092532277988\nchild = \"pin\"\nclosure = \"multipliers\"";
+    let turning = "center = [0.3, 0.1, 0]\ninertia = [0.1, 0.1, 0.1]";
+    let text = [
+        "[nodes]\nground = [0, 0, 0]\nfoot = [0, -1.2, 0]\n",
+        &["ground", "foot"].map(fixed).concat(),
+        &hinge("crank", "ground", "rate = 2.0"),
+        &arm("pin", "crank", [0.6, 0.2, 0.0]),
+        &hinge("arm", "foot", ""),
+        &joint("slot", "on_curve", "arm", slot),
+        &["crank", "arm"].map(|n| body_of(n, 2.0, turning)).concat(),
+        "[[loads]]\ngravity = [0, -10.0, 0]\n",
+        &motion(0.2, 0.01),
+        "adaptive = { tolerance = 1e-4 }\nscheme = \"ga:0.8\"\n",
+    ]
+    .concat();
+    let joints = ["crank", "arm"];
+    for closure in ["multipliers", "map"] {
+        let model = with_probes(&text.replace("multipliers", closure), &joints);
+        compare("slot", &model, &joints);
+    }
 }

@@ -4,6 +4,7 @@ use crate::joint::Surface;
 use crate::joint::axes::{AxisError, PARALLEL, across, direction};
 use nalgebra::Vector3;
 use pullback_manifold::scalar::Scalar;
+use pullback_manifold::system::Quantity;
 use std::f64::consts::FRAC_PI_2;
 
 /// A plane, a cylinder or a sphere through the point where a joint starts, in components relative to the
@@ -97,6 +98,14 @@ impl Surface for Quadric {
             let [first, second, third] = frame.each_ref().map(|e| e[i]);
             parts[0] * first + parts[1] * second + parts[2] * third + from[i]
         })
+    }
+
+    fn quantities(&self) -> [Quantity; 2] {
+        match self {
+            Self::Plane { .. } => [Quantity::Length; 2],
+            Self::Cylinder { .. } => [Quantity::Angle, Quantity::Length],
+            Self::Sphere { .. } => [Quantity::Angle; 2],
+        }
     }
 
     fn margin(&self, _u: f64, v: f64) -> f64 {

@@ -3,6 +3,7 @@
 use crate::joint::Curve;
 use nalgebra::Vector3;
 use pullback_manifold::scalar::Scalar;
+use pullback_manifold::system::Quantity;
 
 /// Error of a spline.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -147,6 +148,10 @@ impl Curve for Spline {
         let u = s - turns * (last - first) - self.knots[k];
         let [a, b, c, d] = &self.pieces[k];
         Vector3::from_fn(|i, _| ((u * d[i] + c[i]) * u + b[i]) * u + a[i])
+    }
+
+    fn quantity(&self) -> Quantity {
+        Quantity::Length
     }
 
     fn freeze_piece(&mut self, at: Option<f64>) {

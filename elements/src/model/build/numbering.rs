@@ -24,16 +24,19 @@ use pullback_manifold::system::{CoordinateInfo, Quantity};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
+/// Extent of the nodes over the radius of gyration, below which their positions differ by rounding errors.
+const ONE_PLACE: f64 = 1e-12;
+
 impl ModelBuilder {
     /// Checks the model, numbers its unknowns and finds the pattern.
     ///
     /// # Errors
     /// [`ModelError`] with the cause.
     pub fn build(mut self) -> Result<Model, ModelError> {
-        let extent = extent(&self.nodes);
-        let length = match extent {
-            0.0 => gyration(&self).unwrap_or(1.0),
-            extent => extent,
+        let (extent, gyration) = (extent(&self.nodes), gyration(&self));
+        let [length, extent] = match extent > ONE_PLACE * gyration.unwrap_or(0.0) {
+            true => [extent; 2],
+            false => [gyration.unwrap_or(1.0), 0.0],
         };
         start::check_values(&self.nodes, &self.starts, length)?;
         let (forces, enforced) = self.enforce_closings(length)?;
