@@ -28,8 +28,9 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// A layout of consecutive groups.
-    pub fn new(groups: Vec<CoordinateGroup>) -> Self {
+    /// A layout of groups of all coordinates, in any order.
+    pub fn new(mut groups: Vec<CoordinateGroup>) -> Self {
+        groups.sort_by_key(|g| g.range.start);
         Self { groups, rate: 1.0 }
     }
 

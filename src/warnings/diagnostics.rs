@@ -54,8 +54,10 @@ pub(crate) struct Diagnostics {
     /// Tolerance of the residual, relative to loads and reactions.
     relative: f64,
     /// Residual force and moment, their ratio to loads and reactions, and load parameter of
-    /// the first row in which rounding errors are that large.
-    unresolved: Option<([f64; 2], f64, f64)>,
+    /// rows in which rounding errors are that large.
+    unresolved: Vec<([f64; 2], f64, f64)>,
+    /// Largest loads and reactions of all rows: forces and moments.
+    largest: [f64; 2],
 }
 
 /// Ratio of residuals to loads and reactions above which too few digits are correct.
@@ -80,11 +82,13 @@ impl Diagnostics {
     pub(crate) fn record(&mut self, context: &Context, answers: &Answers, row: &HistoryRow) {
         let t = row.t;
         self.rows += usize::from(row.step > 0);
-        // Above the tolerance nothing but rounding errors was left; without a load, as at the start, nothing else is.
+        for (most, now) in self.largest.iter_mut().zip(context.scales().measures()) {
+            *most = most.max(now);
+        }
+        // Above the tolerance nothing but rounding errors was left.
         let part = row.ratio * self.relative;
-        let unresolved = row.step > 0 && row.ratio > 1.0 && part >= UNRESOLVED;
-        if unresolved && self.unresolved.is_none() {
-            self.unresolved = Some((row.residual, part, t));
+        if row.ratio > 1.0 && part >= UNRESOLVED {
+            self.unresolved.push((row.residual, part, t));
         }
         self.moved = self.moved || answers.strain_energy != 0.0 || moved(context);
         let mut reactions = answers.reactions.iter();
@@ -161,13 +165,17 @@ impl Diagnostics {
             )
         });
         let strained = strained.filter(|_| inverted.is_none());
-        let unresolved = self.unresolved.map(|([force, moment], part, t)| {
+        // Rounding errors are all there is where loads are zero for a while.
+        let counts = |(left, whole): (&f64, f64)| *left >= UNRESOLVED * whole;
+        let mut rows = self.unresolved.iter();
+        let unresolved = rows.find(|row| row.0.iter().zip(self.largest).any(counts));
+        let unresolved = unresolved.map(|([force, moment], part, t)| {
             format!(
                 "the balance of forces ends at rounding errors at load parameter {}: the residual (force \
                  {force:.1e}, moment {moment:.1e}) is {part:.0e} of loads and reactions and cannot be made \
                  smaller with such stiffnesses; forces and reactions, and what they move, have no more \
                  correct digits. Load it more, or make stiff parts softer or rigid",
-                significant(t)
+                significant(*t)
             )
         });
         let unknown = self.unknown.first().map(|t| {

@@ -6,7 +6,7 @@ use crate::block::difference;
 use crate::layout::Layout;
 use crate::report::Report;
 use crate::vectors::minus;
-use pullback_manifold::system::{Evaluation, System, Weights};
+use pullback_manifold::system::{Evaluation, Scales, System, Weights};
 
 /// Number of changes in the last digits: the round-off of one may vanish by chance.
 const SAMPLES: u32 = 8;
@@ -179,9 +179,9 @@ fn with_noise(
     sizes
 }
 
-/// Least magnitude of forces over the largest: terms that cancel in a group, such as a weight on a plane, are in no
-/// tangent.
-const ROUGH: f64 = 1e-4;
+/// Least magnitude of forces over the largest, loads included: terms that cancel in a group, such as a weight on a plane, are in no
+/// tangent, and leave some rounding errors.
+const ROUGH: f64 = 1e-2;
 
 /// ∂r/∂t, on steps that do not reach the next kink of a function of time.
 fn load_rate(laws: &mut Laws<'_>, system: &mut dyn System, r: &[f64], rate: &[f64], sizes: &[f64]) {
@@ -192,7 +192,9 @@ fn load_rate(laws: &mut Laws<'_>, system: &mut dyn System, r: &[f64], rate: &[f6
         .filter(|&ahead| ahead > 0.0)
         .fold(f64::INFINITY, f64::min);
     let rates = layout.forces(rate);
-    let largest = sizes.iter().copied().fold(0.0, f64::max);
+    let Scales { force, length, .. } = system.scales();
+    let loads = (force[0] * length).max(force[1]);
+    let largest = sizes.iter().copied().fold(loads, f64::max);
     let sizes: Vec<f64> = (rates.iter().zip(sizes))
         .map(|(rate, size)| size.max(ROUGH * largest) + rate * (1.0 + state.t.abs()))
         .collect();

@@ -150,7 +150,7 @@ fn component<T>(
     }
 }
 
-/// The largest distance between frames among nodes.
+/// The largest distance between frames among nodes, unless it is a rounding error of their positions.
 fn extent(context: &Context, nodes: &[u32]) -> f64 {
     let positions = || {
         let nodes = nodes.iter().map(|&n| &context.nodes()[n as usize]);
@@ -158,6 +158,7 @@ fn extent(context: &Context, nodes: &[u32]) -> f64 {
     };
     positions()
         .flat_map(|a| positions().map(move |b| (a - b).norm()))
+        .filter(|distance| *distance > 1e-12 * context.length())
         .fold(0.0, f64::max)
 }
 

@@ -167,6 +167,10 @@ fn what_does_nothing_or_too_much_is_warned_of() {
         serde_json::from_value::<Vec<String>>(result["warnings"].clone()).unwrap()
     };
     assert_eq!(warnings(MODEL), [""; 0]);
+    // Unloaded, nothing but rounding errors is left.
+    let unloaded = "time = { triangle = { peak = 0.5, end = 1 } }\n[analysis.static]";
+    let unloaded = with("[analysis.static]", unloaded);
+    assert_eq!(warnings(&unloaded), [""; 0]);
     let moment = "moment = [0, 0, 3.141592653589793]";
     let at_b = format!("node = \"B\"\n{moment}");
     for (old, new, told) in [
