@@ -31,6 +31,9 @@ const SWEEPS: usize = 8;
 /// half of the digits may be rounding errors of stiffer parts, half are left for the elimination.
 const FLOOR: f64 = 1.5e-8;
 
+/// Diagonals below this part of the largest are rounding errors, as that of an angle on which only multipliers act.
+const NOTHING: f64 = 1e-12;
+
 /// Initial scales: rows by their diagonal, those of multipliers by what they couple.
 ///
 /// A saddle point matrix [A Gᵀ; G 0] is in equilibrium with entries of G that are far larger than A,
@@ -55,7 +58,7 @@ fn begin(pattern: &BlockPattern, values: &[f64], scales: &mut [f64], largest: &m
         let stiffest = most / (c.size * c.size);
         let scale = match c.is_multiplier {
             true => *s,
-            false if *s <= f64::EPSILON * stiffest => stiffest,
+            false if *s <= NOTHING * stiffest => stiffest,
             false => s.max(FLOOR * stiffest),
         };
         *s = inverse_root(scale).min(f64::MAX);

@@ -381,3 +381,59 @@ fn positions_are_kept_in_the_order_of_the_file() {
         }
     }
 }
+
+/// Corrections of a tilt that are lost in its rounding, beside others that are not, do not keep a loop open.
+#[test]
+fn a_loop_is_closed_where_its_gaps_are_smaller_than_rounding_errors() {
+    let tip = |name: &str, of: &str| arm(name, of, [1.993, 0.0468, -0.323]);
+    let text = [
+        "[nodes]\nA = [0, 0, 0]\nB = [0.9385, 0.6883, -0.022]\n",
+        &["A", "B"].map(fixed).concat(),
+        &joint(
+            "driver",
+            "constant_velocity",
+            "A",
+            "axis = [0.902, 0.3513, 0.251]\nsecond_axis = [0.6872, 0.3744, 0.6226]",
+        ),
+        &tip("driver tip", "driver"),
+        &joint("rod", "cylindrical", "B", "axis = [-0.0639, 0.9344, 0.3504]"),
+        &tip("rod tip", "rod"),
+        &joint(
+            "close",
+            "planar",
+            "driver tip",
+            "child = \"rod tip\"\naxis = [0.0495, 0.1424, 0.9886]\nsecond_axis = [-0.151, -0.9773, 0.1484]",
+        ),
+        &["driver", "rod"].map(body).concat(),
+        &motion(0.1, 0.01),
+    ]
+    .concat();
+    for closure in CLOSURES {
+        let closed = format!("child = \"rod tip\"\n{closure}");
+        recorded(
+            "start_rounding",
+            &text.replace("child = \"rod tip\"", &closed),
+        );
+    }
+}
+
+/// A crank that is prescribed over two turns in statics: its rocker swings, and no coordinate loses a turn.
+#[test]
+fn a_prescribed_crank_takes_a_loop_along_in_statics() {
+    let crank = format!("prescribed = {{ proportional = {} }}", 2.0 * TAU);
+    let loads = "[[loads]]\ngravity = [0.3, -9.81, 0.1]\n[analysis.static]\n";
+    let model = [
+        GROUND,
+        &four_bar([&crank, "", ""], "closure = \"multipliers\""),
+        loads,
+    ];
+    for row in &recorded("start_crank", &model.concat()) {
+        let [crank, coupler, rocker] = ["A", "B", "D"].map(|joint| number(row, joint));
+        let exact = linkage(crank);
+        assert!(apart(coupler, exact[0]) < 1e-9, "{coupler} at {crank}");
+        assert!(apart(rocker, exact[1]) < 1e-9, "{rocker} at {crank}");
+        let turned = rocker.abs().max((crank + coupler).abs());
+        assert!(turned < PI, "{coupler} and {rocker} at {crank}");
+        assert_eq!(row["unstable"], "0", "at {crank}");
+    }
+}

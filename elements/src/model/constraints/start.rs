@@ -165,7 +165,7 @@ impl Context {
         for _ in 0..60 {
             let all = self.equations(t, q, &[]).map_err(start)?;
             let worst = all.h.amax();
-            if worst == 0.0 || (worst <= enough && worst > 0.5 * last) {
+            if worst <= f64::EPSILON || (worst <= enough && worst > 0.5 * last) {
                 return Ok(worst);
             }
             last = worst;
