@@ -33,6 +33,40 @@ fn a_frame_of_two_members_is_right_at_random_states() {
     assert_right("Lee's frame", &example("lee_frame"), [1, 3]);
 }
 
+/// A beam behind a slider in millimetres, which are numbered before it; and a bushing between positions that differ by a
+/// rounding error.
+#[test]
+fn models_are_right_in_small_units_and_at_rounded_positions() {
+    let text = r#"
+        nodes = { ground = [0, 0, 0], tip = [2000.0, 200.0, 0] }
+        supports = [{ node = "ground", fix = "all" }]
+        joints = [{ name = "slider", type = "prismatic", parent = "ground", axis = [0, 1, 0] }]
+        lines = [{ name = "beam", from = "slider", to = "tip", elements = 1, section = "s" }]
+        [sections.s]
+        stiffness = { EA = 3e6, GA = [1e6, 1e6], GJ = 8e9, EI = [12e9, 12e9] }
+        mass = { A_rho = 0.001, J = [6.0, 6.0, 6.0] }
+        [analysis.dynamic]
+        to = 1.0
+        step = 0.01
+    "#;
+    assert_right("millimetres", text, 0..4);
+    let text = r#"
+        nodes = { ground = [0, 0, 0] }
+        supports = [{ node = "ground", fix = "all" }]
+        joints = [
+            { name = "base", type = "offset", parent = "ground", position = [0.3, 0, 0] },
+            { name = "arm", type = "offset", parent = "ground", position = [0.30000000000000004, 0, 0] },
+            { name = "car", type = "prismatic", parent = "arm", axis = [1, 1, 0] },
+        ]
+        bodies = [{ name = "mass", node = "car", mass = 1, inertia = [0.1, 0.1, 0.1] }]
+        springs = [{ name = "b", nodes = ["base", "car"], bushing = { stiffness = [5, 5, 5, 1, 1, 1] } }]
+        [analysis.dynamic]
+        to = 1.0
+        step = 0.01
+    "#;
+    assert_right("rounded", text, 0..4);
+}
+
 #[test]
 fn the_table_and_the_rows_of_a_model() {
     let directory = directory("program_check");
@@ -134,6 +168,31 @@ fn a_point_on_a_curve_may_start_at_a_point_that_it_leads_through() {
         let model = [GROUND, &curve, &body("p"), GRAVITY, RUN].concat();
         assert_right(start, &model, 0..6);
     }
+}
+
+/// Redundant equations whose multipliers are left out do no work at a crank that is prescribed.
+#[test]
+fn a_driven_loop_in_a_tilted_plane_is_right() {
+    let hinge = |name: &str, parent: &str, more: &str| {
+        let axis = format!("axis = [0.36, 0.48, 0.8]\n{more}");
+        joint(name, "revolute", parent, &axis)
+    };
+    let tip = |name: &str, parent: &str| arm(name, parent, [-1.1958, -1.3454, 1.3454]);
+    let closed = "child = \"rocker tip\"\nclosure = \"multipliers\"";
+    let model = [
+        GROUND,
+        &hinge("crank", "ground", "prescribed = { proportional = 1.0 }"),
+        &arm("pin", "crank", [-0.0407, -0.8486, 0.5275]),
+        &hinge("coupler", "pin", ""),
+        &tip("coupler tip", "coupler"),
+        &arm("foot", "ground", [-1.4913, 0.3559, 0.4576]),
+        &hinge("rocker", "foot", ""),
+        &tip("rocker tip", "rocker"),
+        &hinge("close", "coupler tip", closed),
+        &["crank", "coupler", "rocker"].map(body).concat(),
+        RUN,
+    ];
+    assert_right("tilted", &model.concat(), 0..4);
 }
 
 /// Where a joint of a loop is driven, what its drive does at a state that is out of balance depends on

@@ -168,7 +168,7 @@ impl ElementWorkspace {
     /// Writes the residual to `r` and, in motion, the generalised momenta p = M ẋ to `work`.
     pub(in crate::model) fn momenta(
         &mut self,
-        e: &ElementEntry,
+        (e, state): (&ElementEntry, &ElementState),
         t: f64,
         statics: bool,
     ) -> Result<(), DomainError> {
@@ -178,6 +178,7 @@ impl ElementWorkspace {
         if moving {
             self.M[..n * n].fill(0.0);
         }
+        let omitted = Omitted::of(e, state.left_out, &mut self.x);
         let end = if statics { 0 } else { n };
         let at = Motion {
             t,
@@ -195,6 +196,9 @@ impl ElementWorkspace {
             r_t: None,
         };
         e.element.evaluate(&at, &mut out)?;
+        if let Some(omitted) = omitted {
+            omitted.replace(&mut self.x, &mut out);
+        }
         let p = &mut self.work[..end];
         p.fill(0.0);
         if !moving {

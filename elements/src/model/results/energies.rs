@@ -156,7 +156,7 @@ impl Context {
                 }
             }
             local
-                .momenta(e, at.t, statics)
+                .momenta((e, state), at.t, statics)
                 .map_err(|error| named(error, &e.name))?;
             if !statics {
                 let ElementWorkspace { x, v, r, work, .. } = local;
@@ -194,7 +194,7 @@ impl Context {
             let local = &mut w.local;
             local.read((e, state), &model.spans, [&w.x, &w.v, &w.a]);
             local
-                .momenta(e, at.t, false)
+                .momenta((e, state), at.t, false)
                 .map_err(|error| named(error, &e.name))?;
             let n = e.element.dim();
             local.r[..n].copy_from_slice(&local.work[..n]);
