@@ -60,7 +60,7 @@ impl Model {
     }
 
     /// Typical size of a coordinate.
-    fn size(&self, coordinate: usize) -> f64 {
+    pub(in crate::model) fn size(&self, coordinate: usize) -> f64 {
         self.quantities[coordinate].size(self.length)
     }
 

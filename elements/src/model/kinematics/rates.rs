@@ -47,6 +47,30 @@ impl Model {
         all.filter_map(|c| self.unknown_of(c)).collect()
     }
 
+    /// Adds the smallest change of velocities, in sizes of the unknowns, that gives the missing rates by least squares; returns
+    /// what is still missing.
+    fn add_fitted(
+        &self,
+        v: &mut [f64],
+        unknowns: &[usize],
+        columns: &DMatrix<f64>,
+        missing: DVector<f64>,
+    ) -> DVector<f64> {
+        // Prescribed or locked coordinates keep their rates.
+        if unknowns.is_empty() {
+            return missing;
+        }
+        match columns.clone().svd(true, true).solve(&missing, 1e-9) {
+            Ok(more) => {
+                for (&u, more) in unknowns.iter().zip(more.iter()) {
+                    v[u] += more * self.unit(u);
+                }
+                missing - columns * more
+            }
+            Err(_) => missing,
+        }
+    }
+
     /// Whether a joint coordinate or rotation belongs to a closed loop: it follows from the loop's
     /// independent coordinates.
     pub fn in_loop(&self, node: NodeId) -> bool {
@@ -203,12 +227,9 @@ impl Context {
     ) -> Result<(DVector<f64>, DMatrix<f64>), SystemError> {
         let (t, a) = (BEFORE_START, vec![0.0; v.len()]);
         let model = Arc::clone(&self.model);
-        // Velocities of frames are compared with angular ones over the size of the model.
-        let scaled = |&(node, k, rate): &(NodeId, usize, f64)| match k < 3
-            && model.nodes[node.0 as usize].is_frame()
-        {
-            true => rate / model.length,
-            false => rate,
+        // Velocities are compared with angular ones over the size of the model.
+        let scaled = |&(node, k, rate): &(NodeId, usize, f64)| {
+            rate / model.size(model.nodes[node.0 as usize].first + k)
         };
         let mut rates = |v: &[f64]| {
             self.expand(Point { t, q, v, a: &a })?;
@@ -227,12 +248,12 @@ impl Context {
         let mut columns = DMatrix::zeros(now.len(), unknowns.len());
         for (k, &u) in unknowns.iter().enumerate() {
             let own = v[u];
-            v[u] += 1.0;
+            v[u] += model.unit(u);
             columns.set_column(k, &(rates(v)? - &now));
             v[u] = own;
         }
         let wanted = DVector::from_iterator(wanted.len(), wanted.iter().map(scaled));
-        let missing = add_fitted(v, unknowns, &columns, &wanted - &now);
+        let missing = model.add_fitted(v, unknowns, &columns, &wanted - &now);
         let size = wanted.amax().max(now.amax());
         Ok((missing / if size > 0.0 { size } else { 1.0 }, columns))
     }
@@ -245,28 +266,5 @@ impl Context {
         }
         let state = self.node_state(node);
         [state.velocity, state.omega][k / 3][k % 3]
-    }
-}
-
-/// Adds the smallest change of velocities that gives the missing rates by least squares; returns what
-/// is still missing.
-fn add_fitted(
-    v: &mut [f64],
-    unknowns: &[usize],
-    columns: &DMatrix<f64>,
-    missing: DVector<f64>,
-) -> DVector<f64> {
-    // Prescribed or locked coordinates keep their rates.
-    if unknowns.is_empty() {
-        return missing;
-    }
-    match columns.clone().svd(true, true).solve(&missing, 1e-9) {
-        Ok(more) => {
-            for (&u, more) in unknowns.iter().zip(more.iter()) {
-                v[u] += more;
-            }
-            missing - columns * more
-        }
-        Err(_) => missing,
     }
 }
