@@ -70,15 +70,19 @@ class Result:
         """A probe or another column, of shape (rows,), or (rows, 3) for a probe of a vector."""
         if name in self.history:
             return self.history[name]
-        parts = [self.history[f"{name}.{axis}"] for axis in self._axes(name)]
-        if len(parts) != 3:
+        axes = self._axes(name)
+        if not axes:
             known = ", ".join(self.history)
             raise KeyError(f"there is no probe or column {name!r}; there are: {known}")
-        return np.stack(parts, axis=-1)
+        return np.stack([self.history[f"{name}.{axis}"] for axis in axes], axis=-1)
 
-    def _axes(self, name: str) -> list[str]:
-        heads = (column.rpartition(".") for column in self.history)
-        return [tail for head, _, tail in heads if head == name]
+    def __contains__(self, name: str) -> bool:
+        return name in self.history or bool(self._axes(name))
+
+    def _axes(self, name: str) -> str:
+        """The axes of the probe of a vector: global ones, or those of a section."""
+        found = (axes for axes in ("xyz", "123") if all(f"{name}.{axis}" in self.history for axis in axes))
+        return next(found, "")
 
     def position(self, node: str) -> np.ndarray:
         """The positions of a node, of shape (rows, 3)."""
@@ -105,7 +109,9 @@ class Result:
         import matplotlib.pyplot as plt
 
         columns = list(self.history)
-        names = names or tuple(columns[columns.index("strain_energy") + 2 :]) or ("strain_energy",)
+        after = columns[columns.index("strain_energy") + 1 :]
+        probes = after[1 if after[0] == "unstable" else 2 :]
+        names = names or tuple(probes) or ("strain_energy",)
         figure, panels = plt.subplots(len(names), sharex=True, squeeze=False, layout="constrained")
         for panel, name in zip(panels[:, 0], names):
             values = self[name]
