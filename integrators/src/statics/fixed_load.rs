@@ -16,10 +16,6 @@ const ROUNDS: usize = 20;
 /// Part of its typical size by which a coordinate enters the next line.
 const BEYOND: f64 = 1e-5;
 
-/// Largest first correction, in sizes of the coordinates, where a prescribed motion moves equations of multipliers: other
-/// positions that satisfy them are farther away.
-const NEAR: f64 = 0.5;
-
 /// State of the tangent at the beginning of a step.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum TangentStatus {
@@ -42,14 +38,14 @@ fn departure(system: &mut dyn System, t: f64, from: &[f64], to: &[f64]) -> Optio
 }
 
 impl Newton {
-    /// The first correction, with the tangent at the old load.
+    /// The first correction, with the tangent at the old load; whether a prescribed motion moves equations of multipliers.
     pub(super) fn predict(
         &mut self,
         system: &mut dyn System,
         q: &mut [f64],
         [from, to]: [f64; 2],
         known: TangentStatus,
-    ) -> Result<(), Cause> {
+    ) -> Result<bool, Cause> {
         self.history.clear();
         if known == TangentStatus::Nothing {
             self.evaluate(system, None, q, from)
@@ -66,19 +62,15 @@ impl Newton {
         let residual = largest(system.pattern(), &self.dq, [0.0; 3]);
         let solved = self.solver.solve(Some(&self.S), &mut self.dq);
         solved.map_err(Cause::linear)?;
-        let correction = self.size(&self.dq);
-        let mut rates = system.pattern().coordinates().iter().zip(&self.r_t);
-        if correction > NEAR && rates.any(|(c, rate)| c.is_multiplier && *rate != 0.0) {
-            return Err(Cause::OffPath);
-        }
         add(q, 1.0, &self.dq);
         self.history.push(Iteration {
             residual,
             ratio: f64::INFINITY,
-            correction,
+            correction: self.size(&self.dq),
             damping: 1.0,
         });
-        Ok(())
+        let mut rates = system.pattern().coordinates().iter().zip(&self.r_t);
+        Ok(rates.any(|(c, rate)| c.is_multiplier && *rate != 0.0))
     }
 
     /// Iterates to equilibrium at a fixed load, changes charts if needed, and restores equilibrium

@@ -5,13 +5,17 @@ use super::newton::Newton;
 use super::options::check;
 use super::start::begin;
 use super::steps::StaticAnalysis;
-use super::{StaticOptions, StaticSummary, StaticsError, Step};
+use super::{Iteration, StaticOptions, StaticSummary, StaticsError, Step};
 use crate::abilities::charts;
 use crate::failure::Cause;
 use pullback_manifold::system::System;
 
 /// A step of at most this many iterations is followed by one twice as large.
 pub(super) const EASY: usize = 5;
+
+/// Largest correction, in sizes of the coordinates, where a prescribed motion moves equations of multipliers: other positions
+/// that satisfy them are farther away.
+const NEAR: f64 = 0.5;
 
 /// The engine of a run: all that a step needs beside the system.
 pub struct LoadRun {
@@ -116,8 +120,16 @@ impl LoadRun {
         let (newton, q) = (&mut self.newton, &mut self.q);
         let from = newton.summary.t;
         self.start.copy_from_slice(q);
-        newton.predict(system, q, [from, t], known)?;
-        newton.settle(system, q, t, Some((from, &self.start)))
+        let moved = newton.predict(system, q, [from, t], known)?;
+        let far = |history: &[Iteration]| moved && history.iter().any(|i| i.correction > NEAR);
+        if far(&newton.history) {
+            return Err(Cause::OffPath);
+        }
+        let changes = newton.settle(system, q, t, Some((from, &self.start)))?;
+        match far(&newton.history) {
+            true => Err(Cause::OffPath),
+            false => Ok(changes),
+        }
     }
 
     /// Accepts the equilibrium at `t`.

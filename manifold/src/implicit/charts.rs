@@ -305,7 +305,7 @@ impl ImplicitMap {
     fn complement_rotations(&mut self, order: usize) {
         let p = self.p;
         let w = &mut self.work;
-        for &k in &self.about.rotations {
+        for k in self.about.rotations.iter().filter_map(|k| k.checked_sub(p)) {
             let three = |x: &[f64]| Vector3::new(x[k], x[k + 1], x[k + 2]);
             let (psi, rate) = (three(&self.anchor.x), three(&w.y_dot[p..]));
             if psi.norm() <= PI {
@@ -333,7 +333,8 @@ impl Reparametrization for ImplicitMap {
             return false;
         }
         let now = self.work.condition;
-        let turned = (self.about.rotations.iter()).any(|&k| norm(&self.x()[k..k + 3]) > PI);
+        let mut rotations = (self.about.rotations.iter()).filter_map(|k| k.checked_sub(self.p));
+        let turned = rotations.any(|k| norm(&self.x()[k..k + 3]) > PI);
         if !turned && now <= self.good() {
             return false;
         }

@@ -136,7 +136,7 @@ pub struct Equation {
 pub struct Description {
     /// The unknowns x.
     pub unknowns: Vec<Unknown>,
-    /// First of each three unknowns that are a rotation vector; its chart changes at ψ > π.
+    /// First of each three of (p, x) that are a rotation vector; its chart changes at ψ > π.
     pub rotations: Vec<usize>,
     /// The equations.
     pub equations: Vec<Equation>,

@@ -9,6 +9,8 @@ use std::f64::consts::PI;
 const STEEP: f64 = 5.0;
 /// Part of the distance to a singular configuration, to first order, that a step may go if q and p turn back.
 const AHEAD: f64 = 0.75;
+/// Largest predicted change of x in a part: the equations are those at the anchor again after a turn.
+const FARTHEST: f64 = 1.0;
 /// Largest number of parts of a step.
 const PARTS: usize = 64;
 
@@ -23,9 +25,11 @@ impl ImplicitMap {
         let Err(first) = self.part(t, q, true) else {
             return Ok(());
         };
-        // A parameter that has changed its chart is far away, but x is the same.
-        let moved = (self.D..q.len()).map(|j| (q[j] - self.anchor.q[j]).powi(2));
-        if moved.sum::<f64>().sqrt() > PI && self.part(t, q, false).is_ok() {
+        // A rotation vector that has changed its chart is far away, but x is the same.
+        let moved = |j: usize| (q[j] - self.anchor.q[j]).powi(2);
+        let far = |k: &usize| (0..3).map(|i| moved(self.D + k + i)).sum::<f64>() > PI * PI;
+        let mut parameters = self.about.rotations.iter().filter(|k| **k < self.p);
+        if parameters.any(far) && self.part(t, q, false).is_ok() {
             return Ok(());
         }
         if q.iter().any(|q| !q.is_finite()) {
@@ -107,12 +111,28 @@ impl ImplicitMap {
 
     /// One part of the path by Newton's method, predicted by the slopes at its beginning.
     fn part(&mut self, t: f64, q: &[f64], follow: bool) -> Result<(), EvaluationError> {
+        if follow && self.leap(q) > FARTHEST {
+            return Err(EvaluationError::Crossed);
+        }
         self.search(t, q, follow)?;
         self.operators();
         match follow && self.changed() >= 1.0 {
             true => Err(EvaluationError::Crossed),
             false => Ok(()),
         }
+    }
+
+    /// Largest change of x since the anchor that its slopes predict, in sizes of the unknowns.
+    fn leap(&self, q: &[f64]) -> f64 {
+        let slopes = || self.anchor.Y.chunks_exact(self.X);
+        let change = |k: usize| {
+            let moved = q.iter().zip(&self.anchor.q).zip(slopes());
+            moved.map(|((q, q0), Y)| Y[k] * (q - q0)).sum::<f64>()
+        };
+        let sizes = self.about.unknowns.iter().enumerate();
+        sizes.fold(0.0, |most, (k, u)| {
+            f64::max(most, (change(k) / u.size).abs())
+        })
     }
 
     /// Change of the equations since the anchor, ‖(h_x − h_x₀) P₀‖ with scaled equations. Below one, A

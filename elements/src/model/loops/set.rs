@@ -214,11 +214,13 @@ fn described(
         good_condition: GOOD_CONDITION,
         ..Description::default()
     };
-    for &(n, first) in &inputs.unknowns {
+    for (n, first) in inputs.all() {
         let node = &nodes[n as usize];
-        if node.form == NodeForm::Rotation {
-            about.rotations.push(first + node.dim - 3);
-        }
+        let rotation = node.rotation().map(|_| first + node.dim - 3);
+        about.rotations.extend(rotation);
+    }
+    for &(n, _) in &inputs.unknowns {
+        let node = &nodes[n as usize];
         for (k, quantity) in node.quantities.iter().enumerate() {
             about.unknowns.push(Unknown {
                 name: node.coordinate_name(k),
