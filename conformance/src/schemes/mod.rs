@@ -4,6 +4,7 @@
 //! |---|---|
 //! | order | a nonlinear, driven motion with a known solution ([`KnownMotion`]): errors of position, velocity and acceleration at the end over the step |
 //! | order under changes of chart | the same, with a change of chart every third step |
+//! | order of the embedded method | the first motion by the scheme that ends its steps with the embedded row: one less than that of the scheme |
 //! | same history in all charts | an angle of several turns, with and without jumps by 2π |
 //! | exactness | a polynomial of the degree of the order; from order 2 on the velocity of a cubic, and its position up to the known error of the scheme |
 //! | orders with multipliers | a mass held to a circle by a multiplier, with a known solution: errors of position, velocity, acceleration and multiplier at the end; or the refusal of multipliers by a scheme without damping at infinite frequencies |
@@ -17,6 +18,7 @@ mod problems;
 use crate::Report;
 use crate::vectors::larger;
 use problems::{KnownMotion, OneCoordinate};
+use pullback_integrators::dynamics::scheme::{SchemeProperties, Stage};
 use pullback_integrators::dynamics::{
     DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, Simulation, State, start,
 };
@@ -26,8 +28,11 @@ use pullback_manifold::system::System;
 /// Checks the stated properties of a scheme.
 pub fn scheme(scheme: &Scheme) -> Report {
     let mut report = Report::new(scheme.to_string());
-    order(&mut report, scheme, false);
-    order(&mut report, scheme, true);
+    order(&mut report, "order", scheme, false);
+    order(&mut report, "order under changes of chart", scheme, true);
+    if let Some(row) = scheme.embedded() {
+        embedded(&mut report, scheme, *row);
+    }
     turns(&mut report, scheme);
     exactness(&mut report, scheme);
     cubic(&mut report, scheme);
@@ -94,11 +99,21 @@ fn errors(scheme: &Scheme, steps: usize, switching: bool) -> Result<[f64; 3], Dy
     Ok([0, 1, 2].map(|k| gap(k).fold(0.0, f64::max)))
 }
 
-fn order(report: &mut Report, scheme: &Scheme, switching: bool) {
-    let law = match switching {
-        true => "order under changes of chart",
-        false => "order",
+/// The order of the method that ends the steps of a scheme with its embedded row.
+fn embedded(report: &mut Report, scheme: &Scheme, row: Stage) {
+    let law = "order of the embedded method";
+    let rows = [&scheme.stages()[..scheme.stages().len() - 1], &[row]].concat();
+    let properties = SchemeProperties {
+        order: scheme.order().saturating_sub(1),
+        ..scheme.properties()
     };
+    match Scheme::new("embedded", &rows, properties) {
+        Ok(method) => order(report, law, &method, false),
+        Err(error) => report.impossible(law, "its table", error.to_string()),
+    }
+}
+
+fn order(report: &mut Report, law: &str, scheme: &Scheme, switching: bool) {
     let runs = [15, 30, 60, 120, 240].map(|steps| errors(scheme, steps, switching));
     let runs: Vec<[f64; 3]> = match runs.into_iter().collect() {
         Ok(runs) => runs,

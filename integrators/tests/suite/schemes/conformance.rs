@@ -112,3 +112,17 @@ fn wrong_orders_with_multipliers_are_caught() {
         check::scheme(&wrong.under_multipliers(claimed)).assert();
     }
 }
+
+#[test]
+fn embedded_rows_have_one_order_less() {
+    let tsitouras: Scheme = "tsitouras".parse().unwrap();
+    let row = *tsitouras.embedded().unwrap();
+    let mut wrong = [row; 3];
+    wrong[0].v[2] += 1e-3;
+    wrong[1].q[1] = f64::NAN;
+    wrong[2].c = 0.3;
+    for row in wrong {
+        let laws = check::scheme(&tsitouras.with_embedded(row)).failing_laws();
+        assert_eq!(laws, ["order of the embedded method"]);
+    }
+}
