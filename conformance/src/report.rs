@@ -86,7 +86,7 @@ const RATIO: f64 = 4.0;
 /// Most steps: the last one is 2.4e-8 of the first.
 const STEPS: usize = 12;
 /// Most steps that may lead out of a domain.
-const OUTSIDE: usize = 4;
+const OUTSIDE: usize = 8;
 /// Remainders below this fraction of the scale are round-off.
 const RESOLVED: f64 = 1e-12;
 /// Largest shortfall of a slope, which the next Taylor term causes.

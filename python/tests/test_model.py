@@ -182,6 +182,14 @@ def test_files(tmp_path):
         pb.Model.from_toml(CANTILEVER).write(tmp_path / "file")
 
 
+def test_probes_are_found_by_their_names():
+    norm = '[[probes]]\nname = "tip.norm"\nquantity = "displacement"\nnode = "tip"\ncomponent = "norm"\n'
+    result = pb.Model.from_toml(CANTILEVER + norm).run()
+    assert np.linalg.norm(result["tip"], axis=1) == pytest.approx(result["tip.norm"])
+    assert "tip" in result and "tip.x" in result
+    assert "t" in result and "tip.w" not in result
+
+
 def test_tables_and_figures():
     pytest.importorskip("pandas")
     matplotlib = pytest.importorskip("matplotlib")
@@ -189,6 +197,7 @@ def test_tables_and_figures():
     result = pb.Model.from_toml(CANTILEVER).run()
     assert list(result.frame()["tip.z"]) == list(result["tip.z"])
     assert len(result.plot("tip", "energy").axes) == 2
+    assert len(result.plot().axes) == 4
     animation = result.animate()
     animation._draw_frame(0)
     animation.to_jshtml()
