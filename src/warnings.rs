@@ -34,11 +34,12 @@ pub(crate) fn unbalanced(counts: &Counts) -> Option<&'static str> {
     }
     Some(if energy.defect() > 0.0 {
         "the balance of energy is off by much compared with the energy of the motion: energy is not \
-         conserved, but grows; take smaller steps, or a scheme that damps high frequencies (more)"
+         conserved, but grows, or the power of prescribed motions changes much in a step; take smaller steps, or a \
+         scheme that damps high frequencies (more)"
     } else {
         "the balance of energy is off by much compared with the energy of the motion: energy is lost, as \
-         the scheme damps what its steps do not resolve (waves of a sudden start, say), or dampers \
-         take it faster than that; take smaller steps, or a scheme that damps less"
+         the scheme damps what its steps do not resolve (waves of a sudden start, say), or dampers and \
+         prescribed motions take it faster than that; take smaller steps, or a scheme that damps less"
     })
 }
 

@@ -179,8 +179,8 @@ fn with_noise(
     sizes
 }
 
-/// Least magnitude of forces over the largest, loads included: terms that cancel in a group, such as a weight on a plane, are in no
-/// tangent, and leave some rounding errors.
+/// Least magnitude of forces over the largest, loads included: terms that cancel in a group, such as a weight on a plane,
+/// are in no tangent, and leave some rounding errors.
 const ROUGH: f64 = 1e-2;
 
 /// ∂r/∂t, on steps that do not reach the next kink of a function of time.

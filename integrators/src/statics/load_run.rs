@@ -13,8 +13,8 @@ use pullback_manifold::system::System;
 /// A step of at most this many iterations is followed by one twice as large.
 pub(super) const EASY: usize = 5;
 
-/// Largest correction, in sizes of the coordinates, where a prescribed motion moves equations of multipliers: other positions
-/// that satisfy them are farther away.
+/// Largest correction, in sizes of the coordinates, where a prescribed motion moves equations of multipliers: other
+/// positions that satisfy them are farther away.
 const NEAR: f64 = 0.5;
 
 /// The engine of a run: all that a step needs beside the system.

@@ -173,38 +173,18 @@ impl ElementWorkspace {
         statics: bool,
     ) -> Result<(), DomainError> {
         let n = e.element.dim();
-        self.r[..n].fill(0.0);
-        let moving = !statics && !e.dead;
-        if moving {
-            self.M[..n * n].fill(0.0);
-        }
-        let omitted = Omitted::of(e, state.left_out, &mut self.x);
-        let end = if statics { 0 } else { n };
-        let at = Motion {
-            t,
-            inputs: &self.inputs,
-            x: &self.x[..n],
-            v: &self.v[..end],
-            a: &self.a[..end],
-            previous: None,
-        };
-        let mut out = Response {
-            r: &mut self.r[..n],
-            K: None,
-            C: None,
-            M: moving.then_some(&mut self.M[..n * n]),
-            r_t: None,
-        };
-        e.element.evaluate(&at, &mut out)?;
-        if let Some(omitted) = omitted {
-            omitted.replace(&mut self.x, &mut out);
-        }
-        let p = &mut self.work[..end];
+        let weights = (!statics && !e.dead).then_some(Weights::MASS);
+        self.evaluate((e, state), t, statics, weights, false, false)?;
+        let p = &mut self.work[..n];
         p.fill(0.0);
-        if !moving {
+        if weights.is_none() {
             return Ok(());
         }
-        for (v, M) in self.v.iter().zip(self.M.chunks_exact(n)).take(end) {
+        let M = match combined((e, state), statics, false) {
+            Some(_) => &self.S,
+            None => &self.M,
+        };
+        for (v, M) in self.v.iter().zip(M.chunks_exact(n)).take(n) {
             for (p, M) in p.iter_mut().zip(M) {
                 *p += M * v;
             }

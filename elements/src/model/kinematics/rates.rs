@@ -47,30 +47,6 @@ impl Model {
         all.filter_map(|c| self.unknown_of(c)).collect()
     }
 
-    /// Adds the smallest change of velocities, in sizes of the unknowns, that gives the missing rates by least squares; returns
-    /// what is still missing.
-    fn add_fitted(
-        &self,
-        v: &mut [f64],
-        unknowns: &[usize],
-        columns: &DMatrix<f64>,
-        missing: DVector<f64>,
-    ) -> DVector<f64> {
-        // Prescribed or locked coordinates keep their rates.
-        if unknowns.is_empty() {
-            return missing;
-        }
-        match columns.clone().svd(true, true).solve(&missing, 1e-9) {
-            Ok(more) => {
-                for (&u, more) in unknowns.iter().zip(more.iter()) {
-                    v[u] += more * self.unit(u);
-                }
-                missing - columns * more
-            }
-            Err(_) => missing,
-        }
-    }
-
     /// Whether a joint coordinate or rotation belongs to a closed loop: it follows from the loop's
     /// independent coordinates.
     pub fn in_loop(&self, node: NodeId) -> bool {
@@ -216,8 +192,8 @@ impl Context {
         released.map(|&m| NodeId(m)).collect()
     }
 
-    /// Adds the smallest change of the velocities of unknowns that gives wanted rates by least squares. Returns what is still
-    /// missing of them, relative to the largest rate, and their derivatives.
+    /// Adds the smallest change of the velocities of unknowns, in their sizes, that gives wanted rates by least squares. Returns
+    /// what is still missing of them, relative to the largest rate, and their derivatives.
     fn fit(
         &mut self,
         q: &[f64],
@@ -253,7 +229,16 @@ impl Context {
             v[u] = own;
         }
         let wanted = DVector::from_iterator(wanted.len(), wanted.iter().map(scaled));
-        let missing = model.add_fitted(v, unknowns, &columns, &wanted - &now);
+        let mut missing = &wanted - &now;
+        // Prescribed or locked coordinates keep their rates.
+        if !unknowns.is_empty()
+            && let Ok(more) = columns.clone().svd(true, true).solve(&missing, 1e-9)
+        {
+            for (&u, more) in unknowns.iter().zip(more.iter()) {
+                v[u] += more * model.unit(u);
+            }
+            missing -= &columns * more;
+        }
         let size = wanted.amax().max(now.amax());
         Ok((missing / if size > 0.0 { size } else { 1.0 }, columns))
     }
