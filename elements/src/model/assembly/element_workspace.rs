@@ -173,11 +173,13 @@ impl ElementWorkspace {
         statics: bool,
     ) -> Result<(), DomainError> {
         let n = e.element.dim();
-        let weights = (!statics && !e.dead).then_some(Weights::MASS);
+        // Equations have no mass.
+        let massless = statics || e.dead || e.element.abilities().enforced.is_some();
+        let weights = (!massless).then_some(Weights::MASS);
         self.evaluate((e, state), t, statics, weights, false, false)?;
         let p = &mut self.work[..n];
         p.fill(0.0);
-        if weights.is_none() {
+        if massless {
             return Ok(());
         }
         let M = match combined((e, state), statics, false) {
