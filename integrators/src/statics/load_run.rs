@@ -26,6 +26,8 @@ pub struct LoadRun {
     start: Vec<f64>,
     /// Next step of the load parameter.
     dt: f64,
+    /// Whether a prescribed motion moves equations of multipliers in the step.
+    moved: bool,
     /// The tangent at the present equilibrium; `None` before the first one.
     known: Option<TangentStatus>,
     /// The equilibrium reported last.
@@ -59,6 +61,7 @@ impl StaticAnalysis for LoadRun {
             start: q.clone(),
             q,
             dt: (options.to - options.from).signum() * first_step,
+            moved: false,
             known: None,
             reached: Step::default(),
         })
@@ -120,8 +123,8 @@ impl LoadRun {
         let (newton, q) = (&mut self.newton, &mut self.q);
         let from = newton.summary.t;
         self.start.copy_from_slice(q);
-        let moved = newton.predict(system, q, [from, t], known)?;
-        let far = |history: &[Iteration]| moved && history.iter().any(|i| i.correction > NEAR);
+        self.moved = newton.predict(system, q, [from, t], known)?;
+        let far = |history: &[Iteration]| self.moved && history.iter().any(|i| i.correction > NEAR);
         if far(&newton.history) {
             return Err(Cause::OffPath);
         }
@@ -136,6 +139,8 @@ impl LoadRun {
     fn accept(&mut self, system: &mut dyn System, t: f64, chart_changes: usize) {
         let newton = &mut self.newton;
         let iterations = newton.iterations();
+        // The first correction grows with the step.
+        let near = !self.moved || 2.0 * newton.history[0].correction <= NEAR;
         let summary = &mut newton.summary;
         summary.steps += 1;
         summary.iterations += iterations;
@@ -145,7 +150,7 @@ impl LoadRun {
         // The next step begins with this factorisation: the last one was made at the iterate before.
         let (known, unstable) = newton.prepare(system);
         self.known = Some(known);
-        if iterations <= EASY {
+        if iterations <= EASY && near {
             let longest = self.options.max_step;
             self.dt = self.dt.signum() * (2.0 * self.dt.abs()).min(longest);
         }
