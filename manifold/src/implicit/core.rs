@@ -254,13 +254,10 @@ impl ImplicitMap {
         Ok(())
     }
 
-    pub(super) fn search(
-        &mut self,
-        t: f64,
-        q: &[f64],
-        follow: bool,
-    ) -> Result<(), EvaluationError> {
-        let (p, X, M, D) = (self.p, self.X, self.M, self.D);
+    /// Writes (p, x) where the slopes at the anchor lead, by the parameters too if it follows them; returns the largest
+    /// change of x, in sizes of the unknowns.
+    pub(super) fn predict(&mut self, q: &[f64], follow: bool) -> f64 {
+        let (p, X, D) = (self.p, self.X, self.D);
         let w = &mut self.work;
         w.y[..p].copy_from_slice(&q[D..]);
         w.y[p..].copy_from_slice(&self.anchor.x);
@@ -272,6 +269,16 @@ impl ImplicitMap {
                 }
             }
         }
+        let moved = w.y[p..].iter().zip(&self.anchor.x);
+        let moved = moved.zip(&self.about.unknowns);
+        moved.fold(0.0, |most, ((y, x), u)| {
+            f64::max(most, ((y - x) / u.size).abs())
+        })
+    }
+
+    /// Newton's method from the prediction.
+    pub(super) fn search(&mut self, t: f64, q: &[f64]) -> Result<(), EvaluationError> {
+        let (p, X, M, D) = (self.p, self.X, self.M, self.D);
         let mut before = f64::INFINITY;
         for _ in 0..ITERATIONS {
             self.linearise(t);

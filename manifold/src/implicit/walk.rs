@@ -111,28 +111,15 @@ impl ImplicitMap {
 
     /// One part of the path by Newton's method, predicted by the slopes at its beginning.
     fn part(&mut self, t: f64, q: &[f64], follow: bool) -> Result<(), EvaluationError> {
-        if follow && self.leap(q) > FARTHEST {
+        if self.predict(q, follow) > FARTHEST && follow {
             return Err(EvaluationError::Crossed);
         }
-        self.search(t, q, follow)?;
+        self.search(t, q)?;
         self.operators();
         match follow && self.changed() >= 1.0 {
             true => Err(EvaluationError::Crossed),
             false => Ok(()),
         }
-    }
-
-    /// Largest change of x since the anchor that its slopes predict, in sizes of the unknowns.
-    fn leap(&self, q: &[f64]) -> f64 {
-        let slopes = || self.anchor.Y.chunks_exact(self.X);
-        let change = |k: usize| {
-            let moved = q.iter().zip(&self.anchor.q).zip(slopes());
-            moved.map(|((q, q0), Y)| Y[k] * (q - q0)).sum::<f64>()
-        };
-        let sizes = self.about.unknowns.iter().enumerate();
-        sizes.fold(0.0, |most, (k, u)| {
-            f64::max(most, (change(k) / u.size).abs())
-        })
     }
 
     /// Change of the equations since the anchor, ‖(h_x − h_x₀) P₀‖ with scaled equations. Below one, A

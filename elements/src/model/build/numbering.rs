@@ -319,10 +319,11 @@ fn extent(nodes: &[Node]) -> f64 {
     (corner(f64::max) - corner(f64::min)).norm()
 }
 
-/// Radius of gyration of all mass about its nodes: the size of a model whose nodes have one position.
+/// Radius of gyration of all bodies about their nodes: the size of a model whose nodes have one position.
 fn gyration(builder: &ModelBuilder) -> Option<f64> {
     let (mut mass, mut inertia) = (0.0, 0.0);
-    for ElementEntry { element, nodes, .. } in &builder.elements {
+    let bodies = builder.elements.iter().filter(|e| e.nodes.len() == 1);
+    for ElementEntry { element, nodes, .. } in bodies {
         let n = element.dim();
         let (zeros, mut r, mut M) = (vec![0.0; n], vec![0.0; n], vec![0.0; n * n]);
         let at = Motion {
