@@ -7,6 +7,7 @@ use crate::support::prelude::*;
 use crate::support::program::{
     Ran, Rows, assert_close, assert_says, check, failed, number, recorded, refusal, run_of,
 };
+use nalgebra::{DMatrix, DVector};
 
 /// The linkage closed by a penalty, a spring on its crank and a force on the coupler's tip: angles
 /// of crank, coupler and rocker in equilibrium, or why there is none.
@@ -352,6 +353,35 @@ fn a_drive_that_begins_far_away_takes_its_loops_along() {
             format!("prescribed = {{ sine = {{ amplitude = 0.1, omega = 3, offset = {angle} }} }}");
         for a in CLOSURES {
             assert_cranks(&drive, [a, a], [angle, 0.3]);
+        }
+    }
+}
+
+/// One rate is given in a loop of two freedoms: the rates of all its joints are the smallest, whatever closes it.
+#[test]
+fn a_rate_in_a_loop_of_two_freedoms_moves_all_joints_as_little_as_possible() {
+    // The tips stay together, and C turns as the two do: of B, E, D and C, and of A with a rate of 1.
+    let gap = [
+        [-2.0, -1.0, 0.0, 0.0],
+        [0.3, -0.5, -1.3, 0.0],
+        [1.0, 1.0, -1.0, 1.0],
+    ];
+    let gap = DMatrix::from_fn(3, 4, |i, j| gap[i][j]);
+    let of_a = DVector::from_vec(vec![-2.0, 1.3, 1.0]);
+    let smallest = gap.svd(true, true).solve(&-of_a, 1e-12).unwrap();
+    let names = ["B", "E", "D", "C"];
+    for closure in CLOSURES {
+        let text = five_bar(["rate = 1", "", closure]) + &body("B");
+        let (found, _) = start(&(text + &["A", "B", "E", "D", "C"].map(angle).concat()));
+        let rate = |name: &str| found[&format!("{name} angle")][1];
+        assert_close(rate("A"), 1.0, 1e-9, closure);
+        for (name, expected) in names.iter().zip(&smallest) {
+            assert_close(
+                rate(name),
+                *expected,
+                1e-9,
+                format_args!("{closure}: {name}"),
+            );
         }
     }
 }

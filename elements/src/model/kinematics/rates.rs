@@ -154,8 +154,8 @@ impl Context {
 
     /// Finds velocities `v` with given rates at `q` and [`BEFORE_START`]: of coordinates of joints, as (node, number of the
     /// coordinate, rate), and of frames, whose six rates are velocity and angular velocity (global components). The coordinates
-    /// of their joints change, of loops the independent ones, by the smallest change of all together, but for those of the
-    /// unknowns `held`. Returns what is missing of each rate, relative to the largest (zero to rounding if joints and loops
+    /// of their joints, and of their loops, change by the smallest change of all together, but for those of the unknowns
+    /// `held`. Returns what is missing of each rate, relative to the largest (zero to rounding if joints and loops
     /// allow them), and the unknowns on which the rates depend.
     ///
     /// # Errors
@@ -192,8 +192,9 @@ impl Context {
         released.map(|&m| NodeId(m)).collect()
     }
 
-    /// Adds the smallest change of the velocities of unknowns, in their sizes, that gives wanted rates by least squares. Returns
-    /// what is still missing of them, relative to the largest rate, and their derivatives.
+    /// Adds the smallest change of the velocities of unknowns, in their sizes, that gives wanted rates by least squares; for
+    /// the independent coordinates of a loop, all of the loop count. Returns what is still missing of the rates, relative to
+    /// the largest, and their derivatives.
     fn fit(
         &mut self,
         q: &[f64],
@@ -203,6 +204,10 @@ impl Context {
     ) -> Result<(DVector<f64>, DMatrix<f64>), SystemError> {
         let (t, a) = (BEFORE_START, vec![0.0; v.len()]);
         let model = Arc::clone(&self.model);
+        let nodes = (0..)
+            .zip(&model.nodes.all)
+            .filter(|(n, _)| model.loop_of(*n).is_some());
+        let in_loops: Vec<usize> = nodes.flat_map(|(_, node)| node.range()).collect();
         // Velocities are compared with angular ones over the size of the model.
         let scaled = |&(node, k, rate): &(NodeId, usize, f64)| {
             rate / model.size(model.nodes[node.0 as usize].first + k)
@@ -218,28 +223,41 @@ impl Context {
                     return Err(SystemError::NotFinite { what });
                 }
             }
-            Ok(all)
+            let loops = in_loops.iter().map(|&c| self.work.v[c] / model.size(c));
+            Ok((all, DVector::from_iterator(in_loops.len(), loops)))
         };
         let now = rates(v)?;
-        let mut columns = DMatrix::zeros(now.len(), unknowns.len());
+        let mut columns = DMatrix::zeros(wanted.len(), unknowns.len());
+        let mut changes = DMatrix::zeros(in_loops.len(), unknowns.len());
         for (k, &u) in unknowns.iter().enumerate() {
             let own = v[u];
             v[u] += model.unit(u);
-            columns.set_column(k, &(rates(v)? - &now));
+            let then = rates(v)?;
+            columns.set_column(k, &(then.0 - &now.0));
+            changes.set_column(k, &(then.1 - &now.1));
             v[u] = own;
         }
+        let mut metric = changes.tr_mul(&changes);
+        for k in 0..unknowns.len() {
+            if metric[(k, k)] == 0.0 {
+                metric[(k, k)] = 1.0; // It is in no loop.
+            }
+        }
         let wanted = DVector::from_iterator(wanted.len(), wanted.iter().map(scaled));
-        let mut missing = &wanted - &now;
+        let mut missing = &wanted - &now.0;
         // Prescribed or locked coordinates keep their rates.
         if !unknowns.is_empty()
-            && let Ok(more) = columns.clone().svd(true, true).solve(&missing, 1e-9)
+            && let Some(L) = metric.cholesky().map(|factors| factors.unpack())
+            && let Some(over) = L.solve_lower_triangular(&columns.transpose())
+            && let Ok(more) = over.transpose().svd(true, true).solve(&missing, 1e-9)
+            && let Some(more) = L.tr_solve_lower_triangular(&more)
         {
             for (&u, more) in unknowns.iter().zip(more.iter()) {
                 v[u] += more * model.unit(u);
             }
             missing -= &columns * more;
         }
-        let size = wanted.amax().max(now.amax());
+        let size = wanted.amax().max(now.0.amax());
         Ok((missing / if size > 0.0 { size } else { 1.0 }, columns))
     }
 
