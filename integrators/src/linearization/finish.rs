@@ -41,13 +41,14 @@ impl<'a> Finish<'a> {
         }
     }
 
-    /// The mode of an eigenvector of any length, and the eigenvalue of the search: ω² or λ. Two modes at rest may have
-    /// been found as a pair, of which they are the real and imaginary part.
+    /// The mode of an eigenvector of any length, and the eigenvalue of the search: ω² or λ. Two modes that do not oscillate
+    /// may have been found as a pair, of which they are the real and imaginary part.
     pub fn modes(&self, shape: Vec<Complex64>, found: Complex64) -> Vec<Mode> {
         let mode = self.mode(shape, found);
-        if self.order == Order::Squares || mode.eigenvalue != Complex64::ZERO {
+        if self.order == Order::Squares || mode.eigenvalue.im > REPEATED * mode.omega() {
             return vec![mode];
         }
+        let (found, rests) = (found.re.into(), |mode: &Mode| mode.omega() == 0.0);
         let size = self.square(&mode.shape);
         let parts = [|x: &Complex64| x.re, |x: &Complex64| x.im];
         let parts = parts.map(|part| mode.shape.iter().map(|x| part(x).into()).collect());
@@ -55,7 +56,7 @@ impl<'a> Finish<'a> {
             .into_iter()
             .filter(|x: &Vec<Complex64>| self.square(x) > PART * size);
         let parts: Vec<Mode> = parts.map(|x| self.mode(x, found)).collect();
-        match parts.iter().all(|part| part.eigenvalue == Complex64::ZERO) {
+        match parts.iter().all(|part| rests(part) == rests(&mode)) {
             true => parts,
             false => vec![mode],
         }
@@ -148,7 +149,7 @@ impl<'a> Finish<'a> {
     }
 
     /// Whether λ is zero but for rounding errors of a mode of this shape φ, with the forms φᴴ K φ, |φᴴ C φ| and φᴴ M φ: where
-    /// the first two are, or it is so small that its other terms are.
+    /// the first is, and λ C and λ² M do not balance each other, or are rounding errors themselves.
     fn is_rigid(
         &self,
         shape: &[Complex64],
@@ -167,7 +168,7 @@ impl<'a> Finish<'a> {
         entries.for_each(|(r, c, K)| sum += K.abs() * sizes[r] * sizes[c]);
         // Entries of φ have rounding errors themselves.
         let sum = ROUNDING * (sum + whole[0]);
-        let others = inertia <= sum || lambda * mass <= whole[1] || damping <= whole[1];
+        let others = inertia <= sum || lambda * mass <= whole[1] || lambda * mass > 2.0 * damping;
         stiffness.abs() <= sum && others
     }
 

@@ -334,16 +334,20 @@ fn ritz_pairs(columns: &[Vec<f64>], symmetric: bool) -> Option<Vec<RitzPair>> {
         }
         error.iter().map(|e| e.norm_sqr()).sum::<f64>().sqrt()
     };
+    let thetas: Vec<Complex64> = pairs.iter().map(|p| p.0).collect();
     let mut found: Vec<RitzPair> = Vec::with_capacity(n);
-    for (k, (theta, mut vector)) in (0..).zip(pairs) {
+    for (k, (theta, mut vector)) in pairs.into_iter().enumerate() {
         let mut below = residual(&vector);
-        let is_far = symmetric || below > NEAR * theta.norm();
+        // The vector of a repeated eigenvalue may be wrong, and its residual large.
+        let near = |i: usize| i != k && (thetas[i] - theta).norm() <= NEAR * theta.norm();
+        let is_repeated = (k.saturating_sub(3)..(k + 4).min(n)).any(near);
+        let is_far = symmetric || below > NEAR * theta.norm() && !is_repeated;
         // Not if it is not a number.
         let is_right = is_far
             || error(theta, &vector) <= TRUSTED * n as f64 * size
                 && is_independent(theta, &vector, &found);
         if !is_right {
-            vector = inverse_iteration(&Mat::from_fn(n, n, entry), theta, k);
+            vector = inverse_iteration(&Mat::from_fn(n, n, entry), theta, k as u64);
             below = residual(&vector);
         }
         found.push(RitzPair {

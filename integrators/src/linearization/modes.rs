@@ -169,20 +169,27 @@ pub fn modes_while(
     observer: &mut dyn FnMut(usize) -> ControlFlow<()>,
 ) -> Result<Modes, ModesError> {
     check(lin, options)?;
+    let undamped = undamped(lin, options, observer)?;
+    let rigid: Vec<Mode> = match options.selection {
+        Selection::Nearest { omega, .. } if omega > 0.0 => Vec::new(),
+        _ => (undamped.iter().filter(|mode| mode.omega() == 0.0))
+            .cloned()
+            .collect(),
+    };
     let (mut sought, mut factorisations) = (*options, 0);
     // More than there are.
     let most = options.selection.most().min(2 * lin.dim() + 1);
     if let Selection::Nearest { count, .. } = &mut sought.selection {
-        *count = most;
+        *count = most + rigid.len();
     }
     loop {
-        let search = Search::new(lin, &sought)?;
+        let search = Search::new(lin, &sought, &undamped)?;
         let (order, symmetric) = search.kind();
         let found = search.run(observer)?;
         factorisations += found.factorisations;
         let finish = Finish::new(lin, order, symmetric, found.scales);
         let vectors = found.vectors.len();
-        let mut modes: Vec<Mode> = Vec::with_capacity(vectors);
+        let mut modes = rigid.clone();
         for (vector, eigenvalue) in found.vectors {
             for mode in finish.modes(vector, eigenvalue) {
                 modes.extend(finish.apart(&modes, mode, eigenvalue));
@@ -204,6 +211,26 @@ pub fn modes_while(
             complete: found.complete,
             factorisations,
         });
+    }
+}
+
+/// Of a system with damping the modes without, if they can be counted: rigid ones are modes with damping, too.
+fn undamped(
+    lin: &Linearized,
+    options: &ModeOptions,
+    observer: &mut dyn FnMut(usize) -> ControlFlow<()>,
+) -> Result<Vec<Mode>, ModesError> {
+    let damped = !options.undamped && lin.C.iter().any(|c| *c != 0.0);
+    if !damped || !lin.is_symmetric(&lin.K) || !lin.is_symmetric(&lin.M) {
+        return Ok(Vec::new());
+    }
+    let undamped = ModeOptions {
+        undamped: true,
+        ..*options
+    };
+    match modes_while(lin, &undamped, observer) {
+        Err(ModesError::Interrupted) => Err(ModesError::Interrupted),
+        found => Ok(found.map_or_else(|_| Vec::new(), |found| found.modes)),
     }
 }
 

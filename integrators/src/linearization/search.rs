@@ -2,7 +2,7 @@
 
 use super::Linearized;
 use super::krylov::{Krylov, RitzPair};
-use super::modes::{ModeOptions, ModesError, Selection};
+use super::modes::{Mode, ModeOptions, ModesError, Selection};
 use super::shift_invert::{Order, ShiftInvert};
 use crate::linear_solver::LinearError;
 use crate::random::Random;
@@ -12,6 +12,8 @@ use std::ops::ControlFlow;
 mod counting;
 mod selection;
 mod start;
+
+use selection::BETWEEN;
 
 /// Up to this size of the operator all unit vectors are start vectors, a dense method.
 const DENSE: usize = 120;
@@ -33,8 +35,10 @@ pub(super) struct Search<'a> {
     inner: Inner,
     operator: ShiftInvert<'a>,
     factorisations: usize,
-    /// ω² of the modes selected: the first shift without damping.
+    /// The first shift if it is not zero, or zero: without damping ω² of the modes selected.
     middle: f64,
+    /// Whether rigid modes exclude a shift of zero.
+    rigid: bool,
     /// They make the matrix of the first shift one of entries of order one.
     scales: Vec<f64>,
     /// Weights of the inner product where M is not used, and the factor of M with velocities.
@@ -44,8 +48,12 @@ pub(super) struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    /// A search before its first factorisation.
-    pub fn new(lin: &'a Linearized, options: &ModeOptions) -> Result<Self, ModesError> {
+    /// A search before its first factorisation. With damping, `undamped` are the modes without, if these can be counted.
+    pub fn new(
+        lin: &'a Linearized,
+        options: &ModeOptions,
+        undamped: &[Mode],
+    ) -> Result<Self, ModesError> {
         let order = match options.undamped || lin.C.iter().all(|c| *c == 0.0) {
             true => Order::Squares,
             false => Order::Quadratic,
@@ -56,7 +64,12 @@ impl<'a> Search<'a> {
             true => Inner::Mass,
             false => Inner::Coordinates,
         };
-        Self::with(lin, options.selection, order, inner)
+        let mut search = Self::with(lin, options.selection, order, inner)?;
+        if let [first, .., last] = undamped {
+            search.middle = BETWEEN * last.omega();
+            search.rigid = first.omega() == 0.0;
+        }
+        Ok(search)
     }
 
     /// A search for the eigenvalues σ of K − σ M nearest to zero, where K is positive definite and M may be indefinite.
@@ -79,9 +92,10 @@ impl<'a> Search<'a> {
             operator: ShiftInvert::new(lin, order, inner != Inner::Coordinates)?,
             factorisations: 0,
             middle: match selection {
-                Selection::Nearest { omega, .. } => omega * omega,
-                Selection::Range(_) => 0.0,
+                Selection::Nearest { omega, .. } if order == Order::Squares => omega * omega,
+                _ => 0.0,
             },
+            rigid: false,
             scales: vec![1.0; lin.dim()],
             weights: Vec::new(),
             balance: 1.0,

@@ -190,3 +190,88 @@ fn a_state_out_of_balance_is_refused() {
     let error = linearize(&mut context, Point::statics(0.0, &q)).unwrap_err();
     assert!(error.to_string().contains("not in balance"), "{error}");
 }
+
+/// Round beams, whose bending modes are all double, with damping by stiffness β: λ² + β ω² λ + ω² = 0 for each mode without,
+/// which are counted.
+#[test]
+fn damping_loses_no_copies_of_a_mode_and_none_at_rest() {
+    let round = |stiffness: f64| Beam {
+        EI: [1.0; 2],
+        I_rho: [2.5e-3; 2],
+        damping: [0.0, stiffness],
+    };
+    for (clamped, elements) in [(true, 14), (false, 7)] {
+        let undamped = linear(&mut round(0.0).context(elements, clamped));
+        for beta in [1e-4, 3e-4] {
+            let lin = linear(&mut round(beta).context(elements, clamped));
+            let selections = [8, 10, 13].map(|count| Selection::Nearest { count, omega: 0.0 });
+            let ranges = [
+                Selection::Range([0.0, 250.0]),
+                Selection::Range([10.0, 300.0]),
+            ];
+            for selection in selections.into_iter().chain(ranges) {
+                let [exact, found] = [(&undamped, true), (&lin, false)].map(|(lin, undamped)| {
+                    let options = ModeOptions {
+                        selection,
+                        undamped,
+                    };
+                    omegas(&modes(lin, &options).unwrap())
+                });
+                assert_eq!(found.len(), exact.len(), "{beta} {elements} {selection:?}");
+                for (found, exact) in found.iter().zip(&exact) {
+                    let off = (found - exact).abs();
+                    assert!(
+                        off <= 1e-6 * exact,
+                        "{beta} {elements} {selection:?}: {found} {exact}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// The same where higher modes are overdamped, and λ is real: two for each, which occur twice in bending.
+#[test]
+fn overdamped_modes_occur_as_often_as_others() {
+    let beta = 0.02;
+    let round = |stiffness: f64| Beam {
+        EI: [1.0; 2],
+        I_rho: [2.5e-3; 2],
+        damping: [0.0, stiffness],
+    };
+    let all = ModeOptions {
+        selection: Selection::Nearest {
+            count: 54,
+            omega: 0.0,
+        },
+        undamped: true,
+    };
+    let undamped = modes(&linear(&mut round(0.0).context(3, true)), &all).unwrap();
+    let mut exact: Vec<f64> = Vec::new();
+    for omega in omegas(&undamped) {
+        let half = 0.5 * beta * omega * omega;
+        let root = (half * half - omega * omega).max(0.0).sqrt();
+        match root > 0.0 {
+            true => exact.extend([omega * omega / (half + root), half + root]),
+            false => exact.push(omega),
+        }
+    }
+    let lin = linear(&mut round(beta).context(3, true));
+    let selection = Selection::Range([0.0, 300.0]);
+    let found = omegas(
+        &modes(
+            &lin,
+            &ModeOptions {
+                selection,
+                undamped: false,
+            },
+        )
+        .unwrap(),
+    );
+    exact.retain(|omega| *omega <= 300.0);
+    exact.sort_by(f64::total_cmp);
+    assert_eq!(found.len(), exact.len(), "{found:?} {exact:?}");
+    for (found, exact) in found.iter().zip(&exact) {
+        assert_near(*found, *exact, 1e-6);
+    }
+}

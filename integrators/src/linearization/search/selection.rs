@@ -23,6 +23,9 @@ const SPREAD: f64 = 1e9;
 /// The same with damping, where shapes lose as many digits.
 const SPREAD_DAMPED: f64 = 1e6;
 
+/// Shift with damping, relative to the last mode.
+pub(super) const BETWEEN: f64 = 0.5;
+
 impl Search<'_> {
     /// ω² or λ of an eigenvalue of the operator; zero where nothing but rounding errors are left.
     pub(super) fn eigenvalue(&self, pair: &RitzPair) -> Complex64 {
@@ -54,7 +57,7 @@ impl Search<'_> {
         let last = self.eigenvalue(&pairs[k]).norm().min(most);
         let (part, spread) = match self.order {
             Order::Squares => (-0.25, SPREAD),
-            Order::Quadratic => (0.5, SPREAD_DAMPED),
+            Order::Quadratic => (BETWEEN, SPREAD_DAMPED),
         };
         let better = match shift == 0.0 {
             // Between the first and the last, whose errors are alike there.

@@ -11,14 +11,11 @@ const HELD: f64 = 1e-16;
 impl<'a> Search<'a> {
     /// A first shift, factorised.
     pub(super) fn first_shift(&mut self) -> Result<f64, ModesError> {
-        let middle = match self.order {
-            Order::Squares => self.middle,
-            Order::Quadratic => 0.0,
-        };
-        let shift = if middle != 0.0 {
-            self.factorise_near(middle)?
-        } else if self.factorise(0.0).is_ok() {
+        let from_zero = !self.rigid && (self.order == Order::Quadratic || self.middle == 0.0);
+        let shift = if from_zero && self.factorise(0.0).is_ok() {
             0.0
+        } else if self.middle != 0.0 {
+            self.factorise_near(self.middle)?
         } else {
             // Beyond the spectrum of a rigid structure: K + |σ| M is positive definite.
             let bound = self.upper_bound();
