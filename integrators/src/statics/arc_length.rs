@@ -81,8 +81,8 @@ const EQUAL: f64 = 0.999;
 /// Cosine between successive tangents below which a step is rejected: a path that turns by more
 /// within one step may be another one.
 pub(super) const SHARPEST_BEND: f64 = 0.6;
-/// Corrections of coordinates over their scales that cannot be another part of the path.
-const LEAST: f64 = 1e-12;
+/// Corrections of coordinates over their scales that cannot be another part of the path, where they turn back or rest.
+const LEAST: f64 = 1e-8;
 
 impl Newton {
     /// Unit tangent at a position, in the direction of its present one.

@@ -2,7 +2,9 @@
 
 use super::corrections::truss;
 use crate::support::beams::line;
-use crate::support::closures::{CLOSURES, GROUND, PLAIN, arm, fixed, hinge, joint};
+use crate::support::closures::{
+    CLOSURES, GROUND, PLAIN, arm, body, body_of, fixed, hinge, joint, probe_of,
+};
 use crate::support::drawings::tagged;
 use crate::support::prelude::*;
 use crate::support::program::*;
@@ -296,4 +298,46 @@ fn a_truss_of_springs_snaps_through_and_is_drawn() {
     let ends = [-1.0, 0.0, 0.0, 0.0, 0.5, 0.0, 0.0, 0.5, 0.0, 1.0, 0.0, 0.0];
     assert_eq!(grid_array(&document, "Points"), ends);
     assert_eq!(grid_array(&document, "types"), [3.0, 3.0]);
+}
+
+/// Displacements that turn back along a path, x = 3 sin(4π t)/5, and others that rest, under a dead load.
+#[test]
+fn arc_length_passes_where_displacements_turn_back_or_rest() {
+    let hung = [
+        hinge("crank", "ground", "prescribed = { proportional = 13 }"),
+        hinge("pendulum", "ground", "spring = { k = 2 }"),
+        body_of(
+            "pendulum",
+            0.6,
+            "center = [0.05, -0.4, 0]\ninertia = [0.1, 0.1, 0.1]",
+        ),
+        body("crank"),
+        "[[loads]]\ngravity = [0, -9.81, 0]\ntime = { constant = 1 }\n".to_owned(),
+    ];
+    let moved = [
+        joint(
+            "slider",
+            "prismatic",
+            "ground",
+            "axis = [1, 0, 0]\nspring = { k = 5 }",
+        ),
+        body_of("slider", 1.0, ""),
+        probe_of("x", "joint_coordinate", "joint = \"slider\""),
+        "[[loads]]\nnode = \"slider\"\nforce = [3, 0, 0]\n\
+         time = { sine = { amplitude = 1, omega = 12.566370614359172 } }\n"
+            .to_owned(),
+    ];
+    for load_scale in [0.1, 1.0, 10.0] {
+        let analysis = format!("[analysis.arc_length]\nload_scale = {load_scale}\n{PLAIN}");
+        let text = [GROUND, &moved.concat(), &analysis];
+        for row in recorded("statics_sine", &text.concat()) {
+            let exact = 0.6 * (12.566370614359172 * number(&row, "t")).sin();
+            assert_close(number(&row, "x"), exact, 1e-8, load_scale);
+        }
+        let ran = run_of(
+            "statics_rests",
+            &[GROUND, &hung.concat(), &analysis].concat(),
+        );
+        assert_eq!(ran.result["statistics"]["rejected"], 0, "{load_scale}");
+    }
 }
