@@ -92,6 +92,36 @@ impl Stepper {
         }
     }
 
+    /// Moves the coordinates to where the equations of multipliers hold, after a jump of prescribed ones within them: by Newton's
+    /// method, with the corrections of an impulse.
+    ///
+    /// # Errors
+    /// [`DynamicsError`] if they are not found to hold nearby.
+    pub(super) fn close_gaps(
+        &mut self,
+        system: &mut dyn System,
+        state: &mut State,
+        h: f64,
+    ) -> Result<(), DynamicsError> {
+        let multipliers = system.pattern().coordinates().iter();
+        let multipliers: Vec<bool> = multipliers.map(|info| info.is_multiplier).collect();
+        let (mut before, mut gaps) = (f64::INFINITY, vec![0.0; state.q.len()]);
+        while multipliers.contains(&true) {
+            let evaluated = system.evaluate(state.point(), Evaluation::residual(&mut gaps));
+            evaluated.map_err(DynamicsError::at(state.t))?;
+            keep(&mut gaps, &multipliers, true);
+            let largest = gaps.iter().fold(0.0, |most: f64, gap| most.max(gap.abs()));
+            if largest == 0.0 || largest > 0.5 * before {
+                break;
+            }
+            before = largest;
+            self.solve_mass(system, state, (h, 0.0), Some(&gaps))?;
+            keep(&mut self.r, &multipliers, false);
+            add(&mut state.q, 1.0, &self.r);
+        }
+        self.check_gaps(system, state)
+    }
+
     /// Computes the accelerations of a state, true and algorithmic, its multipliers, and the velocities
     /// of coordinates with damping but no mass.
     ///

@@ -34,8 +34,8 @@ impl MotionRun {
         Ok(changed)
     }
 
-    /// Continues after a change of the state, or of inputs: where prescribed velocities follow these, they jump as at a
-    /// kink.
+    /// Continues after a change of the state, or of inputs: loops are closed again, and where prescribed velocities follow
+    /// inputs, they jump as at a kink.
     pub(super) fn refresh(
         &mut self,
         system: &mut dyn System,
@@ -52,6 +52,8 @@ impl MotionRun {
             known = momentum.unwrap_or(false) && self.momentum.iter().all(|p| p.is_finite());
             progress.inputs = now;
         }
+        let h = self.options.step.min(progress.next_step);
+        self.stepper.close_gaps(system, &mut progress.state, h)?;
         self.proceed(system, progress, known)
     }
 

@@ -79,6 +79,38 @@ fn turns_are_counted_between_readings() {
     assert_close(turn, 30.0, 1e-9, "turn");
 }
 
+/// A crank that an input moves takes its linkage along, without a velocity, also where multipliers close it.
+#[test]
+fn an_input_moves_a_loop_at_rest() {
+    for closure in &CLOSURES[..2] {
+        for scheme in ["\"radau\"", "\"bathe\"", "{ generalised-alpha = 0.8 }"] {
+            let text = [
+                GROUND,
+                "[inputs]\nu = 0\n",
+                &four_bar(["prescribed = { input = \"u\" }", "", ""], closure),
+                &probe_of("energy", "kinetic_energy", ""),
+                &motion(0.1, 0.01),
+                &format!("scheme = {scheme}\n"),
+            ];
+            let mut run = started(&text.concat()).unwrap();
+            for u in [0.05, 0.3, -0.2] {
+                run.set_input("u", u).unwrap();
+                run.step().unwrap();
+                let [b, d] = linkage(u);
+                for (probe, exact) in [("A", u), ("B", b), ("D", d), ("energy", 0.0)] {
+                    let found = run.probe(probe).unwrap()[0];
+                    assert_close(
+                        found,
+                        exact,
+                        1e-11,
+                        format_args!("{closure} {scheme}: {probe}"),
+                    );
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn unknown_names_and_static_models_are_refused() {
     let mut motion = pendulum();
