@@ -2,6 +2,7 @@
 
 use super::finish::Finish;
 use super::search::Search;
+use super::shift_invert::Order;
 use super::{Linearized, check_count};
 use crate::linear_solver::LinearError;
 use num_complex::Complex64;
@@ -48,6 +49,14 @@ impl ModeOptions {
         Self {
             selection: Selection::Nearest { count, omega: 0.0 },
             undamped: false,
+        }
+    }
+
+    /// Order of the eigenvalue problem.
+    pub(super) fn order(&self, lin: &Linearized) -> Order {
+        match self.undamped || lin.C.iter().all(|c| *c == 0.0) {
+            true => Order::Squares,
+            false => Order::Quadratic,
         }
     }
 }
@@ -169,14 +178,14 @@ pub fn modes_while(
     observer: &mut dyn FnMut(usize) -> ControlFlow<()>,
 ) -> Result<Modes, ModesError> {
     check(lin, options)?;
-    let undamped = undamped(lin, options, observer)?;
+    let (undamped, mut factorisations) = undamped(lin, options, observer)?;
     let rigid: Vec<Mode> = match options.selection {
         Selection::Nearest { omega, .. } if omega > 0.0 => Vec::new(),
         _ => (undamped.iter().filter(|mode| mode.omega() == 0.0))
             .cloned()
             .collect(),
     };
-    let (mut sought, mut factorisations) = (*options, 0);
+    let mut sought = *options;
     // More than there are.
     let most = options.selection.most().min(2 * lin.dim() + 1);
     if let Selection::Nearest { count, .. } = &mut sought.selection {
@@ -184,7 +193,7 @@ pub fn modes_while(
     }
     loop {
         let search = Search::new(lin, &sought, &undamped)?;
-        let (order, symmetric) = search.kind();
+        let (order, symmetric) = (options.order(lin), search.is_symmetric());
         let found = search.run(observer)?;
         factorisations += found.factorisations;
         let finish = Finish::new(lin, order, symmetric, found.scales);
@@ -214,23 +223,25 @@ pub fn modes_while(
     }
 }
 
-/// Of a system with damping the modes without, if they can be counted: rigid ones are modes with damping, too.
+/// Of a system with damping the modes without, if they can be counted, and the number of factorisations. Rigid ones are modes
+/// with damping, too.
 fn undamped(
     lin: &Linearized,
     options: &ModeOptions,
     observer: &mut dyn FnMut(usize) -> ControlFlow<()>,
-) -> Result<Vec<Mode>, ModesError> {
-    let damped = !options.undamped && lin.C.iter().any(|c| *c != 0.0);
-    if !damped || !lin.is_symmetric(&lin.K) || !lin.is_symmetric(&lin.M) {
-        return Ok(Vec::new());
+) -> Result<(Vec<Mode>, usize), ModesError> {
+    let countable = lin.is_symmetric(&lin.K) && lin.is_symmetric(&lin.M);
+    if options.order(lin) == Order::Squares || !countable {
+        return Ok((Vec::new(), 0));
     }
     let undamped = ModeOptions {
         undamped: true,
         ..*options
     };
     match modes_while(lin, &undamped, observer) {
+        Ok(found) => Ok((found.modes, found.factorisations)),
         Err(ModesError::Interrupted) => Err(ModesError::Interrupted),
-        found => Ok(found.map_or_else(|_| Vec::new(), |found| found.modes)),
+        Err(_) => Ok((Vec::new(), 0)),
     }
 }
 

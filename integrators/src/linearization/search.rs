@@ -54,10 +54,7 @@ impl<'a> Search<'a> {
         options: &ModeOptions,
         undamped: &[Mode],
     ) -> Result<Self, ModesError> {
-        let order = match options.undamped || lin.C.iter().all(|c| *c == 0.0) {
-            true => Order::Squares,
-            false => Order::Quadratic,
-        };
+        let order = options.order(lin);
         let symmetric =
             order == Order::Squares && lin.is_symmetric(&lin.K) && lin.is_symmetric(&lin.M);
         let inner = match symmetric {
@@ -184,13 +181,8 @@ impl<'a> Search<'a> {
         Ok(self.below(0.0)?.is_some_and(|n| n > 0))
     }
 
-    /// Its order, and whether it is symmetric.
-    pub fn kind(&self) -> (Order, bool) {
-        (self.order, self.is_symmetric())
-    }
-
     /// Whether the operator is self-adjoint in the inner product.
-    fn is_symmetric(&self) -> bool {
+    pub fn is_symmetric(&self) -> bool {
         self.inner != Inner::Coordinates
     }
 

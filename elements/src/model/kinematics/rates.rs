@@ -237,21 +237,10 @@ impl Context {
             changes.set_column(k, &(then.1 - &now.1));
             v[u] = own;
         }
-        let mut metric = changes.tr_mul(&changes);
-        for k in 0..unknowns.len() {
-            if metric[(k, k)] == 0.0 {
-                metric[(k, k)] = 1.0; // It is in no loop.
-            }
-        }
         let wanted = DVector::from_iterator(wanted.len(), wanted.iter().map(scaled));
         let mut missing = &wanted - &now.0;
         // Prescribed or locked coordinates keep their rates.
-        if !unknowns.is_empty()
-            && let Some(L) = metric.cholesky().map(|factors| factors.unpack())
-            && let Some(over) = L.solve_lower_triangular(&columns.transpose())
-            && let Ok(more) = over.transpose().svd(true, true).solve(&missing, 1e-9)
-            && let Some(more) = L.tr_solve_lower_triangular(&more)
-        {
+        if let Some(more) = smallest(&columns, &missing, &changes) {
             for (&u, more) in unknowns.iter().zip(more.iter()) {
                 v[u] += more * model.unit(u);
             }
@@ -270,4 +259,20 @@ impl Context {
         let state = self.node_state(node);
         [state.velocity, state.omega][k / 3][k % 3]
     }
+}
+
+/// The least squares solution of J x = b with the smallest change B x; columns of zeros in B count by themselves.
+fn smallest(J: &DMatrix<f64>, b: &DVector<f64>, B: &DMatrix<f64>) -> Option<DVector<f64>> {
+    if J.ncols() == 0 {
+        return None;
+    }
+    let mut metric = B.tr_mul(B);
+    for k in 0..J.ncols() {
+        if metric[(k, k)] == 0.0 {
+            metric[(k, k)] = 1.0;
+        }
+    }
+    let L = metric.cholesky()?.unpack();
+    let over = L.solve_lower_triangular(&J.transpose())?.transpose();
+    L.tr_solve_lower_triangular(&over.svd(true, true).solve(b, 1e-9).ok()?)
 }
