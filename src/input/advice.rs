@@ -205,7 +205,9 @@ impl InputProblem {
             }
             Self::InitialNode { .. } => "name the node",
             Self::InitialNothing => "add displacement, rotation, velocity or angular_velocity",
-            Self::InitialHeld { .. } => "remove it, or free the node or its joint",
+            Self::InitialHeld { .. } => {
+                "remove it, free the node or its joint, or give a joint before it a `rate` or `value`"
+            }
             Self::InitialAttached { .. } => {
                 "give it to the joint's parent, or give the joint a `value` or `rate`; a ball joint takes rotations"
             }

@@ -199,7 +199,7 @@ fn position(entries: &[(String, Mark)], room: i32) -> Vec<(i32, i32)> {
     out
 }
 
-/// Draws a legend with its upper left corner at a point (in units).
+/// Draws a legend with its upper left corner at a point (in units); what is longer than the room ends with an ellipsis.
 pub(super) fn legend(
     area: &Area<'_>,
     [left, top]: [i32; 2],
@@ -207,7 +207,10 @@ pub(super) fn legend(
     entries: &[(String, Mark)],
 ) -> Result<(), PlotError> {
     let style = font(TEXT).pos(Pos::new(HPos::Left, VPos::Center));
+    let letters = (room - SAMPLE - 6) * FINE / width("n", TEXT) - 1;
     for ((text, mark), (x, row)) in entries.iter().zip(position(entries, room)) {
+        let end = text.char_indices().nth(letters.max(0) as usize);
+        let text = end.map_or_else(|| text.clone(), |(end, _)| format!("{}…", &text[..end]));
         let x = left * FINE + x;
         let y = (top + row * ROW + ROW / 2) * FINE;
         let middle = (x + SAMPLE * FINE / 2, y);
@@ -235,7 +238,7 @@ pub(super) fn legend(
                 line(x + 15 * FINE, 9, color, 3)?;
             }
         }
-        area.draw_text(text, &style, (x + (SAMPLE + 6) * FINE, y))?;
+        area.draw_text(&text, &style, (x + (SAMPLE + 6) * FINE, y))?;
     }
     Ok(())
 }
