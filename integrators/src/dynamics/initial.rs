@@ -96,7 +96,7 @@ impl Stepper {
     /// method, with the corrections of an impulse.
     ///
     /// # Errors
-    /// [`DynamicsError`] if they are not found to hold nearby.
+    /// [`DynamicsError`] if they are not found to hold nearby; the state is then unchanged.
     pub(super) fn close_gaps(
         &mut self,
         system: &mut dyn System,
@@ -105,21 +105,27 @@ impl Stepper {
     ) -> Result<(), DynamicsError> {
         let multipliers = system.pattern().coordinates().iter();
         let multipliers: Vec<bool> = multipliers.map(|info| info.is_multiplier).collect();
+        if !multipliers.contains(&true) {
+            return Ok(());
+        }
         let (mut before, mut gaps) = (f64::INFINITY, vec![0.0; state.q.len()]);
-        while multipliers.contains(&true) {
-            let evaluated = system.evaluate(state.point(), Evaluation::residual(&mut gaps));
-            evaluated.map_err(DynamicsError::at(state.t))?;
+        let mut there = state.clone();
+        loop {
+            let evaluated = system.evaluate(there.point(), Evaluation::residual(&mut gaps));
+            evaluated.map_err(DynamicsError::at(there.t))?;
             keep(&mut gaps, &multipliers, true);
             let largest = gaps.iter().fold(0.0, |most: f64, gap| most.max(gap.abs()));
             if largest == 0.0 || largest > 0.5 * before {
                 break;
             }
             before = largest;
-            self.solve_mass(system, state, (h, 0.0), Some(&gaps))?;
+            self.solve_mass(system, &there, (h, 0.0), Some(&gaps))?;
             keep(&mut self.r, &multipliers, false);
-            add(&mut state.q, 1.0, &self.r);
+            add(&mut there.q, 1.0, &self.r);
         }
-        self.check_gaps(system, state)
+        self.check_gaps(system, &there)?;
+        state.q = there.q;
+        Ok(())
     }
 
     /// Computes the accelerations of a state, true and algorithmic, its multipliers, and the velocities

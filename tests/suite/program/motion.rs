@@ -111,6 +111,24 @@ fn an_input_moves_a_loop_at_rest() {
     }
 }
 
+/// A rocker cannot be turned by 3 rad: its motion goes on from where it was once the input is within reach.
+#[test]
+fn an_input_out_of_reach_leaves_a_loop_as_it_was() {
+    let text = [
+        GROUND,
+        "[inputs]\nu = 0\n",
+        &four_bar(["", "", "prescribed = { input = \"u\" }"], CLOSURES[1]),
+        &motion(0.1, 0.01),
+    ];
+    let mut run = started(&text.concat()).unwrap();
+    run.set_input("u", 3.0).unwrap();
+    run.step().unwrap_err();
+    let [_, rocker] = linkage(0.05);
+    run.set_input("u", rocker).unwrap();
+    run.step().unwrap();
+    assert_close(run.probe("A").unwrap()[0], 0.05, 1e-9, "crank");
+}
+
 #[test]
 fn unknown_names_and_static_models_are_refused() {
     let mut motion = pendulum();
