@@ -267,10 +267,11 @@ impl FailedStep {
                 StepParameter::Time => "Newton's corrections grow; take smaller steps",
             }),
             Cause::OffPath => f.write_str(
-                "the path turns too sharply for steps of this size, branches or ends; with a larger \
-                 load_scale displacements measure steps more than loads do, which helps at limit \
-                 points of shallow or stiff structures together with a max_step and a first_step below \
-                 their displacements over their size; an imperfection makes branches smooth",
+                "the path turns too sharply for steps of this size, branches or ends, or elements of total rotation vectors \
+                 change their charts and jump (those with `interpolation = \"geodesic\"` do not jump); with a larger \
+                 load_scale displacements measure steps more than loads do, which helps at limit points of shallow or stiff \
+                 structures together with a max_step and a first_step below their displacements over their size; an \
+                 imperfection makes branches smooth",
             ),
             Cause::Inaccurate => f.write_str(
                 "the estimate of the local error asks for steps below min_step; raise the tolerance",

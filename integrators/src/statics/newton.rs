@@ -255,7 +255,8 @@ impl Newton {
             let ended = converged || self.history.len() - begun >= self.options.max_iterations;
             if !ended {
                 let dt = self.solve(q, *t, condition)?;
-                damping = self.damped_step(system, q, t, dt, ratio)?;
+                let free = self.history.len() - begun <= self.options.full_corrections;
+                damping = self.damped_step(system, q, t, (dt, free), ratio)?;
                 correction = self.size(&self.dq);
             }
             self.history.push(Iteration {
@@ -302,11 +303,10 @@ impl Newton {
         system: &mut dyn System,
         q: &mut [f64],
         t: &mut f64,
-        dt: f64,
+        (dt, free): (f64, bool),
         ratio: f64,
     ) -> Result<f64, Cause> {
         let full = self.size(&self.dq);
-        let free = self.history.len() <= self.options.full_corrections;
         if !full.is_finite() {
             return Err(Cause::Diverged);
         }

@@ -6,7 +6,7 @@ use super::locate::Located;
 use super::newton::Newton;
 use super::options::check;
 use super::path_attempt::{Converging, off_path};
-use super::start::begin;
+use super::start::{balance, begin};
 use super::steps::StaticAnalysis;
 use super::{ArcLengthOptions, Event, Iteration, StaticSummary, StaticsError, Step};
 use crate::abilities::{self, charts};
@@ -343,9 +343,13 @@ impl PathRun {
         self.changes = changed.charts;
         if changed.residual {
             // The discretisation depends on charts: the equilibrium in the new ones is another one.
-            let (mut q, mut t) = (at.q.clone(), at.t);
-            if (self.newton.correct(system, &mut q, &mut t, None, None)).is_ok() {
-                at.q = q;
+            let mut q = at.q.clone();
+            match balance(&mut self.newton, system, &mut q, at.t) {
+                Ok(changes) => {
+                    at.q = q;
+                    self.changes += changes;
+                }
+                Err(_) => charts(system).start(at.t, &at.q),
             }
         }
         self.fresh = changed == ChartChanges::default() && bend.is_some();

@@ -58,7 +58,7 @@ pub(super) fn begin(
 
 /// Balances the loads at `t`, evaluated at `q`: at once if the first correction is small, and part by part otherwise.
 /// Returns the number of changes of chart.
-fn balance(
+pub(super) fn balance(
     newton: &mut Newton,
     system: &mut dyn System,
     q: &mut [f64],
