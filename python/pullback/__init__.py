@@ -242,7 +242,10 @@ class ModelBuilder:
         self._tables: dict[str, Any] = {} if title is None else {"title": title}
 
     def _named(self, table: str, name: str, value: Any) -> None:
-        self._tables.setdefault(table, {})[name] = value
+        named = self._tables.setdefault(table, {})
+        if name in named:
+            raise ValueError(f"{table} has {name!r} already")
+        named[name] = value
 
     def _add(self, table: str, keys: dict[str, Any]) -> None:
         entry = {key.removesuffix("_"): value for key, value in keys.items()}
@@ -259,6 +262,10 @@ class ModelBuilder:
     def input(self, name: str, value: float = 0.0) -> None:
         """A value that loads, actuators and prescribed coordinates read by its name."""
         self._named("inputs", name, value)
+
+    def imperfection(self, **keys: Any) -> None:
+        """A mode shape of another analysis that is added to the positions of nodes."""
+        self._add("imperfections", keys)
 
     def line(self, name: str, **keys: Any) -> None:
         """A line of beam elements."""
@@ -297,7 +304,7 @@ class ModelBuilder:
         self._add("probes", {"name": name, "quantity": quantity, **keys})
 
     def analysis(self, kind: str, **keys: Any) -> None:
-        """The analysis."""
+        """The analysis, in place of one given before."""
         self._tables["analysis"] = {kind: keys}
 
     def to_toml(self) -> str:
@@ -375,6 +382,7 @@ class Simulation:
 
         A coordinate that an input prescribes jumps to its new value with all that is attached to it, without a velocity:
         that motion causes no inertia. Move such parts by an actuator, or by a spring to a massless node.
+        Read values of the present state before: those after it mix new forces with old accelerations.
         """
         self._motion.set_input(name, value)
 

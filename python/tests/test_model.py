@@ -57,6 +57,12 @@ def test_the_example_of_the_builder_builds():
     assert isinstance(names["model"], pb.Model)
 
 
+def test_a_name_is_given_once():
+    m = builder()
+    with pytest.raises(ValueError, match="nodes has 'tip' already"):
+        m.node("tip", [1, 0, 0])
+
+
 def test_names_and_titles_of_any_characters():
     title, name = 'a "title" \\', "tip \U0001f600"
     m = pb.ModelBuilder(title)

@@ -68,7 +68,8 @@ pub trait EnergyElement<const N: usize>: Send + Sync {
     const DISSIPATION: bool = true;
 
     /// Potential energy U(t, x), unit F L, smooth in t: a function with kinks in time is for an
-    /// [`Element`](crate::element::Element) that names them.
+    /// [`Element`](crate::element::Element) that names them. An element whose energy depends on t is declared a load, as it
+    /// supplies work: otherwise the balance of energy takes that for an error.
     fn potential<S: Scalar>(&self, t: S, x: &SVector<S, N>) -> S {
         let _ = (t, x);
         S::zero()

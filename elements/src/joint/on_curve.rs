@@ -13,6 +13,7 @@ pub trait Curve: Send + Sync {
     fn at<S: Scalar>(&self, s: S) -> Vector3<S>;
 
     /// What the parameter is, such as a length for the arc length; neither a length nor an angle by default.
+    /// Such a parameter should be scaled to changes of about one: the errors of adaptive steps are measured by it.
     fn quantity(&self) -> Quantity {
         Quantity::Other
     }

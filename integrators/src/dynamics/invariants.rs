@@ -47,6 +47,17 @@ impl Invariants {
         self.set_power(now);
     }
 
+    /// Keeps the momenta along some motions alone.
+    pub(super) fn retain(&mut self, mut kept: impl FnMut(&RigidRates) -> bool) {
+        for k in (0..self.motions.len()).rev() {
+            if !kept(&self.motions[k]) {
+                self.motions.remove(k);
+                self.momenta.remove(k);
+                self.forces.remove(k);
+            }
+        }
+    }
+
     /// Takes over the powers of a state.
     pub(super) fn set_power(&mut self, now: &Energies) {
         (self.power, self.gross_power) = (now.power(), gross_power(now));

@@ -127,6 +127,9 @@ impl InvariantProjection {
         h: f64,
     ) -> Result<Energies, DynamicsError> {
         let (state, summary) = (&mut progress.state, &mut progress.summary);
+        if let Some(invariants) = &mut progress.invariants {
+            invariants.retain(|motion| energetics(system).is_symmetry(state.point(), motion));
+        }
         let mut now = self.energies(system, state)?;
         let Some(invariants) = &mut progress.invariants else {
             return Ok(now);

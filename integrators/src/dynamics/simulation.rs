@@ -139,6 +139,7 @@ where
     ///
     /// A coordinate that an input prescribes jumps to its new value with all that is attached to it, without a velocity:
     /// that motion causes no inertia. Move such parts by an actuator, or by a spring to a massless node.
+    /// What the system answers until that step mixes the forces of new inputs with the accelerations before.
     ///
     /// # Panics
     /// If the system has no such input.

@@ -109,6 +109,13 @@ pub trait Energetics {
         Vec::new()
     }
 
+    /// Whether a motion from [`Energetics::symmetries`] still is one at another point, which a step has reached: a joint may
+    /// follow it for a part of its way alone, as a point on a track that begins straight. True by default.
+    fn is_symmetry(&mut self, at: Point<'_>, motion: &RigidRates) -> bool {
+        let _ = (at, motion);
+        true
+    }
+
     /// Rates of all coordinates at q in a rigid motion from [`Energetics::symmetries`], or in a sum
     /// of these.
     fn rigid_rates(&mut self, q: &[f64], motion: &RigidRates, rates: &mut [f64]) {

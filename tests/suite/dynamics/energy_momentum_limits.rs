@@ -178,3 +178,35 @@ fn a_sphere_may_turn_many_times_in_a_step() {
         }
     }
 }
+
+/// A car on a level track, straight for 4 m and then half a circle: nothing does work, so that its speed stays. The momentum
+/// along the first part is one of that part alone.
+#[test]
+fn a_track_that_begins_straight_gives_no_momentum_to_its_bend() {
+    let straight = (0..32).map(|k| [0.125 * f64::from(k), 0.0, 0.0]);
+    let bend = (0..=16).map(|k| {
+        let (sin, cos) = (PI * f64::from(k) / 16.0).sin_cos();
+        [4.0 + sin, 1.0 - cos, 0.0]
+    });
+    let points: Vec<_> = straight.chain(bend).collect();
+    let text = [
+        GROUND,
+        &joint(
+            "car",
+            "on_curve",
+            "ground",
+            &format!("through = {points:?}\nstart = 1"),
+        ),
+        &body("car"),
+        "[[initial]]\nnode = \"car\"\nvelocity = [2, 0, 0]\n[analysis.dynamic]\nto = 2.5\n",
+    ]
+    .concat();
+    for scheme in ["projected-newmark", "projected-newmark:0.9"] {
+        let model = run(&text, scheme, 0.005, &mut |_, _| ());
+        let car = model.node_state(model.find("car").unwrap());
+        // s = 6 m, 2 m into the bend of radius 1 m; the curve differs from it by the corner between both.
+        let exact = Vector3::new(4.0 + 2.0_f64.sin(), 1.0 - 2.0_f64.cos(), 0.0);
+        let off = (car.position - exact).norm();
+        assert!(off < 5e-3, "{scheme}: {} {off}", car.position);
+    }
+}

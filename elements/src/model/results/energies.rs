@@ -91,6 +91,12 @@ impl Energetics for Context {
         found
     }
 
+    /// Frames may be kept from it by joints alone.
+    fn is_symmetry(&mut self, at: Point<'_>, motion: &RigidRates) -> bool {
+        let joints = self.work.released.iter().flatten().any(|rate| *rate != 0.0);
+        !joints || Measured(self).follows(at, motion).unwrap_or(false)
+    }
+
     /// Joint coordinates have constant rates.
     fn rigid_rates(&mut self, q: &[f64], motion: &RigidRates, rates: &mut [f64]) {
         rates.fill(0.0);

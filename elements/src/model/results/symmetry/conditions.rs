@@ -89,8 +89,35 @@ impl Measured<'_> {
         q: &[f64],
         rows: &mut Vec<[f64; 6]>,
     ) -> Result<(), SystemError> {
-        let frames = self.moving_frames();
-        let zero = vec![0.0; q.len()];
+        let first = rows.len();
+        for k in 0..6 {
+            let errors = self.frame_errors(t, q, &unit(k))?;
+            rows.resize(first + errors.len(), [0.0; 6]);
+            for (row, error) in rows[first..].iter_mut().zip(errors) {
+                row[k] = error * self.0.measure(k);
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether frames with elements follow a motion.
+    pub(in crate::model::results) fn follows(
+        &mut self,
+        at: Point<'_>,
+        xi: &RigidRates,
+    ) -> Result<bool, SystemError> {
+        let errors = self.frame_errors(at.t, at.q, xi)?;
+        Ok(errors.iter().all(|error| error.abs() <= NOTHING))
+    }
+
+    /// Errors of frames with elements in a motion: of their velocities, in lengths of the model, and angular velocities.
+    fn frame_errors(
+        &mut self,
+        t: f64,
+        q: &[f64],
+        xi: &RigidRates,
+    ) -> Result<Vec<f64>, SystemError> {
+        let (mut X, zero) = (vec![0.0; q.len()], vec![0.0; q.len()]);
         let rest = Point {
             t,
             q,
@@ -99,33 +126,27 @@ impl Measured<'_> {
         };
         self.0.expand(rest)?;
         let prescribed = self.0.work.v.clone();
-        let first = rows.len();
-        rows.resize(first + 6 * frames.len(), [0.0; 6]);
-        for (k, X) in self.fields(q).iter().enumerate() {
-            self.0.expand(Point { v: X, ..rest })?;
-            let motion = motion_of(&unit(k));
-            for (frame, rows) in frames.iter().zip(rows[first..].chunks_exact_mut(6)) {
-                let node = &self.0.model.nodes[*frame];
-                let rate = |i: usize| {
-                    let c = node.first + i;
-                    three(&self.0.work.v, c) - three(&prescribed, c)
-                };
-                let x = &self.0.work.x[node.range()];
-                let position = node.position + three(x, 0);
-                let T = match node.form {
-                    NodeForm::Pose => Matrix3::identity(),
-                    _ => so3::tangent(&three(x, 3)),
-                };
-                let missing = (rate(0) - motion.velocity - motion.omega.cross(&position))
-                    / self.0.model.length;
-                let turned = T.tr_mul(&rate(3)) - motion.omega;
-                for i in 0..3 {
-                    rows[i][k] = missing[i] * self.0.measure(k);
-                    rows[3 + i][k] = turned[i] * self.0.measure(k);
-                }
-            }
+        self.0.rigid_rates(q, xi, &mut X);
+        self.0.expand(Point { v: &X, ..rest })?;
+        let (motion, mut errors) = (motion_of(xi), Vec::new());
+        for frame in self.moving_frames() {
+            let node = &self.0.model.nodes[frame];
+            let rate = |i: usize| {
+                let c = node.first + i;
+                three(&self.0.work.v, c) - three(&prescribed, c)
+            };
+            let x = &self.0.work.x[node.range()];
+            let position = node.position + three(x, 0);
+            let T = match node.form {
+                NodeForm::Pose => Matrix3::identity(),
+                _ => so3::tangent(&three(x, 3)),
+            };
+            let missing = rate(0) - motion.velocity - motion.omega.cross(&position);
+            let turned = T.tr_mul(&rate(3)) - motion.omega;
+            errors.extend_from_slice((missing / self.0.model.length).as_slice());
+            errors.extend_from_slice(turned.as_slice());
         }
-        Ok(())
+        Ok(errors)
     }
 
     /// Frames with elements that are not entirely prescribed.
