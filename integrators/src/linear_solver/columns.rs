@@ -14,10 +14,6 @@ use super::{
 /// its mechanism.
 const SHIFT: f64 = 1e-12;
 
-/// Compliance of the equation of a multiplier in the scaled matrix when only signs are needed: small beside
-/// that of one element, and large beside rounding errors.
-const SOFTNESS: f64 = 1e-4;
-
 /// The scaled matrix column by column, and the work vectors of the checks.
 pub struct Columns {
     pub pattern: BlockPattern,
@@ -88,9 +84,9 @@ impl Columns {
     }
 
     /// Gives multipliers a compliance.
-    pub fn soften(&mut self) {
+    pub fn soften(&mut self, compliance: f64) {
         self.shift(|coordinate| match coordinate.is_multiplier {
-            true => -SOFTNESS,
+            true => -compliance,
             false => 0.0,
         });
     }

@@ -249,9 +249,14 @@ impl<F: Factors> Faer<F> {
     }
 }
 
+/// Compliances of the equation of a multiplier in the scaled matrix when only signs are needed: small beside that of one
+/// element, and large beside rounding errors.
+const SOFTNESS: [f64; 2] = [1e-4, 1e-7];
+
 impl FaerLdlt {
-    /// Negative pivots of a factorisation for their signs alone. Multipliers get a small negative diagonal: their equations
-    /// become stiff springs.
+    /// Negative pivots of a factorisation for their signs alone. Multipliers get a small diagonal, with which their equations
+    /// become stiff springs, of negative stiffness if it is positive. The number falls with that diagonal, so that it is the
+    /// one without where it is the same for both signs.
     pub(super) fn signs(&mut self, pattern: &BlockPattern, values: &[f64]) -> Option<usize> {
         if self.ready.is_none() {
             let columns = Columns::new(pattern);
@@ -259,10 +264,14 @@ impl FaerLdlt {
             self.ready = Some((columns, factors));
         }
         let (columns, factors) = self.ready.as_mut()?;
-        columns.load(values).ok()?;
-        columns.soften();
-        factors.factorise(columns).ok().filter(|regular| *regular)?;
-        negative(columns, factors)
+        let mut count = |compliance: f64| {
+            columns.load(values).ok()?;
+            columns.soften(compliance);
+            factors.factorise(columns).ok().filter(|regular| *regular)?;
+            negative(columns, factors)
+        };
+        let mut both = SOFTNESS.iter().map(|s| [*s, -s].map(&mut count));
+        both.find_map(|[above, below]| above.filter(|_| above == below))
     }
 }
 

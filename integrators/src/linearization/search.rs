@@ -26,6 +26,8 @@ const CHECK: usize = 16;
 const SHIFTS: usize = 12;
 /// The radius that is counted, relative to the distance of the last mode from the shift.
 const MARGIN: f64 = 1e-3;
+/// Relative difference of eigenvalues that are one.
+const EQUAL: f64 = 1e-6;
 
 /// The search, with its operator and options.
 pub(super) struct Search<'a> {

@@ -3,7 +3,7 @@
 
 use super::solved;
 use crate::support::beams::{COLUMN, PINNED, line};
-use crate::support::closures::{CLOSURES, beam_line, fixed, hinge, joint};
+use crate::support::closures::{CLOSURES, GROUND, arm, beam_line, fixed, hinge, joint};
 use crate::support::prelude::*;
 use crate::support::program::{assert_says, changed, example, run_of};
 
@@ -227,4 +227,28 @@ fn a_stiff_portal_sways_at_its_load_with_multipliers() {
         assert_eq!(step.unstable, Some(unstable), "{}", step.t);
     })
     .unwrap();
+}
+
+/// Two links of length 1/2 with springs of 0.7 and 2 at their hinges, in a line with the force on the slider that closes the
+/// loop: they turn by θ and −θ, and buckle at 0.7 + 4·2.
+#[test]
+fn multipliers_leave_the_count_next_to_a_critical_load() {
+    let text = [
+        GROUND,
+        &hinge("first", "ground", "spring = { k = 0.7 }"),
+        &arm("middle", "first", [0.5, 0.0, 0.0]),
+        &hinge("second", "middle", "spring = { k = 2 }"),
+        &arm("end", "second", [1.0, 0.0, 0.0]),
+        &joint("slider", "prismatic", "ground", "axis = [1, 0, 0]"),
+        &arm("tip", "slider", [1.0, 0.0, 0.0]),
+        &hinge("pin", "tip", "child = \"end\"\nclosure = \"multipliers\""),
+        "[[loads]]\nnode = \"tip\"\nforce = [-8.7, 0, 0]\n[analysis.static]\n",
+    ]
+    .concat();
+    for below in [1e-2, 1e-3, 2e-4, 2e-5, 2e-6] {
+        for (to, expected) in [(1.0 - below, 0), (1.0 + below, 1)] {
+            let (_, found) = counts(&format!("{text}to = {to:?}\n")).pop().unwrap();
+            assert_eq!(found, Some(expected), "{to}");
+        }
+    }
 }

@@ -1,12 +1,10 @@
 //! Numbers of eigenvalues by Sylvester's law of inertia.
 
 use super::selection::squares;
-use super::{Inner, MARGIN, ModesError, RitzPair, Search, Selection};
+use super::{EQUAL, Inner, MARGIN, ModesError, RitzPair, Search, Selection};
 
 /// Most halvings of a range towards the modes in it.
 const HALVINGS: usize = 24;
-/// Relative difference of frequencies that are one.
-const EQUAL: f64 = 1e-6;
 /// Part of a range at which it is divided.
 const MIDDLE: f64 = 0.47;
 

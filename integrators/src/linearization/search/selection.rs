@@ -1,7 +1,7 @@
 //! Which eigenvalues of the operator belong to the modes selected, and when they are enough.
 
 use super::super::finish::ROUNDING;
-use super::{Inner, MARGIN, Order, RitzPair, Search, Selection};
+use super::{EQUAL, Inner, Order, RitzPair, Search, Selection};
 use num_complex::Complex64;
 
 /// Largest residual of a converged eigenvalue of the operator, relative to it.
@@ -117,7 +117,7 @@ impl Search<'_> {
             // come first.
             let copies = |p: &RitzPair, next: &RitzPair| {
                 let [size, other] = [p, next].map(|p| p.theta.norm());
-                size - other <= p.residual.max(CONVERGED * size).min(MARGIN * size)
+                size - other <= p.residual.max(CONVERGED * size).min(EQUAL * size)
             };
             for same in pairs.chunk_by_mut(copies) {
                 same.sort_by_key(|p| !is_converged(p, largest));
@@ -194,7 +194,7 @@ impl Search<'_> {
 
 /// Whether distances of pairs are the same.
 pub(super) fn agree(before: &[f64], now: &[f64]) -> bool {
-    let close = |(a, b): (&f64, &f64)| (a - b).abs() <= MARGIN * a;
+    let close = |(a, b): (&f64, &f64)| (a - b).abs() <= EQUAL * a;
     before.len() == now.len() && before.iter().zip(now).all(close)
 }
 
