@@ -54,7 +54,9 @@ pub(crate) struct Krylov<'a> {
     dim: usize,
     /// Largest number of independent vectors.
     most: usize,
-    /// Column j: coefficients of A vⱼ in the basis.
+    /// Number of first vectors that are not multiplied.
+    locked: usize,
+    /// Coefficients of A v of the others in the basis.
     columns: Vec<Vec<f64>>,
     /// Whether a product added no direction: what it had without length is in no column.
     dropped: bool,
@@ -75,6 +77,7 @@ impl<'a> Krylov<'a> {
             images: Vec::with_capacity(RESERVED * dim),
             dim,
             most,
+            locked: 0,
             columns: Vec::new(),
             dropped: false,
         }
@@ -87,12 +90,17 @@ impl<'a> Krylov<'a> {
 
     /// Whether the basis is invariant: nothing is left to multiply.
     pub fn is_exhausted(&self) -> bool {
-        self.columns.len() == self.basis().ncols()
+        self.locked + self.columns.len() == self.basis().ncols()
     }
 
     /// The basis, a vector in each column.
     fn basis(&self) -> MatRef<'_, f64> {
         columns(&self.basis, self.dim)
+    }
+
+    /// Leaves the vectors so far, which span a space that the operator maps to itself, out of the search for others.
+    pub fn lock(&mut self) {
+        self.locked = self.basis().ncols();
     }
 
     /// Adds a start vector; false if the basis contains it.
@@ -104,18 +112,18 @@ impl<'a> Krylov<'a> {
 
     /// The next vector v to multiply, and G v.
     pub fn next(&self) -> Option<(&[f64], &[f64])> {
-        let first = self.columns.len() * self.dim;
+        let first = (self.locked + self.columns.len()) * self.dim;
         let next = first..first + self.dim;
         Some((self.basis.get(next.clone())?, &self.images[next]))
     }
 
     /// Takes the product of the operator and [`Krylov::next`].
     pub fn take(&mut self, mut product: Vec<f64>) {
-        let j = self.columns.len();
+        let j = self.locked + self.columns.len();
         let before = self.basis().ncols();
         let mut known = vec![0.0; before];
         if self.symmetric {
-            for (known, column) in known.iter_mut().zip(&self.columns) {
+            for (known, column) in known[self.locked..].iter_mut().zip(&self.columns) {
                 *known = column.get(j).copied().unwrap_or(0.0);
             }
             known[j] = dot(&product, &self.images[j * self.dim..][..self.dim]);
@@ -166,7 +174,8 @@ impl<'a> Krylov<'a> {
 
     /// Eigenvalues of the operator within the basis, the largest first; `None` if the dense solver fails.
     pub fn ritz(&self) -> Option<Vec<RitzPair>> {
-        ritz_pairs(&self.columns, self.symmetric)
+        let columns: Vec<_> = self.columns.iter().map(|c| &c[self.locked..]).collect();
+        ritz_pairs(&columns, self.symmetric)
     }
 
     /// A x of the vectors x with these coefficients, without a product; `None` if a part of it was dropped.
@@ -304,7 +313,7 @@ fn eigenpairs(H: &Mat<f64>) -> Option<Vec<(Complex64, Vec<Complex64>)>> {
 
 /// Eigenvalues of the upper square of the matrix with these columns, the largest magnitude first; the rows
 /// below give the residuals. `None` if the iteration fails.
-fn ritz_pairs(columns: &[Vec<f64>], symmetric: bool) -> Option<Vec<RitzPair>> {
+fn ritz_pairs(columns: &[&[f64]], symmetric: bool) -> Option<Vec<RitzPair>> {
     let n = columns.len();
     let entry = |i: usize, j: usize| columns[j].get(i).copied().unwrap_or(0.0);
     if !(0..n).all(|j| columns[j].iter().all(|x| x.is_finite())) {
@@ -320,17 +329,23 @@ fn ritz_pairs(columns: &[Vec<f64>], symmetric: bool) -> Option<Vec<RitzPair>> {
     };
     clear_upper_halves();
     pairs.sort_by(|a, b| b.0.norm().total_cmp(&a.0.norm()));
-    let height = columns.iter().map(Vec::len).max().unwrap_or(0);
+    let height = columns.iter().map(|c| c.len()).max().unwrap_or(0);
     let residual = |s: &[Complex64]| {
         let row = |i: usize| s.iter().enumerate().map(move |(j, s)| *s * entry(i, j));
         let squares = (n..height).map(|i| row(i).sum::<Complex64>().norm_sqr());
         squares.sum::<f64>().sqrt()
     };
-    let size = columns.iter().flatten().map(|x| x * x).sum::<f64>().sqrt();
+    let size = columns
+        .iter()
+        .copied()
+        .flatten()
+        .map(|x| x * x)
+        .sum::<f64>()
+        .sqrt();
     let error = |theta: Complex64, s: &[Complex64]| {
         let mut error: Vec<Complex64> = s.iter().map(|s| -theta * s).collect();
         for (column, s) in columns.iter().zip(s) {
-            error.iter_mut().zip(column).for_each(|(e, h)| *e += s * h);
+            error.iter_mut().zip(*column).for_each(|(e, h)| *e += s * h);
         }
         error.iter().map(|e| e.norm_sqr()).sum::<f64>().sqrt()
     };

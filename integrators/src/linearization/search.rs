@@ -13,14 +13,14 @@ mod counting;
 mod selection;
 mod start;
 
-use selection::BETWEEN;
+use selection::{BETWEEN, FINITE, WANDERING};
 
 /// Up to this size of the operator all unit vectors are start vectors, a dense method.
 const DENSE: usize = 120;
 /// Steps between two looks at the eigenvalues; with damping, whose dense eigenvalues cost more than steps, as a part of the basis.
 const LOOK: usize = 2;
 const LOOK_DAMPED: usize = 3;
-/// Steps after which another start vector shows a mode that was missed.
+/// Steps after which another start vector shows a mode that is missing.
 const CHECK: usize = 16;
 /// Most changes of the shift.
 const SHIFTS: usize = 12;
@@ -113,7 +113,7 @@ impl<'a> Search<'a> {
         }
         let mut shift = self.first_shift()?;
         let mut krylov = self.krylov()?;
-        let (mut shifts, mut reached, mut steps, mut starts) = (0, vec![f64::NAN], None, 1);
+        let (mut shifts, mut steps, mut starts) = (0, None, 1);
         let (mut converged, mut limit) = (0, usize::MAX);
         loop {
             if krylov.len() > limit {
@@ -131,21 +131,20 @@ impl<'a> Search<'a> {
                 shifts = SHIFTS;
             }
             converged = self.converged(&pairs);
-            let wanted = self.wanted(&pairs[..converged], expected);
-            limit = 200 + CHECK * starts + 8 * wanted.unwrap_or(converged);
-            let Some(wanted) = wanted.or_else(|| krylov.is_exhausted().then_some(converged)) else {
+            let enough = self.wanted(&pairs[..converged], expected);
+            limit = 200 + CHECK * starts + 8 * enough.unwrap_or(converged);
+            let Some(wanted) = enough.or_else(|| krylov.is_exhausted().then_some(converged)) else {
                 continue;
             };
-            // Of a repeated frequency, a Krylov subspace holds one mode for each start vector: without a count, until one more
-            // changes nothing.
-            if wanted > 0 && !self.is_symmetric() {
-                let now = self.selected(&pairs, wanted);
-                let settled = selection::agree(&std::mem::replace(&mut reached, now.clone()), &now);
-                if !settled && self.add_starts(&mut krylov, 1)? {
-                    starts += 1;
-                    steps = Some(CHECK);
-                    continue;
-                }
+            // Of a repeated frequency, a Krylov subspace holds one mode for each start vector.
+            if wanted > 0
+                && !self.is_symmetric()
+                && self.is_missing(&krylov, &pairs[..wanted], enough.is_some(), observer)?
+                && self.add_starts(&mut krylov, 1)?
+            {
+                starts += 1;
+                steps = Some(CHECK);
+                continue;
             }
             let complete = krylov.is_exhausted() && converged == pairs.len();
             let vectors = self.vectors(&krylov, &pairs[..converged])?;
@@ -248,6 +247,46 @@ impl<'a> Search<'a> {
         Ok(self.without_wandering(pairs))
     }
 
+    /// Whether an eigenvalue of the operator is not among these, where none are counted: the largest one that a start vector
+    /// without their part finds, as it is the first to converge. If they are enough it is larger than the last of them.
+    fn is_missing(
+        &mut self,
+        krylov: &Krylov<'_>,
+        pairs: &[RitzPair],
+        enough: bool,
+        observer: &mut dyn FnMut(usize) -> ControlFlow<()>,
+    ) -> Result<bool, ModesError> {
+        let [first, last] =
+            [pairs.first(), pairs.last()].map(|p| p.map_or(0.0, |p| p.theta.norm()));
+        let least = if enough { last } else { FINITE * first };
+        let mut others = self.empty();
+        let upper = pairs.iter().filter(|p| self.is_upper(p));
+        for x in krylov.combine(&parts(upper)) {
+            others.add(x);
+        }
+        others.lock();
+        self.add_starts(&mut others, 1)?;
+        while others.len() < krylov.len()
+            && let Some((v, _)) = others.next()
+        {
+            let product = self.operator.apply(v, None)?;
+            others.take(product);
+            if observer(krylov.len()).is_break() {
+                return Err(ModesError::Interrupted);
+            }
+            if others.len().is_multiple_of(LOOK) || others.is_exhausted() {
+                let pairs = others.ritz().ok_or_else(|| not_converged(0, &others))?;
+                let near = |p: &&RitzPair| p.residual <= WANDERING * p.theta.norm();
+                if let Some(first) = pairs.iter().find(near)
+                    && first.residual <= EQUAL * first.theta.norm()
+                {
+                    return Ok(first.theta.norm() > least * (1.0 + EQUAL));
+                }
+            }
+        }
+        Ok(false)
+    }
+
     /// The eigenvectors of converged pairs, as selected, and their eigenvalues.
     fn vectors(
         &mut self,
@@ -265,14 +304,7 @@ impl<'a> Search<'a> {
             }
             chosen.truncate(count);
         }
-        let is_real = |pair: &RitzPair| pair.vector.iter().all(|x| x.im == 0.0);
-        let mut parts: Vec<Vec<f64>> = Vec::new();
-        for pair in &chosen {
-            parts.push(pair.vector.iter().map(|x| x.re).collect());
-            if !is_real(pair) {
-                parts.push(pair.vector.iter().map(|x| x.im).collect());
-            }
-        }
+        let parts = parts(chosen.iter().copied());
         // One product more reduces the error, and leaves no part without mass or velocity.
         let mut images = match krylov.images(&parts) {
             Some(images) => images,
@@ -298,6 +330,22 @@ impl<'a> Search<'a> {
         }
         Ok(vectors)
     }
+}
+
+fn is_real(pair: &RitzPair) -> bool {
+    pair.vector.iter().all(|x| x.im == 0.0)
+}
+
+/// The real and imaginary parts of eigenvectors.
+fn parts<'a>(pairs: impl Iterator<Item = &'a RitzPair>) -> Vec<Vec<f64>> {
+    let mut parts: Vec<Vec<f64>> = Vec::new();
+    for pair in pairs {
+        parts.push(pair.vector.iter().map(|x| x.re).collect());
+        if !is_real(pair) {
+            parts.push(pair.vector.iter().map(|x| x.im).collect());
+        }
+    }
+    parts
 }
 
 fn not_converged(converged: usize, krylov: &Krylov<'_>) -> ModesError {

@@ -114,6 +114,41 @@ fn modes_at_rest_with_dampers() {
     assert_eq!([at_rest.count(), found.len()], [2, 5], "{found:?}");
 }
 
+/// Three equal cantilevers that are almost round: three copies of each of two near frequencies. With damping by stiffness
+/// |λ| is that without, where modes are counted.
+#[test]
+fn copies_of_modes_with_others_near() {
+    let line = |k: u32| {
+        let [from, to] = ["a", "b"].map(|end| format!("{end}{k}"));
+        beam_line(&format!("l{k}"), [&from, &to], 8, "s") + "order = 2\n" + &fixed(&from)
+    };
+    let lines: String = (0..3).map(line).collect();
+    let nodes: String = (0..3)
+        .map(|k| format!("a{k} = [0, {k}, 0]\nb{k} = [1, {k}, 0]\n"))
+        .collect();
+    let text = |damping: &str, count: usize| {
+        format!(
+            "[nodes]\n{nodes}[sections.s]\nmass = {{ A_rho = 1, J = [2e-3, 1e-3, 1e-3] }}\n{damping}\
+             stiffness = {{ EA = 1e4, GA = [1e4, 1e4], GJ = 1, EI = [1, 1.0002] }}\n{lines}\
+             [analysis.modes]\ncount = {count}\n"
+        )
+    };
+    for count in [2, 9, 10, 19] {
+        let [damped, exact] = ["damping = { stiffness = 1e-5 }\n", ""].map(|damping| {
+            let rows = csv(ran(&directory("near copies"), &text(damping, count)).join("modes.csv"));
+            let size = |row: &Vec<f64>| row[3].hypot(row[4]);
+            rows.iter().map(size).collect::<Vec<_>>()
+        });
+        assert_eq!([damped.len(), exact.len()], [count; 2]);
+        for (damped, exact) in damped.iter().zip(exact) {
+            assert!(
+                (damped / exact - 1.0).abs() < 1e-7,
+                "{count}: {damped} {exact}"
+            );
+        }
+    }
+}
+
 /// More copies of a frequency than modes are requested, with and without damping: λ² + c λ + 5 = 0.
 #[test]
 fn many_copies_of_a_mode() {

@@ -9,10 +9,10 @@ const CONVERGED: f64 = 1e-10;
 /// The same, relative to the largest eigenvalue: rounding errors of the solver.
 const FLOOR: f64 = 1e-15;
 /// Eigenvalues of the operator below this part of the largest belong to infinite ones.
-const FINITE: f64 = 1e-13;
+pub(super) const FINITE: f64 = 1e-13;
 /// Residual, relative to the eigenvalue of the operator, of a pair that is no approximation although this many smaller ones have
 /// converged.
-const WANDERING: f64 = 1e-2;
+pub(super) const WANDERING: f64 = 1e-2;
 const INNER: usize = 4;
 /// Part of ω² by which a range is wider than requested.
 const ENDS: f64 = 1e-9;
@@ -176,26 +176,10 @@ impl Search<'_> {
         (from..=to).contains(&square)
     }
 
-    /// Distances from the shift of the pairs selected: those in the range, or as many as are wanted.
-    pub(super) fn selected(&self, pairs: &[RitzPair], wanted: usize) -> Vec<f64> {
-        let all = pairs.iter().filter(|p| self.is_in_range(p));
-        let most = match self.selection {
-            Selection::Nearest { .. } => wanted,
-            Selection::Range(_) => usize::MAX,
-        };
-        all.take(most).map(|p| p.theta.norm().recip()).collect()
-    }
-
     /// Number of pairs in the range.
     pub(super) fn inside(&self, pairs: &[RitzPair]) -> usize {
         pairs.iter().filter(|p| self.is_in_range(p)).count()
     }
-}
-
-/// Whether distances of pairs are the same.
-pub(super) fn agree(before: &[f64], now: &[f64]) -> bool {
-    let close = |(a, b): (&f64, &f64)| (a - b).abs() <= EQUAL * a;
-    before.len() == now.len() && before.iter().zip(now).all(close)
 }
 
 /// A range of ω², with the frequencies at its ends; rigid modes, zero but for rounding errors, lie in a range from zero.

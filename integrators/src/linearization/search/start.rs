@@ -126,12 +126,17 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// A subspace of start vectors: all unit vectors if there are few, else one.
-    pub(super) fn krylov(&mut self) -> Result<Krylov<'a>, ModesError> {
+    /// A subspace without vectors.
+    pub(super) fn empty(&self) -> Krylov<'a> {
         let size = self.weights.len();
         // Of what equations hold there are no finite eigenvalues.
         let free = self.operator.free_coordinates() * (size / self.lin.dim());
-        let mut krylov = Krylov::new([size, free], self.is_symmetric(), self.gram());
+        Krylov::new([size, free], self.is_symmetric(), self.gram())
+    }
+
+    /// A subspace of start vectors: all unit vectors if there are few, else one.
+    pub(super) fn krylov(&mut self) -> Result<Krylov<'a>, ModesError> {
+        let (size, mut krylov) = (self.weights.len(), self.empty());
         let few = match self.selection {
             Selection::Nearest { count, .. } => size <= DENSE.max(4 * count),
             Selection::Range(_) => size <= DENSE,
