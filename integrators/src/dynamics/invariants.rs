@@ -1,6 +1,5 @@
 //! Invariants of a motion.
 
-use crate::vectors::add;
 use pullback_manifold::system::{Energies, RigidRates};
 
 /// Invariants of a motion: the target of a scheme that restores them.
@@ -20,12 +19,20 @@ pub struct Invariants {
     pub power: f64,
     /// The same with the magnitudes of gains and losses.
     pub gross_power: f64,
-    /// Symmetries: velocity of the origin, angular velocity.
-    pub motions: Vec<RigidRates>,
-    /// Momenta along them.
-    pub momenta: Vec<f64>,
-    /// Rates of these momenta, from constant forces.
-    pub forces: Vec<f64>,
+    /// The momenta that change at constant rates.
+    pub momenta: Vec<Momentum>,
+}
+
+/// The momentum along a symmetry.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Momentum {
+    /// The symmetry: velocity of the origin, angular velocity.
+    pub motion: RigidRates,
+    /// The momentum.
+    pub value: f64,
+    /// Its rate, from constant forces.
+    pub rate: f64,
 }
 
 impl Invariants {
@@ -43,19 +50,8 @@ impl Invariants {
     pub(super) fn add_step(&mut self, now: &Energies, h: f64) {
         self.energy += 0.5 * h * (self.power + now.power());
         self.unsure += 0.5 * h * (self.gross_power + gross_power(now));
-        add(&mut self.momenta, h, &self.forces);
+        self.momenta.iter_mut().for_each(|m| m.value += h * m.rate);
         self.set_power(now);
-    }
-
-    /// Keeps the momenta along some motions alone.
-    pub(super) fn retain(&mut self, mut kept: impl FnMut(&RigidRates) -> bool) {
-        for k in (0..self.motions.len()).rev() {
-            if !kept(&self.motions[k]) {
-                self.motions.remove(k);
-                self.momenta.remove(k);
-                self.forces.remove(k);
-            }
-        }
     }
 
     /// Takes over the powers of a state.

@@ -28,7 +28,7 @@ mod stops;
 
 pub use error::DynamicsError;
 pub use initial::start;
-pub use invariants::Invariants;
+pub use invariants::{Invariants, Momentum};
 pub use options::{Adaptivity, DynamicOptions, NewtonOptions, Predictor, TangentUpdate};
 pub use progress::{EnergyBalance, Progress, StepReport, Summary};
 pub use scheme::Scheme;

@@ -20,7 +20,7 @@
 //! work, and not at all while a motion is prescribed: T is then not quadratic in the velocities,
 //! and has a least value at p = 0 that no velocities can reach.
 
-use super::invariants::Invariants;
+use super::invariants::{Invariants, Momentum};
 use super::{DynamicsError, Progress, State, Stepper};
 use crate::abilities::{energetics, energies};
 use crate::vectors::{add, dot};
@@ -99,9 +99,11 @@ impl InvariantProjection {
         let mut invariants = Invariants::of(&now);
         for Symmetry { motion, force } in symmetries {
             energetics(system).rigid_rates(&state.q, &motion, &mut self.field);
-            invariants.motions.push(motion);
-            invariants.momenta.push(dot(&self.field, &self.p));
-            invariants.forces.push(force);
+            invariants.momenta.push(Momentum {
+                motion,
+                value: dot(&self.field, &self.p),
+                rate: force,
+            });
         }
         Ok(invariants)
     }
@@ -128,7 +130,8 @@ impl InvariantProjection {
     ) -> Result<Energies, DynamicsError> {
         let (state, summary) = (&mut progress.state, &mut progress.summary);
         if let Some(invariants) = &mut progress.invariants {
-            invariants.retain(|motion| energetics(system).is_symmetry(state.point(), motion));
+            let kept = |m: &Momentum| energetics(system).is_symmetry(state.point(), &m.motion);
+            invariants.momenta.retain(kept);
         }
         let mut now = self.energies(system, state)?;
         let Some(invariants) = &mut progress.invariants else {
@@ -272,15 +275,15 @@ impl InvariantProjection {
         self.rank = 0;
         self.w.copy_from_slice(&state.v);
         let mut missing = 0.0_f64;
-        for (xi, j) in invariants.motions.iter().zip(&invariants.momenta) {
+        for Momentum { motion, value, .. } in &invariants.momenta {
             let (done, rest) = self.basis.split_at_mut(self.rank);
             let Some(d) = rest.first_mut() else { break };
-            energetics(system).rigid_rates(&state.q, xi, &mut d.e);
-            (d.xi, d.j) = (*xi, *j);
+            energetics(system).rigid_rates(&state.q, motion, &mut d.e);
+            (d.xi, d.j) = (*motion, *value);
             let parts: f64 = d.e.iter().zip(&self.p).map(|(e, p)| (e * p).abs()).sum();
             let off = (d.j - dot(&d.e, &self.p)).abs();
             if parts > 0.0 {
-                missing = missing.max(off / parts.max(j.abs()));
+                missing = missing.max(off / parts.max(d.j.abs()));
             }
             product(system, M, &d.e, &mut d.Me);
             let length = dot(&d.e, &d.Me).max(0.0).sqrt();

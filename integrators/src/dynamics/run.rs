@@ -166,7 +166,7 @@ impl MotionRun {
         match &progress.invariants {
             Some(kept) if self.projection.is_some() => {
                 // A system that is new to a run finds its symmetries again.
-                if !kept.motions.is_empty() {
+                if !kept.momenta.is_empty() {
                     let span = [*t, self.next_kink(*t)];
                     energetics(system).symmetries(span, q, v);
                 }

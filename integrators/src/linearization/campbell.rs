@@ -77,8 +77,8 @@ pub enum CampbellError {
     /// The equations depend on the angle.
     #[error(
         "at a speed of {} the equations of {name} change as the frame turns: coordinates of rotating parts that are not \
-         relative to them, bent beams of total rotation vectors (take geodesic interpolation), loads that are fixed in \
-         space or depend on time, or a rotor that is not isotropic, as one of less than three equal blades, on parts that do not \
+         relative to them, a second rotor of another speed, bent beams of total rotation vectors (take geodesic \
+         interpolation), loads that are fixed in space or depend on time, or a rotor that is not isotropic, as one of less than three equal blades, on parts that do not \
          rotate. The coefficients of the latter two are periodic, and stability needs Floquet theory",
         significant(*.speed)
     )]

@@ -110,7 +110,7 @@ pub trait Energetics {
     }
 
     /// Whether a motion from [`Energetics::symmetries`] still is one at another point, which a step has reached: a joint may
-    /// follow it for a part of its way alone, as a point on a track that begins straight. True by default.
+    /// follow it for some time only, as a point on a track that begins straight. True by default.
     fn is_symmetry(&mut self, at: Point<'_>, motion: &RigidRates) -> bool {
         let _ = (at, motion);
         true

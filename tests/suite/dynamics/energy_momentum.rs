@@ -242,7 +242,7 @@ fn a_heavy_top_keeps_energy_and_vertical_momentum() {
         run(&mut context, &v, &options(scheme, 20.0, 4000), start, mask)
     };
     let (kept, progress) = go("projected-newmark");
-    assert_eq!(progress.invariants.unwrap().motions.len(), 1);
+    assert_eq!(progress.invariants.unwrap().momenta.len(), 1);
     assert!(progress.summary.chart_changes > 10);
     assert!(kept[0] < 1e-13 && kept[2] < 1e-13, "{kept:?}");
     let (lost, _) = go("newmark");
@@ -300,7 +300,7 @@ fn a_swinging_cantilever_keeps_energy() {
         };
         for word in ["projected-newmark", "projected-newmark:0.8"] {
             let (kept, progress) = go(word);
-            assert!(progress.invariants.unwrap().motions.is_empty());
+            assert!(progress.invariants.unwrap().momenta.is_empty());
             assert!(kept[0] < 1e-13, "{word}: {kept:?}");
         }
         assert!(go("newmark").0[0] > 1e-5 && go("ga:0.8").0[0] > 1e-4);
@@ -323,7 +323,7 @@ fn what_a_load_has_left_is_kept() {
     let options = options(em(), 4.0, 800);
     let run = observed(&mut beam, [&q, &v], &options, &mut |model, step| {
         let s = &step.progress.state;
-        let kept = &step.progress.invariants.as_ref().unwrap().motions;
+        let kept = &step.progress.invariants.as_ref().unwrap().momenta;
         let (energy, [p, L]) = audit(model, point(s));
         if s.t < 0.499 {
             // Translations across the force, and turns about an axis along it.
