@@ -98,3 +98,67 @@ fn the_absolute_floor_decides_where_it_is_the_larger() {
     assert_eq!(iterations, 7);
     assert!((w - 1.0).abs() < 1e-15, "{w}");
 }
+
+/// The spring λ P = atan w, whose discretisation puts w at 5 more once it is beyond 1.
+struct Shifting(Scalar, f64);
+
+impl System for Shifting {
+    fn pattern(&self) -> &BlockPattern {
+        self.0.pattern()
+    }
+
+    fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
+        let q = [at.q[0] + self.1];
+        self.0.evaluate(Point { q: &q, ..at }, out)
+    }
+
+    fn charts(&mut self) -> Option<&mut dyn Charts> {
+        Some(self)
+    }
+}
+
+impl Charts for Shifting {
+    fn change_charts(
+        &mut self,
+        _: f64,
+        q: &mut [f64],
+        _: &mut [f64],
+        _: &mut [&mut [f64]],
+    ) -> ChartChanges {
+        let residual = self.1 == 0.0 && q[0] > 1.0;
+        if residual {
+            self.1 = 5.0;
+        }
+        ChartChanges {
+            charts: usize::from(residual),
+            residual,
+        }
+    }
+}
+
+/// Full corrections from w = 6 and more back to 1 overshoot to −17 and beyond, so the jump is taken in parts; the load
+/// stays where it was.
+#[test]
+fn a_path_goes_on_behind_charts_that_move_the_equilibrium_far() {
+    let mut spring = Shifting(Scalar::new(1.0, |w| [w.atan(), 1.0 / (1.0 + w * w)]), 0.0);
+    let options = ArcLengthOptions {
+        first_step: 0.02,
+        max_step: 0.02,
+        max_steps: 120,
+        newton: TIGHT,
+        ..ArcLengthOptions::default()
+    };
+    let (mut before, mut changes, mut shift) = (0.0, 0, 0.0);
+    trace_path(&mut spring, &mut Vec::new(), &options, &mut |_, step| {
+        changes += step.chart_changes;
+        shift = if changes > 0 { 5.0 } else { 0.0 };
+        let w: f64 = step.q[0] + shift;
+        assert!((step.t - w.atan()).abs() < 1e-12, "{w}: {}", step.t);
+        assert!((0.0..0.03).contains(&(step.t - before)), "{w}: {}", step.t);
+        before = step.t;
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    assert_eq!(changes, 1);
+    assert!(before > 1.0_f64.atan() + 0.1, "{before}");
+}
