@@ -128,8 +128,9 @@ const RESOLUTION: f64 = 1e-12;
 /// Largest value of an event function at which the event counts as found, relative to its size.
 const LARGEST_MISS: f64 = 1e-9;
 
-/// Part at which a step is divided, not where a symmetric structure may have a bifurcation.
-const MIDDLE: f64 = 0.47;
+/// Parts at which a step is divided, not where a symmetric structure may have a bifurcation; the second one where the
+/// tangent is singular at the first.
+const MIDDLES: [f64; 2] = [0.47, 0.31];
 /// Length of a step in which several bifurcations have one load, relative to that in which they are one.
 const ONE_LOAD: f64 = 1e-6;
 /// A bifurcation at the start of a step, relative to its length, where the step before could not count.
@@ -142,8 +143,11 @@ pub(super) fn locate(
     step: PathStep<'_>,
     events: &[(Event, bool)],
 ) -> Result<Vec<Located>, Cause> {
-    if step.ds > step.finest && step.is_multiple(events) {
-        return locate_in_parts(newton, system, step, events);
+    if step.ds > step.finest
+        && step.is_multiple(events)
+        && let Some(found) = locate_in_parts(newton, system, step, events)?
+    {
+        return Ok(found);
     }
     let mut found = Vec::new();
     for (index, &(event, _)) in events.iter().enumerate() {
@@ -154,7 +158,8 @@ pub(super) fn locate(
                         // Several directions of one load have no simple critical point.
                         Err(_) if event == Event::Bifurcation && step.directions() > 1 => {
                             if step.ds > ONE_LOAD * step.finest
-                                && let Ok(found) = locate_in_parts(newton, system, step, events)
+                                && let Ok(Some(found)) =
+                                    locate_in_parts(newton, system, step, events)
                             {
                                 return Ok(found);
                             }
@@ -193,42 +198,47 @@ pub(super) fn locate(
     Ok(found)
 }
 
-/// The events of a step with several bifurcations, from those of its two parts.
+/// The events of a step with several bifurcations, from those of its two parts; `None` where the step is so short that its
+/// tangents are singular.
 fn locate_in_parts(
     newton: &mut Newton,
     system: &mut dyn System,
     step: PathStep<'_>,
     events: &[(Event, bool)],
-) -> Result<Vec<Located>, Cause> {
+) -> Result<Option<Vec<Located>>, Cause> {
     let PathStep { at, next, norm, .. } = step;
-    let (ds, mut middle) = (MIDDLE * step.ds, at.clone());
-    newton.advance(system, at, ds, None, norm, &mut middle)?;
-    let iterations = newton.iterations();
-    newton.tangent(system, &mut middle, norm)?;
-    let unstable = newton.unstable(system);
-    if unstable.is_none() {
-        return Err(unlocated(system, Event::Bifurcation));
+    let mut middle = at.clone();
+    for part in MIDDLES {
+        let ds = part * step.ds;
+        let reached = newton.advance(system, at, ds, None, norm, &mut middle);
+        let iterations = newton.iterations();
+        let solved = reached.and_then(|()| newton.tangent(system, &mut middle, norm));
+        let unstable = solved.ok().and_then(|()| newton.unstable(system));
+        if unstable.is_none() {
+            continue;
+        }
+        let first = PathStep {
+            next: &middle,
+            ds,
+            unstable: [step.unstable[0], unstable],
+            ..step
+        };
+        let second = PathStep {
+            at: &middle,
+            ds: norm.distance(&middle, &next.q, next.t),
+            unstable: [unstable, step.unstable[1]],
+            ..step
+        };
+        let mut found = locate(newton, system, first, events)?;
+        let mut others = locate(newton, system, second, events)?;
+        others.iter_mut().for_each(|one| one.s += ds);
+        found.append(&mut others);
+        if let Some(one) = found.first_mut() {
+            one.iterations += iterations;
+        }
+        return Ok(Some(found));
     }
-    let first = PathStep {
-        next: &middle,
-        ds,
-        unstable: [step.unstable[0], unstable],
-        ..step
-    };
-    let second = PathStep {
-        at: &middle,
-        ds: norm.distance(&middle, &next.q, next.t),
-        unstable: [unstable, step.unstable[1]],
-        ..step
-    };
-    let mut found = locate(newton, system, first, events)?;
-    let mut others = locate(newton, system, second, events)?;
-    others.iter_mut().for_each(|one| one.s += ds);
-    found.append(&mut others);
-    if let Some(one) = found.first_mut() {
-        one.iterations += iterations;
-    }
-    Ok(found)
+    Ok(None)
 }
 
 fn unlocated(system: &dyn System, event: Event) -> Cause {

@@ -182,24 +182,37 @@ fn a_column_buckles_to_the_same_side_in_any_unit() {
     assert_close(mm, m, 1e-9, "length");
 }
 
-/// Links of length 1 in line between a hinge and a slider, with a spring of 1 at the knee: the angle a there has the
-/// potential a²/2 + 2 P cos(a/2): P = a/sin(a/2), from 2 on. The slider has no stiffness.
+/// Links of length 1 in line between a hinge at A = (0, y, 0) and a slider from B, with a spring of 1 at the knee: the angle a there
+/// has the potential a²/2 + 2 P cos(a/2): P = a/sin(a/2), from 2 on. The slider has no stiffness.
+fn links(of: &str, y: f64, closure: &str) -> String {
+    let [first, middle, knee, end, slider] =
+        ["first", "middle", "knee", "end", "slider"].map(|part| format!("{part}{of}"));
+    let [left, right] = ["A", "B"].map(|node| format!("{node}{of}"));
+    let close = format!("child = \"{end}\"\n{closure}");
+    [
+        fixed(&left) + &fixed(&right),
+        hinge(&first, &left, "") + &arm(&middle, &first, [1.0, y, 0.0]),
+        hinge(&knee, &middle, "spring = { k = 1 }") + &arm(&end, &knee, [2.0, y, 0.0]),
+        joint(&slider, "prismatic", &right, "axis = [1, 0, 0]") + &body_of(&middle, 1.0, ""),
+        format!("[[loads]]\nnode = \"{slider}\"\nforce = [-1, 0, 0]\n"),
+        hinge(&format!("close{of}"), &slider, &close),
+    ]
+    .concat()
+}
+
+const LINKED: &str =
+    "[analysis.arc_length]\nmax_step = 0.05\nload_scale = 1\nstop = [{ load = 2.2 }]\n";
+
 #[test]
 fn links_that_multipliers_close_follow_their_branch() {
-    let links = [
-        "[nodes]\nA = [0, 0, 0]\nB = [2, 0, 0]\n".to_owned(),
-        fixed("A") + &fixed("B"),
-        hinge("first", "A", "") + &arm("middle", "first", [1.0, 0.0, 0.0]),
-        hinge("knee", "middle", "spring = { k = 1 }") + &arm("end", "knee", [2.0, 0.0, 0.0]),
-        joint("slider", "prismatic", "B", "axis = [1, 0, 0]") + &body_of("middle", 1.0, ""),
-        angle("knee") + "[[loads]]\nnode = \"slider\"\nforce = [-1, 0, 0]\n",
-        "[analysis.arc_length]\nbranch = \"switch\"\nstop = [{ load = 2.2 }]\n".to_owned(),
-        "max_step = 0.05\nload_scale = 1\n".to_owned(),
-    ]
-    .concat();
     for closure in &CLOSURES[..2] {
-        let close = hinge("close", "slider", &format!("child = \"end\"\n{closure}"));
-        let rows = run_of("critical_links", &(links.clone() + &close)).rows;
+        let nodes = "[nodes]\nA = [0, 0, 0]\nB = [2, 0, 0]\n".to_owned();
+        let links = nodes + &links("", 0.0, closure) + &angle("knee");
+        let rows = run_of(
+            "critical_links",
+            &(links + LINKED + "branch = \"switch\"\n"),
+        )
+        .rows;
         let (load, beyond) = branch(&rows);
         assert_close(load, 2.0, 1e-9, "load");
         assert!(beyond.len() >= 10, "{}", beyond.len());
@@ -209,6 +222,23 @@ fn links_that_multipliers_close_follow_their_branch() {
             assert_eq!(row["unstable"], "0", "{closure}: {a}");
         }
     }
+}
+
+/// The penalty makes the tangent singular to rounding near the load of both: the end of a part of the step that ends
+/// there is all that is known.
+#[test]
+fn equal_links_that_stiff_penalties_close_buckle_at_once() {
+    let stiff = "closure = \"penalty\"\npenalty = 1e9";
+    let nodes =
+        "[nodes]\nA1 = [0, 0, 0]\nB1 = [2, 0, 0]\nA2 = [0, 1, 0]\nB2 = [2, 1, 0]\n".to_owned();
+    let links = nodes + &links("1", 0.0, stiff) + &links("2", 1.0, stiff);
+    let (loads, told) = bifurcations(
+        "critical_equal_links",
+        &(links + LINKED + "record = [\"bifurcation\"]\n"),
+    );
+    assert_eq!(loads.len(), 1);
+    assert!((2.0..2.02).contains(&loads[0]), "{}", loads[0]);
+    assert_says(&told, &["unstable in 2 directions"]);
 }
 
 /// A hinged arch of radius 10 that spans twice the angle, with a force at its top, where a weld may join its halves.
