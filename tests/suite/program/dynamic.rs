@@ -301,6 +301,12 @@ fn nodes_on_joints_take_the_velocities_that_their_joints_allow() {
         let expected = [rate, 0.0, 0.5 * rate, 0.0, 0.0, 2.0, 3.0];
         assert_started("", &ball, &entries.concat(), expected);
     }
+    // A node without coordinates of its own moves with those before it: v = ω × (0.5, 0, 0).
+    let tip = ball + &arm("tip", "body", [1.0, 0.0, 0.0]);
+    for entry in ["velocity = [0, 1.5, -1]", "angular_velocity = [0, 2, 3]"] {
+        let of_tip = format!("[[initial]]\nnode = \"tip\"\n{entry}\n");
+        assert_started("", &tip, &of_tip, [0.0, 0.0, 0.0, 0.0, 0.0, 2.0, 3.0]);
+    }
 }
 
 /// Entries for one node leave alone what only the others give, and read its place and its axes with what is prescribed.

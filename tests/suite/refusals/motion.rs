@@ -71,7 +71,7 @@ stiffness = 10.0 => stiffness = -10.0 | | rope
 node = "ball"\nangular_velocity = [0, 0, 1] => node = "ball" | [[initial]]
  => node = "ball"\nline = "rod"\nvelocity = [0, 0, 1] | line | line
  => rotation = [0, 0, 1] | rotation | rotation | node
- => node = "hand"\nvelocity = [0, 0, 1] | [0, 0, 1] | a joint that does not allow it | joint
+ => node = "hand"\nvelocity = [1, 0, 0] | [1, 0, 0] | a joint that does not allow it | joint
  => node = "hinge"\nangular_velocity = [1, 0, 0] | [1, 0, 0] | a joint that does not allow it | joint
  => node = "A"\ndisplacement = [0, 0, 1] | [0, 0, 1] | held
  => line = "bar"\nvelocity = [0, 0, 1] | "bar" | no line named "bar" | `rod`

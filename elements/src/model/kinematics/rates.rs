@@ -176,7 +176,8 @@ impl Context {
         Ok((missing.iter().copied().collect(), these.collect()))
     }
 
-    /// The coordinates of the joint that a frame is attached to; any other node itself.
+    /// The coordinates of the joint that a frame is attached to, on a joint without any those of its parents; any other node
+    /// itself.
     fn released_at(&self, node: NodeId) -> Vec<NodeId> {
         let nodes = &self.model.nodes;
         let n = &nodes[node.0 as usize];
@@ -187,9 +188,16 @@ impl Context {
         let Some(d) = n.mapped().filter(|_| n.is_frame()) else {
             return vec![node];
         };
-        let parents = d.parents(&self.state.maps).iter();
-        let released = parents.filter(|&&m| !nodes[m as usize].is_frame());
-        released.map(|&m| NodeId(m)).collect()
+        let parents = d.parents(&self.state.maps).iter().map(|&m| NodeId(m));
+        let (frames, released): (Vec<_>, Vec<_>) =
+            parents.partition(|m| nodes[m.0 as usize].is_frame());
+        match released.is_empty() {
+            true => frames
+                .into_iter()
+                .flat_map(|m| self.released_at(m))
+                .collect(),
+            false => released,
+        }
     }
 
     /// Adds the smallest change of the velocities of unknowns, in their sizes, that gives wanted rates by least squares; for
