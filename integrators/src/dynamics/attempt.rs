@@ -10,8 +10,8 @@ use crate::failure::Cause;
 use pullback_manifold::system::System;
 
 /// The end of an attempted step.
-struct Goal {
-    h: f64,
+pub(super) struct Goal {
+    pub h: f64,
     to: f64,
     /// The latest time to which the step may be extended.
     last: f64,
@@ -57,7 +57,7 @@ impl MotionRun {
     }
 
     /// The end of the next step.
-    fn goal(&self, progress: &Progress) -> Goal {
+    pub(super) fn goal(&self, progress: &Progress) -> Goal {
         let from = progress.state.t;
         let stop = self.stops.next(from, &self.options);
         let count = equal_steps(stop.left - from, progress.next_step);

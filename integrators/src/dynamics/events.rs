@@ -2,7 +2,7 @@
 
 use super::options::check;
 use super::run::MotionRun;
-use super::segment_changes::SHORT;
+use super::segment_changes::{MANY, SHORT};
 use super::{DynamicsError, Progress, State};
 use crate::abilities;
 use crate::failure::{Cause, significant};
@@ -63,26 +63,37 @@ impl MotionRun {
             progress.events.clone_from(&now.values);
             return Ok(());
         }
-        let (mut after, mut stopped) = (progress.clone(), false);
+        let (t, mut after, mut stopped) = (progress.state.t, progress.clone(), false);
         after.events.clone_from(&now.values);
-        for &k in &now.events {
+        let refused = |what, expected, found| {
+            let source = SystemError::Request {
+                what,
+                expected,
+                found,
+            };
+            Err(DynamicsError::System { t, source })
+        };
+        let mut effects = now.events.iter().try_for_each(|&k| {
             after.events[k] = 0.0;
             stopped |= (events[k].apply)(system, &mut after.state).is_break();
-        }
-        let t = progress.state.t;
-        let outcome = match after.state.t == t {
-            true => check(&self.options, &after.state, system)
-                .and_then(|()| self.refresh(system, &mut after))
-                .and_then(|()| self.watch(system, events, &mut after)),
-            false => {
-                let source = SystemError::Request {
-                    what: "time after an event",
-                    expected: format!("{t:?}, as before"),
-                    found: format!("{:?}", after.state.t),
-                };
-                Err(DynamicsError::System { t, source })
+            if after.state.t != t {
+                let found = format!("{:?}", after.state.t);
+                return refused("time after an event", format!("{t:?}, as before"), found);
             }
-        };
+            check(&self.options, &after.state, system)?;
+            // The next effect finds the system at the state that this one leaves.
+            configure(system, &after.state).map_err(DynamicsError::at(t))
+        });
+        if progress.short >= MANY && !stopped {
+            let expected = format!(
+                "fewer than {MANY} short steps in a row (let an effect hold what chatters or comes to rest, or end the run)"
+            );
+            let found = format!("events {:?} once more", now.events);
+            effects = effects.and(refused("events", expected, found));
+        }
+        let outcome = effects
+            .and_then(|()| self.refresh(system, &mut after))
+            .and_then(|()| self.watch(system, events, &mut after));
         if outcome.is_err() {
             // Nothing of the effect is left.
             abilities::events(system)
@@ -104,7 +115,9 @@ impl MotionRun {
         progress: &mut Progress,
     ) -> Result<(), DynamicsError> {
         let mut state = progress.state.clone();
-        let (t, h) = (state.t, SHORT * self.options.step);
+        // Their times are known to rounding errors, and to those of the step.
+        let h = SHORT * self.options.step.max(progress.next_step);
+        let (t, h) = (state.t, h.max(16.0 * f64::EPSILON * state.t.abs()));
         state.t += h;
         add(&mut state.q, h, &state.v);
         add(&mut state.v, h, &state.a);

@@ -2,7 +2,7 @@
 
 use super::run::MotionRun;
 use super::stops::StopTime;
-use super::{DynamicsError, Progress};
+use super::{DynamicsError, Progress, State};
 use crate::abilities::{energetics, events};
 use pullback_manifold::system::{Energies, System};
 
@@ -18,6 +18,15 @@ impl MotionRun {
         let known = energetics(system).momentum(state.point(), &mut self.momentum);
         let known = known.map_err(DynamicsError::at(state.t))?;
         state.t = stop.right;
+        // The rate of the accelerations between two kinks says nothing of a step that is longer.
+        if 2.0 * progress.last_step < self.goal(progress).h {
+            let State {
+                algorithmic,
+                filtered,
+                ..
+            } = &mut progress.state;
+            algorithmic.clone_from(filtered);
+        }
         self.proceed(system, progress, known)
     }
 

@@ -17,7 +17,7 @@ const NEAR: f64 = 1e-2;
 pub(super) const SHORT: f64 = 1e-8;
 /// Largest number of steps in a row shorter than `NEAR`, which limits the cost of oscillations
 /// about a change that are faster than the steps.
-const MANY: usize = 1000;
+pub(super) const MANY: usize = 1000;
 /// Largest number of attempts by Newton's method, for the time of a change of segment.
 const NEWTON: usize = 8;
 /// Largest number of attempts by regula falsi, for the time of an event of the user.

@@ -91,7 +91,8 @@ where
     /// event: a ball that bounces several times in a step is seen each time. What occurs within 1e-8
     /// of a step after its beginning occurs at that time. Values of 0 at the start are not crossings. Of infinitely many
     /// events in a finite time, as of a ball that comes to rest, the last ones are lost in rounding errors, and the ball
-    /// falls through its floor: let the effect end the run, or hold the ball by an input, when its velocity is small.
+    /// falls through its floor: let the effect end the run, or hold the ball by an input, when its velocity is small. A thousand
+    /// in a row that end steps before a hundredth of their size are an error.
     ///
     /// Events are no part of a [`Snapshot`], apart from what is needed for the same steps.
     pub fn add_event(

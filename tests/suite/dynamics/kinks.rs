@@ -51,20 +51,18 @@ fn an_input_that_changes_is_a_kink() {
     }
 }
 
-/// A mass on a spring from rest under a force 100 sin 3t that is sampled at every step: all of them begin at a kink.
-#[test]
-fn a_force_sampled_at_every_step_keeps_the_order() {
-    let exact = 100.0 / 91.0 * (3.0_f64.sin() - 0.3 * 10.0_f64.sin());
+/// A mass on a spring from rest under a force with these points at a step h: its position after a second is of order 2.
+fn assert_second_order(name: &str, points: impl Fn(f64) -> Vec<[f64; 2]>, exact: f64) {
     for scheme in [
         "newmark = [0.25, 0.5]",
+        "generalised-alpha = 0.9",
         "generalised-alpha = 0.5",
         "hht = -0.1",
         "wbz = 0.8",
     ] {
-        let errors = [50, 100, 200, 400].map(|steps| {
-            let h = 1.0 / f64::from(steps);
-            let times = (0..=steps).map(|k| f64::from(k) * h);
-            let points: Vec<_> = times.map(|t| [t, 100.0 * (3.0 * t).sin()]).collect();
+        let errors = [50.0, 100.0, 200.0, 400.0].map(|steps| {
+            let h = 1.0 / steps;
+            let points = points(h);
             let slider = format!(
                 "axis = [1, 0, 0]\nspring = {{ k = 100 }}\nactuator = {{ table = {points:?} }}"
             );
@@ -77,11 +75,34 @@ fn a_force_sampled_at_every_step_keeps_the_order() {
                 &format!("scheme = {{ {scheme} }}\n"),
                 PLAIN,
             ];
-            let rows = recorded("kinks_sampled", &text.concat());
+            let rows = recorded(name, &text.concat());
             (number(&rows[rows.len() - 1], "x") - exact).abs()
         });
         assert_order(scheme, &errors, 2.0, 0.1);
     }
+}
+
+/// 100 sin 3t: all steps begin at a kink.
+#[test]
+fn a_force_sampled_at_every_step_keeps_the_order() {
+    let exact = 100.0 / 91.0 * (3.0_f64.sin() - 0.3 * 10.0_f64.sin());
+    let sampled = |h: f64| {
+        let times = (0..=(1.0 / h).round() as usize).map(|k| k as f64 * h);
+        times.map(|t| [t, 100.0 * (3.0 * t).sin()]).collect()
+    };
+    assert_second_order("kinks_sampled", sampled, exact);
+}
+
+/// From 0 to 100 at t = 0.1, within a millionth of a second: the same as a jump in the middle of that.
+#[test]
+fn a_steep_force_keeps_the_order() {
+    let rise = 1e-6;
+    let steep = |_| vec![[0.0, 0.0], [0.1, 0.0], [0.1 + rise, 100.0], [2.0, 100.0]];
+    assert_second_order(
+        "kinks_steep",
+        steep,
+        1.0 - (10.0 * (0.9 - 0.5 * rise)).cos(),
+    );
 }
 
 /// A speed that an input holds since the time of another one, and the angle there.

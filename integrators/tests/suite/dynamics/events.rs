@@ -2,6 +2,7 @@
 
 use crate::support::dynamics::*;
 use crate::support::*;
+use std::f64::consts::PI;
 use std::ops::ControlFlow::{self, Break, Continue};
 use std::sync::{Arc, Mutex};
 
@@ -227,6 +228,58 @@ fn a_value_that_almost_reaches_zero_does_not_lengthen_steps() {
         let [steps, evaluations] = [summary.steps, summary.evaluations];
         assert!(steps < 25 && evaluations < 200, "{steps}, {evaluations}");
     }
+}
+
+/// cos t crosses zero at odd multiples of π/2, after first steps that are far too small and at times with few digits.
+#[test]
+fn every_crossing_occurs_once() {
+    let first = |step| adaptive(steps_of(Scheme::tsitouras(), 20.0, step), 1e-9, 0.5);
+    let equal = DynamicOptions::new(1e7 + 20.0, 0.01);
+    for (options, from) in [(first(1e-8), 0.0), (first(1e-6), 0.0), (equal, 1e7)] {
+        let mut system = Oscillator::new(1.0, 1.0);
+        system.kinks.clear();
+        let state = start(&mut system, from, &[1.0], &[0.0]).unwrap();
+        let mut run = Simulation::new(&mut system, state, &options).unwrap();
+        run.add_event(|_, state| -state.q[0], onward);
+        run.add_event(|_, state| state.q[0], onward);
+        let exact = (0..6).map(|k| (k % 2, from + (k as f64 + 0.5) * PI));
+        close(&times(&mut run), &exact.collect::<Vec<_>>(), 1e-2);
+    }
+}
+
+/// Two events at x = 1: the second one finds the system where the first one puts it.
+#[test]
+fn effects_find_the_system_at_their_state() {
+    let mut system = Configured::new(Oscillator::mass(0.0));
+    let mut run = begun(&mut system, [0.0, 1.0], &DynamicOptions::new(2.0, 0.3));
+    for _ in 0..2 {
+        run.add_event(
+            |_, state| state.q[0] - 1.0,
+            |system: &mut Configured<Oscillator>, state| {
+                assert_eq!(system.q, state.q);
+                state.q[0] -= 3.0;
+                Continue(())
+            },
+        );
+    }
+    close(&times(&mut run), &[(0, 1.0), (1, 1.0)], 1e-12);
+}
+
+/// A ball that keeps 0.99 of its speed comes to rest after 99.5 s, in ever shorter flights.
+#[test]
+fn events_without_end_are_refused() {
+    let mut system = Oscillator::mass(-10.0);
+    let mut run = begun(&mut system, [1.25, 0.0], &DynamicOptions::new(101.0, 0.1));
+    run.add_event(
+        |_, state| -state.q[0],
+        |_, state| {
+            state.v[0] *= -0.99;
+            Continue(())
+        },
+    );
+    let few = "events: expected fewer than 1000 short steps in a row";
+    refused! { run.finish() => [few, "events [0] once more"] }
+    assert!((run.state().t - 99.5).abs() < 0.1, "{}", run.state().t);
 }
 
 #[test]
