@@ -63,7 +63,8 @@ impl ConvergencePredictor {
             }
             _ => return unknown,
         };
-        let ratio = last.correction / before.correction;
+        // Both may be zero.
+        let ratio = last.correction / before.correction.max(f64::MIN_POSITIVE);
         let fall = match renewed {
             // A damped correction predicts nothing.
             _ if before.damping * last.damping < 1.0 => f64::INFINITY,

@@ -30,6 +30,11 @@ pub enum InputProblem {
     },
     #[error("cannot read shapes from {}: {message}", path.display())]
     Shapes { path: PathBuf, message: String },
+    #[error(
+        "the shape of an imperfection displaces joint \"{joint}\" against its parent, where its coordinates are 0; take a \
+         shape without that, or hold the joint where the shape is computed"
+    )]
+    ShapeOfJoint { joint: String },
     #[error("\"{path}\" is no path of a parameter")]
     Path { path: String },
     #[error("{} and {} give one parameter two values", paths[0], paths[1])]

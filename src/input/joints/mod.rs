@@ -21,6 +21,9 @@ use pullback_elements::time::{Input, SteadyRotation};
 use pullback_manifold::system::Quantity;
 use registry::Refusal;
 
+/// Part of an amplitude by which the shape of an imperfection may move a joint along its own coordinate.
+const AT_REST: f64 = 1e-6;
+
 /// A joint of the file with its location there.
 struct Entry<'a> {
     at: Location<'a>,
@@ -128,15 +131,25 @@ impl Assembly<'_> {
         let Some(&parent) = chain.first() else {
             return Err(entry.missing("lines"));
         };
+        let of_parent = self.builder.node_name(parent);
+        let [moved, carried] = [&joint.name, of_parent].map(|node| self.offset(&entry.at, node));
+        let [moved, carried] = [moved?[0], carried?[0]];
         let mut site = Site {
             builder: &mut self.builder,
             name: &joint.name,
             parent,
             chain: &chain,
             interpolation,
+            moved,
         };
         let nodes =
             (made.make)(&joint.keys, &mut site).map_err(|refusal| entry.refused(refusal))?;
+        let [frame, parent] = [nodes.frame, parent].map(|node| self.builder.position(node));
+        let amplitudes = self.file.imperfections.iter().map(|i| i.amplitude.abs());
+        if frame == parent && (moved - carried).norm() > AT_REST * amplitudes.sum::<f64>() {
+            let joint = joint.name.clone();
+            return Err(entry.at.refuse(InputProblem::ShapeOfJoint { joint }));
+        }
         let single = |n: &NodeId| self.builder.quantities(*n).len() == 1;
         let single: Vec<NodeId> = nodes.coordinates.iter().copied().filter(single).collect();
         acts(&entry, &mut self.builder, &self.inputs, &single)?;

@@ -1,6 +1,7 @@
 //! The types of joints in model files: those of the library, and a program's own.
 
 use super::types;
+use nalgebra::Vector3;
 use pullback_elements::beam::Interpolation;
 use pullback_elements::joint::{Joint, JointNodes};
 use pullback_elements::model::{ModelBuilder, NodeId};
@@ -25,9 +26,16 @@ pub struct Site<'a> {
     pub chain: &'a [NodeId],
     /// Interpolation of rotations between those nodes in the beams of `lines`.
     pub interpolation: Interpolation,
+    /// Displacement of the node by imperfections.
+    pub(super) moved: Vector3<f64>,
 }
 
 impl Site<'_> {
+    /// A position of the node in the file, displaced by imperfections.
+    pub fn displaced(&self, position: [f64; 3]) -> [f64; 3] {
+        (Vector3::from(position) + self.moved).into()
+    }
+
     /// Adds a joint to the parent: [`ModelBuilder::attach`].
     ///
     /// # Errors

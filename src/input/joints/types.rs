@@ -142,14 +142,16 @@ enum Shape {
 pub(super) fn add_to(registry: Registry) -> Registry {
     registry
         .joint("offset", |at, keys: Offset| {
-            at.builder.offset(at.name, at.parent, keys.position)
+            let position = at.displaced(keys.position);
+            at.builder.offset(at.name, at.parent, position)
         })
         .joint("weld", |at, _: Weld| {
             let position = at.builder.position(at.parent);
             at.builder.offset(at.name, at.parent, position.into())
         })
         .joint("free", |at, keys: Free| {
-            at.builder.relative_node(at.name, at.parent, keys.position)
+            let position = at.displaced(keys.position);
+            at.builder.relative_node(at.name, at.parent, position)
         })
         .joint("revolute", |at, keys: Revolute| {
             at.join(joint::Revolute::new(keys.axis)?)
@@ -189,7 +191,7 @@ pub(super) fn add_to(registry: Registry) -> Registry {
         .joint("on_surface", |at, keys: OnSurface| {
             let origin = at.builder.position(at.parent);
             let seen = |point: [f64; 3]| (Vector3::from(point) - origin).into();
-            let start = seen(keys.position);
+            let start = seen(at.displaced(keys.position));
             let surface = match keys.surface {
                 Shape::Plane { normal } => Quadric::plane(start, normal),
                 Shape::Cylinder { center, axis } => Quadric::cylinder(start, seen(center), axis),

@@ -243,6 +243,26 @@ fn rates_of_joints_follow_an_initial_rotation() {
     }
 }
 
+/// A body that coasts on a hinge: corrections that are zero twice in a row say that it does.
+#[test]
+fn a_coasting_body_takes_no_smaller_steps() {
+    let text = [
+        GROUND,
+        &hinge("hub", "ground", "value = 0.3\nrate = 2"),
+        &body_of("hub", 1.0, "inertia = [1, 1, 1]"),
+        &motion(0.2, 0.001),
+        "scheme = \"radau\"\n",
+        PLAIN,
+        &probe_of("angle", "joint_coordinate", "joint = \"hub\""),
+    ];
+    let rows = recorded("program_coasts", &text.concat());
+    assert_eq!(rows.len(), 201);
+    for row in rows {
+        let exact = 0.3 + 2.0 * number(&row, "t");
+        assert_close(number(&row, "angle"), exact, 1e-13, &row["t"]);
+    }
+}
+
 /// The rate of an arm that carries a body on joints, and the body's velocity and angular velocity, in the first row.
 fn assert_started(rate: &str, joints: &str, entries: &str, expected: [f64; 7]) {
     let text = [

@@ -1,7 +1,7 @@
 //! Shapes of buckling as imperfections of another model.
 
 use crate::support::beams::{COLUMN, PINNED, line};
-use crate::support::closures::fixed;
+use crate::support::closures::{fixed, joint};
 use crate::support::prelude::*;
 use crate::support::program::*;
 use serde_json::Value;
@@ -17,9 +17,18 @@ const NARROW: &str = "EA = 1e7, GA = [1e7, 1e7], GJ = 0.25, EI = [1e7, 1.0]";
 #[test]
 fn a_small_imperfection_grows_with_the_load() {
     let cantilever = fixed("A") + "[[loads]]\nnode = \"B\"\nforce = [0, 0, -1]\n";
+    let cantilever = line(NARROW, 12, 3, &cantilever);
+    // Columns that end at a link, or at a joint without any hold.
+    let link = joint("B", "offset", "cap", "position = [1, 0, 0]");
+    let pressed = cantilever.replace("[0, 0, -1]", "[-1, 0, 0]");
+    let link = pressed.replace("\nB = ", "\ncap = ") + &link;
+    let free = joint("B", "free", "A", "position = [1, 0, 0]");
+    let free = pressed.replace("\nB = [1, 0, 0]", "") + &free;
     for (name, text, amplitude) in [
         ("column", stiff_column(), 1e-6),
-        ("cantilever", line(NARROW, 12, 3, &cantilever), -1e-4),
+        ("cantilever", cantilever, -1e-4),
+        ("link", link, -1e-4),
+        ("free", free, -1e-4),
     ] {
         let directory = directory(&format!("imperfection_{name}"));
         let buckling = format!("{text}\n[analysis.buckling]\ncount = 1\n");
@@ -78,6 +87,17 @@ fn other_shapes_are_refused() {
     refused(&meshed("elements = 13"), "shapes = FILE", fine);
     refused(&text, "shapes = FILE\nmode = 2", "is out of range");
     refused(&text, "shapes = FILE\nmode = 0", "is out of range");
+    // An end that slides across the line.
+    let mut slid = json(shapes.clone());
+    let nodes = &mut slid["modes"][0]["nodes"];
+    nodes["rail"] = serde_json::json!([[0, 0, 0], [0, 0, 0]]);
+    nodes["B"] = serde_json::json!([[0, 0.1, 0], [0, 0, 0]]);
+    let path = directory.join("slid.json");
+    std::fs::write(&path, slid.to_string()).unwrap();
+    let slider = joint("B", "prismatic", "rail", "axis = [0, 1, 0]");
+    let sliding = text.replace("\nB = ", "\nrail = ") + &slider;
+    let moved = "displaces joint \"B\" against its parent";
+    refused(&sliding, &format!("shapes = {path:?}"), moved);
     let missing = "cannot read shapes from missing.json";
     refused(&text, "shapes = \"missing.json\"", missing);
     let bad = directory.join("bad.json");
