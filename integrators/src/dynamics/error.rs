@@ -109,7 +109,7 @@ pub enum DynamicsError {
     #[error(
         "the motion is unstable: at time {} {}; take smaller steps, or a scheme that damps high frequencies \
          (more). Where that makes no difference the model itself is unstable: see whether a stiffness or a \
-         damping is negative", significant(*t), grown(*energy, *known)
+         damping is negative, or an element supplies work and is not declared a load", significant(*t), grown(*energy, *known)
     )]
     Unstable {
         t: f64,

@@ -41,7 +41,7 @@ pub struct CampbellOptions {
     pub speeds: Vec<f64>,
     /// Number of modes at the first speed; the last one with all that have the same eigenvalue.
     pub count: usize,
-    /// Smallest step in Ω between equilibria, and Newton's method.
+    /// Newton's method for equilibria, and the smallest step between two of them as a part of the change of Ω.
     pub statics: StaticOptions,
     /// A turn that maps all that rotates on itself, for multi-blade coordinates of it.
     pub rotor: Option<CyclicSymmetry>,
@@ -229,12 +229,13 @@ impl Sweep<'_> {
             return Err(failed(ModesError::Interrupted));
         }
         let t = self.options.t;
+        // At the first speed there is no change.
+        let change = (speed - self.speed).abs().max(f64::MIN_POSITIVE);
         let statics = StaticOptions {
             from: self.speed,
             to: speed,
-            first_step: (speed - self.speed)
-                .abs()
-                .max(self.options.statics.min_step),
+            first_step: change,
+            min_step: self.options.statics.min_step * change,
             max_step: f64::MAX,
             ..self.options.statics
         };
