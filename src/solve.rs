@@ -11,7 +11,8 @@ use pullback_integrators::dynamics::{
 use pullback_integrators::linearization::{CampbellError, SteadyMotion};
 use pullback_integrators::significant;
 use pullback_integrators::statics::{
-    Iteration, StaticOptions, StaticSummary, StaticsError, Step, solve_statics, trace_path,
+    Iteration, StaticOptions, StaticSummary, StaticsError, Step, StepParameter, solve_statics,
+    trace_path,
 };
 use serde::ser::{SerializeMap, Serializer};
 use std::error::Error;
@@ -256,7 +257,7 @@ fn relative_equilibrium(
     };
     solved.map_err(|source| CampbellError::Equilibrium {
         speed: options.to,
-        source,
+        source: source.of(StepParameter::Speed),
     })
 }
 

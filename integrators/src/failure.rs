@@ -15,6 +15,8 @@ pub enum StepParameter {
     Load,
     /// Time.
     Time,
+    /// The speed of a steady motion.
+    Speed,
 }
 
 /// The cause of a failed step.
@@ -135,7 +137,7 @@ impl FailedStep {
             kink: match context.parameter {
                 StepParameter::Load => (events(system).kinks().into_iter())
                     .find(|k| (from.min(to)..=from.max(to)).contains(k) && *k != from),
-                StepParameter::Time => None,
+                StepParameter::Time | StepParameter::Speed => None,
             },
             cause,
             evaluations: context.evaluations,
@@ -153,6 +155,7 @@ impl FailedStep {
         let parameter = match self.parameter {
             StepParameter::Load => "load parameter",
             StepParameter::Time => "time",
+            StepParameter::Speed => "speed",
         };
         let [from, to] = [self.from, self.to].map(significant);
         if self.step == 0 {
@@ -247,6 +250,9 @@ impl FailedStep {
                 error,
                 mechanism,
                 match self.parameter {
+                    StepParameter::Speed => {
+                        "hold it by a support or a spring, or begin at another speed, at which the rotation holds it"
+                    }
                     _ if self.step == 0 => "hold it by a support, a spring or a prescribed motion",
                     StepParameter::Load => {
                         "hold it by a support, a spring, a prescribed motion, or loads that act from the start; if this \
@@ -256,6 +262,10 @@ impl FailedStep {
                 },
             )),
             Cause::Diverged => f.write_str(match self.parameter {
+                StepParameter::Speed => {
+                    "Newton's corrections grow however they are damped; near a critical speed deflections grow \
+                     without bounds: begin beyond it, or make the imbalance smaller"
+                }
                 _ if self.step == 0 => {
                     "Newton's corrections grow however they are damped; let the loads and prescribed \
                      displacements that are there grow from zero, or make them smaller"

@@ -24,7 +24,7 @@ use super::{
     is_balanced, linearize,
 };
 use crate::significant;
-use crate::statics::{StaticOptions, StaticsError, equilibrium_from};
+use crate::statics::{StaticOptions, StaticsError, StepParameter, equilibrium_from};
 use lines::{conjugate, continued, groups};
 use multi_blade::{TURN, motion, pulled_back};
 use num_complex::Complex64;
@@ -241,8 +241,11 @@ impl Sweep<'_> {
         };
         let mut steady = SteadyMotion::new(&mut *self.system, t, self.input);
         if !is_balanced(&mut steady, Point::statics(speed, self.q)) {
-            *self.q = equilibrium_from(&mut steady, std::mem::take(self.q), &statics)
-                .map_err(|source| CampbellError::Equilibrium { speed, source })?;
+            let found = equilibrium_from(&mut steady, std::mem::take(self.q), &statics);
+            *self.q = found.map_err(|source| CampbellError::Equilibrium {
+                speed,
+                source: source.of(StepParameter::Speed),
+            })?;
         }
         self.speed = speed;
         let zeros = vec![0.0; self.q.len()];

@@ -1,6 +1,6 @@
 //! Errors of static analyses.
 
-use crate::failure::FailedStep;
+use crate::failure::{FailedStep, StepParameter};
 use crate::linear_solver::LinearError;
 
 /// Error of a static analysis.
@@ -51,4 +51,14 @@ pub enum StaticsError {
     /// A step failed down to the smallest step size.
     #[error("{0}")]
     Step(Box<FailedStep>),
+}
+
+impl StaticsError {
+    /// The error of an analysis that advances another parameter than the load.
+    pub fn of(mut self, parameter: StepParameter) -> Self {
+        if let Self::Step(failed) = &mut self {
+            failed.parameter = parameter;
+        }
+        self
+    }
 }

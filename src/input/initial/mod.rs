@@ -10,7 +10,7 @@ use super::{InputError, InputProblem, Location, settings};
 use nalgebra::Vector3;
 use pullback_elements::model::{Context, NodeId};
 use pullback_integrators::dynamics::{self as integrator, DynamicsError, Progress};
-use pullback_integrators::statics::{StaticsError, Step, StepParameter, solve_statics};
+use pullback_integrators::statics::{Step, StepParameter, solve_statics};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use velocities::Velocities;
@@ -101,10 +101,8 @@ fn balance(
         ControlFlow::Continue(())
     };
     let solved = solve_statics(context, q, &settings::only(0.0), &mut each);
-    solved.map(|_| unstable).map_err(|mut source| {
-        if let StaticsError::Step(failed) = &mut source {
-            failed.parameter = StepParameter::Time;
-        }
+    solved.map(|_| unstable).map_err(|source| {
+        let source = source.of(StepParameter::Time);
         let at = settings::location(assembly.at("analysis"), &assembly.file.analysis);
         let at = at.at("dynamic").at("from_equilibrium");
         at.refuse_key(InputProblem::Equilibrium { source })

@@ -381,6 +381,30 @@ fn a_diagram_begins_at_its_first_speed() {
     }
 }
 
+/// A blade on a flapping hinge under gravity along the shaft hangs down at rest.
+#[test]
+fn a_blade_that_only_rotation_holds_needs_another_first_speed() {
+    let text = |from: f64| {
+        [
+            GROUND,
+            &hinge("hub", "ground", ""),
+            &arm("end", "hub", [0.3, 0.0, 0.0]),
+            &joint("flap", "revolute", "end", "axis = [0, 1, 0]"),
+            &body_of("flap", 3.0, "center = [2, 0, 0]\ninertia = [0.1, 4, 4]"),
+            "[[loads]]\ngravity = [0, 0, -9.81]\n",
+            &format!("[analysis.campbell]\njoint = \"hub\"\nfrom = {from}\nto = 12\ncount = 1\n"),
+        ]
+        .concat()
+    };
+    let words = [
+        "found at a speed of 0",
+        "at the start, speed 0",
+        "begin at another speed",
+    ];
+    assert_says(&failed("campbell_hanging", &text(0.0)), &words);
+    assert_eq!(lines("campbell_held", &text(4.0))[0].0, 4.0);
+}
+
 #[test]
 fn periodic_coefficients_are_refused() {
     let disc = disc().replace("[0.2, 0.1, 0.1]", "[0.2, 0.1, 0.12]");

@@ -238,7 +238,7 @@ fn every_crossing_occurs_once() {
     for (options, from) in [(first(1e-8), 0.0), (first(1e-6), 0.0), (equal, 1e7)] {
         let mut system = Oscillator::new(1.0, 1.0);
         system.kinks.clear();
-        let state = start(&mut system, from, &[1.0], &[0.0]).unwrap();
+        let state = start(&system, from, &[1.0], &[0.0]).unwrap();
         let mut run = Simulation::new(&mut system, state, &options).unwrap();
         run.add_event(|_, state| -state.q[0], onward);
         run.add_event(|_, state| state.q[0], onward);
