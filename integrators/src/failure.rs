@@ -250,9 +250,7 @@ impl FailedStep {
                 error,
                 mechanism,
                 match self.parameter {
-                    StepParameter::Speed => {
-                        "hold it by a support or a spring, or begin at another speed, at which the rotation holds it"
-                    }
+                    StepParameter::Speed => "hold it, or begin at a speed that holds it",
                     _ if self.step == 0 => "hold it by a support, a spring or a prescribed motion",
                     StepParameter::Load => {
                         "hold it by a support, a spring, a prescribed motion, or loads that act from the start; if this \

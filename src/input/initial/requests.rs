@@ -101,15 +101,19 @@ pub(super) fn project(
     let file = assembly.file;
     let prescribed = file.supports.iter().any(|s| s.prescribed.is_some())
         || (file.joints.iter()).any(|j| j.acts_any(|a| a.prescribed.is_some()));
-    if prescribed || requests.iter().any(|a| a.of_node) || !held.is_empty() {
-        requests.retain(|a| a.of_node);
-    }
+    let yields = prescribed || requests.iter().any(|a| a.of_node) || !held.is_empty();
+    requests.sort_by_key(|a| !a.of_node);
     for request in requests {
+        let before = held.len();
         held.extend(request.unknowns);
         let (left, joint) = remaining_error(context, &start, &held).map_err(failed)?;
-        if left > VELOCITY_TOLERANCE {
+        if left <= VELOCITY_TOLERANCE {
+            continue;
+        }
+        if request.of_node || !yields {
             return Err(request.at.refuse(InputProblem::LoopMotion { joint }));
         }
+        held.truncate(before);
     }
     let Start { q, v, .. } = &mut start;
     (context.project_velocities(BEFORE_START, q, v, &held)).map_err(failed)?;

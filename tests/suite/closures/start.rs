@@ -167,6 +167,45 @@ fn velocities_of_bodies_are_kept_where_the_loop_allows_them() {
     }
 }
 
+/// A slider-crank of 0.2 and 0.6 at its dead centre, whose connecting rod is a line that turns by −10/3 rad/s for 10 of the
+/// crank, beside a part that is prescribed: the joints allow the entry of the line, so it is kept.
+#[test]
+fn a_line_starts_as_its_entry_says_beside_other_parts() {
+    let text =
+        |closure: &str, crank: &str, spin: f64| {
+            let rail = "[[supports]]\nnode = \"aside\"\nprescribed = { x = { constant = 0 } }\n";
+            [
+            "[sections.main]\nstiffness = { EA = 1e6, GA = [1e6, 1e6], GJ = 10, EI = [10, 10] }\n",
+            "mass = { A_rho = 1, J = [2e-4, 1e-4, 1e-4] }\n",
+            &GROUND.replace("[nodes]\n", "[nodes]\nend = [0.8, 0, 0]\naside = [5, 0, 0]\n"),
+            &hinge("crank", "ground", crank),
+            &arm("pin", "crank", [0.2, 0.0, 0.0]),
+            &hinge("big", "pin", ""),
+            &beam_line("rod", ["big", "end"], 2, "main"),
+            &arm("rail", "ground", [0.8, 0.0, 0.0]),
+            &joint("slider", "prismatic", "rail", "axis = [1, 0, 0]"),
+            &hinge("wrist", "slider", &format!("child = \"end\"\n{closure}")),
+            &["crank", "slider", "end", "aside"].map(body).concat(),
+            rail,
+            "[[initial]]\nline = \"rod\"\nabout = [0.8, 0, 0]\n",
+            &format!("angular_velocity = [0, 0, {spin:?}]\n"),
+            RUN,
+        ]
+        .concat()
+        };
+    for closure in CLOSURES {
+        for crank in ["rate = 10", ""] {
+            let job = started(&text(closure, crank, -10.0 / 3.0));
+            let spin = |name: &str| {
+                let node = job.context.find(name).unwrap();
+                job.context.node_state(node).omega.z
+            };
+            assert_close(spin("crank"), 10.0, 1e-9, closure);
+            assert_close(spin("end"), -10.0 / 3.0, 1e-9, closure);
+        }
+    }
+}
+
 /// The linkage is where a crank that turns by 1.2 rad/s has it, the angle D with this sign.
 fn follows(rows: &Rows, sign: f64, what: &str) {
     for row in rows {

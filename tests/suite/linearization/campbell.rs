@@ -399,7 +399,7 @@ fn a_blade_that_only_rotation_holds_needs_another_first_speed() {
     let words = [
         "found at a speed of 0",
         "at the start, speed 0",
-        "begin at another speed",
+        "begin at a speed that holds it",
     ];
     assert_says(&failed("campbell_hanging", &text(0.0)), &words);
     assert_eq!(lines("campbell_held", &text(4.0))[0].0, 4.0);
