@@ -8,6 +8,7 @@ mod program;
 mod runs;
 mod start;
 mod units;
+mod velocities;
 
 use crate::support::closures::{GROUND, RUN, four_bar};
 use crate::support::prelude::*;
