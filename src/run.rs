@@ -295,8 +295,8 @@ pub(crate) fn first_warnings(
     warnings.extend(warnings::unstable_start(job));
     if matches!(job.plan, Plan::Dynamic(_)) {
         notes.extend(warnings::prescribed_start(job));
+        warnings.extend(warnings::lines_at_rest(job));
         let Job { context, file, .. } = job;
-        warnings.extend(warnings::lines_at_rest(file));
         warnings.extend(warnings::immobile(context));
         warnings.extend(warnings::corners(file));
         warnings.extend(warnings::too_stiff(context, file, progress));

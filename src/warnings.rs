@@ -28,8 +28,8 @@ pub(crate) fn unbalanced(counts: &Counts) -> Option<&'static str> {
         let now = energy.now.kinetic + energy.now.stored;
         let still = energy.start == 0.0 && energy.gross == 0.0 && now == 0.0;
         return (still && counts.steps > 0).then_some(
-            "nothing moves: loads, if there are any, are in balance, nothing that is prescribed moves, and all \
-             starts at rest. See `loads`, `prescribed` and `initial`",
+            "nothing with mass or stiffness moves: loads, if there are any, are in balance, nothing that is prescribed \
+             moves, and all starts at rest. See `loads`, `prescribed` and `initial`",
         );
     }
     Some(if energy.defect() > 0.0 {
@@ -93,6 +93,12 @@ fn are(names: &[String]) -> String {
     format!("{} {verb}", names.join(", "))
 }
 
+/// Whether a node is in motion.
+fn moves(context: &Context, node: NodeId) -> bool {
+    let state = context.node_state(node);
+    state.velocity.norm() + state.omega.norm() > 0.0
+}
+
 /// A warning about bodies that start with a velocity as joints attach them to something prescribed.
 pub(crate) fn prescribed_start(job: &Job) -> Option<String> {
     let Job { context, file, .. } = job;
@@ -100,10 +106,6 @@ pub(crate) fn prescribed_start(job: &Job) -> Option<String> {
     if !file.initial.is_empty() || prescribed.is_empty() {
         return None;
     }
-    let moves = |node: NodeId| {
-        let state = context.node_state(node);
-        state.velocity.norm() + state.omega.norm() > 0.0
-    };
     // Rates of loops depend on prescribed motion.
     let rests = |&node: &NodeId| {
         let mut rates = (0..).map_while(|k| context.coordinate(node, k));
@@ -112,7 +114,7 @@ pub(crate) fn prescribed_start(job: &Job) -> Option<String> {
     let carried = (file.joints.iter().zip(&job.joints)).filter(|(j, nodes)| {
         let given = j.acts_any(|a| a.rate.is_some() || a.prescribed.is_some());
         let free = !given && has(true, context, nodes);
-        free && nodes.coordinates.iter().all(rests) && moves(nodes.frame)
+        free && nodes.coordinates.iter().all(rests) && moves(context, nodes.frame)
     });
     let carried: Vec<String> = carried.map(|(j, _)| j.name.clone()).collect();
     (!carried.is_empty()).then(|| {
@@ -125,21 +127,24 @@ pub(crate) fn prescribed_start(job: &Job) -> Option<String> {
     })
 }
 
-/// A warning about lines at rest next to a joint that starts with a rate.
-pub(crate) fn lines_at_rest(file: &ModelFile) -> impl Iterator<Item = String> {
+/// Warnings about lines of which nothing but ends moves at the start, with rates of joints and no [[initial]].
+pub(crate) fn lines_at_rest(job: &Job) -> impl Iterator<Item = String> {
+    let Job { context, file, .. } = job;
     let rates = |j: &Joint| j.acts_any(|a| a.rate.is_some_and(|rate| rate != 0.0));
-    let rated = file.joints.iter().filter(move |j| rates(j));
-    rated.filter(|_| file.initial.is_empty()).flat_map(|j| {
-        let child = j.child.as_ref();
-        let ends = move |end: &String| *end == j.name || Some(end) == child;
-        let lines = file.lines.iter();
-        let lines = lines.filter(move |l| ends(&l.from) || ends(&l.to));
-        lines.map(|l| {
+    let rated = file.initial.is_empty() && file.joints.iter().any(rates);
+    let lines = job.geometry.lines.iter().filter(move |_| rated);
+    lines.filter_map(move |line| {
+        let (last, nodes) = (line.nodes.len() - 1, &line.nodes);
+        let moving: Vec<usize> = (0..=last).filter(|&k| moves(context, nodes[k])).collect();
+        let ends = moving.iter().all(|&k| k == 0 || k == last);
+        let names: Vec<&str> = moving.iter().map(|&k| context.node(nodes[k]).name()).collect();
+        (ends && (1..=last).contains(&moving.len())).then(|| {
             format!(
-                "joint {} starts with a rate, and the rest of line {} at rest, which jerks it: \
-                 [[initial]] with line = {:?} and an angular_velocity (about the joint) or a velocity \
-                 sets all of it in motion, and the joint with it",
-                j.name, l.name, l.name
+                "line {} starts at rest but for its end at {}, which jerks it: [[initial]] with line = {:?} \
+                 and an angular_velocity (about a hinge) or a velocity sets all of it in motion",
+                line.name,
+                names.join(" and at "),
+                line.name
             )
         })
     })

@@ -23,8 +23,8 @@ pub(crate) struct RateChange {
 pub(crate) struct JointRates {
     /// Unknowns that are single angles.
     angles: Vec<usize>,
-    /// Their rates at the last step.
-    last: Vec<f64>,
+    /// Their values and rates at the last step.
+    last: Vec<[f64; 2]>,
 }
 
 impl JointRates {
@@ -32,7 +32,7 @@ impl JointRates {
     pub(crate) fn new(context: &Context, state: &State) -> Self {
         let mut angles = context.single_unknowns();
         angles.retain(|&i| context.pattern().coordinates()[i].quantity == Quantity::Angle);
-        let last = angles.iter().map(|&i| state.v[i]).collect();
+        let last = angles.iter().map(|&i| [state.q[i], state.v[i]]).collect();
         Self { angles, last }
     }
 
@@ -45,8 +45,9 @@ impl JointRates {
         furthest: &mut Option<RateChange>,
     ) {
         for (&i, last) in self.angles.iter().zip(&mut self.last) {
-            let by = ((state.v[i] - *last) * h).abs();
-            *last = state.v[i];
+            // From the mean rate: that at the end may have jumped with a prescribed motion.
+            let by = 2.0 * (state.q[i] - last[0] - h * last[1]).abs();
+            *last = [state.q[i], state.v[i]];
             if by > furthest.as_ref().map_or(FAR, |turn| turn.by) {
                 *furthest = Some(RateChange {
                     name: context.name(i),

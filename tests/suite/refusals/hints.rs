@@ -57,11 +57,22 @@ fn what_hangs_on_a_base_that_is_driven_from_the_start_moves_along() {
 #[test]
 fn a_line_does_not_start_with_the_rate_of_its_joint() {
     let all = "[[initial]]\nline = \"L\"\nangular_velocity = [0, 0, 3]\n";
-    for (more, told) in [("", true), (all, false)] {
-        let turning = hinge("J", "ground", "rate = 3");
-        let [_, warnings] = said("left", &[&held(), &turning, &line("J"), more]);
-        let warning = "joint J starts with a rate, and the rest of line L at rest";
-        assert_told(&warnings, warning, told);
+    let turning = hinge("J", "ground", "rate = 3");
+    // The joint that turns may be further inside.
+    let outer = [arm("a", "J", [0.5, 0.0, 0.0]), hinge("H", "a", "")].concat();
+    let inner = [&*turning, &outer, &line("H")].concat();
+    let own = [&*turning, &line("J")].concat();
+    for (name, joints, more, told) in [
+        ("left", &own, "", Some("J")),
+        ("taken", &own, all, None),
+        ("inner", &inner, "", Some("H")),
+    ] {
+        let [_, warnings] = said(name, &[&held(), joints, more]);
+        let warning = format!(
+            "line L starts at rest but for its end at {}",
+            told.unwrap_or("")
+        );
+        assert_told(&warnings, &warning, told.is_some());
     }
 }
 
@@ -155,7 +166,10 @@ fn a_joint_is_let_go_with_its_spring_tight_without_a_warning() {
 fn a_motion_in_which_nothing_moves_is_said_to_be_one() {
     let idle = swing(&hinge("J", "ground", ""));
     let [_, warnings] = said("idle", &[&held(), &idle, &body("tip")]);
-    assert!(warnings[0].starts_with("nothing moves"), "{warnings:?}");
+    assert!(
+        warnings[0].starts_with("nothing with mass or stiffness moves"),
+        "{warnings:?}"
+    );
     let push = "[[loads]]\nnode = \"J\"\nforce = [0, 0, 1]\n";
     let moving = swing(&slider(""));
     let [_, warnings] = said("moving", &[&held(), &moving, &body("tip"), push]);
@@ -189,6 +203,18 @@ fn an_angle_that_steps_do_not_resolve_is_named() {
     }
     // Where the steps are small enough there is nothing to say.
     assert_eq!(said(1.0, 1e-3), None);
+}
+
+#[test]
+fn an_angle_may_jump_with_what_is_prescribed() {
+    // What hangs on the base stays where it is, and its angle goes back as fast as the base turns.
+    let turn = "prescribed = { table = [[0, 0], [0.01, 0], [1, 25]] }";
+    let joints = [hinge("J", "ground", turn), hinge("H", "J", ""), body("H")].concat();
+    let [_, warnings] = told(
+        "hints_jump",
+        &[GROUND, &joints, &motion(0.02, 0.01), PLAIN].concat(),
+    );
+    assert_told(&warnings, "the rate of H", false);
 }
 
 #[test]
