@@ -25,7 +25,7 @@ use super::{
 };
 use crate::significant;
 use crate::statics::{StaticOptions, StaticsError, StepParameter, equilibrium_from};
-use lines::{conjugate, continued, groups};
+use lines::{Lines, conjugate, continued, groups};
 use multi_blade::{TURN, motion, pulled_back};
 use num_complex::Complex64;
 use pullback_manifold::system::{CyclicSymmetry, Point, System};
@@ -140,7 +140,7 @@ pub fn campbell(
         options,
         observer,
         speed: options.speeds.first().copied().unwrap_or_default(),
-        lines: Vec::new(),
+        lines: Lines::default(),
         last: None,
     };
     sweep.run()
@@ -155,8 +155,8 @@ struct Sweep<'a> {
     observer: &'a mut dyn FnMut(f64) -> ControlFlow<()>,
     /// The present speed.
     speed: f64,
-    /// The modes there, each the one of its conjugate pair that continues its line.
-    lines: Vec<Option<Mode>>,
+    /// The lines there.
+    lines: Lines,
     /// The equations there.
     last: Option<Linearized>,
 }
@@ -175,7 +175,7 @@ impl Sweep<'_> {
                 true => conjugate(mode),
                 false => mode.clone(),
             };
-            rows.push((self.lines.iter().map(|line| line.as_ref().map(upper))).collect());
+            rows.push((self.lines.modes.iter().map(|line| line.as_ref().map(upper))).collect());
         }
         let line = |k: usize| {
             rows.iter()
@@ -185,7 +185,7 @@ impl Sweep<'_> {
         Ok(CampbellDiagram {
             speeds: options.speeds.clone(),
             // Not those that began and ended between two speeds.
-            lines: (0..self.lines.len())
+            lines: (0..self.lines.modes.len())
                 .map(line)
                 .filter(|line: &Vec<Option<Mode>>| line.iter().any(Option::is_some))
                 .collect(),
@@ -203,7 +203,7 @@ impl Sweep<'_> {
         let repeated = groups(&found);
         let count = repeated.get(last).and_then(|group| group.last());
         let count = count.map_or(0, |k| k + 1);
-        self.lines = found.into_iter().take(count).map(Some).collect();
+        self.lines = Lines::begin(found.into_iter().take(count).map(Some).collect());
         self.last = Some(lin);
         Ok(())
     }
@@ -261,7 +261,7 @@ impl Sweep<'_> {
             Some(rotor) => lin.in_multi_blade_coordinates(rotor, speed),
             None => lin,
         };
-        let lines = (self.lines.len().max(self.options.count)).min(2 * lin.dim());
+        let lines = (self.lines.modes.len().max(self.options.count)).min(2 * lin.dim());
         let mut sought = lines + SPARE + 1;
         loop {
             let options = ModeOptions::lowest(sought);

@@ -123,6 +123,47 @@ fn lines_cross() {
     }
 }
 
+/// The precession of a disc, J_t λ² ∓ J_p Ω λ − k = 0, crosses its sway, which no speed changes, at a speed of the diagram: shapes
+/// of the repeated eigenvalue there are any ones, and both lines go on.
+#[test]
+fn lines_cross_at_a_speed_of_the_diagram() {
+    let (m, J, k) = (2.0, 0.2, 40.0);
+    let precession =
+        |speed: f64| (J * speed + (J * speed * J * speed + 4.0 * J * k).sqrt()) / (2.0 * J);
+    let sway = precession(5.0);
+    let stiffness = [sway * sway * m, 50.0, 500.0, k, k, 300.0];
+    let text = [
+        GROUND,
+        &joint("bearing", "free", "ground", "position = [0, 0, 0]"),
+        &format!(
+            "[[springs]]\nname = \"mount\"\nnodes = [\"ground\", \"bearing\"]\nbushing = {{ stiffness = {stiffness:?} }}\n"
+        ),
+        &hinge("spin", "bearing", ""),
+        &body_of("spin", m, "inertia = [0.2, 0.2, 0.2]"),
+        "[analysis.campbell]\njoint = \"spin\"\nto = 10\nsteps = 4\ncount = 6\n",
+    ];
+    let rows = lines("campbell_meeting", &text.concat());
+    let near = |found: f64, exact: f64| (found - exact).abs() < 1e-9 * exact;
+    for line in 0..6 {
+        let all = || rows.iter().map(|row| (row.0, row.1[line][0]));
+        if near(all().next_back().unwrap().1, precession(10.0)) {
+            assert!(
+                all().all(|(speed, found)| near(found, precession(speed))),
+                "precession"
+            );
+        }
+        if near(all().next_back().unwrap().1, sway) {
+            assert!(all().all(|(_, found)| near(found, sway)), "sway");
+        }
+    }
+    let end: Vec<f64> = sorted(&rows[4].1);
+    assert!(
+        [sway, precession(10.0)]
+            .iter()
+            .all(|exact| end.iter().any(|found| near(*found, *exact)))
+    );
+}
+
 /// Among the converged Ritz values of a fine mesh at speed some are no approximations.
 #[test]
 fn many_modes_of_a_fine_mesh() {

@@ -1,6 +1,7 @@
 //! Lines of a Campbell diagram: modes of successive speeds whose shapes agree best.
 
 use super::{Linearized, Mode, inner_product};
+use num_complex::Complex64;
 
 /// Least agreement of shapes that are one line.
 const SAME: f64 = 0.2;
@@ -23,15 +24,48 @@ impl Linearized {
     }
 }
 
+/// Lines at a speed.
+#[derive(Default)]
+pub(super) struct Lines {
+    /// Their modes, each the one of its conjugate pair that continues its line.
+    pub modes: Vec<Option<Mode>>,
+    /// For each line those whose eigenvalue has never been another one, itself among them: shapes are any ones in their space.
+    together: Vec<Vec<usize>>,
+}
+
+impl Lines {
+    /// Lines that begin with these modes.
+    pub(super) fn begin(modes: Vec<Option<Mode>>) -> Self {
+        Self::default().next(modes)
+    }
+
+    /// The lines with their modes at the next speed, and new ones behind them.
+    fn next(&self, modes: Vec<Option<Mode>>) -> Self {
+        let were = |i: usize, k: usize| match self.together.get(i) {
+            Some(own) => own.contains(&k),
+            None => k >= self.together.len(),
+        };
+        let are = |i: usize, k: usize| match (&modes[i], &modes[k]) {
+            (Some(a), Some(b)) => same(a, b),
+            _ => false,
+        };
+        let all = |i: usize| {
+            (0..modes.len())
+                .filter(|&k| were(i, k) && are(i, k))
+                .collect()
+        };
+        let together = (0..modes.len()).map(all).collect();
+        Self { modes, together }
+    }
+}
+
 /// Continues lines by modes at the next speed; with the least agreement of shapes. For each line that ends here, the lowest mode
-/// that has none begins one.
-pub(super) fn continued(
-    lines: &[Option<Mode>],
-    found: Vec<Mode>,
-    lin: &Linearized,
-) -> (Vec<Option<Mode>>, f64) {
-    let own: Vec<usize> = (0..lines.len()).filter(|&i| lines[i].is_some()).collect();
-    let before: Vec<Mode> = lines.iter().flatten().cloned().collect();
+/// that has none begins one. Where lines meet, each keeps the part of its shape in their space.
+pub(super) fn continued(lines: &Lines, found: Vec<Mode>, lin: &Linearized) -> (Lines, f64) {
+    let own: Vec<usize> = (0..lines.modes.len())
+        .filter(|&i| lines.modes[i].is_some())
+        .collect();
+    let before: Vec<Mode> = lines.modes.iter().flatten().cloned().collect();
     let pairs = (0..found.len()).filter(|&j| found[j].eigenvalue.im != 0.0);
     let of: Vec<usize> = (0..found.len()).chain(pairs).collect();
     let conjugates: Vec<Mode> = of[found.len()..]
@@ -40,7 +74,12 @@ pub(super) fn continued(
         .collect();
     let found = [found, conjugates].concat();
     // Shapes of repeated eigenvalues are any ones in their space.
-    let (groups_before, groups) = (groups(&before), groups(&found));
+    let groups = groups(&found);
+    let together = |i: usize| -> Vec<usize> {
+        let all = &lines.together[own[i]];
+        (0..own.len()).filter(|&k| all.contains(&own[k])).collect()
+    };
+    let groups_before: Vec<Vec<usize>> = (0..own.len()).map(together).collect();
     let mac = assurance(&before, &found, lin);
     let agreement = |i: usize, j: usize| -> f64 {
         let (rows, columns) = (&groups_before[i], &groups[j]);
@@ -55,7 +94,7 @@ pub(super) fn continued(
         .map(|(i, j)| (agreement(i, j), i, j))
         .collect();
     matches.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let mut out: Vec<Option<Mode>> = vec![None; lines.len()];
+    let mut out: Vec<Option<Mode>> = vec![None; lines.modes.len()];
     let (mut taken, mut least) = (vec![false; found.len()], 1.0_f64);
     let mut open = vec![true; before.len()];
     for &(agreement, i, mut j) in &matches {
@@ -73,13 +112,36 @@ pub(super) fn continued(
             }
             (open[i], taken[of[j]]) = (false, true);
             least = least.min(agreement);
-            out[own[i]] = Some(found[j].clone());
+            let space: Vec<&[Complex64]> = groups[j].iter().map(|&l| &found[l].shape[..]).collect();
+            let shape = part(&before[i].shape, &space, lin);
+            let mode = found[j].clone();
+            out[own[i]] = Some(match shape {
+                Some(shape) => Mode { shape, ..mode },
+                None => mode,
+            });
         }
     }
     let ended = open.iter().filter(|open| **open).count();
     let others = (0..found.len()).filter(|&j| of[j] == j && !taken[j]);
     out.extend(others.take(ended).map(|j| Some(found[j].clone())));
-    (out, if ended > 0 { 0.0 } else { least })
+    (lines.next(out), if ended > 0 { 0.0 } else { least })
+}
+
+/// The part of a shape in the space of orthogonal shapes of unit mass, of unit mass itself, if it is large enough.
+fn part(shape: &[Complex64], space: &[&[Complex64]], lin: &Linearized) -> Option<Vec<Complex64>> {
+    if space.len() < 2 {
+        return None;
+    }
+    let image = lin.product(&lin.M, shape);
+    let mut part = vec![Complex64::ZERO; shape.len()];
+    let mut square = 0.0;
+    for axis in space {
+        let along = inner_product(axis, &image);
+        square += along.norm_sqr();
+        (part.iter_mut().zip(*axis)).for_each(|(x, y)| *x += along * y);
+    }
+    part.iter_mut().for_each(|x| *x /= square.sqrt());
+    (square >= SAME).then_some(part)
 }
 
 /// The other mode of a pair of conjugates.
@@ -114,12 +176,18 @@ fn assurance(before: &[Mode], found: &[Mode], lin: &Linearized) -> Vec<Vec<f64>>
     before.iter().map(agreements).collect()
 }
 
+/// Whether two modes have one eigenvalue.
+fn same(a: &Mode, b: &Mode) -> bool {
+    let (a, b) = (a.eigenvalue, b.eigenvalue);
+    (a - b).norm() <= REPEATED * a.norm().max(b.norm())
+}
+
 /// For each mode all modes with the same eigenvalue.
 pub(super) fn groups(modes: &[Mode]) -> Vec<Vec<usize>> {
-    let same = |i: usize, j: usize| {
-        let (a, b) = (modes[i].eigenvalue, modes[j].eigenvalue);
-        (a - b).norm() <= REPEATED * a.norm().max(b.norm())
+    let all = |i: usize| {
+        (0..modes.len())
+            .filter(|&j| same(&modes[i], &modes[j]))
+            .collect()
     };
-    let all = |i: usize| (0..modes.len()).filter(|&j| same(i, j)).collect();
     (0..modes.len()).map(all).collect()
 }
