@@ -130,22 +130,36 @@ impl<'a> Finish<'a> {
     pub fn apart(&self, modes: &[Mode], mode: Mode, found: Complex64) -> Option<Mode> {
         let same =
             |other: &&Mode| (other.eigenvalue - mode.eigenvalue).norm() <= REPEATED * mode.omega();
-        let mut others = modes.iter().filter(same).peekable();
-        if self.symmetric || others.peek().is_none() {
+        let others: Vec<&Mode> = modes.iter().filter(same).collect();
+        if self.symmetric || others.is_empty() {
             return Some(mode);
         }
-        let mass = |shape: &[Complex64]| self.lin.product(&self.lin.M, shape);
+        let mass = |x: &[Complex64]| self.lin.product(&self.lin.M, x);
+        let square = |x: &[Complex64]| inner_product(x, &mass(x)).re;
+        let scaled = |x: &[Complex64]| -> Vec<Complex64> {
+            let scaled = x.iter().zip(&self.scales);
+            scaled.map(|(x, s)| x / (s * s)).collect()
+        };
         let mut shape = mode.shape.clone();
-        for other in others {
-            let part = inner_product(&mass(&other.shape), &shape);
-            (shape.iter_mut().zip(&other.shape)).for_each(|(x, y)| *x -= part * y);
+        for other in &others {
+            remove(&mut shape, &other.shape, &mass(&other.shape), 1.0);
         }
-        let [left, whole] = [&shape, &mode.shape].map(|x| inner_product(x, &mass(x)).re);
-        if left > PART * whole {
+        // Shapes with mass are of unit mass.
+        if square(&shape) > PART {
             return Some(self.mode(shape, found));
         }
-        let still = self.order == Order::Quadratic && mode.eigenvalue == Complex64::ZERO;
-        (!still).then_some(mode)
+        if self.order == Order::Squares || mode.eigenvalue != Complex64::ZERO {
+            return Some(mode);
+        }
+        for other in others.iter().filter(|other| square(&other.shape) <= PART) {
+            remove(
+                &mut shape,
+                &other.shape,
+                &scaled(&other.shape),
+                self.square(&other.shape),
+            );
+        }
+        (self.square(&shape) > PART * self.square(&mode.shape)).then(|| self.mode(shape, found))
     }
 
     /// Whether λ is zero but for rounding errors of a mode of this shape φ, with the forms φᴴ K φ, |φᴴ C φ| and φᴴ M φ: where
@@ -201,4 +215,13 @@ impl<'a> Finish<'a> {
             _ => (square / self.square(shape)).sqrt() / bound,
         }
     }
+}
+
+/// Removes from a vector its part along another one, of which the image by the metric and the square of the length are given.
+fn remove(shape: &mut [Complex64], other: &[Complex64], image: &[Complex64], square: f64) {
+    let part = inner_product(image, shape) / square;
+    shape
+        .iter_mut()
+        .zip(other)
+        .for_each(|(x, y)| *x -= part * y);
 }

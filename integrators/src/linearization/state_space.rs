@@ -93,7 +93,10 @@ pub fn output_derivatives<Y: System>(
         }
     };
     let count = outputs(system, at)?.len();
-    let coordinates = system.pattern().coordinates().to_vec();
+    let coordinates = match count {
+        0 => Vec::new(),
+        _ => system.pattern().coordinates().to_vec(),
+    };
     let full = |x: &[f64]| [x, &zeros[x.len()..]].concat();
     let mut state = [at.q.to_vec(), full(at.v), full(at.a)];
     let mut by_state = Vec::new();

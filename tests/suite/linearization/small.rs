@@ -112,6 +112,17 @@ fn modes_at_rest_with_dampers() {
     let found = eigenvalues("modes at rest", &parts, 10);
     let at_rest = found.iter().filter(|lambda| lambda.norm() == 0.0);
     assert_eq!([at_rest.count(), found.len()], [2, 5], "{found:?}");
+    // Without mass, too: λ · 2λ · 3λ (λ² + 1) = 0.
+    let massless = [
+        slider("A", "ground", X, 1.0, 0.0),
+        body_of("A", 1.0, ""),
+        slider("B", "ground", Y, 0.0, 1.0),
+        slider("C", "ground", X, 0.0, 2.0),
+        slider("D", "C", Y, 0.0, 3.0),
+    ];
+    let found = eigenvalues("massless at rest", &massless, 10);
+    let at_rest = found.iter().filter(|lambda| lambda.norm() == 0.0);
+    assert_eq!([at_rest.count(), found.len()], [3, 4], "{found:?}");
 }
 
 /// Three equal cantilevers that are almost round: three copies of each of two near frequencies. With damping by stiffness

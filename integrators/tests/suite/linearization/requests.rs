@@ -82,6 +82,19 @@ fn outputs_without_coordinates_depend_on_inputs() {
     assert!((found.u[(0, 0)] - 6.0).abs() < 1e-12, "{}", found.u);
 }
 
+#[test]
+fn without_outputs_nothing_is_differentiated() {
+    let mut asked = 0;
+    let none = |_: &mut Loaded, _: Point<'_>| {
+        asked += 1;
+        Ok(Vec::new())
+    };
+    let at = Point::statics(0.0, &[0.0; 50]);
+    let found = output_derivatives(&mut Loaded::new(50), at, none).unwrap();
+    assert_eq!([found.q.shape(), found.u.shape()], [(0, 50), (0, 1)]);
+    assert!(asked < 50, "{asked} evaluations");
+}
+
 /// The unit of an input need not be the one that matters.
 #[test]
 fn derivatives_by_inputs_do_not_depend_on_units() {
