@@ -143,7 +143,10 @@ fn find_in(
     }
     let still = |mode: &Mode| mode.eigenvalue == Complex64::ZERO;
     if !found.modes.is_empty() && found.modes.iter().all(still) {
-        warnings.push("nothing in the model is elastic: all frequencies are zero".to_owned());
+        warnings.push(
+            "all frequencies are zero: nothing in the model is elastic, or loads balance what is"
+                .to_owned(),
+        );
     }
     warnings.extend(warning_of_motion(context, at)?);
     let participations = participations(context, at, &found.modes)?;
@@ -309,16 +312,18 @@ const GROWS: f64 = 1e-6;
 /// Warnings about modes that grow, line by line.
 fn growing(diagram: &CampbellDiagram) -> impl Iterator<Item = String> + '_ {
     (1..).zip(&diagram.lines).filter_map(|(k, line)| {
-        let modes = diagram.speeds.iter().zip(line);
         let grows = |m: &Mode| m.damping_ratio() < -GROWS;
-        let mut speeds = modes.filter(|(_, mode)| mode.as_ref().is_some_and(grows));
-        let (first, _) = speeds.next()?;
-        let last = speeds.next_back().map_or(first, |(last, _)| last);
-        Some(format!(
-            "the mode of line {k} grows at speeds between {} and {}: the rotor is unstable there",
-            significant(*first),
-            significant(*last)
-        ))
+        let modes = line.iter().map(|mode| mode.as_ref().is_some_and(grows));
+        let all: Vec<(f64, bool)> = diagram.speeds.iter().copied().zip(modes).collect();
+        let runs = all.chunk_by(|a, b| a.1 == b.1).filter(|run| run[0].1);
+        let between = runs.map(|run| {
+            let [first, last] = [run[0].0, run[run.len() - 1].0].map(significant);
+            format!("between {first} and {last}")
+        });
+        let between = between.collect::<Vec<_>>().join(", and ");
+        (!between.is_empty()).then(|| {
+            format!("the mode of line {k} grows at speeds {between}: the rotor is unstable there")
+        })
     })
 }
 

@@ -161,7 +161,7 @@ pub enum ModelError {
         "joint {joint} closes a loop that ends at {node}, which is neither held nor carries the \
          other end. Hold {node} in all six coordinates, or let it be free and the child of a joint, \
          so that it is attached there; a node that is held in part may be attached to a prismatic, cylindrical \
-         or planar joint instead. Loops over slides and flexible parts close by `Closure`"
+         or planar joint instead. Multipliers or a penalty (`closure`) close any loop, also over slides and flexible parts"
     )]
     LooseLoop { joint: Subject, node: String },
     #[error(

@@ -82,6 +82,10 @@ fn a_shaft_of_two_stiffnesses_diverges_between_its_critical_speeds() {
     let [_, warnings] = told("campbell_diverges", &text);
     assert_eq!(warnings.len(), 1, "{warnings:?}");
     assert_says(&warnings[0], &["line 1 grows at speeds between 10 and 12:"]);
+    let both = text.replace("to = 16\nsteps = 8", "from = -16\nto = 16\nsteps = 16");
+    let [_, warnings] = told("campbell_both_ways", &both);
+    let speeds = "grows at speeds between -12 and -10, and between 10 and 12:";
+    assert_says(&warnings[0], &[speeds]);
     for (speed, found) in lines("campbell_two_stiffnesses", &text) {
         let squares = [100.0, 150.0].map(|EI| stiffness(EI) / 3.0 - speed * speed);
         let exact = if squares[0] * squares[1] < 0.0 {
