@@ -203,7 +203,7 @@ impl Sweep<'_> {
         let repeated = groups(&found);
         let count = repeated.get(last).and_then(|group| group.last());
         let count = count.map_or(0, |k| k + 1);
-        self.lines = Lines::begin(found.into_iter().take(count).map(Some).collect());
+        self.lines = Lines::default().next(found.into_iter().take(count).map(Some).collect());
         self.last = Some(lin);
         Ok(())
     }

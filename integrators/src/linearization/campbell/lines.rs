@@ -29,33 +29,22 @@ impl Linearized {
 pub(super) struct Lines {
     /// Their modes, each the one of its conjugate pair that continues its line.
     pub modes: Vec<Option<Mode>>,
-    /// For each line those whose eigenvalue has never been another one, itself among them: shapes are any ones in their space.
-    together: Vec<Vec<usize>>,
+    /// For each line the first one of those with which it has always had one eigenvalue: their shapes are any ones in a space.
+    families: Vec<usize>,
 }
 
 impl Lines {
-    /// Lines that begin with these modes.
-    pub(super) fn begin(modes: Vec<Option<Mode>>) -> Self {
-        Self::default().next(modes)
-    }
-
     /// The lines with their modes at the next speed, and new ones behind them.
-    fn next(&self, modes: Vec<Option<Mode>>) -> Self {
-        let were = |i: usize, k: usize| match self.together.get(i) {
-            Some(own) => own.contains(&k),
-            None => k >= self.together.len(),
+    pub(super) fn next(&self, modes: Vec<Option<Mode>>) -> Self {
+        let before = |i: usize| self.families.get(i).copied().unwrap_or(usize::MAX);
+        let first = |i: usize| {
+            let mut earlier = (0..i).filter(|&k| before(k) == before(i));
+            let alike =
+                |k: &usize| matches!((&modes[i], &modes[*k]), (Some(a), Some(b)) if same(a, b));
+            earlier.find(alike).unwrap_or(i)
         };
-        let are = |i: usize, k: usize| match (&modes[i], &modes[k]) {
-            (Some(a), Some(b)) => same(a, b),
-            _ => false,
-        };
-        let all = |i: usize| {
-            (0..modes.len())
-                .filter(|&k| were(i, k) && are(i, k))
-                .collect()
-        };
-        let together = (0..modes.len()).map(all).collect();
-        Self { modes, together }
+        let families = (0..modes.len()).map(first).collect();
+        Self { modes, families }
     }
 }
 
@@ -75,19 +64,13 @@ pub(super) fn continued(lines: &Lines, found: Vec<Mode>, lin: &Linearized) -> (L
     let found = [found, conjugates].concat();
     // Shapes of repeated eigenvalues are any ones in their space.
     let groups = groups(&found);
-    let together = |i: usize| -> Vec<usize> {
-        let all = &lines.together[own[i]];
-        (0..own.len()).filter(|&k| all.contains(&own[k])).collect()
-    };
-    let groups_before: Vec<Vec<usize>> = (0..own.len()).map(together).collect();
     let mac = assurance(&before, &found, lin);
+    let family = |i: usize| lines.families[own[i]];
+    let relatives = |i: usize| (0..own.len()).filter(move |&k| family(k) == family(i));
     let agreement = |i: usize, j: usize| -> f64 {
-        let (rows, columns) = (&groups_before[i], &groups[j]);
-        let sum: f64 = rows
-            .iter()
-            .map(|&k| columns.iter().map(|&l| mac[k][l]).sum::<f64>())
-            .sum();
-        sum / rows.len().min(columns.len()) as f64
+        let row = |k: usize| groups[j].iter().map(|&l| mac[k][l]).sum::<f64>();
+        let sum: f64 = relatives(i).map(row).sum();
+        sum / relatives(i).count().min(groups[j].len()) as f64
     };
     let mut matches: Vec<(f64, usize, usize)> = (0..before.len())
         .flat_map(|i| (0..found.len()).map(move |j| (i, j)))
@@ -112,13 +95,8 @@ pub(super) fn continued(lines: &Lines, found: Vec<Mode>, lin: &Linearized) -> (L
             }
             (open[i], taken[of[j]]) = (false, true);
             least = least.min(agreement);
-            let space: Vec<&[Complex64]> = groups[j].iter().map(|&l| &found[l].shape[..]).collect();
-            let shape = part(&before[i].shape, &space, lin);
-            let mode = found[j].clone();
-            out[own[i]] = Some(match shape {
-                Some(shape) => Mode { shape, ..mode },
-                None => mode,
-            });
+            let space = groups[j].iter().map(|&l| &found[l]);
+            out[own[i]] = Some(part(&before[i], &found[j], space, lin));
         }
     }
     let ended = open.iter().filter(|open| **open).count();
@@ -127,21 +105,26 @@ pub(super) fn continued(lines: &Lines, found: Vec<Mode>, lin: &Linearized) -> (L
     (lines.next(out), if ended > 0 { 0.0 } else { least })
 }
 
-/// The part of a shape in the space of orthogonal shapes of unit mass, of unit mass itself, if it is large enough.
-fn part(shape: &[Complex64], space: &[&[Complex64]], lin: &Linearized) -> Option<Vec<Complex64>> {
+/// A mode with the part that a shape before has in the space of its repeated eigenvalue, if that is large enough.
+fn part<'a>(
+    before: &Mode,
+    mode: &Mode,
+    space: impl ExactSizeIterator<Item = &'a Mode>,
+    lin: &Linearized,
+) -> Mode {
+    let (mut part, mut square) = (mode.clone(), 0.0);
     if space.len() < 2 {
-        return None;
+        return part;
     }
-    let image = lin.product(&lin.M, shape);
-    let mut part = vec![Complex64::ZERO; shape.len()];
-    let mut square = 0.0;
-    for axis in space {
-        let along = inner_product(axis, &image);
+    part.shape.fill(Complex64::ZERO);
+    let image = lin.product(&lin.M, &before.shape);
+    for Mode { shape, .. } in space {
+        let along = inner_product(shape, &image);
         square += along.norm_sqr();
-        (part.iter_mut().zip(*axis)).for_each(|(x, y)| *x += along * y);
+        (part.shape.iter_mut().zip(shape)).for_each(|(x, y)| *x += along * y);
     }
-    part.iter_mut().for_each(|x| *x /= square.sqrt());
-    (square >= SAME).then_some(part)
+    part.shape.iter_mut().for_each(|x| *x /= square.sqrt());
+    if square < SAME { mode.clone() } else { part }
 }
 
 /// The other mode of a pair of conjugates.
