@@ -16,7 +16,7 @@ use pullback_integrators::linearization::{
     linearize as linearized, output_derivatives,
 };
 use pullback_manifold::system::{Point, SystemError};
-use std::fmt::Write;
+use std::fmt::{Display, Write};
 use std::path::PathBuf;
 
 /// The files, by which an earlier run is recognised.
@@ -73,13 +73,9 @@ pub(super) fn linearize(registry: &Registry, args: &LinearizeArguments) -> Exit 
         &mut |_| terminal::flow(),
     );
     let mut progress = reached.map_err(|error| match error {
-        ReachError::Interrupted => {
-            tell("interrupted: nothing is written");
-            INTERRUPTED
-        }
         ReachError::At(_) => refuse(format!("--at: {error}")),
         ReachError::Start(_) => refuse(error),
-        ReachError::Failed(_) => fail(error),
+        ReachError::Interrupted | ReachError::Failed(_) => end(error),
     })?;
     let out = (args.out.clone()).unwrap_or_else(|| args.file.model.with_extension("linear"));
     let rotated = match rotation {
@@ -117,6 +113,15 @@ pub(super) fn linearize(registry: &Registry, args: &LinearizeArguments) -> Exit 
     )))
 }
 
+/// Prints why there are no matrices, Ctrl-C or an error; returns the exit code.
+fn end(error: impl Display) -> u8 {
+    if terminal::flow().is_continue() {
+        return fail(error);
+    }
+    tell("interrupted: nothing is written");
+    INTERRUPTED
+}
+
 /// Solves for a steady rotation from coordinates `q`, which end as those there; returns its linear equations and speed.
 fn equations_at_speed(
     job: &mut Job,
@@ -130,7 +135,7 @@ fn equations_at_speed(
         options.speeds.push(at);
     }
     let observer = &mut || terminal::flow();
-    let diagram = steady_rotation(&mut job.context, q, speed, &options, observer).map_err(fail)?;
+    let diagram = steady_rotation(&mut job.context, q, speed, &options, observer).map_err(end)?;
     if diagram.multi_blade && args.first_order {
         return Err(refuse(PERIODIC));
     }
@@ -166,7 +171,7 @@ fn first_order(
     speed: f64,
 ) -> Result<FirstOrder, u8> {
     let names: Vec<String> = job.probes.iter().flat_map(Probe::columns).collect();
-    let outputs = outputs(job, at).map_err(fail)?;
+    let outputs = outputs(job, at).map_err(end)?;
     if speed != 0.0 {
         let t = at.t + 1.0 / speed;
         let turned = Point { t, ..at };
@@ -176,7 +181,7 @@ fn first_order(
             let u = outputs.u.columns(0, inputs.len() - 1).into_owned();
             [outputs.q.clone(), outputs.v.clone(), outputs.a.clone(), u]
         };
-        let others = of(&self::outputs(job, turned).map_err(fail)?);
+        let others = of(&self::outputs(job, turned).map_err(end)?);
         let mut all = of(&outputs).into_iter().zip(others);
         let rows = |r_u: &[Vec<f64>]| DMatrix::from_fn(r_u.len(), lin.dim(), |k, i| r_u[k][i]);
         if !all.all(|(a, b)| alike(&a, &b)) || !alike(&rows(&lin.r_u), &rows(&inputs)) {
@@ -200,6 +205,13 @@ fn alike(a: &DMatrix<f64>, b: &DMatrix<f64>) -> bool {
 fn outputs(job: &mut Job, at: Point<'_>) -> Result<OutputDerivatives, SystemError> {
     let probes = &mut job.probes;
     output_derivatives(&mut job.context, at, |context: &mut Context, at| {
+        if terminal::flow().is_break() {
+            return Err(SystemError::Request {
+                what: "outputs",
+                expected: "all".to_owned(),
+                found: "an interruption".to_owned(),
+            });
+        }
         let balance = context.energies_and_momentum(at)?;
         let mut answers = Answers::of(context, at.t);
         answers.motion = Some((balance, 0.0));

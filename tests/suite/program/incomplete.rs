@@ -98,7 +98,7 @@ mod signals {
             let long =
                 with("steps = 4", "steps = 1000000").replace("elements = 8", "elements = 200");
             let model = write(&directory, &(long + "\n[output]\nparaview_every = 0\n"));
-            let mut child = spawned(&model);
+            let mut child = spawned(&["run"], &model);
             let out = directory.join("model.out");
             wait(30, || out.join("result.json").exists());
             sleep(Duration::from_millis(300));
@@ -112,13 +112,32 @@ mod signals {
         }
     }
 
+    /// Three derivatives for each of 3000 coordinates take longer than the test waits.
+    #[test]
+    fn a_signal_stops_derivatives_of_outputs() {
+        let directory = directory("program_signal_linearize");
+        let model = write(&directory, &with("elements = 8", "elements = 500"));
+        let mut child = spawned(&["linearize", "--first-order"], &model);
+        sleep(Duration::from_secs(3));
+        send("INT", &child);
+        let mut ended = None;
+        wait(10, || {
+            ended = child.try_wait().unwrap();
+            ended.is_some()
+        });
+        child.kill().ok();
+        child.wait().unwrap();
+        assert_eq!(ended.and_then(|status| status.code()), Some(130));
+        assert_eq!(files(&directory), ["model.toml"]);
+    }
+
     /// The model file is a pipe that nobody writes into: the program waits for it before its first step.
     #[test]
     fn a_signal_before_the_first_step_ends_the_program_at_once() {
         let pipe = directory("program_early_signal").join("pipe.toml");
         let made = Command::new("mkfifo").arg(&pipe).status();
         assert!(made.unwrap().success());
-        let mut child = spawned(&pipe);
+        let mut child = spawned(&["run"], &pipe);
         sleep(Duration::from_millis(500));
         send("TERM", &child);
         let mut ended = None;

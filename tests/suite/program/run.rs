@@ -240,11 +240,11 @@ fn nobody_has_to_listen() {
     let joint = format!("\n{}", hinge("pin", "B", "spring = { k = 1 }"));
     let text = with("3.141592653589793", "0") + &joint;
     let model = write(&directory("program_closed"), &text);
-    let heard = spawned(&model).wait_with_output().unwrap();
+    let heard = spawned(&["run"], &model).wait_with_output().unwrap();
     assert!(heard.stdout.starts_with(b"degrees of freedom"));
     assert!(heard.stderr.starts_with(b"warning"));
     for (file, code) in [(&model, 0), (&model.with_file_name("none.toml"), 2)] {
-        let mut child = spawned(file);
+        let mut child = spawned(&["run"], file);
         drop((child.stdout.take(), child.stderr.take()));
         assert_eq!(child.wait().unwrap().code(), Some(code));
     }

@@ -199,10 +199,10 @@ pub fn program_in(directory: &Path, line: &str) -> Output {
     program.output().unwrap()
 }
 
-/// The program under way with a model; what it says can be read.
-pub fn spawned(model: &Path) -> Child {
+/// A command of the program under way with a model; what it says can be read.
+pub fn spawned(command: &[&str], model: &Path) -> Child {
     let mut program = Command::new(env!("CARGO_BIN_EXE_pullback"));
-    let program = program.arg("run").arg(model);
+    let program = program.args(command).arg(model);
     let program = program.stdout(Stdio::piped()).stderr(Stdio::piped());
     program.spawn().unwrap()
 }
