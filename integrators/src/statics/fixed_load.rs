@@ -24,17 +24,21 @@ pub(super) enum TangentStatus {
     Factorised,
 }
 
-/// The coordinate that moves most between two states, and its value where a slide passes the first end of its line; `None` if
-/// none does.
+/// The coordinate of a slide that passes the first end of its line between two states, and its value there; `None` if none does.
 fn departure(system: &mut dyn System, t: f64, from: &[f64], to: &[f64]) -> Option<(usize, f64)> {
-    // As in a motion from rest to rest in a unit of time.
-    let by = events(system).value(Point::statics(t - 1.0, from), Point::statics(t, to));
-    let s = 1.0 - by;
-    let coordinates = system.pattern().coordinates();
-    let moved = |i: &usize| ((from[*i] - to[*i]) / coordinates[*i].size).abs();
-    let most = (0..to.len()).max_by(|a, b| moved(a).total_cmp(&moved(b)));
-    most.filter(|_| by >= 0.0)
-        .map(|i| (i, from[i] + (to[i] - from[i]) * s * s * (3.0 - 2.0 * s)))
+    let mut passes = |from: &[f64]| {
+        let by = events(system).value(Point::statics(t, from), Point::statics(t, to));
+        (by >= 0.0).then_some(1.0 - by)
+    };
+    passes(from)?;
+    let mut moved: Vec<usize> = (0..to.len()).filter(|&i| from[i] != to[i]).collect();
+    moved.sort_by(|&a, &b| (to[b] - from[b]).abs().total_cmp(&(to[a] - from[a]).abs()));
+    moved.into_iter().find_map(|i| {
+        let mut others = to.to_vec();
+        others[i] = from[i];
+        let s = passes(&others)?;
+        Some((i, from[i] + (to[i] - from[i]) * s * s * (3.0 - 2.0 * s)))
+    })
 }
 
 impl Newton {

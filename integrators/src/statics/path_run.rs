@@ -44,8 +44,6 @@ enum Phase {
     Advance,
     /// The events and the end of a converged step.
     Report(Converging),
-    /// The preparation of the next step, from the iterations of the last one and the cosine of its bend; `None` at a kink.
-    Prepare(usize, Option<f64>),
     End,
 }
 
@@ -136,7 +134,6 @@ impl StaticAnalysis for PathRun {
                     }
                     return Ok(true);
                 }
-                Phase::Prepare(iterations, bend) => self.prepare(system, iterations, bend),
                 Phase::End => {
                     self.phase = Phase::End;
                     return Ok(false);
@@ -252,12 +249,15 @@ impl PathRun {
             found.iterations
         };
         step.unreported -= spent;
-        let Position { q, t, .. } = found.position.clone();
+        let Position { mut q, t, .. } = found.position.clone();
         let newton = &mut self.newton;
         newton.evaluate(system, None, &q, t).map_err(|source| {
             let failure = Cause::System(source);
             StaticsError::Step(newton.fail(system, failure, t))
         })?;
+        if last && matches!(self.options.events[found.index].0, Event::Load(_)) {
+            settle(newton, system, &mut q, &mut [], t);
+        }
         let summary = &mut newton.summary;
         summary.iterations += spent;
         (summary.t, summary.finished) = (t, last);
@@ -305,57 +305,69 @@ impl PathRun {
         self.options.switch_branch = false;
     }
 
-    /// Accepts and reports the end of a converged step.
+    /// Accepts and reports the end of a converged step, and chooses the size of the next one.
     fn accept(&mut self, system: &mut dyn System, step: Converging) {
         std::mem::swap(&mut self.at, &mut self.next);
         // Where nothing is known, the count before is the best one.
         self.unstable = step.unstable.or(self.unstable);
-        let (at, summary) = (&self.at, &mut self.newton.summary);
-        summary.iterations += step.iterations;
-        summary.t = at.t;
-        let number = summary.steps;
+        let Position { q, t, tangent } = &mut self.at;
+        if step.bend.is_none() {
+            // Behind a kink the load goes on as before, on another tangent.
+            tangent.dq.fill(0.0);
+        }
         if step.moved {
             // Locating events has moved the system: restore it.
-            (self.newton.evaluate(system, None, &at.q, at.t)).ok();
+            (self.newton.evaluate(system, None, q, *t)).ok();
         }
+        // The next step uses this tangent, unless charts change.
+        let changed = settle(&mut self.newton, system, q, &mut tangent.dq, *t);
+        let summary = &mut self.newton.summary;
+        summary.iterations += step.iterations;
+        summary.chart_changes += changed.charts;
+        summary.t = *t;
         let end = Step {
-            number,
-            t: at.t,
+            number: summary.steps,
+            t: *t,
             step_size: step.ds,
             iterations: step.iterations,
-            chart_changes: self.changes,
+            chart_changes: self.changes + changed.charts,
             unstable: step.unstable,
             ..Step::default()
         };
+        self.changes = 0;
+        self.fresh = changed == ChartChanges::default() && step.bend.is_some();
         self.reach(end, step.history);
-        self.phase = Phase::Prepare(step.iterations, step.bend);
-    }
-
-    /// Changes charts after a step, and chooses the size of the next one.
-    fn prepare(&mut self, system: &mut dyn System, iterations: usize, bend: Option<f64>) {
-        let at = &mut self.at;
-        if bend.is_none() {
-            // Behind a kink the load goes on as before, on another tangent.
-            at.tangent.dq.fill(0.0);
-        }
-        // The next step uses this tangent, unless charts change.
-        let changed = charts(system).change_charts(at.t, &mut at.q, &mut at.tangent.dq, &mut []);
-        self.changes = changed.charts;
-        if changed.residual {
-            // The discretisation depends on charts: the equilibrium in the new ones is another one.
-            let mut q = at.q.clone();
-            match balance(&mut self.newton, system, &mut q, at.t) {
-                Ok(changes) => {
-                    at.q = q;
-                    self.changes += changes;
-                }
-                Err(_) => charts(system).start(at.t, &at.q),
-            }
-        }
-        self.fresh = changed == ChartChanges::default() && bend.is_some();
-        let ease = (self.options.target_iterations as f64 / iterations.max(1) as f64).sqrt();
+        let (iterations, bend) = (step.iterations.max(1) as f64, step.bend);
+        let ease = (self.options.target_iterations as f64 / iterations).sqrt();
         let sharp = bend.is_some_and(|bend| bend < GENTLE_BEND);
         let straightness = if sharp { 0.7 } else { 1.5 };
         self.ds = (self.ds * ease.clamp(0.5, straightness)).min(self.options.max_step);
     }
+}
+
+/// Changes charts at an equilibrium, and goes to that in the new ones if the discretisation depends on them.
+fn settle(
+    newton: &mut Newton,
+    system: &mut dyn System,
+    q: &mut [f64],
+    tangent: &mut [f64],
+    t: f64,
+) -> ChartChanges {
+    let mut changed = charts(system).change_charts(t, q, tangent, &mut []);
+    if changed.residual {
+        let start = q.to_vec();
+        match balance(newton, system, q, t) {
+            Ok(changes) => changed.charts += changes,
+            Err(_) => {
+                q.copy_from_slice(&start);
+                charts(system).start(t, q);
+            }
+        }
+        // A path may leave the node at which a slide rests.
+        newton.held.clear();
+    }
+    if changed != ChartChanges::default() {
+        newton.evaluate(system, None, q, t).ok();
+    }
+    changed
 }

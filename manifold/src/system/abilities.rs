@@ -46,7 +46,8 @@ pub trait Events {
 
     /// Amount by which the step overshot the first change of segment, in units of time; negative before
     /// it. Such a change keeps values but not their derivatives, and a step across it loses its order,
-    /// so integrators end a step there. −∞ if there is no change ahead, and by default.
+    /// so integrators end a step there. Static points are a unit of time apart, at rest. −∞ if there is no change ahead, and
+    /// by default.
     fn value(&mut self, from: Point<'_>, to: Point<'_>) -> f64 {
         let _ = (from, to);
         f64::NEG_INFINITY

@@ -110,9 +110,10 @@ impl Chain {
         let mut from = 0.0;
         for to in turns(a, b, c).into_iter().chain([1.0]) {
             let up = u(to) > u(from);
+            let moves = u(to) != u(from);
             let (end, sign) = if up { (ends[1], 1.0) } else { (ends[0], -1.0) };
             let beyond = |s: f64, by: f64| sign * (u(s) - end) > by;
-            if let (true, Some(line)) = (beyond(to, grain), lines[usize::from(up)]) {
+            if let (true, Some(line)) = (moves && beyond(to, grain), lines[usize::from(up)]) {
                 let (mut inside, mut outside) = (from, to);
                 for _ in 0..f64::MANTISSA_DIGITS {
                     let middle = 0.5 * (inside + outside);

@@ -74,7 +74,8 @@ impl Events for Context {
 
 impl Context {
     fn collect_overshoots(&mut self, from: Point<'_>, to: Point<'_>) {
-        let h = to.t - from.t;
+        let is_static = to.is_static();
+        let h = if is_static { 1.0 } else { to.t - from.t };
         self.work.segment_changes.overshoots.clear();
         if self.model.nodes.segmented().next().is_none() || self.expand(from).is_err() {
             return;
@@ -89,6 +90,10 @@ impl Context {
                 all.extend_from_slice(&local.q[..k]);
             }
         }
+        if is_static {
+            // Rates are those by the load parameter.
+            changes.from[1].fill(0.0);
+        }
         if self.expand(to).is_ok() {
             let Workspace { local, x, v, .. } = &mut self.work;
             let mut first = 0;
@@ -96,6 +101,9 @@ impl Context {
                 let parents = d.parents(&self.state.maps);
                 let k = collect(parents, &self.model.spans, x, &mut local.q);
                 collect(parents, &self.model.spans, v, &mut local.qv);
+                if is_static {
+                    local.qv[..k].fill(0.0);
+                }
                 let from = changes.from.each_ref().map(|all| &all[first..first + k]);
                 let to = [&local.q[..k], &local.qv[..k]];
                 let map = self.state.maps[d.index].segments();
