@@ -88,3 +88,78 @@ fn a_bead_on_a_wire_rests_within_an_element_or_at_a_node() {
         assert_close(number(row, "x.z"), z, 2e-6, elements);
     }
 }
+
+/// A load P that rolls over a simply supported beam of length L: w = P u² (L − u)²/(3 EI L).
+const ROLLING: &str = r#"
+[sections.main]
+stiffness = { EA = 1e9, GA = [1e9, 1e9], GJ = 1e6, EI = [1e6, 1e6] }
+[nodes]
+A = [0, 0, 0]
+B = [10, 0, 0]
+[[supports]]
+node = "A"
+fix = ["x", "y", "z", "rx", "rz"]
+[[supports]]
+node = "B"
+fix = ["y", "z"]
+[[lines]]
+name = "beam"
+from = "A"
+to = "B"
+elements = 40
+section = "main"
+[[joints]]
+name = "trolley"
+type = "slide"
+lines = ["beam"]
+start = 0.3
+COORDINATE
+[[loads]]
+node = "trolley"
+force = [0, 0, -1000]
+time = { constant = 1 }
+[analysis.ANALYSIS]
+[[probes]]
+name = "u"
+quantity = "joint_coordinate"
+joint = "trolley"
+[[probes]]
+name = "w"
+quantity = "displacement"
+node = "trolley"
+component = "z"
+"#;
+
+/// A prescribed slide passes several elements in a step, whatever its function of the load parameter.
+#[test]
+fn statics_follow_a_load_that_rolls_over_a_beam() {
+    for (k, analysis) in ["static]\nsteps = 12", "arc_length]"].iter().enumerate() {
+        for (j, function) in ["proportional = 9", "table = [[0, 0], [2, 18]]"]
+            .iter()
+            .enumerate()
+        {
+            let model = ROLLING.replace("ANALYSIS]", analysis);
+            let model = model.replace("COORDINATE", &format!("prescribed = {{ {function} }}"));
+            let rows = recorded(&format!("rolling_{k}_{j}"), &model);
+            assert!(rows.len() > 5);
+            for row in &rows {
+                let u = number(row, "u") + 0.3;
+                let exact = -1000.0 * (u * (10.0 - u)).powi(2) / 3e7;
+                // The chord of an element is below its arc.
+                assert_close(number(row, "w"), exact, 2e-4, u);
+            }
+        }
+    }
+}
+
+/// A slide on a spring k is pulled by a force F: u = F/k but for the slope of the beam.
+#[test]
+fn a_path_takes_a_slide_from_element_to_element() {
+    let model = ROLLING.replace("COORDINATE", "spring = { k = 100 }");
+    let pull = "[[loads]]\nnode = \"trolley\"\nforce = [900, 0, 0]\n[analysis.arc_length]";
+    let model = model.replace("[analysis.ANALYSIS]", pull);
+    let rows = recorded("rolling_freely", &model);
+    for row in &rows {
+        assert_close(number(row, "u"), 9.0 * number(row, "t"), 0.05, "u");
+    }
+}
