@@ -256,7 +256,9 @@ impl PathRun {
             StaticsError::Step(newton.fail(system, failure, t))
         })?;
         if last && matches!(self.options.events[found.index].0, Event::Load(_)) {
-            settle(newton, system, &mut q, &mut [], t);
+            let changed = settle(newton, system, &mut q, &mut [], t);
+            newton.summary.chart_changes += changed.charts;
+            self.changes += changed.charts;
         }
         let summary = &mut newton.summary;
         summary.iterations += spent;

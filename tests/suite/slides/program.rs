@@ -3,6 +3,7 @@
 use crate::support::closures::{beam_line, body, fixed, probe};
 use crate::support::program::{assert_close, number, recorded, run_of};
 use pullback::input::assemble_text;
+use pullback::manifold::system::{Point, System};
 use pullback::motion::Motion;
 
 /// A rod that turns at 2 and has no mass, and a body that is driven along it over four nodes: in the
@@ -106,13 +107,13 @@ fix = ["y", "z"]
 name = "beam"
 from = "A"
 to = "B"
-elements = 40
+elements = 20
 section = "main"
 [[joints]]
 name = "trolley"
 type = "slide"
 lines = ["beam"]
-start = 0.3
+START
 COORDINATE
 [[loads]]
 node = "trolley"
@@ -130,20 +131,40 @@ node = "trolley"
 component = "z"
 "#;
 
-/// A prescribed slide passes several elements in a step, whatever its function of the load parameter.
+/// There and back.
+const ROLLS: [[&str; 2]; 2] = [
+    ["start = 0.3", "prescribed = { proportional = 9 }"],
+    ["start = 9.7", "prescribed = { table = [[0, 0], [2, -18]] }"],
+];
+
+#[test]
+fn no_slide_passes_a_node_between_equal_static_points() {
+    for [start, prescribed] in ROLLS {
+        let model = ROLLING
+            .replace("START", start)
+            .replace("COORDINATE", prescribed);
+        let model = model.replace("ANALYSIS", "static");
+        let mut context = assemble_text("model.toml", &model).unwrap().context;
+        let q = vec![0.0; context.pattern().dim()];
+        let at = Point::statics(0.5, &q);
+        let by = context.events().unwrap().value(at, at);
+        assert_eq!(by, f64::NEG_INFINITY, "{start}");
+    }
+}
+
+/// A prescribed slide passes several elements in a step, forwards and backwards, whatever its function of the load parameter.
 #[test]
 fn statics_follow_a_load_that_rolls_over_a_beam() {
-    for (k, analysis) in ["static]\nsteps = 12", "arc_length]"].iter().enumerate() {
-        for (j, function) in ["proportional = 9", "table = [[0, 0], [2, 18]]"]
-            .iter()
-            .enumerate()
-        {
-            let model = ROLLING.replace("ANALYSIS]", analysis);
-            let model = model.replace("COORDINATE", &format!("prescribed = {{ {function} }}"));
+    for (k, [start, prescribed]) in ROLLS.iter().enumerate() {
+        for (j, analysis) in ["static]\nsteps = 12", "arc_length]"].iter().enumerate() {
+            let model = ROLLING
+                .replace("START", start)
+                .replace("COORDINATE", prescribed);
+            let model = model.replace("ANALYSIS]", analysis);
             let rows = recorded(&format!("rolling_{k}_{j}"), &model);
             assert!(rows.len() > 5);
             for row in &rows {
-                let u = number(row, "u") + 0.3;
+                let u = number(row, "u") + if k == 0 { 0.3 } else { 9.7 };
                 let exact = -1000.0 * (u * (10.0 - u)).powi(2) / 3e7;
                 // The chord of an element is below its arc.
                 assert_close(number(row, "w"), exact, 2e-4, u);
@@ -155,7 +176,7 @@ fn statics_follow_a_load_that_rolls_over_a_beam() {
 /// A slide on a spring k is pulled by a force F: u = F/k but for the slope of the beam.
 #[test]
 fn a_path_takes_a_slide_from_element_to_element() {
-    let model = ROLLING.replace("COORDINATE", "spring = { k = 100 }");
+    let model = ROLLING.replace("START\nCOORDINATE", "start = 0.3\nspring = { k = 100 }");
     let pull = "[[loads]]\nnode = \"trolley\"\nforce = [900, 0, 0]\n[analysis.arc_length]";
     let model = model.replace("[analysis.ANALYSIS]", pull);
     let rows = recorded("rolling_freely", &model);
