@@ -120,15 +120,16 @@ fn find_in(
         Selection::Range(range) if found.modes.is_empty() => {
             return Err(ModelModesError::None(range.map(|omega| omega / TAU)));
         }
-        Selection::Nearest { count, .. } if found.complete && !found.modes.is_empty() => warnings.push(format!(
-            "the model has {}, fewer than count = {count}",
-            plural(found.modes.len(), "mode")
-        )),
-        Selection::Nearest { count, .. } if found.modes.len() < count => warnings.push(format!(
-            "{} of count = {count} found: others have no mass, or frequencies so far above the lowest that they are \
-             lost in rounding errors; ask for those with `near` or `range`",
-            plural(found.modes.len(), "mode")
-        )),
+        Selection::Nearest { count, .. } if found.modes.len() < count => {
+            let modes = plural(found.modes.len(), "mode");
+            warnings.push(match found.complete && !found.modes.is_empty() {
+                true => format!("the model has {modes}, fewer than count = {count}"),
+                false => format!(
+                    "{modes} of count = {count} found: others have no mass, or frequencies so far above the lowest that they are \
+                     lost in rounding errors; ask for those with `near` or `range`"
+                ),
+            });
+        }
         _ => {}
     }
     if let Some((k, mode)) = (1..)

@@ -22,6 +22,7 @@ pub(super) struct Finish<'a> {
     symmetric: bool,
     scales: Vec<f64>,
     norms: [f64; 3],
+    errors: Vec<f64>,
 }
 
 impl<'a> Finish<'a> {
@@ -34,6 +35,7 @@ impl<'a> Finish<'a> {
         };
         Self {
             norms: [norm(&lin.K), damping, norm(&lin.M)],
+            errors: lin.rounding_errors(&lin.K),
             lin,
             order,
             symmetric,
@@ -173,7 +175,9 @@ impl<'a> Finish<'a> {
         let square = self.square(shape);
         let inertia = lambda * lambda * mass;
         let whole = self.norms.map(|norm| ROUNDING * norm * square);
-        if stiffness.abs() > 2.0 * whole[0] {
+        let errors = self.errors.iter().zip(shape);
+        let errors: f64 = errors.map(|(e, x)| e * e * x.norm_sqr()).sum();
+        if stiffness.abs() > errors + 2.0 * whole[0] {
             return false;
         }
         let sizes: Vec<f64> = shape.iter().map(|x| x.norm()).collect();
@@ -181,7 +185,7 @@ impl<'a> Finish<'a> {
         let entries = self.lin.pattern.triplets(&self.lin.K);
         entries.for_each(|(r, c, K)| sum += K.abs() * sizes[r] * sizes[c]);
         // Entries of φ have rounding errors themselves.
-        let sum = ROUNDING * (sum + whole[0]);
+        let sum = errors + ROUNDING * (sum + whole[0]);
         let others = inertia <= sum || lambda * mass <= whole[1] || lambda * mass > 2.0 * damping;
         stiffness.abs() <= sum && others
     }

@@ -39,6 +39,7 @@ pub use steady::SteadyMotion;
 
 use crate::abilities::{energies, events};
 use crate::rounding::{EXACT, TERMS, is_exact, is_rounding, largest, rounding_of_gaps};
+use finish::ROUNDING;
 use nalgebra::ComplexField;
 use num_complex::Complex64;
 use pullback_manifold::sparse::BlockPattern;
@@ -147,7 +148,7 @@ fn equations(
         let what = "linear equations".to_owned();
         return Err(SystemError::NotFinite { what }.into());
     }
-    let lin = Linearized {
+    let mut lin = Linearized {
         r_u: Vec::new(),
         pattern: system.pattern().clone(),
         K,
@@ -155,6 +156,7 @@ fn equations(
         M,
         names: (0..n).map(|i| system.name(i)).collect(),
     };
+    lin.drop_rounding();
     Ok((lin, r))
 }
 
@@ -214,14 +216,49 @@ impl Linearized {
         y
     }
 
+    /// Makes the rows and columns of K of coordinates without stiffness zero where they are nothing but rounding errors, as those
+    /// of the free hinge of a blade.
+    fn drop_rounding(&mut self) {
+        let errors = self.rounding_errors(&self.K);
+        let diagonal = self.pattern.diagonal().zip(&errors);
+        let is_free = |(k, error): (usize, &f64)| self.K[k].abs() <= error * error;
+        let free: Vec<bool> = diagonal.map(is_free).collect();
+        let entries = self.pattern.triplets(&self.K);
+        let known = entries.map(|(r, c, x)| {
+            let is_rounding = (free[r] || free[c]) && x.abs() <= errors[r] * errors[c];
+            if is_rounding { 0.0 } else { x }
+        });
+        self.K = known.collect();
+    }
+
+    /// Rounding errors of the entries of a matrix, each the product of those of its row and column.
+    ///
+    /// An entry is a sum over all that moves with its coordinate, as a blade with its hinge, although nothing may be left of it.
+    fn rounding_errors(&self, values: &[f64]) -> Vec<f64> {
+        let diagonal: Vec<[f64; 2]> = (self.pattern.diagonal())
+            .map(|k| [values[k].abs(), self.M[k]])
+            .collect();
+        let mut squares = vec![0.0; self.dim()];
+        for (r, c, m) in self.pattern.triplets(&self.M) {
+            let [value, mass] = diagonal[c];
+            if mass > 0.0 {
+                squares[r] += (value * (m / mass).powi(2)).powi(2);
+            }
+        }
+        let root = |square: f64| (ROUNDING * square.sqrt()).sqrt();
+        squares.into_iter().map(root).collect()
+    }
+
     /// Whether a matrix is symmetric but for rounding errors.
     fn is_symmetric(&self, values: &[f64]) -> bool {
         let p = &self.pattern;
-        let roots = LazyCell::new(|| {
+        let errors = LazyCell::new(|| {
             let mut largest = vec![0.0_f64; self.dim()];
             let entries = p.triplets(values);
             entries.for_each(|(r, _, value)| largest[r] = largest[r].max(value.abs()));
-            largest.iter().map(|x| x.sqrt()).collect::<Vec<f64>>()
+            let rows = largest.iter().zip(self.rounding_errors(values));
+            let error = |(x, error): (&f64, f64)| (SYMMETRIC * x).sqrt().max(error);
+            rows.map(error).collect::<Vec<f64>>()
         });
         let mut symmetric = true;
         for j in 0..p.blocks() {
@@ -236,8 +273,8 @@ impl Linearized {
                     for (r, a) in column.iter().enumerate() {
                         let b = values[other + c + r * columns.len()];
                         if *a != b {
-                            let scale = roots[rows.start + r] * roots[columns.start + c];
-                            symmetric &= (a - b).abs() <= SYMMETRIC * scale;
+                            let error = errors[rows.start + r] * errors[columns.start + c];
+                            symmetric &= (a - b).abs() <= error;
                         }
                     }
                 }

@@ -33,6 +33,42 @@ fn bars_welded_by_multipliers() {
     assert!((found[0] - exact).norm() < 1e-11, "{found:?}");
 }
 
+/// Two free bodies, one in coordinates relative to the other, on an isotropic spring half way between them, at the distance h of both
+/// centres: shear turns the bodies against it. The rows of K of the first body are sums without a rest.
+#[test]
+fn modes_of_two_bodies_that_fly_freely() {
+    let ([m, J, h], [k, kr]) = ([2.0, 0.3, 1.5], [1e5, 1e4]);
+    let axis = [2.0, -6.0, 9.0].map(|x| x / 11.0);
+    let at = |s: f64| {
+        let [x, y, z] = [0, 1, 2].map(|i| [1.0, 2.0, 3.0][i] + s * axis[i]);
+        format!("position = [{x}, {y}, {z}]")
+    };
+    let inertia = format!("inertia = [{J}, {J}, {J}]");
+    let parts = [
+        joint("A", "free", "ground", &at(-h)),
+        joint("from", "offset", "A", &at(0.0)),
+        joint("B", "free", "A", &at(h)),
+        joint("to", "offset", "B", &at(0.0)),
+        body_of("A", m, &inertia),
+        body_of("B", m, &inertia),
+        format!(
+            "[[springs]]\nname = \"spring\"\nnodes = [\"from\", \"to\"]\n\
+             bushing = {{ stiffness = [{k}, {k}, {k}, {kr}, {kr}, {kr}], damping = [0, 0, 0, 0, 0, 0] }}\n"
+        ),
+    ];
+    let found = eigenvalues("two free bodies", &parts, 12);
+    assert_eq!(found.len(), 12, "{found:?}");
+    assert_eq!(found[..6], [Complex64::ZERO; 6]);
+    let [bend, stretch, shear] = [kr / J, k / m, k / m + k * h * h / J];
+    let exact = [bend, bend, bend, stretch, shear, shear].map(|x| (2.0 * x).sqrt());
+    for (found, exact) in found[6..].iter().zip(exact) {
+        assert!(
+            (found.im - exact).abs() < 1e-7 * exact && found.re == 0.0,
+            "{found} {exact}"
+        );
+    }
+}
+
 /// Translations of a free beam are combinations of its six modes at rest: their effective masses sum to its mass, with damping
 /// as without.
 #[test]

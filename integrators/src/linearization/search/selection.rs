@@ -47,14 +47,14 @@ impl Search<'_> {
         let shift = self.operator.shift();
         let first = pairs.first()?;
         let largest = first.theta.norm();
-        let finite = match self.is_symmetric() {
-            true => pairs.len(),
-            false => pairs.partition_point(|p| p.theta.norm() > FINITE * largest),
+        let finite = pairs.partition_point(|p| p.theta.norm() > FINITE * largest);
+        let wanted = self.position(pairs, count);
+        let known = wanted.min(finite.saturating_sub(1));
+        let last = match known == wanted || shift != 0.0 {
+            true => self.eigenvalue(&pairs[known]).norm(),
+            // One at rest but for rounding errors may leave nothing of the others.
+            false => self.largest(),
         };
-        let k = self.position(pairs, count).min(finite.saturating_sub(1));
-        // Rounding errors of the largest may leave nothing of it.
-        let most = (f64::EPSILON * largest).recip();
-        let last = self.eigenvalue(&pairs[k]).norm().min(most);
         let (part, spread) = match self.order {
             Order::Squares => (-0.25, SPREAD),
             Order::Quadratic => (BETWEEN, SPREAD_DAMPED),
@@ -67,7 +67,7 @@ impl Search<'_> {
             }
             false => part * last,
         };
-        let drowned = shift == 0.0 && largest > spread * pairs[k].theta.norm();
+        let drowned = shift == 0.0 && largest * last > spread;
         let far = shift != 0.0 && better.abs() < 0.1 * shift.abs() && last > 1e-9 * shift.abs();
         ((drowned || far) && better.is_finite()).then_some(better)
     }

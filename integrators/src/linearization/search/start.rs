@@ -1,6 +1,6 @@
 //! The first shift, the inner product, and start vectors.
 
-use super::{DENSE, Inner, Krylov, ModesError, Order, Search, Selection};
+use super::{DENSE, FINITE, Inner, Krylov, ModesError, Order, Search, Selection};
 use crate::linear_solver::LinearError;
 use crate::linear_solver::scaling;
 use crate::vectors::dot;
@@ -18,7 +18,7 @@ impl<'a> Search<'a> {
             self.factorise_near(self.middle)?
         } else {
             // Beyond the spectrum of a rigid structure: K + |σ| M is positive definite.
-            let bound = self.upper_bound();
+            let bound = self.lowest();
             self.factorise_near(match self.order {
                 Order::Squares => -bound,
                 Order::Quadratic => bound.sqrt(),
@@ -28,14 +28,28 @@ impl<'a> Search<'a> {
         Ok(shift)
     }
 
-    /// The least K_ii / M_ii: an upper bound of the lowest ω² of a symmetric system.
-    fn upper_bound(&self) -> f64 {
+    /// The least K_ii / M_ii that is no rounding error of the largest: about the lowest ω² of a rigid structure.
+    fn lowest(&self) -> f64 {
+        let least = FINITE * self.ratios().fold(0.0, f64::max);
+        let ratios = self.ratios().filter(|x| *x > least);
+        let lowest = ratios.fold(f64::INFINITY, f64::min);
+        if lowest.is_finite() { lowest } else { 1.0 }
+    }
+
+    /// About the largest |λ| or ω² of the search.
+    pub(super) fn largest(&self) -> f64 {
+        let largest = self.ratios().fold(0.0, f64::max);
+        match self.order {
+            Order::Squares => largest,
+            Order::Quadratic => largest.sqrt(),
+        }
+    }
+
+    /// K_ii / M_ii where they are finite.
+    fn ratios(&self) -> impl Iterator<Item = f64> {
         let diagonal = self.lin.pattern.diagonal();
         let ratios = diagonal.map(|k| self.lin.K[k] / self.lin.M[k]);
-        let least = ratios
-            .filter(|x| *x > 0.0 && x.is_finite())
-            .fold(f64::INFINITY, f64::min);
-        if least.is_finite() { least } else { 1.0 }
+        ratios.filter(|x| x.is_finite())
     }
 
     /// Scales of the shifted matrix, and weights of the coordinates on which the operator depends.
