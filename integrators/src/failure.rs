@@ -347,17 +347,25 @@ impl fmt::Display for FailedStep {
                 "\n  largest {conjugate} out of balance: {residual:.3e} at {name}"
             )?;
         }
-        if !self.history.is_empty() {
-            write!(
-                f,
-                "\n  iteration  force residual  moment residual  over tolerance  correction  damping"
-            )?;
+        if self.history.is_empty() {
+            return Ok(());
         }
+        let occurs = |k: usize| self.history.iter().any(|i| i.residual[k] != 0.0);
+        let quantities = Quantity::ALL.into_iter().filter(|x| occurs(x.index()));
+        write!(f, "\n  iteration")?;
+        for quantity in quantities.clone() {
+            write!(f, "  {:>10}", quantity.conjugate())?;
+        }
+        write!(f, "  over tolerance  correction  damping")?;
         for (k, i) in self.history.iter().enumerate() {
+            write!(f, "\n  {k:9}")?;
+            for quantity in quantities.clone() {
+                write!(f, "  {:10.3e}", i.residual[quantity.index()])?;
+            }
             write!(
                 f,
-                "\n  {:9}  {:14.3e}  {:15.3e}  {:14.3e}  {:10.3e}  {:7.3}",
-                k, i.residual[0], i.residual[1], i.ratio, i.correction, i.damping
+                "  {:14.3e}  {:10.3e}  {:7.3}",
+                i.ratio, i.correction, i.damping
             )?;
         }
         Ok(())

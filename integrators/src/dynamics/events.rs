@@ -76,6 +76,10 @@ impl MotionRun {
         let mut effects = now.events.iter().try_for_each(|&k| {
             after.events[k] = 0.0;
             stopped |= (events[k].apply)(system, &mut after.state).is_break();
+            // They are computed anew, from those before the event.
+            if after.state.a.is_empty() {
+                after.state.a.clone_from(&progress.state.a);
+            }
             if after.state.t != t {
                 let found = format!("{:?}", after.state.t);
                 return refused("time after an event", format!("{t:?}, as before"), found);

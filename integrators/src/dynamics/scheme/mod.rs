@@ -108,6 +108,7 @@ impl Scheme {
     fn problem(&self, count: usize) -> Option<&'static str> {
         let rows = self.stages();
         let numbers = || rows.iter().flat_map(|s| s.q.iter().chain(&s.v));
+        let family = self.word.split(':').next().unwrap_or_default();
         let beyond = |w: &[f64; 1 + STAGES]| w[1 + self.count..].iter().any(|w| *w != 0.0);
         if count == 0 || count > STAGES {
             Some("it has no stages, or more than `STAGES`")
@@ -116,10 +117,7 @@ impl Scheme {
             .all(|w| w.is_finite())
         {
             Some("a number in it is not finite")
-        } else if SCHEMES
-            .iter()
-            .any(|f| [f.word, f.long].contains(&self.word))
-        {
+        } else if SCHEMES.iter().any(|f| [f.word, f.long].contains(&family)) {
             Some("a scheme of the list has this name")
         } else if rows.iter().any(|s| beyond(&s.q) || beyond(&s.v)) {
             Some("a weight belongs to a stage that it does not have")

@@ -43,8 +43,8 @@ const LIMIT: f64 = 0.477978868882752;
 impl Scheme {
     /// The explicit pair of orders 5 and 4 of Tsitouras (*Comput. Math. Appl.* 62, 2011, 770–775): six
     /// evaluations in a step, as the last stage is the first one of the next step. Each is solved for
-    /// its accelerations with the mass matrix, without iteration and stiffness. The method of order
-    /// 4 estimates the local error for adaptive steps.
+    /// its accelerations with the mass matrix, without iteration and stiffness: a mass matrix that is not −∂r/∂q̈ lowers the
+    /// order, and no error says so. The method of order 4 estimates the local error for adaptive steps.
     ///
     /// For smooth motion of rigid bodies: undamped vibrations grow beyond ω h = 0.478, if slowly,
     /// and a run in equal steps refuses larger ones. Every coordinate needs mass, and multipliers are refused.

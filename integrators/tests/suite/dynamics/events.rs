@@ -102,6 +102,7 @@ fn bounce(run: &mut Simulation<&mut Oscillator>) -> usize {
         |_, state| -state.q[0],
         |_, state| {
             state.v[0] *= -0.5;
+            state.a.clear();
             Continue(())
         },
     )

@@ -92,6 +92,7 @@ fn tables_that_are_none_are_refused() {
         new(&[Stage { v: q, ..good }]) => ["a stage that it does not have"],
         new(&[Stage { q, ..good }; 2]) => ["singular"],
         Scheme::new("bathe", &[good], stable(1)) => ["has this name"],
+        Scheme::new("ga:0.8", &[good], stable(1)) => ["has this name"],
     }
 }
 

@@ -207,6 +207,23 @@ fn a_value_that_is_not_finite_fails_with_its_name() {
 }
 
 #[test]
+fn a_table_of_iterations_has_the_quantities_that_occur() {
+    let mut failed = failed_step(equilibrium(&mut bounded(), &StaticOptions::default()));
+    failed.history = vec![Iteration {
+        residual: [0.0, 0.25, 2.5],
+        ratio: 10.0,
+        correction: 0.5,
+        damping: 1.0,
+    }];
+    let text = failed.to_string();
+    let table: Vec<Vec<&str>> = (text.lines().rev().take(2))
+        .map(|line| line.split_whitespace().collect())
+        .collect();
+    assert_eq!(table[1][..3], ["iteration", "moment", "residual"]);
+    assert_eq!(table[0][..3], ["0", "2.500e-1", "2.500e0"]);
+}
+
+#[test]
 fn after_a_failure_the_system_is_at_the_last_equilibrium() {
     let mut system = Configured::new(bounded());
     let mut run = LoadSteps::new(&mut system, vec![], &StaticOptions::default()).unwrap();
