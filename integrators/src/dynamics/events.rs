@@ -46,7 +46,7 @@ impl MotionRun {
         Ok(ratios(before, values).fold(f64::NEG_INFINITY, |m, (_, ratio)| m.max(ratio)))
     }
 
-    /// Applies the events at the end of the accepted step.
+    /// Applies the events at the end of the accepted step. Accelerations that an effect clears are computed anew, from those before.
     pub(super) fn apply_events<Y: System>(
         &mut self,
         system: &mut Y,
@@ -76,7 +76,6 @@ impl MotionRun {
         let mut effects = now.events.iter().try_for_each(|&k| {
             after.events[k] = 0.0;
             stopped |= (events[k].apply)(system, &mut after.state).is_break();
-            // They are computed anew, from those before the event.
             if after.state.a.is_empty() {
                 after.state.a.clone_from(&progress.state.a);
             }
