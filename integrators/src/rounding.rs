@@ -75,11 +75,18 @@ pub(crate) fn largest(pattern: &BlockPattern, r: &[f64], others: [f64; 3]) -> [f
 /// Largest residual of an equilibrium that counts as rounding, relative to loads and reactions.
 pub(crate) const EXACT: f64 = 1e-12;
 
-/// Whether residuals evaluated last are rounding errors of loads and reactions.
+/// Whether residuals evaluated last are rounding errors of loads and reactions, and the gaps of multipliers those of positions and
+/// angles.
 pub(crate) fn is_exact(system: &dyn System, r: &[f64]) -> bool {
-    let worst = largest(system.pattern(), r, [0.0; 3]);
-    let measures = system.scales().measures();
-    (worst.iter().zip(measures)).all(|(worst, measure)| *worst <= EXACT * measure)
+    let (scales, coordinates) = (system.scales(), system.pattern().coordinates());
+    let measures = scales.measures();
+    r.iter().zip(coordinates).all(|(r, info)| {
+        let gap = match info.is_multiplier {
+            true => scales.length.min(1.0),
+            false => 0.0,
+        };
+        r.abs() <= EXACT * measures[info.quantity.index()].max(gap)
+    })
 }
 
 /// Rounding errors of a sum in units of those of its largest term; element forces add some ten.

@@ -69,6 +69,29 @@ fn modes_of_two_bodies_that_fly_freely() {
     }
 }
 
+/// A four-bar linkage without loads: nothing but rounding errors of its gap is out of balance.
+#[test]
+fn an_unloaded_linkage_closed_by_multipliers_is_at_rest() {
+    let (crank, tip) = ([0.3, 0.4, 0.0], [0.9, 0.8, 0.0]);
+    let parts = [
+        hinge("A", "ground", ""),
+        arm("tip of A", "A", crank),
+        hinge("B", "tip of A", ""),
+        arm("tip of B", "B", tip),
+        arm("right", "ground", [0.9, 0.0, 0.0]),
+        hinge("C", "right", ""),
+        arm("tip of C", "C", tip),
+        hinge(
+            "D",
+            "tip of B",
+            "child = \"tip of C\"\nclosure = \"multipliers\"",
+        ),
+    ];
+    let parts = [parts.concat(), ["A", "B", "C"].map(body).concat()];
+    let found = eigenvalues("unloaded linkage", &parts, 1);
+    assert_eq!(found, [Complex64::ZERO]);
+}
+
 /// Translations of a free beam are combinations of its six modes at rest: their effective masses sum to its mass, with damping
 /// as without.
 #[test]
