@@ -52,7 +52,7 @@ use thiserror::Error;
 pub struct Linearized {
     /// Pattern of the matrices, with the kinds of the coordinates.
     pub pattern: BlockPattern,
-    /// K = −∂r/∂q, values in the pattern.
+    /// K = −∂r/∂q, values in the pattern; zero where nothing but rounding errors is left, as in the row of a free hinge.
     pub K: Vec<f64>,
     /// C = −∂r/∂q̇.
     pub C: Vec<f64>,
