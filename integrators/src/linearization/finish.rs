@@ -127,13 +127,16 @@ impl<'a> Finish<'a> {
         }
     }
 
-    /// A mode without its parts in those before with the same eigenvalue, of which the search has found any shapes in their
-    /// space. `None` of a mode at rest that was found before: with velocities, λ = 0 occurs twice for each.
+    /// A mode without its parts in those before: of a symmetric problem in all, which may have been found with more digits, else
+    /// in those with the same eigenvalue, of which the search has found any shapes in their space. `None` of a mode at rest that
+    /// was found before: with velocities, λ = 0 occurs twice for each.
     pub fn apart(&self, modes: &[Mode], mode: Mode, found: Complex64) -> Option<Mode> {
-        let same =
-            |other: &&Mode| (other.eigenvalue - mode.eigenvalue).norm() <= REPEATED * mode.omega();
-        let others: Vec<&Mode> = modes.iter().filter(same).collect();
-        if self.symmetric || others.is_empty() {
+        let before = |other: &&Mode| {
+            let distance = (other.eigenvalue - mode.eigenvalue).norm();
+            self.symmetric || distance <= REPEATED * mode.omega()
+        };
+        let others: Vec<&Mode> = modes.iter().filter(before).collect();
+        if others.is_empty() {
             return Some(mode);
         }
         let mass = |x: &[Complex64]| self.lin.product(&self.lin.M, x);
@@ -143,10 +146,15 @@ impl<'a> Finish<'a> {
             scaled.map(|(x, s)| x / (s * s)).collect()
         };
         let mut shape = mode.shape.clone();
+        // Shapes with mass are of unit mass, and orthogonal to each other.
+        let image = mass(&shape);
         for other in &others {
-            remove(&mut shape, &other.shape, &mass(&other.shape), 1.0);
+            subtract(
+                &mut shape,
+                &other.shape,
+                inner_product(&other.shape, &image),
+            );
         }
-        // Shapes with mass are of unit mass.
         if square(&shape) > PART {
             return Some(self.mode(shape, found));
         }
@@ -154,12 +162,8 @@ impl<'a> Finish<'a> {
             return Some(mode);
         }
         for other in others.iter().filter(|other| square(&other.shape) <= PART) {
-            remove(
-                &mut shape,
-                &other.shape,
-                &scaled(&other.shape),
-                self.square(&other.shape),
-            );
+            let part = inner_product(&scaled(&other.shape), &shape) / self.square(&other.shape);
+            subtract(&mut shape, &other.shape, part);
         }
         (self.square(&shape) > PART * self.square(&mode.shape)).then(|| self.mode(shape, found))
     }
@@ -221,9 +225,8 @@ impl<'a> Finish<'a> {
     }
 }
 
-/// Removes from a vector its part along another one, of which the image by the metric and the square of the length are given.
-fn remove(shape: &mut [Complex64], other: &[Complex64], image: &[Complex64], square: f64) {
-    let part = inner_product(image, shape) / square;
+/// Removes from a vector a part of another one.
+fn subtract(shape: &mut [Complex64], other: &[Complex64], part: Complex64) {
     shape
         .iter_mut()
         .zip(other)

@@ -69,6 +69,27 @@ fn modes_of_two_bodies_that_fly_freely() {
     }
 }
 
+/// A chain of masses and springs, by extensions, whose frequencies reach over seven decades: the sum of ω² is the trace of M⁻¹ K,
+/// of mass by mass the stiffness on both sides.
+#[test]
+fn highest_modes_of_a_chain_have_no_part_in_lower_ones() {
+    let masses = [1.15e-4, 5.5e-4, 8.7e-4, 1.5e-2, 4.1];
+    let springs = [1.2e7, 7.1e8, 0.12, 0.29, 0.038];
+    let mut parts = Vec::new();
+    let (mut before, mut sum) = ("ground".to_owned(), 0.0);
+    for (i, (m, k)) in masses.into_iter().zip(springs).enumerate() {
+        let name = format!("slider {i}");
+        parts.push(slider(&name, &before, [1, 0, 0], k, 0.0));
+        parts.push(body_of(&name, m, "inertia = [1, 1, 1]"));
+        sum += (k + springs.get(i + 1).unwrap_or(&0.0)) / m;
+        before = name;
+    }
+    let found = eigenvalues("masses on springs", &parts, 5);
+    assert_eq!(found.len(), 5, "{found:?}");
+    let trace: f64 = found.iter().map(Complex64::norm_sqr).sum();
+    assert!((trace - sum).abs() < 1e-12 * sum, "{trace} {sum}");
+}
+
 /// A four-bar linkage without loads: nothing but rounding errors of its gap is out of balance.
 #[test]
 fn an_unloaded_linkage_closed_by_multipliers_is_at_rest() {
