@@ -34,26 +34,6 @@ pub trait RotationChart: Copy + Send + Sync + 'static {
     }
 }
 
-/// Rotations by the rotation vector Ψ = ψ e, an open ball of radius 2π (\[M04\] definition 14).
-///
-/// The chart of all frames unless another one is chosen; its change is the [`Complement`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct RotationVector;
-
-impl RotationChart for RotationVector {
-    fn quaternion<S: Scalar>(&self, c: &Vector3<S>) -> Quaternion<S> {
-        so3::quaternion(c)
-    }
-
-    fn coordinates<S: Scalar>(&self, rotation: &Quaternion<S>) -> Vector3<S> {
-        so3::log_quaternion(rotation)
-    }
-
-    fn margin(&self, c: &Vector3<f64>) -> f64 {
-        TAU - c.norm()
-    }
-}
-
 /// The complement rotation vector Ψᶜ = Ψ − 2π Ψ/ψ, the same rotation in the other chart
 /// (\[M04\] definition 15, 4.1.1). It is its own inverse, and undefined at ψ = 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

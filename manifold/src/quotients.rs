@@ -25,7 +25,7 @@
 
 mod inverse;
 
-pub use inverse::{InverseQuotients, inverse_quotients, log_factor};
+pub use inverse::{InverseQuotients, log_factor};
 
 use crate::scalar::{MAX_ORDER, Scalar};
 

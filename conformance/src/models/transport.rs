@@ -8,7 +8,8 @@ use crate::forces::{CONFIRMED, FIRST, system_sizes};
 use crate::vectors::{dot, minus};
 use crate::{Layout, Random, Report, TestState};
 use pullback_elements::model::{Context, FreeRotation};
-use pullback_manifold::so3::B_s;
+use pullback_manifold::chart::Complement;
+use pullback_manifold::map::Map;
 use pullback_manifold::system::{Charts, Energetics, Events, SystemError};
 
 /// Number of sets of nodes whose charts are changed at a state: all, and random ones.
@@ -88,7 +89,7 @@ fn transport(
     Ok(())
 }
 
-/// The forces in the charts before a change, by the transpose of B_s, and its largest entry.
+/// The forces in the charts before a change, by the transpose of its B, and its largest entry.
 fn forces_before(
     chosen: &[FreeRotation],
     [s, other]: [&TestState; 2],
@@ -100,7 +101,7 @@ fn forces_before(
         if psi == rotation.of(other.x.as_slice()) {
             continue;
         }
-        let B = B_s(&psi);
+        let B = Complement.tangent(0.0, &psi).B;
         bend = bend.max(B.amax());
         rotation.write(&mut r, &B.tr_mul(&rotation.of(after)));
     }

@@ -49,24 +49,6 @@ impl<H, const M: usize> Scaled<H, M> {
     pub fn new(h: H, factors: [f64; M]) -> Self {
         Self { h, factors }
     }
-
-    /// Divides each equation by the length of its gradient at time `t` and x, in coordinates
-    /// divided by their `sizes`; equations without a gradient there are unchanged.
-    pub fn at<const N: usize>(h: H, t: f64, x: &SVector<f64, N>, sizes: &SVector<f64, N>) -> Self
-    where
-        H: Map<N, M>,
-    {
-        let B = h.tangent(t, x).B;
-        let factors = std::array::from_fn(|i| {
-            let size = B.row(i).transpose().component_mul(sizes).norm();
-            if size > 0.0 && size.is_finite() {
-                size.recip()
-            } else {
-                1.0
-            }
-        });
-        Self { h, factors }
-    }
 }
 
 impl<H: Map<N, M>, const N: usize, const M: usize> Map<N, M> for Scaled<H, M> {

@@ -20,7 +20,7 @@ type SectionAt = fn(x: &[f64], N: &[f64]) -> (Matrix3<f64>, [Matrix3<f64>; MOST]
 /// Self-weight is the dead load Aρ g.
 #[derive(Debug)]
 pub struct LineLoad {
-    /// Shape functions and weights at the integration points (one more than nodes).
+    /// Shape functions and weights at the integration points, as many as nodes.
     points: Vec<(Vec<f64>, f64)>,
     nodes: usize,
     /// Share of each node in a dead load: ∫ Nᵢ.

@@ -41,7 +41,6 @@ use crate::element::Element;
 use crate::time::TimeFunction;
 use assembly::residual::MAX_NODES;
 use assembly::workspace::Workspace;
-use kinematics::free_coordinates::FreeCoordinates;
 use kinematics::mapped_node::MappedNode;
 use nalgebra::Vector3;
 use pullback_manifold::sparse::BlockPattern;
@@ -98,7 +97,7 @@ pub enum NodeForm {
     Frame,
     /// The pose of a frame, as [`ToPose`](pullback_manifold::map::ToPose) writes it.
     Pose,
-    /// (d, θ) behind a frame, or θ behind a rotation, θ since the last converged step.
+    /// (d, θ) behind a frame, or θ behind a rotation, θ since the last converged step; also coordinates of another chart of rotations.
     Increment,
     /// A rotation vector, alone or behind the displacement of a frame relative to another one.
     Rotation,
@@ -306,8 +305,6 @@ pub struct Model {
     prescribed_rotations: Vec<usize>,
     /// Coordinate of each unknown.
     coordinates: Vec<usize>,
-    /// The same, to copy vectors.
-    free: FreeCoordinates,
     /// Unknown of each coordinate, or [`NONE`].
     unknowns: Vec<u32>,
     quantities: Vec<Quantity>,

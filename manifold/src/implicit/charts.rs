@@ -3,8 +3,8 @@
 use super::core::{ImplicitChart, ImplicitMap, RANK, is_singular};
 use super::dense::{norm, product_tr};
 use super::{Choice, Unknown};
-use crate::map::Reparametrization;
-use crate::so3;
+use crate::chart::Complement;
+use crate::map::{Map, Reparametrization};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
@@ -307,19 +307,16 @@ impl ImplicitMap {
         let w = &mut self.work;
         for k in self.about.rotations.iter().filter_map(|k| k.checked_sub(p)) {
             let three = |x: &[f64]| Vector3::new(x[k], x[k + 1], x[k + 2]);
-            let (psi, rate) = (three(&self.anchor.x), three(&w.y_dot[p..]));
+            let psi = three(&self.anchor.x);
+            let [rate, second] = [&w.y_dot, &w.y_ddot].map(|x| three(&x[p..]));
             if psi.norm() <= PI {
                 continue;
             }
-            let B = so3::B_s(&psi);
+            let turned = Complement.kinematics(0.0, &psi, &rate, &second);
             let (to, turned) = match order {
-                0 => (&mut w.y, so3::complement(&psi)),
-                1 => (&mut w.y_dot, B * rate),
-                _ => {
-                    let second = three(&w.y_ddot[p..]);
-                    let turned = B * second + so3::B_s_dot(&rate, &psi) * rate;
-                    (&mut w.y_ddot, turned)
-                }
+                0 => (&mut w.y, turned.x),
+                1 => (&mut w.y_dot, turned.x_dot),
+                _ => (&mut w.y_ddot, turned.x_ddot),
             };
             to[p + k..p + k + 3].copy_from_slice(turned.as_slice());
         }

@@ -71,22 +71,9 @@ impl ImplicitMap {
         done.then_some(self)
     }
 
-    /// The configuration at q = 0.
-    pub fn reference(&self) -> Vec<f64> {
-        self.reference.clone()
-    }
-
     /// Sizes of the unknowns ([`Unknown::size`]).
     pub fn unknown_sizes(&self) -> Vec<f64> {
         self.about.unknowns.iter().map(|u| u.size).collect()
-    }
-
-    /// q̇ of a velocity ẋ that the constraint allows.
-    pub fn rates(&self, x_dot: &[f64]) -> Vec<f64> {
-        let columns = self.chart.L.chunks_exact(self.X);
-        columns
-            .map(|L| L.iter().zip(x_dot).map(|(l, x)| l * x).sum())
-            .collect()
     }
 
     /// The unknowns that cannot start at [`Unknown::start`], and their actual initial values.

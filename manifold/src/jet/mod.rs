@@ -9,7 +9,7 @@
 //! | [`Phase`] | the same in coordinates and velocities, along a motion | an energy's force and K, C, M |
 //! | [`Trace`] | value, and in which variables it is not affine | where K_σ may differ from zero |
 //!
-//! The library evaluates maps and energies over all but the last. `Grad<S, 1>` also serves inside a
+//! The library evaluates maps and energies over these types. `Grad<S, 1>` also serves inside a
 //! map or energy: over any of these types S it differentiates once more, up to [`MAX_ORDER`] in
 //! all. Deeper nests are rejected at build time (not by `cargo check`).
 //!

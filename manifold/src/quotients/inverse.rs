@@ -1,16 +1,15 @@
 //! Coefficients of the inverse maps: T⁻¹ (a cotangent) and the logarithm (an arc cosine).
 
-use super::{Orders, SERIES_LIMIT, polynomials};
+use super::{SERIES_LIMIT, polynomials};
 use crate::scalar::{MAX_ORDER, Scalar};
 
 /// 2π minus its nearest `f64`.
 const TWO_PI_LOW: f64 = 2.449_293_598_294_706_4e-16;
 const TWO_PI: f64 = std::f64::consts::TAU;
 
-/// The sum over n ≥ 4 in [`cotangent`]: row j, lane k is 2^k (j+k)!/j! t_{j+k}, where
-/// t_j = 2 Σ_{n≥4} (2πn)^{−2(j+1)}.
-const fn cotangent_tail<const L: usize>() -> [[f64; L]; 12] {
-    const T: [f64; 16] = [
+/// The sum over n ≥ 4 in [`cotangent`]: row j holds t_j and 2(j+1) t_{j+1}, where t_j = 2 Σ_{n≥4} (2πn)^{−2(j+1)}.
+const COTANGENT_TAIL: [[f64; 2]; 12] = {
+    const T: [f64; 13] = [
         0.014_378_638_910_075_684,
         9.595_555_480_779_425e-6,
         1.125_714_338_300_260_9e-8,
@@ -24,41 +23,29 @@ const fn cotangent_tail<const L: usize>() -> [[f64; L]; 12] {
         3.155_044_680_287_923e-31,
         4.981_335_263_797_585e-34,
         7.872_558_284_510_73e-37,
-        1.244_968_366_250_882e-39,
-        1.969_580_735_610_124e-42,
-        3.116_731_900_957_96e-45,
     ];
-    let mut table = [[0.0; L]; 12];
+    let mut table = [[0.0; 2]; 12];
     let mut j = 0;
     while j < 12 {
-        let mut factor = 1.0;
-        let mut k = 0;
-        while k < L {
-            table[j][k] = factor * T[j + k];
-            k += 1;
-            factor *= 2.0 * (j + k) as f64;
-        }
+        table[j] = [T[j], 2.0 * (j + 1) as f64 * T[j + 1]];
         j += 1;
     }
     table
-}
+};
 
-/// a₃, D a₃, … (L ≤ 5 of them) at 0 ≤ ψ < 2π: a₃ = Σ_{n≥1} 2/((2πn)² − ψ²).
+/// a₃ = Σ_{n≥1} 2/((2πn)² − ψ²) and D a₃ at 0 ≤ ψ < 2π.
 #[inline]
-fn cotangent<const L: usize>(psi: f64) -> [f64; L] {
+fn cotangent(psi: f64) -> [f64; 2] {
     let z = psi * psi;
-    let mut a = polynomials(const { &cotangent_tail::<L>() }, z);
+    let mut a = polynomials(&COTANGENT_TAIL, z);
     let gap = (TWO_PI - psi + TWO_PI_LOW) * (TWO_PI + psi);
     for pole in [
         1.0 / gap,
         1.0 / (4.0 * TWO_PI * TWO_PI - z),
         1.0 / (9.0 * TWO_PI * TWO_PI - z),
     ] {
-        let mut term = 2.0 * pole;
-        for (k, ak) in a.iter_mut().enumerate() {
-            *ak += term;
-            term *= 2.0 * (k + 1) as f64 * pole;
-        }
+        a[0] += 2.0 * pole;
+        a[1] += 4.0 * pole * pole;
     }
     a
 }
@@ -97,31 +84,6 @@ impl InverseQuotients {
         let a1 = g * a3 - 0.25;
         Self { g, a1, a2, a3 }
     }
-}
-
-/// (g, a₃) of T⁻¹ as functions of z = ψ², with all derivatives that `S` carries, also at zero.
-#[must_use]
-pub fn inverse_quotients<S: Scalar>(z: S) -> (S, S) {
-    let psi = z.re().sqrt();
-    if S::ORDER == 0 {
-        let [a3] = cotangent(psi);
-        return (S::constant(half_cotangent(psi, a3)), S::constant(a3));
-    }
-    let x = z.re();
-    let a: Orders = cotangent(psi);
-    // D^k of g = 1 − z a₃: all terms of one sign.
-    let g = [
-        half_cotangent(psi, a[0]),
-        -(2.0 * a[0] + x * a[1]),
-        -(4.0 * a[1] + x * a[2]),
-        -(6.0 * a[2] + x * a[3]),
-        -(8.0 * a[3] + x * a[4]),
-    ];
-    let scaled = |f: Orders| {
-        let [f0, f1, f2, f3, f4] = f;
-        z.compose([f0, 0.5 * f1, 0.25 * f2, 0.125 * f3, 0.0625 * f4])
-    };
-    (scaled(g), scaled(a))
 }
 
 /// Derivatives k = 0…4 in w of 2 acos(w)/√(1−w²) = 2 Σ n!/(3/2)_n xⁿ, x = (1−w)/2 (lanes).

@@ -123,46 +123,6 @@ pub fn quaternion<S: Scalar>(Psi: &Vector3<S>) -> Quaternion<S> {
     Quaternion { w, v: Psi * factor }
 }
 
-/// One of the two unit quaternions of a rotation matrix (the one whose largest entry is positive).
-///
-/// The largest entry is found first and divided by, so nothing degenerates at any angle.
-#[must_use]
-pub fn quaternion_from_rotation<S: Scalar>(R: &Matrix3<S>) -> Quaternion<S> {
-    let (a, b, c) = (R[(0, 0)], R[(1, 1)], R[(2, 2)]);
-    let v = Vector3::new(
-        R[(2, 1)] - R[(1, 2)],
-        R[(0, 2)] - R[(2, 0)],
-        R[(1, 0)] - R[(0, 1)],
-    );
-    // Four times the squares of w, x, y, z; their sum is 4, so the largest is at least 1.
-    let squares = [
-        S::one() + a + b + c,
-        S::one() + a - b - c,
-        S::one() - a + b - c,
-        S::one() - a - b + c,
-    ];
-    let mut k = 0;
-    for i in 1..4 {
-        if squares[i].re() > squares[k].re() {
-            k = i;
-        }
-    }
-    let sum = |i: usize, j: usize| R[(i, j)] + R[(j, i)];
-    // Four times the largest entry times (w, v).
-    let (w, v) = match k {
-        0 => (squares[0], v),
-        1 => (v.x, Vector3::new(squares[1], sum(0, 1), sum(0, 2))),
-        2 => (v.y, Vector3::new(sum(0, 1), squares[2], sum(1, 2))),
-        _ => (v.z, Vector3::new(sum(0, 2), sum(1, 2), squares[3])),
-    };
-    // Normalising also removes the round-off of a matrix that is not quite orthogonal.
-    let scale = (w * w + v.dot(&v)).sqrt().recip();
-    Quaternion {
-        w: w * scale,
-        v: v * scale,
-    }
-}
-
 /// The rotation vector of a unit quaternion: ψ ≤ π for w ≥ 0, π < ψ < 2π for w < 0; not finite at
 /// w = −1 (ψ = 2π).
 ///
@@ -175,22 +135,5 @@ pub fn log_quaternion<S: Scalar>(q: &Quaternion<S>) -> Vector3<S> {
     } else {
         let pole = q.v.dot(&q.v).sqrt().recip() * TAU;
         q.v * (pole - log_factor(-q.w))
-    }
-}
-
-/// The rotation vector of R on the branch of `near`, stable at ψ = 0 and ψ = π.
-///
-/// Of the two vectors, the one whose quaternion has a positive inner product with that of `near`
-/// (ψ < 2π): it depends continuously on R along a motion that passes ψ = π. Not finite where that
-/// vector would have ψ = 2π, that is for R = I and a `near` beyond π.
-#[must_use]
-pub fn log_rotation<S: Scalar>(R: &Matrix3<S>, near: &Vector3<f64>) -> Vector3<S> {
-    let q = quaternion_from_rotation(R);
-    let p = quaternion(near);
-    let agreement = p.w * q.w.re() + p.v.dot(&q.v.map(|x| x.re()));
-    if agreement < 0.0 {
-        log_quaternion(&q.opposite())
-    } else {
-        log_quaternion(&q)
     }
 }

@@ -20,11 +20,11 @@ pub mod spin;
 pub mod tensors;
 
 pub use complement::{B_s, B_s_ddot, B_s_dot, K_sigma_s, complement};
-pub use log::{Quaternion, log_quaternion, log_rotation, quaternion, quaternion_from_rotation};
+pub use log::{Quaternion, log_quaternion, quaternion};
 pub use spin::{Spin, VelocityKind};
-pub use tensors::{A_varied, C1, C2, C3, C4, C5, C6, T_ddot, T_dot, T_dot_psi_dot, T_varied};
+pub use tensors::{A_varied, C1, C2, C3, C6, T_ddot, T_dot, T_dot_psi_dot, T_varied};
 
-use crate::quotients::{InverseQuotients, TangentQuotients, inverse_quotients};
+use crate::quotients::{InverseQuotients, TangentQuotients};
 use crate::scalar::Scalar;
 use nalgebra::{Matrix3, Vector3};
 
@@ -113,7 +113,6 @@ pub fn tangent<S: Scalar>(Psi: &Vector3<S>) -> Matrix3<S> {
 
 /// T⁻¹(Ψ), 3×3: δΨ = T⁻¹ δΘ; unbounded as ψ → 2π; \[M04\] (65).
 #[must_use]
-pub fn tangent_inverse<S: Scalar>(Psi: &Vector3<S>) -> Matrix3<S> {
-    let (g, a3) = inverse_quotients(Psi.dot(Psi));
-    isotropic(g, S::constant(0.5), a3, Psi)
+pub fn tangent_inverse(Psi: &Vector3<f64>) -> Matrix3<f64> {
+    T_inverse(Psi, &InverseQuotients::new(Psi.norm()))
 }

@@ -120,18 +120,6 @@ pub fn T_dot_psi_dot(Psi_dot: &Vector3<f64>, Psi: &Vector3<f64>, c: &Quotients) 
         + Psi * (c.c3 * d * d + c.c5 * n)
 }
 
-/// C₄(Ψ̇,Ψ) = D_Ψ̇(Ṫ Ψ̇), Ψ fixed; \[M04\] (63).
-#[must_use]
-pub fn C4(Psi_dot: &Vector3<f64>, Psi: &Vector3<f64>, c: &Quotients) -> Matrix3<f64> {
-    A_varied([0.0, 1.0, 0.0], Psi_dot, &Vector3::zeros(), Psi, c)
-}
-
-/// C₅(Ψ̇,Ψ) = D_Ψ(Ṫ Ψ̇), Ψ̇ fixed; \[M04\] (63).
-#[must_use]
-pub fn C5(Psi_dot: &Vector3<f64>, Psi: &Vector3<f64>, c: &Quotients) -> Matrix3<f64> {
-    A_varied([1.0, 0.0, 0.0], Psi_dot, &Vector3::zeros(), Psi, c)
-}
-
 /// The weighted sum K D_Ψ A + C D_Ψ̇ A + M D_Ψ̈ A of the derivatives of A = T Ψ̈ + Ṫ Ψ̇, that is
 /// K (C₅(Ψ̇,Ψ) + C₁(Ψ̈,Ψ)) + C C₄(Ψ̇,Ψ) + M T, collected by right factor.
 #[inline]

@@ -1,6 +1,6 @@
 //! Samples of runs: spatial quantities, independent of charts.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use pullback_elements::model::{Context, NodeState};
 use pullback_manifold::so3;
 use pullback_manifold::system::{Point, SystemError};
@@ -259,7 +259,8 @@ pub(super) fn extrapolate(a: &[Sample], b: &[Sample], order: Values) -> Vec<Samp
     let parts = order.0.map(|p| p.exp2() - 1.0);
     let towards = |k: usize, a: &Vector3<f64>, b: &Vector3<f64>| b + (b - a) / parts[k];
     let node = |(a, b): (&FrameSample, &FrameSample)| {
-        let relative = so3::log_rotation(&(a.R.transpose() * b.R), &Vector3::zeros());
+        let relative =
+            UnitQuaternion::from(Rotation3::from_matrix_unchecked(a.R.tr_mul(&b.R))).scaled_axis();
         FrameSample {
             position: towards(0, &a.position, &b.position),
             R: b.R * so3::rotation(&(relative / parts[1])),

@@ -34,7 +34,7 @@ fn shaft(by: By) -> (ModelBuilder, NodeId, NodeId) {
                 order,
                 section,
             };
-            b.line_with("shaft", &axis, [root, tip], &line, interpolation)
+            b.line_relative("shaft", &axis, [root, tip], &line, interpolation, None)
                 .unwrap();
         }
         By::Bushing => {

@@ -17,6 +17,7 @@
 use crate::support::comparisons::{BODY, precession};
 use crate::support::dynamics::{assert_order, formulated, observed, tight};
 use crate::support::prelude::*;
+use nalgebra::{Rotation3, UnitQuaternion};
 use pullback::method::Method;
 
 const METHODS: [&str; 3] = ["lie-newmark", "ul-newmark", "spin-newmark"];
@@ -45,7 +46,8 @@ fn off(name: &str, to: f64, h: f64) -> [Vector3<f64>; 2] {
     let node = job.context.node_state(node);
     // ω goes round L, too.
     let [round, R] = precession(to).map(|exact| exact.to_rotation_matrix());
-    let turn = so3::log_rotation(&(R.inverse() * node.R), &Vector3::zeros());
+    let turn =
+        UnitQuaternion::from(Rotation3::from_matrix_unchecked(R.inverse() * node.R)).scaled_axis();
     [turn, node.omega - round * OMEGA]
 }
 

@@ -40,7 +40,7 @@ pub fn beam_with(
         order: 1,
         section,
     };
-    let laid = b.line_with(name, &axis, ends, &line, interpolation);
+    let laid = b.line_relative(name, &axis, ends, &line, interpolation, None);
     laid.unwrap().nodes
 }
 

@@ -36,13 +36,13 @@ impl Context {
         w.known.forget();
         let stirred = std::mem::replace(&mut w.stirred, !statics);
         if !statics {
-            self.model.free.scatter("velocities v", at.v, &mut w.v)?;
-            self.model.free.scatter("accelerations a", at.a, &mut w.a)?;
+            self.model.scatter("velocities v", at.v, &mut w.v)?;
+            self.model.scatter("accelerations a", at.a, &mut w.a)?;
         } else if stirred {
             w.v.fill(0.0);
             w.a.fill(0.0);
         }
-        self.model.free.scatter("coordinates q", at.q, &mut w.x)?;
+        self.model.scatter("coordinates q", at.q, &mut w.x)?;
         for p in &self.model.prescribed {
             // In statics the velocity of a prescribed coordinate is its derivative by the load
             // parameter; that of free coordinates stays zero.
@@ -259,12 +259,12 @@ impl Context {
         self.add_elements(at.t, statics, borrow, rates)?;
         self.pull_back_nodes(at.t, S, [statics, rates]);
         self.measure_reactions();
-        self.model.free.gather(&self.work.r, "residual r", r)?;
+        self.model.gather(&self.work.r, "residual r", r)?;
         if let Some(u) = r.iter().position(|r| !r.is_finite()) {
             return Err(SystemError::NotFinite { what: self.name(u) });
         }
         if let Some(r_t) = r_t {
-            self.model.free.gather(&self.work.r_t, "rate r_t", r_t)?;
+            self.model.gather(&self.work.r_t, "rate r_t", r_t)?;
         }
         Ok(())
     }

@@ -51,26 +51,11 @@ impl ModelBuilder {
         ends: [NodeId; 2],
         line: &BeamLine,
     ) -> Result<BeamLineNodes, ModelError> {
-        self.line_with(name, axis, ends, line, Interpolation::Total)
+        self.line_relative(name, axis, ends, line, Interpolation::Total, None)
     }
 
-    /// As [`ModelBuilder::line`], with another interpolation of rotations.
-    ///
-    /// # Errors
-    /// As [`ModelBuilder::line`].
-    pub fn line_with(
-        &mut self,
-        name: &str,
-        axis: &dyn ReferenceCurve,
-        [from, to]: [NodeId; 2],
-        line: &BeamLine,
-        interpolation: Interpolation,
-    ) -> Result<BeamLineNodes, ModelError> {
-        self.line_relative(name, axis, [from, to], line, interpolation, None)
-    }
-
-    /// As [`ModelBuilder::line_with`], with inner nodes whose coordinates are relative to another frame, if one
-    /// is given: see [`ModelBuilder::relative_node`].
+    /// As [`ModelBuilder::line`], with another interpolation of rotations, and with inner nodes whose coordinates are relative
+    /// to another frame, if one is given: see [`ModelBuilder::relative_node`].
     ///
     /// # Errors
     /// As [`ModelBuilder::line`].

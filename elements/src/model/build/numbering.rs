@@ -16,8 +16,7 @@ use crate::model::kinematics::pose::mark_unread;
 use crate::model::loops;
 use crate::model::state::ModelState;
 use crate::model::{
-    Context, ElementEntry, FreeCoordinates, Model, ModelError, NONE, Node, NodeForm, Nodes,
-    Prescribed, Span,
+    Context, ElementEntry, Model, ModelError, NONE, Node, NodeForm, Nodes, Prescribed, Span,
 };
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{CoordinateInfo, Quantity};
@@ -112,7 +111,6 @@ impl ModelBuilder {
             initial: Vec::new(),
             start: ModelState::default(),
             prescribed_rotations: prescribed_rotations(&nodes, &prescribed),
-            free: FreeCoordinates::new(&coordinates),
             quantities,
             work: Workspace::new(&nodes, &elements, room, scatter_map, length, levers),
             nodes,

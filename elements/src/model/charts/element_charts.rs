@@ -223,7 +223,7 @@ impl Context {
     }
 }
 
-/// The element's frames: their bit and their rotation vector. A single one has no neighbours.
+/// The element's frames: their bit and their rotation vector.
 fn frames<'a>(
     e: &'a ElementEntry,
     psi: &'a [Vector3<f64>],

@@ -78,7 +78,7 @@ impl Energetics for Context {
         }
         self.node_momenta(at)?;
         self.pull_back_nodes(at.t, None, [false; 2]);
-        self.model.free.gather(&self.work.r, "momentum p", p)?;
+        self.model.gather(&self.work.r, "momentum p", p)?;
         Ok(true)
     }
 

@@ -120,7 +120,7 @@ fn turned(positions: &[Vector3<f64>], x: &[f64], turn: &Vector3<f64>, other: boo
     let Q = so3::rotation(turn);
     let node = |(X, x): (&Vector3<f64>, &[f64])| {
         let [d, psi] = [&x[..3], &x[3..]].map(Vector3::from_column_slice);
-        let psi = so3::log_rotation(&(Q * so3::rotation(&psi)), turn);
+        let psi = so3::log_quaternion(&so3::quaternion(turn).product(&so3::quaternion(&psi)));
         let psi = if other { so3::complement(&psi) } else { psi };
         [Q * (X + d) - X, psi]
     };
@@ -193,7 +193,14 @@ fn laws_found(interpolation: Interpolation, order: usize) -> Vec<String> {
         section: massive().with_damping(DAMPING).unwrap(),
         ..line(1, order)
     };
-    let laid = b.line_with("beam", &straight(&b, ends), ends, &line, interpolation);
+    let laid = b.line_relative(
+        "beam",
+        &straight(&b, ends),
+        ends,
+        &line,
+        interpolation,
+        None,
+    );
     laid.unwrap();
     let report = checked(b, 0);
     report.assert();

@@ -4,7 +4,6 @@ use crate::support::*;
 
 #[test]
 fn charts() {
-    check::chart(&RotationVector).assert();
     check::chart(&WienerMilenkovic).assert();
 }
 

@@ -2,7 +2,7 @@
 
 use crate::support::*;
 use pullback_conformance::Measure;
-use pullback_manifold::so3::Quaternion;
+use pullback_manifold::so3::{Quaternion, log_quaternion, quaternion};
 use std::f64::consts::PI;
 
 /// What can be wrong with a hand-written map.
@@ -169,7 +169,7 @@ impl RotationChart for PlantedChart {
             let w = (c.dot(c) + 1.0).sqrt().recip();
             return Quaternion { w, v: c * w };
         }
-        let mut turn = RotationVector.quaternion(c);
+        let mut turn = quaternion(c);
         if *self == Self::Size {
             turn.w *= S::constant(1.0 + 1e-9);
         }
@@ -177,12 +177,12 @@ impl RotationChart for PlantedChart {
     }
 
     fn coordinates<S: Scalar>(&self, rotation: &Quaternion<S>) -> Vector3<S> {
-        let c = RotationVector.coordinates(rotation);
+        let c = log_quaternion(rotation);
         let other = rotation.opposite();
         match self {
             Self::Coordinates => c * S::constant(1.0 + 1e-9),
             Self::Half => rotation.v * rotation.w.recip(),
-            Self::Short if rotation.w.re() < 0.0 => RotationVector.coordinates(&other),
+            Self::Short if rotation.w.re() < 0.0 => log_quaternion(&other),
             _ => c,
         }
     }
@@ -192,7 +192,7 @@ impl RotationChart for PlantedChart {
             Self::Empty => f64::NAN,
             Self::Half => f64::INFINITY,
             Self::Near => PI - c.norm(),
-            _ => RotationVector.margin(c),
+            _ => TAU - c.norm(),
         }
     }
 }

@@ -32,15 +32,11 @@ const DEPENDENT: Matrix3x4<f64> = Matrix3x4::new(
 fn dependent_gradients_leave_orthonormal_directions_across_them() {
     let map = map(DEPENDENT, 2, Choice::Tangent);
     assert_eq!((map.freedoms(), map.redundant().len()), (2, 1));
-    // q = Lᵀx.
-    let mut L = SMatrix::<f64, 4, 2>::zeros();
-    for k in 0..4 {
-        let row = map.rates(&std::array::from_fn::<f64, 4, _>(|i| f64::from(i == k)));
-        L.row_mut(k).copy_from_slice(&row);
-    }
-    let defect = L.tr_mul(&L) - SMatrix::<f64, 2, 2>::identity();
+    let [_, B] = tangent(&map, 0.0, &[0.0; 2]);
+    let B = SMatrix::<f64, 4, 2>::from_column_slice(&B);
+    let defect = B.tr_mul(&B) - SMatrix::<f64, 2, 2>::identity();
     assert!(defect.amax() < 1e-15, "{defect}");
-    let across = DEPENDENT * L;
+    let across = DEPENDENT * B;
     assert!(across.amax() < 4e-15, "{across}");
 }
 

@@ -69,7 +69,7 @@ fn singular_configurations_are_named() {
     // Run into: margin and words, no panic.
     let mut map = ImplicitMap::of(flat, 1, 0.0, [1.0, 0.0, 1.0], Choice::Fixed).unwrap();
     assert!(map.domain(0.0, &[0.0]).is_ok());
-    let q = [-map.reference()[map.independent().unwrap()[0]]];
+    let q = [-tangent(&map, 0.0, &[0.0])[0][map.independent().unwrap()[0]]];
     let Err(DomainError::Undefined(words)) = map.domain(0.0, &q) else {
         panic!("it has values there");
     };
@@ -111,7 +111,7 @@ fn corrections_of_rounding_errors_end_near_a_singular_place() {
     let guess = [start.cos(), start.sin()];
     let map = ImplicitMap::of(Circle, 1, 0.0, guess, Choice::Fixed).unwrap();
     let mut map = map.with_independent(&[0]).unwrap();
-    let from = map.reference()[0];
+    let from = tangent(&map, 0.0, &[0.0])[0][0];
     let mut angle = start;
     while angle > 2e-5 {
         angle *= 0.97;

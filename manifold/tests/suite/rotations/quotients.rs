@@ -234,47 +234,6 @@ fn derivatives_in_z_are_exact() {
 }
 
 #[test]
-fn derivatives_of_the_inverse_are_exact() {
-    // With ′ = d/dz: the Riccati equation 2z a₃′ = ¼ − 3a₃ + z a₃² and its derivatives, whose
-    // cancellation at small z double-double outweighs; g = 1 − z a₃.
-    for i in 1..1500 {
-        let x = 0.026 * f64::from(i);
-        if x > (TAU - 0.1).powi(2) {
-            break;
-        }
-        let z = Dd(x, 0.0);
-        let k = |v: f64| Dd(v, 0.0);
-        let quarter = z * k(0.25);
-        let a = series(1, 1, quarter) / (series(0, 1, quarter) * k(4.0));
-        let d1 = (k(0.25) + k(-3.0) * a + z * a * a) * k(0.5) / z;
-        let d2 = (k(-5.0) * d1 + a * a + k(2.0) * z * a * d1) / (k(2.0) * z);
-        let d3 = (k(-7.0) * d2 + k(4.0) * a * d1 + k(2.0) * z * (d1 * d1 + a * d2)) / (k(2.0) * z);
-        let a3 = derivatives!(|z| inverse_quotients(z).1, x);
-        let g = derivatives!(|z| inverse_quotients(z).0, x);
-        close(&format!("a3 at z = {x}"), a3, [a, d1, d2, d3]);
-        let exact_g = [
-            k(1.0) + -(z * a),
-            -(a + z * d1),
-            -(k(2.0) * d1 + z * d2),
-            -(k(3.0) * d2 + z * d3),
-        ];
-        for n in 0..4 {
-            let error = (g[n] - exact_g[n].0).abs() / exact_g[n].0.abs().max(0.1);
-            assert!(error <= 1e-13, "g derivative {n} at z = {x}: {error:e}");
-        }
-    }
-    // Limits at zero: g = 1 − z/12 − z²/720 − z³/30240 − …, a₃ = 1/12 + z/720 + z²/30240 + z³/1209600.
-    let a3 = derivatives!(|z| inverse_quotients(z).1, 0.0);
-    let g = derivatives!(|z| inverse_quotients(z).0, 0.0);
-    let limits = [1.0 / 12.0, 1.0 / 720.0, 2.0 / 30_240.0, 6.0 / 1_209_600.0];
-    let limits_g = [1.0, -1.0 / 12.0, -2.0 / 720.0, -6.0 / 30_240.0];
-    for n in 0..4 {
-        assert_relative_eq!(a3[n], limits[n], epsilon = 0.0, max_relative = 1e-15);
-        assert_relative_eq!(g[n], limits_g[n], epsilon = 0.0, max_relative = 1e-15);
-    }
-}
-
-#[test]
 fn log_factor_is_exact() {
     // L(cos h) = 2h/sin h, and (1−w²)L′ = wL − 2, (1−w²)L″ = 3wL′ + L, (1−w²)L‴ = 5wL″ + 4L′,
     // whose cancellation near w = 1 double-double outweighs.

@@ -79,7 +79,7 @@ impl Measured<'_> {
             local.add_residual(e, &model.spans, &mut w.r);
         }
         self.0.pull_back_nodes(at.t, None, [false; 2]);
-        self.0.model.free.gather(&self.0.work.r, "steady loads", r)
+        self.0.model.gather(&self.0.work.r, "steady loads", r)
     }
 
     /// Errors of frames with elements in the six motions.
