@@ -12,6 +12,9 @@ pub(super) const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// Square of a part of a shape, relative to the whole, that is no shape of its own.
 const PART: f64 = 1e-6;
 
+/// Part of a shape in another one whose square is no error of the eigenvalue.
+const ORTHOGONAL: f64 = 1e-9;
+
 /// Distance of eigenvalues that are one, relative to their size.
 const REPEATED: f64 = 1e-9;
 
@@ -148,15 +151,17 @@ impl<'a> Finish<'a> {
         let mut shape = mode.shape.clone();
         // Shapes with mass are of unit mass, and orthogonal to each other.
         let image = mass(&shape);
+        let mut is_apart = true;
         for other in &others {
-            subtract(
-                &mut shape,
-                &other.shape,
-                inner_product(&other.shape, &image),
-            );
+            let part = inner_product(&other.shape, &image);
+            subtract(&mut shape, &other.shape, part);
+            is_apart &= part.norm() <= ORTHOGONAL;
         }
         if square(&shape) > PART {
-            return Some(self.mode(shape, found));
+            return match is_apart {
+                true => Some(mode),
+                false => Some(self.mode(shape, found)),
+            };
         }
         if self.order == Order::Squares || mode.eigenvalue != Complex64::ZERO {
             return Some(mode);
