@@ -83,7 +83,7 @@ pub struct Report {
 
 /// Ratio of successive steps.
 const RATIO: f64 = 4.0;
-/// Most steps: the last one is 2.4e-8 of the first.
+/// Most steps: the last one is 2.4e-7 of the first.
 const STEPS: usize = 12;
 /// Most steps that may lead out of a domain.
 const OUTSIDE: usize = 8;

@@ -5,7 +5,6 @@
 //! | order | a nonlinear, driven motion with a known solution ([`KnownMotion`]): errors of position, velocity and acceleration at the end over the step |
 //! | order under changes of chart | the same, with a change of chart every third step |
 //! | order of the embedded method | the first motion by the scheme that ends its steps with the embedded row: one less than that of the scheme |
-//! | same history in all charts | an angle of several turns, with and without jumps by 2π |
 //! | exactness | a polynomial of the degree of the order; from order 2 on the velocity of a cubic, and its position up to the known error of the scheme |
 //! | orders with multipliers | a mass held to a circle by a multiplier, with a known solution: errors of position, velocity, acceleration and multiplier at the end; or the refusal of multipliers by a scheme without damping at infinite frequencies |
 //! | stability | Schur's and Cohn's conditions on the characteristic polynomial of a step (before a projection to its energy), from Ω = 10⁻³ to 10⁶ or to the stated limit |
@@ -33,7 +32,6 @@ pub fn scheme(scheme: &Scheme) -> Report {
     if let Some(row) = scheme.embedded() {
         embedded(&mut report, scheme, *row);
     }
-    turns(&mut report, scheme);
     exactness(&mut report, scheme);
     cubic(&mut report, scheme);
     stability(&mut report, scheme);
@@ -126,22 +124,6 @@ fn order(report: &mut Report, law: &str, scheme: &Scheme, switching: bool) {
         let slope = finest.map_or(f64::NAN, |[coarse, fine]| (coarse / fine).log2());
         report.rate(law, what, slope, scheme.order() as f64);
     }
-}
-
-fn turns(report: &mut Report, scheme: &Scheme) {
-    let end = |leaping: bool| -> Result<[f64; 2], DynamicsError> {
-        let mut system = OneCoordinate::pendulum(leaping);
-        let mut progress = Progress::new(start(&system, 0.0, &[1.0], &[8.0])?);
-        run(&mut system, scheme, &mut progress, 4.0, 200)?;
-        let angle = progress.state.q[0] + system.turns();
-        Ok([angle, progress.state.v[0]])
-    };
-    let gap = end(false).and_then(|a| {
-        let b = end(true)?;
-        Ok((a[0] - b[0]).abs().max((a[1] - b[1]).abs()))
-    });
-    let law = "same history in all charts";
-    defect(report, law, "five turns", gap, 1e-10);
 }
 
 fn exactness(report: &mut Report, scheme: &Scheme) {

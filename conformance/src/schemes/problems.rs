@@ -4,7 +4,6 @@ use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{
     ChartChanges, Charts, Energetics, Energies, Evaluation, Point, System, SystemError,
 };
-use std::f64::consts::{PI, TAU};
 
 /// Two masses that depend on their positions, coupled by a spring and gyroscopic forces, with damping and a force sin x:
 ///
@@ -197,17 +196,11 @@ impl Charts for KnownMotion {
     }
 }
 
-/// One coordinate with q̈ = p̈(t) − g sin q − c q̇: that of a polynomial p, or of a pendulum with a little friction that
-/// makes turns.
+/// One coordinate with q̈ = p̈(t), of a polynomial p.
 pub(crate) struct OneCoordinate {
     pattern: BlockPattern,
     /// Degree of p.
     degree: usize,
-    gravity: f64,
-    friction: f64,
-    /// Whether it jumps by −2π beyond π, as an angle.
-    leaping: bool,
-    leaps: usize,
 }
 
 impl OneCoordinate {
@@ -219,25 +212,7 @@ impl OneCoordinate {
         Self {
             pattern: BlockPattern::dense(1),
             degree,
-            gravity: 0.0,
-            friction: 0.0,
-            leaping: false,
-            leaps: 0,
         }
-    }
-
-    pub(crate) fn pendulum(leaping: bool) -> Self {
-        Self {
-            gravity: 4.0,
-            friction: 0.1,
-            leaping,
-            ..Self::polynomial(0)
-        }
-    }
-
-    /// The sum of the jumps of the angle.
-    pub(crate) fn turns(&self) -> f64 {
-        TAU * self.leaps as f64
     }
 
     /// p̈.
@@ -267,20 +242,14 @@ impl System for OneCoordinate {
     }
 
     fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
-        let (sin, cos) = at.q[0].sin_cos();
-        let (gravity, friction) = (self.gravity, self.friction);
-        out.r[0] = self.acceleration(at.t) - gravity * sin - friction * at.v[0] - at.a[0];
+        out.r[0] = self.acceleration(at.t) - at.a[0];
         if let Some((w, S)) = out.S {
-            S[0] = w.K * gravity * cos + w.C * friction + w.M;
+            S[0] = w.M;
         }
         Ok(())
     }
 
     fn energetics(&mut self) -> Option<&mut dyn Energetics> {
-        Some(self)
-    }
-
-    fn charts(&mut self) -> Option<&mut dyn Charts> {
         Some(self)
     }
 }
@@ -290,27 +259,8 @@ impl Energetics for OneCoordinate {
         let v = at.v[0];
         Ok(Energies {
             kinetic: 0.5 * v * v,
-            stored: self.gravity * (1.0 - at.q[0].cos()),
             supplied: self.acceleration(at.t) * v,
-            dissipated: self.friction * v * v,
             ..Energies::default()
         })
-    }
-}
-
-impl Charts for OneCoordinate {
-    fn change_charts(
-        &mut self,
-        _: f64,
-        q: &mut [f64],
-        _: &mut [f64],
-        _: &mut [&mut [f64]],
-    ) -> ChartChanges {
-        let due = self.leaping && q[0] > PI;
-        if due {
-            q[0] -= TAU;
-            self.leaps += 1;
-        }
-        ChartChanges::of(usize::from(due))
     }
 }

@@ -72,35 +72,23 @@ impl AutoSolver {
         result: Result<(), LinearError>,
         values: &[f64],
     ) -> Result<(), LinearError> {
-        let error = match result {
+        match result {
             Ok(()) => {
                 self.failures = 0;
                 self.active = Some(self.chosen);
-                return Ok(());
             }
-            Err(error) => error,
-        };
-        let lost = match error {
-            LinearError::VanishingPivot { unknown, .. } => Some(unknown),
-            LinearError::Singular { .. }
-            | LinearError::Growth { .. }
-            | LinearError::Residual { .. } => None,
-            _ => return Err(error),
-        };
-        match (self.fall_back(values), lost) {
-            // Both agree. The block solver names the last unknown without resistance
-            // (usually at a missing support), if it is part of the mechanism.
-            (Err(LinearError::Singular { .. }), Some(unknown))
-                if self.lu.mobility(unknown) > 1e-3 =>
-            {
-                Err(error)
-            }
-            (Ok(()), _) => {
+            Err(
+                LinearError::VanishingPivot { .. }
+                | LinearError::Singular { .. }
+                | LinearError::Growth { .. }
+                | LinearError::Residual { .. },
+            ) => {
+                self.fall_back(values)?;
                 self.failures += 1;
-                Ok(())
             }
-            (other, _) => other,
+            Err(error) => return Err(error),
         }
+        Ok(())
     }
 
     fn fall_back(&mut self, values: &[f64]) -> Result<(), LinearError> {

@@ -21,14 +21,8 @@ pub(super) struct Factors {
     /// Sum of squares of each block row and column.
     pub squares: Vec<f64>,
     pub norm: f64,
-    /// Bounds on the row sums of |L||U|, the largest of each panel; see [`Factors::error_bound`].
-    pub products: Vec<f64>,
-    /// Row sums of |U| of one panel.
-    sums: Vec<f64>,
     /// The right-hand side, then the solution.
     pub y: Vec<f64>,
-    /// Largest entry of the scaled right-hand side.
-    pub largest_rhs: f64,
     pub rhs: Vec<f64>,
     pub x: Vec<f64>,
     /// `x` with its scales undone.
@@ -48,10 +42,7 @@ impl Factors {
             scales: vec![1.0; n],
             squares: vec![0.0; panels],
             norm: 0.0,
-            products: vec![0.0; panels],
-            sums: vec![0.0; symbolic.panels.iter().map(|p| p.size).max().unwrap_or(0)],
             y: vec![0.0; n],
-            largest_rhs: 0.0,
             rhs: vec![0.0; n],
             x: vec![0.0; n],
             unscaled: vec![0.0; n],
@@ -81,10 +72,8 @@ impl Factors {
     ) -> Result<bool, LinearError> {
         let limit = rounding_level(self.symbolic.panels.len());
         self.squares.fill(0.0);
-        self.products.fill(0.0);
         if b.is_some() {
             self.y.fill(0.0);
-            self.largest_rhs = 0.0;
         }
         for k in 0..self.symbolic.panels.len() {
             if !self.load(k, values, scaled) {
@@ -138,8 +127,7 @@ impl Factors {
         Ok(())
     }
 
-    /// Transforms the other blocks of panel `k` to those of `L` and `Uᵀ`, and bounds the row sums
-    /// of |L||U|.
+    /// Transforms the other blocks of panel `k` to those of `L` and `Uᵀ`.
     #[inline(always)]
     fn finish_panel(&mut self, k: usize) {
         let symbolic = &self.symbolic;
@@ -148,21 +136,13 @@ impl Factors {
         let n = panel.size;
         let (d, below) = self.factors[panel.start..panel.end].split_at_mut(n * n);
         let swaps = &self.swaps[panel.first..panel.first + n];
-        let sums = &mut self.sums[..n];
-        kernels::upper_sums(n, d, sums);
-        let mut rest = &mut *below;
+        let mut rest = below;
         for link in links {
             let (pair, others) = rest.split_at_mut(2 * link.size * n);
             let (l, ut) = pair.split_at_mut(link.size * n);
             let swapped = self.swapped[k];
             finish_link(symbolic.symmetry, link.size, n, d, l, ut, swaps, swapped);
-            kernels::add_sums(link.size, n, ut, sums);
             rest = others;
-        }
-        self.products[k] += kernels::lower_product(n, d, sums);
-        for link in links {
-            let l = &below[link.start - panel.start - n * n..];
-            self.products[link.panel] += kernels::product(link.size, n, l, sums);
         }
     }
 
@@ -200,9 +180,7 @@ impl Factors {
         let own = panel.first..panel.first + panel.size;
         let b = &b[panel.unknown..panel.unknown + panel.size];
         for (i, b) in own.zip(b) {
-            let b = b * self.scales[i];
-            self.y[i] += b;
-            self.largest_rhs = self.largest_rhs.max(b.abs());
+            self.y[i] += b * self.scales[i];
         }
         self.forward(k);
     }

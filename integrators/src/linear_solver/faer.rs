@@ -1,4 +1,4 @@
-//! The general sparse solvers of faer, used in this file only.
+//! The general sparse solvers of faer, of which nothing else here is used but in the search for modes.
 //!
 //! faer's LU reports success on singular matrices and returns NaN or meaningless numbers. So every
 //! factorisation is probed with one right-hand side of ±1-like entries: the largest component of
@@ -22,7 +22,7 @@ use faer::{Conj, Par, Side};
 use pullback_manifold::sparse::BlockPattern;
 
 use super::columns::Columns;
-use super::{LinearError, LinearSolver, MatrixSymmetry, max_abs, ready, rounding_level};
+use super::{LinearError, LinearSolver, MatrixSymmetry, ready, rounding_level};
 use crate::registers::clear_upper_halves;
 
 fn structure(columns: &Columns) -> SymbolicSparseColMatRef<'_, usize> {
@@ -228,13 +228,6 @@ impl<F: Factors> Faer<F> {
     /// Whether a pattern has been analysed.
     pub(super) fn is_analysed(&self) -> bool {
         self.ready.is_some()
-    }
-
-    /// Size of one component of the mechanism that the last, failed factorisation found, relative
-    /// to the largest.
-    pub(super) fn mobility(&self, unknown: usize) -> f64 {
-        let relative = |x: &[f64]| x[unknown].abs() / max_abs(x);
-        (self.ready.as_ref()).map_or(0.0, |(columns, _)| relative(&columns.x))
     }
 
     /// Factorises `A` with a small shift of the scaled diagonal, without any check; the scaled matrix, and its factors.

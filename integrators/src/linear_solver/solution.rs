@@ -2,7 +2,7 @@
 
 use super::factors::Factors;
 use super::symbolic::ColumnPanel;
-use super::{LinearError, MatrixSymmetry, first_non_finite, kernels, max_abs, refine, relative};
+use super::{LinearError, MatrixSymmetry, first_non_finite, kernels, refine, relative};
 use crate::vectors::add;
 
 impl Factors {
@@ -19,7 +19,6 @@ impl Factors {
                 *y = b * s;
             }
         }
-        self.largest_rhs = max_abs(&self.y);
     }
 
     /// The solution in `y` with its scales undone, in the order of the matrix.
@@ -37,12 +36,12 @@ impl Factors {
         }
     }
 
-    /// Solves for the vector in `y`, in place; the largest entry of the solution.
-    pub fn substitute(&mut self) -> f64 {
+    /// Solves for the vector in `y`, in place.
+    pub fn substitute(&mut self) {
         for k in 0..self.symbolic.panels.len() {
             self.forward(k);
         }
-        self.substitute_back()
+        self.substitute_back();
     }
 
     /// Substitutes the unknowns of panel `k` through the lower factor, and subtracts their share from
@@ -67,7 +66,7 @@ impl Factors {
     }
 
     /// The second half: backward substitution through the upper factor.
-    pub fn substitute_back(&mut self) -> f64 {
+    pub fn substitute_back(&mut self) {
         let symbolic = &self.symbolic;
         let y = &mut self.y;
         for k in (0..symbolic.panels.len()).rev() {
@@ -82,24 +81,6 @@ impl Factors {
             }
             kernels::solve_upper(n, &self.factors[panel.start..], own);
         }
-        max_abs(y)
-    }
-
-    /// A bound on the relative residual of any solution by these factors.
-    ///
-    /// The computed solution solves (A + E) x = b with |E| ≤ γ |L||U|, γ = 3 m u for sums of m
-    /// products (Higham 2002, Accuracy and Stability of Numerical Algorithms, Theorem 9.4; m is
-    /// that of the sparse factors, two for the reciprocals of the pivots), so that
-    ///
-    /// ```text
-    /// max|b - A x| ≤ γ max(|L||U| e) max|x|
-    /// ```
-    ///
-    /// It needs no second pass over the matrix, which has left the caches by then.
-    pub fn error_bound(&self) -> f64 {
-        let m = (self.symbolic.terms + 2) as f64;
-        let largest = self.products.iter().fold(0.0_f64, |a, p| a.max(*p));
-        1.5 * f64::EPSILON * m * largest / self.norm
     }
 
     /// Refines the solution in `y` until its residual is small enough.

@@ -63,8 +63,6 @@ pub(super) struct Symbolic {
     pub fills: Vec<(usize, usize)>,
     /// Number of values in the factors.
     pub len: usize,
-    /// Largest number of products summed in one entry, in factors and substitutions.
-    pub terms: usize,
     /// Floating point operations of a factorisation.
     pub flops: f64,
     /// Estimated nanoseconds for these, if both halves are used.
@@ -96,7 +94,6 @@ impl Symbolic {
             loads: Vec::new(),
             fills: Vec::new(),
             len: 0,
-            terms: 0,
             flops: 0.0,
             busy: 0.0,
             symmetry,
@@ -115,7 +112,6 @@ impl Symbolic {
     ) {
         let mut first = 0;
         let mut firsts = Vec::with_capacity(nodes.len());
-        let mut terms: Vec<usize> = nodes.iter().map(|&(node, _)| pattern.size(node)).collect();
         for &(node, _) in nodes {
             firsts.push(first);
             first += pattern.size(node);
@@ -129,7 +125,6 @@ impl Symbolic {
             let mut height = 0;
             for panel in panels {
                 let m = pattern.size(nodes[panel].0);
-                terms[panel] += size;
                 self.links.push(PanelLink {
                     panel,
                     first: firsts[panel],
@@ -155,7 +150,6 @@ impl Symbolic {
                 fills: 0,
             });
         }
-        self.terms = terms.into_iter().max().unwrap_or(0);
     }
 
     /// Targets of the updates, and which blocks are first needed when.

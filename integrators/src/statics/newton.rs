@@ -221,9 +221,8 @@ impl Newton {
             || is_rounding(system, &self.S, q, &self.r, work)
     }
 
-    /// Iterates (q, t) from their present values; if `history` is not empty, a first linear
-    /// correction was made from the state `previous`. On success the tangent and r_t at the
-    /// solution are up to date.
+    /// Iterates (q, t) from their present values, after a first linear correction from the state
+    /// `previous`, if it is given. On success the tangent and r_t at the solution are up to date.
     pub(super) fn correct(
         &mut self,
         system: &mut dyn System,

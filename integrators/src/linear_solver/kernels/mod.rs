@@ -10,13 +10,11 @@
 // Fixed extents index several arrays at once; iterators would hide the mathematics.
 #![allow(clippy::needless_range_loop)]
 
-mod bounds;
 mod lu;
 mod products;
 mod scale;
 mod triangular;
 
-pub(super) use bounds::{add_sums, lower_product, product, upper_sums};
 pub(super) use lu::lu;
 pub(super) use products::{subtract, subtract_transposed, update};
 pub(super) use scale::scale;

@@ -66,35 +66,6 @@ fn an_unsupported_chain_is_singular_and_its_mechanism_is_a_translation() {
 }
 
 #[test]
-fn a_vanishing_pivot_is_named_where_it_is_part_of_the_mechanism() {
-    let error = |matrix: [[f64; 4]; 4]| {
-        let (pattern, values) = scalars(matrix);
-        let mut auto = analysed(AutoSolver::new(), &pattern, General);
-        auto.factorise(&values).unwrap_err()
-    };
-    // A chain that nothing holds: all of it moves, and its pivot vanishes at its other end.
-    let chain = [
-        [1.0, -1.0, 0.0, 0.0],
-        [-1.0, 2.0, -1.0, 0.0],
-        [0.0, -1.0, 2.0, -1.0],
-        [0.0, 0.0, -1.0, 1.0],
-    ];
-    let LinearError::VanishingPivot { unknown: 0, .. } = error(chain) else {
-        panic!("{}", error(chain));
-    };
-    // The same of two nodes, and two that a row interchange solves: the first pivot vanishes there.
-    let apart = [
-        [1.0, -1.0, 0.0, 0.0],
-        [-1.0, 1.0, 0.0, 0.0],
-        [0.0, 0.0, 0.0, 1.0],
-        [0.0, 0.0, 1.0, 0.0],
-    ];
-    let LinearError::Singular { .. } = error(apart) else {
-        panic!("{}", error(apart));
-    };
-}
-
-#[test]
 fn a_zero_row_is_named_by_everybody() {
     let mut random = Random::new(3);
     let pattern = BlockPattern::new(&[6, 6, 6], [[0, 1], [1, 2]]);

@@ -166,8 +166,6 @@ fn dense_grids_go_to_the_general_solver_and_chains_do_not() {
     let pattern = BlockPattern::new(&[6; 200], &chain);
     let mut block = analysed(BlockLu::new(), &pattern, General);
     assert!(block.suits());
-    // Per node 144 for the pivots and 2 × 432 for panel and update.
-    assert!((block.flops() - (200.0 * 144.0 + 199.0 * 864.0)).abs() < 1e-6);
     block.analyse(&BlockPattern::dense(500), General).unwrap();
     assert!(!block.suits());
 }
