@@ -41,10 +41,8 @@ struct Accelerations {
 
 impl Accelerations {
     fn new(context: Context) -> Result<Self, Box<dyn Error>> {
-        let mut solver = BlockLu::new();
-        solver.analyse(context.pattern(), MatrixSymmetry::General)?;
         Ok(Self {
-            solver,
+            solver: BlockLu::new(context.pattern(), MatrixSymmetry::General)?,
             M: vec![0.0; context.pattern().len()],
             zero: vec![0.0; context.pattern().dim()],
             context,

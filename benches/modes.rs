@@ -68,8 +68,7 @@ fn frame(bays: usize, stories: usize, elements: usize) -> Result<Context, Box<dy
 /// clock of a machine changes; and the number of factorisations made.
 fn compare(lin: &Linearized) -> Result<(f64, usize), Box<dyn Error>> {
     const ROUNDS: usize = 15;
-    let mut solver = AutoSolver::new();
-    solver.analyse(&lin.pattern, MatrixSymmetry::Symmetric)?;
+    let mut solver = AutoSolver::new(&lin.pattern, MatrixSymmetry::Symmetric)?;
     let mut made = 0;
     let mut ratios = Vec::new();
     for _ in 0..ROUNDS {

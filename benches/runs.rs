@@ -108,11 +108,8 @@ fn costs(make: &dyn Fn(usize) -> Context, elements: usize, options: &DynamicOpti
     let energies = seconds(count, || {
         black_box(model.energies(at).expect(inside));
     });
-    let mut solver = AutoSolver::new();
     let regular = "regular";
-    solver
-        .analyse(model.pattern(), MatrixSymmetry::General)
-        .expect(regular);
+    let mut solver = AutoSolver::new(model.pattern(), MatrixSymmetry::General).expect(regular);
     let factorise = seconds(count, || solver.factorise(&S).expect(regular));
     let mut b = r.clone();
     let solve = seconds(count, || {

@@ -133,14 +133,11 @@ fn whole_analysis(c: &mut Criterion) {
             }
         });
         let mut times = [0.0; 4];
-        let mut block = BlockLu::new();
-        let mut faer = FaerLu::new();
+        let mut block = BlockLu::new(model.pattern(), MatrixSymmetry::General).expect("a chain");
+        let mut faer = FaerLu::new(model.pattern()).expect("a chain");
         let solvers: [&mut dyn LinearSolver; 2] = [&mut block, &mut faer];
         for (k, solver) in solvers.into_iter().enumerate() {
             let mut b = r.clone();
-            solver
-                .analyse(model.pattern(), MatrixSymmetry::General)
-                .expect("a chain");
             if solver.factorise(&S).is_err() {
                 times[2 * k] = f64::NAN;
                 continue;

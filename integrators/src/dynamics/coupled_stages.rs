@@ -30,8 +30,7 @@ impl CoupledStages {
             .copied()
             .collect();
         let all = BlockPattern::new(&sizes, pairs).with_coordinates(|i| infos[i]);
-        let mut solver = AutoSolver::new();
-        solver.analyse(&all, MatrixSymmetry::General)?;
+        let solver = AutoSolver::new(&all, MatrixSymmetry::General)?;
         let mut positions = Vec::with_capacity(all.dim());
         for stage in 0..count {
             for node in 0..pattern.blocks() {

@@ -87,7 +87,7 @@ pub enum DynamicsError {
     /// Values to begin with, at the start or after an event, of the wrong length, or not finite.
     #[error("{what} to begin with: {problem}")]
     Initial { what: &'static str, problem: String },
-    /// The linear solver cannot analyse the pattern.
+    /// There is no linear solver for the pattern.
     #[error("the linear solver cannot take this model: {source}")]
     Analysis { source: LinearError },
     /// The system cannot be evaluated at a converged state.

@@ -44,10 +44,8 @@ impl Stepper {
         system: &dyn System,
         options: &DynamicOptions,
     ) -> Result<Self, DynamicsError> {
-        let mut solver = AutoSolver::new();
         // Gyroscopic and centrifugal tangents are not symmetric, even if the stiffness is.
-        solver
-            .analyse(system.pattern(), MatrixSymmetry::General)
+        let solver = AutoSolver::new(system.pattern(), MatrixSymmetry::General)
             .map_err(|source| DynamicsError::Analysis { source })?;
         let (scheme, newton) = (&options.scheme, options.newton);
         let n = system.pattern().dim();

@@ -2,21 +2,20 @@
 
 use pullback_manifold::sparse::BlockPattern;
 
-use super::{BlockLu, FaerLdlt, FaerLu, LinearError, LinearSolver, MatrixSymmetry, ready};
+use super::{BlockLu, FaerLdlt, FaerLu, LinearError, LinearSolver, MatrixSymmetry};
 
 /// [`BlockLu`] or [`FaerLdlt`], whichever suits the matrix; [`FaerLu`] if none does or if it fails.
 ///
 /// A matrix is called singular only if both agree.
-#[derive(Default)]
 pub struct AutoSolver {
-    block: BlockLu,
-    ldlt: FaerLdlt,
-    /// Its factors are for signs alone.
-    signs: FaerLdlt,
-    lu: FaerLu,
-    pattern: Option<BlockPattern>,
+    pattern: BlockPattern,
     symmetry: MatrixSymmetry,
-    chosen: SolverKind,
+    /// The solver that suits the matrix, to be tried first.
+    chosen: Option<(SolverKind, Box<dyn LinearSolver>)>,
+    /// Made when it is first needed.
+    lu: Option<FaerLu>,
+    /// The same, for signs alone.
+    signs: Option<FaerLdlt>,
     /// The solver that holds the factors.
     active: Option<SolverKind>,
     /// Number of factorisations in a row in which the chosen solver failed and the LU did not.
@@ -24,11 +23,10 @@ pub struct AutoSolver {
 }
 
 /// One of the solvers behind [`AutoSolver`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SolverKind {
     /// [`BlockLu`].
-    #[default]
     Block,
     /// [`FaerLdlt`].
     Ldlt,
@@ -40,9 +38,30 @@ pub enum SolverKind {
 const FAILURES: usize = 3;
 
 impl AutoSolver {
-    /// A solver without a pattern.
-    pub fn new() -> Self {
-        Self::default()
+    /// Chooses the solver, which finds the structure of its factors.
+    ///
+    /// # Errors
+    /// [`LinearError::Library`].
+    pub fn new(pattern: &BlockPattern, symmetry: MatrixSymmetry) -> Result<Self, LinearError> {
+        let chosen: Option<(_, Box<dyn LinearSolver>)> = match BlockLu::new(pattern, symmetry) {
+            Ok(block) if block.suits() => Some((SolverKind::Block, Box::new(block))),
+            Ok(_) | Err(LinearError::Fill { .. }) => match symmetry {
+                MatrixSymmetry::Symmetric => {
+                    Some((SolverKind::Ldlt, Box::new(FaerLdlt::new(pattern)?)))
+                }
+                MatrixSymmetry::General => None,
+            },
+            Err(error) => return Err(error),
+        };
+        Ok(Self {
+            pattern: pattern.clone(),
+            symmetry,
+            chosen,
+            lu: None,
+            signs: None,
+            active: None,
+            failures: 0,
+        })
     }
 
     /// The solver that made the last factorisation.
@@ -50,32 +69,31 @@ impl AutoSolver {
         self.active
     }
 
-    /// The solver of a kind.
-    fn solver(&mut self, kind: SolverKind) -> &mut dyn LinearSolver {
-        match kind {
-            SolverKind::Block => &mut self.block,
-            SolverKind::Ldlt => &mut self.ldlt,
-            SolverKind::Lu => &mut self.lu,
+    /// The solver that holds the factors.
+    fn active_solver(&mut self) -> Option<&mut dyn LinearSolver> {
+        match (self.active?, &mut self.chosen) {
+            (SolverKind::Lu, _) => self.lu.as_mut().map(|lu| lu as &mut dyn LinearSolver),
+            (_, Some((_, chosen))) => Some(&mut **chosen),
+            (_, None) => None,
         }
     }
 
-    /// The solver to try first.
-    fn first(&mut self) -> Option<&mut dyn LinearSolver> {
-        self.active = None;
-        let tried = self.chosen != SolverKind::Lu && self.failures < FAILURES;
-        tried.then(|| self.solver(self.chosen))
-    }
-
-    /// Accepts a factorisation by the chosen solver, or replaces it.
-    fn after(
+    /// Factorises by the chosen solver, or by the LU if that fails.
+    fn factorise_by(
         &mut self,
-        result: Result<(), LinearError>,
         values: &[f64],
+        factorise: impl FnOnce(&mut dyn LinearSolver) -> Result<(), LinearError>,
     ) -> Result<(), LinearError> {
-        match result {
+        self.active = None;
+        let Some((kind, chosen)) = (self.chosen.as_mut()).filter(|_| self.failures < FAILURES)
+        else {
+            return self.fall_back(values);
+        };
+        match factorise(&mut **chosen) {
             Ok(()) => {
                 self.failures = 0;
-                self.active = Some(self.chosen);
+                self.active = Some(*kind);
+                Ok(())
             }
             Err(
                 LinearError::VanishingPivot { .. }
@@ -85,90 +103,59 @@ impl AutoSolver {
             ) => {
                 self.fall_back(values)?;
                 self.failures += 1;
+                Ok(())
             }
-            Err(error) => return Err(error),
+            Err(error) => Err(error),
         }
-        Ok(())
     }
 
     fn fall_back(&mut self, values: &[f64]) -> Result<(), LinearError> {
-        let pattern = ready(&mut self.pattern, "factorise")?;
-        if !self.lu.is_analysed() {
-            self.lu.analyse(pattern, self.symmetry)?;
-        }
-        self.lu.factorise(values)?;
+        let lu = match &mut self.lu {
+            Some(lu) => lu,
+            none => none.insert(FaerLu::new(&self.pattern)?),
+        };
+        lu.factorise(values)?;
         self.active = Some(SolverKind::Lu);
         Ok(())
     }
 }
 
 impl LinearSolver for AutoSolver {
-    fn analyse(
-        &mut self,
-        pattern: &BlockPattern,
-        symmetry: MatrixSymmetry,
-    ) -> Result<(), LinearError> {
-        *self = Self {
-            pattern: Some(pattern.clone()),
-            symmetry,
-            ..Self::default()
-        };
-        self.chosen = match self.block.analyse(pattern, symmetry) {
-            Ok(()) if self.block.suits() => SolverKind::Block,
-            Ok(()) | Err(LinearError::Fill { .. }) => {
-                self.block = BlockLu::new();
-                match symmetry {
-                    MatrixSymmetry::Symmetric => SolverKind::Ldlt,
-                    MatrixSymmetry::General => SolverKind::Lu,
-                }
-            }
-            Err(error) => return Err(error),
-        };
-        if self.chosen == SolverKind::Ldlt {
-            self.ldlt.analyse(pattern, symmetry)?;
-        }
-        Ok(())
-    }
-
     fn factorise(&mut self, values: &[f64]) -> Result<(), LinearError> {
-        match self.first().map(|first| first.factorise(values)) {
-            Some(result) => self.after(result, values),
-            None => self.fall_back(values),
-        }
+        self.factorise_by(values, |chosen| chosen.factorise(values))
     }
 
     fn solve(&mut self, values: Option<&[f64]>, b: &mut [f64]) -> Result<(), LinearError> {
-        let Some(active) = self.active else {
-            return Err(LinearError::NotReady { call: "solve" });
-        };
-        match (self.solver(active).solve(values, b), values) {
+        let solver = self.active_solver().ok_or(LinearError::NotReady)?;
+        match (solver.solve(values, b), values) {
             // `b` is untouched when a solve fails.
-            (Err(LinearError::Residual { .. }), Some(known)) if active != SolverKind::Lu => {
+            (Err(LinearError::Residual { .. }), Some(known))
+                if self.active != Some(SolverKind::Lu) =>
+            {
                 self.fall_back(known)?;
-                self.lu.solve(values, b)
+                self.solve(values, b)
             }
             (result, _) => result,
         }
     }
 
     fn factorise_and_solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError> {
-        let first = self.first();
-        match first.map(|first| first.factorise_and_solve(values, b)) {
-            Some(result) => self.after(result, values),
-            None => self.fall_back(values),
-        }?;
+        self.factorise_by(values, |chosen| chosen.factorise_and_solve(values, b))?;
         match self.active {
-            Some(SolverKind::Lu) => self.lu.solve(Some(values), b),
+            Some(SolverKind::Lu) => self.solve(Some(values), b),
             _ => Ok(()),
         }
     }
 
     /// An LU with row interchanges does not provide the signs: they need an LDLᵀ factorisation.
     fn negative_pivots(&mut self, values: &[f64]) -> Option<usize> {
-        let active = self.active?;
-        if active != SolverKind::Lu || self.symmetry == MatrixSymmetry::General {
-            return self.solver(active).negative_pivots(values);
+        if self.active? != SolverKind::Lu || self.symmetry == MatrixSymmetry::General {
+            return self.active_solver()?.negative_pivots(values);
         }
-        self.signs.signs(self.pattern.as_ref()?, values)
+        let signs = match &mut self.signs {
+            Some(signs) => signs,
+            none => none.insert(FaerLdlt::for_signs(&self.pattern).ok()?),
+        };
+        signs.signs(values)
     }
 }

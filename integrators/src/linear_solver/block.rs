@@ -19,53 +19,59 @@ use pullback_manifold::sparse::BlockPattern;
 
 use super::factors::Factors;
 use super::symbolic::Symbolic;
-use super::{LinearError, LinearSolver, MatrixSymmetry, check_length, ready};
+use super::{LinearError, LinearSolver, MatrixSymmetry, check_length};
 
-/// Number of block updates beyond which [`BlockLu`] refuses to analyse: several seconds of 6 × 6 ones.
+/// Number of block updates beyond which [`BlockLu`] refuses a pattern: several seconds of 6 × 6 ones.
 const MAX_UPDATES: usize = 20_000_000;
 
 /// Sparse LU of dense blocks; see the module's source for method and criteria.
-#[derive(Default)]
 pub struct BlockLu {
-    ready: Option<Factors>,
+    factors: Factors,
     factorised: bool,
 }
 
 impl BlockLu {
-    /// A solver without a pattern.
-    pub fn new() -> Self {
-        Self::default()
+    /// Finds the elimination order and the structure of the factors.
+    ///
+    /// # Errors
+    /// [`LinearError::Fill`].
+    pub fn new(pattern: &BlockPattern, symmetry: MatrixSymmetry) -> Result<Self, LinearError> {
+        let symbolic = Symbolic::new(pattern, symmetry, MAX_UPDATES)?;
+        Ok(Self {
+            factors: Factors::new(pattern, symbolic),
+            factorised: false,
+        })
     }
 
-    /// Whether this solver is likely faster than a general sparse solver on the analysed pattern.
+    /// Whether this solver is likely faster than a general sparse solver on its pattern.
     ///
     /// Estimates in nanoseconds, fitted to chains and grids of six-dof nodes. The general LU costs
     /// 30 per entry of the matrix and then does 8 operations per nanosecond (of ours: its order
     /// fills in more, but its dense kernels are better); the general LDLᵀ, for symmetric
     /// matrices, costs 15 per entry and does 30 operations.
     pub fn suits(&self) -> bool {
-        let Some(ready) = &self.ready else {
-            return false;
-        };
-        let (entry, rate) = match ready.symbolic.symmetry {
+        let Factors {
+            pattern, symbolic, ..
+        } = &self.factors;
+        let (entry, rate) = match symbolic.symmetry {
             MatrixSymmetry::General => (30.0, 8.0),
             MatrixSymmetry::Symmetric => (15.0, 30.0),
         };
-        let general = entry * ready.pattern.len() as f64 + ready.symbolic.flops / rate;
-        ready.symbolic.nanoseconds() < general
+        let general = entry * pattern.len() as f64 + symbolic.flops / rate;
+        symbolic.nanoseconds() < general
     }
 
     /// Factorises, and substitutes a right-hand side through the lower factor at the same time.
     fn factorise_with(&mut self, values: &[f64], b: Option<&[f64]>) -> Result<(), LinearError> {
         self.factorised = false;
-        let ready = ready(&mut self.ready, "factorise")?;
-        check_length("matrix", ready.pattern.len(), values.len())?;
+        let factors = &mut self.factors;
+        check_length("matrix", factors.pattern.len(), values.len())?;
         if let Some(b) = b {
-            check_length("right-hand side", ready.pattern.dim(), b.len())?;
+            check_length("right-hand side", factors.pattern.dim(), b.len())?;
         }
-        self.factorised = ready.factorise(values, false, b)? || {
-            ready.equilibrate(values)?;
-            ready.factorise(values, true, b)?
+        self.factorised = factors.factorise(values, false, b)? || {
+            factors.equilibrate(values)?;
+            factors.factorise(values, true, b)?
         };
         match self.factorised {
             true => Ok(()),
@@ -79,49 +85,37 @@ impl BlockLu {
 }
 
 impl LinearSolver for BlockLu {
-    fn analyse(
-        &mut self,
-        pattern: &BlockPattern,
-        symmetry: MatrixSymmetry,
-    ) -> Result<(), LinearError> {
-        self.ready = None;
-        self.factorised = false;
-        let symbolic = Symbolic::new(pattern, symmetry, MAX_UPDATES)?;
-        self.ready = Some(Factors::new(pattern, symbolic));
-        Ok(())
-    }
-
     fn factorise(&mut self, values: &[f64]) -> Result<(), LinearError> {
         self.factorise_with(values, None)
     }
 
     fn solve(&mut self, values: Option<&[f64]>, b: &mut [f64]) -> Result<(), LinearError> {
-        let Some(ready) = self.ready.as_mut().filter(|_| self.factorised) else {
-            return Err(LinearError::NotReady { call: "solve" });
-        };
-        check_length("right-hand side", ready.pattern.dim(), b.len())?;
-        ready.gather(b);
-        ready.substitute();
-        if let Some(values) = values {
-            check_length("matrix", ready.pattern.len(), values.len())?;
-            ready.refine(values, b)?;
+        if !self.factorised {
+            return Err(LinearError::NotReady);
         }
-        ready.scatter(b);
+        let factors = &mut self.factors;
+        check_length("right-hand side", factors.pattern.dim(), b.len())?;
+        factors.gather(b);
+        factors.substitute();
+        if let Some(values) = values {
+            check_length("matrix", factors.pattern.len(), values.len())?;
+            factors.refine(values, b)?;
+        }
+        factors.scatter(b);
         Ok(())
     }
 
     fn factorise_and_solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError> {
         self.factorise_with(values, Some(b))?;
-        let ready = ready(&mut self.ready, "solve")?;
-        ready.substitute_back();
-        ready.refine(values, b)?;
-        ready.scatter(b);
+        self.factors.substitute_back();
+        self.factors.refine(values, b)?;
+        self.factors.scatter(b);
         Ok(())
     }
 
     /// From the signs of the pivots, at no cost; see the source of `inertia`.
     fn negative_pivots(&mut self, _: &[f64]) -> Option<usize> {
-        let ready = self.ready.as_ref().filter(|_| self.factorised)?;
-        (ready.symbolic.symmetry == MatrixSymmetry::Symmetric).then(|| ready.negative_pivots())
+        let is_symmetric = self.factors.symbolic.symmetry == MatrixSymmetry::Symmetric;
+        (self.factorised && is_symmetric).then(|| self.factors.negative_pivots())
     }
 }

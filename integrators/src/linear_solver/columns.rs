@@ -143,7 +143,7 @@ impl Columns {
     ) -> Result<(), LinearError> {
         check_length("right-hand side", self.scales.len(), b.len())?;
         if !self.finished {
-            return Err(LinearError::NotReady { call: "solve" });
+            return Err(LinearError::NotReady);
         }
         if let Some(unknown) = first_non_finite(b) {
             return Err(LinearError::NonFinite {

@@ -8,7 +8,7 @@ use super::{LinearError, MatrixSymmetry, kernels, rounding_level, scaling};
 /// Ratio of a pivot to the entries of the scaled matrix that counts as growth.
 const GROWTH_LIMIT: f64 = 1e8;
 
-/// Storage made by `analyse`.
+/// Storage of a factorisation, made once.
 pub(super) struct Factors {
     pub pattern: BlockPattern,
     pub symbolic: Symbolic,

@@ -22,7 +22,7 @@ use faer::{Conj, Par, Side};
 use pullback_manifold::sparse::BlockPattern;
 
 use super::columns::Columns;
-use super::{LinearError, LinearSolver, MatrixSymmetry, ready, rounding_level};
+use super::{LinearError, LinearSolver, rounding_level};
 use crate::registers::clear_upper_halves;
 
 fn structure(columns: &Columns) -> SymbolicSparseColMatRef<'_, usize> {
@@ -204,7 +204,8 @@ impl Factors for Ldlt {
 
 /// A solver of faer.
 pub struct Faer<F> {
-    ready: Option<(Columns, F)>,
+    columns: Columns,
+    factors: F,
 }
 
 /// Sparse LU with row interchanges (faer), for matrices of any kind.
@@ -213,31 +214,25 @@ pub type FaerLu = Faer<Lu>;
 /// Sparse LDLᵀ without interchanges (faer), for symmetric matrices that need none.
 pub type FaerLdlt = Faer<Ldlt>;
 
-impl<F> Default for Faer<F> {
-    fn default() -> Self {
-        Self { ready: None }
-    }
-}
-
 impl<F: Factors> Faer<F> {
-    /// A solver without a pattern.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
-    /// Whether a pattern has been analysed.
-    pub(super) fn is_analysed(&self) -> bool {
-        self.ready.is_some()
+    /// Finds the structure of the factors.
+    ///
+    /// # Errors
+    /// [`LinearError::Library`].
+    pub fn new(pattern: &BlockPattern) -> Result<Self, LinearError> {
+        let columns = Columns::new(pattern);
+        let factors = F::new(&columns)?;
+        Ok(Self { columns, factors })
     }
 
     /// Factorises `A` with a small shift of the scaled diagonal, without any check; the scaled matrix, and its factors.
     pub(super) fn shifted(&mut self, values: &[f64]) -> Result<(&Columns, &mut F), LinearError> {
-        let (columns, factors) = ready(&mut self.ready, "factorise")?;
+        let Self { columns, factors } = self;
         columns.load(values)?;
         columns.shift_diagonal();
         match factors.factorise(columns)? {
             true => Ok((columns, factors)),
-            false => Err(LinearError::NotReady { call: "solve" }),
+            false => Err(LinearError::NotReady),
         }
     }
 }
@@ -247,16 +242,18 @@ impl<F: Factors> Faer<F> {
 const SOFTNESS: [f64; 2] = [1e-4, 1e-7];
 
 impl FaerLdlt {
+    /// A solver for [`signs`](Self::signs).
+    pub(super) fn for_signs(pattern: &BlockPattern) -> Result<Self, LinearError> {
+        let columns = Columns::new(pattern);
+        let factors = Ldlt::after_multipliers(&columns)?;
+        Ok(Self { columns, factors })
+    }
+
     /// Negative pivots of a factorisation for their signs alone. Multipliers get a small diagonal, with which their equations
     /// become stiff springs, of negative stiffness if it is positive. The number falls with that diagonal, so that it is the
     /// one without where it is the same for both signs.
-    pub(super) fn signs(&mut self, pattern: &BlockPattern, values: &[f64]) -> Option<usize> {
-        if self.ready.is_none() {
-            let columns = Columns::new(pattern);
-            let factors = Ldlt::after_multipliers(&columns).ok()?;
-            self.ready = Some((columns, factors));
-        }
-        let (columns, factors) = self.ready.as_mut()?;
+    pub(super) fn signs(&mut self, values: &[f64]) -> Option<usize> {
+        let Self { columns, factors } = self;
         let mut count = |compliance: f64| {
             columns.load(values).ok()?;
             columns.soften(compliance);
@@ -276,16 +273,8 @@ fn negative(columns: &Columns, factors: &impl Factors) -> Option<usize> {
 }
 
 impl<F: Factors> LinearSolver for Faer<F> {
-    fn analyse(&mut self, pattern: &BlockPattern, _: MatrixSymmetry) -> Result<(), LinearError> {
-        self.ready = None;
-        let columns = Columns::new(pattern);
-        let factors = F::new(&columns)?;
-        self.ready = Some((columns, factors));
-        Ok(())
-    }
-
     fn factorise(&mut self, values: &[f64]) -> Result<(), LinearError> {
-        let (columns, factors) = ready(&mut self.ready, "factorise")?;
+        let Self { columns, factors } = self;
         columns.load(values)?;
         let mut condition = f64::INFINITY;
         if factors.factorise(columns)? {
@@ -306,13 +295,12 @@ impl<F: Factors> LinearSolver for Faer<F> {
     }
 
     fn solve(&mut self, _: Option<&[f64]>, b: &mut [f64]) -> Result<(), LinearError> {
-        let (columns, factors) = ready(&mut self.ready, "solve")?;
+        let Self { columns, factors } = self;
         columns.solve(b, |x| factors.solve(x))
     }
 
     /// From the signs of the pivots of an LDLᵀ factorisation.
     fn negative_pivots(&mut self, _: &[f64]) -> Option<usize> {
-        let (columns, factors) = self.ready.as_ref()?;
-        (columns.finished).then(|| negative(columns, factors))?
+        (self.columns.finished).then(|| negative(&self.columns, &self.factors))?
     }
 }

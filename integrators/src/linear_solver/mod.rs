@@ -1,4 +1,4 @@
-//! Linear systems with block-sparse matrices: analyse once, factorise often, solve more often.
+//! Linear systems with block-sparse matrices: a solver is made once for a pattern, factorises often, solves more often.
 //!
 //! | solver | for |
 //! |---|---|
@@ -41,14 +41,12 @@ pub use faer::{FaerLdlt, FaerLu};
 pub(crate) use null_vector::softest;
 pub use null_vector::{NullVector, null_vector};
 
-use pullback_manifold::sparse::BlockPattern;
 use thiserror::Error;
 
 /// Known structure of the values.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MatrixSymmetry {
     /// Nothing; only the pattern is symmetric.
-    #[default]
     General,
     /// The values are symmetric, though possibly indefinite. Of a pair of blocks only one is read.
     Symmetric,
@@ -56,13 +54,6 @@ pub enum MatrixSymmetry {
 
 /// A direct solver for matrices of one pattern.
 pub trait LinearSolver: Send {
-    /// Finds the elimination order and the structure of the factors.
-    fn analyse(
-        &mut self,
-        pattern: &BlockPattern,
-        symmetry: MatrixSymmetry,
-    ) -> Result<(), LinearError>;
-
     /// Factorises the matrix with these values.
     fn factorise(&mut self, values: &[f64]) -> Result<(), LinearError>;
 
@@ -78,7 +69,7 @@ pub trait LinearSolver: Send {
         self.solve(Some(values), b)
     }
 
-    /// Number of negative eigenvalues of the last factorised matrix, analysed as symmetric and with
+    /// Number of negative eigenvalues of the last factorised matrix, which is symmetric and has
     /// these `values`: in statics the number of unstable directions of an equilibrium. `None` if
     /// unknown, and by default.
     fn negative_pivots(&mut self, values: &[f64]) -> Option<usize> {
@@ -92,9 +83,9 @@ pub trait LinearSolver: Send {
 #[allow(missing_docs, reason = "the messages say what the fields are")]
 #[non_exhaustive]
 pub enum LinearError {
-    /// `factorise` before `analyse`, or `solve` before a successful `factorise`.
-    #[error("the linear solver is not ready to {call}")]
-    NotReady { call: &'static str },
+    /// `solve` without a successful `factorise` before it.
+    #[error("no matrix has been factorised")]
+    NotReady,
     /// A vector of the wrong length.
     #[error("{what} has {found} entries where the pattern has {expected}")]
     Length {
@@ -170,7 +161,7 @@ impl LinearError {
             | Self::VanishingPivot { unknown, .. }
             | Self::Singular { unknown, .. }
             | Self::Growth { unknown, .. } => *unknown = number(*unknown),
-            Self::NotReady { .. }
+            Self::NotReady
             | Self::Length { .. }
             | Self::Residual { .. }
             | Self::Fill { .. }
@@ -178,11 +169,6 @@ impl LinearError {
         }
         self
     }
-}
-
-/// What `analyse` has made, for a call that needs it.
-fn ready<'a, T>(analysed: &'a mut Option<T>, call: &'static str) -> Result<&'a mut T, LinearError> {
-    analysed.as_mut().ok_or(LinearError::NotReady { call })
 }
 
 /// Refinement starts above this relative residual.

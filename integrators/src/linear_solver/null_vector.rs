@@ -4,7 +4,7 @@ use pullback_manifold::sparse::BlockPattern;
 
 use super::columns::Columns;
 use super::faer::Factors;
-use super::{FaerLu, LinearError, LinearSolver, MatrixSymmetry, max_abs};
+use super::{FaerLu, LinearError, max_abs};
 
 /// A direction that the matrix (nearly) annihilates.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,8 +32,7 @@ pub(crate) fn softest(pattern: &BlockPattern, values: &[f64]) -> Option<NullVect
     if values.len() != pattern.len() || pattern.dim() == 0 {
         return None;
     }
-    let mut lu = FaerLu::new();
-    lu.analyse(pattern, MatrixSymmetry::General).ok()?;
+    let mut lu = FaerLu::new(pattern).ok()?;
     match lu.shifted(values) {
         Ok((columns, factors)) => iterate(columns, values, |y| factors.solve(y)),
         // A zero row and column is a mechanism by itself.

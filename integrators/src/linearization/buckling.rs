@@ -226,11 +226,8 @@ fn path_rate(
     loads: &[f64],
 ) -> Result<Vec<f64>, BucklingError> {
     let mut rate = loads.to_vec();
-    let mut solver = AutoSolver::new();
-    let solved = solver
-        .analyse(&lin.pattern, MatrixSymmetry::Symmetric)
-        .and_then(|()| solver.factorise(&lin.K))
-        .and_then(|()| solver.solve(Some(&lin.K), &mut rate));
+    let solved = AutoSolver::new(&lin.pattern, MatrixSymmetry::Symmetric)
+        .and_then(|mut solver| solver.factorise_and_solve(&lin.K, &mut rate));
     solved.map_err(|source| BucklingError::Singular {
         source,
         mechanism: find_mechanism(system, &lin.K),

@@ -194,16 +194,15 @@ impl<'a> Search<'a> {
 
     /// Factorises at a shift, or beside it if it is an eigenvalue; returns the shift.
     fn factorise_near(&mut self, shift: f64) -> Result<f64, ModesError> {
-        let mut error = None;
+        let mut error = LinearError::NotReady;
         for part in [0.0, 1e-9, 1e-6, 1e-3] {
             let near = shift * (1.0 + part);
             match self.factorise(near) {
                 Ok(()) => return Ok(near),
                 Err(error @ LinearError::NonFinite { .. }) => return Err(error.into()),
-                Err(other) => error = Some(other),
+                Err(other) => error = other,
             }
         }
-        let error = error.unwrap_or(LinearError::NotReady { call: "factorise" });
         let name = match &error {
             LinearError::ZeroRow { unknown }
             | LinearError::VanishingPivot { unknown, .. }

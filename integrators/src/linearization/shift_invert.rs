@@ -30,17 +30,15 @@ impl<'a> ShiftInvert<'a> {
     /// # Errors
     /// [`LinearError`] of the analysis of the pattern.
     pub fn new(lin: &'a Linearized, order: Order, symmetric: bool) -> Result<Self, LinearError> {
-        let mut solver = AutoSolver::new();
         let symmetry = match symmetric {
             true => MatrixSymmetry::Symmetric,
             false => MatrixSymmetry::General,
         };
-        solver.analyse(&lin.pattern, symmetry)?;
         Ok(Self {
             lin,
             order,
             shift: 0.0,
-            solver,
+            solver: AutoSolver::new(&lin.pattern, symmetry)?,
             values: Vec::new(),
         })
     }

@@ -25,7 +25,7 @@ pub enum StaticsError {
     /// An event that cannot occur.
     #[error("{0:?} cannot occur: its value must be finite, and its unknown one of the system")]
     Event(super::Event),
-    /// The linear solver cannot analyse the pattern.
+    /// There is no linear solver for the pattern.
     #[error("the linear solver cannot take this model: {source}")]
     Analysis { source: LinearError },
     /// Bifurcations of a system without a potential.

@@ -79,9 +79,7 @@ impl Newton {
             true => MatrixSymmetry::Symmetric,
             false => MatrixSymmetry::General,
         };
-        let mut solver = AutoSolver::new();
-        solver
-            .analyse(system.pattern(), symmetry)
+        let solver = AutoSolver::new(system.pattern(), symmetry)
             .map_err(|source| StaticsError::Analysis { source })?;
         let n = system.pattern().dim();
         let zeros = || vec![0.0; n];

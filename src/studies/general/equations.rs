@@ -26,9 +26,7 @@ pub(super) struct FirstOrderSystem<'a> {
 
 impl<'a> FirstOrderSystem<'a> {
     pub fn new(system: &'a mut Context) -> Result<Self, DynamicsError> {
-        let mut solver = AutoSolver::new();
-        solver
-            .analyse(system.pattern(), MatrixSymmetry::General)
+        let solver = AutoSolver::new(system.pattern(), MatrixSymmetry::General)
             .map_err(|source| DynamicsError::Analysis { source })?;
         let (n, len) = (system.pattern().dim(), system.pattern().len());
         Ok(Self {

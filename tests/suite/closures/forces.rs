@@ -276,8 +276,7 @@ fn conditioning_does_not_depend_on_the_step() {
         let raw = condition(dense(&scales));
         // The solver takes zeros on the diagonal, whatever the step: against a dense solution.
         let b: Vec<f64> = (0..n).map(|i| (1.3 * i as f64).sin()).collect();
-        let mut solver = AutoSolver::new();
-        solver.analyse(&pattern, MatrixSymmetry::General).unwrap();
+        let mut solver = AutoSolver::new(&pattern, MatrixSymmetry::General).unwrap();
         solver.factorise(&S).unwrap();
         let mut x = b.clone();
         solver.solve(Some(&S), &mut x).unwrap();

@@ -36,8 +36,8 @@ impl Case {
 
     /// The block solver's error, of the same kind both ways and leaving b as it is.
     fn refusal(&self) -> LinearError {
-        let solver = &mut BlockLu::new();
-        let two_calls = solve(solver, &self.pattern, self.symmetry, &self.values, &self.b);
+        let solver = &mut BlockLu::new(&self.pattern, self.symmetry).unwrap();
+        let two_calls = solve(solver, &self.values, &self.b);
         let two_calls = two_calls.unwrap_err();
         let mut b = self.b.clone();
         let one_call = solver.factorise_and_solve(&self.values, &mut b);
@@ -49,7 +49,7 @@ impl Case {
 
     /// Everybody's solver finds x, by the general LU, both ways and again.
     fn falls_back(&self) {
-        let mut auto = analysed(AutoSolver::new(), &self.pattern, self.symmetry);
+        let mut auto = AutoSolver::new(&self.pattern, self.symmetry).unwrap();
         let harmless = filled(&self.pattern, |r, c| f64::from(r == c));
         auto.factorise(&harmless).unwrap();
         assert_eq!(auto.active(), Some(SolverKind::Block));
@@ -131,7 +131,7 @@ fn a_saddle_point_needs_the_fallback_and_gets_it() {
     let m = pattern.matrix(values);
     let same = |i: usize| if i == 4 { 3 } else { i };
     let doubled = filled(pattern, |r, c| m[(same(r), same(c))]);
-    let mut auto = analysed(AutoSolver::new(), pattern, Symmetric);
+    let mut auto = AutoSolver::new(pattern, Symmetric).unwrap();
     let error = auto.factorise(&doubled).unwrap_err();
     let (LinearError::VanishingPivot { unknown: 3 | 4, .. }
     | LinearError::Singular { unknown: 3 | 4, .. }) = error
@@ -160,7 +160,7 @@ fn matrices_that_fill_in_go_to_the_general_ldlt_and_from_there_to_the_lu() {
         });
         let x = (1..=500).map(f64::from).collect();
         let case = Case::new((pattern.clone(), values), Symmetric, x);
-        let mut auto = analysed(AutoSolver::new(), &pattern, Symmetric);
+        let mut auto = AutoSolver::new(&pattern, Symmetric).unwrap();
         for _ in 0..5 {
             auto.factorise(&case.values).unwrap();
             let mut found = case.b.clone();

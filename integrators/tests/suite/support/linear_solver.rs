@@ -98,39 +98,32 @@ pub fn scalars<const N: usize>(A: [[f64; N]; N]) -> (BlockPattern, Vec<f64>) {
     (pattern, values)
 }
 
-pub fn solvers() -> Vec<(&'static str, Box<dyn LinearSolver>)> {
+/// A solver, and its name.
+pub type Named = (&'static str, Box<dyn LinearSolver>);
+
+pub fn solvers(pattern: &BlockPattern, symmetry: MatrixSymmetry) -> Vec<Named> {
     vec![
-        ("block", Box::new(BlockLu::new())),
-        ("faer LU", Box::new(FaerLu::new())),
-        ("auto", Box::new(AutoSolver::new())),
+        ("block", Box::new(BlockLu::new(pattern, symmetry).unwrap())),
+        ("faer LU", Box::new(FaerLu::new(pattern).unwrap())),
+        (
+            "auto",
+            Box::new(AutoSolver::new(pattern, symmetry).unwrap()),
+        ),
     ]
 }
 
 /// The same and one for symmetric matrices alone.
-pub fn symmetric_solvers() -> Vec<(&'static str, Box<dyn LinearSolver>)> {
-    let mut all = solvers();
-    all.push(("LDLᵀ", Box::new(FaerLdlt::new())));
+pub fn symmetric_solvers(pattern: &BlockPattern) -> Vec<Named> {
+    let mut all = solvers(pattern, Symmetric);
+    all.push(("LDLᵀ", Box::new(FaerLdlt::new(pattern).unwrap())));
     all
-}
-
-/// A solver that has analysed a pattern.
-pub fn analysed<S: LinearSolver>(
-    mut solver: S,
-    pattern: &BlockPattern,
-    symmetry: MatrixSymmetry,
-) -> S {
-    solver.analyse(pattern, symmetry).unwrap();
-    solver
 }
 
 pub fn solve(
     solver: &mut dyn LinearSolver,
-    pattern: &BlockPattern,
-    symmetry: MatrixSymmetry,
     values: &[f64],
     b: &[f64],
 ) -> Result<Vec<f64>, LinearError> {
-    solver.analyse(pattern, symmetry)?;
     solver.factorise(values)?;
     let mut x = b.to_vec();
     solver.solve(Some(values), &mut x)?;
@@ -140,12 +133,9 @@ pub fn solve(
 /// As [`solve`], in one call.
 pub fn solve_at_once(
     solver: &mut dyn LinearSolver,
-    pattern: &BlockPattern,
-    symmetry: MatrixSymmetry,
     values: &[f64],
     b: &[f64],
 ) -> Result<Vec<f64>, LinearError> {
-    solver.analyse(pattern, symmetry)?;
     let mut x = b.to_vec();
     solver.factorise_and_solve(values, &mut x)?;
     Ok(x)
