@@ -97,7 +97,8 @@ pub enum NodeForm {
     Frame,
     /// The pose of a frame, as [`ToPose`](pullback_manifold::map::ToPose) writes it.
     Pose,
-    /// (d, θ) behind a frame, or θ behind a rotation, θ since the last converged step; also coordinates of another chart of rotations.
+    /// (d, θ) behind a frame, or θ behind a rotation, θ since the last converged step; also coordinates of another chart of
+    /// rotations.
     Increment,
     /// A rotation vector, alone or behind the displacement of a frame relative to another one.
     Rotation,

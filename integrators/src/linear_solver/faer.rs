@@ -1,4 +1,4 @@
-//! The general sparse solvers of faer, of which nothing else here is used but in the search for modes.
+//! The general sparse solvers of faer. Apart from them only the search for modes uses faer.
 //!
 //! faer's LU reports success on singular matrices and returns NaN or meaningless numbers. So every
 //! factorisation is probed with one right-hand side of ±1-like entries: the largest component of
