@@ -9,8 +9,8 @@ pub(crate) struct ResidualTest {
     absolute: f64,
     /// First nonzero residuals of the step; for a prediction, the change of the loads.
     pub first: [f64; 3],
-    /// The largest rounding error in the gaps of multipliers.
-    pub gaps: f64,
+    /// The largest rounding errors of the residuals.
+    pub rounding: [f64; 3],
     /// Largest residuals in equilibrium, by the last test.
     pub allowed: [f64; 3],
 }
@@ -22,7 +22,7 @@ impl ResidualTest {
             relative,
             absolute,
             first: [0.0; 3],
-            gaps: 0.0,
+            rounding: [0.0; 3],
             allowed: [0.0; 3],
         }
     }
@@ -32,6 +32,8 @@ impl ResidualTest {
     /// A quantity without loads and reactions must vanish to rounding errors: the first residual
     /// would be a reference, but a stiff spring that is out of balance makes it arbitrarily large.
     /// Gaps of multipliers contain no spring, so the gap after the prediction is a fair reference.
+    /// Forces below the rounding errors of springs count as these: without loads, springs that give
+    /// way to gaps of rounding errors make the only forces.
     pub(crate) fn ratio(&mut self, residual: [f64; 3], measures: [f64; 3]) -> f64 {
         for (first, most) in self.first.iter_mut().zip(residual) {
             if *first == 0.0 {
@@ -40,19 +42,16 @@ impl ResidualTest {
         }
         let allow = |k: usize| {
             let gaps = k == Quantity::Other.index();
-            let measure = match measures[k] > 0.0 {
-                false if gaps => self.first[k],
-                _ => measures[k],
+            let (measure, least) = match gaps {
+                true if measures[k] == 0.0 => (self.first[k], self.rounding[k]),
+                true => (measures[k], self.rounding[k]),
+                false => (measures[k].max(self.rounding[k]), 0.0),
             };
             // The first residual has no digits below its own rounding.
             let rounding = f64::EPSILON * self.first[k];
-            let least = if gaps {
-                self.absolute.max(self.gaps)
-            } else {
-                self.absolute
-            };
             (self.relative * measure)
                 .max(rounding)
+                .max(self.absolute)
                 .max(least)
                 .max(f64::MIN_POSITIVE)
         };
@@ -115,7 +114,8 @@ pub(crate) fn is_rounding(
 ) -> bool {
     let is_multiplier = |i: usize| system.pattern().coordinates()[i].is_multiplier;
     let multipliers = (0..q.len()).filter(|&i| is_multiplier(i));
-    let gaps = rounding_of_gaps(system, S, q, [&mut *sizes, &mut *floor]);
+    let errors = rounding_errors(system, S, q, [&mut *sizes, &mut *floor]);
+    let gaps = errors[Quantity::Other.index()];
     let largest = multipliers.fold(0.0, |most, i| f64::max(most, q[i].abs()));
     find_rounding(system, S, q, (largest, false), [sizes, &mut *floor]);
     (r.iter().zip(&*floor).enumerate()).all(|(i, (r, floor))| {
@@ -124,21 +124,23 @@ pub(crate) fn is_rounding(
     })
 }
 
-/// The largest rounding error in the gaps of multipliers, ε Σ_j |S_ij| |q_j|, with coordinates not
-/// below their scales: the gap after the prediction may be far below by chance, and at the origin
-/// all of it is zero.
-pub(crate) fn rounding_of_gaps(
+/// The largest rounding errors of residuals per quantity, ε Σ_j |S_ij| |q_j|, with coordinates not
+/// below their scales and without multipliers: the gap after the prediction may be far below by
+/// chance, and at the origin all of it is zero.
+pub(crate) fn rounding_errors(
     system: &dyn System,
     S: &[f64],
     q: &[f64],
     [sizes, floor]: [&mut [f64]; 2],
-) -> f64 {
-    let gaps = (0..q.len()).filter(|&i| system.pattern().coordinates()[i].is_multiplier);
-    if gaps.clone().next().is_none() {
-        return 0.0;
-    }
+) -> [f64; 3] {
     find_rounding(system, S, q, (0.0, true), [sizes, &mut *floor]);
-    gaps.fold(0.0, |most, i| f64::max(most, floor[i]))
+    // Without other equations than those of multipliers.
+    for (floor, info) in floor.iter_mut().zip(system.pattern().coordinates()) {
+        if info.quantity == Quantity::Other && !info.is_multiplier {
+            *floor = 0.0;
+        }
+    }
+    largest(system.pattern(), floor, [0.0; 3])
 }
 
 /// Writes the rounding error of each residual, ε Σ_j |S_ij| |q_j|, to `floor`; multipliers count as

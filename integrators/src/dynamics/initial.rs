@@ -5,7 +5,7 @@ use super::options::check_state;
 use super::{DynamicsError, State, Stepper};
 use crate::abilities::{energetics, energies, events};
 use crate::linear_solver::{LinearSolver, max_abs};
-use crate::rounding::rounding_of_gaps;
+use crate::rounding::rounding_errors;
 use crate::vectors::{add, dot};
 use pullback_manifold::system::{Evaluation, Point, System, Weights};
 
@@ -77,7 +77,7 @@ impl Stepper {
         let evaluated = system.evaluate(state.point(), out);
         evaluated.map_err(DynamicsError::at(state.t))?;
         let [sizes, floor] = &mut self.work;
-        let rounding = rounding_of_gaps(system, &self.S, &state.q, [sizes, floor]);
+        let [.., rounding] = rounding_errors(system, &self.S, &state.q, [sizes, floor]);
         let mut gaps = system.pattern().coordinates().iter().zip(&self.r);
         match gaps.position(|(c, gap)| c.is_multiplier && gap.abs() > OPEN * rounding) {
             Some(i) => Err(DynamicsError::Initial {

@@ -8,7 +8,7 @@ use super::{
 use crate::convergence::ConvergencePredictor;
 use crate::failure::{Cause, FailedStep, FailureContext, StepParameter};
 use crate::linear_solver::{AutoSolver, LinearSolver, MatrixSymmetry};
-use crate::rounding::{ResidualTest, inverse_scales, is_rounding, largest, rounding_of_gaps};
+use crate::rounding::{ResidualTest, inverse_scales, is_rounding, largest, rounding_errors};
 use crate::statics::{Iteration, solutions};
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{Evaluation, Point, Quantity, System, SystemError, Weights};
@@ -166,7 +166,7 @@ impl Stepper {
                 false => self.linear_residual(system.pattern()),
             };
             if first && self.gaps {
-                test.gaps = self.rounding_of_gaps(system, step, group)?;
+                test.rounding = self.rounding_errors(system, step, group)?;
             }
             let ratio = test.ratio(residual, system.scales().measures());
             let stays = predictor.is_stagnation(residual, test.allowed, false);
@@ -309,19 +309,19 @@ impl Stepper {
         self.stage(system, k, None, Some(weights))
     }
 
-    /// The largest rounding error in the gaps of multipliers at the first stage of a group.
-    fn rounding_of_gaps(
+    /// The largest rounding errors of the residuals at the first stage of a group.
+    fn rounding_errors(
         &mut self,
         system: &mut dyn System,
         step: Attempt<'_>,
         group: &StageGroup,
-    ) -> Result<f64, Cause> {
+    ) -> Result<[f64; 3], Cause> {
         if group.len() > 1 {
             self.by_coordinates(system, step, group.start)?;
         }
         let q = &self.stages[group.start].state.q;
         let [sizes, floor] = &mut self.work;
-        Ok(rounding_of_gaps(system, &self.S, q, [sizes, floor]))
+        Ok(rounding_errors(system, &self.S, q, [sizes, floor]))
     }
 
     /// Whether the residuals of a group are rounding errors.

@@ -38,7 +38,7 @@ pub use state_space::{OutputDerivatives, StateSpace, StateSpaceError, output_der
 pub use steady::SteadyMotion;
 
 use crate::abilities::{energies, events};
-use crate::rounding::{EXACT, TERMS, is_exact, is_rounding, largest, rounding_of_gaps};
+use crate::rounding::{EXACT, TERMS, is_exact, is_rounding, largest, rounding_errors};
 use finish::ROUNDING;
 use nalgebra::ComplexField;
 use num_complex::Complex64;
@@ -117,11 +117,12 @@ pub fn linearize(system: &mut dyn System, at: Point<'_>) -> Result<Linearized, L
         let scales = system.scales();
         let kinetic = energies(system, at)?.map_or(0.0, |energies| energies.kinetic);
         let springs = largest(&lin.pattern, &floor, [0.0; 3]).map(|x| x / f64::EPSILON);
-        let gaps = rounding_of_gaps(system, &lin.K, at.q, [&mut sizes, &mut floor]);
-        // Forces of inertia may cancel each other, as those of a top do.
+        let errors = rounding_errors(system, &lin.K, at.q, [&mut sizes, &mut floor]);
+        // Forces of inertia may cancel each other, as those of a top do; loads below the rounding errors of springs count as these.
         let rounding = Quantity::ALL.map(|quantity| match quantity {
-            Quantity::Other => TERMS * gaps,
-            _ => EXACT * kinetic / quantity.size(scales.length),
+            Quantity::Other => TERMS * errors[quantity.index()],
+            _ => (EXACT * kinetic / quantity.size(scales.length))
+                .max(BALANCED * errors[quantity.index()]),
         });
         lin.check_balance(&r, at, [scales.measures(), springs, rounding])?;
     }

@@ -20,7 +20,7 @@ use super::{Iteration, StaticNewtonOptions, StaticSummary, StaticsError, solutio
 use crate::convergence::ConvergencePredictor;
 use crate::failure::{Cause, FailedStep, FailureContext, StepParameter};
 use crate::linear_solver::{AutoSolver, LinearSolver, MatrixSymmetry, max_abs};
-use crate::rounding::{ResidualTest, inverse_scales, is_rounding, largest, rounding_of_gaps};
+use crate::rounding::{ResidualTest, inverse_scales, is_rounding, largest, rounding_errors};
 use crate::vectors::add;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
 
@@ -236,7 +236,7 @@ impl Newton {
         self.evaluate(system, previous, q, *t)
             .map_err(Cause::System)?;
         let work = [&mut self.trial[..], &mut self.simplified[..]];
-        self.test.gaps = rounding_of_gaps(system, &self.S, q, work);
+        self.test.rounding = rounding_errors(system, &self.S, q, work);
         loop {
             let residual = largest(system.pattern(), &self.r, [0.0; 3]);
             let ratio = (self.test).ratio(residual, system.scales().measures());

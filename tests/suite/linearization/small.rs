@@ -113,6 +113,43 @@ fn an_unloaded_linkage_closed_by_multipliers_is_at_rest() {
     assert_eq!(found, [Complex64::ZERO]);
 }
 
+/// A five-bar linkage whose loop leaves two bars on springs free: det(k − ω² M) = 0. Rounding errors of its gap make the only forces.
+#[test]
+fn an_unloaded_linkage_on_springs_has_the_modes_of_its_bars() {
+    let (feet, l) = ([[0.7, 1.6, 0.0], [0.1, 0.7, 0.0]], 1.3_f64);
+    let [a, b, c] = [[-0.5, 1.1, 0.0], [0.2, 0.8, 0.0], [-1.7, -0.9, 0.0]];
+    let parts = [
+        arm("left", "ground", feet[0]),
+        arm("right", "ground", feet[1]),
+        hinge("A", "left", "spring = { k = 1.0 }"),
+        arm("tip of A", "A", a),
+        hinge("B", "tip of A", "spring = { k = 1.0 }"),
+        arm("tip of B", "B", b),
+        hinge("C", "tip of B", ""),
+        arm("tip of C", "C", c),
+        hinge("D", "tip of C", ""),
+        arm("tip of D", "D", feet[1]),
+        hinge(
+            "E",
+            "right",
+            "child = \"tip of D\"\nclosure = \"multipliers\"",
+        ),
+    ];
+    let parts = [parts.concat(), ["A", "B"].map(body).concat()];
+    let found = eigenvalues("unloaded linkage on springs", &parts, 2);
+    let J = 0.1;
+    let (sum, det) = (l * l + 3.0 * J, J * (l * l + J));
+    let squares =
+        [-1.0, 1.0].map(|sign| (sum + sign * (sum * sum - 4.0 * det).sqrt()) / (2.0 * det));
+    assert_eq!(found.len(), 2, "{found:?}");
+    for (found, square) in found.iter().zip(squares) {
+        assert!(
+            (found.im - square.sqrt()).abs() < 1e-9 && found.re == 0.0,
+            "{found} {square}"
+        );
+    }
+}
+
 /// Translations of a free beam are combinations of its six modes at rest: their effective masses sum to its mass, with damping
 /// as without.
 #[test]
