@@ -21,6 +21,36 @@ name = "D" => &\nrate = 1"#,
     assert!(said.contains("leaves it no freedom"), "{said}");
 }
 
+/// A six-bar linkage with the rates of all joints of its tree, from SciPy's null space of its closures.
+#[test]
+fn initial_rates_that_agree_are_taken() {
+    let [a, b, c] = [[-1.4, -0.8, 0.0], [-0.1, 0.5, 0.0], [1.0, -0.7, 0.0]];
+    let [d, e, f] = [[-1.5, 0.0, 0.0], [-1.6, -0.7, 0.0], [1.2, -0.9, 0.0]];
+    let turning = |name: &str, parent: &str, rate: &str| {
+        [hinge(name, parent, &format!("rate = {rate}")), body(name)].concat()
+    };
+    let text = [
+        GROUND,
+        PLAIN,
+        &motion(0.001, 0.001),
+        &arm("f", "ground", f),
+        &arm("a", "ground", a),
+        &turning("F", "f", "0.006821377674529594"),
+        &arm("e", "F", e),
+        &turning("E", "e", "-1.0068213776745296"),
+        &arm("d", "E", d),
+        &turning("A", "a", "-0.2996601052802919"),
+        &arm("b", "A", b),
+        &turning("B", "b", "0.5612624252080025"),
+        &arm("c", "B", c),
+        &turning("C", "c", "-0.25468061090979693"),
+        &arm("tip", "C", d),
+        &hinge("D", "tip", "child = \"d\""),
+    ];
+    let (_, rows) = rows("loops-agreed", &text.concat());
+    assert_eq!(rows.len(), 2);
+}
+
 #[test]
 fn a_free_child_hangs_on_its_joint() {
     // The rocker's tip as a node of its own, with a body of its own on it.

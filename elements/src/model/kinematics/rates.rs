@@ -282,5 +282,19 @@ fn smallest(J: &DMatrix<f64>, b: &DVector<f64>, B: &DMatrix<f64>) -> Option<DVec
     }
     let L = metric.cholesky()?.unpack();
     let over = L.solve_lower_triangular(&J.transpose())?.transpose();
-    L.tr_solve_lower_triangular(&over.svd(true, true).solve(b, 1e-9).ok()?)
+    L.tr_solve_lower_triangular(&shortest(over, b)?)
+}
+
+/// The shortest least squares solution of A x = b, by a complete orthogonal decomposition (Golub & Van Loan 2013, Matrix
+/// Computations, section 5.5.2). The SVD of nalgebra errs where singular values are almost equal.
+fn shortest(A: DMatrix<f64>, b: &DVector<f64>) -> Option<DVector<f64>> {
+    let outer = A.col_piv_qr();
+    let R = outer.r();
+    let rank = (0..R.nrows()).filter(|&k| R[(k, k)].abs() > 1e-9).count();
+    let mut c = b.clone();
+    outer.q_tr_mul(&mut c);
+    let inner = R.rows(0, rank).transpose().qr();
+    let mut x = inner.q() * inner.r().tr_solve_upper_triangular(&c.rows(0, rank))?;
+    outer.p().inv_permute_rows(&mut x);
+    Some(x)
 }

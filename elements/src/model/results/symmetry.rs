@@ -65,8 +65,8 @@ impl Measured<'_> {
             let change = |row: &[f64; 6]| std::array::from_fn(|k| (row[k] - first[k]) / largest);
             rows.extend(steady.iter().map(|(row, _)| change(row)));
         }
-        // With rows of zeros a decomposition has all six directions.
-        rows.resize(rows.len().max(6), [0.0; 6]);
+        // A decomposition needs a row.
+        rows.resize(rows.len().max(1), [0.0; 6]);
         let flat = rows.iter().flatten().copied();
         if flat.clone().any(|x| !x.is_finite()) {
             return Ok(Vec::new());
@@ -144,11 +144,15 @@ impl Measured<'_> {
 /// Null space of a matrix over rigid motions (its translations in units of `length`), pure
 /// translations first; by elimination, so that as many entries as possible are zero.
 fn null_space(R: DMatrix<f64>, length: f64) -> Vec<RigidRates> {
-    let svd = R.svd(false, true);
-    let Some(V) = svd.v_t else { return Vec::new() };
-    let mut basis: Vec<[f64; 6]> = (0..6)
-        .filter(|&k| svd.singular_values[k] <= NOTHING)
-        .map(|k| std::array::from_fn(|i| V[(k, i)]))
+    let qr = R.transpose().col_piv_qr();
+    let mut Qt = DMatrix::identity(6, 6);
+    qr.q_tr_mul(&mut Qt);
+    let U = qr.r();
+    let rank = (0..U.nrows())
+        .filter(|&k| U[(k, k)].abs() > NOTHING)
+        .count();
+    let mut basis: Vec<[f64; 6]> = (rank..6)
+        .map(|k| std::array::from_fn(|i| Qt[(k, i)]))
         .collect();
     let mut done = 0;
     for column in [3, 4, 5, 0, 1, 2] {
