@@ -48,7 +48,8 @@ impl<'a> Advance<'a> {
             number: progress.summary.steps,
             t: progress.state.t,
             iterations: dimension,
-            progress: Some(progress),
+            // Equilibria have no velocities.
+            progress: Some(progress).filter(|progress| !progress.state.v.is_empty()),
             ..Self::default()
         }
     }

@@ -17,13 +17,13 @@ import json
 import math
 import os
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from . import _pullback
-from ._pullback import AnalysisError, ModelError, SavedMotion, __version__
+from ._pullback import AnalysisError, ModelError, SavedMotion, Simulation, __version__
 from .progress import Progress
 from .results import Modes, Result
 from .studies import Comparison, Order, Spectrum, compare, spectrum
@@ -314,89 +314,6 @@ class ModelBuilder:
     def build(self, name: str = "model") -> Model:
         """The model; ModelError if it is refused."""
         return Model(self.to_toml(), name)
-
-
-class Simulation:
-    """A motion, step by step.
-
-        sim = pb.Simulation(model)
-        for _ in sim:
-            sim.set_input("torque", -20 * sim.get("angle") - 2 * sim.get("rate"))
-    """
-
-    __slots__ = ("_motion",)
-
-    def __init__(self, model: Model) -> None:
-        """The motion of a model at its start; ModelError for a model without [analysis.dynamic].
-
-        Warnings about it are Python warnings.
-        """
-        self._motion = _pullback.Motion(model._text, model._name)
-        for warning in self._motion.warnings():
-            warnings.warn(warning, stacklevel=2)
-
-    def step(self, h: float | None = None) -> bool:
-        """Makes a step; False at the end. With h the steps from now on are equal, and at most this large.
-
-        AnalysisError if the step fails; the motion is then at the last accepted step.
-        """
-        try:
-            self._motion.step(h)
-        except StopIteration:
-            return False
-        return True
-
-    def __iter__(self) -> Iterator[Simulation]:
-        return self
-
-    def __next__(self) -> Simulation:
-        self._motion.step(None)
-        return self
-
-    @property
-    def t(self) -> float:
-        """The present time."""
-        return self._motion.t
-
-    @property
-    def q(self) -> np.ndarray:
-        """The coordinates of the model, a copy of shape (n,)."""
-        return self._motion.q
-
-    @property
-    def v(self) -> np.ndarray:
-        """Their velocities, a copy of shape (n,)."""
-        return self._motion.v
-
-    @property
-    def a(self) -> np.ndarray:
-        """Their accelerations, a copy of shape (n,)."""
-        return self._motion.a
-
-    def get(self, probe: str) -> float | np.ndarray:
-        """The present value of a probe: a number, or an array of shape (3,); KeyError for a name that is none."""
-        return self._motion.get(probe)
-
-    def set_input(self, name: str, value: float) -> None:
-        """Sets an input of [inputs], from the next step on; KeyError for a name that is none.
-
-        A coordinate that an input prescribes jumps to its new value with all that is attached to it, without a velocity:
-        that motion causes no inertia. Move such parts by an actuator, or by a spring to a massless node.
-        Read values of the present state before: those after it mix new forces with old accelerations.
-        """
-        self._motion.set_input(name, value)
-
-    def poses(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-        """Position and rotation vector of each node, of shape (3,)."""
-        return self._motion.poses()
-
-    def save(self) -> SavedMotion:
-        """A copy of everything that the next step depends on."""
-        return self._motion.save()
-
-    def restore(self, saved: SavedMotion) -> None:
-        """Goes back to a copy; the steps from there are the same to the last bit."""
-        self._motion.restore(saved)
 
 
 class Linearized:

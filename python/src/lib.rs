@@ -332,7 +332,7 @@ mod _pullback {
     #[pymodule_export]
     const __version__: &str = env!("CARGO_PKG_VERSION");
     #[pymodule_export]
-    use super::motion::{PyMotion, PySaved};
+    use super::motion::{PySaved, PySimulation};
     #[pymodule_export]
     use super::studies::{compare, spectra};
     #[pymodule_export]

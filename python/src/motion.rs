@@ -3,23 +3,30 @@
 use super::{ModelError, array, assemble, failed};
 use numpy::{PyArray1, PyArrayMethods};
 use pullback::motion::{Motion, MotionError, SavedMotion};
-use pyo3::exceptions::{PyKeyError, PyStopIteration, PyValueError};
+use pyo3::exceptions::{PyKeyError, PyUserWarning, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::ffi::CString;
 use std::sync::{Mutex, PoisonError};
 
-/// A motion step by step.
-#[pyclass(name = "Motion", module = "pullback._pullback")]
-pub(super) struct PyMotion(Mutex<Motion>);
+/// A motion, step by step.
+///
+///     sim = pb.Simulation(model)
+///     for _ in sim:
+///         sim.set_input("torque", -20 * sim.get("angle") - 2 * sim.get("rate"))
+///
+/// It begins at the start of a model; ModelError for one without [analysis.dynamic]. Warnings about it are Python warnings.
+#[pyclass(name = "Simulation", module = "pullback")]
+pub(super) struct PySimulation(Mutex<Motion>);
 
-impl PyMotion {
+impl PySimulation {
     fn motion(&mut self) -> &mut Motion {
         self.0.get_mut().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 /// A copy of a motion.
-#[pyclass(name = "SavedMotion", module = "pullback._pullback", frozen)]
+#[pyclass(name = "SavedMotion", module = "pullback", frozen)]
 pub(super) struct PySaved(SavedMotion);
 
 fn motion_error(error: MotionError) -> PyErr {
@@ -31,48 +38,64 @@ fn motion_error(error: MotionError) -> PyErr {
 }
 
 #[pymethods]
-impl PyMotion {
+impl PySimulation {
     #[new]
-    fn new(py: Python<'_>, text: &str, name: &str) -> PyResult<Self> {
-        py.detach(|| Motion::new(assemble(text, name)?).map_err(motion_error))
-            .map(|motion| Self(Mutex::new(motion)))
+    fn new(py: Python<'_>, model: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let part = |name| model.getattr(name)?.extract::<String>();
+        let (text, name) = (part("_text")?, part("_name")?);
+        let motion = py.detach(|| Motion::new(assemble(&text, &name)?).map_err(motion_error))?;
+        for warning in motion.warnings() {
+            let warning = CString::new(warning.as_str())?;
+            PyErr::warn(py, &py.get_type::<PyUserWarning>(), &warning, 1)?;
+        }
+        Ok(Self(Mutex::new(motion)))
     }
 
-    /// One step; raises StopIteration at the end.
-    fn step(&mut self, py: Python<'_>, h: Option<f64>) -> PyResult<()> {
+    /// Makes a step; False at the end. With h the steps from now on are equal, and at most this large.
+    ///
+    /// AnalysisError if the step fails; the motion is then at the last accepted step.
+    #[pyo3(signature = (h=None))]
+    fn step(&mut self, py: Python<'_>, h: Option<f64>) -> PyResult<bool> {
         if let Some(h) = h {
             self.motion().set_step(h).map_err(motion_error)?;
         }
-        match py.detach(|| self.motion().step()).map_err(motion_error)? {
-            true => Ok(()),
-            false => Err(PyStopIteration::new_err("the motion is at its end")),
-        }
+        py.detach(|| self.motion().step()).map_err(motion_error)
     }
 
-    fn warnings(&mut self) -> Vec<String> {
-        self.motion().warnings().to_vec()
+    fn __iter__(slf: Py<Self>) -> Py<Self> {
+        slf
     }
 
+    fn __next__(slf: &Bound<'_, Self>) -> PyResult<Option<Py<Self>>> {
+        let moved = slf.borrow_mut().step(slf.py(), None)?;
+        Ok(moved.then(|| slf.clone().unbind()))
+    }
+
+    /// The present time.
     #[getter]
     fn t(&mut self) -> f64 {
         self.motion().state().t
     }
 
+    /// The coordinates of the model, a copy of shape (n,).
     #[getter]
     fn q<'py>(&mut self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, &self.motion().state().q)
     }
 
+    /// Their velocities, a copy of shape (n,).
     #[getter]
     fn v<'py>(&mut self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, &self.motion().state().v)
     }
 
+    /// Their accelerations, a copy of shape (n,).
     #[getter]
     fn a<'py>(&mut self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, &self.motion().state().a)
     }
 
+    /// The present value of a probe: a number, or an array of shape (3,); KeyError for a name that is none.
     fn get(&mut self, py: Python<'_>, probe: &str) -> PyResult<Py<PyAny>> {
         let values = self.motion().probe(probe).map_err(motion_error)?;
         match values[..] {
@@ -81,6 +104,11 @@ impl PyMotion {
         }
     }
 
+    /// Sets an input of [inputs], from the next step on; KeyError for a name that is none.
+    ///
+    /// A coordinate that an input prescribes jumps to its new value with all that is attached to it, without a velocity:
+    /// that motion causes no inertia. Move such parts by an actuator, or by a spring to a massless node.
+    /// Read values of the present state before: those after it mix new forces with old accelerations.
     fn set_input(&mut self, name: &str, value: f64) -> PyResult<()> {
         match value.is_finite() {
             true => self.motion().set_input(name, value).map_err(motion_error),
@@ -90,6 +118,7 @@ impl PyMotion {
         }
     }
 
+    /// Position and rotation vector of each node, of shape (3,).
     fn poses<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let out = PyDict::new(py);
         for (name, [position, rotation]) in self.motion().poses() {
@@ -100,10 +129,12 @@ impl PyMotion {
         Ok(out)
     }
 
+    /// A copy of everything that the next step depends on.
     fn save(&mut self) -> PySaved {
         PySaved(self.motion().save())
     }
 
+    /// Goes back to a copy; the steps from there are the same to the last bit.
     fn restore(&mut self, saved: &PySaved) -> PyResult<()> {
         self.motion().restore(&saved.0).map_err(motion_error)
     }

@@ -122,16 +122,6 @@ impl History {
         self.general..self.columns.len()
     }
 
-    /// Number of rows.
-    pub fn len(&self) -> usize {
-        self.events.len()
-    }
-
-    /// Whether there are no rows.
-    pub fn is_empty(&self) -> bool {
-        self.events.is_empty()
-    }
-
     /// The values of a column, in the order of the rows.
     pub fn column(&self, k: usize) -> impl DoubleEndedIterator<Item = f64> {
         let rows = self.values.chunks_exact(self.columns.len().max(1));

@@ -29,11 +29,6 @@ impl From<&str> for SchemeName {
 }
 
 impl SchemeName {
-    /// The name with its parameters, such as `ga:0.8`.
-    pub fn word(&self) -> &str {
-        &self.0
-    }
-
     /// The scheme and the formulation.
     ///
     /// # Errors

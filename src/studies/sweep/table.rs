@@ -110,11 +110,6 @@ impl SweepTable {
         &self.rows
     }
 
-    /// The directory.
-    pub fn path(&self) -> &Path {
-        self.directory.path()
-    }
-
     /// Adds a row.
     ///
     /// # Errors
@@ -128,10 +123,7 @@ impl SweepTable {
     }
 
     /// Saves the rows.
-    ///
-    /// # Errors
-    /// [`TableError`]; rows that have been saved stay.
-    pub fn save(&mut self) -> Result<(), TableError> {
+    fn save(&mut self) -> Result<(), TableError> {
         let (bytes, count) = self.saved;
         let text = lines(None, &self.rows[count..])?;
         self.directory.append(ROWS, bytes, &text)?;
