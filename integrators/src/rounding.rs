@@ -32,8 +32,8 @@ impl ResidualTest {
     /// A quantity without loads and reactions must vanish to rounding errors: the first residual
     /// would be a reference, but a stiff spring that is out of balance makes it arbitrarily large.
     /// Gaps of multipliers contain no spring, so the gap after the prediction is a fair reference.
-    /// Forces below the rounding errors of springs count as these: without loads, springs that give
-    /// way to gaps of rounding errors make the only forces.
+    /// Forces below the rounding errors of springs count as these: without loads, springs that yield
+    /// to gaps of rounding errors make the only forces.
     pub(crate) fn ratio(&mut self, residual: [f64; 3], measures: [f64; 3]) -> f64 {
         for (first, most) in self.first.iter_mut().zip(residual) {
             if *first == 0.0 {
