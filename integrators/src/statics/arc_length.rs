@@ -4,9 +4,9 @@
 //! (t/load_scale)², which is independent of mesh and units. Each step solves on the hyperplane normal
 //! to the tangent at its start, so that limit points in t are passed.
 
-use super::Iteration;
 use super::critical::PathDirection;
 use super::newton::{Condition, Newton};
+use super::{Event, Iteration};
 use crate::failure::Cause;
 use crate::rounding::largest;
 use pullback_manifold::system::System;
@@ -108,20 +108,30 @@ impl Newton {
         Ok(())
     }
 
-    /// Predicts along the tangent and corrects on the hyperplane normal to it, or at this load.
+    /// Predicts along the tangent and corrects on the hyperplane normal to it, or to the load or coordinate of an event.
     pub(super) fn advance(
         &mut self,
         system: &mut dyn System,
         at: &Position,
         ds: f64,
-        load: Option<f64>,
+        end: Option<Event>,
         norm: &Norm,
         next: &mut Position,
     ) -> Result<(), Cause> {
         for (q, (q0, dq)) in next.q.iter_mut().zip(at.q.iter().zip(&at.tangent.dq)) {
             *q = q0 + ds * dq;
         }
-        next.t = load.unwrap_or(at.t + ds * at.tangent.dt);
+        next.t = at.t + ds * at.tangent.dt;
+        let condition = match end {
+            Some(Event::Load(load)) => {
+                next.t = load;
+                None
+            }
+            Some(Event::Coordinate { unknown, value }) => {
+                Some(Condition::Coordinate { unknown, value })
+            }
+            _ => Some(Condition::Distance { at, norm, ds }),
+        };
         let loads = largest(system.pattern(), &self.r_t, [0.0; 3]);
         self.history.clear();
         self.history.push(Iteration {
@@ -130,9 +140,7 @@ impl Newton {
             correction: ds.abs() * self.size(&at.tangent.dq),
             damping: 1.0,
         });
-        let condition = Condition { at, norm, ds };
-        let condition = load.is_none().then_some(&condition);
         let (q, t) = (&mut next.q, &mut next.t);
-        self.correct(system, q, t, condition, Some((at.t, &at.q)))
+        self.correct(system, q, t, condition.as_ref(), Some((at.t, &at.q)))
     }
 }

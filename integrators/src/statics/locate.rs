@@ -1,9 +1,8 @@
 //! Events within a step along a path, located to round-off.
 //!
-//! Each trial is an equilibrium found from the start of the step, at another distance. If a trial
-//! does not converge, or an event function does not reach zero, the step was too large to know the
-//! path between its ends and is rejected, like one that did not converge. Reported states are at
-//! the event, converged, and on the same path.
+//! An event is an equilibrium with its load or coordinate, or a critical point. If none is found
+//! within the step, the step was too large to know the path between its ends and is rejected, like one
+//! that did not converge. Reported states are at the event, converged, and on the same path.
 
 use super::arc_length::{Norm, Position, SHARPEST_BEND};
 use super::critical::{CriticalKind, PathDirection};
@@ -70,6 +69,22 @@ impl PathStep<'_> {
         self.directions() > 1 && events.iter().any(|(event, _)| *event == Event::Bifurcation)
     }
 
+    /// What `newton` has found at a position, if that lies on the path within the step.
+    fn located(&self, newton: &Newton, position: Position) -> Option<Located> {
+        let s = self.norm.distance(self.at, &position.q, position.t);
+        let within = s > -START * self.ds && s <= self.ds;
+        (within && !self.norm.strays(self.at, &position, s)).then(|| Located {
+            index: 0,
+            s,
+            position,
+            branch: None,
+            directions: 0,
+            iterations: newton.iterations(),
+            history: newton.history.clone(),
+            unstable: None,
+        })
+    }
+
     /// An event at its end.
     fn end(&self) -> Located {
         Located {
@@ -123,11 +138,6 @@ fn describe(system: &dyn System, event: Event) -> String {
     }
 }
 
-/// Change of an event function, relative to its change over the step, that counts as zero.
-const RESOLUTION: f64 = 1e-12;
-/// Largest value of an event function at which the event counts as found, relative to its size.
-const LARGEST_MISS: f64 = 1e-9;
-
 /// Parts at which a step is divided, not where a symmetric structure may have a bifurcation; the second one where the
 /// tangent is singular at the first.
 const MIDDLES: [f64; 2] = [0.47, 0.31];
@@ -177,14 +187,7 @@ pub(super) fn locate(
                     unstable: step.unstable[1],
                     ..step.end()
                 },
-                Event::Load(_) | Event::Coordinate { .. } => {
-                    let mut one = find(newton, system, step, event)?;
-                    // If the tangent is singular, its direction is unknown.
-                    if (newton.tangent(system, &mut one.position, step.norm)).is_ok() {
-                        one.unstable = newton.unstable(system);
-                    }
-                    one
-                }
+                Event::Load(_) | Event::Coordinate { .. } => find(newton, system, step, event)?,
             };
             let bend = (step.norm).dot(&step.at.tangent, &one.position.tangent);
             if bend < SHARPEST_BEND {
@@ -253,7 +256,7 @@ fn find_critical(
     step: PathStep<'_>,
     event: Event,
 ) -> Result<Located, Cause> {
-    let PathStep { at, next, norm, .. } = step;
+    let PathStep { at, next, .. } = step;
     // The slope of the load is zero at a turning point, where the path has the direction of ψ.
     let (part, shape, kind) = match event {
         Event::TurningPoint => (
@@ -281,76 +284,32 @@ fn find_critical(
         t: point.t,
         tangent,
     };
-    let s = norm.distance(at, &position.q, position.t);
-    let within = s > -START * step.ds && s <= step.ds && !norm.strays(at, &position, s);
-    if !within {
-        return Err(unlocated(system, event));
-    }
+    let found = step.located(newton, position);
+    let found = found.ok_or_else(|| unlocated(system, event))?;
     Ok(Located {
-        index: 0,
-        s,
-        position,
         branch,
         directions: step.directions(),
-        iterations: newton.iterations(),
-        history: newton.history.clone(),
-        unstable: None,
+        ..found
     })
 }
 
-/// The equilibrium where an event function is zero, by regula falsi with the Illinois modification, from the best trial
-/// if the last bit cannot be resolved.
+/// The equilibrium at the load or coordinate of an event.
 fn find(
     newton: &mut Newton,
     system: &mut dyn System,
     step: PathStep<'_>,
     event: Event,
 ) -> Result<Located, Cause> {
-    let PathStep { at, ds, norm, .. } = step;
-    let (mut a, mut fa) = (0.0, event_value(event, at));
-    let (mut b, mut fb) = (ds, event_value(event, step.next));
-    let size = fa.abs().max(fb.abs());
-    let mut trial = at.clone();
-    let mut least = f64::INFINITY;
-    let mut best = step.end();
-    for _ in 0..60 {
-        let s = (a * fb - b * fa) / (fb - fa);
-        if let Err(failure) = newton.advance(system, at, s, None, norm, &mut trial) {
-            if least.is_finite() {
-                break;
-            }
-            return Err(failure);
-        }
-        best.iterations += newton.iterations();
-        let f = event_value(event, &trial);
-        if f.abs() < least {
-            least = f.abs();
-            best.s = s;
-            best.position.clone_from(&trial);
-            best.history.clone_from(&newton.history);
-        }
-        if f * fb < 0.0 {
-            (a, fa) = (b, fb);
-        } else {
-            fa *= 0.5;
-        }
-        (b, fb) = (s, f);
-        if least <= RESOLUTION * size || (b - a).abs() <= 1e-13 * ds {
-            break;
-        }
+    let PathStep { at, next, norm, .. } = step;
+    let [before, after] = [at, next].map(|position| event_value(event, position));
+    let ds = step.ds * before / (before - after);
+    let mut position = at.clone();
+    newton.advance(system, at, ds, Some(event), norm, &mut position)?;
+    let found = step.located(newton, position);
+    let mut found = found.ok_or_else(|| unlocated(system, event))?;
+    // If the tangent is singular, its direction is unknown.
+    if (newton.tangent(system, &mut found.position, norm)).is_ok() {
+        found.unstable = newton.unstable(system);
     }
-    match least <= largest_miss(newton, event, norm) {
-        true => Ok(best),
-        false => Err(unlocated(system, event)),
-    }
-}
-
-/// Largest value of an event function at which the event counts as found.
-fn largest_miss(newton: &Newton, event: Event, norm: &Norm) -> f64 {
-    let size = match event {
-        Event::Coordinate { unknown, value } => value.abs() + 1.0 / newton.inverse_scale[unknown],
-        Event::Load(load) => load.abs() + 1.0 / norm.load.sqrt(),
-        Event::TurningPoint | Event::Bifurcation => 0.0,
-    };
-    LARGEST_MISS * size
+    Ok(found)
 }

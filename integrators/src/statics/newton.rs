@@ -1,7 +1,7 @@
 //! Newton's method for equilibrium, at a fixed load or together with a condition on the load.
 //!
 //! ```text
-//! K δq = r + r_t δt,        tangent·(δq, δt) = ds − tangent·(q − q₀, t − t₀)
+//! K δq = r + r_t δt,        tangent·(δq, δt) = ds − tangent·(q − q₀, t − t₀)    or    δq_i = value − q_i
 //! ```
 //!
 //! Both right-hand sides share one factorisation, so a step along a path costs one more solution
@@ -24,17 +24,42 @@ use crate::rounding::{ResidualTest, inverse_scales, is_rounding, largest, roundi
 use crate::vectors::add;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
 
-/// A distance ds along the tangent at a position (q₀, t₀), instead of a fixed load.
-pub(super) struct Condition<'a> {
-    pub at: &'a Position,
-    pub norm: &'a Norm,
-    pub ds: f64,
+/// What is given instead of the load.
+pub(super) enum Condition<'a> {
+    /// The distance along the tangent at a position (q₀, t₀).
+    Distance {
+        at: &'a Position,
+        norm: &'a Norm,
+        ds: f64,
+    },
+    /// The value of a coordinate.
+    Coordinate { unknown: usize, value: f64 },
 }
 
 impl Condition<'_> {
     /// What is missing from the condition.
     fn defect(&self, q: &[f64], t: f64) -> f64 {
-        self.ds - self.norm.distance(self.at, q, t)
+        match *self {
+            Self::Distance { at, norm, ds } => ds - norm.distance(at, q, t),
+            Self::Coordinate { unknown, value } => value - q[unknown],
+        }
+    }
+
+    /// Its change by (dq, dt).
+    fn change(&self, dq: &[f64], dt: f64) -> f64 {
+        match *self {
+            Self::Distance { at, norm, .. } => norm.product(&at.tangent, dq.iter().copied(), dt),
+            Self::Coordinate { unknown, .. } => dq[unknown],
+        }
+    }
+
+    /// Whether the condition holds but for rounding errors.
+    fn holds(&self, q: &[f64], t: f64) -> bool {
+        let size = match *self {
+            Self::Distance { ds, .. } => 1e-9 * ds.abs(),
+            Self::Coordinate { value, .. } => 1e-12 * value.abs(),
+        };
+        self.defect(q, t).abs() <= size + 1e-14
     }
 }
 
@@ -240,8 +265,7 @@ impl Newton {
         loop {
             let residual = largest(system.pattern(), &self.r, [0.0; 3]);
             let ratio = (self.test).ratio(residual, system.scales().measures());
-            let on_condition =
-                condition.is_none_or(|c| c.defect(q, *t).abs() <= 1e-9 * c.ds.abs() + 1e-14);
+            let on_condition = condition.is_none_or(|c| c.holds(q, *t));
             // One correction is made even if the prediction is in balance: a small load beside a
             // large one that sets the tolerance would otherwise only see the tangent of the step
             // before.
@@ -284,8 +308,8 @@ impl Newton {
             return Ok(0.0);
         };
         self.solve_rate()?;
-        let along = (c.norm).product(&c.at.tangent, self.dq.iter().copied(), 0.0);
-        let dt = (c.defect(q, t) - along) / c.norm.dot(&c.at.tangent, &self.rate);
+        let missing = c.defect(q, t) - c.change(&self.dq, 0.0);
+        let dt = missing / c.change(&self.rate.dq, self.rate.dt);
         if !dt.is_finite() {
             return Err(Cause::Diverged);
         }

@@ -1,9 +1,9 @@
 //! One attempt at a step along a path, which ends at a kink of a function of the load parameter at the latest.
 
-use super::Iteration;
 use super::arc_length::SHARPEST_BEND;
 use super::locate::{Located, PathStep, locate};
 use super::path_run::PathRun;
+use super::{Event, Iteration};
 use crate::failure::Cause;
 use pullback_manifold::system::System;
 
@@ -51,7 +51,14 @@ impl PathRun {
             false => kink,
         };
         newton
-            .advance(system, at, ds, kink.map(before), norm, next)
+            .advance(
+                system,
+                at,
+                ds,
+                kink.map(before).map(Event::Load),
+                norm,
+                next,
+            )
             .map_err(off_path)?;
         if kink.is_some() {
             ds = norm.distance(at, &next.q, next.t);
