@@ -7,7 +7,7 @@ use std::path::Path;
 
 /// The cases by name, for the help.
 pub(super) fn cases() -> String {
-    let names: Vec<&str> = gallery::CASES.iter().map(|c| c.name).collect();
+    let names: Vec<&str> = gallery::case_names().collect();
     format!("Cases: {}", names.join(", "))
 }
 

@@ -13,23 +13,8 @@ use pullback_integrators::statics::{
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-/// A built-in case.
-#[derive(Clone, Copy)]
-pub struct Case {
-    /// Name on the command line.
-    pub name: &'static str,
-    /// Computes the case and adds its rows.
-    pub(super) run: fn(&mut CaseReport) -> Result<(), CaseProblem>,
-}
-
-impl Case {
-    pub(super) const fn new(
-        name: &'static str,
-        run: fn(&mut CaseReport) -> Result<(), CaseProblem>,
-    ) -> Self {
-        Self { name, run }
-    }
-}
+/// Computes a case and adds its rows.
+pub(super) type Run = fn(&mut CaseReport) -> Result<(), CaseProblem>;
 
 /// Errors of the gallery.
 #[derive(Debug, thiserror::Error)]

@@ -21,8 +21,8 @@ mod swings;
 mod tops;
 mod vibration;
 
-use case::CaseReport;
-pub use case::{Case, CaseError, CaseProblem, CaseRow};
+pub use case::{CaseError, CaseProblem, CaseRow};
+use case::{CaseReport, Run};
 pub use exact::exact;
 pub use models::{MODELS, model};
 
@@ -32,47 +32,52 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 /// All cases, in the order in which they run.
-pub const CASES: &[Case] = &[
-    Case::new("bend45", bend45::thesis),
-    Case::new("bend45-convergence", bend45::convergence),
-    Case::new("helix", helix::run),
-    Case::new("rollup", planar::rollup),
-    Case::new("elastica", planar::elastica),
-    Case::new("cantilever", planar::cantilever),
-    Case::new("twisted", spatial::twisted),
-    Case::new("princeton", spatial::princeton),
-    Case::new("shear-flexible", planar::shear_flexible),
-    Case::new("lee-frame", limit_points::lee_frame),
-    Case::new("deep-arch", limit_points::deep_arch),
-    Case::new("column", limit_points::column),
-    Case::new("rotating-blade", vibration::blade),
-    Case::new("bending-torsion", spatial::bending_torsion),
-    Case::new("follower", planar::follower),
-    Case::new("objectivity", bend45::objectivity),
-    Case::new("top", tops::top),
-    Case::new("hooke", hooke::hooke),
-    Case::new("elbow", struck::elbow),
-    Case::new("arm-spherical", arms::spherical),
-    Case::new("arm-revolute", arms::revolute),
-    Case::new("heavy-top", tops::heavy_top),
-    Case::new("free-body", tops::free_body),
-    Case::new("pendulum", swings::pendulum),
-    Case::new("universal-joint", hooke::universal),
-    Case::new("elbow-converged", struck::converged),
-    Case::new("spin-up", flights::spin_up),
-    Case::new("flying-beam", flights::flying),
-    Case::new("double-pendulum", swings::double),
-    Case::new("rubber-rod", swings::rubber),
-    Case::new("four-bar", linkages::four_bar),
-    Case::new("four-bar-flexible", bent::coupler),
-    Case::new("slider-crank", linkages::slider_crank),
-    Case::new("slider-crank-flexible", bent::connecting_rod),
-    Case::new("parallelograms", linkages::parallelograms),
-    Case::new("squeezer", squeezer::run),
-    Case::new("bricard", mechanisms::bricard),
-    Case::new("four-bar-misaligned", mechanisms::misaligned),
-    Case::new("four-bar-hardly-misaligned", mechanisms::hardly_misaligned),
+const CASES: &[(&str, Run)] = &[
+    ("bend45", bend45::thesis),
+    ("bend45-convergence", bend45::convergence),
+    ("helix", helix::run),
+    ("rollup", planar::rollup),
+    ("elastica", planar::elastica),
+    ("cantilever", planar::cantilever),
+    ("twisted", spatial::twisted),
+    ("princeton", spatial::princeton),
+    ("shear-flexible", planar::shear_flexible),
+    ("lee-frame", limit_points::lee_frame),
+    ("deep-arch", limit_points::deep_arch),
+    ("column", limit_points::column),
+    ("rotating-blade", vibration::blade),
+    ("bending-torsion", spatial::bending_torsion),
+    ("follower", planar::follower),
+    ("objectivity", bend45::objectivity),
+    ("top", tops::top),
+    ("hooke", hooke::hooke),
+    ("elbow", struck::elbow),
+    ("arm-spherical", arms::spherical),
+    ("arm-revolute", arms::revolute),
+    ("heavy-top", tops::heavy_top),
+    ("free-body", tops::free_body),
+    ("pendulum", swings::pendulum),
+    ("universal-joint", hooke::universal),
+    ("elbow-converged", struck::converged),
+    ("spin-up", flights::spin_up),
+    ("flying-beam", flights::flying),
+    ("double-pendulum", swings::double),
+    ("rubber-rod", swings::rubber),
+    ("four-bar", linkages::four_bar),
+    ("four-bar-flexible", bent::coupler),
+    ("slider-crank", linkages::slider_crank),
+    ("slider-crank-flexible", bent::connecting_rod),
+    ("parallelograms", linkages::parallelograms),
+    ("squeezer", squeezer::run),
+    ("bricard", mechanisms::bricard),
+    ("four-bar-misaligned", mechanisms::misaligned),
+    ("four-bar-hardly-misaligned", mechanisms::hardly_misaligned),
 ];
+
+/// The names of all cases.
+pub fn case_names() -> impl Iterator<Item = &'static str> {
+    CASES.iter().map(|(name, _)| *name)
+}
 
 /// Runs the cases of the given names (all without names) side by side and returns one row per compared
 /// quantity. Plots go to `out` if it is given; `progress` is called with the name of each case.
@@ -86,26 +91,29 @@ pub fn run(
 ) -> Result<Vec<CaseRow>, CaseError> {
     // Cases are named like their model files, which have underscores.
     let names: Vec<String> = names.iter().map(|n| n.replace('_', "-")).collect();
-    if let Some(name) = names.iter().find(|n| CASES.iter().all(|c| c.name != **n)) {
+    if let Some(name) = names
+        .iter()
+        .find(|n| case_names().all(|known| known != **n))
+    {
         return Err(CaseError::Unknown {
             name: name.clone(),
-            known: CASES.iter().map(|c| c.name).collect::<Vec<_>>().join(", "),
+            known: case_names().collect::<Vec<_>>().join(", "),
         });
     }
-    let chosen = |case: &&Case| names.is_empty() || names.iter().any(|n| n == case.name);
-    let cases: Vec<&Case> = CASES.iter().filter(chosen).collect();
+    let chosen = |name: &str| names.is_empty() || names.iter().any(|n| n == name);
+    let cases: Vec<_> = CASES.iter().filter(|(name, _)| chosen(name)).collect();
     let progress = Mutex::new(progress);
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let order: Vec<usize> = (0..cases.len()).collect();
     let ran = side_by_side(&order, threads, &|k| {
-        let case = cases[k];
-        (progress.lock().unwrap_or_else(PoisonError::into_inner))(case.name);
-        let mut report = CaseReport::new(case.name, out);
+        let (name, run) = *cases[k];
+        (progress.lock().unwrap_or_else(PoisonError::into_inner))(name);
+        let mut report = CaseReport::new(name, out);
         let start = Instant::now();
-        match (case.run)(&mut report) {
+        match run(&mut report) {
             Ok(()) => Ok(report.finish(start.elapsed().as_secs_f64())),
             Err(problem) => Err(CaseError::Case {
-                case: case.name.to_owned(),
+                case: name.to_owned(),
                 problem,
             }),
         }

@@ -3,7 +3,7 @@
 use crate::support::drawings;
 use crate::support::program::*;
 use pullback::cli::gallery::answer;
-use pullback::studies::gallery::{CASES, CaseRow};
+use pullback::studies::gallery::{CaseRow, case_names};
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -80,7 +80,7 @@ fn an_unknown_case_is_refused_with_the_list() {
     let words = "there is no case bend46; known cases: ";
     let (_, list) = said.split_once(words).unwrap();
     let known: Vec<&str> = list.trim().split(", ").collect();
-    assert!(known.into_iter().eq(CASES.iter().map(|case| case.name)));
+    assert!(known.into_iter().eq(case_names()));
 }
 
 fn row(difference: f64) -> CaseRow {

@@ -219,7 +219,7 @@ pub fn assert_bounded(cases: &[&str], rows: &[CaseRow], out: &Path) {
         }
     }
     let named: BTreeSet<&str> = (bounds(RELATIVE).chain(bounds(ABSOLUTE)).map(|b| b.0)).collect();
-    let known: BTreeSet<&str> = gallery::CASES.iter().map(|c| c.name).collect();
+    let known: BTreeSet<&str> = gallery::case_names().collect();
     assert_eq!(named, known);
     for case in super::drawings::cases().filter(|c| cases.contains(c)) {
         super::drawings::check(case, &read(out.join(format!("{case}.svg"))));
