@@ -126,13 +126,17 @@ pub(crate) fn is_rounding(
 
 /// The largest rounding errors of residuals per quantity, ε Σ_j |S_ij| |q_j|, with coordinates not
 /// below their scales and without multipliers: the gap after the prediction may be far below by
-/// chance, and at the origin all of it is zero.
+/// chance, and at the origin all of it is zero. Zero in a system without multipliers.
 pub(crate) fn rounding_errors(
     system: &dyn System,
     S: &[f64],
     q: &[f64],
     [sizes, floor]: [&mut [f64]; 2],
 ) -> [f64; 3] {
+    let mut coordinates = system.pattern().coordinates().iter();
+    if !coordinates.any(|info| info.is_multiplier) {
+        return [0.0; 3];
+    }
     find_rounding(system, S, q, (0.0, true), [sizes, &mut *floor]);
     // Without other equations than those of multipliers.
     for (floor, info) in floor.iter_mut().zip(system.pattern().coordinates()) {

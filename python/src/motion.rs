@@ -16,7 +16,7 @@ use std::sync::{Mutex, PoisonError};
 ///         sim.set_input("torque", -20 * sim.get("angle") - 2 * sim.get("rate"))
 ///
 /// It begins at the start of a model; ModelError for one without [analysis.dynamic]. Warnings about it are Python warnings.
-#[pyclass(name = "Simulation", module = "pullback")]
+#[pyclass(name = "Simulation", module = "pullback", subclass)]
 pub(super) struct PySimulation(Mutex<Motion>);
 
 impl PySimulation {

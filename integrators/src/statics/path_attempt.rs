@@ -46,19 +46,14 @@ impl PathRun {
     ) -> Result<Converging, Cause> {
         let (at, next, norm) = (&self.at, &mut self.next, &self.norm);
         let newton = &mut self.newton;
-        let before = |kink: f64| match at.tangent.dt > 0.0 {
-            true => kink.next_down(),
-            false => kink,
+        let before = |kink: f64| {
+            Event::Load(match at.tangent.dt > 0.0 {
+                true => kink.next_down(),
+                false => kink,
+            })
         };
         newton
-            .advance(
-                system,
-                at,
-                ds,
-                kink.map(before).map(Event::Load),
-                norm,
-                next,
-            )
+            .advance(system, at, ds, kink.map(before), norm, next)
             .map_err(off_path)?;
         if kink.is_some() {
             ds = norm.distance(at, &next.q, next.t);
