@@ -236,6 +236,7 @@ impl Energies {
 pub type RigidRates = [f64; 6];
 
 /// A rigid motion of the whole system along which the momentum changes at a constant rate.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Symmetry {
     /// The motion.

@@ -1,6 +1,6 @@
 //! Invariants of a motion.
 
-use pullback_manifold::system::{Energies, RigidRates};
+use pullback_manifold::system::{Energies, Symmetry};
 
 /// Invariants of a motion: the target of a scheme that restores them.
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -27,12 +27,10 @@ pub struct Invariants {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Momentum {
-    /// The symmetry: velocity of the origin, angular velocity.
-    pub motion: RigidRates,
+    /// The symmetry, with the rate of the momentum.
+    pub symmetry: Symmetry,
     /// The momentum.
     pub value: f64,
-    /// Its rate, from constant forces.
-    pub rate: f64,
 }
 
 impl Invariants {
@@ -50,7 +48,9 @@ impl Invariants {
     pub(super) fn add_step(&mut self, now: &Energies, h: f64) {
         self.energy += 0.5 * h * (self.power + now.power());
         self.unsure += 0.5 * h * (self.gross_power + gross_power(now));
-        self.momenta.iter_mut().for_each(|m| m.value += h * m.rate);
+        self.momenta
+            .iter_mut()
+            .for_each(|m| m.value += h * m.symmetry.force);
         self.set_power(now);
     }
 

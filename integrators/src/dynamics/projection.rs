@@ -58,6 +58,7 @@ pub(super) struct InvariantProjection {
     w: Vec<f64>,
     field: Vec<f64>,
     basis: Vec<Direction>,
+    kept: Vec<Symmetry>,
     /// Number of directions in use.
     rank: usize,
 }
@@ -78,6 +79,7 @@ impl InvariantProjection {
             w: zeros(),
             field: zeros(),
             basis: (0..6).map(|_| direction()).collect(),
+            kept: Vec::with_capacity(6),
             rank: 0,
         }
     }
@@ -97,13 +99,10 @@ impl InvariantProjection {
         progress.summary.evaluations += usize::from(progress.summary.steps > 0);
         self.momentum(system, stepper, state, &now)?;
         let mut invariants = Invariants::of(&now);
-        for Symmetry { motion, force } in symmetries {
-            energetics(system).rigid_rates(&state.q, &motion, &mut self.field);
-            invariants.momenta.push(Momentum {
-                motion,
-                value: dot(&self.field, &self.p),
-                rate: force,
-            });
+        for symmetry in symmetries {
+            energetics(system).rigid_rates(&state.q, &symmetry.motion, &mut self.field);
+            let value = dot(&self.field, &self.p);
+            invariants.momenta.push(Momentum { symmetry, value });
         }
         Ok(invariants)
     }
@@ -130,8 +129,11 @@ impl InvariantProjection {
     ) -> Result<Energies, DynamicsError> {
         let (state, summary) = (&mut progress.state, &mut progress.summary);
         if let Some(invariants) = &mut progress.invariants {
-            let kept = |m: &Momentum| energetics(system).is_symmetry(state.point(), &m.motion);
-            invariants.momenta.retain(kept);
+            let momenta = &mut invariants.momenta;
+            self.kept.clear();
+            self.kept.extend(momenta.iter().map(|m| m.symmetry));
+            energetics(system).keep_symmetries(state.point(), &mut self.kept);
+            momenta.retain(|m| self.kept.contains(&m.symmetry));
         }
         let mut now = self.energies(system, state)?;
         let Some(invariants) = &mut progress.invariants else {
@@ -275,7 +277,8 @@ impl InvariantProjection {
         self.rank = 0;
         self.w.copy_from_slice(&state.v);
         let mut missing = 0.0_f64;
-        for Momentum { motion, value, .. } in &invariants.momenta {
+        for Momentum { symmetry, value } in &invariants.momenta {
+            let motion = &symmetry.motion;
             let (done, rest) = self.basis.split_at_mut(self.rank);
             let Some(d) = rest.first_mut() else { break };
             energetics(system).rigid_rates(&state.q, motion, &mut d.e);

@@ -110,11 +110,11 @@ pub trait Energetics {
         Vec::new()
     }
 
-    /// Whether a motion from [`Energetics::symmetries`] still is one at another point, which a step has reached: a joint may
-    /// follow it for some time only, as a point on a track that begins straight. True by default.
-    fn is_symmetry(&mut self, at: Point<'_>, motion: &RigidRates) -> bool {
-        let _ = (at, motion);
-        true
+    /// Keeps those of the [`Energetics::symmetries`] that still are symmetries at another point, which a step has
+    /// reached: a joint may follow a motion for some time only, as a point on a track that begins straight, and a load
+    /// may begin to work, as drag with the velocity. All by default.
+    fn keep_symmetries(&mut self, at: Point<'_>, found: &mut Vec<Symmetry>) {
+        let _ = (at, found);
     }
 
     /// Rates of all coordinates at q in a rigid motion from [`Energetics::symmetries`], or in a sum

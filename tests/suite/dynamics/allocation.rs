@@ -1,7 +1,7 @@
 //! A step in time allocates nothing: all buffers are made when a run begins.
 
 use crate::support::beams::beam;
-use crate::support::dynamics::{body, revolute, soft, turning};
+use crate::support::dynamics::{body, heavy_body, revolute, soft, turning};
 use crate::support::loops::Circle;
 use crate::support::prelude::*;
 use allocation_counter::measure;
@@ -158,4 +158,28 @@ fn twice_as_many_steps_allocate_no_more() {
         assert!(few > 0, "the counter counts");
         assert_eq!(few, many, "{short:?} {long:?}");
     }
+}
+
+#[test]
+fn momenta_are_kept_without_allocations() {
+    let count = |steps: usize| {
+        let mut b = ModelBuilder::new();
+        let node = b.node("body", [0.0; 3]).unwrap();
+        heavy_body(&mut b, "body", node, 1.0, [0.1, 0.2, 0.0]);
+        let mut context = Context::new(b.build().unwrap());
+        let v = [0.0, 0.0, 0.0, 1.0, 2.0, 3.0];
+        let mut progress = Progress::new(start(&context, 0.0, &[], &v).unwrap());
+        let options = DynamicOptions {
+            scheme: "projected-newmark".parse().unwrap(),
+            ..DynamicOptions::new(0.005 * steps as f64, 0.005)
+        };
+        let go_on = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
+        let counted = measure(|| {
+            integrate(&mut context, &mut progress, &options, go_on).unwrap();
+        });
+        assert_eq!(progress.invariants.unwrap().momenta.len(), 4);
+        counted.count_total
+    };
+    count(150);
+    assert_eq!(count(150), count(300));
 }

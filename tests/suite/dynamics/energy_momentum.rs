@@ -3,7 +3,11 @@
 use crate::support::beams::beam_with;
 use crate::support::dynamics::*;
 use crate::support::prelude::*;
+use pullback::check;
 use pullback::elements::energy::EnergyElement;
+
+#[path = "../../../examples/elements/drag.rs"]
+mod drag;
 
 const LENGTH: f64 = 1.0;
 const MASS: f64 = 1.0;
@@ -341,4 +345,85 @@ fn what_a_load_has_left_is_kept() {
     assert!((p - Vector3::new(1.5, 0.0, 0.5)).norm() < 1e-3, "{p}");
     assert!(L.norm() > 0.1, "{L}");
     assert!(worst.iter().all(|w| *w < 1e-11), "{worst:?}");
+}
+
+/// A force in a time of 6 ms about 0.8 s, of impulse 1.
+#[derive(Debug)]
+struct LateBlow;
+
+impl TimeFunction for LateBlow {
+    fn at(&self, t: f64, _: &[f64]) -> [f64; 3] {
+        let width = 0.0015;
+        let z = (t - 0.8) / width;
+        let f = (-0.5 * z * z).exp() / (width * TAU.sqrt());
+        [f, -f * z / width, f * (z * z - 1.0) / (width * width)]
+    }
+}
+
+#[test]
+fn a_momentum_ends_when_a_load_works_along_it() {
+    // Nothing works at the start, at rest or in any state about it.
+    let body = |load: &dyn Fn(&mut ModelBuilder, NodeId), v: f64| {
+        let mut b = ModelBuilder::new();
+        let node = b.node("body", [0.0; 3]).unwrap();
+        let body = RigidBody::new(2.0, Matrix3::identity(), Vector3::zeros()).unwrap();
+        b.element("body", body, &[node]).unwrap();
+        load(&mut b, node);
+        let mut context = Context::new(b.build().unwrap());
+        let options = options(em(), 2.0, 4000);
+        let run = observed(
+            &mut context,
+            [&[0.0; 6], &[v, 0.0, 0.0, 0.0, 0.0, 0.0]],
+            &options,
+            &mut |_, _| (),
+        );
+        (run.state.v[0], run.invariants.unwrap().momenta.len())
+    };
+    let drag = |b: &mut ModelBuilder, node| {
+        let (direction, speed) = (Vector3::x(), Constant(0.0).into());
+        let still = drag::Drag {
+            c: 0.5,
+            direction,
+            speed,
+        };
+        b.element("drag", still, &[node]).unwrap();
+    };
+    // m v̇ = −c v²: v = v₀ / (1 + c v₀ t / m). A force along e1 through the origin works along that motion alone.
+    let (v, kept) = body(&drag, 3.0);
+    assert!((v - 1.2).abs() < 1e-6 && kept == 5, "{v}, {kept}");
+    let blow = |b: &mut ModelBuilder, node| {
+        let load = NodalLoad::new(LoadKind::DeadForce, [4.0, 0.0, 0.0], LateBlow);
+        b.element("blow", load, &[node]).unwrap();
+    };
+    let (v, kept) = body(&blow, 1.0);
+    assert!((v - 3.0).abs() < 1e-6 && kept == 5, "{v}, {kept}");
+}
+
+#[test]
+fn drag_in_a_wind_is_that_of_its_page() {
+    // From rest in a wind w: u = w − v, m u̇ = −c u², so v = w − w / (1 + c w t / m).
+    let speed = Box::new(Proportional(2.0));
+    check::element(&drag::Drag {
+        c: 0.3,
+        direction: Vector3::new(0.6, 0.0, 0.8),
+        speed,
+    })
+    .assert();
+    let mut b = ModelBuilder::new();
+    let node = b.node("body", [0.0; 3]).unwrap();
+    let body = RigidBody::new(2.0, Matrix3::identity(), Vector3::zeros()).unwrap();
+    b.element("body", body, &[node]).unwrap();
+    let wind = b.input(4.0);
+    let made = drag::Drag {
+        c: 0.5,
+        direction: Vector3::y(),
+        speed: wind.into(),
+    };
+    b.element("wind", made, &[node]).unwrap();
+    let mut context = Context::new(b.build().unwrap());
+    let options = options(Scheme::default(), 2.0, 2000);
+    let rest = [0.0; 6];
+    let run = observed(&mut context, [&rest, &rest], &options, &mut |_, _| ());
+    let exact = 4.0 - 4.0 / (1.0 + 0.5 * 4.0 * 2.0 / 2.0);
+    assert!((run.state.v[1] - exact).abs() < 1e-6, "{:?}", run.state.v);
 }

@@ -18,6 +18,12 @@ fn code_and_models_are_those_of_the_sources() {
         (
             "adding_an_element",
             5..6,
+            "examples/elements/drag.rs",
+            false,
+        ),
+        (
+            "adding_an_element",
+            6..7,
             "examples/elements/elastic_joint.rs",
             false,
         ),

@@ -51,6 +51,9 @@ pub(in crate::model) struct Workspace {
     pub acceleration_step: Option<f64>,
     /// Rates of joint coordinates in the six rigid motions of the whole, once computed.
     pub released: Vec<Vec<f64>>,
+    /// Forces of loads, and rates and accelerations of one of these motions, to find their power.
+    pub load: Vec<f64>,
+    pub motion: [Vec<f64>; 2],
     pub scales: Scales,
     /// Forces exerted by elements, used if neither loads nor reactions are a scale.
     pub exerted: Scales,

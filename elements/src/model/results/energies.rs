@@ -91,10 +91,10 @@ impl Energetics for Context {
         found
     }
 
-    /// Frames may be kept from it by joints alone.
-    fn is_symmetry(&mut self, at: Point<'_>, motion: &RigidRates) -> bool {
-        let joints = self.work.released.iter().flatten().any(|rate| *rate != 0.0);
-        !joints || Measured(self).follows(at, motion).unwrap_or(false)
+    fn keep_symmetries(&mut self, at: Point<'_>, found: &mut Vec<Symmetry>) {
+        if !found.is_empty() && Measured(self).keep(at, found).is_err() {
+            found.clear();
+        }
     }
 
     /// Joint coordinates have constant rates.

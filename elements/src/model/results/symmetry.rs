@@ -12,7 +12,7 @@ use crate::blocks::three;
 use crate::model::kinematics::motion::RigidMotion;
 use crate::model::{Context, Model};
 use nalgebra::{DMatrix, Vector3};
-use pullback_manifold::system::{Energetics, Quantity, RigidRates, Symmetry, System, SystemError};
+use pullback_manifold::system::{Quantity, RigidRates, Symmetry, System, SystemError};
 
 /// Power along a motion, relative to that of its parts, that counts as rounding.
 const NOTHING: f64 = 1e-8;
@@ -80,8 +80,7 @@ impl Measured<'_> {
             let keeps =
                 self.0.has_spins() || self.keeps_kinetic_energy(times[1], &states[1], v, &xi)?;
             if keeps && !lost {
-                let powers = (0..6).map(|k| first[k] / self.0.measure(k) * xi[k]);
-                let force: f64 = powers.sum();
+                let force = self.along(&first, &xi);
                 found.push(Symmetry {
                     motion: xi,
                     // Zero if it is balanced to rounding.
@@ -128,16 +127,6 @@ impl Measured<'_> {
             .enumerate()
             .map(|(i, q)| q + size(i) * wave(i))
             .collect()
-    }
-
-    /// The six motions as rates of the unknowns.
-    fn fields(&mut self, q: &[f64]) -> Vec<Vec<f64>> {
-        let field = |k| {
-            let mut X = vec![0.0; q.len()];
-            self.0.rigid_rates(q, &unit(k), &mut X);
-            X
-        };
-        (0..6).map(field).collect()
     }
 }
 

@@ -2,30 +2,18 @@
 
 use super::{Measured, NOTHING, motion_of, unit};
 use crate::blocks::three;
-use crate::model::NodeForm;
 use crate::model::assembly::residual::named;
+use crate::model::{ElementEntry, NodeForm};
 use nalgebra::Matrix3;
 use pullback_manifold::so3;
-use pullback_manifold::system::{Energetics, Evaluation, Point, RigidRates, System, SystemError};
+use pullback_manifold::system::{
+    Energetics, Evaluation, Point, RigidRates, Symmetry, System, SystemError,
+};
 
 /// Power along a motion, relative to that of its parts, that counts as rounding of a difference quotient.
 const NEARLY: f64 = 1e-5;
 
 impl Measured<'_> {
-    /// The six motions as rates of coordinates, where those of rotations may be angular velocities.
-    fn coordinate_rates(&mut self, t: f64, q: &[f64]) -> Result<Vec<Vec<f64>>, SystemError> {
-        let (mut fields, a) = (self.fields(q), vec![0.0; q.len()]);
-        if self.0.has_spins() {
-            for X in &mut fields {
-                self.0.expand(Point { t, q, v: X, a: &a })?;
-                for (X, &c) in X.iter_mut().zip(&self.0.model.coordinates) {
-                    *X = self.0.work.v[c];
-                }
-            }
-        }
-        Ok(fields)
-    }
-
     /// The power of the steady loads along the six motions, with the size of its parts; writes that
     /// of all other static forces, relative to its parts, to `rows`.
     pub(super) fn forces_along(
@@ -34,52 +22,99 @@ impl Measured<'_> {
         q: &[f64],
         rows: &mut Vec<[f64; 6]>,
     ) -> Result<([f64; 6], f64), SystemError> {
-        let (mut r, mut steady) = (vec![0.0; q.len()], vec![0.0; q.len()]);
-        let at = Point::statics(t, q);
+        let (mut r, at) = (vec![0.0; q.len()], Point::statics(t, q));
         self.0.evaluate(at, Evaluation::residual(&mut r))?;
-        self.steady_loads(at, &mut steady)?;
-        let fields = self.coordinate_rates(t, q)?;
-        let (mut of_steady, mut of_others) = ([0.0; 6], [0.0; 6]);
-        let mut sizes = [0.0_f64; 2];
-        for (k, X) in fields.iter().enumerate() {
-            let mut parts = [0.0; 2];
-            for ((r, s), X) in r.iter().zip(&steady).zip(X) {
-                let X = X * self.0.measure(k);
-                of_steady[k] += s * X;
-                of_others[k] += (r - s) * X;
-                // The sum of two cancelling parts has their rounding errors.
-                parts = [
-                    parts[0] + (s * X).abs(),
-                    parts[1] + ((s * X).abs() + (r * X).abs()),
-                ];
-            }
-            sizes = std::array::from_fn(|i| sizes[i].max(parts[i]));
+        let (all, size) = self.powers(t, q, &r)?;
+        let (steady, part) = self.load_powers(at, |e| e.steady)?;
+        if size + part > 0.0 {
+            // The sum of two cancelling parts has their rounding errors.
+            rows.push(std::array::from_fn(|k| {
+                (all[k] - steady[k]) / (size + part)
+            }));
         }
-        if sizes[1] > 0.0 {
-            rows.push(of_others.map(|x| x / sizes[1]));
-        }
-        Ok((of_steady, sizes[0]))
+        Ok((steady, part))
     }
 
-    /// The forces of the steady loads on the unknowns, in statics.
-    fn steady_loads(&mut self, at: Point<'_>, r: &mut [f64]) -> Result<(), SystemError> {
+    /// Keeps the symmetries along which all loads still have their constant power, and that all joints still follow.
+    pub(in crate::model::results) fn keep(
+        &mut self,
+        at: Point<'_>,
+        found: &mut Vec<Symmetry>,
+    ) -> Result<(), SystemError> {
+        if self.0.model.elements.iter().any(|e| e.load) {
+            let (powers, size) = self.load_powers(at, |e| e.load)?;
+            found.retain(|s| (self.along(&powers, &s.motion) - s.force).abs() <= NOTHING * size);
+        }
+        // Frames may be kept from it by joints alone.
+        let mut rates = self.0.work.released.iter().flatten();
+        if rates.any(|rate| *rate != 0.0) {
+            let mut errors = Vec::new();
+            self.frames_along(at.t, at.q, &mut errors)?;
+            let follows = |e: &[f64; 6], s: &Symmetry| self.along(e, &s.motion).abs() <= NOTHING;
+            found.retain(|s| errors.iter().all(|e| follows(e, s)));
+        }
+        Ok(())
+    }
+
+    /// The sum of values of the six motions along one.
+    pub(super) fn along(&self, values: &[f64; 6], motion: &RigidRates) -> f64 {
+        let parts = values.iter().zip(motion).enumerate();
+        parts
+            .map(|(k, (value, xi))| value / self.0.model.measure(k) * xi)
+            .sum()
+    }
+
+    /// The power of forces on the unknowns along the six motions, and the size of its parts.
+    fn powers(&mut self, t: f64, q: &[f64], r: &[f64]) -> Result<([f64; 6], f64), SystemError> {
+        let [mut X, mut a] = std::mem::take(&mut self.0.work.motion);
+        X.resize(q.len(), 0.0);
+        a.resize(q.len(), 0.0);
+        let (mut powers, mut size) = ([0.0; 6], 0.0_f64);
+        for (k, power) in powers.iter_mut().enumerate() {
+            self.0.rigid_rates(q, &unit(k), &mut X);
+            if self.0.has_spins() {
+                // Forces on rotations may belong to angular velocities.
+                self.0.expand(Point { t, q, v: &X, a: &a })?;
+                for (X, &c) in X.iter_mut().zip(&self.0.model.coordinates) {
+                    *X = self.0.work.v[c];
+                }
+            }
+            let parts = r.iter().zip(&X).map(|(r, X)| r * X * self.0.measure(k));
+            *power = parts.clone().sum();
+            size = size.max(parts.map(f64::abs).sum());
+        }
+        self.0.work.motion = [X, a];
+        Ok((powers, size))
+    }
+
+    /// The same of some loads.
+    fn load_powers(
+        &mut self,
+        at: Point<'_>,
+        kept: impl Fn(&ElementEntry) -> bool,
+    ) -> Result<([f64; 6], f64), SystemError> {
         self.0.expand(at)?;
         let (w, model) = (&mut self.0.work, &*self.0.model);
         w.r.fill(0.0);
         for (e, state) in model.elements.iter().zip(&self.0.state.elements) {
-            if !e.steady {
+            if !kept(e) {
                 continue;
             }
             let local = &mut w.local;
             local.read((e, state), &model.spans, [&w.x, &w.v, &w.a]);
             local
-                .evaluate((e, state), at.t, true, None, false, false)
+                .evaluate((e, state), at.t, at.is_static(), None, false, false)
                 .map_err(|error| named(error, &e.name))?;
             local.pull_back((e, state), &model.spans, 0, false);
             local.add_residual(e, &model.spans, &mut w.r);
         }
         self.0.pull_back_nodes(at.t, None, [false; 2]);
-        self.0.model.gather(&self.0.work.r, "steady loads", r)
+        let mut r = std::mem::take(&mut self.0.work.load);
+        r.resize(at.q.len(), 0.0);
+        self.0.model.gather(&self.0.work.r, "loads", &mut r)?;
+        let powers = self.powers(at.t, at.q, &r);
+        self.0.work.load = r;
+        powers
     }
 
     /// Errors of frames with elements in the six motions.
@@ -98,16 +133,6 @@ impl Measured<'_> {
             }
         }
         Ok(())
-    }
-
-    /// Whether frames with elements follow a motion.
-    pub(in crate::model::results) fn follows(
-        &mut self,
-        at: Point<'_>,
-        xi: &RigidRates,
-    ) -> Result<bool, SystemError> {
-        let errors = self.frame_errors(at.t, at.q, xi)?;
-        Ok(errors.iter().all(|error| error.abs() <= NOTHING))
     }
 
     /// Errors of frames with elements in a motion: of their velocities, in lengths of the model, and angular velocities.
