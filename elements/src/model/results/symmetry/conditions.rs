@@ -48,10 +48,8 @@ impl Measured<'_> {
         // Frames may be kept from it by joints alone.
         let mut rates = self.0.work.released.iter().flatten();
         if rates.any(|rate| *rate != 0.0) {
-            let mut errors = Vec::new();
-            self.frames_along(at.t, at.q, &mut errors)?;
-            let follows = |e: &[f64; 6], s: &Symmetry| self.along(e, &s.motion).abs() <= NOTHING;
-            found.retain(|s| errors.iter().all(|e| follows(e, s)));
+            let small = |errors: Vec<f64>| errors.iter().all(|error| error.abs() <= NOTHING);
+            found.retain(|s| self.frame_errors(at.t, at.q, &s.motion).is_ok_and(small));
         }
         Ok(())
     }
