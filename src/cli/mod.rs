@@ -70,7 +70,8 @@ enum Command {
     /// Writes the linear equations of motion M q̈ + C q̇ + K q = (∂r/∂u) u about the state at the end of the analysis.
     ///
     /// K, C, M and ∂r/∂u in Matrix Market format, and the names of the coordinates. Exit code 0: complete; 1: the
-    /// analysis failed, or the state is not in balance; 2: the model is refused or the files cannot be written.
+    /// analysis failed, or the state is not in balance; 2: the model is refused or the files cannot be written; 130:
+    /// interrupted.
     Linearize(linearize::LinearizeArguments),
     /// Runs a model file with many values of its parameters, several runs at a time.
     ///

@@ -8,27 +8,15 @@ use nalgebra::{Matrix3, Matrix6, Vector3};
 use pullback_elements::body::{PointMass, RigidBody};
 use pullback_elements::element::Element;
 use pullback_elements::inertia::InertiaError;
-use pullback_elements::model::NodeId;
 use pullback_elements::spring::{AxialSpring, Bushing, SpringError};
-use pullback_elements::time::TimeFunction;
-
-/// The weight of a body in a field times an amplitude, a load on its node.
-type Weight = Box<dyn Fn([f64; 3], Box<dyn TimeFunction>) -> Box<dyn Element>>;
-
-/// The node of a body and its weight.
-pub(super) struct PlacedBody {
-    pub node: NodeId,
-    pub weight: Weight,
-}
 
 impl Assembly<'_> {
     /// Adds all bodies.
-    pub(super) fn add_bodies(&mut self) -> Result<Vec<PlacedBody>, InputError> {
-        let mut out = Vec::new();
+    pub(super) fn add_bodies(&mut self) -> Result<(), InputError> {
         for (k, body) in self.file.bodies.iter().enumerate() {
             let at = self.at("bodies").at(k);
             let node = self.nodes.find(&at.at("node"), &body.node)?;
-            let (element, weight) = element(body).map_err(|source| {
+            let element = element(body).map_err(|source| {
                 let body = body.name.clone();
                 at.refuse(InputProblem::Body { body, source })
             })?;
@@ -37,9 +25,8 @@ impl Assembly<'_> {
             added.map_err(|error| at.refuse(error))?;
             let center = body.center.unwrap_or_default().into();
             self.geometry.bodies.push(BodyGeometry { node, center });
-            out.push(PlacedBody { node, weight });
         }
-        Ok(out)
+        Ok(())
     }
 
     /// Adds all springs.
@@ -81,21 +68,15 @@ impl Assembly<'_> {
     }
 }
 
-fn element(body: &Body) -> Result<(Box<dyn Element>, Weight), InertiaError> {
+fn element(body: &Body) -> Result<Box<dyn Element>, InertiaError> {
     let center = Vector3::from(body.center.unwrap_or_default());
     let J = match body.inertia {
-        None if body.center.is_none() => {
-            let mass = PointMass::new(body.mass)?;
-            let weight = move |g, amplitude| Box::new(mass.weight(g, amplitude)) as _;
-            return Ok((Box::new(mass), Box::new(weight)));
-        }
+        None if body.center.is_none() => return Ok(Box::new(PointMass::new(body.mass)?)),
         None => Matrix3::zeros(),
         Some(Tensor::Diagonal(d)) => Matrix3::from_diagonal(&Vector3::from(d)),
         Some(Tensor::Full(rows)) => Matrix3::from_fn(|i, j| rows[i][j]),
     };
-    let rigid = RigidBody::new(body.mass, J, center)?;
-    let weight = move |g, amplitude| Box::new(rigid.weight(g, amplitude)) as _;
-    Ok((Box::new(rigid), Box::new(weight)))
+    Ok(Box::new(RigidBody::new(body.mass, J, center)?))
 }
 
 fn axial_spring(

@@ -1,7 +1,6 @@
 //! Supports and loads of the file.
 
 use super::Assembly;
-use super::bodies::PlacedBody;
 use crate::input::assemble::LineGeometry;
 use crate::input::file::{Analysis, Body, DofName, Initial, Load, ModelFile, Time};
 use crate::input::names::Names;
@@ -58,7 +57,7 @@ impl Assembly<'_> {
     }
 
     /// Adds the loads.
-    pub(super) fn add_loads(&mut self, bodies: &[PlacedBody]) -> Result<(), InputError> {
+    pub(super) fn add_loads(&mut self) -> Result<(), InputError> {
         let (file, mut builder) = (self.file, std::mem::take(&mut self.builder));
         let usual = match (&file.analysis, file.analysis.stepwise()) {
             (Analysis::Buckling(_), _) => Time::Proportional(1.0),
@@ -74,7 +73,7 @@ impl Assembly<'_> {
                 parts: self,
                 builder: &mut builder,
             };
-            entry.apply(bodies)?;
+            entry.apply()?;
         }
         self.builder = builder;
         Ok(())
@@ -145,7 +144,7 @@ impl Entry<'_> {
     }
 
     /// Adds the load.
-    fn apply(&mut self, bodies: &[PlacedBody]) -> Result<(), InputError> {
+    fn apply(&mut self) -> Result<(), InputError> {
         let (at, load, parts) = (self.at.clone(), self.load, self.parts);
         let all = [
             ("force", load.force),
@@ -192,10 +191,17 @@ impl Entry<'_> {
             }
             (_, None, None) => {
                 // Where bodies have weight, lines may have none.
-                self.weigh_lines(vector, 0..parts.file.lines.len(), bodies.is_empty())?;
-                for (placed, body) in bodies.iter().zip(&parts.file.bodies) {
+                let (file, bodies) = (parts.file, &parts.geometry.bodies);
+                self.weigh_lines(vector, 0..file.lines.len(), bodies.is_empty())?;
+                for (placed, body) in bodies.iter().zip(&file.bodies) {
                     let name = format!("{}: weight of {}", self.name, body.name);
-                    let weight = (placed.weight)(vector, self.amplitude()?);
+                    let (force, amplitude) = (vector.map(|g| g * body.mass), self.amplitude()?);
+                    let weight: Box<dyn Element> = match (body.inertia, body.center) {
+                        (None, None) => {
+                            Box::new(NodalLoad::new(LoadKind::DeadForce, force, amplitude))
+                        }
+                        _ => Box::new(EccentricForce::new(force, placed.center.into(), amplitude)),
+                    };
                     self.add(name, weight, &[placed.node])?;
                 }
                 Ok(())

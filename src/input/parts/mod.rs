@@ -93,11 +93,11 @@ impl<'a> Assembly<'a> {
         check_names(self)?;
         self.add_lines_and_joints(registry)?;
         self.check_offsets()?;
-        let bodies = self.add_bodies()?;
+        self.add_bodies()?;
         self.geometry.links = links(self).collect();
         self.add_springs()?;
         self.add_supports()?;
-        self.add_loads(&bodies)
+        self.add_loads()
     }
 
     /// Adds the inputs in the order of their names.
