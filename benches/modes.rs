@@ -5,7 +5,6 @@
 #![allow(missing_docs)]
 
 use nalgebra::Matrix3;
-use pullback::elements::beam::Interpolation;
 use pullback::elements::joint::Revolute;
 use pullback::elements::model::BeamLine;
 use pullback::elements::time::{Input, SteadyRotation};
@@ -37,11 +36,7 @@ fn frame(bays: usize, stories: usize, elements: usize) -> Result<Context, Box<dy
             nodes.push(node);
         }
     }
-    let line = BeamLine {
-        elements,
-        order: 1,
-        section: section()?,
-    };
+    let line = BeamLine::new(elements, section()?);
     let at = |i: usize, j: usize| nodes[j * (bays + 1) + i];
     for j in 0..stories {
         for i in 0..=bays {
@@ -50,12 +45,7 @@ fn frame(bays: usize, stories: usize, elements: usize) -> Result<Context, Box<dy
                 .into_iter()
                 .flatten()
             {
-                let axis = StraightLine {
-                    from: b.position(ends[0]),
-                    to: b.position(ends[1]),
-                    second: None,
-                    twist: 0.0,
-                };
+                let axis = StraightLine::new(b.position(ends[0]), b.position(ends[1]));
                 let name = format!("{} {}", b.node_name(ends[0]), b.node_name(ends[1]));
                 b.line(&name, &axis, ends, &line)?;
             }
@@ -94,20 +84,14 @@ fn blade(order: usize) -> Result<(Context, Input), Box<dyn Error>> {
     let speed = b.input(0.0);
     b.prescribe_coordinate(hub.coordinates[0], 0, SteadyRotation(speed));
     let line = BeamLine {
-        elements: 24,
         order,
-        section: section()?,
+        relative_to: Some(hub.frame),
+        ..BeamLine::new(24, section()?)
     };
     let root = b.offset("root", hub.frame, [0.0; 3])?;
     let tip = b.relative_node("tip", hub.frame, [1.0, 0.0, 0.0])?;
-    let axis = StraightLine {
-        from: b.position(root),
-        to: b.position(tip.frame),
-        second: None,
-        twist: 0.0,
-    };
-    let (ends, rotations) = ([root, tip.frame], Interpolation::Total);
-    b.line_relative("blade", &axis, ends, &line, rotations, Some(hub.frame))?;
+    let axis = StraightLine::new(b.position(root), b.position(tip.frame));
+    b.line("blade", &axis, [root, tip.frame], &line)?;
     Ok((Context::new(b.build()?), speed))
 }
 

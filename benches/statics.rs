@@ -16,17 +16,9 @@ fn rollup(elements: usize) -> Context {
     let mut builder = ModelBuilder::new();
     let root = builder.node("root", [0.0; 3]).expect("a new name");
     let tip = builder.node("tip", [1.0, 0.0, 0.0]).expect("a new name");
-    let axis = StraightLine {
-        from: builder.position(root),
-        to: builder.position(tip),
-        second: None,
-        twist: 0.0,
-    };
-    let line = BeamLine {
-        elements,
-        order: 1,
-        section: Section::diagonal(1e4, [1e4, 1e4], 2.0, [2.0, 2.0]).expect("positive"),
-    };
+    let axis = StraightLine::new(builder.position(root), builder.position(tip));
+    let section = Section::diagonal(1e4, [1e4, 1e4], 2.0, [2.0, 2.0]).expect("positive");
+    let line = BeamLine::new(elements, section);
     builder
         .line("beam", &axis, [root, tip], &line)
         .expect("a straight line");

@@ -11,15 +11,11 @@ fn main() -> Result<(), pullback::Failure> {
         angle: 45_f64.to_radians(),
         second: None,
     };
-    let line = BeamLine {
-        elements: 8,
-        order: 1,
-        section: Section::diagonal(1e7, [5e6; 2], 7.05e5, [1e7 / 12.0; 2])?,
-    };
+    let section = Section::diagonal(1e7, [5e6; 2], 7.05e5, [1e7 / 12.0; 2])?;
     let mut builder = ModelBuilder::new();
     let root = builder.node("root", [0.0; 3])?;
     let tip = builder.node("tip", arc.at(1.0).0.into())?;
-    builder.line("arc", &arc, [root, tip], &line)?;
+    builder.line("arc", &arc, [root, tip], &BeamLine::new(8, section))?;
     builder.support(root, &Dof::ALL);
     let force = NodalLoad::new(LoadKind::DeadForce, [0.0, 0.0, 600.0], Proportional(1.0));
     builder.element("tip force", force, &[tip])?;

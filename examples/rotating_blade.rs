@@ -1,7 +1,6 @@
 //! Modes of a rotating blade: relative equilibrium, linearisation, frequencies.
 
 use nalgebra::Matrix3;
-use pullback::elements::beam::Interpolation;
 use pullback::elements::joint::Revolute;
 use pullback::elements::time::{Input, SteadyRotation};
 use pullback::integrators::linearization::{ModeOptions, SteadyMotion, linearize, modes};
@@ -20,22 +19,16 @@ fn model() -> Result<(Model, Input), pullback::Failure> {
     // Slender: almost no stretching, shear and rotary inertia.
     let section = Section::diagonal(1e8, [2e7; 2], 1e4, [1.0, 1.0])?
         .with_mass(1.0, Matrix3::from_diagonal(&[2e-9, 1e-9, 1e-9].into()))?;
-    let line = BeamLine {
-        elements: 8,
-        order: 3,
-        section,
-    };
     // The coordinates of the blade are relative to the hub.
+    let line = BeamLine {
+        order: 3,
+        relative_to: Some(hub.frame),
+        ..BeamLine::new(8, section)
+    };
     let root = builder.offset("root", hub.frame, [0.0; 3])?;
     let tip = builder.relative_node("tip", hub.frame, [1.0, 0.0, 0.0])?;
-    let axis = StraightLine {
-        from: builder.position(root),
-        to: builder.position(tip.frame),
-        second: None,
-        twist: 0.0,
-    };
-    let (ends, rotations) = ([root, tip.frame], Interpolation::Total);
-    builder.line_relative("blade", &axis, ends, &line, rotations, Some(hub.frame))?;
+    let axis = StraightLine::new(builder.position(root), builder.position(tip.frame));
+    builder.line("blade", &axis, [root, tip.frame], &line)?;
     Ok((builder.build()?, speed))
 }
 

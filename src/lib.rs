@@ -26,15 +26,9 @@
 //! let mut builder = ModelBuilder::new();
 //! let root = builder.node("root", [0.0; 3])?;
 //! let tip = builder.node("tip", [length, 0.0, 0.0])?;
-//! let axis = StraightLine {
-//!     from: builder.position(root),
-//!     to: builder.position(tip),
-//!     second: None,
-//!     twist: 0.0,
-//! };
+//! let axis = StraightLine::new(builder.position(root), builder.position(tip));
 //! let section = Section::diagonal(1e4, [1e4, 1e4], 2.0, [EI, EI])?;
-//! let line = BeamLine { elements: 10, order: 1, section };
-//! builder.line("beam", &axis, [root, tip], &line)?;
+//! builder.line("beam", &axis, [root, tip], &BeamLine::new(10, section))?;
 //! builder.support(root, &Dof::ALL);
 //! let load = NodalLoad::new(LoadKind::SpatialMoment, [0.0, 0.0, moment], Proportional(1.0));
 //! builder.element("tip moment", load, &[tip])?;

@@ -27,18 +27,9 @@ fn line(
     elements: usize,
     section: Section,
 ) -> BeamLineNodes {
-    let axis = StraightLine {
-        from: b.position(ends[0]),
-        to: b.position(ends[1]),
-        second: None,
-        twist: 0.0,
-    };
-    let line = BeamLine {
-        elements,
-        order: 1,
-        section,
-    };
-    b.line(name, &axis, ends, &line).expect("a straight line")
+    let axis = StraightLine::new(b.position(ends[0]), b.position(ends[1]));
+    b.line(name, &axis, ends, &BeamLine::new(elements, section))
+        .expect("a straight line")
 }
 
 fn load(b: &mut ModelBuilder, name: &str, which: LoadKind, value: [f64; 3], node: NodeId) {

@@ -27,26 +27,19 @@ impl Assembly<'_> {
             file::Interpolation::Geodesic => Interpolation::Geodesic,
         };
         let axis = self.axis(&at, line, [from, to])?;
+        let parent =
+            (line.relative_to.as_ref()).map(|name| self.nodes.find(&at.at("relative_to"), name));
         let mesh = BeamLine {
             elements: line.elements,
             order: line.order,
             section,
+            interpolation,
+            relative_to: parent.transpose()?,
         };
-        let parent = (line.relative_to.as_ref())
-            .map(|name| self.nodes.find(&at.at("relative_to"), name))
-            .transpose()?;
-        let ends = [from, to];
-        let made = self
+        let made = (self
             .builder
-            .line_relative(
-                &line.name,
-                axis.as_ref(),
-                ends,
-                &mesh,
-                interpolation,
-                parent,
-            )
-            .map_err(|error| at.refuse(error))?;
+            .line(&line.name, axis.as_ref(), [from, to], &mesh))
+        .map_err(|error| at.refuse(error))?;
         let intervals = (made.nodes.len() - 1) as f64;
         let frames = (0..made.nodes.len())
             .map(|i| axis.at(i as f64 / intervals).1)

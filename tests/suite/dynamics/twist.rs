@@ -30,12 +30,11 @@ fn shaft(by: By) -> (ModelBuilder, NodeId, NodeId) {
             let axis = straight(&b, [root, tip]);
             let section = Section::diagonal(1e3, [1e3; 2], GJ, [0.5; 2]).unwrap();
             let line = BeamLine {
-                elements,
                 order,
-                section,
+                interpolation,
+                ..BeamLine::new(elements, section)
             };
-            b.line_relative("shaft", &axis, [root, tip], &line, interpolation, None)
-                .unwrap();
+            b.line("shaft", &axis, [root, tip], &line).unwrap();
         }
         By::Bushing => {
             let K = Matrix6::from_diagonal(&[1e3, 1e3, 1e3, GJ, 0.5, 0.5].into());

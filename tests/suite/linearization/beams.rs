@@ -43,9 +43,8 @@ impl Beam {
         let mut b = ModelBuilder::new();
         let ends = [("A", 0.0), ("B", 1.0)].map(|(name, x)| b.node(name, [x, 0.0, 0.0]).unwrap());
         let line = BeamLine {
-            elements,
             order: 3,
-            section: self.section(),
+            ..BeamLine::new(elements, self.section())
         };
         let axis = straight(&b, ends);
         b.line("beam", &axis, ends, &line).unwrap();

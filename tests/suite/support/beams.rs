@@ -6,12 +6,7 @@ use pullback::prelude::*;
 
 /// The straight line between two nodes.
 pub fn straight(b: &ModelBuilder, ends: [NodeId; 2]) -> StraightLine {
-    StraightLine {
-        from: b.position(ends[0]),
-        to: b.position(ends[1]),
-        second: None,
-        twist: 0.0,
-    }
+    StraightLine::new(b.position(ends[0]), b.position(ends[1]))
 }
 
 /// Elements of order one in a straight line between two nodes; the nodes of the line.
@@ -36,12 +31,10 @@ pub fn beam_with(
 ) -> Vec<NodeId> {
     let axis = straight(b, ends);
     let line = BeamLine {
-        elements,
-        order: 1,
-        section,
+        interpolation,
+        ..BeamLine::new(elements, section)
     };
-    let laid = b.line_relative(name, &axis, ends, &line, interpolation, None);
-    laid.unwrap().nodes
+    b.line(name, &axis, ends, &line).unwrap().nodes
 }
 
 /// A model file with a line from A to B, of length one along e1, and more of the file.

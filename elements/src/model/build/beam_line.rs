@@ -15,9 +15,24 @@ pub struct BeamLine {
     pub order: usize,
     /// Section in its own axes.
     pub section: Section,
+    /// Interpolation of rotations.
+    pub interpolation: Interpolation,
+    /// The frame to which the coordinates of inner nodes are relative, if any: [`ModelBuilder::relative_node`].
+    pub relative_to: Option<NodeId>,
 }
 
 impl BeamLine {
+    /// Elements with two nodes, total rotation vectors and coordinates of their own.
+    pub fn new(elements: usize, section: Section) -> Self {
+        Self {
+            elements,
+            order: 1,
+            section,
+            interpolation: Interpolation::Total,
+            relative_to: None,
+        }
+    }
+
     /// Parameter u ∈ \[0, 1\] of the axis at ξ ∈ \[−1, 1\] of element `e`, the first being 0.
     pub fn parameter(&self, e: usize, xi: f64) -> f64 {
         let order = self.order as f64;
@@ -36,8 +51,7 @@ pub struct BeamLineNodes {
 }
 
 impl ModelBuilder {
-    /// Adds beam elements along `axis`, between two existing nodes; rotations are interpolated by
-    /// total rotation vectors.
+    /// Adds beam elements along `axis`, between two existing nodes.
     ///
     /// Inner nodes are named `name/1`, `name/2`, ...; elements `name:1`, `name:2`, .... The end
     /// nodes must be at the ends of the axis.
@@ -48,25 +62,8 @@ impl ModelBuilder {
         &mut self,
         name: &str,
         axis: &dyn ReferenceCurve,
-        ends: [NodeId; 2],
-        line: &BeamLine,
-    ) -> Result<BeamLineNodes, ModelError> {
-        self.line_relative(name, axis, ends, line, Interpolation::Total, None)
-    }
-
-    /// As [`ModelBuilder::line`], with another interpolation of rotations, and with inner nodes whose coordinates are relative
-    /// to another frame, if one is given: see [`ModelBuilder::relative_node`].
-    ///
-    /// # Errors
-    /// As [`ModelBuilder::line`].
-    pub fn line_relative(
-        &mut self,
-        name: &str,
-        axis: &dyn ReferenceCurve,
         [from, to]: [NodeId; 2],
         line: &BeamLine,
-        interpolation: Interpolation,
-        parent: Option<NodeId>,
     ) -> Result<BeamLineNodes, ModelError> {
         let fail = |problem: String| ModelError::Line {
             line: name.to_owned(),
@@ -108,13 +105,13 @@ impl ModelBuilder {
         for k in 1..intervals {
             let (position, _) = axis.at(k as f64 / intervals as f64);
             let (inner, position) = (format!("{name}/{k}"), position.into());
-            nodes.push(match parent {
+            nodes.push(match line.relative_to {
                 None => self.node(inner, position)?,
                 Some(parent) => self.relative_node(inner, parent, position)?.frame,
             });
         }
         nodes.push(to);
-        let elements = self.line_through(name, axis, &nodes, line, interpolation)?;
+        let elements = self.line_through(name, axis, &nodes, line)?;
         Ok(BeamLineNodes { nodes, elements })
     }
 
@@ -128,7 +125,6 @@ impl ModelBuilder {
         axis: &dyn ReferenceCurve,
         nodes: &[NodeId],
         line: &BeamLine,
-        interpolation: Interpolation,
     ) -> Result<Vec<ElementId>, ModelError> {
         if nodes.len() != line.elements * line.order + 1 {
             return Err(ModelError::Line {
@@ -150,7 +146,7 @@ impl ModelBuilder {
             let positions: Vec<Vector3<f64>> = own.iter().map(|&n| self.position(n)).collect();
             let frame = |xi: f64| -> Matrix3<f64> { axis.at(line.parameter(e, xi)).1 };
             let element_name = format!("{name}:{}", e + 1);
-            let beam = interpolation
+            let beam = (line.interpolation)
                 .beam(&positions, &frame, &line.section)
                 .map_err(|source| ModelError::Beam {
                     element: element_name.clone(),

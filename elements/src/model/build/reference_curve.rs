@@ -46,6 +46,18 @@ pub struct StraightLine {
     pub twist: f64,
 }
 
+impl StraightLine {
+    /// Without a pretwist; E₃ is as close as possible to e3, or to e2 for a line along e3.
+    pub fn new(from: Vector3<f64>, to: Vector3<f64>) -> Self {
+        Self {
+            from,
+            to,
+            second: None,
+            twist: 0.0,
+        }
+    }
+}
+
 impl ReferenceCurve for StraightLine {
     fn at(&self, u: f64) -> (Vector3<f64>, Matrix3<f64>) {
         let tangent = self.to - self.from;

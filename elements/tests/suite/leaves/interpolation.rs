@@ -191,17 +191,11 @@ fn laws_found(interpolation: Interpolation, order: usize) -> Vec<String> {
     let ends = [b.node("a", ends[0]).unwrap(), b.node("b", ends[1]).unwrap()];
     let line = BeamLine {
         section: massive().with_damping(DAMPING).unwrap(),
+        interpolation,
         ..line(1, order)
     };
-    let laid = b.line_relative(
-        "beam",
-        &straight(&b, ends),
-        ends,
-        &line,
-        interpolation,
-        None,
-    );
-    laid.unwrap();
+    let axis = straight(&b, ends);
+    b.line("beam", &axis, ends, &line).unwrap();
     let report = checked(b, 0);
     report.assert();
     let rows = report.rows().iter();

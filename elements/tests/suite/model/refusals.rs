@@ -47,14 +47,19 @@ fn elements_that_do_not_fit() {
     }
     let interpolation = Interpolation::Total;
     let axis = straight(&b, ends);
-    let mut along =
-        |ends, parent| b.line_relative("l", &axis, ends, &line(2, 1), interpolation, parent);
+    let mut along = |ends, relative_to| {
+        let line = BeamLine {
+            relative_to,
+            ..line(2, 1)
+        };
+        b.line("l", &axis, ends, &line)
+    };
     let of_line = "line l refers to a node of another model builder";
     refused! {
         along([ends[0], foreign], None) => of_line,
         along(ends, Some(foreign)) =>
             "joint at node l/1 refers to a node of another model builder",
-        b.line_through("l", &axis, &[ends[0], foreign], &line(1, 1), interpolation) => of_line,
+        b.line_through("l", &axis, &[ends[0], foreign], &line(1, 1)) => of_line,
         b.offset("o", foreign, [0.0; 3]) =>
             "joint at node o refers to a node of another model builder",
         b.relative_node("o", foreign, [0.0; 3]) =>

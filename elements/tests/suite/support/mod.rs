@@ -178,19 +178,13 @@ impl Map<6, 6> for Twin {
 }
 
 pub fn straight(b: &ModelBuilder, ends: [NodeId; 2]) -> StraightLine {
-    StraightLine {
-        from: b.position(ends[0]),
-        to: b.position(ends[1]),
-        second: None,
-        twist: 0.0,
-    }
+    StraightLine::new(b.position(ends[0]), b.position(ends[1]))
 }
 
 pub fn line(elements: usize, order: usize) -> BeamLine {
     BeamLine {
-        elements,
         order,
-        section: section(),
+        ..BeamLine::new(elements, section())
     }
 }
 
