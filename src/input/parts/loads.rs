@@ -191,22 +191,26 @@ impl Entry<'_> {
             }
             (_, None, None) => {
                 // Where bodies have weight, lines may have none.
-                let (file, bodies) = (parts.file, &parts.geometry.bodies);
-                self.weigh_lines(vector, 0..file.lines.len(), bodies.is_empty())?;
-                for (placed, body) in bodies.iter().zip(&file.bodies) {
-                    let name = format!("{}: weight of {}", self.name, body.name);
-                    let (force, amplitude) = (vector.map(|g| g * body.mass), self.amplitude()?);
-                    let weight: Box<dyn Element> = match (body.inertia, body.center) {
-                        (None, None) => {
-                            Box::new(NodalLoad::new(LoadKind::DeadForce, force, amplitude))
-                        }
-                        _ => Box::new(EccentricForce::new(force, placed.center.into(), amplitude)),
-                    };
-                    self.add(name, weight, &[placed.node])?;
-                }
-                Ok(())
+                let bodies = !parts.file.bodies.is_empty();
+                self.weigh_lines(vector, 0..parts.file.lines.len(), !bodies)?;
+                self.weigh_bodies(vector)
             }
         }
+    }
+
+    /// Adds the weights of all bodies.
+    fn weigh_bodies(&mut self, g: [f64; 3]) -> Result<(), InputError> {
+        let parts = self.parts;
+        for (placed, body) in parts.geometry.bodies.iter().zip(&parts.file.bodies) {
+            let name = format!("{}: weight of {}", self.name, body.name);
+            let (force, amplitude) = (g.map(|g| g * body.mass), self.amplitude()?);
+            let weight: Box<dyn Element> = match (body.inertia, body.center) {
+                (None, None) => Box::new(NodalLoad::new(LoadKind::DeadForce, force, amplitude)),
+                _ => Box::new(EccentricForce::new(force, placed.center.into(), amplitude)),
+            };
+            self.add(name, weight, &[placed.node])?;
+        }
+        Ok(())
     }
 
     fn add(

@@ -301,42 +301,39 @@ impl Context {
         let count = nodes.map_or(self.model.nodes.len(), <[_]>::len);
         for k in 0..count {
             let node = nodes.map_or(NodeId(k as u32), |nodes| nodes[k]);
-            if nodes.is_some() || self.model.nodes[k].form == NodeForm::Frame {
-                self.set_own_velocity(q, v, node, motion);
-                self.set_own_velocity(q, v, self.free_rotation_of(node), motion);
+            if nodes.is_none() && self.model.nodes[k].form != NodeForm::Frame {
+                continue;
             }
-        }
-    }
-
-    /// The same for the coordinates that a node has itself.
-    fn set_own_velocity(&mut self, q: &[f64], v: &mut [f64], node: NodeId, motion: &RigidMotion) {
-        let n = &self.model.nodes[node.0 as usize];
-        let own = self.model.carrier(n);
-        if !own.is_own() {
-            return;
-        }
-        let value = |c: usize| match self.model.unknowns[c] {
-            NONE => self.model.prescribed_value(c),
-            u => q[u as usize],
-        };
-        let vector = |c: usize| Vector3::new(value(c), value(c + 1), value(c + 2));
-        let mut put = |c: usize, x: &Vector3<f64>| {
-            for (k, x) in x.iter().enumerate() {
-                if self.model.unknowns[c + k] != NONE {
-                    v[self.model.unknowns[c + k] as usize] = *x;
+            for id in [node, self.free_rotation_of(node)] {
+                let n = &self.model.nodes[id.0 as usize];
+                let own = self.model.carrier(n);
+                if !own.is_own() {
+                    continue;
+                }
+                let value = |c: usize| match self.model.unknowns[c] {
+                    NONE => self.model.prescribed_value(c),
+                    u => q[u as usize],
+                };
+                let vector = |c: usize| Vector3::new(value(c), value(c + 1), value(c + 2));
+                let mut put = |c: usize, x: &Vector3<f64>| {
+                    for (k, x) in x.iter().enumerate() {
+                        if self.model.unknowns[c + k] != NONE {
+                            v[self.model.unknowns[c + k] as usize] = *x;
+                        }
+                    }
+                };
+                if n.form == NodeForm::Frame {
+                    let position = n.position + vector(own.first);
+                    let arm = position - motion.about;
+                    put(own.first, &(motion.velocity + motion.omega.cross(&arm)));
+                }
+                if n.rotation().is_some() {
+                    let first = own.first + n.dim - 3;
+                    let map = n.mapped().map(|d| &mut self.state.maps[d.index]);
+                    let rate = rotation_rate(map, &vector(first), &motion.omega);
+                    put(first, &rate);
                 }
             }
-        };
-        if n.form == NodeForm::Frame {
-            let position = n.position + vector(own.first);
-            let arm = position - motion.about;
-            put(own.first, &(motion.velocity + motion.omega.cross(&arm)));
-        }
-        if n.rotation().is_some() {
-            let first = own.first + n.dim - 3;
-            let map = n.mapped().map(|d| &mut self.state.maps[d.index]);
-            let rate = rotation_rate(map, &vector(first), &motion.omega);
-            put(first, &rate);
         }
     }
 
