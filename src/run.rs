@@ -152,13 +152,13 @@ pub fn run_job(
     if matches!(job.plan, Plan::Dynamic(_)) {
         recorder.checkpoint(context, &progress)?;
     }
-    let rows = &recorder.recording.rows;
-    let t = rows.last().map_or(job.plan.start(), |row| row.t);
-    let rows = rows.len();
+    let last = recorder.recording.rows.last();
+    let t = last.map_or(job.plan.start(), |row| row.t);
     let (found, ending) = find(context, &progress, job.eigenvalues, ended.ending, observer);
     if let Some(found) = &found {
         recorder.write_eigenvalues(context, progress.state.point(), found)?;
     }
+    let rows = recorder.recording.rows.len();
     let (written, warnings) = recorder.finish(&ending, ended.counts)?;
     Ok(Outcome {
         ending,

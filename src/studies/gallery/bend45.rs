@@ -95,13 +95,9 @@ pub(super) fn objectivity(report: &mut CaseReport) -> Result<(), CaseProblem> {
     // Load and unload.
     let time = "{ table = [[0, 0], [1, 1], [2, 0]] }";
     let cycle = report.model_with("bend45", &[("loads.0.time", time)])?;
-    let end = report
-        .build(&cycle, "tip")?
-        .end(&until(2.0))?
-        .state
-        .d
-        .norm();
-    report.compare("tip after loading and unloading", end, 0.0, 1e-9, CLOSED);
+    let end = report.build(&cycle, "tip")?.end(&until(2.0))?.state.d;
+    let what = "tip after loading and unloading";
+    report.compare(what, end.norm(), 0.0, 1e-9, CLOSED);
 
     // Two loads in either order.
     let mut tips = Vec::new();
