@@ -2,9 +2,16 @@
 
 use super::{X, Y, assert_near, slider};
 use crate::support::*;
+use nalgebra::SVector;
 use num_complex::Complex64;
-use pullback::integrators::linearization::stability_limit;
+use pullback::check;
+use pullback::elements::energy::EnergyElement;
+use pullback::elements::joint::Prismatic;
+use pullback::integrators::linearization::{ModeOptions, linearize, modes, stability_limit};
 use pullback::integrators::statics::StaticOptions;
+use pullback::manifold::scalar::Scalar;
+use pullback::manifold::system::Point;
+use pullback::prelude::*;
 use std::f64::consts::TAU;
 
 /// Eigenvalues λ of a model on the ground, about its state as drawn.
@@ -436,5 +443,52 @@ fn what_the_load_parameter_moves_does_not_rotate() {
                 "{turned}: {found:?}"
             );
         }
+    }
+}
+
+/// A spring beside a Maxwell element, by its elongation x and that of its damper.
+struct Maxwell {
+    k: [f64; 2],
+    tau: f64,
+}
+
+impl EnergyElement<2> for Maxwell {
+    const KINETIC: bool = false;
+
+    fn potential<S: Scalar>(&self, _t: S, x: &SVector<S, 2>) -> S {
+        let e = x[0] - x[1];
+        (x[0] * x[0] * self.k[0] + e * e * self.k[1]) * 0.5
+    }
+
+    fn dissipation<S: Scalar>(&self, _x: &SVector<S, 2>, v: &SVector<S, 2>) -> S {
+        v[1] * v[1] * (0.5 * self.k[1] * self.tau)
+    }
+}
+
+/// A coordinate with an equation of first order: (m λ² + k₀)(1 + τ λ) + k₁ τ λ = 0, as ṡ = k₁ ẋ − s/τ.
+#[test]
+fn a_mass_on_a_maxwell_element() {
+    let (k, tau, m) = ([9.0, 5.0], 0.7, 2.0);
+    let maxwell = || Maxwell { k, tau }.into_element();
+    check::element(&maxwell()).assert();
+    let mut b = ModelBuilder::new();
+    let ground = b.node("ground", [0.0; 3]).unwrap();
+    b.support(ground, &Dof::ALL);
+    let slide = Prismatic::new([1.0, 0.0, 0.0]).unwrap();
+    let slide = b.attach("slide", ground, slide).unwrap();
+    b.element("mass", PointMass::new(m).unwrap(), &[slide.frame])
+        .unwrap();
+    let z = b.coordinates("z", &[Quantity::Length]).unwrap();
+    b.element("maxwell", maxwell(), &[slide.coordinates[0], z])
+        .unwrap();
+    let mut context = Context::new(b.build().unwrap());
+    let linear = linearize(&mut context, Point::statics(0.0, &[0.0; 2])).unwrap();
+    let found = modes(&linear, &ModeOptions::lowest(3)).unwrap().modes;
+    // One relaxation, and one vibration.
+    assert_eq!(found.len(), 2);
+    for mode in found {
+        let at = mode.eigenvalue;
+        let left = (at * at * m + k[0]) * (at * tau + 1.0) + at * (k[1] * tau);
+        assert!(left.norm() < 1e-12 * k[0], "{at}: {left}");
     }
 }
