@@ -46,6 +46,9 @@ fn is_damped(system: &mut dyn System, state: &State, h: f64) -> Result<bool, Dyn
 /// A jump excites motions that relax within the step, λh ≫ 1 with λ = C/M, and that no step shows:
 /// 4/(λh) of them remains.
 const PASSES: usize = 4;
+/// The λh above which a motion that relaxes counts as unresolved. The trapezoidal rule takes all of it in the mean of two steps,
+/// but alternates about it, by the factor (1 − λh/2)/(1 + λh/2) from step to step.
+const RINGING: f64 = 10.0;
 
 /// Largest number of impulses; each leaves ½ (1 − cos θ) of the missing momentum at a corner of θ.
 const IMPULSES: usize = 30;
@@ -135,8 +138,8 @@ impl Stepper {
     /// [M h_xᵀ; h_x 0] (q̈, λ) = (r, −ḧ at q̈ = 0).
     ///
     /// Accelerations that the state already has are corrected, with r and ḧ at these: of a change that dampers would absorb
-    /// within a step hardly anything is taken ([`PASSES`]). Coordinates without mass keep theirs, as only a step can
-    /// determine them, unless a prescribed motion `jumps`.
+    /// within a small part of a step hardly anything is taken ([`PASSES`]). Coordinates without mass keep theirs, as only a step
+    /// can determine them, unless a prescribed motion `jumps`.
     pub(super) fn accelerate(
         &mut self,
         system: &mut dyn System,
@@ -179,8 +182,8 @@ impl Stepper {
         Ok(())
     }
 
-    /// Whether the accelerations of a state with the corrections in `r` last for a step h: an explicit step with them leaves
-    /// forces no larger than those at its beginning.
+    /// Whether the accelerations of a state with the corrections in `r` last for a good part of a step h: an explicit step with
+    /// them leaves forces λh times those at its beginning.
     fn lasts(&mut self, system: &mut dyn System, state: &State, h: f64) -> bool {
         let Some(stage) = self.stages.last_mut() else {
             return true;
@@ -203,7 +206,7 @@ impl Stepper {
             evaluated.map(|()| forces.fold(0.0, |most, (r, c)| f64::max(most, r.abs() * c.size)))
         });
         self.r.copy_from_slice(x);
-        matches!(sizes, [Ok(forces), Ok(left)] if left <= forces)
+        matches!(sizes, [Ok(forces), Ok(left)] if left <= RINGING * forces)
     }
 
     /// Applies the impulse at a jump of a prescribed velocity: the momentum of the free coordinates is

@@ -215,6 +215,15 @@ pub(super) fn check_state(state: &State, system: &dyn System) -> Result<(), Dyna
     if !state.t.is_finite() {
         return refuse("time", format!("it is {}", state.t));
     }
+    if n == 0 {
+        return refuse("coordinates", "the system has none".to_owned());
+    }
+    for (i, info) in system.pattern().coordinates().iter().enumerate() {
+        if !(info.is_multiplier || (info.size > 0.0 && info.size.is_finite())) {
+            let problem = format!("the size of {} is {}", system.name(i), info.size);
+            return refuse("coordinates", format!("{problem}: give its positive unit"));
+        }
+    }
     let fresh = state.a.is_empty();
     for (what, x) in [
         ("coordinates", &state.q),

@@ -127,3 +127,33 @@ fn a_geodesic_beam_swung_in_space_across_changes_of_chart() {
         assert_order_of(scheme, &run, &reference, 320);
     }
 }
+
+/// A mass with the velocity 1 on a damper comes to rest at m/c, as m v + c q does not change: schemes keep that to rounding, if
+/// they begin with the acceleration of the damper.
+#[test]
+fn a_damper_stops_a_mass_in_less_than_a_step() {
+    for word in ["newmark", "projected-newmark", "bathe", "radau"] {
+        for c in [150.0, 250.0, 900.0] {
+            let (mut b, ground) = grounded();
+            let slide = Prismatic::new([1.0, 0.0, 0.0]).unwrap();
+            let slide = b.attach("slide", ground, slide).unwrap();
+            b.element("mass", PointMass::new(1.0).unwrap(), &[slide.frame])
+                .unwrap();
+            let law = CoordinateLaw {
+                c,
+                ..CoordinateLaw::default()
+            };
+            let damper = CoordinateSpring::new(law).unwrap();
+            b.element("damper", damper, &slide.coordinates).unwrap();
+            let mut context = Context::new(b.build().unwrap());
+            let options = DynamicOptions {
+                scheme: word.parse().unwrap(),
+                ..DynamicOptions::new(1.0, 0.01)
+            };
+            let run = observed(&mut context, [&[0.0], &[1.0]], &options, &mut |_, _| ());
+            let [q, v] = [run.state.q[0], run.state.v[0]];
+            assert!((c * q - 1.0).abs() < 1e-12, "{word} {c}: {q}");
+            assert!(v.abs() < 1e-9, "{word} {c}: {v}");
+        }
+    }
+}

@@ -242,6 +242,33 @@ fn options_are_refused_with_their_range() {
         start(&Oscillator::new(1.0, 1.0), 0.0, &[], &[f64::NAN]) =>
             ["velocities to begin with: the mass is NaN"],
     }
+    // A pattern of one's own: no coordinates, or one without a size.
+    let patterned = |n: usize, size: f64| {
+        let info = CoordinateInfo {
+            size,
+            ..CoordinateInfo::default()
+        };
+        let pattern = BlockPattern::dense(n).with_coordinates(|_| info);
+        start(&Patterned(pattern), 0.0, &[], &[])
+    };
+    refused! {
+        patterned(0, 1.0) => ["coordinates to begin with: the system has none"],
+        patterned(2, f64::NAN) => ["the size of coordinate 0 is NaN: give its positive unit"],
+        patterned(2, 0.0) => ["the size of coordinate 0 is 0: give its positive unit"],
+    }
+}
+
+/// A system of which only the coordinates matter.
+struct Patterned(BlockPattern);
+
+impl System for Patterned {
+    fn pattern(&self) -> &BlockPattern {
+        &self.0
+    }
+
+    fn evaluate(&mut self, _: Point<'_>, _: Evaluation<'_>) -> Result<(), SystemError> {
+        Ok(())
+    }
 }
 
 #[test]
