@@ -258,7 +258,7 @@ impl Stepper {
         Ok(most)
     }
 
-    /// Whether dampers take more energy within a step h of the velocities in `r` than the impulse that causes them.
+    /// Whether dampers take much more energy within a step h of the velocities in `r` than the impulse that causes them.
     fn is_absorbed(
         &mut self,
         system: &mut dyn System,
@@ -272,7 +272,7 @@ impl Stepper {
         let mut taken = vec![0.0; dv.len()];
         system.pattern().multiply_add(h, &self.S, &dv, &mut taken);
         self.r = dv;
-        Ok(dot(&taken, &self.r) > dot(impulse, &self.r))
+        Ok(dot(&taken, &self.r) > RINGING * dot(impulse, &self.r))
     }
 
     /// Solves for velocities with damping but no mass: along directions in which M is zero, but not C, the residual is a
