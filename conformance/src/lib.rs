@@ -7,7 +7,7 @@
 //! | [`rewriting`] | a map that reparametrizes | x, ẋ, ẍ and forces stay; the change back |
 //! | [`chart`] | a [`RotationChart`](pullback_manifold::chart::RotationChart) | coordinates and quaternions determine each other; a change of chart keeps the motion |
 //! | [`forces`] | any residual with tangents | K = −∂r/∂x, C = −∂r/∂ẋ, M = −∂r/∂ẍ, r_t, r = −∂E/∂x |
-//! | [`system`] | a [`System`](pullback_manifold::system::System) | the same for the tangent in its pattern |
+//! | [`system`] | a [`System`](pullback_manifold::system::System) | the same for the tangent in its pattern; equations of multipliers for accelerations |
 //! | [`parametrization`] | a map behind slices | those of [`map`] without closed forms |
 //! | [`kinematics`] | the same, at one state | those of [`map`] without closed forms |
 //! | [`pieces`] | the same, if it consists of several pieces | x, ẋ, ẍ, B, Ḃ are continuous between pieces |

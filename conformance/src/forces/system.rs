@@ -19,7 +19,10 @@ const NOISE: f64 = 100.0;
 /// solver uses.
 pub fn system(subject: &str, system: &mut dyn System, states: &[(String, TestState)]) -> Report {
     let layout = Layout::of(system);
-    system_at(subject, &layout, system, states)
+    at_states(subject, &layout, states, |laws| {
+        one(laws, system)?;
+        accelerations(laws, system)
+    })
 }
 
 /// As [`system`], with a layout of the coordinates.
@@ -146,6 +149,54 @@ fn combination(laws: &mut Laws<'_>, system: &mut dyn System, all: &Linearization
     let law = "S = cK K + cC C + cM M";
     laws.report.defects(law, at, &by_row(&gap), &allowed);
     again
+}
+
+/// The equations of multipliers for consistent accelerations: −ḧ instead of −h, and ∂h/∂q with M alone.
+fn accelerations(laws: &mut Laws<'_>, system: &mut dyn System) -> Option<()> {
+    let (state, pattern) = (laws.state, system.pattern().clone());
+    let is_gap = |i: usize| pattern.coordinates()[i].is_multiplier;
+    if state.is_static() || !(0..pattern.dim()).any(is_gap) {
+        return Some(());
+    }
+    let (r, values) = parts(system, state)?;
+    let (mut second, mut M) = (r.clone(), vec![1e3; pattern.len()]);
+    let out = Evaluation {
+        accelerations: Some(0.0),
+        ..Evaluation::with_tangent(&mut second, Weights::MASS, &mut M)
+    };
+    system.evaluate(state.point(), out).ok()?;
+    let entries = pattern.triplets(&values[0]).zip(&M);
+    let of_gaps = entries.filter(|((r, c, _), _)| is_gap(*r) || is_gap(*c));
+    let (mut off, mut size) = (0.0, 0.0);
+    of_gaps.for_each(|((_, _, K), M)| (off, size) = (off + (M - K).abs(), size + K.abs()));
+    let law = "dh/dq with M for accelerations";
+    laws.report.defect(law, laws.at, off, 1e-12 * size);
+
+    let mut at = |e: f64| {
+        let later = TestState {
+            t: state.t + e,
+            x: state.ahead(e),
+            v: &state.v + &state.a * e,
+            a: state.a.clone(),
+        };
+        residual(system, &later).unwrap_or_else(|| vec![f64::NAN; r.len()])
+    };
+    let (layout, law) = (laws.layout, "d2h/dt2 for accelerations");
+    let sizes = Linearization {
+        pattern: &pattern,
+        r: &r,
+        values,
+    }
+    .sizes(layout, state);
+    laws.report.slopes(law, laws.at, 4.0, FIRST, &sizes, |e| {
+        let (before, after) = (at(-e), at(e));
+        let left = (0..after.len()).map(|i| match is_gap(i) {
+            true => before[i] + after[i] - 2.0 * r[i] - second[i] * e * e,
+            false => 0.0,
+        });
+        layout.forces(&left.collect::<Vec<_>>())
+    });
+    Some(())
 }
 
 /// A state that differs in its last digits.

@@ -185,6 +185,99 @@ fn every_law_of_a_system_finds_its_error() {
     failing(Assembly::ResidualChanges, law);
 }
 
+/// A unit mass on the sphere |x|² = 2 t³ by a multiplier, h = ½ x·x − t³, with errors at the level of accelerations.
+struct OnSphere {
+    pattern: BlockPattern,
+    error: Level,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Level {
+    Right,
+    NotRaised,
+    WithoutVelocities,
+    WithoutTime,
+    NoRow,
+    NoColumn,
+}
+
+impl System for OnSphere {
+    fn pattern(&self) -> &BlockPattern {
+        &self.pattern
+    }
+
+    fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
+        let raised = out.accelerations.is_some() && self.error != Level::NotRaised;
+        let by = |on: bool| f64::from(u8::from(on));
+        let (mut second, mut square) = (-6.0 * at.t * by(self.error != Level::WithoutTime), 0.0);
+        for i in 0..at.q.len() - 1 {
+            let a = if at.a.is_empty() { 0.0 } else { at.a[i] };
+            let v = if at.v.is_empty() { 0.0 } else { at.v[i] };
+            out.r[i] = -a - at.q[3] * at.q[i];
+            square += at.q[i] * at.q[i];
+            second += at.q[i] * a + v * v * by(self.error != Level::WithoutVelocities);
+        }
+        out.r[3] = if raised {
+            -second
+        } else {
+            at.t.powi(3) - 0.5 * square
+        };
+        if let Some(r_t) = out.r_t {
+            r_t.fill(0.0);
+            r_t[3] = 3.0 * at.t * at.t;
+        }
+        let Some((w, values)) = out.S else {
+            return Ok(());
+        };
+        values.fill(0.0);
+        let held = if raised { w.M } else { w.K };
+        for i in 0..3 {
+            values[5 * i] = w.M + w.K * at.q[3];
+            values[4 * i + 3] = at.q[i]
+                * if self.error == Level::NoRow {
+                    w.K
+                } else {
+                    held
+                };
+            values[12 + i] = at.q[i]
+                * if self.error == Level::NoColumn {
+                    w.K
+                } else {
+                    held
+                };
+        }
+        Ok(())
+    }
+}
+
+#[test]
+fn equations_of_multipliers_are_differentiated_twice_for_accelerations() {
+    let report = |error| {
+        let gap = |i| CoordinateInfo {
+            is_multiplier: i == 3,
+            ..CoordinateInfo::default()
+        };
+        let pattern = BlockPattern::dense(4).with_coordinates(gap);
+        let mut system = OnSphere { pattern, error };
+        check::system("on a sphere", &mut system, &check::states(4))
+    };
+    report(Level::Right).assert();
+    let [second, row] = [
+        "d2h/dt2 for accelerations",
+        "dh/dq with M for accelerations",
+    ];
+    for (error, laws) in [
+        (Level::NotRaised, vec![second, row]),
+        (Level::WithoutVelocities, vec![second]),
+        (Level::WithoutTime, vec![second]),
+        (Level::NoRow, vec![row]),
+        (Level::NoColumn, vec![row]),
+    ] {
+        let found = report(error).failing_laws();
+        assert_eq!(found, laws, "{error:?}");
+    }
+}
+
 #[test]
 fn dense_matrices_come_out_of_their_blocks() {
     let pattern = BlockPattern::new(&[2, 1, 3], [[0, 1], [1, 2]]);
