@@ -173,8 +173,8 @@ impl ElementWorkspace {
         statics: bool,
     ) -> Result<(), DomainError> {
         let n = e.element.dim();
-        // Equations have no mass.
-        let massless = statics || e.dead || e.element.abilities().enforced.is_some();
+        // Loads and equations have no mass.
+        let massless = statics || e.load || e.element.abilities().enforced.is_some();
         let weights = (!massless).then_some(Weights::MASS);
         self.evaluate((e, state), t, statics, weights, false, false)?;
         let p = &mut self.work[..n];
