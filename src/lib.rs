@@ -93,6 +93,8 @@ mod failure;
 #[cfg(feature = "cli")]
 pub mod input;
 #[cfg(feature = "cli")]
+pub mod linear;
+#[cfg(feature = "cli")]
 pub mod method;
 #[cfg(feature = "cli")]
 pub mod modes;

@@ -1,5 +1,6 @@
 //! Modes and critical loads of a model.
 
+use crate::linear::{check_mobility, equations, warning_of_motion};
 use crate::terminal::plural;
 use nalgebra::Vector3;
 use num_complex::Complex64;
@@ -8,10 +9,10 @@ use pullback_elements::time::Input;
 use pullback_integrators::linearization::{
     BucklingError, BucklingMode, CampbellDiagram, CampbellError, CampbellOptions,
     LinearizationError, Linearized, Mode, ModeOptions, ModesError, Selection, buckling_while,
-    campbell, linearize, modes_while,
+    campbell, modes_while,
 };
 use pullback_integrators::significant;
-use pullback_manifold::system::{Evaluation, Point, System, SystemError};
+use pullback_manifold::system::{Point, System, SystemError};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
@@ -62,7 +63,7 @@ pub enum ModelModesError {
     #[error("Campbell diagram: {0}")]
     Campbell(#[from] CampbellError),
     /// Everything is prescribed.
-    #[error("nothing in the model is free to move: it has no modes")]
+    #[error("nothing in the model is free to move: it has neither modes nor equations of motion")]
     Immobile,
     /// A range without modes.
     #[error("no mode has a natural frequency |λ|/2π between {} and {}", significant(.0[0]), significant(.0[1]))]
@@ -101,8 +102,7 @@ pub fn find(
     options: &ModeOptions,
     observer: &mut dyn FnMut(usize) -> ControlFlow<()>,
 ) -> Result<ModelModes, ModelModesError> {
-    check_mobility(context)?;
-    let lin = linearize(context, at)?;
+    let lin = equations(context, at)?;
     find_in(context, at, lin, options, observer)
 }
 
@@ -164,13 +164,6 @@ fn find_in(
     })
 }
 
-fn check_mobility(context: &Context) -> Result<(), ModelModesError> {
-    match context.mobility().coordinates {
-        0 => Err(ModelModesError::Immobile),
-        _ => Ok(()),
-    }
-}
-
 /// Linear momentum that the velocities of each mode add to that of the state.
 fn participations(
     context: &mut Context,
@@ -196,35 +189,6 @@ fn participations(
         Ok([0, 1, 2].map(|k| Complex64::new(re[k], im[k])))
     });
     participations.collect()
-}
-
-/// Forces of a motion relative to those on the model below which it is at rest.
-const AT_REST: f64 = 1e-9;
-
-/// What a user should know of a linearisation about a state that moves.
-pub(crate) fn warning_of_motion(
-    context: &mut Context,
-    at: Point<'_>,
-) -> Result<Option<String>, SystemError> {
-    let still = vec![0.0; at.q.len()];
-    let (mut r, mut resting) = (still.clone(), still.clone());
-    let (v, a) = (&still[..at.v.len()], &still[..at.a.len()]);
-    context.evaluate(Point { v, a, ..at }, Evaluation::residual(&mut resting))?;
-    context.evaluate(at, Evaluation::residual(&mut r))?;
-    let measures = context.scales().measures();
-    let coordinates = context.pattern().coordinates().iter();
-    let moves = coordinates
-        .zip(r.iter().zip(&resting))
-        .any(|(info, (r, resting))| {
-            (r - resting).abs() > AT_REST * measures[info.quantity.index()]
-        });
-    Ok(moves.then(|| {
-        format!(
-            "the state moves: its equations are frozen at time {}, and growth or decay of a mode there is none of \
-             the motion; only a steady motion, at rest in its coordinates, has modes of its own",
-            significant(at.t)
-        )
-    }))
 }
 
 /// Critical loads of a model, nearest to that of an equilibrium.
@@ -300,7 +264,7 @@ pub fn campbell_diagram(
     let lowest = ModeOptions::lowest(options.count);
     let lin = match diagram.last.take() {
         Some(lin) => lin,
-        None => linearize(context, at)?,
+        None => equations(context, at)?,
     };
     let mut last = find_in(context, at, lin, &lowest, &mut |_| observer())?;
     last.warnings.extend(growing(&diagram));

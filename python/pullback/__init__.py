@@ -13,6 +13,7 @@ choice, vectors are in global components, angles in radians.
 
 from __future__ import annotations
 
+import copy
 import json
 import math
 import os
@@ -58,7 +59,7 @@ def _value(value: Any) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, (int, float)):
-        return repr(value)
+        return repr(value if abs(value) < 2**63 else float(value))
     if isinstance(value, str):
         return json.dumps(value, ensure_ascii=False)
     if isinstance(value, Mapping):
@@ -71,7 +72,7 @@ def _value(value: Any) -> str:
 class Model:
     """A model and its analysis: the text of a model file.
 
-    A model does not change; it can be pickled, compared and sent to other processes.
+    A model does not change; it can be pickled, compared by text and name, and sent to other processes.
     """
 
     __slots__ = ("_name", "_text", "end", "inputs", "title")
@@ -117,7 +118,7 @@ class Model:
         return Model(_pullback.with_parameters(self._text, values), self._name)
 
     def run(self, *, progress: bool = False, check: bool = True) -> Result:
-        """Runs the analysis in memory; other Python threads go on meanwhile.
+        """Runs the analysis in memory; other Python threads go on meanwhile. `progress` shows a line for a motion.
 
         Warnings are Python warnings. If the analysis fails, AnalysisError is raised, with what has converged in
         its `result`; with check=False the result is returned, and says so. After Ctrl-C, KeyboardInterrupt is raised,
@@ -150,7 +151,10 @@ class Model:
 
         Raises AnalysisError for a model with [analysis.campbell], whose equations depend on the speed.
         """
-        return Linearized(_pullback.linear(self._text, self._name, at))
+        found = _pullback.linearize(self._text, self._name, at)
+        for warning in found["warnings"]:
+            warnings.warn(warning, stacklevel=2)
+        return Linearized(found)
 
     def modes(
         self, count: int = 10, *, at: float | None = None, near: float = 0.0, undamped: bool = False
@@ -176,10 +180,10 @@ class Model:
         return rows
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Model) and self._text == other._text
+        return isinstance(other, Model) and (self._text, self._name) == (other._text, other._name)
 
     def __hash__(self) -> int:
-        return hash(self._text)
+        return hash((self._text, self._name))
 
     def __repr__(self) -> str:
         return f"<pullback.Model {self.title or self._name!r}>"
@@ -245,10 +249,10 @@ class ModelBuilder:
         named = self._tables.setdefault(table, {})
         if name in named:
             raise ValueError(f"{table} has {name!r} already")
-        named[name] = value
+        named[name] = copy.deepcopy(value)
 
     def _add(self, table: str, keys: dict[str, Any]) -> None:
-        entry = {key.removesuffix("_"): value for key, value in keys.items()}
+        entry = {key.removesuffix("_"): copy.deepcopy(value) for key, value in keys.items()}
         self._tables.setdefault(table, []).append(entry)
 
     def section(self, name: str, **keys: Any) -> None:
@@ -305,7 +309,7 @@ class ModelBuilder:
 
     def analysis(self, kind: str, **keys: Any) -> None:
         """The analysis, in place of one given before."""
-        self._tables["analysis"] = {kind: keys}
+        self._tables["analysis"] = {kind: copy.deepcopy(keys)}
 
     def to_toml(self) -> str:
         """The text of the model file so far."""

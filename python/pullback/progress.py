@@ -21,9 +21,9 @@ class Progress:
         return self._show if self._shown else None
 
     def _show(self, at: float) -> None:
-        part = min(max((at - self._done) / (self._end - self._done), 1e-9), 1.0)
-        left = (time.monotonic() - self._start) * (1 / part - 1)
-        sys.stderr.write(f"\r{100 * min(at / self._end, 1.0):5.1f} %, {left:.0f} s left ")
+        part = min((at - self._done) / (self._end - self._done), 1.0)
+        left = f", {(time.monotonic() - self._start) * (1 / part - 1):.0f} s left" if part > 0 else ""
+        sys.stderr.write(f"\r{100 * min(at / self._end, 1.0):5.1f} %{left} ")
         sys.stderr.flush()
 
     def __exit__(self, *_: object) -> None:

@@ -33,13 +33,15 @@ class Modes:
 class Result:
     """What a run leaves.
 
-    `history` holds the columns of history.csv as arrays of shape (rows,), `events` the located event of each row or
-    None. `nodes` are the names of all frames, `positions` and `rotations` (rotation vectors in the chart in use) of shape
+    `history` holds the numbers of history.csv, but for the number of the row, as arrays of shape (rows,) that cannot be
+    changed, `events` the located event of each row or None. `nodes` are the names of all frames, `positions` and `rotations` (rotation vectors in the chart in use) of shape
     (rows, nodes, 3). `modes` are those of [analysis.modes]; `eigenvalues` the tables of [analysis.buckling]
     (loads, shapes) and [analysis.campbell] (speeds, frequencies, damping_ratios).
     """
 
     def __init__(self, found: dict[str, Any]) -> None:
+        for column in found["history"].values():
+            column.setflags(write=False)
         self.history: dict[str, np.ndarray] = found["history"]
         self.events: list[str | None] = found["events"]
         self.nodes: list[str] = found["nodes"]
@@ -50,6 +52,7 @@ class Result:
         self.iterations: int = found["iterations"]
         self.ending: str = found["ending"]
         self.message: str = found["message"]
+        found["poses"].setflags(write=False)
         poses = found["poses"].reshape(len(self.events), len(self.nodes), 2, 3)
         self.positions, self.rotations = poses[:, :, 0], poses[:, :, 1]
         self.eigenvalues: dict[str, Any] | None = found.get("eigenvalues")

@@ -147,8 +147,8 @@ def spectrum(schemes: Sequence[str], *, from_: float = 0.01, to: float = 1000.0)
 
     Raises ValueError for a scheme that is none or has no spectrum.
     """
-    found = (Spectrum(found) for found in json.loads(_pullback.spectra(list(schemes), (from_, to))))
-    return {spectrum.scheme: spectrum for spectrum in found}
+    found = json.loads(_pullback.spectra(list(schemes), (from_, to)))
+    return dict(zip(schemes, map(Spectrum, found)))
 
 
 def _of(table: dict[str, Any], key: str, what: str) -> Any:

@@ -43,7 +43,12 @@ class SweepTable:
         if name not in self.columns:
             raise KeyError(f"there is no column {name!r}; there are: {', '.join(self.columns)}")
         k = self.columns.index(name)
-        return np.array([row[k] for row in self.rows])
+        column = [row[k] for row in self.rows]
+        try:
+            return np.array(column)
+        except ValueError:
+            # Values of several lengths.
+            return np.fromiter(column, dtype=object)
 
     def frame(self) -> Any:
         """The table as a pandas.DataFrame, which writes CSV and, where pyarrow is installed, Parquet."""

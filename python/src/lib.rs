@@ -12,12 +12,12 @@ use numpy::PyArray1;
 use pullback::check;
 use pullback::elements::model::Context;
 use pullback::input::{self, EigenvaluePlan, InputError, Job, Plan, Registry};
-use pullback::integrators::linearization::{ModeOptions, Selection, linearize};
+use pullback::integrators::linearization::{ModeOptions, Selection};
 use pullback::manifold::system::Point;
-use pullback::modes;
 use pullback::output::Ending;
 use pullback::run::{ReachError, Recorded, RunError, reach, record_job, run_job};
 use pullback::solve::Advance;
+use pullback::{linear, modes};
 use pyo3::create_exception;
 use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -247,16 +247,16 @@ fn at_state<T: Send>(
 
 /// The linear equations of motion about a state: rows, columns and values of K, C and M, columns of ∂r/∂u, and names.
 #[pyfunction]
-fn linear<'py>(
+fn linearize<'py>(
     py: Python<'py>,
     text: &str,
     name: &str,
     at: Option<f64>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let (lin, inputs) = at_state(py, (text, name, at), |job, at| {
-        let lin = linearize(&mut job.context, at).map_err(failed)?;
+    let (lin, inputs, warnings) = at_state(py, (text, name, at), |job, at| {
+        let lin = linear::equations(&mut job.context, at).map_err(failed)?;
         let inputs: Vec<String> = job.file.inputs.keys().cloned().collect();
-        Ok((lin, inputs))
+        Ok((lin, inputs, linear::warnings(job, at).map_err(failed)?))
     })?;
     let out = PyDict::new(py);
     for (name, values) in [("K", &lin.K), ("C", &lin.C), ("M", &lin.M)] {
@@ -276,6 +276,7 @@ fn linear<'py>(
     out.set_item("r_u", columns.collect::<Vec<_>>())?;
     out.set_item("inputs", inputs)?;
     out.set_item("coordinates", lin.names)?;
+    out.set_item("warnings", warnings)?;
     Ok(out)
 }
 
@@ -313,8 +314,18 @@ fn find_modes<'py>(
 /// Verifies a model; its rows as JSON, and whether all are well.
 #[pyfunction]
 fn verify(py: Python<'_>, text: &str, name: &str, seed: u64) -> PyResult<(String, bool)> {
+    let mut watch = Watch::new(None);
     py.detach(|| {
-        let report = check::job(&mut assemble(text, name)?, seed);
+        let mut job = assemble(text, name)?;
+        // After Ctrl-C the check is left to its end in another thread.
+        let work = std::thread::spawn(move || check::job(&mut job, seed));
+        while !work.is_finished() {
+            std::thread::sleep(Duration::from_millis(2));
+            if watch.step(0.0).is_break() {
+                return Err(watch.raised.take().unwrap_or_else(|| failed("interrupted")));
+            }
+        }
+        let report = work.join().map_err(|_| failed("a worker stopped"))?;
         let rows = serde_json::to_string(&check::entries(&report));
         Ok((rows.map_err(failed)?, report.is_ok()))
     })
@@ -339,7 +350,17 @@ mod _pullback {
     use super::sweep::{PySweep, PyTable};
     #[pymodule_export]
     use super::{
-        AnalysisError, ModelError, find_modes, inspect, linear, program, run, schema, verify,
+        AnalysisError, ModelError, find_modes, inspect, linearize, program, run, schema, verify,
         with_parameters, write,
     };
+    use pyo3::prelude::*;
+
+    /// NumPy is found before the first signal may come: Ctrl-C would break its import within a call.
+    #[pymodule_init]
+    fn init(m: &Bound<'_, PyModule>) -> PyResult<()> {
+        super::array(m.py(), Vec::new());
+        m.py()
+            .get_type::<super::AnalysisError>()
+            .setattr("result", m.py().None())
+    }
 }

@@ -17,17 +17,26 @@ use std::sync::{Mutex, PoisonError};
 ///
 /// It begins at the start of a model; ModelError for one without [analysis.dynamic]. Warnings about it are Python warnings.
 #[pyclass(name = "Simulation", module = "pullback", subclass)]
-pub(super) struct PySimulation(Mutex<Motion>);
+pub(super) struct PySimulation {
+    motion: Mutex<Motion>,
+    /// Text and name of its model.
+    model: [String; 2],
+}
 
 impl PySimulation {
     fn motion(&mut self) -> &mut Motion {
-        self.0.get_mut().unwrap_or_else(PoisonError::into_inner)
+        self.motion
+            .get_mut()
+            .unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 /// A copy of a motion.
 #[pyclass(name = "SavedMotion", module = "pullback", frozen)]
-pub(super) struct PySaved(SavedMotion);
+pub(super) struct PySaved {
+    motion: SavedMotion,
+    model: [String; 2],
+}
 
 fn motion_error(error: MotionError) -> PyErr {
     match error {
@@ -42,13 +51,15 @@ impl PySimulation {
     #[new]
     fn new(py: Python<'_>, model: &Bound<'_, PyAny>) -> PyResult<Self> {
         let part = |name| model.getattr(name)?.extract::<String>();
-        let (text, name) = (part("_text")?, part("_name")?);
-        let motion = py.detach(|| Motion::new(assemble(&text, &name)?).map_err(motion_error))?;
+        let model = [part("_text")?, part("_name")?];
+        let [text, name] = &model;
+        let motion = py.detach(|| Motion::new(assemble(text, name)?).map_err(motion_error))?;
         for warning in motion.warnings() {
             let warning = CString::new(warning.as_str())?;
             PyErr::warn(py, &py.get_type::<PyUserWarning>(), &warning, 1)?;
         }
-        Ok(Self(Mutex::new(motion)))
+        let motion = Mutex::new(motion);
+        Ok(Self { motion, model })
     }
 
     /// Makes a step; False at the end. With h the steps from now on are equal, and at most this large.
@@ -67,7 +78,7 @@ impl PySimulation {
     }
 
     fn __next__(slf: &Bound<'_, Self>) -> PyResult<Option<Py<Self>>> {
-        let moved = slf.borrow_mut().step(slf.py(), None)?;
+        let moved = slf.try_borrow_mut()?.step(slf.py(), None)?;
         Ok(moved.then(|| slf.clone().unbind()))
     }
 
@@ -131,11 +142,18 @@ impl PySimulation {
 
     /// A copy of everything that the next step depends on.
     fn save(&mut self) -> PySaved {
-        PySaved(self.motion().save())
+        PySaved {
+            motion: self.motion().save(),
+            model: self.model.clone(),
+        }
     }
 
-    /// Goes back to a copy; the steps from there are the same to the last bit.
+    /// Goes back to a copy of a motion of the same model; the steps from there are the same to the last bit.
     fn restore(&mut self, saved: &PySaved) -> PyResult<()> {
-        self.motion().restore(&saved.0).map_err(motion_error)
+        if saved.model != self.model {
+            let message = "the motion was saved from another model";
+            return Err(PyValueError::new_err(message));
+        }
+        self.motion().restore(&saved.motion).map_err(motion_error)
     }
 }

@@ -1,6 +1,6 @@
 //! Schemes side by side, and their spectra, as JSON.
 
-use super::{Watch, assemble, failed, refused, watched};
+use super::{ModelError, Watch, assemble, failed, refused, watched};
 use pullback::input::job;
 use pullback::studies::compare::{Candidate, CompareError, ComparisonOptions, Hooks};
 use pullback::studies::{compare as comparison, spectrum};
@@ -66,6 +66,7 @@ pub(super) fn compare(
         match found {
             Ok(found) => serde_json::to_string(&found).map_err(failed),
             Err(CompareError::Input(error)) => Err(refused(error)),
+            Err(error @ CompareError::Static) => Err(ModelError::new_err(error.to_string())),
             Err(error) => Err(unusable(error)),
         }
     })

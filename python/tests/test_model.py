@@ -3,6 +3,7 @@
 import inspect
 import pickle
 import textwrap
+from pathlib import Path
 
 import numpy as np
 import pullback as pb
@@ -207,3 +208,33 @@ def test_tables_and_figures():
     animation = result.animate()
     animation._draw_frame(0)
     animation.to_jshtml()
+
+
+def test_arrays_are_those_of_the_call():
+    m, position = pb.ModelBuilder(), np.array([0.0, 1.0, 2.0])
+    m.node("far", position)
+    position[:] = 9
+    assert "far = [0.0, 1.0, 2.0]" in m.to_toml()
+    result = builder().build().run()
+    for values in (result.t, result.positions, result["strain_energy"]):
+        with pytest.raises(ValueError, match="read-only"):
+            values *= 2
+
+
+def test_models_of_two_places_differ():
+    """Files that a text names are found from where its own is."""
+    here, there = (pb.Model.from_toml(CANTILEVER, name) for name in ("a/model.toml", "b/model.toml"))
+    assert here != there and len({here, there}) == 2
+
+
+SUPPORT = '[[supports]]\nnode = "tip"\nfix = "all"\n[[loads]]'
+
+
+def test_equations_of_motion_are_told_of():
+    held = CANTILEVER.replace("elements = 4\norder = 2", "elements = 1").replace("[[loads]]", SUPPORT)
+    with pytest.raises(pb.AnalysisError, match="nothing in the model is free") as error:
+        pb.Model.from_toml(held).linearize()
+    assert error.value.result is None
+    swing = pb.Model.from_file(Path(__file__).parents[2] / "examples/models/pendulum.toml")
+    with pytest.warns(UserWarning, match="the state moves"):
+        swing.linearize(at=1.0)

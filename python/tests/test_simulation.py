@@ -131,3 +131,10 @@ def test_a_simulation_warns_as_a_run():
     m.analysis("dynamic", to=1, step=0.1)
     with pytest.warns(UserWarning, match="no mass acts on loose angle"):
         pb.Simulation(m.build())
+
+
+def test_a_copy_belongs_to_its_model():
+    saved = pb.Simulation(arm(1.0)).save()
+    pb.Simulation(arm(1.0)).restore(saved)
+    with pytest.raises(ValueError, match="another model"):
+        pb.Simulation(arm(2.0)).restore(saved)

@@ -2,8 +2,9 @@
 
 use super::parameters::ModelArguments;
 use super::{Exit, INTERRUPTED, complain, fail, print, refuse};
-use crate::input::{Analysis, EigenvaluePlan, Job, ModelFile, Registry, Time};
-use crate::modes::{steady_rotation, warning_of_motion};
+use crate::input::{Analysis, EigenvaluePlan, Job, Registry};
+use crate::linear::{equations, warnings};
+use crate::modes::steady_rotation;
 use crate::output::{Directory, OutputError};
 use crate::probe::{Answers, Probe};
 use crate::run::{ReachError, reach};
@@ -85,20 +86,14 @@ pub(super) fn linearize(registry: &Registry, args: &LinearizeArguments) -> Exit 
     let at = progress.state.point();
     let (lin, speed) = match rotated {
         Some(rotated) => rotated,
-        None => (linearized(&mut job.context, at).map_err(fail)?, 0.0),
+        None => (equations(&mut job.context, at).map_err(fail)?, 0.0),
     };
     let first_order = match args.first_order {
         true => Some(first_order(&mut job, (&lin, at), speed)?),
         false => None,
     };
-    if let Some(warning) = warning_of_motion(&mut job.context, at).map_err(fail)? {
+    for warning in warnings(&mut job, at).map_err(fail)? {
         tell(format!("warning: {warning}"));
-    }
-    if let Some(name) = prescribing(&job.file) {
-        tell(format!(
-            "warning: input {name} prescribes a motion, as a value that changes from sample to sample: rates and accelerations of \
-             that motion are in no matrix"
-        ));
     }
     let mut inputs = job.file.inputs.keys().cloned().collect::<Vec<_>>();
     if let Analysis::Campbell(campbell) = &job.file.analysis {
@@ -145,20 +140,6 @@ fn equations_at_speed(
         );
     }
     Ok(diagram.last.zip(options.speeds.last().copied()))
-}
-
-/// An input that prescribes a motion, if there is one.
-fn prescribing(file: &ModelFile) -> Option<&String> {
-    let supports = file.supports.iter().filter_map(|s| s.prescribed.as_ref());
-    let supports = supports.flat_map(|prescribed| prescribed.given().map(|(_, time)| time));
-    let joints = file.joints.iter().filter_map(|j| j.prescribed.as_ref());
-    let coordinates = file.joints.iter().flat_map(|j| j.coordinates.values());
-    let coordinates = coordinates.filter_map(|acts| acts.prescribed.as_ref());
-    let mut times = supports.chain(joints).chain(coordinates);
-    times.find_map(|time| match time {
-        Time::Input(name) => Some(name),
-        _ => None,
-    })
 }
 
 /// Names of outputs, and the matrices of the first-order form.

@@ -35,7 +35,9 @@ pub enum InputProblem {
          shape without that, or hold the joint where the shape is computed"
     )]
     ShapeOfJoint { joint: String },
-    #[error("\"{path}\" is no path of a parameter")]
+    #[error(
+        "\"{path}\" is no path of a parameter; in it, a name with other signs than letters, digits, _ and - stands in quotes"
+    )]
     Path { path: String },
     #[error("{} and {} give one parameter two values", paths[0], paths[1])]
     Repeated { paths: [String; 2] },

@@ -174,7 +174,7 @@ impl fmt::Display for Reduction {
             Self::Last => f.write_str("last"),
             Self::Max => f.write_str("max"),
             Self::Min => f.write_str("min"),
-            Self::At(t) => write!(f, "at({t:?})"),
+            Self::At(t) => write!(f, "at({t})"),
         }
     }
 }
