@@ -59,7 +59,7 @@ pub(crate) struct Answers {
 impl Answers {
     /// Evaluates a model in its present configuration.
     pub fn of(context: &Context, t: f64) -> Self {
-        let mut reactions = context.reactions();
+        let mut reactions = context.last_forces().reactions();
         reactions.sort_unstable_by(|a, b| a.node.cmp(&b.node));
         Self {
             sections: context.section_states(t),
@@ -193,7 +193,7 @@ impl Probe {
     fn vector(&mut self, context: &Context, answers: &Answers) -> Vector3<f64> {
         match &self.target {
             Target::Joint(node, _) if self.quantity == ProbeQuantity::joint_effort => {
-                scalar(context.joint_effort(*node))
+                scalar(context.last_forces().joint_effort(*node))
             }
             Target::Joint(node, _) => {
                 let rate = match self.quantity {
@@ -231,7 +231,7 @@ impl Probe {
                     ProbeQuantity::angular_acceleration => state.omega_dot,
                     ProbeQuantity::joint_force | ProbeQuantity::joint_moment => {
                         let k = usize::from(self.quantity == ProbeQuantity::joint_moment);
-                        let force = context.joint_force(*node);
+                        let force = context.last_forces().joint_force(*node);
                         force.map_or_else(Vector3::zeros, |both| both[k])
                     }
                     ProbeQuantity::reaction_force => reaction(|r| r.force),

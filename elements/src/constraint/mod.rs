@@ -9,7 +9,8 @@
 //! | multipliers | [`Multipliers`] | X + M | h = 0 at converged states; index 3 |
 //! | penalty | [`Penalty`] | X | nothing: h is of order 1/p |
 //!
-//! h is a [`Map`] from the coordinates of the element's nodes to its M residuals, written once;
+//! h is a [`Map`] from the coordinates of the element's nodes to its M residuals, written once, and evaluated in its domain
+//! only; in an element it has no [state](pullback_manifold::map::MapState), and stays in the piece of its start;
 //! h_x, Σ λᵢ D²hᵢ, ḣ and ḧ are its derivatives as a map. [`Scaled`] divides each equation by its
 //! size, so that "closed to 10⁻¹²" means the same for a length, an angle and a length squared. The
 //! solvers equilibrate rows and columns of multipliers, so that neither the step size nor the unit
@@ -29,13 +30,6 @@ use pullback_manifold::scalar::Scalar;
 
 /// Largest number of equations of one constraint.
 pub const MAX_EQUATIONS: usize = 32;
-
-/// Residual, relative to the size of its equation, beyond which the constraint counts as violated.
-const TORN: f64 = 0.1;
-/// Limit of a constraint in messages.
-const OPEN: &str = "the neighbourhood of its closed position: its gap would be more than a tenth of the size \
-                    of the model, as its penalty is too small for these loads, or no closed position carries \
-                    them";
 
 /// Equations divided by their sizes: the map s ∘ h with a factor for each equation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,10 +54,8 @@ impl<H: Map<N, M>, const N: usize, const M: usize> Map<N, M> for Scaled<H, M> {
         h
     }
 
-    /// The equations must hold approximately: a penalty has other equilibria, at which a loop is
-    /// torn open and its springs are at a dead point.
     fn domain(&self, t: f64, x: &SVector<f64, N>) -> Result<f64, DomainError> {
-        DomainError::within(TORN - self.phi(t, x).amax(), OPEN)
+        self.h.domain(t, x)
     }
 
     fn is_objective(&self) -> bool {

@@ -49,6 +49,7 @@ impl<H: Map<N, M> + 'static, const N: usize, const M: usize> Element for Multipl
 
     fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), DomainError> {
         let [x, ..] = vectors::<N>(at);
+        self.equations.h.domain(at.t, &x)?;
         let lambda = SVector::<f64, M>::from_column_slice(&at.x[N..]);
         let h = self.equations.h.tangent(at.t, &x);
         add(out.r, 0, &-h.B.tr_mul(&lambda));

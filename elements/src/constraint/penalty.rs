@@ -36,8 +36,7 @@ pub enum PenaltyError {
 ///
 /// The equations are violated by μ/p: errors are of order 1/p, and so are the squared periods of
 /// vibrations on the springs, which a scheme without damping keeps. Redundant equations are
-/// allowed. Nothing is evaluated outside the domain of h; that of [`Scaled`](super::Scaled)
-/// equations ends where a loop is torn open.
+/// allowed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Penalty<H, const N: usize, const M: usize> {
     equations: NamedEquations<H, N, M>,

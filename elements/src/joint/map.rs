@@ -182,6 +182,10 @@ impl MapState for Slide {
 }
 
 impl Segments for Slide {
+    fn count(&self) -> usize {
+        self.chain.count()
+    }
+
     fn segment(&self) -> usize {
         self.chain.line()
     }

@@ -76,6 +76,14 @@ pub enum ModelError {
         limit: usize,
     },
     #[error(
+        "the map of the joint at node {node} needs a set of parents for each segment ({count}) or one for all, and has {found}"
+    )]
+    Segments {
+        node: String,
+        count: usize,
+        found: usize,
+    },
+    #[error(
         "the map of the joint at node {node} takes {} coordinates to {}, but it must take the \
          {found} of its parents ({parents}) to {dim}", map.0, map.1
     )]

@@ -32,8 +32,8 @@ pub use kinematics::formulation::Formulation;
 pub use kinematics::motion::{NodeState, RigidMotion};
 pub use kinematics::rates::BEFORE_START;
 pub use results::energies::{EnergiesAndMomentum, Momentum};
+pub use results::forces::{Forces, Reaction};
 pub use results::mobility::Mobility;
-pub use results::query::Reaction;
 pub use state::{ModelState, SavedState};
 
 use crate::constraint::Enforced;

@@ -69,8 +69,13 @@ pub(super) struct Work {
     t: f64,
     q: Vec<f64>,
     valid: bool,
+    /// Whether the equations have gone to another piece, which [`MapState::change_charts`](crate::map::MapState::change_charts)
+    /// has not told yet.
+    pub piece_changed: bool,
     /// (p, x).
     pub y: Vec<f64>,
+    /// The same where h_y was found last, before the last correction.
+    pub linearised: Vec<f64>,
     pub h: Vec<f64>,
     /// h_y, M×(p + X).
     pub J: Vec<f64>,
@@ -132,6 +137,7 @@ impl ImplicitMap {
         self.work = Work {
             q: z(Q),
             y: z(N),
+            linearised: z(N),
             h: z(M),
             J: z(M * N),
             B: z(X * D),
@@ -175,6 +181,7 @@ impl ImplicitMap {
     pub(super) fn linearise(&mut self, t: f64) {
         let w = &mut self.work;
         w.valid = false;
+        w.linearised.copy_from_slice(&w.y);
         self.h.tangent(t, &w.y, &mut w.h, &mut w.J);
     }
 

@@ -19,9 +19,16 @@ impl Parametrization for ImplicitMap {
         (self.D + self.p, self.X)
     }
 
+    fn is_objective(&self) -> bool {
+        self.h.is_objective()
+    }
+
     fn domain(&mut self, t: f64, q: &[f64]) -> Result<f64, DomainError> {
         match self.solve(t, q) {
-            Ok(()) => DomainError::within(1.0 / self.work.condition - RANK, ALLOWED),
+            Ok(()) => {
+                let margin = DomainError::within(1.0 / self.work.condition - RANK, ALLOWED)?;
+                Ok(margin.min(self.h.domain(t, &self.work.linearised)?))
+            }
             Err(error) => Err(DomainError::Undefined(advised(error))),
         }
     }

@@ -62,6 +62,11 @@ pub trait Implicit<const X: usize, const M: usize>: Send + Sync {
     /// The left-hand sides of the equations h(t, x) = 0, in any units.
     fn h<S: Scalar>(&self, t: S, x: &SVector<S, X>) -> SVector<S, M>;
 
+    /// See [`Map::is_objective`]: false for equations that are tied to space.
+    fn is_objective(&self) -> bool {
+        true
+    }
+
     /// Typical size of coordinate `k`, in its unit: 1 for an angle, a length of the mechanism for a
     /// length. Ranks and condition numbers refer to coordinates divided by their sizes.
     fn size(&self, k: usize) -> f64 {
@@ -90,6 +95,10 @@ where
 {
     fn phi<S: Scalar>(&self, t: S, x: &SVector<S, X>) -> SVector<S, M> {
         self.0.h(t, x)
+    }
+
+    fn is_objective(&self) -> bool {
+        self.0.is_objective()
     }
 }
 

@@ -9,7 +9,7 @@ impl ImplicitMap {
     /// Changes the charts of the equations at the present position.
     pub(super) fn change_equation_charts(&mut self, t: f64) {
         if let Some(state) = self.h.state() {
-            state.change_charts(t, &self.work.y);
+            self.work.piece_changed |= state.change_charts(t, &self.work.y).residual;
         }
     }
 }
@@ -21,7 +21,10 @@ impl MapState for ImplicitMap {
             // There are no other coordinates to choose.
             self.reparametrize(t, &mut q.to_vec(), &mut vec![0.0; q.len()], &mut []);
         }
-        ChartChanges::default()
+        ChartChanges {
+            charts: 0,
+            residual: std::mem::take(&mut self.work.piece_changed),
+        }
     }
 
     fn freeze_piece(&mut self, at: Option<(f64, &[f64])>) {
@@ -79,6 +82,7 @@ impl MapState for ImplicitMap {
             return false;
         }
         self.change_equation_charts(t);
+        self.work.piece_changed = false;
         let used = self.chart.used.iter().filter(|&&u| u).count();
         let complete = (self.chart.independent.as_ref()).is_none_or(|k| k.len() == D);
         used == X - D && complete && self.refresh(t, &q)

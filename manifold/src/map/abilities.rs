@@ -86,6 +86,9 @@ pub trait Reparametrization {
 
 /// A map along a chain of elements, which reads other parents on each segment.
 pub trait Segments {
+    /// Number of segments.
+    fn count(&self) -> usize;
+
     /// Index of the present segment.
     fn segment(&self) -> usize;
 

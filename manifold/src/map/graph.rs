@@ -155,6 +155,12 @@ impl Parametrization for MapGraph {
     /// The least margin of its maps.
     fn domain(&mut self, t: f64, y: &[f64]) -> Result<f64, DomainError> {
         let mut least = f64::INFINITY;
+        if self.at.split_first() == Some((&t, y)) {
+            for link in &mut self.links {
+                least = least.min(link.map.domain(t, &link.q[0])?);
+            }
+            return Ok(least);
+        }
         self.at.clear();
         for k in 0..self.links.len() {
             let (before, rest) = self.links.split_at_mut(k);
@@ -247,7 +253,9 @@ impl MapState for MapGraph {
             let link = &mut rest[0];
             link.gather(before, [y, &[], &[]], 1);
             if let Some(state) = link.map.state() {
-                all.charts += state.change_charts(t, &link.q[0]).charts;
+                let changes = state.change_charts(t, &link.q[0]);
+                all.charts += changes.charts;
+                all.residual |= changes.residual;
             }
             link.evaluate(t, 1);
         }

@@ -62,9 +62,7 @@ fn follow(by: Closure, mut options: DynamicOptions) -> Outcome {
             gap.max((context.node_state(tip).position - context.node_state(other).position).norm());
         let s = &step.progress.state;
         let at = point(s);
-        let mut r = vec![0.0; s.q.len()];
-        context.evaluate(at, Evaluation::residual(&mut r)).unwrap();
-        force.push(context.joint_force(pin).unwrap()[0]);
+        force.push(context.forces(at).unwrap().joint_force(pin).unwrap()[0]);
     });
     Outcome { end, force, gap }
 }
@@ -208,11 +206,9 @@ fn equilibrium(by: Closure) -> (f64, Vector2<f64>) {
     })
     .unwrap();
     let (t, v, a) = (1.0, &[][..], &[][..]);
-    let mut r = vec![0.0; q.len()];
-    let at = Point { t, q: &q, v, a };
-    context.evaluate(at, Evaluation::residual(&mut r)).unwrap();
     let pin = context.find("C").unwrap();
-    let force = context.joint_force(pin).unwrap()[0];
+    let forces = context.forces(Point { t, q: &q, v, a }).unwrap();
+    let force = forces.joint_force(pin).unwrap()[0];
     let crank = context.coordinate(angles[0], 0).unwrap()[0];
     (CRANK_START + crank, flat(&force))
 }

@@ -194,6 +194,23 @@ fn symmetries_are_found() {
         weight(b, ends);
     };
     assert_eq!(count(&mut model(1.0, Geodesic, total, hung)), 1);
+    // A part that turns by itself, and a free joint on it.
+    let turned = |b: &mut ModelBuilder, ends: [NodeId; 2]| {
+        let hinge = || Revolute::new([0.0, 0.6, 0.8]).unwrap();
+        let prescribed = b.attach("prescribed", ends[1], hinge()).unwrap();
+        let sine = Sine {
+            amplitude: 0.8,
+            omega: 3.0,
+            phase: 0.0,
+            offset: 0.0,
+        };
+        b.prescribe_coordinate(prescribed.coordinates[0], 0, sine);
+        let free = b.attach("free", prescribed.frame, hinge()).unwrap();
+        let J = Matrix3::from_diagonal(&Vector3::new(0.1, 0.2, 0.25));
+        let body = RigidBody::new(0.6, J, Vector3::new(0.2, 0.1, 0.0)).unwrap();
+        b.element("turned", body, &[free.frame]).unwrap();
+    };
+    assert_eq!(count(&mut model(1.0, Geodesic, total, turned)), 6);
     let mut spins = model(1.0, Geodesic, Formulation::LieGroup, hung);
     assert_eq!(count(&mut spins), 1);
     let clamped = |b: &mut ModelBuilder, ends: [NodeId; 2]| b.support(ends[0], &Dof::ALL);

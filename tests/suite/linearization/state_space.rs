@@ -103,7 +103,8 @@ fn inputs_that_prescribe_a_motion_are_warned_of() {
     ] {
         let out = directory("state_prescribed");
         let text = pendulum(acts).replace("dynamic]\nto = 0.01\nstep = 0.01", "modes]");
-        write(&out, &text);
+        let free = [hinge("free", "ground", "spring = { k = 1 }"), body("free")];
+        write(&out, &[text, free.concat()].concat());
         let said = succeeded(&program_in(&out, "linearize model.toml"));
         let warning = "input torque prescribes a motion";
         assert_eq!(said.contains(warning), warned, "{said}");

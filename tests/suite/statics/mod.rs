@@ -6,6 +6,7 @@ mod critical;
 mod energies;
 mod equilibrium;
 mod imperfections;
+mod pieces;
 mod program;
 mod stability;
 mod units;

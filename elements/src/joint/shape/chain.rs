@@ -64,6 +64,11 @@ impl Chain {
         position(0) * a + position(1) * b - self.start.map(S::constant)
     }
 
+    /// Number of lines.
+    pub fn count(&self) -> usize {
+        self.positions.len() - 1
+    }
+
     /// The present line, from 0.
     pub fn line(&self) -> usize {
         self.line

@@ -69,13 +69,13 @@ impl Context {
         Ok(())
     }
 
-    /// Takes the rates by the load parameter from prescribed coordinates of a static point, and from all that follows them.
-    fn rest(&mut self, t: f64) -> Result<(), SystemError> {
-        for c in self.model.prescribed.iter().map(|p| p.coordinate) {
-            (self.work.v[c], self.work.a[c]) = (0.0, 0.0);
-        }
-        self.work.known.forget();
-        self.expand_dependent(t)
+    /// Takes the rates by the load parameter from all that is prescribed at a static point.
+    fn rest(&mut self) {
+        let w = &mut self.work;
+        w.known.forget();
+        w.v.fill(0.0);
+        w.a.fill(0.0);
+        w.operators[1..].iter_mut().for_each(|B| B.fill(0.0));
     }
 
     /// Takes the present inputs, on which all may depend.
@@ -238,7 +238,7 @@ impl Context {
         self.enter_element_charts();
         self.expand(at)?;
         if rests {
-            self.rest(at.t)?;
+            self.rest();
         }
         if rates {
             self.work.r.fill(0.0);

@@ -5,6 +5,10 @@ use crate::element::Element;
 use crate::model::build::builder::{ModelBuilder, NodeId};
 use crate::model::loops::{Closing, Coincide, EQUATIONS, LoopReport};
 use crate::model::{ModelError, NodeForm};
+use nalgebra::SVector;
+use pullback_manifold::domain::DomainError;
+use pullback_manifold::map::Map;
+use pullback_manifold::scalar::Scalar;
 use pullback_manifold::system::Quantity;
 
 /// Method of closing a loop.
@@ -109,7 +113,10 @@ impl ModelBuilder {
             let element: Box<dyn Element> = match by {
                 Closure::Penalty(PenaltyStiffness { p, tau }) => {
                     let p_l2 = p * length * length;
-                    let made = Penalty::<_, 12, 6>::new(h, PenaltyStiffness { p: p_l2, tau });
+                    let made = Penalty::<_, 12, 6>::new(
+                        NearlyClosed(h),
+                        PenaltyStiffness { p: p_l2, tau },
+                    );
                     let made = made.map_err(|source| ModelError::Penalty {
                         joint: name.clone(),
                         source,
@@ -131,5 +138,30 @@ impl ModelBuilder {
             });
         }
         Ok((reports, closings))
+    }
+}
+
+/// Residual, relative to the size of its equation, beyond which a penalty counts as violated.
+const TORN: f64 = 0.1;
+/// Limit of a penalty in messages.
+const OPEN: &str = "the neighbourhood of its closed position: its gap would be more than a tenth of the size \
+                    of the model, as its penalty is too small for these loads, or no closed position carries \
+                    them";
+
+/// Equations that must hold approximately: a penalty has other equilibria, at which a loop is torn open and its springs are
+/// at a dead point.
+struct NearlyClosed<H>(H);
+
+impl<H: Map<N, M>, const N: usize, const M: usize> Map<N, M> for NearlyClosed<H> {
+    fn phi<S: Scalar>(&self, t: S, x: &SVector<S, N>) -> SVector<S, M> {
+        self.0.phi(t, x)
+    }
+
+    fn domain(&self, t: f64, x: &SVector<f64, N>) -> Result<f64, DomainError> {
+        DomainError::within(TORN - self.phi(t, x).amax(), OPEN)
+    }
+
+    fn is_objective(&self) -> bool {
+        self.0.is_objective()
     }
 }

@@ -5,7 +5,7 @@ use crate::model::build::builder::{FRAME, FRAME_QUANTITIES, ModelBuilder, NodeId
 use crate::model::kinematics::mapped_node::MappedNode;
 use crate::model::kinematics::pose::{add_pose, new_pose};
 use crate::model::{ModelError, NodeForm};
-use pullback_manifold::map::{Parametrization, ToChart};
+use pullback_manifold::map::{Parametrization, Segments, ToChart};
 use pullback_manifold::system::Quantity;
 
 impl ModelBuilder {
@@ -24,11 +24,11 @@ impl ModelBuilder {
         self.mapped_node_along(name, position, map, &[parents])
     }
 
-    /// As [`ModelBuilder::mapped_node`], for a map with several sets of parents
-    /// ([`Segments::segment`](pullback_manifold::map::Segments::segment) is the one in use).
+    /// As [`ModelBuilder::mapped_node`], for a map with a set of parents for each of its
+    /// [`Segments`](pullback_manifold::map::Segments).
     ///
     /// # Errors
-    /// As [`ModelBuilder::mapped_node`].
+    /// As [`ModelBuilder::mapped_node`]; [`ModelError::Segments`].
     pub fn mapped_node_along(
         &mut self,
         name: impl Into<String>,
@@ -119,12 +119,16 @@ impl ModelBuilder {
         segments: &[&[NodeId]],
     ) -> Result<Box<MappedNode>, ModelError> {
         let (d, n) = map.dims();
-        // Without parents of the segment in use there are none at all.
-        let in_use = segments.get(map.segment()).copied();
-        for parents in segments
-            .iter()
-            .chain(in_use.is_none().then_some(&[].as_slice()))
-        {
+        let (count, found) = (map.segments().map_or(1, Segments::count), segments.len());
+        let segments = match segments {
+            [all] => vec![*all; count],
+            each => each.to_vec(),
+        };
+        if segments.len() != count || count == 0 {
+            let node = name.to_owned();
+            return Err(ModelError::Segments { node, count, found });
+        }
+        for parents in &segments {
             self.check_own(parents, || format!("joint at node {name}"))?;
             if parents.len() > MAX_NODES {
                 return Err(ModelError::TooManyNodes {

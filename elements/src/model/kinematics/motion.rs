@@ -1,10 +1,8 @@
-//! Motion of a model: initial velocities, joint coordinates, joint forces.
+//! Motion of a model: initial velocities, joint coordinates.
 
 use crate::blocks::three;
 use crate::model::build::builder::NodeId;
 use crate::model::kinematics::formulation::rotation_rate;
-use crate::model::kinematics::node_entries::collect;
-use crate::model::loops::upwards;
 use crate::model::{Context, Model, NONE, Node, NodeForm, among};
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::quotients::Quotients;
@@ -134,96 +132,6 @@ impl Context {
             true => self.chart_motion(n).map(|x| x[k]),
             false => self.configuration().map(|x| x[n.first + k]),
         })
-    }
-
-    /// Moment about the axis (force along it) of a joint that its prescribed coordinate requires, at the last evaluation
-    /// of the residual; zero for a coordinate that is not prescribed.
-    pub fn joint_effort(&self, coordinate: NodeId) -> f64 {
-        let n = &self.model.nodes[coordinate.0 as usize];
-        match n.is_own() && self.model.unknowns[n.first] == NONE {
-            true => -self.work.r[n.first],
-            false => 0.0,
-        }
-    }
-
-    /// Force and moment (global components) of a joint on everything attached to it at a frame
-    /// node, at the last evaluation of the residual; `None` for a node that is not attached.
-    pub fn joint_force(&self, node: NodeId) -> Option<[Vector3<f64>; 2]> {
-        let n = &self.model.nodes[node.0 as usize];
-        if self.is_own(node) || !n.is_frame() {
-            return None;
-        }
-        let mut out = self.wrench(n).map(|f| -f);
-        for (out, closing) in out.iter_mut().zip(self.closing_force(node)) {
-            *out += closing;
-        }
-        for &[_, child] in (self.model.carried.iter()).filter(|[at, _]| *at == node) {
-            let [force, moment] = self.joint_force(child)?;
-            let arm = self.node_state(child).position - self.node_state(node).position;
-            let moment = match self.free_rotation_of(child) == child {
-                true => moment,
-                false => Vector3::zeros(),
-            };
-            out[0] += force;
-            out[1] += moment + arm.cross(&force);
-        }
-        Some(out)
-    }
-
-    /// Closing forces of loops at a joint. With the multipliers μ of the equations in the child's axes,
-    /// the force and moment −R μ act on the child, and the opposite on the frame that coincides with
-    /// it; they cancel at a node with both, except for a remainder: above a frame that rotates freely
-    /// there is no moment about its axis, as loads and inertia balance the closing forces there.
-    pub(in crate::model) fn closing_force(&self, node: NodeId) -> [Vector3<f64>; 2] {
-        let w = &self.work;
-        let mut out = [Vector3::zeros(); 2];
-        let partner = self.model.nodes[node.0 as usize].partner;
-        let is_node = |&n: &u32| n == node.0 || n == partner;
-        for report in &self.model.reports {
-            let Some(x) = report.map else { continue };
-            let mut ends = report.loops.iter().flat_map(|l| [l.frame, l.child]);
-            if !ends.any(|end| upwards(&self.model.nodes, end).iter().any(is_node)) {
-                continue;
-            }
-            let n = &self.model.nodes[x as usize];
-            let Some(d) = n.mapped() else {
-                continue;
-            };
-            let mut q = vec![0.0; d.direct];
-            collect(d.parents(&self.state.maps), &self.model.spans, &w.x, &mut q);
-            let mut mu = vec![0.0; 6 * report.loops.len()];
-            // A copy, as its evaluation changes its buffers.
-            if let Some(map) = self.state.maps[d.index].clone().implicit() {
-                map.multipliers(w.t, &q, &w.r[n.range()], &mut mu);
-            }
-            for (closed, mu) in report.loops.iter().zip(mu.chunks_exact(6)) {
-                let R = self.node_state(NodeId(closed.child)).R;
-                let [force, moment] = [0, 3].map(|k| R * three(mu, k));
-                for (end, sign) in [(closed.frame, -1.0), (closed.child, 1.0)] {
-                    let path = upwards(&self.model.nodes, end);
-                    let Some(above) = path.iter().rposition(is_node) else {
-                        continue;
-                    };
-                    // These forces act on the frame at which the chains of this loop end for the
-                    // map, and on those above.
-                    let read =
-                        |n: &u32| closed.ends_at(*n) && d.parents(&self.state.maps).contains(n);
-                    if path[..=above].iter().any(read) {
-                        continue;
-                    }
-                    let position = |n: u32| self.node_state(NodeId(n)).position;
-                    let ball = |&&n: &&u32| self.free_rotation_of(NodeId(n)) != NodeId(n);
-                    let (at, moment) = match path[..above].iter().rev().find(ball) {
-                        Some(&ball) => (position(ball), Vector3::zeros()),
-                        None => (position(end), moment),
-                    };
-                    let arm = at - position(node.0);
-                    out[0] += force * sign;
-                    out[1] += (moment + arm.cross(&force)) * sign;
-                }
-            }
-        }
-        out
     }
 
     /// Rotates the free rotations of joints (ball joints, points on curves and surfaces) with the

@@ -2,6 +2,7 @@
 
 pub(super) mod cyclic_symmetry;
 pub(super) mod energies;
+pub(super) mod forces;
 pub(super) mod mobility;
 pub(super) mod query;
 pub(super) mod symmetry;

@@ -1,4 +1,4 @@
-//! Queries of a model: names, positions, section forces, reactions, supports.
+//! Queries of a model: names, positions, section forces, supports.
 
 use crate::element::{Motion, SectionState};
 use crate::model::build::builder::{Dof, ElementId, NodeId};
@@ -7,19 +7,6 @@ use nalgebra::{Matrix6, Vector3, Vector6};
 use pullback_manifold::so3;
 use pullback_manifold::system::{Point, SystemError};
 use std::collections::BTreeMap;
-
-/// Reaction of a support on the structure, in global components.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Reaction {
-    /// The supported node.
-    pub node: String,
-    /// The prescribed ones of the six coordinates.
-    pub prescribed: [bool; 6],
-    /// Reaction force, zero along free directions.
-    pub force: Vector3<f64>,
-    /// Reaction moment, T⁻¹ of the covector for Ψ, which is zero along free rotations.
-    pub moment: Vector3<f64>,
-}
 
 impl Model {
     /// All frame nodes with their names, in the order of definition.
@@ -180,35 +167,6 @@ impl Context {
     /// Whether the configuration last set is one of statics.
     pub fn is_at_rest(&self) -> bool {
         !self.work.stirred
-    }
-
-    /// Reactions of all supported frame nodes at the last evaluation of the residual.
-    pub fn reactions(&self) -> Vec<Reaction> {
-        let mut out: Vec<Reaction> = Vec::new();
-        for (id, n) in self.nodes_that(|n| n.form == NodeForm::Frame) {
-            let own = self.carrier(n);
-            let prescribed =
-                std::array::from_fn(|k| self.model.unknowns[own.first + k] == NONE && own.is_own());
-            if !prescribed.contains(&true) {
-                continue;
-            }
-            let psi = Vector3::from_column_slice(&self.work.x[n.first + 3..n.first + 6]);
-            // Covector T m of a spatial moment m.
-            let [force, turn] = self.closing_force(id);
-            let turn = so3::tangent(&psi) * turn;
-            let mut f = [0.0; 6];
-            for k in (0..6).filter(|&k| prescribed[k]) {
-                let closing = if k < 3 { force[k] } else { turn[k - 3] };
-                f[k] = closing - self.work.r[n.first + k];
-            }
-            out.push(Reaction {
-                node: n.name.clone(),
-                prescribed,
-                force: Vector3::new(f[0], f[1], f[2]),
-                moment: so3::tangent_inverse(&psi) * Vector3::new(f[3], f[4], f[5]),
-            });
-        }
-        out
     }
 
     /// States of all cross-sections in the configuration last set, with their element.

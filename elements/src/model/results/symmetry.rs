@@ -99,15 +99,18 @@ impl Measured<'_> {
     fn fit_released(&mut self, q: &[f64]) -> Result<(), SystemError> {
         self.0.work.released.clear();
         let mut all = Vec::with_capacity(6);
+        // Rates of what is prescribed are no part of a rigid motion.
+        let mut still = vec![0.0; q.len()];
+        (self.0).fit_rates(q, &mut still, None, &RigidMotion::default(), &[])?;
         for k in 0..6 {
             let motion = motion_of(&unit(k));
             let mut rates = vec![0.0; q.len()];
             self.0.set_velocity(q, &mut rates, None, &motion);
             let frames = rates.clone();
             self.0.fit_rates(q, &mut rates, None, &motion, &[])?;
-            for (rate, frame) in rates.iter_mut().zip(frames) {
+            for ((rate, frame), still) in rates.iter_mut().zip(frames).zip(&still) {
                 // Rounded, so that a continued run gets the same.
-                *rate = ((*rate - frame) * 1e12).round() * 1e-12;
+                *rate = ((*rate - frame - still) * 1e12).round() * 1e-12;
             }
             all.push(rates);
         }

@@ -98,6 +98,10 @@ impl MapState for Along {
 }
 
 impl Segments for Along {
+    fn count(&self) -> usize {
+        self.0.segments().unwrap().count()
+    }
+
     fn segment(&self) -> usize {
         self.0.segment()
     }

@@ -98,7 +98,7 @@ fn joints_at_a_frame_fixed_to_another_one_are_joints_of_that_one() {
                 state.acceleration,
                 state.omega_dot,
             ];
-            let [force, moment] = context.joint_force(node).unwrap();
+            let [force, moment] = context.last_forces().joint_force(node).unwrap();
             assert!(force.norm() > 1.0, "{name}");
             let of_node = motion.into_iter().chain([force, moment]);
             out.push(of_node.flat_map(|x| [x.x, x.y, x.z]).collect());

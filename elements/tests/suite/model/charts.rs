@@ -164,9 +164,7 @@ fn reactions(angle: f64, changes: usize) {
     m.start(0.0, &q);
     let found = m.change_charts(0.0, &mut q, &mut [], &mut []);
     assert_eq!(found.charts, changes);
-    let mut r = [0.0; 6];
-    m.evaluate(at(&q), Evaluation::residual(&mut r)).unwrap();
-    let reactions = m.reactions();
+    let reactions = m.forces(at(&q)).unwrap().reactions();
     assert_eq!(reactions.len(), 2);
     assert_eq!(reactions[0].node, "n0");
     assert_eq!(reactions[0].prescribed, [true; 6]);

@@ -103,8 +103,9 @@ fn joints_that_do_not_fit() {
             "the map of the joint at node dependent takes 6 coordinates to 6, but it must take the 12 of \
              its parents (a, b) to 6",
         b.mapped_node_along("dependent", [0.0; 3], Twin.boxed(), &[]) =>
-            "the map of the joint at node dependent takes 6 coordinates to 6, but it must take the 0 of \
-             its parents () to 6",
+            "the map of the joint at node dependent needs a set of parents for each segment (1) or one for all, and has 0",
+        b.mapped_node_along("dependent", [0.0; 3], Twin.boxed(), &[&ends[..1]; 2]) =>
+            "the map of the joint at node dependent needs a set of parents for each segment (1) or one for all, and has 2",
     }
     let dependent = b
         .mapped_node("dependent", [0.0; 3], Twin.boxed(), &ends[..1])
