@@ -21,10 +21,13 @@ pub(crate) fn laws(report: &mut Report, one: &One<'_>, conservative: bool, rando
     if heavy {
         symmetric(report, one, M);
     }
-    // The kinetic energy is ½ ẋ·M(x) ẋ unless M depends on velocities.
-    let quadratic = mass(&one.state.still())
-        .is_some_and(|at_rest| one.norm(&(&at_rest - M)) <= SAME * one.norm(M));
-    if !quadratic {
+    // The kinetic energy is ½ ẋ·M(x) ẋ and a part linear in ẋ.
+    let Some(at_rest) = mass(&one.state.still()) else {
+        return;
+    };
+    let (gap, law) = (one.norm(&(&at_rest - M)), "M the same at rest");
+    report.defect(law, one.at, gap, SAME * one.norm(M));
+    if gap > SAME * one.norm(M) {
         return;
     }
     if let Some(T) = one.element.abilities().kinetic_energy(&motion(one.state)) {

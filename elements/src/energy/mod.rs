@@ -75,8 +75,8 @@ pub trait EnergyElement<const N: usize>: Send + Sync {
         S::zero()
     }
 
-    /// Kinetic energy T(x, v), unit F L. It must exert no force at rest, so a part that does not
-    /// depend on v belongs to the potential.
+    /// Kinetic energy T(x, v), unit F L, quadratic in v but for a part linear in it: energies and momenta of a model follow from
+    /// M. It must exert no force at rest, so a part that does not depend on v belongs to the potential.
     fn kinetic<S: Scalar>(&self, x: &SVector<S, N>, v: &SVector<S, N>) -> S {
         let _ = (x, v);
         S::zero()

@@ -187,14 +187,19 @@ fn check_numbers(options: &DynamicOptions) -> Result<(), DynamicsError> {
             return refuse("max_step", max_step, "it must be at least `min_step`");
         }
         let scheme = &options.scheme;
+        let stages = 1 + scheme.stages().len();
         let useless = |row: &Stage| {
-            let mut weights = row.q.iter().chain(&row.v);
-            Some(row) == scheme.stages().last() || !weights.all(|w| w.is_finite())
+            let weights = || row.q.iter().chain(&row.v);
+            let mut beyond = row.q[stages..].iter().chain(&row.v[stages..]);
+            Some(row) == scheme.stages().last()
+                || row.c != 1.0
+                || !weights().all(|w| w.is_finite())
+                || beyond.any(|w| *w != 0.0)
         };
         if scheme.embedded().is_some_and(useless) {
             return Err(DynamicsError::Table {
                 name: scheme.name,
-                problem: "its embedded row is not finite, or that of the scheme itself",
+                problem: "its embedded row must end at c = 1 with finite weights of its stages, and differ from that of the scheme",
             });
         }
     }

@@ -74,6 +74,26 @@ fn a_wrong_dissipation() {
     assert!(claiming(-1.0).contains(&"dissipation >= 0".to_owned()));
 }
 
+/// ½ v² + magnetic x v₂ + quartic v⁴.
+struct Kinetic {
+    magnetic: f64,
+    quartic: f64,
+}
+
+impl EnergyElement<2> for Kinetic {
+    fn kinetic<S: Scalar>(&self, x: &SVector<S, 2>, v: &SVector<S, 2>) -> S {
+        let square = v.dot(v);
+        square * 0.5 + x[0] * v[1] * self.magnetic + square * square * self.quartic
+    }
+}
+
+#[test]
+fn a_kinetic_energy_that_is_not_quadratic() {
+    let of = |magnetic, quartic| Kinetic { magnetic, quartic }.into_element();
+    check::element(&of(1.5, 0.0)).assert();
+    assert_eq!(failing(&of(0.0, 0.25)), ["M the same at rest"]);
+}
+
 #[test]
 fn another_inertia() {
     let body = |mass| RigidBody::new(mass, Matrix3::identity(), Vector3::x()).unwrap();

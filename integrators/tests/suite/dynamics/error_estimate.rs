@@ -53,6 +53,13 @@ fn embedded_rows_that_estimate_nothing_and_contradicting_steps_are_refused() {
         q: main.q.map(|_| f64::NAN),
         ..main
     };
+    let early = Stage {
+        c: 0.3,
+        ..*tsitouras.embedded().unwrap()
+    };
+    let euler = Stage::runge_kutta([1.0], [[0.0, 1.0]]);
+    let euler = Scheme::new("backward Euler", &euler, stable(1)).unwrap();
+    let beyond = Stage::new(1.0, [0.0, 0.5, 0.0], [0.0, 0.5, 0.5]);
     let trial = |scheme: Scheme, max_step: f64| {
         let options = adaptive(steps_of(scheme, 1.0, 0.1), 1e-6, max_step);
         attempt(&mut Oscillator::new(1.0, 4.0), [&[1.0], &[0.0]], &options)
@@ -61,6 +68,8 @@ fn embedded_rows_that_estimate_nothing_and_contradicting_steps_are_refused() {
     refused! {
         trial(tsitouras.with_embedded(main), 1.0) => ["embedded row"],
         trial(tsitouras.with_embedded(nan), 1.0) => ["embedded row"],
+        trial(tsitouras.with_embedded(early), 1.0) => ["embedded row"],
+        trial(euler.with_embedded(beyond), 1.0) => ["embedded row"],
         trial(tsitouras, 1e-9) => ["max_step = 1e-9", "at least `min_step`"],
     }
 }
