@@ -11,10 +11,9 @@
 //!
 //! h is a [`Map`] from the coordinates of the element's nodes to its M residuals, written once, and evaluated in its domain
 //! only; in an element it has no [state](pullback_manifold::map::MapState), and stays in the piece of its start;
-//! h_x, Σ λᵢ D²hᵢ, ḣ and ḧ are its derivatives as a map. [`Scaled`] divides each equation by its
-//! size, so that "closed to 10⁻¹²" means the same for a length, an angle and a length squared. The
-//! solvers equilibrate rows and columns of multipliers, so that neither the step size nor the unit
-//! of λ affects conditioning (\[Bottasso2007\]).
+//! h_x, Σ λᵢ D²hᵢ, ḣ and ḧ are its derivatives as a map. Divide each equation by its size, so that "closed to 10⁻¹²" means the
+//! same for a length, an angle and a length squared. The solvers equilibrate rows and columns of multipliers, so that neither the
+//! step size nor the unit of λ affects conditioning (\[Bottasso2007\]).
 
 mod multipliers;
 mod penalty;
@@ -24,44 +23,10 @@ pub use penalty::{Penalty, PenaltyError, PenaltyStiffness};
 
 use crate::element::{Motion, Properties};
 use nalgebra::SVector;
-use pullback_manifold::domain::DomainError;
 use pullback_manifold::map::Map;
-use pullback_manifold::scalar::Scalar;
 
 /// Largest number of equations of one constraint.
 pub const MAX_EQUATIONS: usize = 32;
-
-/// Equations divided by their sizes: the map s ∘ h with a factor for each equation.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scaled<H, const M: usize> {
-    h: H,
-    factors: [f64; M],
-}
-
-impl<H, const M: usize> Scaled<H, M> {
-    /// Multiplies equation i by `factors[i]`, in its inverse unit.
-    pub fn new(h: H, factors: [f64; M]) -> Self {
-        Self { h, factors }
-    }
-}
-
-impl<H: Map<N, M>, const N: usize, const M: usize> Map<N, M> for Scaled<H, M> {
-    fn phi<S: Scalar>(&self, t: S, x: &SVector<S, N>) -> SVector<S, M> {
-        let mut h = self.h.phi(t, x);
-        for (h, factor) in h.iter_mut().zip(self.factors) {
-            *h = *h * factor;
-        }
-        h
-    }
-
-    fn domain(&self, t: f64, x: &SVector<f64, N>) -> Result<f64, DomainError> {
-        self.h.domain(t, x)
-    }
-
-    fn is_objective(&self) -> bool {
-        self.h.is_objective()
-    }
-}
 
 /// Equations of an element at one motion, with their derivatives in time.
 #[derive(Clone, Debug, Default, PartialEq)]

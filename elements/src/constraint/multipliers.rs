@@ -27,7 +27,7 @@ pub struct Multipliers<H, const N: usize, const M: usize> {
 }
 
 impl<H: Map<N, M>, const N: usize, const M: usize> Multipliers<H, N, M> {
-    /// Enforces the given equations; [`Scaled`](super::Scaled) gives them comparable sizes.
+    /// Enforces the given equations, divided by their sizes.
     pub fn new(h: H) -> Self {
         Self {
             equations: NamedEquations::new(h, None),

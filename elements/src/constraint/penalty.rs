@@ -44,7 +44,7 @@ pub struct Penalty<H, const N: usize, const M: usize> {
 }
 
 impl<H: Map<N, M>, const N: usize, const M: usize> Penalty<H, N, M> {
-    /// Enforces the given equations; [`Scaled`](super::Scaled) gives them comparable sizes.
+    /// Enforces the given equations, divided by their sizes.
     ///
     /// # Errors
     /// [`PenaltyError`].

@@ -69,8 +69,7 @@ pub(super) struct Work {
     t: f64,
     q: Vec<f64>,
     valid: bool,
-    /// Whether the equations have gone to another piece, which [`MapState::change_charts`](crate::map::MapState::change_charts)
-    /// has not told yet.
+    /// Whether the equations have gone to another piece since the last change of charts.
     pub piece_changed: bool,
     /// (p, x).
     pub y: Vec<f64>,
@@ -309,11 +308,7 @@ impl ImplicitMap {
                 w.y[p + k] += w.dx[k];
                 let relative = (w.dx[k] / self.about.unknowns[k].size).abs();
                 // A sum keeps NaN.
-                size = if size > relative {
-                    size
-                } else {
-                    relative + 0.0 * size
-                };
+                size = size.max(relative) + 0.0 * (size + relative);
             }
             // Newton's method contracts near the branch of solutions on which it started; otherwise
             // it may end on another one.

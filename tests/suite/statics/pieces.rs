@@ -1,7 +1,7 @@
 //! A bead on a track of two pieces, by maps that contain the one which changes its piece.
 
 use crate::support::dynamics::spring;
-use pullback::elements::constraint::{Multipliers, Penalty, PenaltyStiffness, Scaled};
+use pullback::elements::constraint::{Multipliers, Penalty, PenaltyStiffness};
 use pullback::elements::energy::EnergyElement;
 use pullback::elements::load::CoordinateForce;
 use pullback::integrators::linearization::{ModeOptions, linearize, modes};
@@ -183,7 +183,7 @@ fn equations_end_with_the_domain_of_their_map() {
             };
             element.evaluate(&at, &mut out).is_ok()
         };
-        let h = || Scaled::new(Track::<2>::START, [3.0]);
+        let h = || Track::<2>::START;
         let stiffness = PenaltyStiffness { p: 1.0, tau: 0.0 };
         assert_eq!(evaluates(&Multipliers::<_, 2, 1>::new(h())), inside);
         let penalty = Penalty::<_, 2, 1>::new(h(), stiffness).unwrap();

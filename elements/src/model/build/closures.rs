@@ -1,6 +1,6 @@
 //! Loops that are closed by multipliers or a penalty between two frames.
 
-use crate::constraint::{Multipliers, Penalty, PenaltyStiffness, Scaled};
+use crate::constraint::{Multipliers, Penalty, PenaltyStiffness};
 use crate::element::Element;
 use crate::model::build::builder::{ModelBuilder, NodeId};
 use crate::model::loops::{Closing, Coincide, EQUATIONS, LoopReport};
@@ -103,20 +103,19 @@ impl ModelBuilder {
         let mut reports = Vec::new();
         for &Closing { frame, child, by } in &closings {
             let name = self.node_name(frame).to_owned();
-            let h = Coincide {
-                apart: self.position(frame) - self.position(child),
+            let apart = self.position(frame) - self.position(child);
+            let closed = |most| Closed {
+                between: Coincide { apart },
+                scale: length.recip(),
+                most,
             };
-            let l = length.recip();
-            let h = Scaled::new(h, [l, l, l, 1.0, 1.0, 1.0]);
             let mut nodes = vec![frame, child];
             let mut words = format!("joint {name}: closed by multipliers");
             let element: Box<dyn Element> = match by {
                 Closure::Penalty(PenaltyStiffness { p, tau }) => {
                     let p_l2 = p * length * length;
-                    let made = Penalty::<_, 12, 6>::new(
-                        NearlyClosed(h),
-                        PenaltyStiffness { p: p_l2, tau },
-                    );
+                    let made =
+                        Penalty::<_, 12, 6>::new(closed(TORN), PenaltyStiffness { p: p_l2, tau });
                     let made = made.map_err(|source| ModelError::Penalty {
                         joint: name.clone(),
                         source,
@@ -128,7 +127,7 @@ impl ModelBuilder {
                     // A frame may coincide with several.
                     let both = format!("{name} and {}", self.node_name(child));
                     nodes.push(self.multipliers(format!("multipliers of {both}"), 6)?);
-                    Box::new(Multipliers::<_, 12, 6>::new(h).named(&EQUATIONS))
+                    Box::new(Multipliers::<_, 12, 6>::new(closed(f64::INFINITY)).named(&EQUATIONS))
                 }
             };
             let id = self.element(format!("closure of {name}"), element, &nodes)?;
@@ -148,20 +147,28 @@ const OPEN: &str = "the neighbourhood of its closed position: its gap would be m
                     of the model, as its penalty is too small for these loads, or no closed position carries \
                     them";
 
-/// Equations that must hold approximately: a penalty has other equilibria, at which a loop is torn open and its springs are
-/// at a dead point.
-struct NearlyClosed<H>(H);
+/// Two coinciding frames, gaps in units of the model.
+struct Closed {
+    between: Coincide,
+    /// One over the length of the model.
+    scale: f64,
+    /// Largest residual: a penalty has other equilibria, at which a loop is torn open and its springs are at a dead point.
+    most: f64,
+}
 
-impl<H: Map<N, M>, const N: usize, const M: usize> Map<N, M> for NearlyClosed<H> {
-    fn phi<S: Scalar>(&self, t: S, x: &SVector<S, N>) -> SVector<S, M> {
-        self.0.phi(t, x)
+impl Map<12, 6> for Closed {
+    fn phi<S: Scalar>(&self, t: S, x: &SVector<S, 12>) -> SVector<S, 6> {
+        let mut h = self.between.phi(t, x);
+        h.iter_mut()
+            .take(3)
+            .for_each(|gap| *gap = *gap * self.scale);
+        h
     }
 
-    fn domain(&self, t: f64, x: &SVector<f64, N>) -> Result<f64, DomainError> {
-        DomainError::within(TORN - self.phi(t, x).amax(), OPEN)
-    }
-
-    fn is_objective(&self) -> bool {
-        self.0.is_objective()
+    fn domain(&self, t: f64, x: &SVector<f64, 12>) -> Result<f64, DomainError> {
+        match self.most {
+            f64::INFINITY => Ok(self.most),
+            most => DomainError::within(most - self.phi(t, x).amax(), OPEN),
+        }
     }
 }
