@@ -169,6 +169,8 @@ impl MotionRun {
                 if !kept.momenta.is_empty() {
                     let span = [*t, self.next_kink(*t)];
                     energetics(system).symmetries(span, q, v);
+                    // The evaluation leaves the system at the state.
+                    self.energies(system, &progress.state)?;
                 }
             }
             _ => self.set_target(system, progress)?,
