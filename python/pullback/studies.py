@@ -139,7 +139,11 @@ def compare(
             out=None if out is None else os.fspath(out),
             tell=show,
         )
-    return Comparison(json.loads(found))
+    found = json.loads(found)
+    names = {entry["scheme"]: word for entry, word in zip(found["orders"], schemes)}
+    for entry in found["rows"] + found["orders"]:
+        entry["scheme"] = names[entry["scheme"]]
+    return Comparison(found)
 
 
 def spectrum(schemes: Sequence[str], *, from_: float = 0.01, to: float = 1000.0) -> dict[str, Spectrum]:

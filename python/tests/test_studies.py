@@ -52,6 +52,13 @@ def test_orders_are_those_of_theory(tmp_path):
     assert len(comparison.plot("rotation").axes) == 2
 
 
+def test_schemes_have_the_names_that_are_given():
+    words = ["ga:0.80", "newmark:0.25:0.5"]
+    comparison = pb.compare(pb.Model.from_toml(PENDULUM), words, [0.02, 0.01])
+    assert comparison.schemes == words == list(pb.spectrum(words))
+    assert all(np.all(comparison.errors(word) > 0) for word in words)
+
+
 def test_what_cannot_be_compared_is_refused():
     model = pb.Model.from_toml(PENDULUM)
     with pytest.raises(ValueError, match="newmak"):
