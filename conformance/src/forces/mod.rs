@@ -67,6 +67,16 @@ impl TestState {
     pub(crate) fn ahead(&self, tau: f64) -> DVector<f64> {
         &self.x + &self.v * tau + &self.a * (0.5 * tau * tau)
     }
+
+    /// The state later by `tau`, likewise.
+    pub(crate) fn later(&self, tau: f64) -> Self {
+        Self {
+            t: self.t + tau,
+            x: self.ahead(tau),
+            v: &self.v + &self.a * tau,
+            a: self.a.clone(),
+        }
+    }
 }
 
 /// Forces at a state. Absent values are not verified.

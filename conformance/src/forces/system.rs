@@ -173,13 +173,8 @@ fn accelerations(laws: &mut Laws<'_>, system: &mut dyn System) -> Option<()> {
     laws.report.defect(law, laws.at, off, 1e-12 * size);
 
     let mut at = |e: f64| {
-        let later = TestState {
-            t: state.t + e,
-            x: state.ahead(e),
-            v: &state.v + &state.a * e,
-            a: state.a.clone(),
-        };
-        residual(system, &later).unwrap_or_else(|| vec![f64::NAN; r.len()])
+        let there = residual(system, &state.later(e));
+        there.unwrap_or_else(|| vec![f64::NAN; r.len()])
     };
     let (layout, law) = (laws.layout, "d2h/dt2 for accelerations");
     let sizes = Linearization {

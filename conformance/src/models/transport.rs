@@ -218,13 +218,7 @@ fn power(
     let next = ahead.filter(|&k| k > 0.0).fold(f64::INFINITY, f64::min);
     let first = (FIRST / layout.rate.max(prescribed_rate(context))).min(0.5 * next);
     let mut energy = |tau: f64| {
-        let there = TestState {
-            t: s.t + tau,
-            x: s.ahead(tau),
-            v: &s.v + &s.a * tau,
-            a: s.a.clone(),
-        };
-        let energies = context.energies(there.point()).ok()?;
+        let energies = context.energies(s.later(tau).point()).ok()?;
         Some(energies.kinetic + energies.stored)
     };
     let law = "d(T + U)/dt = supplied - dissipated - v.r";

@@ -189,11 +189,11 @@ fn check_numbers(options: &DynamicOptions) -> Result<(), DynamicsError> {
         let scheme = &options.scheme;
         let stages = 1 + scheme.stages().len();
         let useless = |row: &Stage| {
-            let weights = || row.q.iter().chain(&row.v);
+            let mut weights = row.q.iter().chain(&row.v);
             let mut beyond = row.q[stages..].iter().chain(&row.v[stages..]);
             Some(row) == scheme.stages().last()
                 || row.c != 1.0
-                || !weights().all(|w| w.is_finite())
+                || !weights.all(|w| w.is_finite())
                 || beyond.any(|w| *w != 0.0)
         };
         if scheme.embedded().is_some_and(useless) {

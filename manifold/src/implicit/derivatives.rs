@@ -27,6 +27,7 @@ impl Parametrization for ImplicitMap {
         match self.solve(t, q) {
             Ok(()) => {
                 let margin = DomainError::within(1.0 / self.work.condition - RANK, ALLOWED)?;
+                // Where the equations are evaluated already.
                 Ok(margin.min(self.h.domain(t, &self.work.linearised)?))
             }
             Err(error) => Err(DomainError::Undefined(advised(error))),

@@ -120,6 +120,13 @@ impl MapGraph {
         }
     }
 
+    /// Evaluates all links at y, if they are not there.
+    fn evaluate_at(&mut self, t: f64, y: &[f64]) {
+        if self.at.split_first() != Some((&t, y)) {
+            self.evaluate_links(t, [y, &[], &[]], 1);
+        }
+    }
+
     /// Copies values and operators of the outputs, one under the other.
     fn collect(&self, order: usize, x: &mut [f64], B: &mut [f64]) {
         B.fill(0.0);
@@ -154,22 +161,10 @@ impl Parametrization for MapGraph {
 
     /// The least margin of its maps.
     fn domain(&mut self, t: f64, y: &[f64]) -> Result<f64, DomainError> {
-        let mut least = f64::INFINITY;
-        if self.at.split_first() == Some((&t, y)) {
-            for link in &mut self.links {
-                least = least.min(link.map.domain(t, &link.q[0])?);
-            }
-            return Ok(least);
-        }
-        self.at.clear();
-        for k in 0..self.links.len() {
-            let (before, rest) = self.links.split_at_mut(k);
-            let link = &mut rest[0];
-            link.gather(before, [y, &[], &[]], 1);
-            least = least.min(link.map.domain(t, &link.q[0])?);
-            link.evaluate(t, 1);
-        }
-        Ok(least)
+        self.evaluate_at(t, y);
+        (self.links.iter_mut()).try_fold(f64::INFINITY, |least, link| {
+            Ok(least.min(link.map.domain(t, &link.q[0])?))
+        })
     }
 
     fn evaluate(&mut self, t: f64, motion: [&[f64]; 3], out: &mut [Order<'_>]) {
@@ -181,9 +176,7 @@ impl Parametrization for MapGraph {
 
     fn geometric_stiffness(&mut self, t: f64, y: &[f64], f: &[f64], K: &mut [f64]) {
         let N = self.inputs;
-        if self.at.split_first() != Some((&t, y)) {
-            self.evaluate_links(t, [y, &[], &[]], 1);
-        }
+        self.evaluate_at(t, y);
         K.fill(0.0);
         self.links.iter_mut().for_each(|l| l.r.fill(0.0));
         let mut rest = f;

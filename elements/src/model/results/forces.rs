@@ -132,7 +132,8 @@ impl Forces<'_> {
         out
     }
 
-    /// Moment about the axis (force along it) of a joint that its prescribed coordinate requires; zero for a coordinate that is not prescribed.
+    /// Moment about the axis (force along it) of a joint that its prescribed coordinate requires; zero for a coordinate that is
+    /// not prescribed.
     pub fn joint_effort(&self, coordinate: NodeId) -> f64 {
         let n = &self.0.model.nodes[coordinate.0 as usize];
         match n.is_own() && self.0.model.unknowns[n.first] == NONE {
