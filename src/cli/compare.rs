@@ -233,27 +233,27 @@ pub(super) fn compare(registry: &Registry, args: CompareArguments, command: &str
         ));
         return Err(INTERRUPTED);
     }
-    let problem = (comparisons.iter().find_map(unreferenced))
-        .or_else(|| comparisons.iter().find_map(unknown))
-        .or_else(|| comparisons.iter().find_map(unfinished));
-    if let Some(problem) = problem {
-        tell(format_args!(
-            "error: {problem}
-results are in {kept}"
-        ));
+    if let Some(problem) = problem(&comparisons) {
+        tell(format_args!("error: {problem}\nresults are in {kept}"));
         return Err(FAILED);
     }
     if args.quiet {
         return Ok(0);
     }
-    let mut text = String::new();
-    for comparison in &comparisons {
-        if comparisons.len() > 1 {
-            text += &format!("{}\n", comparison.model);
-        }
-        text += &format!("{}\n", compare::summary(comparison));
-    }
+    let named = |comparison: &Comparison| match comparisons.len() {
+        1 => format!("{}\n", compare::summary(comparison)),
+        _ => format!("{}\n{}\n", comparison.model, compare::summary(comparison)),
+    };
+    let text: String = comparisons.iter().map(named).collect();
     Ok(print(&format!("{text}the page is {kept}/compare.html\n")))
+}
+
+/// The first reason why comparisons are of no use.
+fn problem(comparisons: &[Comparison]) -> Option<String> {
+    let find = |why: fn(&Comparison) -> Option<String>| comparisons.iter().find_map(why);
+    find(unreferenced)
+        .or_else(|| find(unknown))
+        .or_else(|| find(unfinished))
 }
 
 /// Why a comparison has no reference at all.
