@@ -21,3 +21,9 @@ pub(crate) fn add(y: &mut [f64], alpha: f64, x: &[f64]) {
         *y += alpha * x;
     }
 }
+
+/// A vector without symmetry, so that it is orthogonal to no mode.
+pub(crate) fn generic(n: usize) -> Vec<f64> {
+    let part = |i: usize| (i * 7919 % 1009) as f64 / 1009.0;
+    (0..n).map(|i| 1.0 + 0.5 * part(i)).collect()
+}

@@ -38,7 +38,6 @@ mod symbolic;
 pub use auto::{AutoSolver, SolverKind};
 pub use block::BlockLu;
 pub use faer::{FaerLdlt, FaerLu};
-pub(crate) use null_vector::softest;
 pub use null_vector::{NullVector, null_vector};
 
 use thiserror::Error;

@@ -5,6 +5,7 @@ use pullback_manifold::sparse::BlockPattern;
 use super::columns::Columns;
 use super::faer::Factors;
 use super::{FaerLu, LinearError, max_abs};
+use crate::vectors::generic;
 
 /// A direction that the matrix (nearly) annihilates.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,17 +25,14 @@ const ITERATIONS: usize = 6;
 /// Inverse iteration in the scaled matrix with a small shift of its diagonal. Of several mechanisms any combination may
 /// be found.
 pub fn null_vector(pattern: &BlockPattern, values: &[f64]) -> Option<NullVector> {
-    softest(pattern, values).filter(|v| v.residual <= LIMIT)
-}
-
-/// The same of any matrix: the direction of its smallest image, if it is found.
-pub(crate) fn softest(pattern: &BlockPattern, values: &[f64]) -> Option<NullVector> {
     if values.len() != pattern.len() || pattern.dim() == 0 {
         return None;
     }
     let mut lu = FaerLu::new(pattern).ok()?;
     match lu.shifted(values) {
-        Ok((columns, factors)) => iterate(columns, values, |y| factors.solve(y)),
+        Ok((columns, factors)) => {
+            iterate(columns, values, |y| factors.solve(y)).filter(|v| v.residual <= LIMIT)
+        }
         // A zero row and column is a mechanism by itself.
         Err(LinearError::ZeroRow { unknown }) => {
             let mut vector = vec![0.0; pattern.dim()];
@@ -53,11 +51,8 @@ fn iterate(
     mut inverse: impl FnMut(&mut [f64]),
 ) -> Option<NullVector> {
     let scales = &columns.scales;
-    // A start vector without symmetry is orthogonal to no mode. The iterate is the vector `y`
-    // of the scaled matrix: v = S y, A v = S⁻¹ (S A S) y.
-    let mut y: Vec<f64> = (0..scales.len())
-        .map(|i| 1.0 + 0.5 * ((i * 7919 % 1009) as f64 / 1009.0))
-        .collect();
+    // The iterate is the vector `y` of the scaled matrix: v = S y, A v = S⁻¹ (S A S) y.
+    let mut y = generic(scales.len());
     let mut best: Option<NullVector> = None;
     for _ in 0..ITERATIONS {
         inverse(&mut y);

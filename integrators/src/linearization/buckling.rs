@@ -1,6 +1,6 @@
 //! Linear buckling: critical loads by linear extrapolation of the tangent.
 
-use super::differences::{central, derivative_of};
+use super::differences::derivative_of;
 use super::modes::ModesError;
 use super::search::Search;
 use super::{Linearized, check_count, linearize};
@@ -21,7 +21,8 @@ pub struct BucklingMode {
     pub shape: Vec<f64>,
     /// |ψᵀ K ψ| for the tangent K at this load and the coordinates extrapolated to it: zero where the tangent is
     /// linear in the load, and infinite at coordinates without a tangent; or the relative change of the rate at which loads
-    /// grow, if that is larger. Where it is small, the load is off by about this share of its distance from the state.
+    /// grow, on the mean up to this load or at it, if that is larger. Where it is small, the load is off by about this share of
+    /// its distance from the state.
     pub error: f64,
 }
 
@@ -108,8 +109,8 @@ pub fn buckling_while(
     if !lin.is_symmetric(&lin.K) {
         return Err(BucklingError::Asymmetric);
     }
-    let loads = load_rate(system, at)?;
-    let rate = path_rate(system, &lin, &loads)?;
+    let (_, load_rate) = loads(system, at)?;
+    let rate = path_rate(system, &lin, &load_rate)?;
     let kinks = events(system).kinks();
     let mut tangent = |t: f64, s: f64| {
         let q: Vec<f64> = at.q.iter().zip(&rate).map(|(q, x)| q + s * x).collect();
@@ -143,8 +144,7 @@ pub fn buckling_while(
         });
     }
     for mode in &mut modes {
-        let there = Point::statics(mode.load, at.q);
-        mode.error = change_of_growth(system, there, &loads).max(mode.error);
+        mode.error = change_of_growth(system, at, mode.load, &load_rate).max(mode.error);
     }
     Ok(modes)
 }
@@ -164,23 +164,26 @@ fn tangent_rate(
         symmetric &= lin.is_symmetric(&K);
         Ok(K)
     };
-    let along = central(h, |s| checked(t, s))?;
+    let along = derivative_of(h, |s| checked(t, s))?;
     let (beside, reach) = smooth(kinks, t);
     let by_itself = derivative_of(reach, |s| checked(beside + s, 0.0))?;
     match symmetric {
-        true => Ok((along.iter().zip(by_itself))
-            .map(|(a, b)| a.value + b)
-            .collect()),
+        true => Ok(along.iter().zip(by_itself).map(|(a, b)| a + b).collect()),
         false => Err(BucklingError::Asymmetric),
     }
 }
 
-/// Relative change of the rate at which loads grow, such as that of loads that have stopped growing.
-fn change_of_growth(system: &mut dyn System, there: Point<'_>, loads: &[f64]) -> f64 {
-    load_rate(system, there).map_or(f64::INFINITY, |there| {
-        let change = there.iter().zip(loads).map(|(a, b)| (a - b).abs());
-        change.fold(0.0, f64::max) / max_abs(loads)
-    })
+/// Relative change of the rate at which loads grow, on the mean up to another load parameter or there, such as that of loads that
+/// have stopped growing.
+fn change_of_growth(system: &mut dyn System, at: Point<'_>, to: f64, rate: &[f64]) -> f64 {
+    let (Ok((before, _)), Ok((after, there))) =
+        (loads(system, at), loads(system, Point { t: to, ..at }))
+    else {
+        return f64::INFINITY;
+    };
+    let mean = after.iter().zip(before).map(|(b, a)| (b - a) / (to - at.t));
+    let rates = mean.chain(there).zip(rate.iter().chain(rate));
+    rates.fold(0.0, |most, (x, rate)| (x - rate).abs().max(most)) / max_abs(rate)
 }
 
 /// Part of the distance to the next kink in which a derivative behind a kink is taken.
@@ -208,24 +211,24 @@ fn step(lin: &Linearized, rate: &[f64]) -> f64 {
     if fastest > 0.0 { CHANGE / fastest } else { 1.0 }
 }
 
-/// ∂r/∂t of a static state.
-fn load_rate(system: &mut dyn System, at: Point<'_>) -> Result<Vec<f64>, SystemError> {
+/// r and ∂r/∂t of a static state.
+fn loads(system: &mut dyn System, at: Point<'_>) -> Result<(Vec<f64>, Vec<f64>), SystemError> {
     let (mut r, mut rate) = (vec![0.0; at.q.len()], vec![0.0; at.q.len()]);
     let out = Evaluation {
         r_t: Some(&mut rate),
         ..Evaluation::residual(&mut r)
     };
     system.evaluate(Point::statics(at.t, at.q), out)?;
-    Ok(rate)
+    Ok((r, rate))
 }
 
 /// dq/dt along the equilibrium path: K dq/dt = ∂r/∂t.
 fn path_rate(
     system: &dyn System,
     lin: &Linearized,
-    loads: &[f64],
+    load_rate: &[f64],
 ) -> Result<Vec<f64>, BucklingError> {
-    let mut rate = loads.to_vec();
+    let mut rate = load_rate.to_vec();
     let solved = AutoSolver::new(&lin.pattern, MatrixSymmetry::Symmetric)
         .and_then(|mut solver| solver.factorise_and_solve(&lin.K, &mut rate));
     solved.map_err(|source| BucklingError::Singular {

@@ -1,7 +1,7 @@
 //! The load at which a mode begins to grow: flutter and divergence.
 
 use super::modes::{Mode, ModeOptions, ModesError, modes};
-use super::{LinearizationError, is_balanced, linearize};
+use super::{LinearizationError, Linearized, is_balanced, linearize};
 use crate::significant;
 use crate::statics::{StaticOptions, StaticsError, equilibrium_from};
 use pullback_manifold::system::{Point, System};
@@ -39,7 +39,7 @@ pub enum StabilityError {
     Stable(f64),
 }
 
-/// Damping ratio that counts as none.
+/// Damping ratio by the damping of a system that counts as none.
 const UNDAMPED: f64 = 1e-9;
 /// Negative damping ratio by which modes grow after two frequencies of an undamped system have met. It begins like
 /// the root of the load beyond that, so that the error of the load is the square of this.
@@ -75,23 +75,17 @@ pub fn stability_limit(
             q = equilibrium_from(system, q, &options)?;
         }
         let lin = linearize(system, Point::statics(t, &q))?;
-        Ok((q, modes(&lin, &ModeOptions::lowest(count))?.modes))
+        let all = modes(&lin, &ModeOptions::lowest(count))?.modes;
+        let growing = all.into_iter().filter(|mode| grows(&lin, mode));
+        let fastest = growing.max_by(|a, b| b.damping_ratio().total_cmp(&a.damping_ratio()));
+        Ok((q, fastest))
     };
-    let (mut stable, found) = modes_at(from, q, from)?;
-    let undamped = |mode: &Mode| mode.damping_ratio().abs() < UNDAMPED;
-    let threshold = match found.iter().all(undamped) {
-        true => COALESCED,
-        false => 0.0,
-    };
-    let growing = |modes: Vec<Mode>| -> Option<Mode> {
-        let growing = modes.into_iter().filter(|m| m.damping_ratio() < -threshold);
-        growing.max_by(|a, b| b.damping_ratio().total_cmp(&a.damping_ratio()))
-    };
-    if growing(found).is_some() {
+    let (mut stable, growing) = modes_at(from, q, from)?;
+    if growing.is_some() {
         return Err(StabilityError::Unstable(from));
     }
-    let (_, found) = modes_at(from, &stable, to)?;
-    let mut mode = growing(found).ok_or(StabilityError::Stable(to))?;
+    let (_, growing) = modes_at(from, &stable, to)?;
+    let mut mode = growing.ok_or(StabilityError::Stable(to))?;
     let rounding = f64::EPSILON * from.abs().max(to.abs());
     loop {
         let middle = 0.5 * (from + to);
@@ -102,10 +96,22 @@ pub fn stability_limit(
                 mode,
             });
         }
-        let (q, found) = modes_at(from, &stable, middle)?;
-        match growing(found) {
+        let (q, growing) = modes_at(from, &stable, middle)?;
+        match growing {
             Some(found) => (to, mode) = (middle, found),
             None => (from, stable) = (middle, q),
         }
     }
+}
+
+/// Whether a mode grows: at all if dampers act on it, beyond rounding errors otherwise.
+fn grows(lin: &Linearized, mode: &Mode) -> bool {
+    // Of φᴴ A φ, the part of the symmetric part of A.
+    let form = |values: &[f64]| {
+        let image = lin.product(values, &mode.shape);
+        let products = mode.shape.iter().zip(&image);
+        products.map(|(x, y)| (x.conj() * y).re).sum::<f64>()
+    };
+    let damped = form(&lin.C).abs() >= 2.0 * UNDAMPED * mode.omega() * form(&lin.M);
+    mode.damping_ratio() < if damped { 0.0 } else { -COALESCED }
 }

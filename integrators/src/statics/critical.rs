@@ -27,10 +27,11 @@ mod held;
 use super::newton::Newton;
 use super::{Iteration, StaticNewtonOptions, StaticsError};
 use crate::failure::Cause;
-use crate::linear_solver::softest;
+use crate::linear_solver::{LinearSolver, null_vector};
 use crate::rounding::largest;
-use crate::vectors::add;
+use crate::vectors::{add, generic};
 use held::Held;
+use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{Point, System};
 
 /// Limit or bifurcation point.
@@ -74,7 +75,7 @@ pub struct CriticalPoint {
 /// The critical point near a state with charts as they are.
 ///
 /// The coordinate that is held is the largest of `shape`, such as a [buckling
-/// shape](crate::linearization::buckling), or of an estimate of the null vector at the state.
+/// shape](crate::linearization::buckling), or of an estimate of the shape whose stiffness vanishes first along the path.
 ///
 /// # Errors
 /// [`StaticsError::NoCriticalPoint`] if Newton's method finds no simple critical point.
@@ -110,10 +111,15 @@ struct Equations {
     w_w: f64,
 }
 
-/// Largest change of a coordinate, relative to its scale, or of the load, relative to the load, in differences of tangents.
-const CHANGE: f64 = 1e-4;
+/// Largest change of a coordinate, relative to its scale, or of the load, relative to the load, in differences of tangents:
+/// the first with which the system can be evaluated.
+const CHANGES: [f64; 3] = [1e-4, 1e-6, 1e-8];
 /// Largest slope of the load along a path, relative to the load, that counts as rounding of these differences.
 const SYMMETRIC: f64 = 1e-4;
+/// Inverse iterations for an estimate of the shape of a critical point.
+const ESTIMATES: usize = 6;
+/// Distance of a limit point from a bifurcation, in corrections, from which on it is told apart.
+const APART: f64 = 10.0;
 /// Correction, relative to the scales of coordinates or to the load, at which an iteration ends.
 const EXACT: f64 = 1e-9;
 /// The same for equilibrium with k held, which is found before each correction.
@@ -153,11 +159,7 @@ impl Newton {
             .map_err(Cause::System)?;
         let estimate = match shape {
             Some(shape) => shape.to_vec(),
-            None => {
-                self.summary.factorisations += 1;
-                let softest = softest(system.pattern(), &self.S);
-                softest.ok_or(Cause::Diverged)?.vector
-            }
+            None => self.estimate(system, guess)?,
         };
         let relative = |i: &usize| (estimate[*i] * self.inverse_scale[*i]).abs();
         let largest = (0..estimate.len()).max_by(|i, j| relative(i).total_cmp(&relative(j)));
@@ -176,6 +178,32 @@ impl Newton {
             let found = self.extended(system, guess, &mut held, other);
             found.map_err(|_| cause)
         })
+    }
+
+    /// An estimate of the shape whose stiffness vanishes first along the path through the state evaluated last:
+    /// (K + s dK/ds) ψ = 0 with the least |s|.
+    fn estimate(
+        &mut self,
+        system: &mut dyn System,
+        guess: (&[f64], f64),
+    ) -> Result<Vec<f64>, Cause> {
+        let K = self.S.clone();
+        if self.factorise().is_err() {
+            let null = null_vector(system.pattern(), &K);
+            return Ok(null.ok_or(Cause::Diverged)?.vector);
+        }
+        self.solve_rate()?;
+        let rate = self.rate.clone();
+        let change = self.derivative(system, guess, &rate, &|newton, _| newton.S.clone())?;
+        let mut shape = generic(rate.dq.len());
+        for _ in 0..ESTIMATES {
+            let mut image = vec![0.0; shape.len()];
+            (system.pattern()).multiply_add(1.0 / self.size(&shape), &change, &shape, &mut image);
+            let solved = self.solver.solve(Some(&K), &mut image);
+            solved.map_err(Cause::linear)?;
+            shape = image;
+        }
+        Ok(shape)
     }
 
     /// Newton's method for one kind of point.
@@ -214,6 +242,11 @@ impl Newton {
             add(&mut q, 1.0, &self.dq);
             t += dt;
             if is_exact(&corrections) {
+                // ∂r/∂t has a part of its own there.
+                let apart = eq.h.abs() * self.size(&held.psi.dq);
+                if kind == CriticalKind::Limit && apart <= APART * correction * eq.psi_w.abs() {
+                    return Err(Cause::Diverged);
+                }
                 self.hold(system, &mut q, t, held)?;
                 if !self.is_balanced(system, &q) {
                     return Err(Cause::Diverged);
@@ -315,21 +348,46 @@ impl Newton {
         along: &PathDirection,
         with: &[&PathDirection],
     ) -> Result<Vec<Vec<f64>>, Cause> {
-        let step = CHANGE / self.size(&along.dq).max(along.dt.abs() / load(t));
-        let mut changes = vec![vec![0.0; q.len()]; with.len()];
-        for sign in [1.0, -1.0] {
-            let s = sign * step;
+        let first = |newton: &Self, pattern: &BlockPattern| {
+            let derivatives = with.iter().map(|direction| {
+                let mut out = vec![0.0; newton.r_t.len()];
+                pattern.multiply_add(-1.0, &newton.S, &direction.dq, &mut out);
+                add(&mut out, direction.dt, &newton.r_t);
+                out
+            });
+            derivatives.flatten().collect()
+        };
+        let second = self.derivative(system, (q, t), along, &first)?;
+        Ok(second.chunks(q.len()).map(<[f64]>::to_vec).collect())
+    }
+
+    /// The derivative of what is read after an evaluation, in a direction, by central differences.
+    fn derivative(
+        &mut self,
+        system: &mut dyn System,
+        (q, t): (&[f64], f64),
+        along: &PathDirection,
+        read: &dyn Fn(&Self, &BlockPattern) -> Vec<f64>,
+    ) -> Result<Vec<f64>, Cause> {
+        let size = self.size(&along.dq).max(along.dt.abs() / load(t));
+        let mut at = |s: f64| {
             let near: Vec<f64> = q.iter().zip(&along.dq).map(|(q, dq)| q + s * dq).collect();
-            self.evaluate(system, None, &near, t + s * along.dt)
-                .map_err(Cause::System)?;
-            let weight = 1.0 / (2.0 * s);
-            for (change, direction) in changes.iter_mut().zip(with) {
-                let pattern = system.pattern();
-                pattern.multiply_add(-weight, &self.S, &direction.dq, change);
-                add(change, weight * direction.dt, &self.r_t);
+            self.evaluate(system, None, &near, t + s * along.dt)?;
+            Ok(read(self, system.pattern()))
+        };
+        let mut found = Err(Cause::Diverged);
+        for change in CHANGES {
+            let h = change / size;
+            let both = at(-h).and_then(|before| Ok((before, at(h)?)));
+            found = both.map_err(Cause::System).map(|(before, after)| {
+                let pairs = before.iter().zip(after);
+                pairs.map(|(a, b)| (b - a) / (2.0 * h)).collect()
+            });
+            if found.is_ok() {
+                break;
             }
         }
-        Ok(changes)
+        found
     }
 
     /// Directions of the paths through a point: s ψ + τ w, where

@@ -33,7 +33,7 @@ pub(super) struct Located {
     pub position: Position,
     /// The path that crosses this one at a bifurcation.
     pub branch: Option<PathDirection>,
-    /// Number of directions that become stable or unstable in the step of a bifurcation.
+    /// Number of directions that become stable or unstable at bifurcations of the step.
     pub directions: usize,
     /// Linear solutions to find it.
     pub iterations: usize,
@@ -46,27 +46,29 @@ impl PathStep<'_> {
     /// Whether an event lies within the step, its end included.
     fn passes(&self, event: Event) -> bool {
         let [before, after] = [self.at, self.next].map(|p| event_value(event, p));
-        let crosses = |a: f64, b: f64| a * b < 0.0 || (b == 0.0 && a != 0.0);
-        match (event, self.unstable) {
-            (Event::Bifurcation, [Some(a), Some(b)]) => {
-                let turns = crosses(self.at.tangent.dt, self.next.tangent.dt);
-                a.abs_diff(b) > usize::from(turns)
-            }
+        match event {
+            Event::Bifurcation => self.directions() > 0,
             // An event that cannot be evaluated (NaN) is ignored; one at the start was reported with
             // the step before.
-            _ => crosses(before, after),
+            _ => before * after < 0.0 || (after == 0.0 && before != 0.0),
         }
     }
 
-    /// Number of directions that become stable or unstable in the step, as far as known.
+    /// Least number of directions that become stable or unstable at bifurcations of the step, as far as known. At a turning
+    /// point one does, too.
     fn directions(&self) -> usize {
         let [before, after] = self.unstable;
-        before.zip(after).map_or(0, |(a, b)| a.abs_diff(b))
+        let change = before.zip(after).map(|(a, b)| a.abs_diff(b));
+        change.map_or(0, |n| n.abs_diff(self.turns().into()))
     }
 
-    /// Whether several directions become stable or unstable in the step, where bifurcations are events.
-    fn is_multiple(&self, events: &[(Event, bool)]) -> bool {
-        self.directions() > 1 && events.iter().any(|(event, _)| *event == Event::Bifurcation)
+    fn turns(&self) -> bool {
+        self.passes(Event::TurningPoint)
+    }
+
+    /// Whether the step has several critical points, or a multiple one.
+    fn is_multiple(&self) -> bool {
+        self.directions() + usize::from(self.turns()) > 1
     }
 
     /// What `newton` has found at a position, if that lies on the path within the step.
@@ -153,8 +155,9 @@ pub(super) fn locate(
     step: PathStep<'_>,
     events: &[(Event, bool)],
 ) -> Result<Vec<Located>, Cause> {
+    let counts = events.iter().any(|(event, _)| *event == Event::Bifurcation);
     if step.ds > step.finest
-        && step.is_multiple(events)
+        && (counts && step.is_multiple())
         && let Some(found) = locate_in_parts(newton, system, step, events)?
     {
         return Ok(found);
@@ -166,16 +169,15 @@ pub(super) fn locate(
                 Event::TurningPoint | Event::Bifurcation => {
                     match find_critical(newton, system, step, event) {
                         // Several directions of one load have no simple critical point.
-                        Err(_) if event == Event::Bifurcation && step.directions() > 1 => {
+                        Err(_) if event == Event::Bifurcation && step.is_multiple() => {
                             if step.ds > ONE_LOAD * step.finest
                                 && let Ok(Some(found)) =
                                     locate_in_parts(newton, system, step, events)
                             {
                                 return Ok(found);
                             }
-                            let directions = step.directions();
                             Located {
-                                directions,
+                                directions: step.directions() + usize::from(step.turns()),
                                 ..step.end()
                             }
                         }

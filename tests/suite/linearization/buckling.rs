@@ -2,6 +2,7 @@
 
 use super::assert_near;
 use crate::support::beams::{COLUMN, PINNED, line};
+use crate::support::closures::fixed;
 use crate::support::*;
 use pullback::input::{Plan, assemble_text};
 use pullback::integrators::linearization::{
@@ -43,6 +44,76 @@ fn assert_direct(text: &str, mode: &BucklingMode, tolerance: f64) {
     let large = corrections.iter().take_while(|c| **c > 1e-6).count();
     assert!(large <= 4, "{corrections:?}");
     assert!(corrections[2] < corrections[1].powf(1.5), "{corrections:?}");
+}
+
+/// Two bars of 0.05 with a lateral spring between them, P = k l/2, on the scale of a mast that is longer by three orders.
+#[test]
+fn a_small_part_of_a_large_model_buckles() {
+    let text = r#"
+[sections.mast]
+stiffness = { EA = 1e9, GA = [1e9, 1e9], GJ = 1e9, EI = [1e9, 1e9] }
+[nodes]
+foot = [0, 0, 0]
+head = [0, 0, 60]
+a = [1, 0, 0]
+m = [1.05, 0, 0]
+e = [1.1, 0, 0]
+w = [1.05, 0.1, 0]
+[[lines]]
+name = "mast"
+from = "foot"
+to = "head"
+elements = 2
+section = "mast"
+[[supports]]
+node = "foot"
+fix = "all"
+[[supports]]
+node = "a"
+fix = "all"
+[[supports]]
+node = "w"
+fix = "all"
+[[supports]]
+node = "m"
+fix = ["z", "rx", "ry", "rz"]
+[[supports]]
+node = "e"
+fix = ["y", "z", "rx", "ry", "rz"]
+[[springs]]
+name = "b1"
+nodes = ["a", "m"]
+stiffness = 1e6
+[[springs]]
+name = "b2"
+nodes = ["m", "e"]
+stiffness = 1e6
+[[springs]]
+name = "lateral"
+nodes = ["m", "w"]
+stiffness = 10
+[[loads]]
+node = "e"
+force = [-1, 0, 0]
+[analysis.buckling]
+count = 1
+"#;
+    let modes = critical(text, 0.0, 1).unwrap();
+    assert_near(modes[0].load, 0.25, 1e-8);
+}
+
+/// A load that grows at its first rate where it is critical by that rate, but is another one then: 1 at t = 1, −5 at t = 2.
+#[test]
+fn a_load_that_has_not_grown_steadily_has_an_error() {
+    let loaded = "[[loads]]\nnode = \"B\"\nforce = [-1, 0, 0]\ntime = { table = [[0, 0], [1, 1], [2, -5], [20, 13]] }\n";
+    let text = line(
+        COLUMN,
+        8,
+        3,
+        &(fixed("A") + loaded + "[analysis.buckling]\n"),
+    );
+    let modes = critical(&text, 0.0, 1).unwrap();
+    assert!(modes[0].error > 0.5, "{:?}", modes[0].error);
 }
 
 #[test]

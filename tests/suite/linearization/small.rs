@@ -330,6 +330,35 @@ fn divergence_is_a_stability_limit() {
     }
 }
 
+/// Ziegler's double pendulum without damping flutters at 7/2 − √2 (Ziegler 1952), also beside a pendulum with a damper that has
+/// nothing to do with it.
+#[test]
+fn a_damper_elsewhere_leaves_flutter_as_it_is() {
+    for c in [0.0, 0.1] {
+        let text = [
+            GROUND,
+            "[analysis.modes]\n",
+            &hinge("A", "ground", "spring = { k = 1 }"),
+            &arm("a", "A", X.map(f64::from)),
+            &hinge("B", "a", "spring = { k = 1 }"),
+            &arm("b", "B", [2.0, 0.0, 0.0]),
+            &hinge("C", "ground", &format!("spring = {{ k = 30, c = {c:?} }}")),
+            &arm("c", "C", X.map(f64::from)),
+            &body_of("a", 2.0, ""),
+            &body_of("b", 1.0, ""),
+            &body_of("c", 1.0, ""),
+            "[[loads]]\nnode = \"b\"\nforce = [-1, 0, 0]\nfollower = true\ntime = { proportional = 1 }\n",
+        ]
+        .concat();
+        let mut context = started(&text).context;
+        let options = StaticOptions::default();
+        for range in [[1.0, 3.0], [0.0, 2.6], [0.1, 2.2]] {
+            let found = stability_limit(&mut context, &[0.0; 3], range, 3, &options).unwrap();
+            assert_near(found.t, 3.5 - 2.0_f64.sqrt(), 1e-10);
+        }
+    }
+}
+
 /// A pendulum on a ball joint hangs along skew gravity, in balance but for rounding errors. It may spin.
 #[test]
 fn a_pendulum_in_skew_gravity() {

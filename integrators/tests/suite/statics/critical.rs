@@ -90,7 +90,14 @@ fn limit_points_of_the_truss() {
 #[test]
 fn bifurcations_and_their_paths() {
     for (alpha, beta, coupling) in [(0.0, 1.0, 1.0), (0.5, 1.0, 1.0), (-0.7, 0.2, 0.0)] {
-        for (q, t) in [([0.7, 0.0], 0.7), ([1.3, 0.0], 1.3), ([0.9, 0.02], 0.91)] {
+        for (q, t) in [
+            ([0.3, 0.0], 0.3),
+            ([0.7, 0.0], 0.7),
+            ([0.8, 0.0], 0.8),
+            ([1.2, 1e-3], 1.2),
+            ([1.3, 0.0], 1.3),
+            ([0.9, 0.02], 0.91),
+        ] {
             let point = find(&mut Column::new(alpha, beta, coupling), &q, t).unwrap();
             assert_eq!(point.kind, CriticalKind::Bifurcation, "{alpha} {q:?}");
             let found = [point.t - 1.0, point.q[0] - 1.0, point.q[1]];
@@ -171,6 +178,94 @@ fn an_imperfection_leaves_limit_points() {
         let y = sign * 10_f64.powf(-2.0 / 3.0);
         assert!((point.q[1] - y).abs() < 1e-10, "{} {y}", point.q[1]);
         assert_quadratic(&point);
+    }
+}
+
+/// From far off the path, too, a bifurcation is no limit point: ψᵀ ∂r/∂t = 0.
+#[test]
+fn a_bifurcation_is_not_taken_for_a_limit_point() {
+    for i in 0..20 {
+        for j in 0..10 {
+            let (t, y) = (0.4 + 0.06 * f64::from(i), 0.01 + 0.08 * f64::from(j));
+            let q = [t, y];
+            let at = Point::statics(t, &q);
+            let shape = Some(&[0.0, 1.0][..]);
+            let point = critical_point(&mut Column::new(0.0, 1.0, 1.0), at, shape, &TIGHT);
+            assert!(
+                point.is_ok_and(|p| p.kind == CriticalKind::Bifurcation),
+                "{t} {y}"
+            );
+        }
+    }
+}
+
+/// A load t = w (2 − w) with a turning point at w = 1, beside a coordinate of the stiffness w − 0.97: its bifurcation on the
+/// path just before leaves the number of unstable directions as it was.
+struct Beside {
+    pattern: BlockPattern,
+}
+
+impl System for Beside {
+    fn pattern(&self) -> &BlockPattern {
+        &self.pattern
+    }
+
+    fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
+        let (w, z) = (at.q[0], at.q[1]);
+        out.r[0] = at.t - w * (2.0 - w) - 0.5 * z * z;
+        out.r[1] = -(w - 0.97) * z - z * z * z;
+        if let Some((weights, S)) = out.S {
+            let K = [2.0 - 2.0 * w, z, z, w - 0.97 + 3.0 * z * z];
+            S.iter_mut().zip(K).for_each(|(S, K)| *S = weights.K * K);
+        }
+        if let Some(r_t) = out.r_t {
+            r_t.copy_from_slice(&[1.0, 0.0]);
+        }
+        Ok(())
+    }
+
+    fn is_symmetric(&self) -> bool {
+        true
+    }
+
+    fn name(&self, i: usize) -> String {
+        ["w", "z"][i].to_owned()
+    }
+}
+
+#[test]
+fn a_bifurcation_beside_a_turning_point_is_found() {
+    for max_step in [0.1, 0.02] {
+        let options = ArcLengthOptions {
+            events: vec![
+                (Event::Bifurcation, false),
+                (Event::TurningPoint, false),
+                (
+                    Event::Coordinate {
+                        unknown: 0,
+                        value: 1.5,
+                    },
+                    true,
+                ),
+            ],
+            max_step,
+            ..ArcLengthOptions::default()
+        };
+        let mut system = Beside {
+            pattern: BlockPattern::dense(2),
+        };
+        let mut found = Vec::new();
+        trace_path(&mut system, &mut Vec::new(), &options, &mut |_, step| {
+            found.extend(step.event.map(|event| (event, step.t)));
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+        let exact = [(0, 0.97 * 1.03), (1, 1.0), (2, 0.75)];
+        assert_eq!(found.len(), exact.len(), "{found:?}");
+        for (found, exact) in found.iter().zip(exact) {
+            assert_eq!(found.0, exact.0);
+            assert!((found.1 - exact.1).abs() < 1e-10, "{found:?}");
+        }
     }
 }
 
