@@ -60,8 +60,8 @@ pub(crate) fn warning_of_motion(
         });
     Ok(moves.then(|| {
         format!(
-            "the state moves: its equations are frozen at time {}, and growth or decay of a mode there is none of \
-             the motion; only a steady motion, at rest in its coordinates, has modes of its own",
+            "the state moves: its equations are frozen at time {}, and growth or decay of a mode does not \
+             describe the motion; only a steady motion, at rest in its coordinates, has modes of its own",
             significant(at.t)
         )
     }))

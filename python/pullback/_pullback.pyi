@@ -66,8 +66,8 @@ def compare(
 ) -> str: ...
 def spectra(schemes: list[str], range: tuple[float, float]) -> str: ...
 
-# Run, parameters, outcome, load parameter or time, seconds, values.
-_Row = tuple[int, list[str], str, float, float, list[float]]
+# Run, parameters, outcome, load parameter or time, seconds, values, warnings.
+_Row = tuple[int, list[str], str, float, float, list[float], str]
 
 class Sweep:
     """One model with many values of its parameters."""

@@ -30,7 +30,7 @@ class SweepTable:
     """The rows of a sweep, in the order of its runs.
 
     `columns` are their names: `run`, the paths of the parameters, `outcome` ("complete", or why a run failed),
-    `t`, `seconds`, and what is kept of the probes; `table[name]` is a column as an array.
+    `t`, `seconds`, what is kept of the probes, and `warnings`; `table[name]` is a column as an array.
     """
 
     def __init__(self, columns: list[str], rows: list[tuple[Any, ...]]) -> None:
@@ -88,12 +88,12 @@ def sweep(
     runs = _pullback.Sweep(*arguments)
     saved = None if out is None else runs.open(os.fspath(out))
     rows = [] if saved is None else saved.rows()
-    columns = ["run", *over, "outcome", "t", "seconds", *runs.columns]
+    columns = ["run", *over, "outcome", "t", "seconds", *runs.columns, "warnings"]
     values = list(itertools.product(*over.values()))
 
     def table() -> SweepTable:
         ordered = sorted(rows, key=lambda row: row[0])
-        return SweepTable(columns, [(run, *values[run], *told, *kept) for run, _, *told, kept in ordered])
+        return SweepTable(columns, [(run, *values[run], *told, *kept, last) for run, _, *told, kept, last in ordered])
 
     try:
         with Progress(len(runs) if progress else math.nan, done=len(rows)) as show:

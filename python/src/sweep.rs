@@ -9,15 +9,24 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
-/// Run, parameters, outcome, load parameter or time, seconds, values.
-type Row = (usize, Vec<String>, String, f64, f64, Vec<f64>);
+/// Run, parameters, outcome, load parameter or time, seconds, values, warnings.
+type Row = (usize, Vec<String>, String, f64, f64, Vec<f64>, String);
 
 fn to_python(row: SweepRow) -> Row {
-    let (t, seconds) = (row.t, row.seconds);
-    (row.run, row.parameters, row.outcome, t, seconds, row.values)
+    let (t, seconds, values) = (row.t, row.seconds, row.values);
+    let warnings = row.warnings;
+    (
+        row.run,
+        row.parameters,
+        row.outcome,
+        t,
+        seconds,
+        values,
+        warnings,
+    )
 }
 
-fn of_python((run, parameters, outcome, t, seconds, values): Row) -> SweepRow {
+fn of_python((run, parameters, outcome, t, seconds, values, warnings): Row) -> SweepRow {
     SweepRow {
         run,
         parameters,
@@ -25,6 +34,7 @@ fn of_python((run, parameters, outcome, t, seconds, values): Row) -> SweepRow {
         t,
         seconds,
         values,
+        warnings,
     }
 }
 

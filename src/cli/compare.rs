@@ -45,17 +45,17 @@ pub(super) struct CompareArguments {
     #[arg(long)]
     out: Option<PathBuf>,
     /// Runs at a time; one per core by default. Results do not depend on it.
-    #[arg(long, value_parser = threads)]
+    #[arg(long, value_parser = threads, allow_negative_numbers = true)]
     threads: Option<NonZeroUsize>,
     /// Repeats each run alone on the machine to measure its time.
     #[arg(long)]
     timed: bool,
     /// Tolerance of the residual relative to forces, where smaller than the model file's.
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     residual: Option<f64>,
     /// Also runs every scheme with the largest step for this multiple of the duration, to show
     /// the drift of energies and momenta.
-    #[arg(long, value_name = "TIMES")]
+    #[arg(long, value_name = "TIMES", allow_negative_numbers = true)]
     long: Option<f64>,
     /// Also runs every scheme at every step size with charts of rotations that are kept until three
     /// quarters of a turn instead of half a turn, to show what changes of chart cost.

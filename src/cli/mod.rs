@@ -124,7 +124,7 @@ struct CheckArguments {
     #[command(flatten)]
     file: ModelArguments,
     /// Seed of the random states and directions.
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, allow_negative_numbers = true)]
     seed: u64,
     /// Prints a line for each property of each component.
     #[arg(long)]

@@ -28,7 +28,7 @@ pub(super) struct SweepArguments {
     #[arg(long, default_value = "last", value_delimiter = ',')]
     keep: Vec<Reduction>,
     /// Runs at a time; by default as many as there are processors.
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     workers: Option<NonZeroUsize>,
     /// Directory of the results; `MODEL.sweep` beside the model file by default. A sweep that was stopped goes on there.
     #[arg(long)]
@@ -85,6 +85,16 @@ fn report(rows: &[SweepRow], all: usize, out: &Path, quiet: bool) -> u8 {
             plural(rows.len(), "run"),
             row.run,
             row.outcome
+        ));
+    }
+    let warned = || rows.iter().filter(|row| !row.warnings.is_empty());
+    if let Some(row) = warned().next() {
+        tell(format_args!(
+            "warning: {} of {} with warnings, the first one, run {}: {}",
+            warned().count(),
+            plural(rows.len(), "run"),
+            row.run,
+            row.warnings
         ));
     }
     if rows.len() < all {

@@ -16,6 +16,11 @@ fn names(known: &[String]) -> String {
 /// Words of other programs, and the keys that mean the same here.
 const SYNONYMS: &[(&str, &str)] = &[
     ("linear", "proportional"),
+    ("frequency", "omega"),
+    ("stiffness", "k"),
+    ("k", "stiffness"),
+    ("dt", "step"),
+    ("gravity", "loads"),
     ("limit-point", "turning_point"),
     ("harmonic", "sine"),
     ("step", "pulse"),

@@ -116,8 +116,7 @@ fn mode_options(at: &Location<'_>, m: &ModalAnalysis) -> Result<ModeOptions, Inp
         Some(range) => {
             for (key, given) in [("count", m.count.is_some()), ("near", m.near.is_some())] {
                 if given {
-                    let message = format!("{key} and range exclude each other: keep one of them");
-                    return Err(at.at(key).refuse_key(InputProblem::Toml(message)));
+                    return Err(at.exclude(key, "range"));
                 }
             }
             Selection::Range(range.map(|f| TAU * f))

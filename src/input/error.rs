@@ -240,8 +240,6 @@ pub enum InputProblem {
         probe: String,
         quantity: &'static str,
     },
-    #[error("steps already says how large each step is; {key} contradicts it")]
-    StepsTwice { key: &'static str },
     #[error("{0}")]
     Model(#[from] ModelError),
 }

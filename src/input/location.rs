@@ -116,6 +116,12 @@ impl Location<'_> {
         self.text.refuse(problem.into(), spans.map(|[key, _]| key))
     }
 
+    /// A refusal of a key of this table beside another one.
+    pub fn exclude(&self, key: &'static str, other: &str) -> InputError {
+        let message = format!("{key} and {other} exclude each other: keep one of them");
+        self.at(key).refuse_key(InputProblem::Toml(message))
+    }
+
     /// A refusal of a key of this table, whose value is out of range.
     pub fn range(
         &self,

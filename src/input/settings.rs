@@ -188,12 +188,11 @@ fn record_interval(at: &Location<'_>, d: &Dynamic) -> Result<(), InputError> {
     };
     let key = "record_interval";
     at.positive(key, interval)?;
-    let expected = match d.to / interval {
-        _ if d.record_every != 1 => "no record_every beside record_interval",
-        rows if rows > MOST_STEPS => "an interval that makes at most 1e9 rows",
-        _ => return Ok(()),
-    };
-    Err(at.range(key, interval, expected))
+    if d.record_every != 1 {
+        return Err(at.exclude(key, "record_every"));
+    }
+    let expected = "an interval that makes at most 1e9 rows";
+    at.refuse_if(d.to / interval > MOST_STEPS, key, interval, expected)
 }
 
 /// Refuses invalid settings of Newton's method, and tolerances that are too loose for equilibrium.
@@ -237,7 +236,7 @@ fn load_steps(at: &Location<'_>, s: &Static) -> Result<StaticOptions, InputError
         let Some(value) = value else { continue };
         at.positive(key, value)?;
         if s.steps.is_some() && key != "min_step" {
-            return Err(at.at(key).refuse_key(InputProblem::StepsTwice { key }));
+            return Err(at.exclude(key, "steps"));
         }
     }
     let steps = s.steps.map(|steps| steps as f64);
@@ -301,7 +300,7 @@ fn path(
     for (key, value) in numbers {
         at.positive(key, value)?;
     }
-    let expected = "at least one position to stop at, such as { load = 1.0 }";
+    let expected = "at least one event that ends the analysis, such as { load = 1.0 }";
     at.refuse_if(a.stop.is_empty(), "stop", 0.0, expected)?;
     let mut events = Vec::new();
     let mut names = Vec::new();

@@ -87,7 +87,7 @@ pub enum ResumeError {
     /// The model file has changed.
     #[error(
         "`{part}` has changed in the model file since {} was written; only `output` and \
-         `analysis.dynamic` (but not its scheme) may change. Undo that, or run without --resume",
+         `analysis.dynamic` (but not its scheme or its start in equilibrium) may change. Undo that, or run without --resume",
         path.display()
     )]
     Changed {
@@ -203,9 +203,11 @@ fn names(context: &Context) -> Vec<String> {
 
 /// The first changed part of the model file that must not change.
 fn changed(before: &Value, now: &Value) -> Option<String> {
-    let scheme = "/analysis/dynamic/scheme";
-    if before.pointer(scheme) != now.pointer(scheme) {
-        return Some("analysis.dynamic.scheme".to_owned());
+    for key in ["scheme", "from_equilibrium"] {
+        let path = format!("/analysis/dynamic/{key}");
+        if before.pointer(&path) != now.pointer(&path) {
+            return Some(format!("analysis.dynamic.{key}"));
+        }
     }
     let (before, now) = (before.as_object()?, now.as_object()?);
     let keys = before.keys().chain(now.keys());

@@ -77,6 +77,8 @@ pub struct SweepRow {
     pub seconds: f64,
     /// The columns of [`Sweep::columns`]; not a number where the run has none.
     pub values: Vec<f64>,
+    /// Its warnings, with semicolons between them.
+    pub warnings: String,
 }
 
 /// Why a sweep or a part of it cannot be understood.
@@ -322,8 +324,8 @@ impl Sweep {
         let recorded = recorded.and_then(|job| {
             record_job(job, &mut |_| {}, &mut |_| flow()).map_err(|error| error.to_string())
         });
-        let (outcome, t, mut values) = match &recorded {
-            Err(message) => (message.clone(), f64::NAN, Vec::new()),
+        let (outcome, t, mut values, warnings) = match &recorded {
+            Err(message) => (message.clone(), f64::NAN, Vec::new(), String::new()),
             Ok(recorded) => {
                 if let Ending::Interrupted { .. } = recorded.ending {
                     return None;
@@ -332,7 +334,9 @@ impl Sweep {
                 let outcome = problem.unwrap_or_else(|| "complete".to_owned());
                 let t = recorded.history.find("t");
                 let t = t.and_then(|t| recorded.history.column(t).next_back());
-                (outcome, t.unwrap_or(f64::NAN), self.values(recorded))
+                let warnings = recorded.warnings.join("; ");
+                let values = self.values(recorded);
+                (outcome, t.unwrap_or(f64::NAN), values, warnings)
             }
         };
         values.resize(columns, f64::NAN);
@@ -343,6 +347,7 @@ impl Sweep {
             t,
             seconds: started.elapsed().as_secs_f64(),
             values,
+            warnings: warnings.replace('\n', " "),
         })
     }
 

@@ -36,6 +36,8 @@ pub struct Damping {
 pub enum SectionError {
     #[error("{quantity} must be positive and finite, got {value}")]
     NotPositive { quantity: &'static str, value: f64 },
+    #[error("{quantity} must be zero or positive, and finite, got {value}")]
+    Negative { quantity: &'static str, value: f64 },
     #[error("Poisson's ratio must lie in (-1, 0.5], got {0}")]
     PoissonRatio(f64),
     #[error("a tube needs 0 < inner radius < outer radius, got {inner} and {outer}")]
@@ -75,8 +77,8 @@ impl Material {
 }
 
 fn positive(quantity: &'static str, value: f64) -> Result<(), SectionError> {
-    match value > 0.0 {
-        true => not_negative(quantity, value),
+    match value > 0.0 && value.is_finite() {
+        true => Ok(()),
         false => Err(SectionError::NotPositive { quantity, value }),
     }
 }
@@ -84,7 +86,7 @@ fn positive(quantity: &'static str, value: f64) -> Result<(), SectionError> {
 fn not_negative(quantity: &'static str, value: f64) -> Result<(), SectionError> {
     match value >= 0.0 && value.is_finite() {
         true => Ok(()),
-        false => Err(SectionError::NotPositive { quantity, value }),
+        false => Err(SectionError::Negative { quantity, value }),
     }
 }
 
@@ -155,11 +157,11 @@ impl Section {
     /// The same section with viscous damping.
     ///
     /// # Errors
-    /// [`SectionError::NotPositive`] for a factor that is negative or not finite.
+    /// [`SectionError::Negative`] for a factor that is negative or not finite.
     pub fn with_damping(mut self, damping: Damping) -> Result<Self, SectionError> {
-        not_negative("mass-proportional damping (or zero)", damping.mass)?;
+        not_negative("mass-proportional damping", damping.mass)?;
         let stiffness = damping.stiffness;
-        not_negative("stiffness-proportional damping (or zero)", stiffness)?;
+        not_negative("stiffness-proportional damping", stiffness)?;
         self.damping = damping;
         Ok(self)
     }

@@ -10,7 +10,7 @@ use pullback_elements::inertia::{Inertia, InertiaError};
 /// Dotted path, below the section, of the number that an error is about; the shape if it is about no single number.
 fn number(shape: &str, error: &SectionError) -> String {
     match error {
-        SectionError::NotPositive { quantity, .. } => {
+        SectionError::NotPositive { quantity, .. } | SectionError::Negative { quantity, .. } => {
             let symbol = quantity.rsplit(' ').next().unwrap_or_default();
             match symbol {
                 "E" | "rho" => format!("material.{symbol}"),

@@ -49,7 +49,8 @@ impl SweepTable {
         let parameters = sweep.axes.iter().map(|axis| axis.path.clone());
         let general = ["outcome", "t", "seconds"].map(str::to_owned);
         let names = ["run".to_owned()].into_iter().chain(parameters);
-        let names: Vec<String> = names.chain(general).chain(columns.to_vec()).collect();
+        let names = names.chain(general).chain(columns.to_vec());
+        let names: Vec<String> = names.chain(["warnings".to_owned()]).collect();
         let own = serde_json::to_value(sweep).unwrap_or_default();
         let there = std::fs::read(path.join(SWEEP)).ok();
         let there = there.map(|text| serde_json::from_slice::<serde_json::Value>(&text).ok());
@@ -86,7 +87,7 @@ impl SweepTable {
                 .parse()
                 .ok()
                 .filter(|run| *run < sweep.runs())?;
-            let first = 1 + sweep.axes.len();
+            let (first, last) = (1 + sweep.axes.len(), record.len() - 1);
             let number = |k: usize| match record.get(k)? {
                 "" => Some(f64::NAN),
                 text => text.parse().ok(),
@@ -97,9 +98,8 @@ impl SweepTable {
                 outcome: record.get(first)?.to_owned(),
                 t: number(first + 1)?,
                 seconds: number(first + 2)?,
-                values: (first + 3..record.len())
-                    .map(number)
-                    .collect::<Option<_>>()?,
+                values: (first + 3..last).map(number).collect::<Option<_>>()?,
+                warnings: record.get(last)?.to_owned(),
             })
         };
         records.filter_map(row).collect()
@@ -169,7 +169,8 @@ fn lines(names: Option<&Vec<String>>, rows: &[SweepRow]) -> Result<String, csv::
         writer.write_record(
             cells
                 .chain(own)
-                .chain(row.values.iter().map(|x| number(*x))),
+                .chain(row.values.iter().map(|x| number(*x)))
+                .chain([row.warnings.clone()]),
         )?;
     }
     let text = writer

@@ -2,6 +2,7 @@
 
 use super::resume::{MODEL, go_on, until_step};
 use crate::support::beams::{COLUMN, line};
+use crate::support::closures::fixed;
 use crate::support::*;
 use pullback::run::{RunError, resume, run};
 use std::fs::OpenOptions;
@@ -50,6 +51,17 @@ fn what_cannot_be_resumed_is_refused_by_name() {
     refused("is no checkpoint");
     // A refusal touches nothing.
     assert_eq!(read(directory.join("model.out/history.csv")), before);
+}
+
+#[test]
+fn another_start_is_refused() {
+    let rest = "[sections.main.mass]\nA_rho = 1\nJ = [2, 1, 1]\n".to_owned() + &fixed("A");
+    let text = line(COLUMN, 2, 1, &(rest + &motion(0.2, 0.01)));
+    let (model, _) = stopped("program_from_equilibrium", &text, 10);
+    let other = changed(&text, "step = 0.01 => &\\nfrom_equilibrium = true");
+    std::fs::write(&model, other).unwrap();
+    let words = "`analysis.dynamic.from_equilibrium` has changed";
+    assert_says(&refusal(&model), &[words]);
 }
 
 #[test]

@@ -99,7 +99,7 @@ fn a_sweep_is_a_row_for_each_run() {
     let rows = table(&directory.join("one/sweep.csv"));
     assert_eq!(rows, table(&directory.join("two/sweep.csv")));
     let head = "run,sections.rod.stiffness.EI.0,loads.0.force.2,outcome,t,\
-                tip.last,tip.max,tip.min,tip.at(0.5)";
+                tip.last,tip.max,tip.min,tip.at(0.5),warnings";
     assert_eq!(rows[0].join(","), head);
     assert_eq!(rows.len(), 7);
     let runs = ["1.0", "2.0", "3.0"].map(|stiffness| ["1e-6", "2e-6"].map(|f| [stiffness, f]));
@@ -118,6 +118,47 @@ fn a_sweep_is_a_row_for_each_run() {
     succeeded(&program_in(&directory, &format!("run beam.toml {set}")));
     let last = history(&directory.join("beam.out")).pop().unwrap();
     assert_eq!(number(&last, "tip"), rows[6][5].parse::<f64>().unwrap());
+}
+
+/// A soft spring that snaps through beyond 2/(3√3) = 0.385: statics ends on an unstable branch far away, and says so.
+#[test]
+fn a_sweep_has_the_warnings_of_its_runs() {
+    let directory = directory("sweep_warnings");
+    let model = r#"
+[nodes]
+g = [0, 0, 0]
+[[supports]]
+node = "g"
+fix = "all"
+[[joints]]
+name = "j"
+type = "prismatic"
+parent = "g"
+axis = [1, 0, 0]
+spring = { k = 1, k3 = -1 }
+[[loads]]
+node = "j"
+force = [0.5, 0, 0]
+[analysis.static]
+[[probes]]
+name = "x"
+quantity = "joint_coordinate"
+joint = "j"
+"#;
+    std::fs::write(directory.join("soft.toml"), model).unwrap();
+    let line = "sweep soft.toml --over loads.0.force.0=[0.3,0.5]";
+    let said = succeeded(&program_in(&directory, line));
+    assert_says(
+        &said,
+        &[
+            "1 of 2 runs with warnings, the first one, run 1",
+            "unstable",
+        ],
+    );
+    let rows = read(directory.join("soft.sweep/sweep.csv"));
+    let lines: Vec<&str> = rows.lines().collect();
+    assert!(lines[1].ends_with(','), "{rows}");
+    assert!(lines[2].contains("unstable in 1 direction"), "{rows}");
 }
 
 /// Runs that fail or are refused are rows; a sweep that was stopped, within a line, makes the rows that are missing.
@@ -177,8 +218,8 @@ fn frequencies(name: &str, model: &str, over: &str) -> Vec<f64> {
     let line = format!("sweep model.toml --over {over}");
     succeeded(&program_in(&directory, &line));
     let rows = table(&directory.join("model.sweep/sweep.csv"));
-    let last = rows[0].len() - 2;
-    assert_eq!(rows[0][last..], ["frequency_1", "damping_ratio_1"]);
+    let last = rows[0].len() - 3;
+    assert_eq!(rows[0][last..][..2], ["frequency_1", "damping_ratio_1"]);
     let found = rows[1..].iter().map(|row| row[last].parse().unwrap());
     found.collect()
 }

@@ -62,7 +62,7 @@ node = "B"\nmoment = [0, 0, 3.141592653589793] => node = "B" | [[loads]] | this 
 # Analyses.
 steps = 4 => to = 0 | 0 | to = 0 | differs from
  => steps = 0 | 0 | steps = 0 | positive
- => &\nmax_step = 1 | max_step | contradicts
+ => &\nmax_step = 1 | max_step | exclude each other
  => first_step = -0.1 | -0.1 | first_step = -0.1 | positive
  => first_step = 0.5\nmax_step = 0.1 | 0.5 | first_step = 0.5 | not larger
  => newton = { relative = 0 } | 0 | relative = 0 | positive

@@ -81,7 +81,7 @@ step = 0.1 => step = 0 | 0 | step | positive
  => step = 2 | 2 | step | to
  => &\nrecord_every = 0 | 0 | record_every
  => &\nrecord_interval = -1 | -1 | record_interval
- => &\nrecord_every = 2\nrecord_interval = 0.5 | 0.5 | record_interval | no record_every
+ => &\nrecord_every = 2\nrecord_interval = 0.5 | record_interval | record_every
  => &\nrecord_interval = 1e-10 | 1e-10 | record_interval | at most 1e9 rows
  => &\nadaptive = { tolerance = 0 } | 0 | tolerance
 to = 1.0 => to = -1.0 | -1.0 | to | positive

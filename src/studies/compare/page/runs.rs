@@ -6,10 +6,10 @@ use crate::studies::compare::{Comparison, ComparisonRow, EqualCost, ErrorQuantit
 
 pub(super) fn errors(out: &mut Page, c: &Comparison) {
     let caption = format!(
-        "Root mean square errors over {} equally spaced times and all frame nodes; of rotations the \
+        "Root mean square errors over {} equally spaced times, the start included, and all frame nodes; of rotations the \
          angle of the relative rotation in radians. Where the error is below that of the reference \
          itself, that stands instead, and – where the reference is not known at all.{}",
-        c.times,
+        c.times + 1,
         changed_steps(c)
     );
     run_table(out, &caption, &with_errors(&[""]), &c.rows, |row| {
