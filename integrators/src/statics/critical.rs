@@ -22,16 +22,15 @@
 //! quadratically. The derivatives of g and h are second derivatives of φᵀr along ψ and w, where w is dq/dt with
 //! k held. Those at a bifurcation give the directions of its paths.
 
+mod derivatives;
 mod held;
 
 use super::newton::Newton;
 use super::{Iteration, StaticNewtonOptions, StaticsError};
 use crate::failure::Cause;
-use crate::linear_solver::{LinearSolver, null_vector};
 use crate::rounding::largest;
-use crate::vectors::{add, generic};
+use crate::vectors::add;
 use held::Held;
-use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{Point, System};
 
 /// Limit or bifurcation point.
@@ -111,13 +110,8 @@ struct Equations {
     w_w: f64,
 }
 
-/// Largest change of a coordinate, relative to its scale, or of the load, relative to the load, in differences of tangents:
-/// the first with which the system can be evaluated.
-const CHANGES: [f64; 3] = [1e-4, 1e-6, 1e-8];
 /// Largest slope of the load along a path, relative to the load, that counts as rounding of these differences.
 const SYMMETRIC: f64 = 1e-4;
-/// Inverse iterations for an estimate of the shape of a critical point.
-const ESTIMATES: usize = 6;
 /// Distance of a limit point from a bifurcation, in corrections, from which on it is told apart.
 const APART: f64 = 10.0;
 /// Correction, relative to the scales of coordinates or to the load, at which an iteration ends.
@@ -178,32 +172,6 @@ impl Newton {
             let found = self.extended(system, guess, &mut held, other);
             found.map_err(|_| cause)
         })
-    }
-
-    /// An estimate of the shape whose stiffness vanishes first along the path through the state evaluated last:
-    /// (K + s dK/ds) ψ = 0 with the least |s|.
-    fn estimate(
-        &mut self,
-        system: &mut dyn System,
-        guess: (&[f64], f64),
-    ) -> Result<Vec<f64>, Cause> {
-        let K = self.S.clone();
-        if self.factorise().is_err() {
-            let null = null_vector(system.pattern(), &K);
-            return Ok(null.ok_or(Cause::Diverged)?.vector);
-        }
-        self.solve_rate()?;
-        let rate = self.rate.clone();
-        let change = self.derivative(system, guess, &rate, &|newton, _| newton.S.clone())?;
-        let mut shape = generic(rate.dq.len());
-        for _ in 0..ESTIMATES {
-            let mut image = vec![0.0; shape.len()];
-            (system.pattern()).multiply_add(1.0 / self.size(&shape), &change, &shape, &mut image);
-            let solved = self.solver.solve(Some(&K), &mut image);
-            solved.map_err(Cause::linear)?;
-            shape = image;
-        }
-        Ok(shape)
     }
 
     /// Newton's method for one kind of point.
@@ -338,56 +306,6 @@ impl Newton {
             psi_w,
             w_w,
         })
-    }
-
-    /// Second derivatives of r in one direction and each of some others, by central differences of tangents.
-    fn second(
-        &mut self,
-        system: &mut dyn System,
-        (q, t): (&[f64], f64),
-        along: &PathDirection,
-        with: &[&PathDirection],
-    ) -> Result<Vec<Vec<f64>>, Cause> {
-        let first = |newton: &Self, pattern: &BlockPattern| {
-            let derivatives = with.iter().map(|direction| {
-                let mut out = vec![0.0; newton.r_t.len()];
-                pattern.multiply_add(-1.0, &newton.S, &direction.dq, &mut out);
-                add(&mut out, direction.dt, &newton.r_t);
-                out
-            });
-            derivatives.flatten().collect()
-        };
-        let second = self.derivative(system, (q, t), along, &first)?;
-        Ok(second.chunks(q.len()).map(<[f64]>::to_vec).collect())
-    }
-
-    /// The derivative of what is read after an evaluation, in a direction, by central differences.
-    fn derivative(
-        &mut self,
-        system: &mut dyn System,
-        (q, t): (&[f64], f64),
-        along: &PathDirection,
-        read: &dyn Fn(&Self, &BlockPattern) -> Vec<f64>,
-    ) -> Result<Vec<f64>, Cause> {
-        let size = self.size(&along.dq).max(along.dt.abs() / load(t));
-        let mut at = |s: f64| {
-            let near: Vec<f64> = q.iter().zip(&along.dq).map(|(q, dq)| q + s * dq).collect();
-            self.evaluate(system, None, &near, t + s * along.dt)?;
-            Ok(read(self, system.pattern()))
-        };
-        let mut found = Err(Cause::Diverged);
-        for change in CHANGES {
-            let h = change / size;
-            let both = at(-h).and_then(|before| Ok((before, at(h)?)));
-            found = both.map_err(Cause::System).map(|(before, after)| {
-                let pairs = before.iter().zip(after);
-                pairs.map(|(a, b)| (b - a) / (2.0 * h)).collect()
-            });
-            if found.is_ok() {
-                break;
-            }
-        }
-        found
     }
 
     /// Directions of the paths through a point: s ψ + τ w, where
