@@ -79,7 +79,7 @@ pub struct Properties {
     pub dead: bool,
     /// It is a load with a time-independent potential, its energy. Its work is then known exactly,
     /// not only to the order of a scheme.
-    pub steady: bool,
+    pub time_independent: bool,
     /// K is symmetric at rest, at every point of the domain.
     pub symmetric: bool,
     /// Its forces rotate with a rigid motion of all its nodes, as internal ones do: false for elements
@@ -98,7 +98,7 @@ impl Properties {
     pub const INTERNAL: Self = Self {
         load: false,
         dead: false,
-        steady: false,
+        time_independent: false,
         symmetric: true,
         objective: true,
         sees_rotations: true,
@@ -118,7 +118,7 @@ impl Properties {
         Self {
             load: self.load && other.load,
             dead: self.dead && other.dead,
-            steady: self.steady && other.steady,
+            time_independent: self.time_independent && other.time_independent,
             symmetric: self.symmetric && other.symmetric,
             objective: self.objective && other.objective,
             sees_rotations: self.sees_rotations || other.sees_rotations,

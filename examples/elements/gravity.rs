@@ -43,7 +43,7 @@ impl EnergyElement<6> for Gravity {
 
     fn properties(&self) -> Properties {
         Properties {
-            steady: true,
+            time_independent: true,
             ..Properties::LOAD
         }
     }

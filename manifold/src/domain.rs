@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-/// Default limit of a domain in messages: the step was too large.
-pub const CHART_EDGE: &str = "the domain of its chart (it moved or turned too far at once)";
+/// Default limit of a domain in messages: a rotation vector of a whole turn, mostly because the step was too large.
+pub const CHART_EDGE: &str = "the range of its coordinates";
 
 /// Largest angle of a rotation vector that is used: its tangent map T is singular at 2π, and T⁻¹ unbounded.
 pub const LARGEST_ANGLE: f64 = TAU - 1e-3;
@@ -41,7 +41,11 @@ impl DomainError {
     pub fn of(&self, what: &str) -> String {
         match self {
             Self::Beyond { limit, .. } if *limit == CHART_EDGE => {
-                format!("{what} left {limit}: take smaller steps")
+                format!(
+                    "{what} left {limit}: it moved or turned too far in one step, or a rotation of which only a part \
+                     is held or prescribed came near a whole turn; take smaller steps, or hold or prescribe the \
+                     rest of that rotation"
+                )
             }
             Self::Beyond { limit, .. } => format!("{what} left {limit}"),
             Self::Undefined(why) => format!("{what}: {why}"),

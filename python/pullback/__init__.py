@@ -112,7 +112,7 @@ class Model:
     def with_(self, parameters: Mapping[str, Any]) -> Model:
         """The model with other values of parameters, by their paths, such as {"loads.0.force.2": -500}.
 
-        Raises ModelError for a path that is no parameter.
+        Raises ModelError for a path that is not a parameter.
         """
         values = [(path, _value(value)) for path, value in parameters.items()]
         return Model(_pullback.with_parameters(self._text, values), self._name)

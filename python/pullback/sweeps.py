@@ -77,7 +77,7 @@ def sweep(
     With a directory `out`, rows are saved as `pullback sweep` does, in sweep.csv, and a sweep that was stopped goes
     on there. After Ctrl-C, KeyboardInterrupt is raised, with the rows so far in its `result`; so are other errors.
 
-    Raises ModelError for a path that is no parameter, and where the first run is refused, and ValueError for a directory that
+    Raises ModelError for a path that is not a parameter, and where the first run is refused, and ValueError for a directory that
     holds another sweep.
     """
     from . import _value

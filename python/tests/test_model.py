@@ -137,7 +137,7 @@ def test_a_refusal_has_the_line_and_the_cure(text, said):
         ("loads.1.force", "loads has no 1"),
         ("nodes.tap", "did you mean `tip`?"),
         ("lines.beam.element", "did you mean `elements`?"),
-        ("a..b", "is no path of a parameter"),
+        ("a..b", "is not the path of a parameter"),
     ],
 )
 def test_unknown_parameters_are_refused(path, said):

@@ -85,7 +85,7 @@ def test_spectra_are_those_of_theory():
     assert newmark["radius"] == pytest.approx(1.0, abs=1e-12)
     assert newmark.order == 2 and newmark.limit is None
     assert spectra["ga:0.8"]["radius"][-1] == pytest.approx(0.8, rel=1e-4)
-    with pytest.raises(ValueError, match="no range"):
+    with pytest.raises(ValueError, match="not a range"):
         pb.spectrum(["newmark"], from_=1.0, to=0.1)
     with pytest.raises(KeyError, match="there is no number"):
         newmark["size"]

@@ -82,7 +82,7 @@ impl FromStr for Size {
             None => text.trim().parse().map(Self::Own),
         };
         read.map_err(|_| {
-            "it is no step size: give a number, such as 0.01, or a multiple of the model's own step, such as 2x"
+            "it is not a step size: give a number, such as 0.01, or a multiple of the model's own step, such as 2x"
                 .to_owned()
         })
     }

@@ -36,7 +36,7 @@ pub enum InputProblem {
     )]
     ShapeOfJoint { joint: String },
     #[error(
-        "\"{path}\" is no path of a parameter; in it, a name with other signs than letters, digits, _ and - stands in quotes"
+        "\"{path}\" is not the path of a parameter; in it, a name with other signs than letters, digits, _ and - stands in quotes"
     )]
     Path { path: String },
     #[error("{} and {} give one parameter two values", paths[0], paths[1])]
@@ -72,11 +72,11 @@ pub enum InputProblem {
     Name { what: &'static str, name: String },
     #[error(
         "section \"{section}\" needs exactly one definition, but has {}",
-        list(given)
+        list(keys)
     )]
     SectionKind {
         section: String,
-        given: Vec<&'static str>,
+        keys: Vec<&'static str>,
     },
     #[error("section \"{section}\": a {shape} needs a material")]
     NoMaterial {
@@ -120,8 +120,8 @@ pub enum InputProblem {
          be measured by it"
     )]
     PrescribedEvent { node: String, dof: &'static str },
-    #[error("this load has {}", list(given))]
-    LoadKind { given: Vec<&'static str> },
+    #[error("this load has {}", list(keys))]
+    LoadKind { keys: Vec<&'static str> },
     #[error("this load has {load}, which acts on a {needs}")]
     LoadTarget {
         load: &'static str,
@@ -248,7 +248,7 @@ pub enum InputProblem {
 fn missing(path: &str, within: &str, found: &str) -> String {
     match found {
         "" => format!("{path} is a whole part of the model, not a parameter: name a key of it"),
-        _ => format!("{path} is no parameter of the model: {within} has no {found}"),
+        _ => format!("{path} is not a parameter of the model: {within} has no {found}"),
     }
 }
 

@@ -79,7 +79,7 @@ pub enum ResumeError {
         source: std::io::Error,
     },
     /// The file is not a checkpoint of this program.
-    #[error("{} is no checkpoint of this version of the program: {source}", path.display())]
+    #[error("{} is not a checkpoint of this version of the program: {source}", path.display())]
     Unusable {
         path: PathBuf,
         source: serde_json::Error,

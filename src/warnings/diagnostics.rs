@@ -44,7 +44,7 @@ pub(crate) struct Diagnostics {
     rows: usize,
     /// Whether anything has moved, and whether any reaction is nonzero.
     moved: bool,
-    held: bool,
+    has_reactions: bool,
     /// Load parameters of rows of a model with multipliers whose stability is not known.
     unknown: Vec<f64>,
     /// Element, 1 + Γ₁ and load parameter of the first row with an element inside out.
@@ -92,7 +92,7 @@ impl Diagnostics {
         }
         self.moved = self.moved || answers.strain_energy != 0.0 || moved(context);
         let mut reactions = answers.reactions.iter();
-        self.held |= reactions.any(|r| r.force.norm() + r.moment.norm() > 0.0);
+        self.has_reactions |= reactions.any(|r| r.force.norm() + r.moment.norm() > 0.0);
         for (id, state) in &answers.sections {
             let about = |value| Some((context.element(*id).0.to_owned(), value, t));
             let stretch = 1.0 + state.Gamma.x;
@@ -137,7 +137,7 @@ impl Diagnostics {
     pub(crate) fn warnings(&self, complete: bool) -> Vec<String> {
         let unloaded = || {
             (complete && self.rows > 0 && !self.moved).then(|| {
-                if self.held {
+                if self.has_reactions {
                     "nothing moves: supports and joints bear all loads, and only reactions are \
                      computed. Load what is free to move, or free it"
                 } else {

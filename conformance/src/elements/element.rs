@@ -35,7 +35,8 @@ pub(crate) fn element_at(
 ) -> Report {
     // The energy of an element that has none is zero everywhere; that of a steady load is its potential.
     let any = |of: &dyn Fn(&Motion<'_>) -> f64| states.iter().any(|(_, s)| of(&motion(s)) != 0.0);
-    let conservative = element.properties().steady || any(&|at| element.abilities().energy(at));
+    let conservative =
+        element.properties().time_independent || any(&|at| element.abilities().energy(at));
     let symmetric = element.properties().symmetric;
     let mut report = forces_at(subject, layout, states, symmetric, |s| {
         let mut f = evaluate(element, s, Request::All)?;
@@ -56,7 +57,7 @@ pub(crate) fn element_at(
             if dissipative {
                 one.dissipation(&mut report);
             }
-            if element.properties().steady {
+            if element.properties().time_independent {
                 one.steady(&mut report);
             }
             one.requests(&mut report);

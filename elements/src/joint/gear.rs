@@ -11,10 +11,10 @@ pub enum GearError {
     #[error("its ratio {0} must be finite and not zero")]
     Ratio(f64),
     /// A node is no single coordinate that could follow another one.
-    #[error("{0} is no coordinate that a joint releases, or follows other nodes already")]
+    #[error("{0} is not a coordinate that a joint releases, or follows other nodes already")]
     Coordinate(String),
-    #[error("other gears between them have the ratio {found}, so that it cannot be {given}")]
-    Contradiction { found: f64, given: f64 },
+    #[error("other gears between them have the ratio {found}, so that it cannot be {requested}")]
+    Contradiction { found: f64, requested: f64 },
 }
 
 impl ModelBuilder {
@@ -54,7 +54,10 @@ fn couple(b: &mut ModelBuilder, [first, second]: [NodeId; 2], ratio: f64) -> Res
     if a == z {
         let (found, given) = (r2 / r1, ratio);
         let agrees = (found - given).abs() <= 1e-12 * given.abs();
-        let contradiction = GearError::Contradiction { found, given };
+        let contradiction = GearError::Contradiction {
+            found,
+            requested: given,
+        };
         return agrees.then_some(()).ok_or(contradiction);
     }
     let ratio = ratio * r1 / r2;

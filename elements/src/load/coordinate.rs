@@ -47,7 +47,7 @@ impl Element for CoordinateForce {
     fn properties(&self) -> Properties {
         Properties {
             dead: true,
-            steady: self.force.constant().is_some(),
+            time_independent: self.force.constant().is_some(),
             ..Properties::LOAD
         }
     }

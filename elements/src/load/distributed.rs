@@ -150,7 +150,7 @@ impl Element for LineLoad {
     fn properties(&self) -> Properties {
         Properties {
             dead: !self.follower,
-            steady: !self.follower && self.amplitude.constant().is_some(),
+            time_independent: !self.follower && self.amplitude.constant().is_some(),
             symmetric: !self.follower,
             sees_rotations: self.follower,
             ..Properties::LOAD

@@ -68,7 +68,7 @@ impl Element for EccentricForce {
 
     fn properties(&self) -> Properties {
         Properties {
-            steady: self.amplitude.constant().is_some(),
+            time_independent: self.amplitude.constant().is_some(),
             reads_poses: true,
             ..Properties::LOAD
         }

@@ -88,7 +88,7 @@ impl Element for NodalLoad {
         let dead = self.which == LoadKind::DeadForce;
         Properties {
             dead,
-            steady: dead && self.amplitude.constant().is_some(),
+            time_independent: dead && self.amplitude.constant().is_some(),
             symmetric: dead,
             sees_rotations: !dead,
             reads_poses: !dead,

@@ -96,7 +96,7 @@ pub enum ModelError {
     },
     #[error("{what} refers to a node of another model builder")]
     ForeignNode { what: String },
-    #[error("{what} reads node {node} as a frame, and it is none: it has {dim} coordinates")]
+    #[error("{what} reads node {node} as a frame, but it has {dim} coordinates")]
     NoFrame {
         what: String,
         node: String,
@@ -212,7 +212,7 @@ pub enum ModelError {
         prescribed: String,
     },
     #[error(
-        "{coordinate} cannot start at {value:e}: beyond {most:.0e} rounding errors are no small part of a \
+        "{coordinate} cannot start at {value:e}: beyond {most:.0e} rounding errors are not a small part of a \
          turn or of the model. Give the same position by a smaller number"
     )]
     FarStart {

@@ -250,13 +250,13 @@ pub struct ElementEntry {
     /// Whether any node is mapped.
     mapped: bool,
     /// Whether a coordinate of its nodes is prescribed or mapped.
-    held: bool,
+    dependent_coordinates: bool,
     /// Whether all its tangents are zero.
     dead: bool,
     /// Whether it is an applied load.
     load: bool,
     /// Whether it is a load with a potential that does not depend on time.
-    steady: bool,
+    time_independent: bool,
 }
 
 impl ElementEntry {

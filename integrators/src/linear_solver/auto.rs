@@ -11,7 +11,7 @@ pub struct AutoSolver {
     pattern: BlockPattern,
     symmetry: MatrixSymmetry,
     /// The solver that suits the matrix, to be tried first.
-    chosen: Option<(SolverKind, Box<dyn LinearSolver>)>,
+    preferred: Option<(SolverKind, Box<dyn LinearSolver>)>,
     /// Made when it is first needed.
     lu: Option<FaerLu>,
     /// The same, for signs alone.
@@ -56,7 +56,7 @@ impl AutoSolver {
         Ok(Self {
             pattern: pattern.clone(),
             symmetry,
-            chosen,
+            preferred: chosen,
             lu: None,
             signs: None,
             active: None,
@@ -71,7 +71,7 @@ impl AutoSolver {
 
     /// The solver that holds the factors.
     fn active_solver(&mut self) -> Option<&mut dyn LinearSolver> {
-        match (self.active?, &mut self.chosen) {
+        match (self.active?, &mut self.preferred) {
             (SolverKind::Lu, _) => self.lu.as_mut().map(|lu| lu as &mut dyn LinearSolver),
             (_, Some((_, chosen))) => Some(&mut **chosen),
             (_, None) => None,
@@ -85,7 +85,7 @@ impl AutoSolver {
         factorise: impl FnOnce(&mut dyn LinearSolver) -> Result<(), LinearError>,
     ) -> Result<(), LinearError> {
         self.active = None;
-        let Some((kind, chosen)) = (self.chosen.as_mut()).filter(|_| self.failures < FAILURES)
+        let Some((kind, chosen)) = (self.preferred.as_mut()).filter(|_| self.failures < FAILURES)
         else {
             return self.fall_back(values);
         };

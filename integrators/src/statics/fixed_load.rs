@@ -90,10 +90,10 @@ impl Newton {
         t: f64,
         previous: Option<(f64, &[f64])>,
     ) -> Result<usize, Cause> {
-        let held = self.held.clone();
+        let held = self.held_coordinates.clone();
         let settled = self.settle_charts(system, q, t, previous);
         if settled.is_err() {
-            self.held = held;
+            self.held_coordinates = held;
         }
         settled
     }
@@ -108,7 +108,7 @@ impl Newton {
         let mut before = previous.map_or(&*q, |(_, q)| q).to_vec();
         self.correct(system, q, &mut { t }, None, previous)?;
         let (mut changes, mut rounds, mut passes) = (0, 0, None);
-        for at in self.held.clone() {
+        for at in self.held_coordinates.clone() {
             changes += self.rest(system, q, t, at, 1.0)?;
         }
         for _ in 0..ROUNDS {
@@ -117,7 +117,7 @@ impl Newton {
                 let direction = q[i] - before[i];
                 q[i] = end;
                 before.copy_from_slice(q);
-                self.held.push((i, end));
+                self.held_coordinates.push((i, end));
                 self.correct(system, q, &mut { t }, None, None)?;
                 changes += self.rest(system, q, t, (i, end), direction)?;
                 continue;
@@ -156,7 +156,7 @@ impl Newton {
         direction: f64,
     ) -> Result<usize, Cause> {
         let mut changes = 0;
-        let held = std::mem::take(&mut self.held);
+        let held = std::mem::take(&mut self.held_coordinates);
         let beyond = (BEYOND * system.pattern().coordinates()[i].size).copysign(direction);
         let mut push = |newton: &mut Self, q: &mut [f64], beyond: f64| {
             q[i] = end + beyond;
@@ -172,9 +172,9 @@ impl Newton {
         if ahead <= 0.0 && back > 0.0 {
             push(self, q, -beyond)?;
         }
-        self.held = held;
+        self.held_coordinates = held;
         if ahead > 0.0 || back > 0.0 {
-            self.held.retain(|(k, _)| *k != i);
+            self.held_coordinates.retain(|(k, _)| *k != i);
         }
         self.correct(system, q, &mut { t }, None, None)?;
         Ok(changes)

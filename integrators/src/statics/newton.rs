@@ -85,7 +85,7 @@ pub(super) struct Newton {
     predicted: usize,
     pub options: StaticNewtonOptions,
     /// Coordinates that are held, and their values.
-    pub held: Vec<(usize, f64)>,
+    pub held_coordinates: Vec<(usize, f64)>,
     /// The residual that is to remain; empty for none.
     pub remaining: Vec<f64>,
 }
@@ -129,7 +129,7 @@ impl Newton {
             test: ResidualTest::new(options.relative, options.absolute),
             predicted: 0,
             options: *options,
-            held: Vec::new(),
+            held_coordinates: Vec::new(),
             remaining: Vec::new(),
         })
     }
@@ -180,7 +180,7 @@ impl Newton {
         };
         system.evaluate(Point::statics(t, q), out)?;
         add(&mut self.r[..self.remaining.len()], -1.0, &self.remaining);
-        for &(i, value) in &self.held {
+        for &(i, value) in &self.held_coordinates {
             let hard = HARD * max_abs(&self.S);
             self.r[i] = hard * (value - q[i]);
             self.r_t[i] = 0.0;

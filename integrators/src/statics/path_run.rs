@@ -118,7 +118,7 @@ impl StaticAnalysis for PathRun {
             match std::mem::replace(&mut self.phase, Phase::Advance) {
                 Phase::Begin => {
                     let (_, start) = begin(&mut self.newton, system, &mut self.at.q)?;
-                    self.newton.held.clear();
+                    self.newton.held_coordinates.clear();
                     let history = self.newton.history.clone();
                     self.reach(start, history);
                     return Ok(true);
@@ -366,7 +366,7 @@ fn settle(
             }
         }
         // A path may leave the node at which a slide rests.
-        newton.held.clear();
+        newton.held_coordinates.clear();
     }
     if changed != ChartChanges::default() {
         newton.evaluate(system, None, q, t).ok();

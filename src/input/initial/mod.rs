@@ -59,7 +59,7 @@ pub(super) fn start(assembly: &Assembly<'_>, context: &mut Context) -> Result<St
                 placed.extend(given.map(|_| unknowns.collect::<Vec<_>>()));
             }
         }
-        let chosen = match &initial.line {
+        let line_nodes = match &initial.line {
             Some(name) => {
                 let line = assembly.lines.find(&at.at("line"), name)?;
                 Some(assembly.geometry.lines[line].nodes.clone())
@@ -70,7 +70,7 @@ pub(super) fn start(assembly: &Assembly<'_>, context: &mut Context) -> Result<St
             at,
             initial,
             node,
-            chosen,
+            line_nodes,
         });
     }
     values::start(assembly, context, &mut q, &placed.concat())?;
@@ -109,12 +109,12 @@ fn balance(
     })
 }
 
-/// An entry of `[[initial]]`: of a node, of chosen nodes, or of all.
+/// An entry of `[[initial]]`: of a node, of the nodes of a line, or of all.
 struct Entry<'a> {
     at: Location<'a>,
     initial: &'a Initial,
     node: Option<NodeId>,
-    chosen: Option<Vec<NodeId>>,
+    line_nodes: Option<Vec<NodeId>>,
 }
 
 fn check(at: &Location<'_>, initial: &Initial) -> Result<(), InputError> {

@@ -49,14 +49,14 @@ pub(super) struct Rate<'a> {
     pub key: &'static str,
     pub at: Location<'a>,
     /// Prescribed rate.
-    pub given: f64,
+    pub rate: f64,
 }
 
 /// The refusal of rates that contradict each other, by what is left of the largest.
 pub(super) fn contradiction(rates: &[&Rate<'_>], left: f64) -> InputProblem {
     let mut names: Vec<&str> = rates.iter().map(|r| &*r.of).collect();
     names.dedup();
-    let most = rates.iter().fold(0.0_f64, |m, r| m.max(r.given.abs()));
+    let most = rates.iter().fold(0.0_f64, |m, r| m.max(r.rate.abs()));
     InputProblem::LoopRates {
         of: names.join(", "),
         left: left * most,
@@ -75,7 +75,7 @@ pub(super) fn project(
     let Velocities {
         mut start,
         rates,
-        mut held,
+        determined_unknowns: mut held,
         mut requests,
     } = velocities;
     if !context.is_enforced() {
@@ -86,7 +86,7 @@ pub(super) fn project(
         (context.project_positions(0.0, &mut start.q, &held, placed)).map_err(failed)?;
     }
     let (left, _) = remaining_error(context, &start, &held).map_err(failed)?;
-    let moves = rates.iter().any(|r| r.given.abs() > 0.0);
+    let moves = rates.iter().any(|r| r.rate.abs() > 0.0);
     if let (Some(first), true) = (rates.first(), moves && left > VELOCITY_TOLERANCE) {
         for (rate, u) in rates.iter().filter_map(|r| Some((r, r.u?))) {
             if context.is_locked(0.0, &start.q, u).map_err(failed)? {

@@ -17,7 +17,7 @@ pub(super) struct Velocities<'a> {
     /// Rates of joints, and velocities of nodes on them.
     pub rates: Vec<Rate<'a>>,
     /// The unknowns that these determine.
-    pub held: Vec<usize>,
+    pub determined_unknowns: Vec<usize>,
     /// Velocities prescribed in loops that multipliers and penalties close.
     pub requests: Vec<VelocityRequest<'a>>,
 }
@@ -48,7 +48,7 @@ impl<'a> Velocities<'a> {
                 ..Start::default()
             },
             rates: Vec::new(),
-            held: Vec::new(),
+            determined_unknowns: Vec::new(),
             requests: Vec::new(),
         };
         let mut joints = assembly.file.joints.iter();
@@ -64,8 +64,8 @@ impl<'a> Velocities<'a> {
                 }
             }
             all.set_rates(assembly, context)?;
-            all.held = all.fit_loops(context)?;
-            if all.held.is_empty() {
+            all.determined_unknowns = all.fit_loops(context)?;
+            if all.determined_unknowns.is_empty() {
                 break;
             }
         }
@@ -78,7 +78,7 @@ impl<'a> Velocities<'a> {
         context: &mut Context,
         entry: &Entry<'a>,
     ) -> Result<Option<String>, InputError> {
-        let (initial, node, chosen) = (entry.initial, entry.node, entry.chosen.as_deref());
+        let (initial, node, chosen) = (entry.initial, entry.node, entry.line_nodes.as_deref());
         let turns = initial.angular_velocity.or(initial.body_angular_velocity);
         if initial.velocity.is_none() && turns.is_none() {
             return Ok(None);
@@ -102,7 +102,7 @@ impl<'a> Velocities<'a> {
         let others = others
             .into_iter()
             .flatten()
-            .chain(self.held.iter().copied());
+            .chain(self.determined_unknowns.iter().copied());
         let kept: Vec<(usize, f64)> = others.map(|u| (u, v[u])).collect();
         context.set_velocity(q, v, chosen, &motion);
         kept.into_iter().for_each(|(u, rate)| v[u] = rate);
@@ -119,7 +119,7 @@ impl<'a> Velocities<'a> {
         });
         let Some(node) = node else {
             // Where a map cannot be evaluated at the start, the analysis says so.
-            let fitted = context.fit_rates(q, v, chosen, &motion, &self.held);
+            let fitted = context.fit_rates(q, v, chosen, &motion, &self.determined_unknowns);
             return Ok(fitted.unwrap_or_default().into_iter().next());
         };
         // Its velocities are its own, and joints stay as they were.
@@ -145,7 +145,7 @@ impl<'a> Velocities<'a> {
                 of: entry.initial.node.clone().unwrap_or_default(),
                 key,
                 at: entry.at.at(key),
-                given: wanted[k],
+                rate: wanted[k],
             }));
         }
     }
@@ -169,7 +169,7 @@ impl<'a> Velocities<'a> {
                     of,
                     key: "rate",
                     at,
-                    given,
+                    rate: given,
                 });
             }
         }
@@ -185,7 +185,7 @@ impl<'a> Velocities<'a> {
             return Ok(given);
         };
         let Start { q, v, .. } = &mut self.start;
-        let wanted: Vec<_> = rates.iter().map(|r| (r.node, r.k, r.given)).collect();
+        let wanted: Vec<_> = rates.iter().map(|r| (r.node, r.k, r.rate)).collect();
         // Where a map cannot be evaluated at the start, the analysis says so.
         let fitted = context.fit_coordinate_rates(q, v, &wanted, &given);
         let (missing, unknowns) = fitted.unwrap_or_default();

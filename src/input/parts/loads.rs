@@ -156,7 +156,7 @@ impl Entry<'_> {
         let given: Vec<(&'static str, [f64; 3])> = given.collect();
         let &[(key, vector)] = given.as_slice() else {
             let given = given.into_iter().map(|(key, _)| key).collect();
-            return Err(at.refuse(InputProblem::LoadKind { given }));
+            return Err(at.refuse(InputProblem::LoadKind { keys: given }));
         };
         let target = |needs: &'static str| {
             let load = key;

@@ -100,7 +100,10 @@ fn shape(
         Ok([one]) => one,
         Err(given) => {
             let given = given.into_iter().map(|(key, _)| key).collect();
-            return Err(at.refuse_key(InputProblem::SectionKind { section, given }));
+            return Err(at.refuse_key(InputProblem::SectionKind {
+                section,
+                keys: given,
+            }));
         }
     };
     let Some(made) = made else {

@@ -28,7 +28,7 @@ pub enum CompareError {
     #[error("scheme `{name}` is given twice: name it once")]
     SchemeTwice { name: String },
     #[error(
-        "scheme `{name}` is no reference: take one of order 2 or more that is stable at every step"
+        "scheme `{name}` cannot be the reference: take one of order 2 or more that is stable at every step"
     )]
     Reference { name: String },
     #[error(
@@ -36,7 +36,7 @@ pub enum CompareError {
     )]
     ReferenceForm { name: String },
     #[error(
-        "there is no file `{name}`, and no model of the gallery is called so{} gallery has {known}",
+        "there is no file `{name}`, and no model of the gallery has this name{} gallery has {known}",
         near.as_ref().map_or("; the".to_owned(), |near| format!(": did you mean `{near}`? The"))
     )]
     NoModel {
@@ -77,7 +77,7 @@ pub enum CompareError {
         path: std::path::PathBuf,
         problem: String,
     },
-    #[error("long runs of {} times the duration are none: it must be 1 or more, and finite", significant(*value))]
+    #[error("a long run of {} times the duration: give a finite number, 1 or more", significant(*value))]
     Longer { value: f64 },
     #[error("residual {value} is not usable: it must be positive and finite, such as 1e-10")]
     Residual { value: f64 },

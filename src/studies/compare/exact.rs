@@ -146,7 +146,7 @@ fn columns(head: &str, nodes: &[String]) -> Result<Vec<Column>, String> {
 fn row(line: &str, number: usize, columns: usize) -> Result<Vec<f64>, String> {
     let cells = line.split(',').map(|cell| {
         let x = cell.trim().parse().ok().filter(|x: &f64| x.is_finite());
-        x.ok_or_else(|| format!("line {number}: `{}` is no number", cell.trim()))
+        x.ok_or_else(|| format!("line {number}: `{}` is not a number", cell.trim()))
     });
     let cells = cells.collect::<Result<Vec<_>, _>>()?;
     match cells.len() {
@@ -169,7 +169,7 @@ fn column(name: &str, nodes: &[String]) -> Result<Column, String> {
     let field = field.and_then(|f| quantities.iter().position(|k| k == f));
     let (Some(component), Some(field), Some(node)) = (component, field, node) else {
         return Err(format!(
-            "column `{name}` is none of t, energy, NODE.{}.x (or y, z)",
+            "column `{name}` is not one of t, energy, NODE.{}.x (or y, z)",
             quantities.join(".x, NODE.")
         ));
     };

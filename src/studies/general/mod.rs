@@ -63,7 +63,7 @@ pub struct General {
     /// Relative tolerance, in a comparison that at its largest step size.
     pub tolerance: f64,
     /// Whether the tolerance was given.
-    given: bool,
+    has_tolerance: bool,
 }
 
 /// Names and methods.
@@ -91,7 +91,7 @@ impl General {
         Ok(Self {
             rule,
             tolerance,
-            given: true,
+            has_tolerance: true,
         })
     }
 
@@ -131,7 +131,7 @@ impl FromStr for General {
         let number = text.split_once(':').map(|(_, number)| number);
         let Some((_, rule)) = RULES.iter().find(|(known, _)| *known == word) else {
             return Err(refuse(
-                "no general solver is called so; there are diffsol-bdf and diffsol-esdirk, or \
+                "no general solver has this name; there are diffsol-bdf and diffsol-esdirk, or \
                  diffsol-bdf:TOLERANCE",
             ));
         };
@@ -143,10 +143,10 @@ impl FromStr for General {
         }
         let tolerance = number.map_or(Ok(TOLERANCE), |number| {
             let read = number.trim().parse();
-            read.map_err(|_| refuse(&format!("`{number}` is no number")))
+            read.map_err(|_| refuse(&format!("`{number}` is not a number")))
         })?;
         Ok(Self {
-            given: number.is_some(),
+            has_tolerance: number.is_some(),
             ..Self::new(*rule, tolerance)?
         })
     }
@@ -157,7 +157,7 @@ impl fmt::Display for General {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let word = RULES.iter().find(|(_, rule)| *rule == self.rule);
         f.write_str(word.map_or("", |(word, _)| word))?;
-        if self.given {
+        if self.has_tolerance {
             write!(f, ":{}", self.tolerance)?;
         }
         Ok(())

@@ -42,7 +42,7 @@ pub enum SpectrumError {
     #[error("{0}")]
     Scheme(#[from] DynamicsError),
     #[error(
-        "Ω from {} to {} is no range: both must lie between {:e} and {:e}, the second one larger",
+        "Ω from {} to {} is not a range: both must lie between {:e} and {:e}, the second one larger",
         significant(*from), significant(*to), RANGE[0], RANGE[1]
     )]
     Range { from: f64, to: f64 },
@@ -52,7 +52,7 @@ pub enum SpectrumError {
     )]
     Prefix { word: String, scheme: String },
     #[error(
-        "scheme `{word}`: its projection is no linear map and gives back what the step takes, so that it has no \
+        "scheme `{word}`: its projection is not a linear map and gives back what the step takes, so that it has no \
          spectrum; that of its step is the one of `{step}`"
     )]
     Projection { word: String, step: String },

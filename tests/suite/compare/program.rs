@@ -156,9 +156,9 @@ fn refusals_name_what_is_wrong() {
 --schemes newmark --steps 0.1,0.05 --threads 0 | 1 or more
 --schemes newmark --steps 0.1,0.05 --reference lie-ga:0.8 | without the prefix
 --schemes newmark --steps 0.1,0.05 --reference diffsol-bdf | `diffsol-bdf`
---schemes newmark --steps 0.1,0.05 --reference newmark:0.3025:0.6 | `newmark:0.3025:0.6` is no reference
---schemes newmark --steps 0.1,0.05 --reference central-difference | `central-difference` is no reference
---schemes newmark --steps 0.1,0.05 --reference gaa | no scheme is called so
+--schemes newmark --steps 0.1,0.05 --reference newmark:0.3025:0.6 | `newmark:0.3025:0.6` cannot be the reference
+--schemes newmark --steps 0.1,0.05 --reference central-difference | `central-difference` cannot be the reference
+--schemes newmark --steps 0.1,0.05 --reference gaa | no scheme has this name
 --schemes newmark --steps 0.1,0.05 --residual 1e-30 | below the rounding of forces, 2.2e-16
 ",
     );

@@ -115,7 +115,7 @@ fn an_exact_solution_comes_from_a_file() {
         (text.replacen("t,O.", "t,body.", 1), "no node `body`"),
         (
             text.replacen("position.z", "height", 1),
-            "is none of t, energy",
+            "is not one of t, energy",
         ),
     ] {
         std::fs::write(&file, &wrong).unwrap();

@@ -45,7 +45,7 @@ fn words_and_tables_say_the_same() {
 fn what_is_no_scheme_is_refused_at_its_place() {
     for [scheme, words] in cells(
         r#"
-"bath" | scheme `bath`: no scheme is called so
+"bath" | scheme `bath`: no scheme has this name
 "em" | scheme `em`: it is now called projected-newmark
 "svq-newmark" | scheme `svq-newmark`: it is now called lie-newmark
 "lie-radau" | one stage

@@ -67,14 +67,14 @@ fn what_it_refuses() {
         "spectrum",
         "
 --schemes ga:2 | rho of Chung-Hulbert = 2.0 is outside its range
---schemes gaa | scheme `gaa`: no scheme is called so; there are
+--schemes gaa | scheme `gaa`: no scheme has this name; there are
 --schemes newmark,lie-ga:0.8 | do not affect a linear vibration: leave the prefix out, `ga:0.8`
 --schemes projected-newmark:0.5 | that of its step is the one of `ga:0.5`
 --schemes projected-newmark | that of its step is the one of `newmark`
 --schemes diffsol-bdf | `diffsol-bdf` is a general solver
 --schemes newmark,bathe,newmark:0.25:0.5 | scheme `newmark` is given twice
---from -1 | Ω from -1 to 1000 is no range
---from 10 --to 1 | Ω from 10 to 1 is no range
+--from -1 | Ω from -1 to 1000 is not a range
+--from 10 --to 1 | Ω from 10 to 1 is not a range
 ",
     );
 }

@@ -159,7 +159,13 @@ fn nodes_that_are_no_coordinates_have_no_gears() {
         panic!("another error");
     };
     let (found, given) = (1.0, 2.0);
-    assert_eq!(source, GearError::Contradiction { found, given });
+    assert_eq!(
+        source,
+        GearError::Contradiction {
+            found,
+            requested: given
+        }
+    );
 }
 
 #[test]

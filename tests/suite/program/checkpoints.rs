@@ -48,7 +48,7 @@ fn what_cannot_be_resumed_is_refused_by_name() {
     refused("only a dynamic analysis can be resumed");
     write(&directory, &MODEL);
     std::fs::write(directory.join("model.out/checkpoint.json"), "{\"rows\": 3}").unwrap();
-    refused("is no checkpoint");
+    refused("is not a checkpoint");
     // A refusal touches nothing.
     assert_eq!(read(directory.join("model.out/history.csv")), before);
 }

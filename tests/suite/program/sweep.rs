@@ -76,9 +76,9 @@ nodes.tap=[0,0,0] | nodes has no tap | did you mean `tip`?
 loads.0.forc.2=1 | unknown key or word `forc` | did you mean `force`?
 loads.0.force.2.1=1 | loads.0.force.2 has no 1
 loads.0=1 | loads.0 is a whole part of the model
-a..b=1 | "a..b" is no path of a parameter | such as loads.0.force.2
+a..b=1 | "a..b" is not the path of a parameter | such as loads.0.force.2
 lines.0.elements=many | invalid type | a whole number
-=1 | is no path
+=1 | is not the path
 loads | give PATH=VALUE
 "#,
     );

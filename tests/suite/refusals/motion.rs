@@ -88,7 +88,7 @@ to = 1.0 => to = -1.0 | -1.0 | to | positive
 { hht = -0.1 } => { hht = 0.1 } | { hht | alpha
  => { newmark = [0.1, 0.2] } | { newmark | gamma
  => { wbz = 1.5 } | { wbz | rho
- => { rk4 = 1 } | { rk4 | scheme `rk4`: no scheme is called so; there are
+ => { rk4 = 1 } | { rk4 | scheme `rk4`: no scheme has this name; there are
 joint = "hinge" => joint = "ball" | "ball" | released coordinate
 joint = "hinge"\n => | | needs
 "joint_coordinate"\njoint = "hinge" => "joint_force"\nnode = "C" | | is attached to no joint

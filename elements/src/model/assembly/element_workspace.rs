@@ -216,7 +216,7 @@ impl ElementWorkspace {
                 continue;
             }
             for (quantity, c) in node.quantities.iter().zip(node.range()) {
-                if !(e.held && node.is_own() && unknowns[c] == NONE) {
+                if !(e.dependent_coordinates && node.is_own() && unknowns[c] == NONE) {
                     let force = &mut scales.force[quantity.index()];
                     *force = force.max(self.r[k].abs());
                 }

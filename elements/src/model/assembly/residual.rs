@@ -180,7 +180,7 @@ impl Context {
             };
             local.pull_back((e, state), spans, tangents, rates);
             local.add_residual(e, spans, &mut w.r);
-            if e.load && e.held {
+            if e.load && e.dependent_coordinates {
                 local.add_residual(e, spans, &mut w.direct);
             }
             if rates && local.r_t[..n].iter().any(|r| *r != 0.0) {

@@ -247,7 +247,7 @@ impl ScatterMap {
                     );
                     let first = position.first;
                     // Most nodes are frames with all coordinates free: constant extents.
-                    if e.held || size != (6, 6) || !d.is_multiple_of(6) {
+                    if e.dependent_coordinates || size != (6, 6) || !d.is_multiple_of(6) {
                         let (rows, columns) = (&self.rows[rows], &self.rows[columns.clone()]);
                         free_part((rows, columns), (S, d), values, first);
                     } else if first {

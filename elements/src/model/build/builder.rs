@@ -300,11 +300,11 @@ impl ModelBuilder {
                 .sum(),
             dead: properties.dead,
             load: properties.load,
-            steady: properties.load && properties.steady,
+            time_independent: properties.load && properties.time_independent,
             element: element.into(),
             nodes: NodeList::new(nodes),
             mapped: false,
-            held: false,
+            dependent_coordinates: false,
         });
         Ok(ElementId(self.elements.len() as u32 - 1))
     }

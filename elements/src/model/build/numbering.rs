@@ -178,7 +178,7 @@ fn arrange_coordinates(nodes: &mut [Node]) {
 fn mark(elements: &mut [ElementEntry], nodes: &[Node], rows: &[u32]) {
     for e in elements {
         let held = |&n: &u32| rows[nodes[n as usize].range()].contains(&NONE);
-        e.held = e.nodes.iter().any(held);
+        e.dependent_coordinates = e.nodes.iter().any(held);
         e.mapped = e.nodes.iter().any(|&n| !nodes[n as usize].is_own());
     }
 }

@@ -69,11 +69,11 @@ pub(in crate::model) struct ElementCharts {
     pub(in crate::model) now: Accepted,
     previous: Accepted,
     /// Whether the elements' charts were set for the next state.
-    given: bool,
+    set_for_next: bool,
     /// Whether elements have not yet entered the charts chosen for them.
-    chosen: bool,
+    change_pending: bool,
     /// Angle beyond half a turn at which charts change, in radians.
-    late: f64,
+    extra_angle: f64,
 }
 
 impl Context {
@@ -81,12 +81,12 @@ impl Context {
     /// `angle` long (radians; limited to the range from π, the default, to 7π/4: charts end at 2π).
     /// A comparison shows the effect of changes of chart on a motion.
     pub fn keep_charts_until(&mut self, angle: f64) {
-        self.state.element_charts.late = angle.clamp(PI, 1.75 * PI) - PI;
+        self.state.element_charts.extra_angle = angle.clamp(PI, 1.75 * PI) - PI;
     }
 
     /// Whether the chart of a rotation vector must change.
     pub(in crate::model) fn is_beyond(&self, psi: &Vector3<f64>) -> bool {
-        psi.norm() > PI + self.state.element_charts.late
+        psi.norm() > PI + self.state.element_charts.extra_angle
     }
 
     /// Sets the charts of the elements for the next state; surplus entries are ignored.
@@ -94,7 +94,7 @@ impl Context {
         for (e, &switched) in self.state.elements.iter_mut().zip(charts) {
             (e.switched, e.wanted) = (switched, switched);
         }
-        self.state.element_charts.given = true;
+        self.state.element_charts.set_for_next = true;
     }
 
     /// Starts a run, or restarts after a failed step. The elements' charts are those that were set,
@@ -111,24 +111,24 @@ impl Context {
             after,
             now,
             previous,
-            given,
+            set_for_next,
             ..
         } = &mut self.state.element_charts;
-        if !*given && !now.is(after) && previous.is(after) {
+        if !*set_for_next && !now.is(after) && previous.is(after) {
             std::mem::swap(now, previous);
         }
         let known = now.is(after);
         let elements = self.model.elements.iter().zip(&mut self.state.elements);
         for (k, (e, state)) in elements.enumerate() {
             state.overturned = false;
-            match (*given, known) {
+            match (*set_for_next, known) {
                 (true, _) => {}
                 (false, true) => state.switched = now.switched[k],
                 (false, false) => state.switched = agreement(e, after),
             }
             state.wanted = state.switched;
         }
-        *given = false;
+        *set_for_next = false;
         now.t = t;
         now.psi.clone_from(after);
         now.switched(&self.state.elements);
@@ -162,11 +162,11 @@ impl Context {
             after,
             now,
             previous,
-            late,
+            extra_angle,
             ..
         } = &mut self.state.element_charts;
         // If one angle is beyond π by this much, the other is below by as much.
-        let gain = 2.0 * *late + HYSTERESIS;
+        let gain = 2.0 * *extra_angle + HYSTERESIS;
         let mut changed = false;
         // A single frame has no neighbours.
         for (e, state) in self.model.elements.iter().zip(&mut self.state.elements) {
@@ -200,13 +200,13 @@ impl Context {
         }
         now.psi.clone_from(after);
         now.switched(&self.state.elements);
-        self.state.element_charts.chosen = changed;
+        self.state.element_charts.change_pending = changed;
         changed
     }
 
     /// Makes the elements enter their new charts.
     pub(in crate::model) fn enter_element_charts(&mut self) {
-        if std::mem::take(&mut self.state.element_charts.chosen) {
+        if std::mem::take(&mut self.state.element_charts.change_pending) {
             let elements = self.state.elements.iter_mut();
             elements.for_each(|e| e.switched = e.wanted);
         }

@@ -140,7 +140,7 @@ impl Context {
             let energy = abilities.energy(&motion);
             if e.load {
                 out.load_potential += energy;
-                if e.steady {
+                if e.time_independent {
                     energies.potential += energy;
                 }
             } else {
@@ -150,8 +150,8 @@ impl Context {
                 let lost = (!e.load).then(|| abilities.dissipation(&motion));
                 energies.dissipated += lost.unwrap_or(0.0);
                 // Its force is only needed at prescribed and mapped nodes.
-                let known =
-                    (!momenta && !e.load && !e.held).then(|| abilities.kinetic_energy(&motion));
+                let known = (!momenta && !e.load && !e.dependent_coordinates)
+                    .then(|| abilities.kinetic_energy(&motion));
                 if let Some(energy) = known.flatten() {
                     energies.kinetic += energy;
                     continue;
@@ -165,7 +165,7 @@ impl Context {
                 if e.load {
                     let power = dot(&r[..n], v);
                     energies.supplied += power;
-                    if e.steady {
+                    if e.time_independent {
                         energies.drawn += power;
                     }
                 }

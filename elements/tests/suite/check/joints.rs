@@ -11,7 +11,7 @@ enum Planted {
     Nothing,
     /// Its quaternion is that of an axis of length 2.
     Long,
-    /// Its quaternion is no number.
+    /// Its quaternion is not a number.
     Unknown,
     /// It is turned at the start.
     Rotated,
@@ -19,7 +19,7 @@ enum Planted {
     Square,
     /// The same by the root of the square, and along e3.
     Root,
-    /// Its domain is no number.
+    /// Its domain is not a number.
     Unbounded,
 }
 

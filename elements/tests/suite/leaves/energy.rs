@@ -187,7 +187,7 @@ impl EnergyElement<1> for Mixed {
     fn properties(&self) -> Properties {
         match self.0 {
             true => Properties {
-                steady: true,
+                time_independent: true,
                 ..Properties::LOAD
             },
             false => Properties {
@@ -207,7 +207,7 @@ fn points_are_a_load_only_if_all_of_them_are() {
     };
     for mixed in [[true, false], [false, true]] {
         let properties = points(mixed);
-        assert!(!properties.load && !properties.steady && !properties.objective);
+        assert!(!properties.load && !properties.time_independent && !properties.objective);
     }
-    assert!(points([true; 2]).load && points([true; 2]).steady);
+    assert!(points([true; 2]).load && points([true; 2]).time_independent);
 }

@@ -101,7 +101,7 @@ fn another_inertia() {
     assert_eq!(against.failing_laws(), ["C", "K", "M", "r"]);
 }
 
-/// A force on one coordinate that claims to be steady: c + s t, with the potential −e c x − o t.
+/// A force on one coordinate that claims not to depend on time: c + s t, with the potential −e c x − o t.
 struct Claim {
     growth: f64,
     energy: f64,
@@ -123,7 +123,7 @@ impl Element for Claim {
 
     fn properties(&self) -> Properties {
         Properties {
-            steady: true,
+            time_independent: true,
             ..Properties::LOAD
         }
     }

@@ -73,7 +73,7 @@ fn elements_that_do_not_fit() {
     let six = b.coordinates("six", &six).unwrap();
     let body = RigidBody::new(1.0, Matrix3::identity(), Vector3::zeros()).unwrap();
     let hinge = Revolute::new([0.0, 0.0, 1.0]).unwrap();
-    let none = "reads node six as a frame, and it is none: it has 6 coordinates";
+    let none = "reads node six as a frame, but it has 6 coordinates";
     refused! {
         b.offset("o", six, [0.0; 3]) => &format!("joint at node o {none}")[..],
         b.attach("o", six, hinge) => &format!("joint at node o {none}")[..],
@@ -307,8 +307,9 @@ fn points_outside_a_domain_are_refused_by_name() {
     (q[3], q[9]) = (psi, psi);
     refused! {
         evaluate(&mut context, &q) =>
-            "element beam:1 left the domain of its chart (it moved or turned too far at once): take \
-             smaller steps",
+            "element beam:1 left the range of its coordinates: it moved or turned too far in one step, or a rotation of \
+             which only a part is held or prescribed came near a whole turn; take smaller steps, or hold or \
+             prescribe the rest of that rotation",
     }
     let (mut b, ends) = simple();
     b.element("broken", Broken, &ends[1..]).unwrap();
@@ -334,8 +335,9 @@ fn points_outside_a_domain_are_refused_by_name() {
     q[6] = 1.5;
     refused! {
         evaluate(&mut model, &q) =>
-            "joint at node dependent left the domain of its chart (it moved or turned too far at once): take \
-             smaller steps",
+            "joint at node dependent left the range of its coordinates: it moved or turned too far in one step, or a rotation of \
+             which only a part is held or prescribed came near a whole turn; take smaller steps, or hold or \
+             prescribe the rest of that rotation",
     }
 }
 

@@ -69,7 +69,7 @@ impl Scheme {
         let Some(family) = family else {
             let known: Vec<&str> = SCHEMES.iter().map(|f| f.usage).collect();
             let text = format!(
-                "no scheme is called so; there are\n  {}",
+                "no scheme has this name; there are\n  {}",
                 known.join("\n  ")
             );
             return Err(refuse(text));
@@ -99,7 +99,7 @@ impl FromStr for Scheme {
         for part in parts {
             let number = part.trim().parse().map_err(|_| DynamicsError::Word {
                 word: text.to_owned(),
-                problem: format!("`{part}` is no number"),
+                problem: format!("`{part}` is not a number"),
             });
             numbers.push(number?);
         }

@@ -64,7 +64,7 @@ fn failed_steps_are_halved_and_grow_back() {
     for _ in 0..2 {
         refused! {
             integrate(&mut stuck, &mut progress, &options, &mut onward) =>
-                ["step 1 failed between time 0 (start) and 0.125", "the pendulum left the domain"],
+                ["step 1 failed between time 0 (start) and 0.125", "the pendulum left the range"],
         }
     }
     // The state is that of the last accepted step.

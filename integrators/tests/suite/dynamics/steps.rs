@@ -160,7 +160,7 @@ impl Energetics for Maxwell {
 }
 
 impl Events for Maxwell {
-    /// What is no number is passed over.
+    /// What is not a number is passed over.
     fn kinks(&self) -> Vec<f64> {
         vec![0.5, f64::NAN.copysign(-1.0)]
     }

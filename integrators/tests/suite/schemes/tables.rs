@@ -56,8 +56,8 @@ fn words_make_schemes_and_schemes_say_their_words() {
 fn words_that_make_none_are_refused_with_what_there_is() {
     let of = |word: &str| word.parse::<Scheme>();
     refused! {
-        of("") => ["no scheme is called so", "ga:RHO", "bathe (gamma"],
-        of("Newmark") => ["scheme `Newmark`: no scheme is called so"],
+        of("") => ["no scheme has this name", "ga:RHO", "bathe (gamma"],
+        of("Newmark") => ["scheme `Newmark`: no scheme has this name"],
         of("ga") => ["0 numbers are given", "ga:RHO with the spectral radius in [0, 1]"],
         of("ga:1.5") => ["rho of Chung-Hulbert = 1.5 is outside its range [0, 1]"],
         of("ga:nan") => ["rho of Chung-Hulbert = NaN"],
@@ -68,7 +68,7 @@ fn words_that_make_none_are_refused_with_what_there_is() {
         of("newmark:0:0.5") => ["Newmark's beta = 0.0 is outside its range [0.01, 1]"],
         of("wbz:1.1") => ["rho of WBZ = 1.1"],
         of("hht:-0.1:2") => ["2 numbers are given", "hht:ALPHA"],
-        of("wbz:x") => ["scheme `wbz:x`: `x` is no number"],
+        of("wbz:x") => ["scheme `wbz:x`: `x` is not a number"],
         of("bathe:1") => ["gamma of Bathe = 1.0 is outside its range [0.01, 0.99]"],
         of("radau:2") => ["one number is given; it is used as radau"],
     }

@@ -25,7 +25,7 @@ impl Measured<'_> {
         let (mut r, at) = (vec![0.0; q.len()], Point::statics(t, q));
         self.0.evaluate(at, Evaluation::residual(&mut r))?;
         let (all, size) = self.powers(t, q, &r)?;
-        let (steady, part) = self.load_powers(at, |e| e.steady)?;
+        let (steady, part) = self.load_powers(at, |e| e.time_independent)?;
         if size + part > 0.0 {
             // The sum of two cancelling parts has their rounding errors.
             rows.push(std::array::from_fn(|k| {
