@@ -89,7 +89,7 @@ impl ImplicitMap {
     }
 
     /// The trial chart takes orthonormal directions across the gradients, of coordinates over their
-    /// sizes.
+    /// sizes; each is in the unit of its largest component.
     fn take_tangent(&mut self) {
         let (X, D) = (self.X, self.D);
         let w = &mut self.work;
@@ -109,8 +109,11 @@ impl ImplicitMap {
         w.columns.run(X, &w.scaled);
         for j in 0..D {
             let direction = w.columns.direction(j);
+            let size = |k: usize| self.about.unknowns[k].size;
+            let largest = (0..X).max_by(|&a, &b| direction[a].abs().total_cmp(&direction[b].abs()));
+            let unit = largest.map_or(1.0, size);
             for k in 0..X {
-                w.trial.L[k + j * X] = direction[k] / self.about.unknowns[k].size;
+                w.trial.L[k + j * X] = direction[k] * (unit / size(k));
             }
         }
         w.trial.independent = None;

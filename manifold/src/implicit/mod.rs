@@ -112,7 +112,8 @@ pub enum Choice {
     Split,
     /// As `Split`, but selected once: for coordinates that are prescribed or have a spring.
     Fixed,
-    /// Coordinates in the null space of h_x at one point, changed by the same rule.
+    /// Coordinates in the null space of h_x at one point, changed by the same rule; each has the unit of the coordinate x of which
+    /// it has most.
     Tangent,
 }
 

@@ -95,6 +95,27 @@ fn laws_do_not_depend_on_the_unit_of_length() {
     }
 }
 
+/// ∂x/∂q of lengths by lengths is the same in any unit, in the null space as well.
+#[test]
+fn coordinates_in_the_null_space_are_in_the_unit_of_x() {
+    let B = |unit: f64| {
+        let guess = [0.5, -0.5, -0.25].map(|x| x * unit);
+        let of = ImplicitMap::of(Ellipsoid(unit), 2, 0.5, guess, Choice::Tangent);
+        let (mut x, mut B) = ([0.0; 3], [0.0; 6]);
+        let zeros = [0.0; 2];
+        of.unwrap()
+            .evaluate(0.5, [&zeros; 3].map(|x| &x[..]), &mut [[&mut x, &mut B]]);
+        B
+    };
+    let one = B(1.0);
+    assert!(one.iter().any(|b| b.abs() > 0.5), "{one:?}");
+    for unit in [1e-6, 1e3] {
+        for (b, one) in B(unit).iter().zip(one) {
+            assert!((b - one).abs() < 1e-9, "{unit} {b} {one}");
+        }
+    }
+}
+
 #[test]
 fn errors_in_a_change_of_coordinates_are_found() {
     let linkage = FourBar {
