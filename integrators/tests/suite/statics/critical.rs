@@ -86,6 +86,28 @@ fn limit_points_of_the_truss() {
     }
 }
 
+/// An electrode on a spring before a gap of 1e-4 of the coordinate's size: t = (27/4) s (1 − s)² of s = w over the gap, and no
+/// force beyond it. It snaps at s = 1/3, t = 1.
+#[test]
+fn the_limit_point_of_a_small_gap() {
+    const GAP: f64 = 1e-4;
+    let mut electrode = crate::support::statics::Scalar::new(1.0, |w| match w / GAP {
+        s if s < 1.0 => {
+            let rest = 1.0 - s;
+            [6.75 * s * rest * rest, 6.75 * rest * (1.0 - 3.0 * s) / GAP]
+        }
+        _ => [f64::NAN; 2],
+    });
+    let point = find(&mut electrode, &[0.3 * GAP], 0.992_25).unwrap();
+    assert_eq!(point.kind, CriticalKind::Limit);
+    assert!((point.t - 1.0).abs() < 1e-12, "{}", point.t);
+    assert!(
+        (point.q[0] / GAP - 1.0 / 3.0).abs() < 1e-6,
+        "{}",
+        point.q[0]
+    );
+}
+
 /// From states before and beyond it, on and off the path, with symmetric and with other tangents.
 #[test]
 fn bifurcations_and_their_paths() {
