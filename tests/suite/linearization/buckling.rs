@@ -66,15 +66,6 @@ to = "head"
 elements = 2
 section = "mast"
 [[supports]]
-node = "foot"
-fix = "all"
-[[supports]]
-node = "a"
-fix = "all"
-[[supports]]
-node = "w"
-fix = "all"
-[[supports]]
 node = "m"
 fix = ["z", "rx", "ry", "rz"]
 [[supports]]
@@ -98,7 +89,8 @@ force = [-1, 0, 0]
 [analysis.buckling]
 count = 1
 "#;
-    let modes = critical(text, 0.0, 1).unwrap();
+    let text = fixed("foot") + &fixed("a") + &fixed("w") + text;
+    let modes = critical(&text, 0.0, 1).unwrap();
     assert_near(modes[0].load, 0.25, 1e-8);
 }
 

@@ -7,8 +7,7 @@ use num_complex::Complex64;
 use pullback::check;
 use pullback::elements::energy::EnergyElement;
 use pullback::elements::joint::Prismatic;
-use pullback::integrators::linearization::{ModeOptions, linearize, modes, stability_limit};
-use pullback::integrators::statics::StaticOptions;
+use pullback::integrators::linearization::{ModeOptions, linearize, modes};
 use pullback::manifold::scalar::Scalar;
 use pullback::manifold::system::Point;
 use pullback::prelude::*;
@@ -300,61 +299,6 @@ fn many_copies_of_a_mode() {
         let exact = Complex64::new(-0.5 * c, (5.0 - 0.25 * c * c).sqrt());
         for lambda in found {
             assert!((lambda - exact).norm() < 1e-12, "{copies} copies: {lambda}");
-        }
-    }
-}
-
-/// Two rods with springs under a dead load lose their stability by divergence at (3 − √5)/2, with or without dampers.
-#[test]
-fn divergence_is_a_stability_limit() {
-    for c in [0.0, 0.1] {
-        let spring = format!("spring = {{ k = 1, c = {c:?} }}");
-        let text = [
-            GROUND,
-            "[analysis.modes]\n",
-            &hinge("A", "ground", &spring),
-            &arm("a", "A", X.map(f64::from)),
-            &hinge("B", "a", &spring),
-            &arm("b", "B", [2.0, 0.0, 0.0]),
-            &body_of("a", 1.0, ""),
-            &body_of("b", 1.0, ""),
-            "[[loads]]\nnode = \"b\"\nforce = [-1, 0, 0]\ntime = { proportional = 1 }\n",
-        ]
-        .concat();
-        let mut context = started(&text).context;
-        let options = StaticOptions::default();
-        for range in [[0.1, 1.0], [0.2, 0.5], [0.0, 0.7]] {
-            let found = stability_limit(&mut context, &[0.0; 2], range, 2, &options).unwrap();
-            assert_near(found.t, 0.5 * (3.0 - 5.0_f64.sqrt()), 1e-10);
-        }
-    }
-}
-
-/// Ziegler's double pendulum without damping flutters at 7/2 − √2 (Ziegler 1952), also beside a pendulum with a damper that has
-/// nothing to do with it.
-#[test]
-fn a_damper_elsewhere_leaves_flutter_as_it_is() {
-    for c in [0.0, 0.1] {
-        let text = [
-            GROUND,
-            "[analysis.modes]\n",
-            &hinge("A", "ground", "spring = { k = 1 }"),
-            &arm("a", "A", X.map(f64::from)),
-            &hinge("B", "a", "spring = { k = 1 }"),
-            &arm("b", "B", [2.0, 0.0, 0.0]),
-            &hinge("C", "ground", &format!("spring = {{ k = 30, c = {c:?} }}")),
-            &arm("c", "C", X.map(f64::from)),
-            &body_of("a", 2.0, ""),
-            &body_of("b", 1.0, ""),
-            &body_of("c", 1.0, ""),
-            "[[loads]]\nnode = \"b\"\nforce = [-1, 0, 0]\nfollower = true\ntime = { proportional = 1 }\n",
-        ]
-        .concat();
-        let mut context = started(&text).context;
-        let options = StaticOptions::default();
-        for range in [[1.0, 3.0], [0.0, 2.6], [0.1, 2.2]] {
-            let found = stability_limit(&mut context, &[0.0; 3], range, 3, &options).unwrap();
-            assert_near(found.t, 3.5 - 2.0_f64.sqrt(), 1e-10);
         }
     }
 }
